@@ -1,0 +1,59 @@
+use crate::geometry::NotRigid;
+
+/// What can be wrong with the input of the library.
+///
+/// "Nothing there" is never an error (it is an `Option` or an enum), and a broken invariant of ours is a panic.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum Error {
+    /// A parameter is outside its range.
+    #[error("{name} is {value}, expected {expected}")]
+    InvalidParameter {
+        /// Name of the parameter, as in the code and the configuration.
+        name: &'static str,
+        /// The value given.
+        value: String,
+        /// What would be right.
+        expected: &'static str,
+    },
+    /// A pose is not a rigid transform.
+    #[error("pose is not rigid: {0}")]
+    NotRigid(#[from] NotRigid),
+    /// A depth image's buffer does not fit its width and height.
+    #[error("depth image has {actual} pixels, expected {width} x {height}")]
+    ImageSize {
+        /// Number of values given.
+        actual: usize,
+        /// Width in pixels.
+        width: u32,
+        /// Height in pixels.
+        height: u32,
+    },
+    /// The work would need more memory than allowed.
+    #[error("{what} would need {needed_mb} MB, more than the limit of {limit_mb} MB")]
+    TooLarge {
+        /// What would be stored.
+        what: String,
+        /// Estimated need.
+        needed_mb: u64,
+        /// The stated limit.
+        limit_mb: u64,
+    },
+    /// A file's content is broken.
+    #[error("{place}: {problem}")]
+    Format {
+        /// Where: line, byte offset or field.
+        place: String,
+        /// What is wrong there and what would be right.
+        problem: String,
+    },
+    /// Reading or writing failed.
+    #[error(transparent)]
+    Io(#[from] std::io::Error),
+}
+
+impl Error {
+    pub(crate) fn invalid(name: &'static str, value: impl ToString, expected: &'static str) -> Self {
+        Self::InvalidParameter { name, value: value.to_string(), expected }
+    }
+}

@@ -1,0 +1,1 @@
+//! Assignment of items to channels and sets.

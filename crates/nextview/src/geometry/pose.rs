@@ -1,0 +1,116 @@
+use glam::{DMat3, DQuat, DVec3};
+use serde::{Deserialize, Serialize};
+use std::ops::Mul;
+
+/// A rigid transform between two frames, named destination first: `world_from_camera`.
+///
+/// ```
+/// use glam::{DQuat, DVec3};
+/// use nextview::geometry::Pose;
+///
+/// let world_from_camera = Pose::new(DQuat::IDENTITY, DVec3::new(1.0, 0.0, 0.0)).unwrap();
+/// let camera_from_world = world_from_camera.inverse();
+/// assert_eq!(camera_from_world.transform_point(DVec3::X), DVec3::ZERO);
+/// ```
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Pose {
+    rotation: DQuat,
+    translation: DVec3,
+}
+
+/// The reason why numbers do not describe a rigid transform.
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+pub enum NotRigid {
+    /// A component is NaN or infinite.
+    #[error("a component is not a finite number")]
+    NotFinite,
+    /// The quaternion's length differs from 1 by more than 1e-3.
+    #[error("the quaternion has length {0}, expected 1 (within 1e-3)")]
+    NotUnit(f64),
+}
+
+impl Pose {
+    /// The transform that changes nothing.
+    pub const IDENTITY: Self = Self { rotation: DQuat::IDENTITY, translation: DVec3::ZERO };
+
+    /// A transform from a rotation and a translation in metres.
+    ///
+    /// The quaternion may be off unit length by 1e-3 (text files carry few digits) and is normalised.
+    pub fn new(rotation: DQuat, translation: DVec3) -> Result<Self, NotRigid> {
+        if !rotation.is_finite() || !translation.is_finite() {
+            return Err(NotRigid::NotFinite);
+        }
+        if (rotation.length() - 1.0).abs() > 1e-3 {
+            return Err(NotRigid::NotUnit(rotation.length()));
+        }
+        Ok(Self { rotation: rotation.normalize(), translation })
+    }
+
+    /// A transform from an orthonormal, right-handed basis that the caller has built.
+    pub(crate) fn from_basis(basis: DMat3, translation: DVec3) -> Self {
+        Self { rotation: DQuat::from_mat3(&basis).normalize(), translation }
+    }
+
+    /// The rotation, of unit length.
+    pub fn rotation(&self) -> DQuat {
+        self.rotation
+    }
+
+    /// The origin of the source frame, seen in the destination frame, metres: of `world_from_camera`,
+    /// where the camera stands.
+    pub fn translation(&self) -> DVec3 {
+        self.translation
+    }
+
+    /// The rotation as a matrix, the faster form for many points.
+    pub fn rotation_matrix(&self) -> DMat3 {
+        DMat3::from_quat(self.rotation)
+    }
+
+    /// Moves a point from the source frame to the destination frame.
+    pub fn transform_point(&self, point: DVec3) -> DVec3 {
+        self.rotation * point + self.translation
+    }
+
+    /// The transform in the other direction.
+    pub fn inverse(&self) -> Self {
+        let rotation = self.rotation.conjugate();
+        Self { rotation, translation: -(rotation * self.translation) }
+    }
+}
+
+impl Mul for Pose {
+    type Output = Self;
+
+    /// Chains transforms: `a_from_b * b_from_c` is `a_from_c`.
+    fn mul(self, b_from_c: Self) -> Self {
+        Self {
+            rotation: (self.rotation * b_from_c.rotation).normalize(),
+            translation: self.transform_point(b_from_c.translation),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn chaining_with_the_inverse_gives_identity() {
+        let a =
+            Pose::new(DQuat::from_rotation_x(0.3) * DQuat::from_rotation_z(1.1), DVec3::new(1.0, -2.0, 0.5));
+        let a = a.unwrap();
+        let identity = a * a.inverse();
+        assert!(identity.translation().length() < 1e-14);
+        assert!(identity.rotation().dot(DQuat::IDENTITY).abs() > 1.0 - 1e-14);
+    }
+
+    #[test]
+    fn refuses_numbers_that_are_not_rigid() {
+        assert_eq!(
+            Pose::new(DQuat::from_xyzw(0.0, 0.0, 0.0, f64::NAN), DVec3::ZERO),
+            Err(NotRigid::NotFinite)
+        );
+        assert_eq!(Pose::new(DQuat::from_xyzw(0.0, 0.0, 0.0, 2.0), DVec3::ZERO), Err(NotRigid::NotUnit(2.0)));
+    }
+}

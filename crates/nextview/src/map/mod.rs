@@ -1,0 +1,5 @@
+//! The occupancy map.
+
+mod log_odds;
+
+pub use log_odds::{LogOdds, Occupancy, SensorModel, entropy};

@@ -1,0 +1,87 @@
+use crate::Error;
+
+/// What one pixel of a depth image says.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Depth {
+    /// Nothing is known: no measurement.
+    Missing,
+    /// Nothing came back: the ray is free up to the camera's range.
+    Beyond,
+    /// A surface at this depth along the camera's z axis, metres, positive and finite.
+    Surface(f32),
+}
+
+/// A depth image, row by row from the top left, in metres along the camera's z axis.
+#[derive(Clone, Debug, PartialEq)]
+pub struct DepthImage {
+    width: u32,
+    height: u32,
+    /// Positive and finite: a surface. NaN: missing. Infinite: nothing came back.
+    depth: Vec<f32>,
+}
+
+impl DepthImage {
+    /// An image from depths in metres. Zero, negative numbers and NaN are missing pixels; positive infinity is
+    /// a pixel from which nothing came back.
+    pub fn from_metres(width: u32, height: u32, mut depth: Vec<f32>) -> Result<Self, Error> {
+        if depth.len() != width as usize * height as usize {
+            return Err(Error::ImageSize { actual: depth.len(), width, height });
+        }
+        for d in &mut depth {
+            if *d <= 0.0 {
+                *d = f32::NAN;
+            }
+        }
+        Ok(Self { width, height, depth })
+    }
+
+    /// An image from raw units, as depth cameras and 16-bit PNG files give them; `scale` is the size of a unit in
+    /// metres (0.001 for millimetres) and must be positive. Zero is a missing pixel.
+    pub fn from_units(width: u32, height: u32, units: &[u16], scale: f64) -> Result<Self, Error> {
+        if !(scale > 0.0 && scale.is_finite()) {
+            return Err(Error::invalid("depth scale", scale, "a positive number of metres per unit"));
+        }
+        Self::from_metres(width, height, units.iter().map(|&d| (d as f64 * scale) as f32).collect())
+    }
+
+    /// Width in pixels.
+    pub fn width(&self) -> u32 {
+        self.width
+    }
+
+    /// Height in pixels.
+    pub fn height(&self) -> u32 {
+        self.height
+    }
+
+    /// The pixel in column `u` and row `v`, which must lie in the image.
+    pub fn get(&self, u: u32, v: u32) -> Depth {
+        assert!(u < self.width && v < self.height, "pixel ({u}, {v}) lies outside the image");
+        match self.depth[v as usize * self.width as usize + u as usize] {
+            d if d.is_nan() => Depth::Missing,
+            f32::INFINITY => Depth::Beyond,
+            d => Depth::Surface(d),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn tells_missing_from_beyond() {
+        let image = DepthImage::from_metres(5, 1, vec![0.5, 0.0, -1.0, f32::NAN, f32::INFINITY]).unwrap();
+        let pixels: Vec<Depth> = (0..5).map(|u| image.get(u, 0)).collect();
+        use Depth::*;
+        assert_eq!(pixels, [Surface(0.5), Missing, Missing, Missing, Beyond]);
+    }
+
+    #[test]
+    fn scales_raw_units() {
+        let image = DepthImage::from_units(2, 1, &[0, 1500], 0.001).unwrap();
+        assert_eq!((image.get(0, 0), image.get(1, 0)), (Depth::Missing, Depth::Surface(1.5)));
+        assert!(DepthImage::from_units(2, 1, &[0, 0], 0.0).is_err());
+        assert!(DepthImage::from_units(2, 2, &[0, 0], 0.001).is_err());
+    }
+}

@@ -1,0 +1,193 @@
+use super::Distortion;
+use crate::Error;
+use glam::{DVec2, DVec3};
+use serde::{Deserialize, Serialize};
+
+/// What a camera's optics do: image size, focal lengths, principal point and lens distortion, in pixels.
+///
+/// A pixel's centre has integer coordinates, as in OpenCV and librealsense.
+///
+/// ```
+/// use glam::{DVec2, DVec3};
+/// use nextview::sensor::Intrinsics;
+///
+/// let camera = Intrinsics::pinhole(640, 480, DVec2::splat(600.0), DVec2::new(320.0, 240.0)).unwrap();
+/// let pixel = camera.project(DVec3::new(0.1, 0.0, 0.5)).unwrap();
+/// assert_eq!(pixel, DVec2::new(440.0, 240.0));
+/// assert_eq!(camera.deproject(pixel), Some(DVec2::new(0.2, 0.0)));
+/// ```
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(try_from = "Fields", into = "Fields")]
+pub struct Intrinsics {
+    width: u32,
+    height: u32,
+    focal: DVec2,
+    center: DVec2,
+    distortion: Distortion,
+}
+
+impl Intrinsics {
+    /// An ideal pinhole camera: image size in pixels, focal lengths `fx, fy` (positive) and principal point
+    /// `cx, cy` in pixels.
+    pub fn pinhole(width: u32, height: u32, focal: DVec2, center: DVec2) -> Result<Self, Error> {
+        if width == 0 || height == 0 || width.max(height) > 1 << 15 {
+            return Err(Error::invalid(
+                "image size",
+                format!("{width} x {height}"),
+                "1 to 32768 pixels a side",
+            ));
+        }
+        if !(focal.is_finite() && focal.min_element() > 0.0) {
+            return Err(Error::invalid("focal length (fx, fy)", focal, "positive numbers of pixels"));
+        }
+        if !center.is_finite() {
+            return Err(Error::invalid("principal point (cx, cy)", center, "finite numbers of pixels"));
+        }
+        Ok(Self { width, height, focal, center, distortion: Distortion::None })
+    }
+
+    /// The same camera with a lens distortion; its coefficients must be finite.
+    pub fn with_distortion(mut self, distortion: Distortion) -> Result<Self, Error> {
+        if !distortion.coefficients().iter().all(|k| k.is_finite()) {
+            return Err(Error::invalid("distortion", format!("{distortion:?}"), "finite coefficients"));
+        }
+        self.distortion = distortion;
+        Ok(self)
+    }
+
+    /// The RealSense D435i of the paper, 640 x 480, with the calibration its authors published in the
+    /// configuration file of their code (psc0628/NBV-Simulation, `DefaultConfiguration.yaml`). The coefficients
+    /// stand there as k1, k2, k3, p1, p2 and are handed to librealsense in that order, which reads them as
+    /// k1, k2, p1, p2, k3; so do we.
+    pub fn d435i() -> Self {
+        Self {
+            width: 640,
+            height: 480,
+            focal: DVec2::new(610.40447998046875, 608.88446044921875),
+            center: DVec2::new(324.7635498046875, 248.34353637695312),
+            distortion: Distortion::InverseBrownConrady([
+                0.12042199820280075,
+                -0.21373499929904938,
+                0.005386000033468008,
+                -0.0021210000850260258,
+                0.0,
+            ]),
+        }
+    }
+
+    /// Image width in pixels.
+    pub fn width(&self) -> u32 {
+        self.width
+    }
+
+    /// Image height in pixels.
+    pub fn height(&self) -> u32 {
+        self.height
+    }
+
+    /// Number of pixels.
+    pub fn n_pixels(&self) -> usize {
+        self.width as usize * self.height as usize
+    }
+
+    /// Focal lengths `fx, fy` in pixels.
+    pub fn focal(&self) -> DVec2 {
+        self.focal
+    }
+
+    /// Principal point `cx, cy` in pixels.
+    pub fn center(&self) -> DVec2 {
+        self.center
+    }
+
+    /// The lens distortion.
+    pub fn distortion(&self) -> Distortion {
+        self.distortion
+    }
+
+    /// The pixel that shows a point of the camera frame; none behind the camera or where the lens model has no
+    /// answer. The pixel may lie outside the image, see [`contains`](Self::contains).
+    pub fn project(&self, point_in_camera: DVec3) -> Option<DVec2> {
+        if point_in_camera.z <= 0.0 {
+            return None;
+        }
+        let ideal = point_in_camera.truncate() / point_in_camera.z;
+        Some(self.distortion.distort(ideal)? * self.focal + self.center)
+    }
+
+    /// Where the ray through a pixel crosses the plane z = 1 of the camera frame: the exact inverse of
+    /// [`project`](Self::project). The point at depth `z` is `z * (x, y, 1)`.
+    pub fn deproject(&self, pixel: DVec2) -> Option<DVec2> {
+        self.distortion.undistort((pixel - self.center) / self.focal)
+    }
+
+    /// Whether a pixel coordinate lies in the image.
+    pub fn contains(&self, pixel: DVec2) -> bool {
+        let size = DVec2::new(self.width as f64, self.height as f64);
+        pixel.cmpge(DVec2::splat(-0.5)).all() && pixel.cmplt(size - 0.5).all()
+    }
+}
+
+/// The form in configuration files.
+#[derive(Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Fields {
+    width: u32,
+    height: u32,
+    fx: f64,
+    fy: f64,
+    cx: f64,
+    cy: f64,
+    #[serde(default)]
+    distortion: Distortion,
+}
+
+impl TryFrom<Fields> for Intrinsics {
+    type Error = Error;
+
+    fn try_from(f: Fields) -> Result<Self, Error> {
+        Self::pinhole(f.width, f.height, DVec2::new(f.fx, f.fy), DVec2::new(f.cx, f.cy))?
+            .with_distortion(f.distortion)
+    }
+}
+
+impl From<Intrinsics> for Fields {
+    fn from(i: Intrinsics) -> Self {
+        let Intrinsics { width, height, focal, center, distortion } = i;
+        Self { width, height, fx: focal.x, fy: focal.y, cx: center.x, cy: center.y, distortion }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_pixel_of_the_preset_survives_a_round_trip() {
+        let camera = Intrinsics::d435i();
+        for v in (0..480).step_by(7) {
+            for u in (0..640).step_by(7) {
+                let pixel = DVec2::new(u as f64, v as f64);
+                let ideal = camera.deproject(pixel).unwrap();
+                let back = camera.project((ideal * 0.37).extend(0.37)).unwrap();
+                assert!(back.distance(pixel) < 1e-9, "{pixel} came back as {back}");
+            }
+        }
+    }
+
+    #[test]
+    fn points_behind_the_camera_have_no_pixel() {
+        assert_eq!(Intrinsics::d435i().project(DVec3::new(0.0, 0.0, -1.0)), None);
+        assert_eq!(Intrinsics::d435i().project(DVec3::ZERO), None);
+    }
+
+    #[test]
+    fn refuses_what_is_no_camera() {
+        let center = DVec2::splat(10.0);
+        assert!(Intrinsics::pinhole(0, 480, DVec2::ONE, center).is_err());
+        assert!(Intrinsics::pinhole(640, 480, DVec2::new(600.0, 0.0), center).is_err());
+        assert!(Intrinsics::pinhole(640, 480, DVec2::ONE, DVec2::NAN).is_err());
+        let bad = Distortion::BrownConrady([f64::NAN, 0.0, 0.0, 0.0, 0.0]);
+        assert!(Intrinsics::d435i().with_distortion(bad).is_err());
+    }
+}
