@@ -1,0 +1,79 @@
+use super::tree::{Node, Octree};
+use crate::geometry::VoxelKey;
+use glam::IVec3;
+
+/// Depth of single voxels: OctoMap's keys have 16 bits.
+pub(super) const DEPTH: u8 = 16;
+
+/// OctoMap's key of our voxel 0, and the reach of its keys to both sides.
+pub(super) const KEY_OFFSET: i32 = 1 << (DEPTH - 1);
+
+/// Where a node lies.
+#[derive(Clone, Copy)]
+pub(super) struct Place {
+    pub min: VoxelKey,
+    pub depth: u8,
+}
+
+impl Place {
+    fn child(self, octant: u8) -> Self {
+        let depth = self.depth + 1;
+        let bits = IVec3::new(octant as i32 & 1, octant as i32 >> 1 & 1, octant as i32 >> 2);
+        Self { min: self.min + (bits << (DEPTH - depth) as i32), depth }
+    }
+}
+
+/// Tells where the nodes of a tree lie while they come in preorder.
+pub(super) struct Preorder {
+    /// The next place on top. At most seven siblings wait on each level.
+    pending: Vec<Place>,
+}
+
+impl Preorder {
+    pub fn new() -> Self {
+        Self { pending: vec![Place { min: IVec3::splat(-KEY_OFFSET), depth: 0 }] }
+    }
+
+    /// The place of the next node; none if the tree is complete.
+    pub fn next_place(&mut self) -> Option<Place> {
+        self.pending.pop()
+    }
+
+    /// Takes note of the children of the node at `place`, which must not lie at the greatest depth.
+    pub fn descend(&mut self, place: Place, child_mask: u8) {
+        self.pending.extend((0..8).rev().filter(|i| child_mask >> i & 1 == 1).map(|i| place.child(i)));
+    }
+}
+
+/// The nodes of a tree in preorder, with their places.
+pub(super) struct Nodes<'a> {
+    tree: &'a Octree,
+    idx: usize,
+    preorder: Preorder,
+}
+
+impl<'a> Nodes<'a> {
+    pub fn new(tree: &'a Octree) -> Self {
+        Self { tree, idx: 0, preorder: Preorder::new() }
+    }
+
+    /// Index of the node that comes next.
+    pub fn next_idx(&self) -> usize {
+        self.idx
+    }
+}
+
+impl Iterator for Nodes<'_> {
+    type Item = (Place, Node);
+
+    fn next(&mut self) -> Option<(Place, Node)> {
+        if self.idx == self.tree.n_nodes() {
+            return None;
+        }
+        let place = self.preorder.next_place()?;
+        let node = self.tree.node(self.idx);
+        self.preorder.descend(place, node.child_mask);
+        self.idx += 1;
+        Some((place, node))
+    }
+}

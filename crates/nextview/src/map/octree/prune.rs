@@ -1,0 +1,100 @@
+use super::preorder::DEPTH;
+use super::tree::{Node, Octree, TreeKind};
+use crate::Error;
+
+impl Octree {
+    /// The tree with eight equal leaves merged into one, as OctoMap's `prune()` does it.
+    ///
+    /// Equal means equal log-odds; colours do not count. The merged leaf is white if the first of the eight is
+    /// (white means that no colour is set), otherwise it has the average of those that are not white, rounded
+    /// down. OctoMap starts with the voxels and stops at the first level on which it can merge nothing, and it
+    /// never merges the root's children; so do we, to get the same bytes.
+    pub fn pruned(&self) -> Self {
+        let mut tree = self.clone();
+        for depth in (1..DEPTH).rev() {
+            let n_nodes_before = tree.n_nodes();
+            tree = tree.pruned_at(depth);
+            if tree.n_nodes() == n_nodes_before {
+                break;
+            }
+        }
+        tree
+    }
+
+    /// The tree with every leaf split into single voxels of its occupancy and colour: the inverse of
+    /// [`pruned`](Self::pruned).
+    ///
+    /// Fails if there would be more than `max_leaves` leaves: a single leaf may stand for 2^48.
+    pub fn expanded(&self, max_leaves: usize) -> Result<Self, Error> {
+        let n_leaves: u64 = self.leaves().map(|leaf| u64::from(leaf.edge()).pow(3)).sum();
+        if n_leaves > max_leaves as u64 {
+            return Err(Error::TooLarge {
+                what: format!("an octree expanded to {n_leaves} voxels, with at most {max_leaves} allowed,"),
+                needed_mb: self.megabytes(n_leaves),
+                limit_mb: self.megabytes(max_leaves as u64),
+            });
+        }
+        let mut tree = Self::new(self.kind(), self.voxel_size());
+        for (place, node) in self.nodes() {
+            match node.child_mask {
+                0 => tree.push_cube(node, place.depth),
+                _ => drop(tree.push(node)),
+            }
+        }
+        Ok(tree)
+    }
+
+    fn pruned_at(&self, depth: u8) -> Self {
+        let mut tree = Self::new(self.kind(), self.voxel_size());
+        let mut nodes = self.nodes();
+        while let Some((place, node)) = nodes.next() {
+            let first_child = nodes.next_idx();
+            if place.depth == depth && self.are_eight_equal_leaves(node.child_mask, first_child) {
+                tree.push(self.merged_leaf(first_child));
+                nodes.nth(7);
+            } else {
+                tree.push(node);
+            }
+        }
+        tree
+    }
+
+    /// Leaves that are siblings follow each other in preorder.
+    fn are_eight_equal_leaves(&self, parents_mask: u8, first: usize) -> bool {
+        let log_odds = |idx| self.node(idx).log_odds;
+        parents_mask == u8::MAX
+            && (first..first + 8).all(|i| self.node(i).child_mask == 0 && log_odds(i) == log_odds(first))
+    }
+
+    fn merged_leaf(&self, first: usize) -> Node {
+        let leaf = self.node(first);
+        if leaf.color == Node::WHITE {
+            return leaf;
+        }
+        let colors = || (first..first + 8).map(|i| self.node(i).color).filter(|&c| c != Node::WHITE);
+        let sum = |channel: usize| colors().map(|c| u32::from(c[channel])).sum::<u32>();
+        let n_colors = colors().count() as u32;
+        Node { color: [0, 1, 2].map(|channel| (sum(channel) / n_colors) as u8), ..leaf }
+    }
+
+    /// Appends the full tree below a leaf at `depth`.
+    fn push_cube(&mut self, leaf: Node, depth: u8) {
+        if depth == DEPTH {
+            self.push(leaf);
+            return;
+        }
+        self.push(Node { child_mask: u8::MAX, ..leaf });
+        for _ in 0..8 {
+            self.push_cube(leaf, depth + 1);
+        }
+    }
+
+    /// Memory of a full tree with this many leaves, rounded up; a seventh of them is added for inner nodes.
+    fn megabytes(&self, n_leaves: u64) -> u64 {
+        let bytes_per_node = match self.kind() {
+            TreeKind::OcTree => 5,
+            TreeKind::ColorOcTree => 8,
+        };
+        (n_leaves.saturating_mul(bytes_per_node) / 7).saturating_mul(8).div_ceil(1_000_000)
+    }
+}

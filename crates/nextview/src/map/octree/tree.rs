@@ -1,0 +1,156 @@
+use super::preorder::{DEPTH, Nodes};
+use crate::geometry::VoxelKey;
+
+/// Which of OctoMap's tree types a tree is; the `id` of its files.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum TreeKind {
+    /// Occupancy only.
+    OcTree,
+    /// Occupancy and a colour per node.
+    ColorOcTree,
+}
+
+/// The nodes of an OctoMap octree: an immutable copy of a file.
+///
+/// The root covers the keys -32768 to 32767 on each axis (OctoMap's own keys are 32768 higher), halved
+/// [16 times](Self::MAX_DEPTH) down to single voxels. Space without a leaf is unknown. Inner nodes keep the
+/// log-odds and colours they were read with.
+///
+/// ```
+/// use glam::IVec3;
+/// use nextview::map::octree::Octree;
+///
+/// let tree = Octree::from_voxels(0.01, [(IVec3::new(3, -4, 5), 0.85)]).unwrap();
+/// let mut file = Vec::new();
+/// tree.write_ot(&mut file).unwrap();
+///
+/// let read = Octree::read(&file[..]).unwrap();
+/// assert_eq!(read.voxel_size(), 0.01);
+/// let leaf = read.leaves().next().unwrap();
+/// assert_eq!((leaf.min, leaf.edge(), leaf.log_odds), (IVec3::new(3, -4, 5), 1, 0.85));
+/// ```
+#[derive(Clone, Debug, PartialEq)]
+pub struct Octree {
+    kind: TreeKind,
+    voxel_size: f64,
+    /// One entry per node in preorder, as in `child_masks`; all finite.
+    log_odds: Vec<f32>,
+    /// One entry per node of a `ColorOcTree`, empty otherwise.
+    colors: Vec<[u8; 3]>,
+    /// Bit `i` set: the node has a child in octant `i`, whose bits 0, 1, 2 choose the upper half in x, y, z.
+    child_masks: Vec<u8>,
+}
+
+impl Octree {
+    /// Halvings between the root and a single voxel.
+    pub const MAX_DEPTH: u8 = DEPTH;
+
+    /// Which tree type the files name.
+    pub fn kind(&self) -> TreeKind {
+        self.kind
+    }
+
+    /// Edge of a voxel, a leaf at the greatest depth, in metres; positive and finite.
+    pub fn voxel_size(&self) -> f64 {
+        self.voxel_size
+    }
+
+    /// Number of nodes, inner nodes and leaves.
+    pub fn n_nodes(&self) -> usize {
+        self.child_masks.len()
+    }
+
+    /// Number of leaves; counts them.
+    pub fn n_leaves(&self) -> usize {
+        self.child_masks.iter().filter(|&&mask| mask == 0).count()
+    }
+
+    /// The leaves in preorder: octant by octant, x varying fastest, then y, then z.
+    pub fn leaves(&self) -> impl Iterator<Item = Leaf> {
+        self.nodes().filter(|(_, node)| node.child_mask == 0).map(|(place, node)| Leaf {
+            min: place.min,
+            depth: place.depth,
+            log_odds: node.log_odds,
+            color: (self.kind == TreeKind::ColorOcTree).then_some(node.color),
+        })
+    }
+
+    pub(super) fn new(kind: TreeKind, voxel_size: f64) -> Self {
+        Self { kind, voxel_size, log_odds: Vec::new(), colors: Vec::new(), child_masks: Vec::new() }
+    }
+
+    pub(super) fn nodes(&self) -> Nodes<'_> {
+        Nodes::new(self)
+    }
+
+    pub(super) fn node(&self, idx: usize) -> Node {
+        Node {
+            log_odds: self.log_odds[idx],
+            color: self.colors.get(idx).copied().unwrap_or(Node::WHITE),
+            child_mask: self.child_masks[idx],
+        }
+    }
+
+    /// Appends a node in preorder and tells its index.
+    pub(super) fn push(&mut self, node: Node) -> usize {
+        self.log_odds.push(node.log_odds);
+        if self.kind == TreeKind::ColorOcTree {
+            self.colors.push(node.color);
+        }
+        self.child_masks.push(node.child_mask);
+        self.child_masks.len() - 1
+    }
+
+    pub(super) fn add_child(&mut self, idx: usize, octant: usize) {
+        self.child_masks[idx] |= 1 << octant;
+    }
+
+    /// OctoMap's rule for inner nodes: the highest log-odds of the children, the first of equals.
+    pub(super) fn raise(&mut self, idx: usize, log_odds: f32) {
+        if log_odds > self.log_odds[idx] {
+            self.log_odds[idx] = log_odds;
+        }
+    }
+
+    pub(super) fn map_log_odds(mut self, change: impl Fn(f32) -> f32) -> Self {
+        self.log_odds.iter_mut().for_each(|l| *l = change(*l));
+        self
+    }
+}
+
+/// A node without children: a cube of space with one occupancy.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Leaf {
+    /// The voxel of the cube with the lowest coordinates.
+    pub min: VoxelKey,
+    /// How often the root was halved to get the cube, 0 to 16; 16 is a single voxel.
+    pub depth: u8,
+    /// Log-odds of being occupied, as in the file.
+    pub log_odds: f32,
+    /// Red, green, blue, in a `ColorOcTree` only; white is OctoMap's "no colour set".
+    pub color: Option<[u8; 3]>,
+}
+
+impl Leaf {
+    /// Edge of the cube in voxels, 1 to 65536.
+    pub fn edge(&self) -> u32 {
+        1 << (DEPTH - self.depth)
+    }
+}
+
+/// One node as the files store it.
+#[derive(Clone, Copy)]
+pub(super) struct Node {
+    pub log_odds: f32,
+    pub color: [u8; 3],
+    pub child_mask: u8,
+}
+
+impl Node {
+    /// OctoMap's colour of a node whose colour was never set.
+    pub const WHITE: [u8; 3] = [255; 3];
+
+    pub fn leaf(log_odds: f32) -> Self {
+        Self { log_odds, color: Self::WHITE, child_mask: 0 }
+    }
+}
