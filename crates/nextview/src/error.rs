@@ -1,5 +1,3 @@
-use crate::geometry::NotRigid;
-
 /// What can be wrong with the input of the library.
 ///
 /// "Nothing there" is never an error (it is an `Option` or an enum), and a broken invariant of ours is a panic.
@@ -16,9 +14,6 @@ pub enum Error {
         /// What would be right.
         expected: &'static str,
     },
-    /// A pose is not a rigid transform.
-    #[error("pose is not rigid: {0}")]
-    NotRigid(#[from] NotRigid),
     /// A depth image's buffer does not fit its width and height.
     #[error("depth image has {actual} pixels, expected {width} x {height}")]
     ImageSize {

@@ -80,6 +80,11 @@ impl VoxelBlock {
         self.min
     }
 
+    /// The voxel with the highest coordinates.
+    pub fn max(&self) -> VoxelKey {
+        self.min + self.dims.as_ivec3() - 1
+    }
+
     /// Number of voxels along x, y and z; all positive.
     pub fn dims(&self) -> UVec3 {
         self.dims

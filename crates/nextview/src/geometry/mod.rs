@@ -12,5 +12,5 @@ mod traversal;
 
 pub use aabb::Aabb;
 pub use lattice::{Lattice, VoxelBlock, VoxelKey};
-pub use pose::{NotRigid, Pose};
+pub use pose::Pose;
 pub use traversal::SegmentWalk;

@@ -1,3 +1,4 @@
+use crate::Error;
 use glam::{DMat3, DQuat, DVec3};
 use serde::{Deserialize, Serialize};
 use std::ops::Mul;
@@ -18,17 +19,6 @@ pub struct Pose {
     translation: DVec3,
 }
 
-/// The reason why numbers do not describe a rigid transform.
-#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
-pub enum NotRigid {
-    /// A component is NaN or infinite.
-    #[error("a component is not a finite number")]
-    NotFinite,
-    /// The quaternion's length differs from 1 by more than 1e-3.
-    #[error("the quaternion has length {0}, expected 1 (within 1e-3)")]
-    NotUnit(f64),
-}
-
 impl Pose {
     /// The transform that changes nothing.
     pub const IDENTITY: Self = Self { rotation: DQuat::IDENTITY, translation: DVec3::ZERO };
@@ -36,12 +26,12 @@ impl Pose {
     /// A transform from a rotation and a translation in metres.
     ///
     /// The quaternion may be off unit length by 1e-3 (text files carry few digits) and is normalised.
-    pub fn new(rotation: DQuat, translation: DVec3) -> Result<Self, NotRigid> {
+    pub fn new(rotation: DQuat, translation: DVec3) -> Result<Self, Error> {
         if !rotation.is_finite() || !translation.is_finite() {
-            return Err(NotRigid::NotFinite);
+            return Err(Error::invalid("pose", format!("{rotation}, {translation}"), "finite numbers"));
         }
         if (rotation.length() - 1.0).abs() > 1e-3 {
-            return Err(NotRigid::NotUnit(rotation.length()));
+            return Err(Error::invalid("length of the quaternion", rotation.length(), "1 (within 1e-3)"));
         }
         Ok(Self { rotation: rotation.normalize(), translation })
     }
@@ -107,10 +97,9 @@ mod tests {
 
     #[test]
     fn refuses_numbers_that_are_not_rigid() {
-        assert_eq!(
-            Pose::new(DQuat::from_xyzw(0.0, 0.0, 0.0, f64::NAN), DVec3::ZERO),
-            Err(NotRigid::NotFinite)
-        );
-        assert_eq!(Pose::new(DQuat::from_xyzw(0.0, 0.0, 0.0, 2.0), DVec3::ZERO), Err(NotRigid::NotUnit(2.0)));
+        let refused =
+            |w: f64| Pose::new(DQuat::from_xyzw(0.0, 0.0, 0.0, w), DVec3::ZERO).unwrap_err().to_string();
+        assert!(refused(f64::NAN).contains("finite"));
+        assert_eq!(refused(2.0), "length of the quaternion is 2, expected 1 (within 1e-3)");
     }
 }

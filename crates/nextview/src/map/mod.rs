@@ -1,6 +1,19 @@
-//! The occupancy map.
+//! The occupancy map: what has been measured of the world.
+//!
+//! Start with [`OccupancyMap`]; scans enter by its `integrate`, planning reads a [`Snapshot`]. [`octree`] is the file
+//! format of OctoMap. Not here: anything about views or gains.
 
+mod brick;
+mod frontier;
+mod integrate;
 mod log_odds;
+mod occupancy_map;
 pub mod octree;
+mod snapshot;
 
+pub use frontier::frontier;
+pub use integrate::{Background, Integration, MapUpdate, RayRule};
 pub use log_odds::{LogOdds, Occupancy, SensorModel, entropy};
+pub use occupancy_map::OccupancyMap;
+pub use octree::Octree;
+pub use snapshot::Snapshot;

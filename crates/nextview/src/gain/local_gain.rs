@@ -1,0 +1,27 @@
+use super::object_probability;
+use crate::map::{Snapshot, entropy, frontier};
+use crate::visibility::Crossing;
+
+/// The paper's local information gain, eqs. (1) and (2): the sum over the unknown voxels that a view's rays cross of
+/// entropy, visibility and object probability, H(x) P(vis_x) P(obj_x), nats.
+#[derive(Clone, Debug)]
+pub struct LocalGain {
+    /// H(x) P(obj_x) of every voxel: what does not depend on the view.
+    weights: Vec<f64>,
+}
+
+impl LocalGain {
+    /// The gain under what the snapshot knows.
+    pub fn new(snapshot: &Snapshot) -> Self {
+        let object = object_probability(snapshot, &frontier(snapshot));
+        let weights =
+            object.iter().zip(snapshot.probability()).map(|(&object, &p)| entropy(p as f64) * object);
+        Self { weights: weights.collect() }
+    }
+
+    /// The quality Q of a voxel seen along a ray, H(x) P(vis_x) P(obj_x): a summand of eq. (1), and the weight of the
+    /// edge between voxel and ray in the flow network.
+    pub fn quality(&self, crossing: &Crossing) -> f64 {
+        self.weights[crossing.voxel as usize] * crossing.visibility as f64
+    }
+}

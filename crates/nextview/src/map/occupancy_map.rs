@@ -1,0 +1,177 @@
+use super::brick::{BrickGrid, CELLS, brick_key, cell, voxel_key};
+use super::{LogOdds, Octree, SensorModel, Snapshot};
+use crate::Error;
+use crate::geometry::{Lattice, VoxelBlock, VoxelKey};
+use glam::IVec3;
+
+/// A probabilistic occupancy map: a log-odds value per measured voxel, nothing where nothing was measured.
+///
+/// It has the semantics of OctoMap (Hornung et al. 2013) at its finest level but is stored as a sparse grid of
+/// bricks of 8 x 8 x 8 voxels, unbounded up to 32-bit keys. Scans enter through
+/// [`integrate`](Self::integrate); planners read a dense [`Snapshot`] of a box.
+#[derive(Clone, Debug)]
+pub struct OccupancyMap {
+    lattice: Lattice,
+    model: SensorModel,
+    pub(super) bricks: BrickGrid<LogOddsBrick>,
+}
+
+/// Log-odds of the voxels of a brick; NaN where nothing was measured.
+#[derive(Clone, Debug)]
+pub(super) struct LogOddsBrick(pub(super) [f32; CELLS]);
+
+impl Default for LogOddsBrick {
+    fn default() -> Self {
+        Self([f32::NAN; CELLS])
+    }
+}
+
+impl OccupancyMap {
+    /// An empty map with voxels of the lattice and a checked sensor model.
+    pub fn new(lattice: Lattice, model: SensorModel) -> Result<Self, Error> {
+        model.check()?;
+        Ok(Self { lattice, model, bricks: BrickGrid::default() })
+    }
+
+    /// The lattice of the voxels.
+    pub fn lattice(&self) -> Lattice {
+        self.lattice
+    }
+
+    /// How measurements change voxels.
+    pub fn model(&self) -> &SensorModel {
+        &self.model
+    }
+
+    /// What was measured of a voxel; none if nothing was.
+    pub fn log_odds(&self, key: VoxelKey) -> Option<LogOdds> {
+        let value = self.bricks.get(brick_key(key))?.0[cell(key)];
+        (!value.is_nan()).then_some(LogOdds(value))
+    }
+
+    /// All measured voxels, in increasing order of z, then y, then x.
+    pub fn voxels(&self) -> Vec<(VoxelKey, LogOdds)> {
+        let mut voxels: Vec<(VoxelKey, LogOdds)> = self
+            .bricks
+            .iter()
+            .flat_map(|(brick, values)| {
+                let measured = values.0.iter().enumerate().filter(|(_, value)| !value.is_nan());
+                measured.map(move |(cell, &value)| (voxel_key(brick, cell), LogOdds(value)))
+            })
+            .collect();
+        voxels.sort_unstable_by_key(|(key, _)| (key.z, key.y, key.x));
+        voxels
+    }
+
+    /// Memory held by voxels, bytes.
+    pub fn memory_bytes(&self) -> usize {
+        self.bricks.len() * (size_of::<LogOddsBrick>() + 2 * size_of::<IVec3>())
+    }
+
+    /// A dense copy of a block.
+    pub fn snapshot(&self, block: VoxelBlock) -> Snapshot {
+        Snapshot::from_fn(self.lattice, block, |key| self.log_odds(key))
+    }
+
+    /// The same measurements in voxels `factor` times as large (at least 1): each takes the highest value of the
+    /// measured voxels in it, as OctoMap's inner nodes do; where nothing was measured it stays unknown.
+    pub fn coarser(&self, factor: u32) -> Result<Self, Error> {
+        if factor == 0 || factor > 1 << 15 {
+            return Err(Error::invalid("factor", factor, "a whole number from 1 to 32768"));
+        }
+        let lattice = Lattice::new(self.lattice.voxel_size() * factor as f64)?;
+        let mut coarse = Self::new(lattice, self.model)?;
+        for (brick, values) in self.bricks.iter() {
+            for (cell, &value) in values.0.iter().enumerate().filter(|(_, value)| !value.is_nan()) {
+                let key = voxel_key(brick, cell).div_euclid(IVec3::splat(factor as i32));
+                let highest = coarse.log_odds(key).map_or(value, |present| present.0.max(value));
+                coarse.set(key, LogOdds(highest));
+            }
+        }
+        Ok(coarse)
+    }
+
+    /// The map in OctoMap's form, at its finest level.
+    pub fn to_octree(&self) -> Result<Octree, Error> {
+        Octree::from_voxels(
+            self.lattice.voxel_size(),
+            self.voxels().into_iter().map(|(key, value)| (key, value.0)),
+        )
+    }
+
+    /// A map from OctoMap's form; merged leaves become single voxels, colours are dropped. A leaf whose
+    /// log-odds is exactly 0 says nothing (some tools create such leaves for space never measured) and stays
+    /// unknown. Fails if there are more than `max_voxels` voxels.
+    pub fn from_octree(octree: &Octree, model: SensorModel, max_voxels: usize) -> Result<Self, Error> {
+        let mut map = Self::new(Lattice::new(octree.voxel_size())?, model)?;
+        let expanded = octree.expanded(max_voxels)?;
+        for leaf in expanded.leaves().filter(|leaf| leaf.log_odds != 0.0) {
+            map.set(leaf.min, LogOdds(leaf.log_odds));
+        }
+        Ok(map)
+    }
+
+    fn set(&mut self, key: VoxelKey, value: LogOdds) {
+        let slot = self.bricks.slot(brick_key(key));
+        self.bricks.at_mut(slot).0[cell(key)] = value.0;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use glam::UVec3;
+    use proptest::prelude::*;
+
+    fn key() -> impl Strategy<Value = IVec3> {
+        (-20..20, -20..20, -20..20).prop_map(|(x, y, z)| IVec3::new(x, y, z))
+    }
+
+    fn map_of(voxels: &[(IVec3, f32)]) -> OccupancyMap {
+        let mut map = OccupancyMap::new(Lattice::new(0.01).unwrap(), SensorModel::default()).unwrap();
+        for &(key, value) in voxels {
+            map.set(key, LogOdds(value));
+        }
+        map
+    }
+
+    proptest! {
+        #[test]
+        fn coarser_voxels_hold_the_highest_child(voxels in prop::collection::vec((key(), -2.0_f32..3.5), 0..60), factor in 1_u32..6) {
+            let map = map_of(&voxels);
+            let coarse = map.coarser(factor).unwrap();
+            let block = VoxelBlock::new(IVec3::splat(-20), UVec3::splat(40)).unwrap();
+            let mut expected = std::collections::BTreeMap::new();
+            for i in 0..block.n_voxels() {
+                if let Some(value) = map.log_odds(block.key(i)) {
+                    let parent = block.key(i).div_euclid(IVec3::splat(factor as i32)).to_array();
+                    let highest = expected.entry(parent).or_insert(value.0);
+                    *highest = highest.max(value.0);
+                }
+            }
+            let found: Vec<_> = coarse.voxels().into_iter().map(|(k, v)| (k.to_array(), v.0)).collect();
+            let mut sorted = found.clone();
+            sorted.sort_by_key(|(k, _)| *k);
+            prop_assert_eq!(sorted, expected.into_iter().collect::<Vec<_>>());
+        }
+
+        #[test]
+        fn octomap_form_keeps_every_bit(voxels in prop::collection::vec((key(), -2.0_f32..3.5), 1..60)) {
+            let map = map_of(&voxels);
+            let octree = map.to_octree().unwrap();
+            for form in [octree.clone(), octree.pruned()] {
+                let back = OccupancyMap::from_octree(&form, SensorModel::default(), 1_000_000).unwrap();
+                let nonzero: Vec<_> = map.voxels().into_iter().filter(|(_, v)| v.0 != 0.0).collect();
+                prop_assert_eq!(back.voxels(), nonzero);
+            }
+        }
+    }
+
+    #[test]
+    fn an_empty_map_knows_nothing() {
+        let map = map_of(&[]);
+        assert_eq!(map.log_odds(IVec3::ZERO), None);
+        assert!(map.voxels().is_empty() && map.coarser(2).unwrap().voxels().is_empty());
+        assert!(map.coarser(0).is_err());
+    }
+}

@@ -1,0 +1,131 @@
+use super::{Choice, FlowSummary, Plan, Situation, ViewPlanner, flow_gain};
+use crate::Error;
+use crate::flow::{BestSets, fewest_sets};
+use crate::gain::LocalGain;
+use crate::visibility::{NO_VOXEL_MISSED, RayCaster};
+use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
+
+/// Parameters of [`MaxFlow`].
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct MaxFlowConfig {
+    /// Weight of the flow gain against the local gain, 0..=1; the paper's gamma. Default 0.5; with 0 the planner
+    /// is greedy on the local gain and solves no flow.
+    pub gamma: f64,
+    /// Distance between neighbouring planning rays at the far side of the box, in voxels, positive. Default
+    /// 1 / sqrt(2), where no voxel is missed; the paper thins its rays to about 10.
+    pub ray_spacing: f64,
+}
+
+impl Default for MaxFlowConfig {
+    fn default() -> Self {
+        Self { gamma: 0.5, ray_spacing: NO_VOXEL_MISSED }
+    }
+}
+
+/// The planner of the paper: local information gain combined with the views of a maximum flow (section III).
+#[derive(Clone, Copy, Debug)]
+pub struct MaxFlow {
+    config: MaxFlowConfig,
+}
+
+impl MaxFlow {
+    /// A planner with checked parameters.
+    pub fn new(config: MaxFlowConfig) -> Result<Self, Error> {
+        if !(0.0..=1.0).contains(&config.gamma) {
+            return Err(Error::invalid("gamma", config.gamma, "a number in 0..=1"));
+        }
+        if !(config.ray_spacing > 0.0 && config.ray_spacing.is_finite()) {
+            return Err(Error::invalid("ray_spacing", config.ray_spacing, "a positive number of voxels"));
+        }
+        Ok(Self { config })
+    }
+}
+
+impl ViewPlanner for MaxFlow {
+    fn plan(&self, situation: &Situation<'_>) -> Plan {
+        let gain = LocalGain::new(situation.snapshot);
+        let (local, best) = self.survey(situation, &gain); // eqs. (1) to (3)
+        let optimal_views = fewest_sets(&best);
+        let past = situation.history.iter().map(Vec::as_slice);
+        let flow = flow_gain(past.chain([optimal_views.as_slice()]), local.len()); // eqs. (4), (5)
+        Plan {
+            choice: self.choose(situation, &local, &flow), // eqs. (6), (7)
+            flow: (self.config.gamma > 0.0).then(|| FlowSummary {
+                n_voxels: best.n_served(),
+                quality: best.total_quality(),
+                n_views: optimal_views.len(),
+            }),
+            optimal_views,
+        }
+    }
+}
+
+impl MaxFlow {
+    /// The local gain of every view, eq. (1), and for every voxel the views with a ray of largest quality, which is
+    /// the maximum flow of eq. (3): only the source edges are bounded, so that each voxel's unit of flow takes
+    /// its best ray without regard to the others. Visited views take no part.
+    fn survey(&self, situation: &Situation<'_>, gain: &LocalGain) -> (Vec<f64>, BestSets) {
+        let n_views = situation.views.len();
+        let solves_flow = self.config.gamma > 0.0;
+        let n_items = if solves_flow { situation.snapshot.block().n_voxels() } else { 0 };
+        let caster = RayCaster::new(situation.snapshot, situation.intrinsics, self.config.ray_spacing)
+            .expect("the constructor checked the ray spacing");
+        let look = |best: &mut BestSets, view: usize| {
+            let mut local = 0.0;
+            caster.cast(&situation.views.pose(view), |ray| {
+                for crossing in ray.crossings {
+                    let quality = gain.quality(crossing);
+                    local += quality;
+                    if solves_flow {
+                        best.offer(crossing.voxel as usize, view as u32, quality);
+                    }
+                }
+            });
+            (view, local)
+        };
+        let open = situation.open_views();
+        let (looks, best) = open
+            .par_chunks(open.len().div_ceil(4 * rayon::current_num_threads()).max(1))
+            .map(|views| {
+                let mut best = BestSets::new(n_items, n_views);
+                let looks: Vec<(usize, f64)> = views.iter().map(|&view| look(&mut best, view)).collect();
+                (looks, best)
+            })
+            .reduce(|| (Vec::new(), BestSets::new(n_items, n_views)), join);
+        let mut local = vec![0.0; n_views];
+        looks.into_iter().for_each(|(view, gain)| local[view] = gain);
+        (local, best)
+    }
+
+    /// The view of largest global gain, eqs. (6) and (7), among those not visited.
+    fn choose(&self, situation: &Situation<'_>, local: &[f64], flow: &[f64]) -> Option<Choice> {
+        let (local_total, flow_total) = (local.iter().sum::<f64>(), flow.iter().sum::<f64>());
+        let share = |value: f64, total: f64| if total > 0.0 { value / total } else { 0.0 };
+        let gamma = self.config.gamma;
+        let rate = |view: usize| {
+            let (local_share, flow_share) = (share(local[view], local_total), share(flow[view], flow_total));
+            let score = (1.0 - gamma) * local_share + gamma * flow_share;
+            Choice { view, score, local_share, flow_share, runner_up: None }
+        };
+        let (mut best, mut second): (Option<Choice>, Option<Choice>) = (None, None);
+        for choice in situation.open_views().into_iter().map(rate).filter(|choice| local[choice.view] > 0.0) {
+            if best.is_none_or(|best| choice.score > best.score) {
+                second = best.replace(choice);
+            } else if second.is_none_or(|second| choice.score > second.score) {
+                second = Some(choice);
+            }
+        }
+        best.map(|best| Choice { runner_up: second.map(|choice| choice.view), ..best })
+    }
+}
+
+type Survey = (Vec<(usize, f64)>, BestSets);
+
+/// Joins two parts of a survey; the order does not show in the result.
+fn join((mut looks, mut best): Survey, (other_looks, other_best): Survey) -> Survey {
+    looks.extend(other_looks);
+    best.merge(other_best);
+    (looks, best)
+}

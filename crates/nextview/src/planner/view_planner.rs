@@ -1,0 +1,72 @@
+use crate::map::Snapshot;
+use crate::sensor::Intrinsics;
+use crate::view::ViewSpace;
+use serde::{Deserialize, Serialize};
+
+/// Chooses the next view. Pure: the same situation gives the same plan.
+pub trait ViewPlanner: Send {
+    /// Ranks the views not yet visited and picks one; none if no view gains anything.
+    fn plan(&self, situation: &Situation<'_>) -> Plan;
+}
+
+/// All that a planner may know.
+#[derive(Clone, Copy, Debug)]
+pub struct Situation<'a> {
+    /// What is known of the box around the object.
+    pub snapshot: &'a Snapshot,
+    /// Where the camera could go.
+    pub views: &'a ViewSpace,
+    /// The optics of the camera that will go there.
+    pub intrinsics: &'a Intrinsics,
+    /// The views taken so far, in order.
+    pub visited: &'a [usize],
+    /// The optimal views (the paper's V_global) of the earlier plans, oldest first.
+    pub history: &'a [Vec<u32>],
+}
+
+impl Situation<'_> {
+    /// The views not yet visited, in increasing order.
+    pub fn open_views(&self) -> Vec<usize> {
+        let mut is_open = vec![true; self.views.len()];
+        self.visited.iter().for_each(|&view| is_open[view] = false);
+        (0..is_open.len()).filter(|&view| is_open[view]).collect()
+    }
+}
+
+/// A planner's answer.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Plan {
+    /// The next best view and why; none if no view gains anything.
+    pub choice: Option<Choice>,
+    /// The views that together would serve every voxel best (V_global), in increasing order; empty for planners
+    /// without a flow.
+    pub optimal_views: Vec<u32>,
+    /// The flow behind them.
+    pub flow: Option<FlowSummary>,
+}
+
+/// A view and why it was chosen.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Choice {
+    /// Number of the view.
+    pub view: usize,
+    /// What the planner maximised.
+    pub score: f64,
+    /// The view's share of all local gain, 0..=1 (eq. 6, first fraction); zero for planners without one.
+    pub local_share: f64,
+    /// The view's share of all flow gain, 0..=1 (eq. 6, second fraction); zero for planners without one.
+    pub flow_share: f64,
+    /// The second best view.
+    pub runner_up: Option<usize>,
+}
+
+/// The maximum flow of the paper's eq. (3).
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct FlowSummary {
+    /// Number of voxels served: f_S.
+    pub n_voxels: usize,
+    /// Largest total quality Q_T, nats.
+    pub quality: f64,
+    /// Number of views that carry flow.
+    pub n_views: usize,
+}

@@ -1,0 +1,90 @@
+//! Rules that make view candidates around an object. All look at the object's centre.
+
+use super::{ViewSpace, look_at};
+use crate::Error;
+use crate::geometry::random::Random;
+use crate::geometry::sphere;
+use glam::DVec3;
+
+/// The paper's random shell: positions uniform outside the cube of half-side `2 * size` and inside the sphere of radius
+/// `4 * size`, both around `center`; `size` is half the longest side of the object's box, metres.
+pub fn shell(center: DVec3, size: f64, n: usize, seed: u64) -> Result<ViewSpace, Error> {
+    check(size, n)?;
+    let mut random = Random::new(seed, 0);
+    let mut position = || loop {
+        let offset = random.in_cube() * 4.0;
+        if offset.length_squared() <= 16.0 && offset.abs().max_element() >= 2.0 {
+            return center + offset * size;
+        }
+    };
+    ViewSpace::new((0..n).map(|_| look_at(position(), center)).collect())
+}
+
+/// Positions on a Fibonacci sphere of this radius (metres) around `center`.
+pub fn fibonacci_sphere(center: DVec3, radius: f64, n: usize) -> Result<ViewSpace, Error> {
+    on_sphere(center, radius, n, sphere::fibonacci)
+}
+
+/// Positions on the upper half of a Fibonacci sphere of this radius (metres) around `center`, for an object on a
+/// table: no candidate is below the centre's height.
+pub fn hemisphere(center: DVec3, radius: f64, n: usize) -> Result<ViewSpace, Error> {
+    on_sphere(center, radius, n, sphere::fibonacci_hemisphere)
+}
+
+fn on_sphere(
+    center: DVec3,
+    radius: f64,
+    n: usize,
+    direction: fn(usize, usize) -> DVec3,
+) -> Result<ViewSpace, Error> {
+    check(radius, n)?;
+    ViewSpace::new((0..n).map(|i| look_at(center + direction(i, n) * radius, center)).collect())
+}
+
+fn check(length: f64, n: usize) -> Result<(), Error> {
+    if !(length > 0.0 && length.is_finite()) {
+        return Err(Error::invalid("object size or view distance", length, "a positive length in metres"));
+    }
+    if n == 0 || n > 10_000_000 {
+        return Err(Error::invalid("number of view candidates", n, "1 to 10,000,000"));
+    }
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_shell_lies_between_cube_and_sphere_and_looks_inward() {
+        let (center, size) = (DVec3::new(0.1, -0.2, 0.3), 0.07);
+        let views = shell(center, size, 500, 7).unwrap();
+        for pose in views.poses() {
+            let offset = pose.translation() - center;
+            assert!(offset.length() <= 4.0 * size && offset.abs().max_element() >= 2.0 * size);
+            assert!(offset.normalize().dot(pose.rotation() * DVec3::Z) < -1.0 + 1e-12);
+        }
+        assert_eq!(views, shell(center, size, 500, 7).unwrap());
+        assert_ne!(views, shell(center, size, 500, 8).unwrap());
+    }
+
+    #[test]
+    fn more_candidates_of_one_seed_begin_with_the_same() {
+        let few = shell(DVec3::ZERO, 0.1, 10, 3).unwrap();
+        assert_eq!(few.poses(), &shell(DVec3::ZERO, 0.1, 20, 3).unwrap().poses()[..10]);
+    }
+
+    #[test]
+    fn the_hemisphere_stays_above() {
+        for pose in hemisphere(DVec3::ZERO, 0.4, 300).unwrap().poses() {
+            assert!(pose.translation().z > 0.0 && (pose.translation().length() - 0.4).abs() < 1e-12);
+        }
+    }
+
+    #[test]
+    fn refuses_no_views_and_no_size() {
+        assert!(shell(DVec3::ZERO, 0.1, 0, 0).is_err());
+        assert!(shell(DVec3::ZERO, -0.1, 5, 0).is_err());
+        assert!(fibonacci_sphere(DVec3::ZERO, f64::NAN, 5).is_err());
+    }
+}

@@ -1,0 +1,12 @@
+//! What a view candidate would see: the only place where planning rays are cast.
+//!
+//! Start with [`RayCaster`]: it sends the rays of a view through a dense [`Snapshot`](crate::map::Snapshot) and
+//! hands out one [`Ray`] after the other. What the rays are worth is decided elsewhere.
+
+mod ray;
+mod ray_caster;
+mod ray_grid;
+
+pub use ray::{Crossing, Ray, RayEnd};
+pub use ray_caster::RayCaster;
+pub use ray_grid::{NO_VOXEL_MISSED, RayGrid};
