@@ -1,0 +1,49 @@
+//! The walls behind the object.
+
+use super::samples::SampleGrid;
+use crate::SimError;
+use glam::DVec3;
+use nextview::Error;
+use nextview::geometry::{Aabb, Pose};
+
+/// Fails if part of the mesh lies outside.
+pub(super) fn check_holds_mesh(room: &Aabb, mesh: &Aabb) -> Result<(), SimError> {
+    if room.size().is_finite() && room.contains(mesh.min) && room.contains(mesh.max) {
+        return Ok(());
+    }
+    let value = format!("{} to {} m", room.min, room.max);
+    Err(SimError::parameter("room", value, "a box that contains the whole mesh"))
+}
+
+/// Puts the walls at the samples where no surface is, as 1 / depth.
+pub(super) fn add_walls(
+    room: &Aabb,
+    grid: &SampleGrid,
+    world_from_camera: &Pose,
+    nearest: &mut [f64],
+) -> Result<(), Error> {
+    let origin = world_from_camera.translation();
+    if !(origin.cmpgt(room.min).all() && origin.cmplt(room.max).all()) {
+        return Err(Error::InvalidParameter {
+            name: "camera position",
+            value: format!("{origin} m"),
+            expected: "a point inside the room",
+        });
+    }
+    let rotation = world_from_camera.rotation_matrix();
+    let (to_low, to_high) = (1.0 / (room.min - origin), 1.0 / (room.max - origin));
+    let (x, y) = grid.coordinates();
+    for ((&x, &y), nearest) in x.iter().zip(y).zip(nearest) {
+        if *nearest == 0.0 {
+            // Points of the ray are `origin + depth * direction`.
+            *nearest = inverse_depth_of_wall(rotation * DVec3::new(x, y, 1.0), to_low, to_high);
+        }
+    }
+    Ok(())
+}
+
+/// 1 / depth at which a ray leaves the room: along each axis, its speed over the distance to the wall ahead.
+/// The nearest wall has the largest.
+fn inverse_depth_of_wall(direction: DVec3, inverse_to_low: DVec3, inverse_to_high: DVec3) -> f64 {
+    (direction * inverse_to_low).max(direction * inverse_to_high).max_element()
+}

@@ -1,0 +1,83 @@
+use glam::DVec3;
+use std::path::PathBuf;
+
+/// What can be wrong with a mesh, a mesh file or a simulated camera.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum SimError {
+    /// Something is wrong with this file; the source says what.
+    #[error("{}: {error}", path.display())]
+    InFile {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong with it.
+        #[source]
+        error: Box<SimError>,
+    },
+    /// The file cannot be opened or read.
+    #[error("cannot be read: {0}; give the path of a readable mesh file")]
+    Io(#[from] std::io::Error),
+    /// The path names a directory, a device or a pipe.
+    #[error("is not a regular file; give the path of a mesh file")]
+    NotAFile,
+    /// The file name's extension names no format that can be read.
+    #[error("unknown mesh format {extension:?}, expected the extension .ply, .obj, .stl, .off, .gltf or .glb")]
+    UnknownFormat {
+        /// The extension, without the dot; empty if there is none.
+        extension: String,
+    },
+    /// The content does not follow the format.
+    #[error("{place}: {problem}")]
+    Format {
+        /// Where: a line, a byte offset or a field.
+        place: String,
+        /// What is wrong there, the value, and what would be right.
+        problem: String,
+    },
+    /// A mesh without any face that has an area.
+    #[error("the mesh has no face with an area ({n_degenerate} degenerate faces), expected at least one triangle")]
+    NoFaces {
+        /// Faces whose corners coincide or lie on one line.
+        n_degenerate: usize,
+    },
+    /// A vertex is NaN, infinite or absurdly far away.
+    #[error("vertex {vertex} (counted from 0) is {position}, expected numbers between -1e30 and 1e30")]
+    BadVertex {
+        /// Number of the vertex, counted from 0.
+        vertex: usize,
+        /// Its coordinates.
+        position: DVec3,
+    },
+    /// A triangle refers to a vertex that does not exist.
+    #[error("triangle {triangle} (counted from 0) refers to vertex {index}, but there are only {n_vertices}")]
+    IndexOutOfRange {
+        /// Number of the triangle, counted from 0.
+        triangle: usize,
+        /// The index it states, counted from 0.
+        index: u32,
+        /// Number of vertices of the mesh.
+        n_vertices: usize,
+    },
+    /// The file states no unit and its size fits several.
+    #[error(
+        "the file has no unit and its longest side is {longest_side}, which may be metres or millimetres; \
+         pass --unit m, --unit mm, or the true size as --size-m 0.2"
+    )]
+    AmbiguousUnit {
+        /// Longest side of the box around the mesh, in the file's unit.
+        longest_side: f64,
+    },
+    /// A parameter of the library is outside its range.
+    #[error(transparent)]
+    Parameter(#[from] nextview::Error),
+}
+
+impl SimError {
+    pub(crate) fn format(place: impl Into<String>, problem: impl Into<String>) -> Self {
+        Self::Format { place: place.into(), problem: problem.into() }
+    }
+
+    pub(crate) fn parameter(name: &'static str, value: impl ToString, expected: &'static str) -> Self {
+        nextview::Error::InvalidParameter { name, value: value.to_string(), expected }.into()
+    }
+}

@@ -1,0 +1,165 @@
+use crate::SimError;
+use glam::DVec3;
+use nextview::geometry::Aabb;
+
+/// A surface made of triangles, in metres.
+///
+/// Always has at least one triangle; every triangle has an area and refers to vertices that exist; all vertices
+/// are finite. It need not be closed, and the triangles' sides have no meaning.
+///
+/// ```
+/// use glam::DVec3;
+/// use nextview_sim::mesh::TriangleMesh;
+///
+/// let corners = vec![DVec3::ZERO, DVec3::X, DVec3::Y];
+/// let mesh = TriangleMesh::new(corners, vec![[0, 1, 2], [0, 1, 1]]).unwrap();
+/// assert_eq!((mesh.triangles().len(), mesh.n_degenerate()), (1, 1));
+/// assert_eq!(mesh.scaled(2.0).unwrap().area(), 2.0);
+/// ```
+#[derive(Clone, Debug, PartialEq)]
+pub struct TriangleMesh {
+    vertices: Vec<DVec3>,
+    triangles: Vec<[u32; 3]>,
+    n_degenerate: usize,
+    bounds: Aabb,
+    area: f64,
+}
+
+impl TriangleMesh {
+    /// Coordinates must lie below this, so that areas and distances stay finite numbers.
+    const MAX_COORDINATE: f64 = 1e30;
+
+    /// A mesh from vertices in metres and triangles that name three vertices each, counted from 0.
+    ///
+    /// Degenerate triangles (without an area) are dropped and counted. Fails on a vertex that is not finite or
+    /// beyond 1e30 m, on a vertex number out of range, and if no triangle is left.
+    pub fn new(vertices: Vec<DVec3>, mut triangles: Vec<[u32; 3]>) -> Result<Self, SimError> {
+        check_vertices(&vertices)?;
+        check_indices(vertices.len(), &triangles)?;
+        let n_given = triangles.len();
+        triangles.retain(|t| area(corners(&vertices, t)) > 0.0);
+        let n_degenerate = n_given - triangles.len();
+        let used = triangles.iter().flat_map(|t| corners(&vertices, t));
+        let bounds = Aabb::around(used).ok_or(SimError::NoFaces { n_degenerate })?;
+        let area = triangles.iter().map(|t| area(corners(&vertices, t))).sum();
+        Ok(Self { vertices, triangles, n_degenerate, bounds, area })
+    }
+
+    /// The vertices in metres; some may belong to no triangle.
+    pub fn vertices(&self) -> &[DVec3] {
+        &self.vertices
+    }
+
+    /// The triangles: three indices into [`vertices`](Self::vertices) each.
+    pub fn triangles(&self) -> &[[u32; 3]] {
+        &self.triangles
+    }
+
+    /// The corners of triangle `i`, which must be below the number of triangles.
+    pub fn corners(&self, i: usize) -> [DVec3; 3] {
+        corners(&self.vertices, &self.triangles[i])
+    }
+
+    /// Number of triangles that were dropped because they have no area.
+    pub fn n_degenerate(&self) -> usize {
+        self.n_degenerate
+    }
+
+    /// The smallest box around the triangles.
+    pub fn bounds(&self) -> Aabb {
+        self.bounds
+    }
+
+    /// The area of the surface in square metres.
+    pub fn area(&self) -> f64 {
+        self.area
+    }
+
+    /// The mesh grown by a factor about the origin. Fails if the factor is not a positive number, or so extreme
+    /// that the mesh breaks the rules of [`new`](Self::new).
+    pub fn scaled(&self, factor: f64) -> Result<Self, SimError> {
+        if !(factor > 0.0 && factor.is_finite()) {
+            return Err(SimError::parameter("scale", factor, "a positive finite factor"));
+        }
+        self.moved(|vertex| vertex * factor)
+    }
+
+    /// The mesh moved by an offset in metres. Fails if that breaks the rules of [`new`](Self::new).
+    pub fn translated(&self, offset: DVec3) -> Result<Self, SimError> {
+        self.moved(|vertex| vertex + offset)
+    }
+
+    fn moved(&self, transform: impl Fn(DVec3) -> DVec3) -> Result<Self, SimError> {
+        let vertices = self.vertices.iter().map(|&v| transform(v)).collect();
+        let mut moved = Self::new(vertices, self.triangles.clone())?;
+        moved.n_degenerate += self.n_degenerate;
+        Ok(moved)
+    }
+}
+
+/// The area of a triangle.
+pub(super) fn area([a, b, c]: [DVec3; 3]) -> f64 {
+    0.5 * (b - a).cross(c - a).length()
+}
+
+fn corners(vertices: &[DVec3], triangle: &[u32; 3]) -> [DVec3; 3] {
+    triangle.map(|i| vertices[i as usize])
+}
+
+fn check_vertices(vertices: &[DVec3]) -> Result<(), SimError> {
+    // Written so that NaN counts as bad.
+    let is_good = |v: &DVec3| v.abs().cmplt(DVec3::splat(TriangleMesh::MAX_COORDINATE)).all();
+    match vertices.iter().position(|v| !is_good(v)) {
+        Some(vertex) => Err(SimError::BadVertex { vertex, position: vertices[vertex] }),
+        None => Ok(()),
+    }
+}
+
+fn check_indices(n_vertices: usize, triangles: &[[u32; 3]]) -> Result<(), SimError> {
+    for (triangle, corners) in triangles.iter().enumerate() {
+        if let Some(&index) = corners.iter().find(|&&i| i as usize >= n_vertices) {
+            return Err(SimError::IndexOutOfRange { triangle, index, n_vertices });
+        }
+    }
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn right_angle() -> Vec<DVec3> {
+        vec![DVec3::ZERO, DVec3::X, DVec3::Y, DVec3::splat(9.0)]
+    }
+
+    #[test]
+    fn measures_what_the_triangles_cover() {
+        let mesh = TriangleMesh::new(right_angle(), vec![[0, 1, 2]]).unwrap();
+        assert_eq!(mesh.area(), 0.5);
+        assert_eq!(mesh.bounds().max, DVec3::new(1.0, 1.0, 0.0), "a loose vertex does not count");
+        let moved = mesh.translated(DVec3::Z).unwrap();
+        assert_eq!((moved.bounds().min.z, moved.bounds().max.z), (1.0, 1.0));
+    }
+
+    #[test]
+    fn refuses_what_is_no_surface() {
+        let with = |triangles| TriangleMesh::new(right_angle(), triangles);
+        assert!(matches!(with(vec![]), Err(SimError::NoFaces { n_degenerate: 0 })));
+        assert!(matches!(with(vec![[0, 1, 1]]), Err(SimError::NoFaces { n_degenerate: 1 })));
+        let bad = with(vec![[0, 1, 2], [0, 4, 1]]);
+        assert!(matches!(bad, Err(SimError::IndexOutOfRange { triangle: 1, index: 4, n_vertices: 4 })));
+        for x in [f64::NAN, f64::INFINITY, -1e31] {
+            let vertices = vec![DVec3::ZERO, DVec3::X * x, DVec3::Y];
+            let error = TriangleMesh::new(vertices, vec![[0, 1, 2]]).unwrap_err();
+            assert!(matches!(error, SimError::BadVertex { vertex: 1, .. }), "{error}");
+        }
+    }
+
+    #[test]
+    fn refuses_scales_that_leave_no_surface() {
+        let mesh = TriangleMesh::new(right_angle(), vec![[0, 1, 2]]).unwrap();
+        for factor in [0.0, -1.0, f64::NAN, f64::INFINITY, 1e-300, 1e300] {
+            assert!(mesh.scaled(factor).is_err(), "{factor}");
+        }
+    }
+}
