@@ -67,6 +67,17 @@ pub enum SimError {
         /// Longest side of the box around the mesh, in the file's unit.
         longest_side: f64,
     },
+    /// The object does not fit before the camera.
+    #[error(
+        "the object's longest side is {longest_side} m, too large for a camera that sees up to {range} m; \
+         if its unit is not the metre, pass --unit mm or its true size as --size-m 0.2"
+    )]
+    TooLargeForCamera {
+        /// Longest side of the object, metres.
+        longest_side: f64,
+        /// How far the camera sees, metres.
+        range: f64,
+    },
     /// A parameter of the library is outside its range.
     #[error(transparent)]
     Parameter(#[from] nextview::Error),

@@ -1,0 +1,138 @@
+//! The two planners that bound every other: random views, and the clairvoyant planner that knows the object.
+
+use crate::truth::TrueVisibility;
+use nextview::geometry::random::Random;
+use nextview::planner::{Choice, Plan, Situation, ViewPlanner};
+use std::sync::Arc;
+
+/// Takes the view that truly sees most object voxels not seen before: greedy on the true visibility, which only a
+/// simulation knows.
+#[derive(Clone, Debug)]
+pub struct Clairvoyant {
+    truth: Arc<TrueVisibility>,
+}
+
+impl Clairvoyant {
+    /// The planner that knows this.
+    pub fn new(truth: Arc<TrueVisibility>) -> Self {
+        Self { truth }
+    }
+}
+
+impl ViewPlanner for Clairvoyant {
+    fn plan(&self, situation: &Situation<'_>) -> Plan {
+        let choice = next_clairvoyant(&self.truth, situation.visited).map(|(view, n_new)| Choice {
+            view,
+            score: n_new as f64,
+            local_share: 0.0,
+            flow_share: 0.0,
+            runner_up: None,
+        });
+        Plan { choice, ..Plan::default() }
+    }
+}
+
+/// The view that adds most object voxels to those seen from the visited ones, and how many; none if none adds any.
+fn next_clairvoyant(truth: &TrueVisibility, visited: &[usize]) -> Option<(usize, usize)> {
+    let mut covered = truth.seen(visited.first().copied().unwrap_or(0)).clone();
+    covered.clear();
+    visited.iter().for_each(|&view| covered.union_with(truth.seen(view)));
+    let n_new = |view: usize| truth.seen(view).difference_count(&covered);
+    let best = (0..truth.n_views()).map(|view| (view, n_new(view))).max_by_key(|&(view, n)| (n, std::cmp::Reverse(view)));
+    best.filter(|&(_, n)| n > 0)
+}
+
+/// The coverage of the clairvoyant planner after each of `n` views from `first_view` on.
+pub fn clairvoyant_curve(truth: &TrueVisibility, first_view: usize, n: usize) -> Vec<f64> {
+    let mut views = vec![first_view];
+    while views.len() < n {
+        match next_clairvoyant(truth, &views) {
+            Some((view, _)) => views.push(view),
+            None => break,
+        }
+    }
+    extended(truth.coverage_curve(&views), n)
+}
+
+/// Coverage of random views, over many sequences from the same first view.
+#[derive(Clone, Debug, PartialEq)]
+pub struct RandomCurve {
+    /// Mean after each view.
+    pub mean: Vec<f64>,
+    /// The 5 % quantile after each view.
+    pub low: Vec<f64>,
+    /// The 95 % quantile after each view.
+    pub high: Vec<f64>,
+}
+
+impl RandomCurve {
+    /// Number of sequences: the mean is then known to about a tenth of the spread.
+    pub const N_DRAWS: usize = 200;
+
+    /// Draws the sequences: distinct views, uniform among the candidates, always the same draws.
+    pub fn new(truth: &TrueVisibility, first_view: usize, n: usize) -> Self {
+        let curves: Vec<Vec<f64>> = (0..Self::N_DRAWS as u64)
+            .map(|draw| extended(truth.coverage_curve(&draw_views(truth.n_views(), first_view, n, draw)), n))
+            .collect();
+        let quantile = |q: f64| {
+            let at = |step: usize| {
+                let mut values: Vec<f64> = curves.iter().map(|curve| curve[step]).collect();
+                values.sort_by(f64::total_cmp);
+                values[(q * (values.len() - 1) as f64).round() as usize]
+            };
+            (0..n).map(at).collect()
+        };
+        let mean = |step: usize| curves.iter().map(|curve| curve[step]).sum::<f64>() / curves.len() as f64;
+        Self { mean: (0..n).map(mean).collect(), low: quantile(0.05), high: quantile(0.95) }
+    }
+}
+
+/// A random sequence of distinct views that begins with the given one.
+fn draw_views(n_candidates: usize, first_view: usize, n: usize, seed: u64) -> Vec<usize> {
+    let mut random = Random::new(seed, 1);
+    let mut open: Vec<usize> = (0..n_candidates).filter(|&view| view != first_view).collect();
+    let mut views = vec![first_view];
+    while views.len() < n && !open.is_empty() {
+        views.push(open.swap_remove(random.index(open.len())));
+    }
+    views
+}
+
+/// A curve that ended early stays where it ended.
+pub fn extended(mut curve: Vec<f64>, n: usize) -> Vec<f64> {
+    let last = curve.last().copied().unwrap_or(0.0);
+    curve.resize(n, last);
+    curve
+}
+
+/// Skill: the area under a coverage curve on the scale from random views (0) to clairvoyant (1); none where the two do
+/// not differ. All curves have the same length.
+pub fn skill(curve: &[f64], random: &[f64], clairvoyant: &[f64]) -> Option<f64> {
+    assert!(curve.len() == random.len() && random.len() == clairvoyant.len(), "curves of equal length");
+    let area = |curve: &[f64]| curve.iter().sum::<f64>();
+    let range = area(clairvoyant) - area(random);
+    (range.abs() > 1e-12).then(|| (area(curve) - area(random)) / range)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn skill_is_zero_for_random_and_one_for_clairvoyant() {
+        let (random, clairvoyant) = ([0.2, 0.4, 0.5], [0.2, 0.7, 0.9]);
+        assert_eq!(skill(&random, &random, &clairvoyant), Some(0.0));
+        assert_eq!(skill(&clairvoyant, &random, &clairvoyant), Some(1.0));
+        assert_eq!(skill(&random, &random, &random), None);
+        assert!(skill(&[0.2, 0.3, 0.4], &random, &clairvoyant).unwrap() < 0.0);
+    }
+
+    #[test]
+    fn random_sequences_are_distinct_views_from_the_first_on() {
+        let mut views = draw_views(20, 7, 20, 3);
+        assert_eq!(views[0], 7);
+        views.sort_unstable();
+        assert_eq!(views, (0..20).collect::<Vec<_>>());
+        assert_eq!(draw_views(3, 0, 10, 1).len(), 3, "no more than there are");
+    }
+}

@@ -1,0 +1,58 @@
+//! An object before a camera: where things are and how large.
+
+use crate::SimError;
+use crate::camera::{Background, SimulatedCamera};
+use crate::mesh::TriangleMesh;
+use glam::DVec3;
+use nextview::geometry::Aabb;
+use nextview::sensor::Intrinsics;
+use std::sync::Arc;
+
+/// How far the simulated camera measures, metres: what the D435i's data sheet states.
+pub const CAMERA_RANGE: f64 = 10.0;
+
+/// An object in the middle of a room, with the box that planning is told about.
+#[derive(Clone)]
+pub struct Scene {
+    camera: SimulatedCamera,
+    bounds: Aabb,
+}
+
+impl Scene {
+    /// The mesh (metres, world coordinates) in a room whose walls stand behind all usual view candidates.
+    ///
+    /// Fails if the object is too large for the camera: from four times its half-side, where the paper's farthest views are,
+    /// it must be within [`CAMERA_RANGE`].
+    pub fn new(mesh: TriangleMesh, intrinsics: Intrinsics) -> Result<Self, SimError> {
+        let object = mesh.bounds();
+        let size = 0.5 * object.longest_side();
+        if 6.0 * size > CAMERA_RANGE {
+            let longest = object.longest_side();
+            return Err(SimError::TooLargeForCamera { longest_side: longest, range: CAMERA_RANGE });
+        }
+        let room = Background::Room(Aabb::cube(object.center(), 6.0 * size));
+        let camera = SimulatedCamera::new(Arc::new(mesh), intrinsics, room, 2.0 * CAMERA_RANGE)?;
+        Ok(Self { camera, bounds: object })
+    }
+
+    /// The camera that looks at the object.
+    pub fn camera(&self) -> &SimulatedCamera {
+        &self.camera
+    }
+
+    /// The middle of the object's box: where view candidates look.
+    pub fn center(&self) -> DVec3 {
+        self.bounds.center()
+    }
+
+    /// Half the longest side of the object's box, metres: the paper's object size.
+    pub fn size(&self) -> f64 {
+        0.5 * self.bounds.longest_side()
+    }
+
+    /// The cube that planning is told the object lies in: a tenth larger than the object and two voxels wider on each
+    /// side, so that free space around it is seen.
+    pub fn planning_box(&self, voxel_size: f64) -> Aabb {
+        Aabb::cube(self.center(), 1.1 * self.size() + 2.0 * voxel_size)
+    }
+}

@@ -1,0 +1,93 @@
+//! How completely the true surface was measured.
+
+use crate::mesh::{TriangleMesh, sample_surface};
+use crate::truth::SEED;
+use glam::{DVec3, IVec3};
+use rustc_hash::FxHashMap;
+
+/// Number of surface samples: the standard error of a share is then at most 0.5 %.
+const N_SAMPLES: usize = 10_000;
+
+/// Distances beyond this, metres, are not told apart.
+const FAR: f64 = 0.005;
+
+/// Surface coverage: the share of samples of the true surface, uniform by area, with a measured point nearby.
+#[derive(Clone, Debug)]
+pub struct SurfaceCoverage {
+    samples: Vec<DVec3>,
+    /// Squared distance to the nearest measured point so far, infinite beyond `FAR`.
+    nearest_sq: Vec<f64>,
+    /// The samples in cells of size `FAR`.
+    cells: FxHashMap<IVec3, Vec<u32>>,
+}
+
+impl SurfaceCoverage {
+    /// Nothing of this mesh is measured yet.
+    pub fn new(mesh: &TriangleMesh) -> Self {
+        let samples = sample_surface(mesh, N_SAMPLES, SEED);
+        let mut cells: FxHashMap<IVec3, Vec<u32>> = FxHashMap::default();
+        for (i, sample) in samples.iter().enumerate() {
+            cells.entry(cell(*sample)).or_default().push(i as u32);
+        }
+        Self { nearest_sq: vec![f64::INFINITY; samples.len()], samples, cells }
+    }
+
+    /// Adds measured points, world coordinates in metres.
+    pub fn add(&mut self, points: impl IntoIterator<Item = DVec3>) {
+        for point in points {
+            for offset in neighbor_offsets() {
+                for &i in self.cells.get(&(cell(point) + offset)).into_iter().flatten() {
+                    let distance_sq = self.samples[i as usize].distance_squared(point);
+                    let nearest = &mut self.nearest_sq[i as usize];
+                    if distance_sq <= FAR * FAR && distance_sq < *nearest {
+                        *nearest = distance_sq;
+                    }
+                }
+            }
+        }
+    }
+
+    /// The share, 0..=1, of samples with a measured point within `distance` metres, which must be at most 0.005.
+    pub fn share_within(&self, distance: f64) -> f64 {
+        assert!(distance <= FAR, "distances above {FAR} m are not kept");
+        let within = self.nearest_sq.iter().filter(|&&d| d <= distance * distance).count();
+        within as f64 / self.samples.len() as f64
+    }
+}
+
+fn cell(point: DVec3) -> IVec3 {
+    (point / FAR).floor().as_ivec3()
+}
+
+fn neighbor_offsets() -> impl Iterator<Item = IVec3> {
+    (-1..=1).flat_map(|z| (-1..=1).flat_map(move |y| (-1..=1).map(move |x| IVec3::new(x, y, z))))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::builtin;
+
+    #[test]
+    fn equals_the_distance_to_every_point() {
+        let mesh = builtin::by_name("bracket").unwrap();
+        let mut coverage = SurfaceCoverage::new(&mesh);
+        let points: Vec<DVec3> =
+            sample_surface(&mesh, 400, 9).iter().map(|p| *p + DVec3::new(0.001, 0.0, -0.0015)).collect();
+        coverage.add(points.iter().copied());
+        for distance in [0.001, 0.002, 0.005] {
+            let near = |s: &&DVec3| points.iter().any(|p| p.distance(**s) <= distance);
+            let expected = coverage.samples.iter().filter(near).count() as f64 / N_SAMPLES as f64;
+            assert_eq!(coverage.share_within(distance), expected);
+        }
+    }
+
+    #[test]
+    fn the_surface_itself_covers_all_of_it() {
+        let mesh = builtin::by_name("mug").unwrap();
+        let mut coverage = SurfaceCoverage::new(&mesh);
+        assert_eq!(coverage.share_within(0.005), 0.0);
+        coverage.add(sample_surface(&mesh, N_SAMPLES, SEED));
+        assert_eq!(coverage.share_within(0.001), 1.0);
+    }
+}

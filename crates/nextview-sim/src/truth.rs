@@ -1,0 +1,166 @@
+//! What is really there, and what each view candidate would really see of it.
+
+use crate::SimError;
+use crate::camera::SimulatedCamera;
+use crate::mesh::sample_surface;
+use fixedbitset::FixedBitSet;
+use glam::DVec3;
+use nextview::Error;
+use nextview::geometry::{Lattice, VoxelBlock};
+use nextview::map::{Occupancy, Snapshot};
+use nextview::sensor::Frame;
+use nextview::view::ViewSpace;
+use rayon::prelude::*;
+
+/// The seed of all samples of the true surface; fixed, so that the truth is the same in every scan.
+pub(crate) const SEED: u64 = 0;
+
+/// Surface samples per voxel face: enough that hardly a voxel that the surface crosses stays without.
+const SAMPLES_PER_FACE: f64 = 16.0;
+
+/// Most samples, for voxels that are tiny beside the object.
+const MAX_SAMPLES: f64 = 8e6;
+
+/// The voxels of the true surface: those that hold at least one of many samples, uniform by area (as in the paper).
+#[derive(Clone, Debug)]
+pub struct ObjectVoxels {
+    lattice: Lattice,
+    block: VoxelBlock,
+    /// For each voxel of the block its number among the object voxels, or `NO_OBJECT`.
+    number: Vec<u32>,
+    n_voxels: usize,
+}
+
+const NO_OBJECT: u32 = u32::MAX;
+
+impl ObjectVoxels {
+    /// The object voxels of the camera's mesh within the block.
+    pub fn new(camera: &SimulatedCamera, lattice: Lattice, block: VoxelBlock) -> Self {
+        let face = lattice.voxel_size() * lattice.voxel_size();
+        let n_samples = (camera.mesh().area() / face * SAMPLES_PER_FACE).clamp(20_000.0, MAX_SAMPLES) as usize;
+        let mut number = vec![NO_OBJECT; block.n_voxels()];
+        for point in sample_surface(camera.mesh(), n_samples, SEED) {
+            if let Some(index) = block.index(lattice.key(point)) {
+                number[index] = 0;
+            }
+        }
+        let mut n_voxels = 0;
+        for number in number.iter_mut().filter(|number| **number != NO_OBJECT) {
+            *number = n_voxels as u32;
+            n_voxels += 1;
+        }
+        Self { lattice, block, number, n_voxels }
+    }
+
+    /// How many there are.
+    pub fn len(&self) -> usize {
+        self.n_voxels
+    }
+
+    /// Whether the block holds none.
+    pub fn is_empty(&self) -> bool {
+        self.n_voxels == 0
+    }
+
+    /// Which object voxels hold a measured point of the frame.
+    pub fn seen_in(&self, frame: &Frame) -> FixedBitSet {
+        let mut seen = FixedBitSet::with_capacity(self.n_voxels);
+        for point in frame.points() {
+            self.number_at(point).into_iter().for_each(|number| seen.insert(number));
+        }
+        seen
+    }
+
+    /// How a map compares with the object; the snapshot must be of the same block.
+    pub fn compare(&self, snapshot: &Snapshot) -> VoxelScore {
+        assert_eq!(snapshot.block(), self.block, "map and truth must cover the same voxels");
+        let mut score = VoxelScore { n_object: self.n_voxels, ..VoxelScore::default() };
+        for (number, occupancy) in self.number.iter().zip(snapshot.occupancy()) {
+            if *occupancy == Occupancy::Occupied {
+                *(if *number == NO_OBJECT { &mut score.n_false } else { &mut score.n_true }) += 1;
+            }
+        }
+        score
+    }
+
+    fn number_at(&self, point: DVec3) -> Option<usize> {
+        let number = self.number[self.block.index(self.lattice.key(point))?];
+        (number != NO_OBJECT).then_some(number as usize)
+    }
+}
+
+/// Occupied voxels of a map, counted against the truth.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct VoxelScore {
+    /// Object voxels.
+    pub n_object: usize,
+    /// Occupied voxels that are object voxels.
+    pub n_true: usize,
+    /// Occupied voxels that are not.
+    pub n_false: usize,
+}
+
+impl VoxelScore {
+    /// The paper's voxel coverage, 0..=1, counting true voxels only.
+    pub fn coverage(&self) -> f64 {
+        self.n_true as f64 / self.n_object as f64
+    }
+}
+
+/// What every view candidate truly sees: the knowledge of the clairvoyant planner and of no other.
+#[derive(Clone, Debug)]
+pub struct TrueVisibility {
+    /// Object voxels that each view sees.
+    seen: Vec<FixedBitSet>,
+    /// Object voxels that any view sees.
+    reachable: FixedBitSet,
+}
+
+impl TrueVisibility {
+    /// Takes an image from every candidate. `progress` is told of every finished view, from several threads.
+    pub fn new(
+        camera: &SimulatedCamera,
+        object: &ObjectVoxels,
+        views: &ViewSpace,
+        progress: impl Fn() + Sync,
+    ) -> Result<Self, SimError> {
+        let look = |pose| {
+            let seen = object.seen_in(&camera.capture(pose)?);
+            progress();
+            Ok::<_, Error>(seen)
+        };
+        let seen: Vec<FixedBitSet> = views.poses().par_iter().map(look).collect::<Result<_, _>>()?;
+        let mut reachable = FixedBitSet::with_capacity(object.len());
+        seen.iter().for_each(|seen| reachable.union_with(seen));
+        if reachable.is_clear() {
+            let what = "no view candidate sees the object: is it beyond the camera's range, or are the views elsewhere?";
+            return Err(SimError::format("views", what));
+        }
+        Ok(Self { seen, reachable })
+    }
+
+    /// Number of views.
+    pub fn n_views(&self) -> usize {
+        self.seen.len()
+    }
+
+    /// The object voxels that a view sees.
+    pub fn seen(&self, view: usize) -> &FixedBitSet {
+        &self.seen[view]
+    }
+
+    /// Number of object voxels that any candidate sees.
+    pub fn n_reachable(&self) -> usize {
+        self.reachable.count_ones(..)
+    }
+
+    /// Share of the reachable object voxels seen after each of these views, 0..=1.
+    pub fn coverage_curve(&self, views: &[usize]) -> Vec<f64> {
+        let mut covered = FixedBitSet::with_capacity(self.reachable.len());
+        let cover = |&view: &usize| {
+            covered.union_with(&self.seen[view]);
+            covered.count_ones(..) as f64 / self.n_reachable() as f64
+        };
+        views.iter().map(cover).collect()
+    }
+}
