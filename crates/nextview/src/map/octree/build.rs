@@ -84,3 +84,53 @@ fn n_shared_ancestors(a: u64, b: u64) -> usize {
 fn octant(code: u64, depth: usize) -> usize {
     (code >> (3 * (usize::from(DEPTH) - depth)) & 7) as usize
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn reaches_every_corner_of_the_key_range() {
+        for corner in 0..8 {
+            let key = IVec3::from_array([0, 1, 2].map(|axis| [-32768, 32767][corner >> axis & 1]));
+            assert_eq!(key_of(preorder_code(key).unwrap()), key);
+            let tree = Octree::from_voxels(0.1, [(key, 1.0)]).unwrap();
+            assert_eq!((tree.n_nodes(), tree.leaves().next().unwrap().min), (17, key));
+        }
+    }
+
+    #[test]
+    fn inner_nodes_get_the_highest_log_odds_below_them() {
+        let voxels = [([0, 0, 0], -1.0), ([1, 0, 0], 0.5), ([0, 0, 2], 2.0), ([-1, 0, 0], -3.0)];
+        let tree = Octree::from_voxels(0.1, voxels.map(|(key, l)| (key.into(), l))).unwrap();
+        let inner_at = |depth, min| {
+            let mut nodes = tree.nodes();
+            nodes.find(|(place, _)| place.depth == depth && place.min == min).unwrap().1.log_odds
+        };
+        assert_eq!(inner_at(15, IVec3::ZERO), 0.5);
+        assert_eq!(inner_at(14, IVec3::ZERO), 2.0);
+        assert_eq!(inner_at(15, IVec3::new(-2, 0, 0)), -3.0);
+        assert_eq!(inner_at(0, IVec3::splat(-32768)), 2.0);
+    }
+
+    #[test]
+    fn refuses_voxels_that_no_tree_can_hold() {
+        let check = |voxels: &[(IVec3, f32)], expected: &str| {
+            let problem = Octree::from_voxels(0.1, voxels.iter().copied()).unwrap_err().to_string();
+            assert_eq!(problem, expected);
+        };
+        let key = IVec3::new(1, -2, 3);
+        check(
+            &[(key, 0.5), (IVec3::ZERO, 0.0), (key, 0.5)],
+            "voxel key is [1, -2, 3], expected each voxel only once",
+        );
+        for outside in [IVec3::new(0, 32768, 0), IVec3::new(-32769, 0, 0), IVec3::MAX, IVec3::MIN] {
+            let range = "expected -32768 to 32767 on each axis, the reach of an octree";
+            check(&[(outside, 0.0)], &format!("voxel key is {outside}, {range}"));
+        }
+        check(&[(key, f32::NAN)], "log-odds is NaN at voxel [1, -2, 3], expected a finite number");
+        for voxel_size in [0.0, -1.0, f64::NAN, f64::INFINITY] {
+            assert!(Octree::from_voxels(voxel_size, []).is_err());
+        }
+    }
+}

@@ -12,6 +12,8 @@ mod preorder;
 mod prune;
 mod read;
 mod source;
+#[cfg(test)]
+mod tests;
 mod tree;
 
 pub use tree::{Leaf, Octree, TreeKind};

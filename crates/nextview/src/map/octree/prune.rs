@@ -98,3 +98,67 @@ impl Octree {
         (n_leaves.saturating_mul(bytes_per_node) / 7).saturating_mul(8).div_ceil(1_000_000)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use glam::IVec3;
+
+    /// A chain from the root down to a node at `depth` with eight leaves of these colours.
+    fn eight_leaves(depth: u8, colors: [[u8; 3]; 8]) -> Octree {
+        let mut tree = Octree::new(TreeKind::ColorOcTree, 0.1);
+        for _ in 0..depth {
+            tree.push(Node { child_mask: 1, ..Node::leaf(0.85) });
+        }
+        tree.push(Node { child_mask: u8::MAX, ..Node::leaf(0.85) });
+        for color in colors {
+            tree.push(Node { color, ..Node::leaf(0.85) });
+        }
+        tree
+    }
+
+    #[test]
+    fn averages_the_colors_that_are_set_unless_the_first_is_not() {
+        let merged = |colors| eight_leaves(15, colors).pruned().leaves().next().unwrap().color.unwrap();
+        let (red, white) = ([255, 0, 0], Node::WHITE);
+        assert_eq!(merged([[7, 9, 11]; 8]), [7, 9, 11]);
+        assert_eq!(merged([[1, 2, 3], [2, 4, 8], white, white, white, white, white, white]), [1, 3, 5]);
+        assert_eq!(merged([white, red, red, red, red, red, red, red]), white);
+    }
+
+    #[test]
+    fn stops_at_the_first_level_without_anything_to_merge() {
+        assert_eq!(eight_leaves(15, [[0; 3]; 8]).pruned().n_nodes(), 16);
+        assert_eq!(eight_leaves(14, [[0; 3]; 8]).pruned().n_nodes(), 15 + 8);
+    }
+
+    #[test]
+    fn never_merges_the_roots_children() {
+        let mut tree = eight_leaves(0, [[0; 3]; 8]);
+        assert_eq!(tree.pruned_at(0).n_nodes(), 1, "they are equal");
+        tree = tree.pruned();
+        assert_eq!(tree.n_nodes(), 9);
+    }
+
+    #[test]
+    fn merges_over_many_levels_and_splits_again() {
+        let block = (0..512).map(|i| (IVec3::new(i % 8, i / 8 % 8, i / 64), 0.85));
+        let tree = Octree::from_voxels(0.1, block).unwrap();
+        let pruned = tree.pruned();
+        assert_eq!(pruned.n_leaves(), 1);
+        assert_eq!(pruned.leaves().next().unwrap().edge(), 8);
+        assert_eq!(pruned.expanded(512).unwrap(), tree);
+    }
+
+    #[test]
+    fn refuses_to_expand_beyond_the_limit() {
+        let mut tree = Octree::new(TreeKind::OcTree, 0.1);
+        tree.push(Node::leaf(0.0));
+        let problem = tree.expanded(1_000_000).unwrap_err().to_string();
+        assert_eq!(
+            problem,
+            "an octree expanded to 281474976710656 voxels, with at most 1000000 allowed, \
+             would need 1608428439 MB, more than the limit of 6 MB"
+        );
+    }
+}
