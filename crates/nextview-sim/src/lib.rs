@@ -1,8 +1,16 @@
-//! The simulated side of next-best-view planning: meshes, objects that need no file, and a depth camera that looks
-//! at them. Nothing here plans.
+//! The simulated side of next-best-view planning: meshes, objects that need no file, a depth camera that looks at
+//! them, the truth about what it could see, and the measures that compare planners.
+//!
+//! Start with [`scene::Scene`] and [`run::run`]. Nothing here plans, except [`baseline::Clairvoyant`], which may
+//! look at the truth.
 
+pub mod baseline;
 pub mod camera;
 mod error;
 pub mod mesh;
+pub mod run;
+pub mod scene;
+pub mod surface;
+pub mod truth;
 
 pub use error::SimError;

@@ -3,6 +3,7 @@
 use crate::mesh::{TriangleMesh, sample_surface};
 use crate::truth::SEED;
 use glam::{DVec3, IVec3};
+use nextview::geometry::Aabb;
 use rustc_hash::FxHashMap;
 
 /// Number of surface samples: the standard error of a share is then at most 0.5 %.
@@ -19,6 +20,8 @@ pub struct SurfaceCoverage {
     nearest_sq: Vec<f64>,
     /// The samples in cells of size `FAR`.
     cells: FxHashMap<IVec3, Vec<u32>>,
+    /// Points outside, on the walls behind the object, are near no sample.
+    bounds: Aabb,
 }
 
 impl SurfaceCoverage {
@@ -29,12 +32,15 @@ impl SurfaceCoverage {
         for (i, sample) in samples.iter().enumerate() {
             cells.entry(cell(*sample)).or_default().push(i as u32);
         }
-        Self { nearest_sq: vec![f64::INFINITY; samples.len()], samples, cells }
+        let mut bounds = mesh.bounds();
+        bounds.min -= FAR;
+        bounds.max += FAR;
+        Self { nearest_sq: vec![f64::INFINITY; samples.len()], samples, cells, bounds }
     }
 
     /// Adds measured points, world coordinates in metres.
     pub fn add(&mut self, points: impl IntoIterator<Item = DVec3>) {
-        for point in points {
+        for point in points.into_iter().filter(|point| self.bounds.contains(*point)) {
             for offset in neighbor_offsets() {
                 for &i in self.cells.get(&(cell(point) + offset)).into_iter().flatten() {
                     let distance_sq = self.samples[i as usize].distance_squared(point);

@@ -1,0 +1,62 @@
+//! The commands of the program.
+
+mod map;
+mod plan;
+mod scan;
+mod values;
+mod views;
+
+use crate::Failure;
+use clap::{Parser, Subcommand};
+
+/// Decides where a depth camera should look next, so that an unknown object is scanned completely in as few views as
+/// possible.
+///
+/// `nextview scan` scans a simulated object from the first view to the last and writes the map, the cloud, the mesh
+/// and a report. `nextview plan` gives the next view for a map that you have. `nextview map` looks into maps, `nextview
+/// views` makes the poses to choose from.
+#[derive(Debug, Parser)]
+#[command(name = "nextview", version, max_term_width = 100, after_help = EXAMPLES)]
+pub struct Cli {
+    /// Number of threads [default: all cores]; results do not depend on it
+    #[arg(long, global = true, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
+    threads: Option<u16>,
+    #[command(subcommand)]
+    command: Command,
+}
+
+const EXAMPLES: &str = "\
+Examples:
+  nextview scan                              scan a built-in teapot and open the report it names
+  nextview scan part.stl --unit mm           scan your own mesh
+  nextview scan builtin:mug --planner local  another object, another planner
+  nextview map info map.ot                   what a map knows
+  nextview plan --map map.ot --views views.csv
+
+Conventions: metres, world frame right-handed with z up, camera frame x right, y down, z forward.
+Data goes to stdout, messages to stderr. Exit codes: 0 done, 1 bad data or a failing system, 2 bad usage.";
+
+#[derive(Debug, Subcommand)]
+enum Command {
+    Scan(Box<scan::ScanArgs>),
+    Plan(plan::PlanArgs),
+    Views(views::ViewsArgs),
+    #[command(subcommand)]
+    Map(map::MapCommand),
+}
+
+impl Cli {
+    /// Does what was asked for.
+    pub fn run(self) -> Result<(), Failure> {
+        if let Some(threads) = self.threads {
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads as usize);
+            pool.build_global().map_err(Failure::data)?;
+        }
+        match self.command {
+            Command::Scan(args) => args.run(),
+            Command::Plan(args) => args.run(),
+            Command::Views(args) => args.run(),
+            Command::Map(command) => command.run(),
+        }
+    }
+}

@@ -1,0 +1,114 @@
+use super::{map, values};
+use crate::scan::PlannerName;
+use crate::{Failure, files};
+use clap::Args;
+use nextview::geometry::Aabb;
+use nextview::map::{OccupancyMap, SensorModel};
+use nextview::planner::{MaxFlowConfig, Situation};
+use nextview::sensor::Intrinsics;
+use nextview::view::ViewSpace;
+use serde::Serialize;
+use std::path::PathBuf;
+
+/// Give the next best view for a saved map.
+///
+/// The camera is the D435i of the paper. The history of the flow is empty: a map does not tell how it came about.
+#[derive(Debug, Args)]
+#[command(after_help = "Example:\n  nextview plan --map map.ot --views views.csv --visited 0,17 --json")]
+pub(super) struct PlanArgs {
+    /// The map, .ot or .bt
+    #[arg(long, value_name = "FILE")]
+    map: PathBuf,
+    /// The view candidates, CSV with x_m,y_m,z_m or x_m,y_m,z_m,qx,qy,qz,qw; positions alone look at the box's centre
+    #[arg(long, value_name = "FILE")]
+    views: PathBuf,
+    /// Views already taken, by number from 0
+    #[arg(long, value_name = "I,J,...", value_delimiter = ',')]
+    visited: Vec<usize>,
+    /// The cube the object lies in [default: around the map's occupied voxels, a tenth and two voxels wider]
+    #[arg(long = "box", value_name = "CX,CY,CZ,HALF", value_parser = values::cube, allow_hyphen_values = true)]
+    cube: Option<Aabb>,
+    /// How to choose
+    #[arg(long, value_enum, default_value = "max-flow")]
+    planner: PlannerName,
+    /// Seed of the random planner
+    #[arg(long, value_name = "S", default_value = "0", value_parser = values::seed)]
+    seed: u64,
+    /// Print one JSON object
+    #[arg(long)]
+    json: bool,
+}
+
+/// Most voxels of a map to plan in, about 4 GB.
+const MAX_VOXELS: usize = 200_000_000;
+
+/// The answer; `view` is none if no candidate gains anything.
+#[derive(Debug, Serialize)]
+struct Answer {
+    planner: PlannerName,
+    view: Option<usize>,
+    position_m: Option<[f64; 3]>,
+    quaternion_xyzw: Option<[f64; 4]>,
+    score: Option<f64>,
+    runner_up: Option<usize>,
+}
+
+impl PlanArgs {
+    pub fn run(self) -> Result<(), Failure> {
+        let octree = map::read(&self.map)?;
+        let map = OccupancyMap::from_octree(&octree, SensorModel::default(), MAX_VOXELS)
+            .map_err(|e| Failure::from(e).in_file(&self.map))?;
+        let bounds = self.cube.map_or_else(|| self.box_around(&map), Ok)?;
+        let block = map.lattice().block_inside(&bounds);
+        let block = block.ok_or_else(|| Failure::usage("--box holds no voxel centre, expected at least one voxel"))?;
+        let views = ViewSpace::read_csv(files::open(&self.views)?, bounds.center())
+            .map_err(|e| Failure::from(e).in_file(&self.views))?;
+        if let Some(view) = self.visited.iter().find(|view| **view >= views.len()) {
+            return Err(Failure::usage(format!("--visited names view {view}, expected 0 to {}", views.len() - 1)));
+        }
+        let planner = self.planner.without_truth(MaxFlowConfig::default(), self.seed)?;
+        let plan = planner.plan(&Situation {
+            snapshot: &map.snapshot(block),
+            views: &views,
+            intrinsics: &Intrinsics::d435i(),
+            visited: &self.visited,
+            history: &[],
+        });
+        let pose = plan.choice.map(|choice| views.pose(choice.view));
+        self.print(&Answer {
+            planner: self.planner,
+            view: plan.choice.map(|choice| choice.view),
+            position_m: pose.map(|pose| pose.translation().to_array()),
+            quaternion_xyzw: pose.map(|pose| pose.rotation().to_array()),
+            score: plan.choice.map(|choice| choice.score),
+            runner_up: plan.choice.and_then(|choice| choice.runner_up),
+        })
+    }
+
+    fn box_around(&self, map: &OccupancyMap) -> Result<Aabb, Failure> {
+        let lattice = map.lattice();
+        let occupied = map.voxels().into_iter().filter(|(_, value)| value.0 > 0.0);
+        let bounds = Aabb::around(occupied.map(|(key, _)| lattice.center(key))).ok_or_else(|| {
+            Failure::data("no occupied voxel, so the object's place is unknown")
+                .in_file(&self.map)
+                .with_hint("pass the cube it lies in as --box cx,cy,cz,half")
+        })?;
+        Ok(Aabb::cube(bounds.center(), 0.55 * bounds.longest_side() + 2.0 * lattice.voxel_size()))
+    }
+
+    fn print(&self, answer: &Answer) -> Result<(), Failure> {
+        if self.json {
+            println!("{}", serde_json::to_string(answer).map_err(Failure::data)?);
+            return Ok(());
+        }
+        match (answer.view, answer.position_m, answer.quaternion_xyzw) {
+            (Some(view), Some([x, y, z]), Some([qx, qy, qz, qw])) => {
+                println!("next view   {view}");
+                println!("position    {x:.4} {y:.4} {z:.4} m");
+                println!("quaternion  {qx:.6} {qy:.6} {qz:.6} {qw:.6} (x y z w)");
+            }
+            _ => println!("next view   none: no candidate gains anything"),
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,41 @@
+//! Values on the command line.
+
+use glam::DVec3;
+use nextview::geometry::Aabb;
+
+/// A positive, finite number.
+pub(super) fn positive(text: &str) -> Result<f64, String> {
+    let value = number(text)?;
+    if value > 0.0 { Ok(value) } else { Err(format!("{text} is not positive")) }
+}
+
+/// A seed: up to 2^63 - 1, the largest integer that a TOML file can hold.
+pub(super) fn seed(text: &str) -> Result<u64, String> {
+    let value: i64 = text.parse().map_err(|_| format!("'{text}' is not a whole number from 0 to {}", i64::MAX))?;
+    u64::try_from(value).map_err(|_| format!("{text} is negative"))
+}
+
+/// Three numbers, `x,y,z`.
+pub(super) fn point(text: &str) -> Result<DVec3, String> {
+    numbers::<3>(text, "x,y,z").map(DVec3::from_array)
+}
+
+/// A cube, `cx,cy,cz,half`: its centre and half its edge.
+pub(super) fn cube(text: &str) -> Result<Aabb, String> {
+    let [x, y, z, half] = numbers::<4>(text, "cx,cy,cz,half")?;
+    if half <= 0.0 {
+        return Err(format!("half the edge is {half}, expected a positive number of metres"));
+    }
+    Ok(Aabb::cube(DVec3::new(x, y, z), half))
+}
+
+fn number(text: &str) -> Result<f64, String> {
+    let value: f64 = text.trim().parse().map_err(|_| format!("'{text}' is not a number"))?;
+    if value.is_finite() { Ok(value) } else { Err(format!("{text} is not finite")) }
+}
+
+fn numbers<const N: usize>(text: &str, form: &str) -> Result<[f64; N], String> {
+    let values: Vec<f64> = text.split(',').map(number).collect::<Result<_, _>>()?;
+    let n = values.len();
+    values.try_into().map_err(|_| format!("{n} numbers, expected {N}: {form}"))
+}

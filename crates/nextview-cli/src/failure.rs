@@ -1,0 +1,84 @@
+use nextview_sim::SimError;
+use std::fmt;
+use std::path::Path;
+
+/// Why a command failed, in words a user can act on.
+#[derive(Debug)]
+pub struct Failure {
+    kind: Kind,
+    message: String,
+    hint: Option<String>,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Kind {
+    Usage,
+    Data,
+}
+
+impl Failure {
+    /// The user asked for something that cannot be: exit code 2.
+    pub fn usage(message: impl fmt::Display) -> Self {
+        Self { kind: Kind::Usage, message: message.to_string(), hint: None }
+    }
+
+    /// A file or the system is at fault: exit code 1.
+    pub fn data(message: impl fmt::Display) -> Self {
+        Self { kind: Kind::Data, message: message.to_string(), hint: None }
+    }
+
+    /// The same with a remedy.
+    pub fn with_hint(mut self, hint: impl fmt::Display) -> Self {
+        self.hint = Some(hint.to_string());
+        self
+    }
+
+    /// The same, said of this file; whatever is wrong in a file is bad data.
+    pub fn in_file(mut self, path: &Path) -> Self {
+        self.message = format!("{}: {}", path.display(), self.message);
+        self.kind = Kind::Data;
+        self
+    }
+
+    /// 1 for bad data or a failing system, 2 for bad usage.
+    pub fn exit_code(&self) -> u8 {
+        match self.kind {
+            Kind::Data => 1,
+            Kind::Usage => 2,
+        }
+    }
+}
+
+impl fmt::Display for Failure {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "error: {}", self.message)?;
+        self.hint.iter().try_for_each(|hint| write!(f, "\nhint: {hint}"))
+    }
+}
+
+impl From<nextview::Error> for Failure {
+    fn from(error: nextview::Error) -> Self {
+        match &error {
+            nextview::Error::InvalidParameter { .. } => Self::usage(error),
+            nextview::Error::TooLarge { .. } => {
+                Self::usage(error).with_hint("use a larger --voxel-size-m, or allow more with memory_limit_mb in --config")
+            }
+            _ => Self::data(error),
+        }
+    }
+}
+
+impl From<SimError> for Failure {
+    fn from(error: SimError) -> Self {
+        match error {
+            SimError::Parameter(error) => error.into(),
+            error => Self::data(error),
+        }
+    }
+}
+
+impl From<std::io::Error> for Failure {
+    fn from(error: std::io::Error) -> Self {
+        Self::data(error)
+    }
+}

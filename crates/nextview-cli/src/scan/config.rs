@@ -1,0 +1,220 @@
+use super::PlannerName;
+use crate::Failure;
+use crate::commands::Rule;
+use clap::ValueEnum;
+use nextview::map::{Background, RayRule, SensorModel};
+use nextview::planner::MaxFlowConfig;
+use nextview::sensor::Intrinsics;
+use nextview_sim::mesh::Unit;
+use serde::{Deserialize, Serialize};
+use std::path::Path;
+
+/// A named set of defaults.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub(crate) enum Profile {
+    /// As published: 5000 candidates, voxels of 1 cm, thin rays, only points on the object, stop at q_thresh = 0.5
+    Paper,
+    /// What works best so far: dense rays, and free space carved by what the camera sees past the object
+    Default,
+}
+
+/// Everything that decides a scan: the file for `--config`, and `config.toml` in the results.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct ScanConfig {
+    /// A mesh file or `builtin:NAME`.
+    pub object: String,
+    pub profile: Profile,
+    pub planner: PlannerName,
+    /// Most views to take.
+    pub views: usize,
+    /// Number of view candidates, where a rule makes them.
+    pub candidates: usize,
+    /// Number of the view to begin with.
+    pub first_view: usize,
+    /// Edge of a voxel; by default about a fortieth of the object.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub voxel_size_m: Option<f64>,
+    pub view_space: ViewSpaceName,
+    pub seed: u64,
+    /// Unit of the mesh file: m, mm or auto.
+    pub unit: UnitName,
+    /// Length that the object's longest side is scaled to.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub size_m: Option<f64>,
+    /// Whether to compute the random and clairvoyant curves.
+    pub baselines: bool,
+    /// Most memory that the planning box may need.
+    pub memory_limit_mb: u64,
+    pub map: MapConfig,
+    pub max_flow: MaxFlowConfig,
+    pub stop: StopConfig,
+    pub camera: Intrinsics,
+}
+
+/// How scans are written into the map.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub(crate) struct MapConfig {
+    pub rays: RayRule,
+    pub background: Background,
+    pub sensor_model: SensorModel,
+}
+
+/// When a scan stops before its last view.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub(crate) struct StopConfig {
+    /// q_thresh of the paper's eq. (9).
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub entropy_share: Option<f64>,
+}
+
+/// A rule's name or a file.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(transparent)]
+pub(crate) struct ViewSpaceName(pub String);
+
+impl ViewSpaceName {
+    /// The rule; none if it is a file.
+    pub fn rule(&self) -> Option<Rule> {
+        Rule::from_str(&self.0, false).ok()
+    }
+}
+
+/// The unit of a mesh file.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub(crate) enum UnitName {
+    /// Metres
+    M,
+    /// Millimetres
+    Mm,
+    /// By size: up to 2 metres, from 20 millimetres, in between an error
+    Auto,
+}
+
+impl From<UnitName> for Unit {
+    fn from(name: UnitName) -> Self {
+        match name {
+            UnitName::M => Self::Metres,
+            UnitName::Mm => Self::Millimetres,
+            UnitName::Auto => Self::Auto,
+        }
+    }
+}
+
+impl ScanConfig {
+    /// The profile's values.
+    pub fn of_profile(profile: Profile) -> Self {
+        let config = Self {
+            object: "builtin:teapot".to_owned(),
+            profile,
+            planner: PlannerName::MaxFlow,
+            views: 10,
+            candidates: 1000,
+            first_view: 0,
+            voxel_size_m: None,
+            view_space: ViewSpaceName("shell".to_owned()),
+            seed: 0,
+            unit: UnitName::Auto,
+            size_m: None,
+            baselines: true,
+            memory_limit_mb: 4096,
+            map: MapConfig::default(),
+            max_flow: MaxFlowConfig::default(),
+            stop: StopConfig::default(),
+            camera: Intrinsics::d435i(),
+        };
+        match profile {
+            Profile::Default => config,
+            Profile::Paper => Self {
+                candidates: 5000,
+                voxel_size_m: Some(0.01),
+                map: MapConfig { background: Background::Ignore, ..MapConfig::default() },
+                max_flow: MaxFlowConfig { ray_spacing: 10.0, ..MaxFlowConfig::default() },
+                stop: StopConfig { entropy_share: Some(0.5) },
+                ..config
+            },
+        }
+    }
+
+    /// The profile's values (that of `profile`, or else the file's, or else the default one), overridden by a file's.
+    pub fn load(profile: Option<Profile>, file: Option<&Path>) -> Result<Self, Failure> {
+        let Some(path) = file else { return Ok(Self::of_profile(profile.unwrap_or(Profile::Default))) };
+        let text = std::fs::read_to_string(path)
+            .map_err(|e| Failure::data(format!("cannot be read: {e}")).in_file(path))?;
+        let bad = |e: toml::de::Error| Failure::data(e.to_string().trim_end()).in_file(path);
+        let mut file: toml::Table = toml::from_str(&text).map_err(bad)?;
+        if let Some(profile) = profile {
+            file.insert("profile".to_owned(), toml::Value::try_from(profile).map_err(Failure::data)?);
+        }
+        let named = file.get("profile").cloned().map(|value| value.try_into::<Profile>().map_err(bad)).transpose()?;
+        let base = Self::of_profile(named.unwrap_or(Profile::Default));
+        let base = toml::Table::try_from(&base).map_err(Failure::data)?;
+        merged(base, file).try_into().map_err(bad)
+    }
+
+    /// Fails if the configuration does not fit this number of candidates.
+    pub fn check_views(&self, n_views: usize) -> Result<(), Failure> {
+        if self.first_view >= n_views {
+            let (first, last) = (self.first_view, n_views - 1);
+            return Err(Failure::usage(format!("--first-view is {first}, expected 0 to {last}")));
+        }
+        if self.views == 0 || self.views > n_views {
+            return Err(Failure::usage(format!("--views is {}, expected 1 to {n_views} (the candidates)", self.views)));
+        }
+        Ok(())
+    }
+}
+
+/// The first table with the second's values in place of its own. A value replaces its whole sum type, so that a file
+/// may choose another kind of lens.
+fn merged(mut base: toml::Table, over: toml::Table) -> toml::Table {
+    for (key, value) in over {
+        let value = match (base.remove(&key), value) {
+            (Some(toml::Value::Table(base)), toml::Value::Table(over)) if key != "distortion" => {
+                toml::Value::Table(merged(base, over))
+            }
+            (_, value) => value,
+        };
+        base.insert(key, value);
+    }
+    base
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn load(text: &str) -> Result<ScanConfig, String> {
+        let path = std::env::temp_dir().join(format!("nextview-config-{:?}.toml", std::thread::current().id()));
+        std::fs::write(&path, text).unwrap();
+        let config = ScanConfig::load(None, Some(&path));
+        std::fs::remove_file(&path).unwrap();
+        config.map_err(|e| e.to_string())
+    }
+
+    #[test]
+    fn what_is_saved_loads_to_the_same() {
+        for profile in [Profile::Paper, Profile::Default] {
+            let config = ScanConfig::of_profile(profile);
+            assert_eq!(load(&toml::to_string(&config).unwrap()), Ok(config));
+        }
+    }
+
+    #[test]
+    fn a_file_overrides_its_profile() {
+        let config = load("profile = \"paper\"\nviews = 3\n[max_flow]\ngamma = 0.25\n").unwrap();
+        assert_eq!((config.views, config.candidates, config.max_flow.gamma), (3, 5000, 0.25));
+        assert_eq!(config.max_flow.ray_spacing, 10.0);
+    }
+
+    #[test]
+    fn unknown_fields_and_wrong_values_are_named() {
+        assert!(load("voxels = 3\n").unwrap_err().contains("voxels"));
+        assert!(load("[map]\nrays = \"some\"\n").unwrap_err().contains("every-point"));
+        assert!(load("views = \n").unwrap_err().contains("line 1"));
+    }
+}

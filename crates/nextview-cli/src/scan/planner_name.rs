@@ -1,0 +1,56 @@
+use crate::Failure;
+use clap::ValueEnum;
+use nextview::planner::{MaxFlow, MaxFlowConfig, RandomViews, ViewPlanner};
+use nextview_sim::baseline::Clairvoyant;
+use nextview_sim::truth::TrueVisibility;
+use serde::{Deserialize, Serialize};
+use std::fmt;
+use std::sync::Arc;
+
+/// A planner, by the name users give it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub(crate) enum PlannerName {
+    /// The paper's: local information gain and the views of a maximum flow
+    MaxFlow,
+    /// The paper's local information gain alone (gamma = 0)
+    Local,
+    /// A random view: the baseline
+    Random,
+    /// Knows the object: the upper bound, in simulation only
+    Clairvoyant,
+}
+
+impl fmt::Display for PlannerName {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        self.to_possible_value().map_or(Ok(()), |value| f.pad(value.get_name()))
+    }
+}
+
+impl PlannerName {
+    /// The planner, where the true object is known.
+    pub fn build(
+        self,
+        max_flow: MaxFlowConfig,
+        seed: u64,
+        truth: Option<Arc<TrueVisibility>>,
+    ) -> Result<Box<dyn ViewPlanner>, Failure> {
+        match (self, truth) {
+            (Self::Clairvoyant, Some(truth)) => Ok(Box::new(Clairvoyant::new(truth))),
+            _ => self.without_truth(max_flow, seed),
+        }
+    }
+
+    /// The planner, where nothing but the map is known.
+    pub fn without_truth(self, max_flow: MaxFlowConfig, seed: u64) -> Result<Box<dyn ViewPlanner>, Failure> {
+        match self {
+            Self::MaxFlow => Ok(Box::new(MaxFlow::new(max_flow)?)),
+            Self::Local => Ok(Box::new(MaxFlow::new(MaxFlowConfig { gamma: 0.0, ..max_flow })?)),
+            Self::Random => Ok(Box::new(RandomViews { seed })),
+            Self::Clairvoyant => {
+                Err(Failure::usage("the clairvoyant planner needs the true object, which only a simulation knows")
+                    .with_hint("use it with `nextview scan`"))
+            }
+        }
+    }
+}

@@ -1,0 +1,90 @@
+//! A simulated scan from the first view to the last, measured at every step.
+
+use crate::SimError;
+use crate::scene::Scene;
+use crate::surface::SurfaceCoverage;
+use crate::truth::{ObjectVoxels, VoxelScore};
+use fixedbitset::FixedBitSet;
+use glam::DVec3;
+use nextview::sensor::Frame;
+use nextview::session::{Decision, Session, StepReport, StopReason};
+use std::time::{Duration, Instant};
+
+/// Everything measured at one step of a simulated scan.
+#[derive(Clone, Debug)]
+pub struct Step {
+    /// What the session tells.
+    pub report: StepReport,
+    /// What the camera saw.
+    pub frame: Frame,
+    /// The map against the object voxels.
+    pub voxels: VoxelScore,
+    /// Number of object voxels truly seen so far.
+    pub n_seen: usize,
+    /// Share, 0..=1, of the true surface with a measured point within 1, 2 and 5 mm.
+    pub surface_coverage: [f64; 3],
+    /// Length of the straight path through all views so far, metres.
+    pub path_length: f64,
+    /// Time to decide on this view.
+    pub plan_time: Duration,
+    /// Time to write its frame into the map.
+    pub map_time: Duration,
+    /// Time to render its depth image.
+    pub render_time: Duration,
+}
+
+/// Runs a session until it stops; every step is handed out as soon as it is done.
+pub fn run(
+    session: &mut Session,
+    scene: &Scene,
+    object: &ObjectVoxels,
+    mut on_step: impl FnMut(Step),
+) -> Result<StopReason, SimError> {
+    let mut surface = SurfaceCoverage::new(scene.camera().mesh());
+    let mut seen = FixedBitSet::with_capacity(object.len());
+    let mut path = Path::default();
+    loop {
+        let (decision, plan_time) = timed(|| session.decide());
+        let next = match decision {
+            Decision::Move(next) => next,
+            Decision::Stop(reason) => return Ok(reason),
+        };
+        let (frame, render_time) = timed(|| scene.camera().capture(&next.world_from_camera));
+        let frame = frame?;
+        let (report, map_time) = timed(|| session.observe(&frame));
+        seen.union_with(&object.seen_in(&frame));
+        surface.add(frame.points());
+        on_step(Step {
+            report,
+            voxels: object.compare(&session.snapshot()),
+            n_seen: seen.count_ones(..),
+            surface_coverage: [0.001, 0.002, 0.005].map(|distance| surface.share_within(distance)),
+            path_length: path.extend_to(next.world_from_camera.translation()),
+            plan_time,
+            map_time,
+            render_time,
+            frame,
+        });
+    }
+}
+
+/// The length of a path that grows.
+#[derive(Default)]
+struct Path {
+    length: f64,
+    end: Option<DVec3>,
+}
+
+impl Path {
+    fn extend_to(&mut self, position: DVec3) -> f64 {
+        self.length += self.end.map_or(0.0, |end| end.distance(position));
+        self.end = Some(position);
+        self.length
+    }
+}
+
+fn timed<T>(work: impl FnOnce() -> T) -> (T, Duration) {
+    let start = Instant::now();
+    let value = work();
+    (value, start.elapsed())
+}
