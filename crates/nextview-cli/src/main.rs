@@ -1,1 +1,3 @@
+//! The program `nextview`.
+
 fn main() {}

@@ -6,7 +6,7 @@ use super::{RandomCurve, ScanReport};
 const WIDTH: f64 = 560.0;
 const HEIGHT: f64 = 350.0;
 const LEFT: f64 = 52.0;
-const RIGHT: f64 = 436.0;
+const RIGHT: f64 = 430.0;
 const TOP: f64 = 12.0;
 const BOTTOM: f64 = 306.0;
 
@@ -17,7 +17,7 @@ const LABEL_STEP: f64 = 17.0;
 pub fn draw(report: &ScanReport) -> String {
     let curves = curves(report);
     if curves[0].points.is_empty() {
-        return r#"<p class="note">No coverage: the true object is not known.</p>"#.to_owned();
+        return r#"<p class="note">Coverage is not known for this scan.</p>"#.to_owned();
     }
     let n_views = curves.iter().flat_map(|c| &c.points).map(|p| p.0).max().unwrap_or(1);
     let axes = Axes { n_views: n_views.max(2) };
@@ -119,8 +119,8 @@ impl Curve {
         let at = |&(view, coverage): &(usize, f64)| (axes.x(view), axes.y(coverage));
         let line = polyline(self.points.iter().map(at));
         let mut svg = format!(r#"<g class="{}"><path class="line" d="{line}"/>"#, self.class);
-        // More than about thirty markers would run into each other.
-        for point in self.points.iter().step_by(self.points.len().div_ceil(30).max(1)) {
+        // More than about thirty markers would run into each other; the last point always has one.
+        for point in self.points.iter().rev().step_by(self.points.len().div_ceil(30).max(1)) {
             let (x, y) = at(point);
             let value = percent(point.1);
             svg += &format!("<g><title>{}, view {}: {value}</title>", self.label, point.0);
@@ -147,7 +147,7 @@ fn marker(class: &str, x: f64, y: f64) -> String {
 /// The area between the lower and the upper curve of the random scans.
 fn band(axes: &Axes, random: &RandomCurve) -> String {
     let edge = |coverage: &[f64]| -> Vec<(f64, f64)> {
-        let finite = coverage.iter().enumerate().filter(|(_, c)| c.is_finite());
+        let finite = coverage.iter().take(axes.n_views).enumerate().filter(|(_, c)| c.is_finite());
         finite.map(|(i, c)| (axes.x(i + 1), axes.y(c.clamp(0.0, 1.0)))).collect()
     };
     let (low, high) = (edge(&random.low), edge(&random.high));

@@ -70,7 +70,7 @@ fn pick(i: usize, n_runs: usize, n: usize) -> usize {
         .wrapping_mul(0x9E37_79B9_7F4A_7C15)
         .rotate_left(32)
         .wrapping_mul(0x9E37_79B9_7F4A_7C15);
-    start + ((hash >> 32) as usize * (end - start) >> 32)
+    start + (((hash >> 32) * (end - start) as u64) >> 32) as usize
 }
 
 fn quantise(points: &[Vec3], min: Vec3, unit: Vec3) -> String {

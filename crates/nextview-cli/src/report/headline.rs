@@ -11,7 +11,7 @@ pub fn draw(report: &ScanReport) -> String {
         out += &format!("<div><dt>{label}</dt><dd>{value}</dd><dd class=\"note\">{note}</dd></div>");
     };
     if let Some(coverage) = steps.last().and_then(|s| s.coverage) {
-        figure(percent(coverage), "Reachable coverage", against_random(report, coverage));
+        figure(percent(coverage), "Reachable coverage", random_mean(report));
     }
     figure(count(steps.len()), "Views", format!("{} candidates", count(report.candidates.len())));
     let travel: f64 = steps.iter().map(|s| s.travel).sum();
@@ -29,8 +29,8 @@ pub fn draw(report: &ScanReport) -> String {
     format!(r#"<dl class="headline">{out}</dl>"#)
 }
 
-/// How far the scan lies above the mean of random scans after the same number of views.
-fn against_random(report: &ScanReport, coverage: f64) -> String {
+/// What random scans reach with the same number of views.
+fn random_mean(report: &ScanReport) -> String {
     let mean = report.random.as_ref().and_then(|r| r.mean.get(report.steps.len() - 1));
-    mean.map_or_else(String::new, |mean| format!("random: {} at this view", percent(*mean)))
+    mean.map_or_else(String::new, |mean| format!("random views: {}", percent(*mean)))
 }

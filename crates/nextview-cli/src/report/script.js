@@ -14,7 +14,8 @@
   const center = [0, 1, 2].map((k) => (low[k] + high[k]) / 2);
   const radius = Math.max(Math.hypot(high[0] - low[0], high[1] - low[1], high[2] - low[2]) / 2, 0.01);
   const FIELD = Math.tan(Math.PI / 10); // half of a field of view of 36 degrees
-  const reach = Math.max(radius, ...scene.views.map((v) => distance(v.position, center)));
+  const cameras = scene.views.length ? scene.views.map((v) => v.position) : scene.candidates;
+  const reach = Math.max(radius, ...cameras.map((p) => distance(p, center)));
   const start = { azimuth: -0.9, elevation: 0.35, range: 2 * reach / FIELD, lift: 0 };
   let eye;
 
@@ -65,19 +66,20 @@
 
   // Moves the start back and shifts it up or down until the points and all cameras fill the picture.
   function fit() {
-    eye = { ...start };
+    eye = start;
     const corners = [...Array(8).keys()].map((i) => [0, 1, 2].map((k) => scene.core[i >> k & 1][k]));
-    const all = corners.concat(scene.views.map((v) => v.position));
+    const all = corners.concat(cameras);
     for (let round = 0; round < 8; round++) {
       const { project } = lens();
       const xs = all.map((p) => project(p).x - canvas.width / 2);
       const ys = all.map((p) => project(p).y);
       const wide = 2 * Math.max(...xs.map(Math.abs)) / canvas.width;
       const high = (Math.max(...ys) - Math.min(...ys)) / canvas.height;
+      if (Math.max(wide, high) < 1e-3) break; // there is nothing to fill it with
       eye.lift += 0.5 - (Math.max(...ys) + Math.min(...ys)) / 2 / canvas.height;
-      eye.range *= Math.max(wide, high) / 0.82;
+      eye.range *= Math.max(wide, high) / 0.86;
     }
-    Object.assign(start, eye);
+    eye = { ...start };
   }
 
   function drawPoints({ rows, focal, x0, y0 }, shown, ratio) {
@@ -111,32 +113,40 @@
         }
       }
     }
-    shade(w, h, ratio);
+    shade(w, h, focal, ratio);
     layerCtx.putImageData(image, 0, 0);
   }
 
-  // Eye-dome lighting (Boucheny 2009): a pixel is darkened by how much nearer its neighbours are. It shows the
-  // shape of points that have no normals.
-  function shade(w, h, ratio) {
-    const step = Math.round(1.5 * ratio);
-    const strength = 14 * eye.range / (radius * step);
-    const around = [step, -step, step * w, -step * w];
+  // Points carry no normals; the depths of the pixels around give both the slope, lit from the upper left, and
+  // the edges, darkened by how much nearer the neighbours are (eye-dome lighting, Boucheny 2009).
+  function shade(w, h, focal, ratio) {
+    const step = Math.round(3 * ratio);
+    const edge = 0.5 * eye.range / radius;
     const data = image.data;
     for (let v = step; v < h - step; v++) {
       for (let at = v * w + step, last = (v + 1) * w - step; at < last; at++) {
         const own = depth[at];
         if (own === Infinity) continue;
-        let sum = 0;
-        for (let k = 0; k < 4; k++) {
-          const nearer = 1 - depth[at + around[k]] / own;
-          if (nearer > 0) sum += nearer;
+        const reach = own * step / focal;
+        const right = rise(at + step, own, reach) - rise(at - step, own, reach);
+        const up = rise(at - step * w, own, reach) - rise(at + step * w, own, reach);
+        const facing = (0.8 + 0.35 * (up - right) / 2) / Math.sqrt(1 + (right * right + up * up) / 4);
+        let hidden = 0;
+        for (const next of [depth[at + step], depth[at - step], depth[at + step * w], depth[at - step * w]]) {
+          if (next < own) hidden += 1 - next / own;
         }
-        const light = 0.35 + 0.65 * Math.exp(-0.25 * strength * sum);
+        const light = (0.45 + 0.7 * Math.max(facing, 0)) * Math.exp(-edge * hidden);
         data[4 * at] *= light;
         data[4 * at + 1] *= light;
         data[4 * at + 2] *= light;
       }
     }
+  }
+
+  // The slope towards a pixel; level where there is another surface or none.
+  function rise(at, own, reach) {
+    const slope = (depth[at] - own) / reach;
+    return Math.abs(slope) < 3 ? slope : 0;
   }
 
   function line(from, to, style, width, dash = []) {

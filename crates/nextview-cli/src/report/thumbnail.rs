@@ -13,7 +13,7 @@ const N_DEPTHS: usize = 253;
 const BEYOND: u8 = 253;
 const MISSING: u8 = 254;
 const MISSING_STRIPE: u8 = 255;
-const NO_DEPTH: [Rgb; 3] = [[255, 255, 255], [196, 200, 204], [120, 126, 132]];
+const NO_DEPTH: [Rgb; 3] = [[255, 255, 255], [168, 173, 178], [96, 102, 108]];
 
 /// The depths in metres that the colours span.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]

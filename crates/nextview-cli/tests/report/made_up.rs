@@ -114,7 +114,8 @@ fn step(
     }
 }
 
-/// Depth by sphere tracing; missing where the surface is seen at a flat angle, infinite where there is none.
+/// Depth by sphere tracing; missing where the surface is seen at a flat angle or is black (a belt around the
+/// vase), infinite where there is none.
 fn ray_depth(pose: Pose, ray: DVec3) -> f64 {
     let direction = pose.rotation() * ray;
     let mut t = 0.1;
@@ -124,7 +125,8 @@ fn ray_depth(pose: Pose, ray: DVec3) -> f64 {
         if d < 1e-5 {
             let gradient = |axis: DVec3| distance(point + 1e-4 * axis) - distance(point - 1e-4 * axis);
             let normal = DVec3::new(gradient(DVec3::X), gradient(DVec3::Y), gradient(DVec3::Z)).normalize();
-            return if normal.dot(direction.normalize()) < -0.12 { t } else { f64::NAN };
+            let black = (0.06..0.068).contains(&point.z);
+            return if normal.dot(direction.normalize()) < -0.12 && !black { t } else { f64::NAN };
         }
         t += 0.7 * d / direction.length();
     }

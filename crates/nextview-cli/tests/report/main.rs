@@ -75,7 +75,7 @@ fn a_scan_without_baselines_and_coverage_has_no_empty_parts() {
         step.coverage = None;
     }
     let page = render(&report);
-    assert!(page.contains("No coverage") && !page.contains("<svg"));
+    assert!(page.contains("Coverage is not known") && !page.contains("<svg"));
 }
 
 #[test]
