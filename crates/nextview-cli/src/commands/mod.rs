@@ -6,6 +6,8 @@ mod scan;
 mod values;
 mod views;
 
+pub(crate) use views::Rule;
+
 use crate::Failure;
 use clap::{Parser, Subcommand};
 

@@ -8,14 +8,14 @@ mod outcome;
 mod planner_name;
 mod results;
 
-pub(crate) use config::{Profile, ScanConfig};
+pub(crate) use config::{Profile, ScanConfig, UnitName, ViewSpaceName};
 pub(crate) use planner_name::PlannerName;
 
 use crate::Failure;
 use crate::files::{self, ResultFolder};
 use baselines::Baselines;
 use indicatif::{ProgressBar, ProgressStyle};
-use nextview::map::OccupancyMap;
+use nextview::geometry::Lattice;
 use nextview::session::{Session, SessionConfig, StopConfig};
 use nextview::view::ViewSpace;
 use nextview_sim::run::{self, Step};
@@ -23,6 +23,7 @@ use nextview_sim::scene::Scene;
 use nextview_sim::truth::ObjectVoxels;
 use object::Object;
 use outcome::Outcome;
+use results::Results;
 use std::path::{Path, PathBuf};
 
 /// Where the results go and how they are told.
@@ -34,6 +35,11 @@ pub(crate) struct Output {
     pub json: bool,
 }
 
+/// The folder for the results where none is named.
+pub(crate) fn default_dir(config: &ScanConfig) -> PathBuf {
+    PathBuf::from(format!("scan-{}-{}", object::short_name(&config.object), config.planner))
+}
+
 /// Scans the configured object and writes the results.
 pub(crate) fn scan(mut config: ScanConfig, output: &Output) -> Result<(), Failure> {
     let object = Object::load(&config)?;
@@ -41,41 +47,48 @@ pub(crate) fn scan(mut config: ScanConfig, output: &Output) -> Result<(), Failur
     let scene = Scene::new(object.mesh.clone(), config.camera)?;
     let views = view_space(&config, &scene)?;
     config.check_views(views.len())?;
+    let session_config = session_config(&config, &scene, voxel_size);
+    let block = session_config.block(&views)?;
     let folder = ResultFolder::begin(&output.dir)?;
     if !output.json {
         outcome::print_heading(&config, &object, &views);
     }
-
-    let session_config = session_config(&config, &scene, voxel_size);
-    // The random planner stands in until the real one, which may need the truth, is known to be wanted.
-    let block = session_config.block(&views)?;
-    let object_voxels = ObjectVoxels::new(scene.camera(), nextview::geometry::Lattice::new(voxel_size)?, block);
-    let baselines = if config.baselines || config.planner == PlannerName::Clairvoyant {
-        let bar = progress_bar(views.len() as u64, "looking from every view, for the baselines");
-        let baselines = Baselines::new(&scene, &object_voxels, &views, &config, || bar.inc(1))?;
-        bar.finish_and_clear();
-        Some(baselines)
-    } else {
-        None
-    };
-    let planner = config.planner.build(config.max_flow, config.seed, baselines.as_ref().map(|b| b.truth.clone()))?;
+    let object_voxels = ObjectVoxels::new(scene.camera(), Lattice::new(voxel_size)?, block);
+    let baselines = baselines(&config, &scene, &object_voxels, &views)?;
+    let truth = baselines.as_ref().map(|baselines| baselines.truth.clone());
+    let planner = config.planner.build(config.max_flow, config.seed, truth)?;
     let mut session = Session::new(session_config, config.camera, views, planner)?;
-
     let mut steps: Vec<Step> = Vec::new();
-    let bar = progress_bar(config.views as u64, "scanning");
     let stop_reason = run::run(&mut session, &scene, &object_voxels, |step| {
         if !output.json {
-            bar.suspend(|| outcome::print_step(&step, baselines.as_ref(), steps.is_empty()));
+            outcome::print_step(&step, baselines.as_ref());
         }
-        bar.inc(1);
         steps.push(step);
     })?;
-    bar.finish_and_clear();
-
-    let outcome = Outcome::new(&config, &object, &steps, stop_reason, baselines);
-    results::write(&folder, &config, &object, &scene, session.map(), session.views(), &steps, &outcome)?;
+    let outcome = Outcome::new(&config, &object, &steps, stop_reason, session.views().len(), baselines);
+    let bounds = session_config.bounds;
+    Results { config: &config, bounds, session: &session, steps: &steps, outcome: &outcome }.write(&folder)?;
     folder.publish()?;
     outcome.print(output)
+}
+
+/// The two bounds of every planner, if they are asked for or the planner is one of them.
+fn baselines(
+    config: &ScanConfig,
+    scene: &Scene,
+    object: &ObjectVoxels,
+    views: &ViewSpace,
+) -> Result<Option<Baselines>, Failure> {
+    if !config.baselines && config.planner != PlannerName::Clairvoyant {
+        return Ok(None);
+    }
+    let style = ProgressStyle::with_template("{msg} [{bar:30}] {pos}/{len}, {eta} left");
+    let bar = ProgressBar::new(views.len() as u64)
+        .with_style(style.expect("the template is well formed"))
+        .with_message("baselines: looking from every view");
+    let baselines = Baselines::new(scene, object, views, config, || bar.inc(1));
+    bar.finish_and_clear();
+    baselines.map(Some)
 }
 
 fn session_config(config: &ScanConfig, scene: &Scene, voxel_size: f64) -> SessionConfig {
@@ -101,10 +114,3 @@ fn view_space(config: &ScanConfig, scene: &Scene) -> Result<ViewSpace, Failure> 
         }
     }
 }
-
-fn progress_bar(n: u64, message: &'static str) -> ProgressBar {
-    let style = ProgressStyle::with_template("{msg} [{bar:30}] {pos}/{len} ({eta} left)");
-    ProgressBar::new(n).with_style(style.expect("the template is well formed")).with_message(message)
-}
-
-fn _unused(_: &OccupancyMap) {}

@@ -62,8 +62,8 @@ impl SessionConfig {
         }
     }
 
-    /// The voxels of the box, if everything is in range.
-    pub(super) fn check(&self, views: &ViewSpace) -> Result<VoxelBlock, Error> {
+    /// The voxels of the box, if the whole configuration is in range and fits these views.
+    pub fn block(&self, views: &ViewSpace) -> Result<VoxelBlock, Error> {
         if self.first_view >= views.len() {
             return Err(Error::invalid(
                 "first_view",

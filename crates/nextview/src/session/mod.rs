@@ -89,7 +89,7 @@ impl Session {
         views: ViewSpace,
         planner: Box<dyn ViewPlanner>,
     ) -> Result<Self, Error> {
-        let block = config.check(&views)?;
+        let block = config.block(&views)?;
         let map = OccupancyMap::new(Lattice::new(config.voxel_size)?, config.sensor_model)?;
         let (visited, history) = (Vec::new(), Vec::new());
         Ok(Self { config, intrinsics, views, planner, block, map, visited, history, pending: None })

@@ -1,0 +1,103 @@
+use super::values;
+use crate::Failure;
+use crate::scan::{self, Output, PlannerName, Profile, ScanConfig, UnitName, ViewSpaceName};
+use clap::{Args, ValueEnum};
+use std::path::PathBuf;
+
+/// Scan an object from the first view to the last, and write map, cloud, mesh and report.
+///
+/// The object is a mesh that a simulated depth camera looks at; the planner knows only the box it lies in and what
+/// the camera saw. Because the truth is known, the scan is measured: against random views and against a clairvoyant planner
+/// that knows the object (skill 0 and 1).
+#[derive(Debug, Args)]
+#[command(after_help = EXAMPLES)]
+pub(super) struct ScanArgs {
+    /// A mesh file (.ply, .obj, .stl, .off, .gltf, .glb) or builtin:NAME (teapot, mug, bracket, torus-knot) [default:
+    /// builtin:teapot]
+    model: Option<String>,
+    /// How to choose the next view [default: max-flow]
+    #[arg(long, value_enum)]
+    planner: Option<PlannerName>,
+    /// Most views to take [default: 10]
+    #[arg(long, value_name = "N")]
+    views: Option<usize>,
+    /// Number of view candidates [default: 1000; profile paper: 5000]
+    #[arg(long, value_name = "N")]
+    candidates: Option<usize>,
+    /// Number of the candidate to begin with [default: 0]
+    #[arg(long, value_name = "I")]
+    first_view: Option<usize>,
+    /// Edge of a voxel in metres [default: about a fortieth of the object; profile paper: 0.01]
+    #[arg(long, value_name = "M", value_parser = values::positive)]
+    voxel_size_m: Option<f64>,
+    /// Where candidates are: shell (the paper's), sphere, hemisphere, or a CSV file of poses [default: shell]
+    #[arg(long, value_name = "RULE|FILE")]
+    view_space: Option<String>,
+    /// Seed of the random shell and the random planner [default: 0]
+    #[arg(long, value_name = "S", value_parser = values::seed)]
+    seed: Option<u64>,
+    /// Named set of defaults [default: default]
+    #[arg(long, value_enum)]
+    profile: Option<Profile>,
+    /// Unit of the mesh file [default: auto]
+    #[arg(long, value_enum)]
+    unit: Option<UnitName>,
+    /// Scale the object so that its longest side has this length in metres
+    #[arg(long, value_name = "M", value_parser = values::positive)]
+    size_m: Option<f64>,
+    /// Whether to compute the random and clairvoyant curves and the skill [default: on]
+    #[arg(long, value_enum)]
+    baselines: Option<Switch>,
+    /// Configuration to start from, such as the config.toml of an earlier scan; options given here override it
+    #[arg(long, value_name = "FILE.toml")]
+    config: Option<PathBuf>,
+    /// Folder for the results [default: scan-OBJECT-PLANNER]
+    #[arg(long, value_name = "DIR")]
+    out: Option<PathBuf>,
+    /// Print one JSON object instead of text
+    #[arg(long)]
+    json: bool,
+}
+
+const EXAMPLES: &str = "\
+Examples:
+  nextview scan                                             the built-in teapot
+  nextview scan part.stl --unit mm --views 15 --out part    your own mesh
+  nextview scan bunny.ply --profile paper --json            the paper's protocol, as JSON
+  nextview scan --config part/config.toml                   the same scan again
+
+The folder holds config.toml (everything that decides the scan), steps.jsonl, views.csv (poses), map.ot and map.bt (OctoMap),
+cloud.ply, mesh.ply and report.html.";
+
+/// On or off.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+enum Switch {
+    On,
+    Off,
+}
+
+impl ScanArgs {
+    pub fn run(self) -> Result<(), Failure> {
+        let mut config = ScanConfig::load(self.profile, self.config.as_deref())?;
+        set(&mut config.object, self.model);
+        set(&mut config.planner, self.planner);
+        set(&mut config.views, self.views);
+        set(&mut config.candidates, self.candidates);
+        set(&mut config.first_view, self.first_view);
+        set(&mut config.view_space, self.view_space.map(ViewSpaceName));
+        set(&mut config.seed, self.seed);
+        set(&mut config.unit, self.unit);
+        set(&mut config.baselines, self.baselines.map(|switch| switch == Switch::On));
+        config.voxel_size_m = self.voxel_size_m.or(config.voxel_size_m);
+        config.size_m = self.size_m.or(config.size_m);
+        let dir = self.out.unwrap_or_else(|| scan::default_dir(&config));
+        scan::scan(config, &Output { dir, json: self.json })
+    }
+}
+
+/// An option that was given overrides the configuration.
+fn set<T>(field: &mut T, given: Option<T>) {
+    if let Some(value) = given {
+        *field = value;
+    }
+}

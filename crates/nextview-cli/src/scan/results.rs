@@ -1,0 +1,154 @@
+//! The files of a finished scan.
+
+use super::outcome::{Outcome, milliseconds, stop_phrase};
+use super::ScanConfig;
+use crate::Failure;
+use crate::files::ResultFolder;
+use crate::report::{self, ScanReport};
+use glam::DVec3;
+use nextview::geometry::{Aabb, Lattice};
+use nextview::map::OccupancyMap;
+use nextview::model::{DistanceField, downsample, write_mesh, write_points};
+use nextview::session::{Session, StepReport};
+use nextview_sim::run::Step;
+use rustc_hash::FxHashSet;
+use serde::Serialize;
+use std::io::Write;
+
+/// What is written.
+pub(super) struct Results<'a> {
+    pub config: &'a ScanConfig,
+    /// The box around the object.
+    pub bounds: Aabb,
+    pub session: &'a Session,
+    pub steps: &'a [Step],
+    pub outcome: &'a Outcome,
+}
+
+impl Results<'_> {
+    pub fn write(&self, folder: &ResultFolder) -> Result<(), Failure> {
+        let config = toml::to_string(self.config).map_err(Failure::data)?;
+        folder.write("config.toml", |w| Ok(w.write_all(config.as_bytes())?))?;
+        folder.write("steps.jsonl", |w| self.write_steps(w))?;
+        folder.write("views.csv", |w| self.write_views(w))?;
+        self.write_map(folder, self.session.map())?;
+        folder.write("cloud.ply", |w| Ok(write_points(w, &self.cloud())?))?;
+        folder.write("mesh.ply", |w| Ok(write_mesh(w, &self.surface()?.extract())?))?;
+        folder.write("report.html", |w| Ok(w.write_all(report::render(&self.report(&config)).as_bytes())?))
+    }
+
+    fn write_steps(&self, mut writer: impl Write) -> Result<(), Failure> {
+        for (i, step) in self.steps.iter().enumerate() {
+            let line = StepLine {
+                report: &step.report,
+                voxel_coverage: step.voxels.coverage(),
+                false_voxels: step.voxels.n_false,
+                surface_coverage_1mm: step.surface_coverage[0],
+                surface_coverage_2mm: step.surface_coverage[1],
+                surface_coverage_5mm: step.surface_coverage[2],
+                reachable_coverage: self.outcome.reachable_coverage_curve.as_ref().map(|curve| curve[i]),
+                path_length_m: step.path_length,
+                plan_time_ms: milliseconds(step.plan_time),
+                map_time_ms: milliseconds(step.map_time),
+            };
+            serde_json::to_writer(&mut writer, &line).map_err(Failure::data)?;
+            writeln!(writer)?;
+        }
+        Ok(())
+    }
+
+    fn write_views(&self, mut writer: impl Write) -> Result<(), Failure> {
+        writeln!(writer, "step,view,x_m,y_m,z_m,qx,qy,qz,qw")?;
+        for StepReport { step, view, world_from_camera, .. } in self.steps.iter().map(|step| step.report) {
+            let (t, q) = (world_from_camera.translation(), world_from_camera.rotation());
+            let view = view.unwrap_or_default();
+            writeln!(writer, "{step},{view},{},{},{},{},{},{},{}", t.x, t.y, t.z, q.x, q.y, q.z, q.w)?;
+        }
+        Ok(())
+    }
+
+    fn write_map(&self, folder: &ResultFolder, map: &OccupancyMap) -> Result<(), Failure> {
+        let octree = map.to_octree()?.pruned();
+        folder.write("map.ot", |w| Ok(octree.write_ot(w)?))?;
+        folder.write("map.bt", |w| Ok(octree.write_bt(w)?))
+    }
+
+    /// Size of the cells in which points and mesh are told apart: a quarter of a voxel, since the map's voxels are larger
+    /// than what the camera resolves, but no more than 200 along the box.
+    fn detail(&self) -> f64 {
+        let voxel_size = self.session.map().lattice().voxel_size();
+        (0.25 * voxel_size).max(self.bounds.longest_side() / 200.0)
+    }
+
+    fn cloud(&self) -> Vec<[f32; 3]> {
+        let points = self.steps.iter().flat_map(|step| step.frame.points());
+        let points = points.filter(|point| self.bounds.contains(*point));
+        downsample(points, self.detail()).into_iter().map(|p| p.as_vec3().to_array()).collect()
+    }
+
+    fn surface(&self) -> Result<DistanceField, Failure> {
+        let lattice = Lattice::new(self.detail())?;
+        let block = lattice.block_inside(&self.bounds).expect("the box holds many cells of a two-hundredth of it");
+        let mut field = DistanceField::new(lattice, block, 4.0 * self.detail())?;
+        self.steps.iter().for_each(|step| field.integrate(&step.frame));
+        Ok(field)
+    }
+
+    fn report(&self, config: &str) -> ScanReport {
+        let outcome = self.outcome;
+        let mut known = FxHashSet::default();
+        let mut path_before = 0.0;
+        let steps = self.steps.iter().enumerate().map(|(i, step)| {
+            let travel = step.path_length - std::mem::replace(&mut path_before, step.path_length);
+            let cell = |point: &DVec3| (*point / self.detail()).floor().as_ivec3();
+            let points = step.frame.points().filter(|point| self.bounds.contains(*point));
+            report::Step {
+                view: step.report.view.unwrap_or_default(),
+                world_from_camera: step.report.world_from_camera,
+                depth: step.frame.image().clone(),
+                points: points.filter(|point| known.insert(cell(point))).map(|point| point.as_vec3()).collect(),
+                coverage: outcome.reachable_coverage_curve.as_ref().map(|curve| curve[i]),
+                new_voxels: step.report.update.n_newly_occupied,
+                plan_time: step.plan_time.as_secs_f64(),
+                travel,
+                path: Vec::new(),
+            }
+        });
+        ScanReport {
+            steps: steps.collect(),
+            object: outcome.object.clone(),
+            planner: outcome.planner.to_string(),
+            profile: format!("{:?}", outcome.profile).to_lowercase(),
+            seed: outcome.seed,
+            stop_reason: stop_phrase(outcome.stop_reason).to_owned(),
+            summary: outcome.summary(),
+            random: outcome.baselines.as_ref().map(|b| report::RandomCurve {
+                mean: b.random.mean.clone(),
+                low: b.random.low.clone(),
+                high: b.random.high.clone(),
+                band: "5th to 95th percentile of 200 sequences".to_owned(),
+            }),
+            clairvoyant: outcome.baselines.as_ref().map(|b| b.clairvoyant.clone()),
+            candidates: self.session.views().poses().iter().map(|pose| pose.translation()).collect(),
+            camera: self.config.camera,
+            command: "nextview scan --config config.toml".to_owned(),
+            config: config.to_owned(),
+        }
+    }
+}
+
+/// One line of `steps.jsonl`.
+#[derive(Serialize)]
+struct StepLine<'a> {
+    #[serde(flatten)]
+    report: &'a StepReport,
+    voxel_coverage: f64,
+    false_voxels: usize,
+    surface_coverage_1mm: f64,
+    surface_coverage_2mm: f64,
+    surface_coverage_5mm: f64,
+    reachable_coverage: Option<f64>,
+    path_length_m: f64,
+    plan_time_ms: f64,
+    map_time_ms: f64,
+}
