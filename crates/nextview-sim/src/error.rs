@@ -21,7 +21,9 @@ pub enum SimError {
     #[error("is not a regular file; give the path of a mesh file")]
     NotAFile,
     /// The file name's extension names no format that can be read.
-    #[error("unknown mesh format {extension:?}, expected the extension .ply, .obj, .stl, .off, .gltf or .glb")]
+    #[error(
+        "unknown mesh format {extension:?}, expected the extension .ply, .obj, .stl, .off, .gltf or .glb"
+    )]
     UnknownFormat {
         /// The extension, without the dot; empty if there is none.
         extension: String,
@@ -35,7 +37,9 @@ pub enum SimError {
         problem: String,
     },
     /// A mesh without any face that has an area.
-    #[error("the mesh has no face with an area ({n_degenerate} degenerate faces), expected at least one triangle")]
+    #[error(
+        "the mesh has no face with an area ({n_degenerate} degenerate faces), expected at least one triangle"
+    )]
     NoFaces {
         /// Faces whose corners coincide or lie on one line.
         n_degenerate: usize,

@@ -2,6 +2,7 @@
 //!
 //! Start with [`SimulatedCamera`]. It is exact: no noise, no loss at silhouettes.
 
+mod draw_list;
 mod raster;
 mod room;
 mod samples;
@@ -10,6 +11,7 @@ mod tests;
 
 use crate::SimError;
 use crate::mesh::TriangleMesh;
+use draw_list::DrawList;
 use nextview::Error;
 use nextview::geometry::{Aabb, Pose};
 use nextview::sensor::{DepthImage, Frame, Intrinsics};
@@ -55,6 +57,7 @@ pub struct SimulatedCamera {
     intrinsics: Intrinsics,
     background: Background,
     range: f64,
+    list: Arc<DrawList>,
     grid: Arc<SampleGrid>,
 }
 
@@ -79,7 +82,8 @@ impl SimulatedCamera {
             let value = format!("{:?}", intrinsics.distortion());
             SimError::parameter("distortion", value, "a lens model that has an answer inside the image")
         })?;
-        Ok(Self { mesh, intrinsics, background, range: range_m, grid: Arc::new(grid) })
+        let (list, grid) = (DrawList::new(&mesh).into(), grid.into());
+        Ok(Self { mesh, intrinsics, background, range: range_m, list, grid })
     }
 
     /// The mesh the camera looks at.
@@ -104,7 +108,7 @@ impl SimulatedCamera {
     /// The pixels of [`capture`](Self::capture) as plain numbers, row by row: depth in metres, infinite where
     /// nothing comes back, NaN where the lens model has no answer.
     pub fn render_depth(&self, world_from_camera: &Pose) -> Result<Vec<f32>, Error> {
-        let mut nearest = raster::nearest_surfaces(&self.grid, &self.mesh, world_from_camera);
+        let mut nearest = raster::nearest_surfaces(&self.grid, &self.list, world_from_camera);
         if let Background::Room(room) = &self.background {
             room::add_walls(room, &self.grid, world_from_camera, &mut nearest)?;
         }

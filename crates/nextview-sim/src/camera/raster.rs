@@ -3,11 +3,10 @@
 //! always get opposite answers, and a point on a corner gets an exact zero; so no sample falls between
 //! neighbours, whatever is rounded.
 
+use super::draw_list::DrawList;
 use super::samples::{CellBox, SampleGrid};
 use glam::{DVec2, DVec3};
 use nextview::geometry::Pose;
-
-use crate::mesh::TriangleMesh;
 
 /// Surfaces nearer than this are not seen, metres.
 pub(super) const MIN_DEPTH: f64 = 1e-3;
@@ -21,15 +20,15 @@ struct Projected {
 }
 
 /// 1 / depth of the nearest surface at every sample, 0 where there is none.
-pub(super) fn nearest_surfaces(grid: &SampleGrid, mesh: &TriangleMesh, world_from_camera: &Pose) -> Vec<f64> {
+pub(super) fn nearest_surfaces(grid: &SampleGrid, list: &DrawList, world_from_camera: &Pose) -> Vec<f64> {
     let camera_from_world = world_from_camera.inverse();
     let (rotation, translation) = (camera_from_world.rotation_matrix(), camera_from_world.translation());
     let to_camera = |point: DVec3| rotation * point + translation;
     let (boxes, vertices): (Vec<CellBox>, Vec<Projected>) =
-        mesh.vertices().iter().map(|&v| project(grid, to_camera(v))).unzip();
+        list.vertices.iter().map(|&v| project(grid, to_camera(v))).unzip();
 
     let mut nearest = vec![0.0; grid.pixels().len()];
-    for triangle in mesh.triangles() {
+    for triangle in &list.triangles {
         let corner = triangle.map(|i| i as usize);
         let cells = CellBox::around(boxes[corner[0]], boxes[corner[1]], boxes[corner[2]]);
         if cells.is_empty() {
@@ -39,7 +38,7 @@ pub(super) fn nearest_surfaces(grid: &SampleGrid, mesh: &TriangleMesh, world_fro
         if seen.iter().all(|v| v.inverse_depth > 0.0) {
             draw(grid, &mut nearest, cells, &seen);
         } else {
-            draw_clipped(grid, &mut nearest, corner.map(|i| to_camera(mesh.vertices()[i])));
+            draw_clipped(grid, &mut nearest, corner.map(|i| to_camera(list.vertices[i])));
         }
     }
     nearest
@@ -68,11 +67,11 @@ fn draw(grid: &SampleGrid, nearest: &mut [f64], cells: CellBox, [a, b, c]: &[Pro
             let sample = DVec2::new(x, y);
             let (to_a, to_b, to_c) = (a.ideal - sample, b.ideal - sample, c.ideal - sample);
             let (at_a, at_b, at_c) = (to_b.perp_dot(to_c), to_c.perp_dot(to_a), to_a.perp_dot(to_b));
-            let is_inside =
-                (at_a >= 0.0 && at_b >= 0.0 && at_c >= 0.0) || (at_a <= 0.0 && at_b <= 0.0 && at_c <= 0.0);
+            let is_left = (at_a >= 0.0) & (at_b >= 0.0) & (at_c >= 0.0);
+            let is_right = (at_a <= 0.0) & (at_b <= 0.0) & (at_c <= 0.0);
             let sum = at_a + at_b + at_c;
-            // A triangle seen edge-on has no inside: its sum is 0.
-            if is_inside && sum != 0.0 {
+            // A triangle seen edge-on has no inside: its sum is 0. One branch, because none can be predicted.
+            if (is_left | is_right) & (sum != 0.0) {
                 let weighted = at_a * a.inverse_depth + at_b * b.inverse_depth + at_c * c.inverse_depth;
                 *nearest = nearest.max(weighted / sum);
             }

@@ -169,7 +169,11 @@ mod tests {
         let grid = SampleGrid::new(&camera).unwrap();
         assert!(grid.pixels().iter().enumerate().all(|(i, &pixel)| i as u32 == pixel));
         let between = |u: f64, v: f64| grid.box_of(camera.deproject(DVec2::new(u, v)).unwrap());
-        assert_eq!(between(10.3, 20.7), CellBox { first: [11, 21], end: [11, 21] }, "no sample between pixels");
+        assert_eq!(
+            between(10.3, 20.7),
+            CellBox { first: [11, 21], end: [11, 21] },
+            "no sample between pixels"
+        );
         assert_eq!(between(10.0, 20.0), CellBox { first: [10, 20], end: [11, 21] }, "a sample on the pixel");
         assert_eq!(between(-9.0, 99.0), CellBox { first: [0, 48], end: [0, 48] }, "beyond the border");
     }

@@ -140,7 +140,8 @@ fn ball(n: u32) -> TriangleMesh {
 fn cube(half: f64) -> TriangleMesh {
     let vertices = Aabb::cube(DVec3::ZERO, half).corners().to_vec();
     let quads = [[0, 1, 3, 2], [4, 5, 7, 6], [0, 1, 5, 4], [2, 3, 7, 6], [0, 2, 6, 4], [1, 3, 7, 5]];
-    TriangleMesh::new(vertices, quads.iter().flat_map(|&[a, b, c, d]| [[a, b, c], [a, c, d]]).collect()).unwrap()
+    TriangleMesh::new(vertices, quads.iter().flat_map(|&[a, b, c, d]| [[a, b, c], [a, c, d]]).collect())
+        .unwrap()
 }
 
 #[test]

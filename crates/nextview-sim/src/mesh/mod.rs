@@ -1,9 +1,23 @@
 //! Triangle meshes, the files they come in, and points on their surface.
 //!
-//! Start with [`TriangleMesh`].
+//! Start with [`TriangleMesh`], or with [`load`] for a file. The parsers are our own: they are short, name the line or
+//! byte where a file is broken, and never reserve memory on a header's word.
 
+mod file;
+mod gltf;
+mod obj;
+mod off;
+mod ply;
+mod raw;
 mod sample;
+mod stl;
+#[cfg(test)]
+mod tests;
+mod text;
 mod triangle_mesh;
+mod unit;
 
+pub use file::{FileMesh, load};
 pub use sample::sample_surface;
 pub use triangle_mesh::TriangleMesh;
+pub use unit::{Scaling, Unit, UnitSource};

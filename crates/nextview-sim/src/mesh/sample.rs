@@ -34,7 +34,8 @@ mod tests {
 
     #[test]
     fn points_lie_on_the_surface_in_proportion_to_area() {
-        let vertices = vec![DVec3::ZERO, DVec3::X, DVec3::Y, DVec3::Z, DVec3::new(3.0, 0.0, 1.0), DVec3::Y + DVec3::Z];
+        let vertices =
+            vec![DVec3::ZERO, DVec3::X, DVec3::Y, DVec3::Z, DVec3::new(3.0, 0.0, 1.0), DVec3::Y + DVec3::Z];
         let mesh = TriangleMesh::new(vertices, vec![[0, 1, 2], [3, 4, 5]]).unwrap();
         let points = sample_surface(&mesh, 10_000, 7);
         let upper = points.iter().filter(|p| p.z == 1.0).count();
