@@ -1,1 +1,16 @@
-//! Assignment of items to channels and sets.
+//! Assignment of items to sets: the largest total quality first, then as few sets as possible.
+//!
+//! The problem is a flow source → item → channel → set → sink in which each item is served once and nothing else is
+//! bounded. [`BestSets`] finds the largest total quality in one pass over the offers, with every set that can be
+//! part of it; [`fewest_sets`] then picks a small number of sets that still serve every item at its best.
+//!
+//! There is no flow network here: it would only be needed if channels or sets had limits. One, with a textbook
+//! min-cost-flow solver, stands in the tests as an oracle.
+
+mod best;
+mod cover;
+mod incidence;
+
+pub use best::BestSets;
+pub use cover::fewest_sets;
+pub use incidence::Incidence;
