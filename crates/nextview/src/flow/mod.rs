@@ -1,54 +1,16 @@
-//! stub
-/// stub
-#[derive(Clone)]
-pub struct BestSets {
-    q: Vec<f64>,
-    s: Vec<Vec<u32>>,
-}
-impl BestSets {
-    /// stub
-    pub fn new(n: usize, _: usize) -> Self {
-        Self { q: vec![0.; n], s: vec![vec![]; n] }
-    }
-    /// stub
-    #[inline]
-    pub fn offer(&mut self, i: usize, s: u32, q: f64) {
-        if q > self.q[i] {
-            self.q[i] = q;
-            self.s[i].clear();
-            self.s[i].push(s)
-        } else if q == self.q[i] && q > 0. {
-            if self.s[i].last() != Some(&s) {
-                self.s[i].push(s)
-            }
-        }
-    }
-    /// stub
-    pub fn merge(&mut self, o: Self) {
-        for i in 0..self.q.len() {
-            if o.q[i] > self.q[i] {
-                self.q[i] = o.q[i];
-                self.s[i] = o.s[i].clone()
-            } else if o.q[i] == self.q[i] {
-                self.s[i].extend(&o.s[i]);
-                self.s[i].sort();
-                self.s[i].dedup()
-            }
-        }
-    }
-    /// stub
-    pub fn n_served(&self) -> usize {
-        self.q.iter().filter(|&&q| q > 0.).count()
-    }
-    /// stub
-    pub fn total_quality(&self) -> f64 {
-        self.q.iter().sum()
-    }
-}
-/// stub
-pub fn fewest_sets(b: &BestSets) -> Vec<u32> {
-    let mut v: Vec<u32> = b.s.iter().filter_map(|s| s.first().copied()).collect();
-    v.sort();
-    v.dedup();
-    v
-}
+//! Assignment of items to sets: the largest total quality first, then as few sets as possible.
+//!
+//! The problem is a flow source → item → channel → set → sink in which each item is served once and nothing else is
+//! bounded. [`BestSets`] finds the largest total quality in one pass over the offers, with every set that can be
+//! part of it; [`fewest_sets`] then picks a small number of sets that still serve every item at its best.
+//!
+//! There is no flow network here: it would only be needed if channels or sets had limits. One, with a textbook
+//! min-cost-flow solver, stands in the tests as an oracle.
+
+mod best;
+mod cover;
+mod incidence;
+
+pub use best::BestSets;
+pub use cover::fewest_sets;
+pub use incidence::Incidence;
