@@ -60,9 +60,8 @@ impl From<nextview::Error> for Failure {
     fn from(error: nextview::Error) -> Self {
         match &error {
             nextview::Error::InvalidParameter { .. } => Self::usage(error),
-            nextview::Error::TooLarge { .. } => {
-                Self::usage(error).with_hint("use a larger --voxel-size-m, or allow more with memory_limit_mb in --config")
-            }
+            nextview::Error::TooLarge { .. } => Self::usage(error)
+                .with_hint("use a larger --voxel-size-m, or allow more with memory_limit_mb in --config"),
             _ => Self::data(error),
         }
     }

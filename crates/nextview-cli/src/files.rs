@@ -10,7 +10,9 @@ pub(crate) fn open(path: &Path) -> Result<BufReader<File>, Failure> {
     if path.is_dir() {
         return Err(Failure::data("is a folder, expected a file").in_file(path));
     }
-    File::open(path).map(BufReader::new).map_err(|e| Failure::data(format!("cannot be read: {e}")).in_file(path))
+    File::open(path)
+        .map(BufReader::new)
+        .map_err(|e| Failure::data(format!("cannot be read: {e}")).in_file(path))
 }
 
 /// Writes a file as a whole or not at all.
@@ -27,7 +29,10 @@ pub(crate) fn write(
     })
 }
 
-fn write_through(path: &Path, content: impl FnOnce(&mut BufWriter<File>) -> Result<(), Failure>) -> Result<(), Failure> {
+fn write_through(
+    path: &Path,
+    content: impl FnOnce(&mut BufWriter<File>) -> Result<(), Failure>,
+) -> Result<(), Failure> {
     let mut writer = BufWriter::new(File::create(path)?);
     content(&mut writer)?;
     writer.flush()?;
@@ -49,14 +54,18 @@ impl ResultFolder {
     /// Begins a folder; fails at once if it could not be written later.
     pub fn begin(target: &Path) -> Result<Self, Failure> {
         if target.exists() && !target.is_dir() {
-            return Err(Failure::data("exists and is no folder").in_file(target).with_hint("pass another --out"));
+            return Err(Failure::data("exists and is no folder")
+                .in_file(target)
+                .with_hint("pass another --out"));
         }
         let folder = Self { target: target.to_owned(), staging: beside(target) };
         fs::create_dir_all(&folder.staging).map_err(|e| unwritable(e.into(), target))?;
         if target.is_dir() {
             // A read-only folder is found out now, not after the scan.
             let probe = target.join(format!(".nextview-{}", std::process::id()));
-            File::create(&probe).and_then(|_| fs::remove_file(&probe)).map_err(|e| unwritable(e.into(), target))?;
+            File::create(&probe)
+                .and_then(|_| fs::remove_file(&probe))
+                .map_err(|e| unwritable(e.into(), target))?;
         }
         Ok(folder)
     }
@@ -72,7 +81,8 @@ impl ResultFolder {
 
     /// Shows the finished folder under its name; files of the same names that are there already are replaced.
     pub fn publish(self) -> Result<(), Failure> {
-        let moved = if self.target.exists() { self.move_files() } else { fs::rename(&self.staging, &self.target) };
+        let moved =
+            if self.target.exists() { self.move_files() } else { fs::rename(&self.staging, &self.target) };
         moved.map_err(|e| unwritable(e.into(), &self.target))
     }
 

@@ -38,7 +38,9 @@ fn next_clairvoyant(truth: &TrueVisibility, visited: &[usize]) -> Option<(usize,
     covered.clear();
     visited.iter().for_each(|&view| covered.union_with(truth.seen(view)));
     let n_new = |view: usize| truth.seen(view).difference_count(&covered);
-    let best = (0..truth.n_views()).map(|view| (view, n_new(view))).max_by_key(|&(view, n)| (n, std::cmp::Reverse(view)));
+    let best = (0..truth.n_views())
+        .map(|view| (view, n_new(view)))
+        .max_by_key(|&(view, n)| (n, std::cmp::Reverse(view)));
     best.filter(|&(_, n)| n > 0)
 }
 

@@ -37,7 +37,8 @@ impl ObjectVoxels {
     /// The object voxels of the camera's mesh within the block.
     pub fn new(camera: &SimulatedCamera, lattice: Lattice, block: VoxelBlock) -> Self {
         let face = lattice.voxel_size() * lattice.voxel_size();
-        let n_samples = (camera.mesh().area() / face * SAMPLES_PER_FACE).clamp(20_000.0, MAX_SAMPLES) as usize;
+        let n_samples =
+            (camera.mesh().area() / face * SAMPLES_PER_FACE).clamp(20_000.0, MAX_SAMPLES) as usize;
         let mut number = vec![NO_OBJECT; block.n_voxels()];
         for point in sample_surface(camera.mesh(), n_samples, SEED) {
             if let Some(index) = block.index(lattice.key(point)) {

@@ -1,10 +1,10 @@
 use super::values;
 use crate::{Failure, files};
 use clap::{Args, Subcommand};
+use glam::{DVec3, IVec3};
 use nextview::geometry::{Aabb, Lattice, VoxelBlock};
 use nextview::map::octree::TreeKind;
 use nextview::map::{LogOdds, Octree, entropy};
-use glam::{DVec3, IVec3};
 use serde::Serialize;
 use std::f64::consts::LN_2;
 use std::io::Write;
@@ -99,7 +99,8 @@ impl Info {
     fn new(octree: &Octree, cube: Option<&Aabb>) -> Result<Self, Failure> {
         let lattice = Lattice::new(octree.voxel_size())?;
         let block = cube.map(|cube| {
-            let none = || Failure::usage("--box holds no voxel centre, expected a cube of at least one voxel");
+            let none =
+                || Failure::usage("--box holds no voxel centre, expected a cube of at least one voxel");
             lattice.block_inside(cube).ok_or_else(none)
         });
         let block = block.transpose()?;
@@ -191,7 +192,9 @@ impl ConvertArgs {
                 let points = occupied_centers(&octree)?;
                 files::write(&self.to, |writer| Ok(nextview::model::write_points(writer, &points)?))
             }
-            other => Err(Failure::usage(format!("cannot write '.{other}', expected a file name in .ot, .bt or .ply"))),
+            other => Err(Failure::usage(format!(
+                "cannot write '.{other}', expected a file name in .ot, .bt or .ply"
+            ))),
         }
     }
 }

@@ -60,11 +60,15 @@ impl PlanArgs {
             .map_err(|e| Failure::from(e).in_file(&self.map))?;
         let bounds = self.cube.map_or_else(|| self.box_around(&map), Ok)?;
         let block = map.lattice().block_inside(&bounds);
-        let block = block.ok_or_else(|| Failure::usage("--box holds no voxel centre, expected at least one voxel"))?;
+        let block = block
+            .ok_or_else(|| Failure::usage("--box holds no voxel centre, expected at least one voxel"))?;
         let views = ViewSpace::read_csv(files::open(&self.views)?, bounds.center())
             .map_err(|e| Failure::from(e).in_file(&self.views))?;
         if let Some(view) = self.visited.iter().find(|view| **view >= views.len()) {
-            return Err(Failure::usage(format!("--visited names view {view}, expected 0 to {}", views.len() - 1)));
+            return Err(Failure::usage(format!(
+                "--visited names view {view}, expected 0 to {}",
+                views.len() - 1
+            )));
         }
         let planner = self.planner.without_truth(MaxFlowConfig::default(), self.seed)?;
         let plan = planner.plan(&Situation {

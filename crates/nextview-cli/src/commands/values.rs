@@ -11,7 +11,8 @@ pub(super) fn positive(text: &str) -> Result<f64, String> {
 
 /// A seed: up to 2^63 - 1, the largest integer that a TOML file can hold.
 pub(super) fn seed(text: &str) -> Result<u64, String> {
-    let value: i64 = text.parse().map_err(|_| format!("'{text}' is not a whole number from 0 to {}", i64::MAX))?;
+    let value: i64 =
+        text.parse().map_err(|_| format!("'{text}' is not a whole number from 0 to {}", i64::MAX))?;
     u64::try_from(value).map_err(|_| format!("{text} is negative"))
 }
 

@@ -10,7 +10,9 @@ use std::path::PathBuf;
 /// Columns: x_m, y_m, z_m, qx, qy, qz, qw, the pose of the camera in the world (world_from_camera, quaternion with the
 /// scalar last). All look at the centre, with a level horizon.
 #[derive(Debug, Args)]
-#[command(after_help = "Example:\n  nextview views --rule hemisphere --center 0,0,0.05 --size-m 0.1 --count 200 > views.csv")]
+#[command(
+    after_help = "Example:\n  nextview views --rule hemisphere --center 0,0,0.05 --size-m 0.1 --count 200 > views.csv"
+)]
 pub(super) struct ViewsArgs {
     /// Where the cameras stand
     #[arg(long, value_enum, default_value = "shell")]

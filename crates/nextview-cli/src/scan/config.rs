@@ -150,7 +150,8 @@ impl ScanConfig {
         if let Some(profile) = profile {
             file.insert("profile".to_owned(), toml::Value::try_from(profile).map_err(Failure::data)?);
         }
-        let named = file.get("profile").cloned().map(|value| value.try_into::<Profile>().map_err(bad)).transpose()?;
+        let named =
+            file.get("profile").cloned().map(|value| value.try_into::<Profile>().map_err(bad)).transpose()?;
         let base = Self::of_profile(named.unwrap_or(Profile::Default));
         let base = toml::Table::try_from(&base).map_err(Failure::data)?;
         merged(base, file).try_into().map_err(bad)
@@ -163,7 +164,10 @@ impl ScanConfig {
             return Err(Failure::usage(format!("--first-view is {first}, expected 0 to {last}")));
         }
         if self.views == 0 || self.views > n_views {
-            return Err(Failure::usage(format!("--views is {}, expected 1 to {n_views} (the candidates)", self.views)));
+            return Err(Failure::usage(format!(
+                "--views is {}, expected 1 to {n_views} (the candidates)",
+                self.views
+            )));
         }
         Ok(())
     }
@@ -189,7 +193,8 @@ mod tests {
     use super::*;
 
     fn load(text: &str) -> Result<ScanConfig, String> {
-        let path = std::env::temp_dir().join(format!("nextview-config-{:?}.toml", std::thread::current().id()));
+        let path =
+            std::env::temp_dir().join(format!("nextview-config-{:?}.toml", std::thread::current().id()));
         std::fs::write(&path, text).unwrap();
         let config = ScanConfig::load(None, Some(&path));
         std::fs::remove_file(&path).unwrap();

@@ -67,7 +67,8 @@ pub(crate) fn scan(mut config: ScanConfig, output: &Output) -> Result<(), Failur
     })?;
     let outcome = Outcome::new(&config, &object, &steps, stop_reason, session.views().len(), baselines);
     let bounds = session_config.bounds;
-    Results { config: &config, bounds, session: &session, steps: &steps, outcome: &outcome }.write(&folder)?;
+    Results { config: &config, bounds, session: &session, steps: &steps, outcome: &outcome }
+        .write(&folder)?;
     folder.publish()?;
     outcome.print(output)
 }

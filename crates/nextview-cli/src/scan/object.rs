@@ -1,6 +1,6 @@
 use super::ScanConfig;
 use crate::Failure;
-use nextview_sim::mesh::TriangleMesh;
+use nextview_sim::mesh::{TriangleMesh, Unit, UnitSource};
 use nextview_sim::{builtin, mesh};
 use std::path::Path;
 
@@ -15,24 +15,27 @@ pub(super) struct Object {
 
 impl Object {
     pub fn load(config: &ScanConfig) -> Result<Self, Failure> {
-        let object = match config.object.strip_prefix("builtin:") {
-            Some(name) => Self::builtin(name)?,
-            None => Self::file(Path::new(&config.object), config)?,
-        };
-        Ok(object)
+        match config.object.strip_prefix("builtin:") {
+            Some(name) => Self::builtin(name, config),
+            None => Self::file(Path::new(&config.object), config),
+        }
     }
 
-    fn builtin(name: &str) -> Result<Self, Failure> {
+    fn builtin(name: &str, config: &ScanConfig) -> Result<Self, Failure> {
         let mesh = builtin::by_name(name).ok_or_else(|| {
             let known = builtin::names().join(", ");
             Failure::usage(format!("no built-in object '{name}'")).with_hint(format!("known: {known}"))
         })?;
-        Ok(Self { name: name.to_owned(), mesh, note: None })
+        let scale = config.size_m.map_or(1.0, |size| size / mesh.bounds().longest_side());
+        Ok(Self { name: name.to_owned(), mesh: mesh.scaled(scale)?, note: None })
     }
 
     fn file(path: &Path, config: &ScanConfig) -> Result<Self, Failure> {
-        let _ = (path, config, mesh::load);
-        unreachable!()
+        let unit = config.size_m.map_or(config.unit.into(), Unit::LongestSide);
+        let (mesh, scaling) = mesh::load(path)?.to_metres(unit)?;
+        let note =
+            (scaling.source == UnitSource::Guessed).then(|| format!("note: {scaling}; say so with --unit"));
+        Ok(Self { name: short_name(&config.object), mesh, note })
     }
 
     /// About a fortieth of the object's longest side: 1, 2 or 5 times a power of ten, the nearest in ratio.
@@ -45,4 +48,10 @@ impl Object {
         // Through text, so that 0.005 is the number a user would write.
         format!("{:.0e}", nearest.unwrap_or(wanted)).parse().unwrap_or(wanted)
     }
+}
+
+/// The object's name without `builtin:`, folders and extension.
+pub(super) fn short_name(object: &str) -> String {
+    let name = object.strip_prefix("builtin:").unwrap_or(object);
+    Path::new(name).file_stem().unwrap_or_default().to_string_lossy().into_owned()
 }

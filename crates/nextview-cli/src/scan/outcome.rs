@@ -65,7 +65,8 @@ impl Outcome {
         let curve: Option<Vec<f64>> =
             baselines.as_ref().map(|b| steps.iter().map(|step| b.reachable_coverage(step)).collect());
         let full_curve = curve.clone().map(|curve| extended(curve, config.views));
-        let skill = full_curve.zip(baselines.as_ref()).and_then(|(c, b)| skill(&c, &b.random.mean, &b.clairvoyant));
+        let skill =
+            full_curve.zip(baselines.as_ref()).and_then(|(c, b)| skill(&c, &b.random.mean, &b.clairvoyant));
         Self {
             object: object.name.clone(),
             planner: config.planner,
@@ -120,7 +121,10 @@ impl Outcome {
         rows.push(("surface within 2 mm", last(&self.surface_coverage_2mm)));
         rows.push(("surface within 5 mm", last(&self.surface_coverage_5mm)));
         rows.push(("path length", format!("{:.2} m", self.path_length_m)));
-        rows.push(("planning time", format!("{:.1} ms a view (median)", median(&self.plan_time_ms[1.min(self.views)..]))));
+        rows.push((
+            "planning time",
+            format!("{:.1} ms a view (median)", median(&self.plan_time_ms[1.min(self.views)..])),
+        ));
         rows.push(("map update", format!("{:.1} ms a view (median)", median(&self.map_time_ms))));
         if let Some(time) = self.baseline_time_ms {
             rows.push(("baselines took", format!("{:.1} s, apart from the scan", time / 1000.0)));
@@ -154,7 +158,14 @@ impl Baselines {
 pub(super) fn print_heading(config: &ScanConfig, object: &Object, views: &ViewSpace) {
     let size = object.mesh.bounds().size() * 1e3;
     let voxel_mm = config.voxel_size_m.unwrap_or_default() * 1e3;
-    println!("{}: {:.0} x {:.0} x {:.0} mm, {} triangles", object.name, size.x, size.y, size.z, object.mesh.triangles().len());
+    println!(
+        "{}: {:.0} x {:.0} x {:.0} mm, {} triangles",
+        object.name,
+        size.x,
+        size.y,
+        size.z,
+        object.mesh.triangles().len()
+    );
     object.note.iter().for_each(|note| println!("{note}"));
     println!(
         "planner {}, profile {:?}, {} candidate views, voxels of {voxel_mm} mm\n",
@@ -162,7 +173,10 @@ pub(super) fn print_heading(config: &ScanConfig, object: &Object, views: &ViewSp
         config.profile,
         views.len()
     );
-    println!("{:>4}  {:>6}  {:>9}  {:>9}  {:>10}  {:>8}  {:>7}", "step", "view", "seen", "surface", "new voxels", "planning", "path");
+    println!(
+        "{:>4}  {:>6}  {:>9}  {:>9}  {:>10}  {:>8}  {:>7}",
+        "step", "view", "seen", "surface", "new voxels", "planning", "path"
+    );
 }
 
 pub(super) fn print_step(step: &Step, baselines: Option<&Baselines>) {

@@ -47,10 +47,10 @@ impl PlannerName {
             Self::MaxFlow => Ok(Box::new(MaxFlow::new(max_flow)?)),
             Self::Local => Ok(Box::new(MaxFlow::new(MaxFlowConfig { gamma: 0.0, ..max_flow })?)),
             Self::Random => Ok(Box::new(RandomViews { seed })),
-            Self::Clairvoyant => {
-                Err(Failure::usage("the clairvoyant planner needs the true object, which only a simulation knows")
-                    .with_hint("use it with `nextview scan`"))
-            }
+            Self::Clairvoyant => Err(Failure::usage(
+                "the clairvoyant planner needs the true object, which only a simulation knows",
+            )
+            .with_hint("use it with `nextview scan`")),
         }
     }
 }

@@ -1,7 +1,7 @@
 //! The files of a finished scan.
 
-use super::outcome::{Outcome, milliseconds, stop_phrase};
 use super::ScanConfig;
+use super::outcome::{Outcome, milliseconds, stop_phrase};
 use crate::Failure;
 use crate::files::ResultFolder;
 use crate::report::{self, ScanReport};
@@ -88,7 +88,8 @@ impl Results<'_> {
 
     fn surface(&self) -> Result<DistanceField, Failure> {
         let lattice = Lattice::new(self.detail())?;
-        let block = lattice.block_inside(&self.bounds).expect("the box holds many cells of a two-hundredth of it");
+        let block =
+            lattice.block_inside(&self.bounds).expect("the box holds many cells of a two-hundredth of it");
         let mut field = DistanceField::new(lattice, block, 4.0 * self.detail())?;
         self.steps.iter().for_each(|step| field.integrate(&step.frame));
         Ok(field)
@@ -106,7 +107,10 @@ impl Results<'_> {
                 view: step.report.view.unwrap_or_default(),
                 world_from_camera: step.report.world_from_camera,
                 depth: step.frame.image().clone(),
-                points: points.filter(|point| known.insert(cell(point))).map(|point| point.as_vec3()).collect(),
+                points: points
+                    .filter(|point| known.insert(cell(point)))
+                    .map(|point| point.as_vec3())
+                    .collect(),
                 coverage: outcome.reachable_coverage_curve.as_ref().map(|curve| curve[i]),
                 new_voxels: step.report.update.n_newly_occupied,
                 plan_time: step.plan_time.as_secs_f64(),

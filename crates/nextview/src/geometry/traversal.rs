@@ -23,24 +23,90 @@ use glam::{DVec3, IVec3};
 pub struct SegmentWalk {
     key: VoxelKey,
     step: IVec3,
-    from: DVec3,
-    inverse: DVec3,
-    /// Where the next border of each axis is crossed, in lengths of the direction; infinite once the axis is done.
-    t_next: [f64; 3],
-    /// Steps still to go along each axis, up to the segment's end or the last voxel of the block.
-    remaining: [u32; 3],
+    // Three fields rather than an array: indexed by a number known only at run time, the walk's state would live in
+    // memory and a step would cost three times as much.
+    x: Axis,
+    y: Axis,
+    z: Axis,
+}
+
+/// The progress of a walk along one axis. Positions along the walk are measured in lengths of its direction.
+#[derive(Clone, Copy, Debug)]
+struct Axis {
+    /// Where the next border is crossed; infinite once the axis is done.
+    t_next: f64,
+    /// Where the first border is crossed, and how far apart they are.
+    t_first: f64,
+    t_delta: f64,
+    /// Steps made so far, and to make in all, up to the segment's end or the last voxel of the block.
+    n: f64,
+    n_end: f64,
     /// Whether the axis is done after them, rather than the walk at the next crossing.
-    then_done: [bool; 3],
+    then_done: bool,
+}
+
+impl Axis {
+    fn new(from: f64, direction: f64, n_end: f64) -> Self {
+        let inverse = 1.0 / direction;
+        let border = if direction > 0.0 { from.floor() + 1.0 } else { from.floor() };
+        let (t_first, t_delta) = ((border - from) * inverse, inverse.abs());
+        let mut axis = Self { t_next: 0.0, t_first, t_delta, n: 0.0, n_end, then_done: n_end.is_finite() };
+        axis.find_next();
+        axis
+    }
+
+    /// Where the border after `n` steps is crossed: computed anew for each, so that rounding does not add up.
+    #[inline(always)]
+    fn crossing(&self, n: f64) -> f64 {
+        self.t_first + n * self.t_delta
+    }
+
+    #[inline(always)]
+    fn find_next(&mut self) {
+        let done = self.n >= self.n_end && self.then_done;
+        self.t_next = if done { f64::INFINITY } else { self.crossing(self.n) };
+    }
+
+    /// Makes a step; false at the end of the walk.
+    #[inline(always)]
+    fn advance(&mut self) -> bool {
+        let goes_on = self.n < self.n_end;
+        self.n += goes_on as i32 as f64;
+        self.find_next();
+        goes_on
+    }
+
+    /// Makes all steps that come before `t`, and at `t` if `also_at`; tells how many.
+    fn skip_to(&mut self, t: f64, also_at: bool) -> i32 {
+        let crossed = |axis: &Self, n: f64| axis.crossing(n) < t || (also_at && axis.crossing(n) == t);
+        let mut n = ((t - self.t_first) / self.t_delta).ceil().clamp(0.0, self.n_end);
+        if n.is_nan() {
+            n = 0.0; // parallel to the borders
+        }
+        while n > 0.0 && !crossed(self, n - 1.0) {
+            n -= 1.0;
+        }
+        while n < self.n_end && crossed(self, n) {
+            n += 1.0;
+        }
+        self.n = n;
+        n as i32
+    }
+
+    /// Ends the walk after `room` more steps, unless the axis is done before.
+    fn end_after(&mut self, room: i32) {
+        if self.n + (room as f64) < self.n_end {
+            (self.n_end, self.then_done) = (self.n + room as f64, false);
+        }
+        self.find_next();
+    }
 }
 
 impl SegmentWalk {
     /// The walk between two positions in units of voxels.
     pub fn new(from: DVec3, to: DVec3) -> Self {
-        let n_steps = (to.floor().as_ivec3() - from.floor().as_ivec3()).abs().to_array();
-        let mut walk = Self::start(from, to - from);
-        walk.remaining = n_steps.map(|n| n as u32);
-        walk.find_next();
-        walk
+        let n_steps = (to.floor() - from.floor()).abs();
+        Self::with_steps(from, to - from, n_steps)
     }
 
     /// The part of the walk between two positions that lies in the block from voxel `min` to voxel `max`, both
@@ -51,86 +117,42 @@ impl SegmentWalk {
 
     /// The same for the endless ray from a position along a direction.
     pub fn ray_within(from: DVec3, direction: DVec3, min: VoxelKey, max: VoxelKey) -> Option<Self> {
-        let mut walk = Self::start(from, direction);
-        for axis in 0..3 {
-            (walk.remaining[axis], walk.then_done[axis]) =
-                if direction[axis] == 0.0 { (0, true) } else { (u32::MAX, false) };
-        }
-        walk.find_next();
-        walk.enter(min, max)
+        let n_steps = DVec3::select(direction.cmpeq(DVec3::ZERO), DVec3::ZERO, DVec3::INFINITY);
+        Self::with_steps(from, direction, n_steps).enter(min, max)
     }
 
-    fn start(from: DVec3, direction: DVec3) -> Self {
+    fn with_steps(from: DVec3, direction: DVec3, n_steps: DVec3) -> Self {
         let step = IVec3::from_array(direction.to_array().map(|d| (d > 0.0) as i32 - (d < 0.0) as i32));
-        let (key, inverse) = (from.floor().as_ivec3(), 1.0 / direction);
-        Self { key, step, from, inverse, t_next: [0.0; 3], remaining: [0; 3], then_done: [true; 3] }
-    }
-
-    /// Where the border between the voxel after `n` more steps and the one after that is crossed.
-    fn crossing(&self, axis: usize, n: u32) -> f64 {
-        let steps = self.step[axis] as f64 * n as f64 + (self.step[axis] > 0) as i32 as f64;
-        (self.key[axis] as f64 + steps - self.from[axis]) * self.inverse[axis]
-    }
-
-    fn find_next(&mut self) {
-        for axis in 0..3 {
-            let done = self.remaining[axis] == 0 && self.then_done[axis];
-            self.t_next[axis] = if done { f64::INFINITY } else { self.crossing(axis, 0) };
-        }
+        let axis = |i: usize| Axis::new(from[i], direction[i], n_steps[i]);
+        Self { key: from.floor().as_ivec3(), step, x: axis(0), y: axis(1), z: axis(2) }
     }
 
     /// Skips to the first voxel in the block and ends the walk at the last.
     fn enter(mut self, min: VoxelKey, max: VoxelKey) -> Option<Self> {
+        let mut axes = [self.x, self.y, self.z];
         // The last crossing that brings the walk into the block's slabs.
         let mut last: Option<(f64, usize)> = None;
-        for axis in 0..3 {
-            let key = self.key[axis];
-            let short = if self.step[axis] < 0 { key - max[axis] } else { min[axis] - key };
-            if short > 0 && self.remaining[axis] < short as u32 {
-                return None;
-            }
+        for (i, axis) in axes.iter().enumerate() {
+            let short = if self.step[i] < 0 { self.key[i] - max[i] } else { min[i] - self.key[i] };
             if short > 0 {
-                let t = self.crossing(axis, short as u32 - 1);
-                last = if last.is_none_or(|(t_last, _)| t >= t_last) { Some((t, axis)) } else { last };
+                if axis.n_end < short as f64 {
+                    return None;
+                }
+                let t = axis.crossing(short as f64 - 1.0);
+                last = if last.is_none_or(|(t_last, _)| t >= t_last) { Some((t, i)) } else { last };
             }
         }
-        if let Some((t, axis)) = last {
-            (0..3).for_each(|other| self.skip(other, t, other <= axis));
-        }
-        for axis in 0..3 {
-            if self.key[axis] < min[axis] || self.key[axis] > max[axis] {
+        for (i, axis) in axes.iter_mut().enumerate() {
+            if let Some((t, entering)) = last {
+                self.key[i] += self.step[i] * axis.skip_to(t, i <= entering);
+            }
+            if self.key[i] < min[i] || self.key[i] > max[i] {
                 return None;
             }
-            let room =
-                if self.step[axis] < 0 { self.key[axis] - min[axis] } else { max[axis] - self.key[axis] }
-                    as u32;
-            if room < self.remaining[axis] {
-                (self.remaining[axis], self.then_done[axis]) = (room, false);
-            }
+            axis.end_after(if self.step[i] < 0 { self.key[i] - min[i] } else { max[i] - self.key[i] });
         }
-        self.find_next();
+        [self.x, self.y, self.z] = axes;
         Some(self)
-    }
-
-    /// Makes all steps along an axis that come before `t`, and at `t` if `also_at`.
-    fn skip(&mut self, axis: usize, t: f64, also_at: bool) {
-        let crossed = |walk: &Self, n: u32| {
-            let at = walk.crossing(axis, n);
-            at < t || (at == t && also_at)
-        };
-        let direction = 1.0 / self.inverse[axis];
-        let reached = (self.from[axis] + direction * t).floor() - self.key[axis] as f64;
-        let mut n = (reached.abs().min(u32::MAX as f64) as u32).min(self.remaining[axis]);
-        while n > 0 && !crossed(self, n - 1) {
-            n -= 1;
-        }
-        while n < self.remaining[axis] && crossed(self, n) {
-            n += 1;
-        }
-        self.key[axis] += self.step[axis] * n as i32;
-        if self.remaining[axis] != u32::MAX {
-            self.remaining[axis] -= n;
-        }
     }
 
     /// The voxel the walk is in.
@@ -144,24 +166,19 @@ impl SegmentWalk {
     }
 
     /// Goes to the next voxel and tells the axis it moved along; none at the end.
-    #[inline]
+    #[inline(always)]
     pub fn advance(&mut self) -> Option<usize> {
-        let [x, y, z] = self.t_next;
-        let axis = if x <= y && x <= z {
-            0
+        let (x, y, z) = (self.x.t_next, self.y.t_next, self.z.t_next);
+        if x <= y && x <= z {
+            self.key.x += self.step.x;
+            self.x.advance().then_some(0)
         } else if y <= z {
-            1
+            self.key.y += self.step.y;
+            self.y.advance().then_some(1)
         } else {
-            2
-        };
-        if self.remaining[axis] == 0 {
-            return None;
+            self.key.z += self.step.z;
+            self.z.advance().then_some(2)
         }
-        self.remaining[axis] -= 1;
-        self.key[axis] += self.step[axis];
-        let done = self.remaining[axis] == 0 && self.then_done[axis];
-        self.t_next[axis] = if done { f64::INFINITY } else { self.crossing(axis, 0) };
-        Some(axis)
     }
 }
 

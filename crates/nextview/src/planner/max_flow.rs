@@ -47,7 +47,7 @@ impl ViewPlanner for MaxFlow {
     fn plan(&self, situation: &Situation<'_>) -> Plan {
         let gain = LocalGain::new(situation.snapshot);
         let (local, best) = self.survey(situation, &gain); // eqs. (1) to (3)
-        let optimal_views = fewest_sets(&best);
+        let optimal_views = fewest_sets(best.candidates());
         let past = situation.history.iter().map(Vec::as_slice);
         let flow = flow_gain(past.chain([optimal_views.as_slice()]), local.len()); // eqs. (4), (5)
         Plan {

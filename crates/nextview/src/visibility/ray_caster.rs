@@ -1,7 +1,7 @@
 use super::{Crossing, Ray, RayEnd, RayGrid};
 use crate::Error;
 use crate::geometry::{Aabb, Pose, SegmentWalk};
-use crate::map::{Occupancy, Snapshot};
+use crate::map::Snapshot;
 use crate::sensor::Intrinsics;
 use glam::DVec3;
 
@@ -77,14 +77,16 @@ impl<'a> RayCaster<'a> {
         let steps: [isize; 3] =
             std::array::from_fn(|axis| strides[axis] as isize * walk.step()[axis] as isize);
         let mut voxel = block.index(walk.key())?;
+        let transmission = self.snapshot.transmission();
         let mut visibility = 1.0_f32;
         loop {
             let crossing = Crossing { voxel: voxel as u32, visibility };
-            if self.snapshot.occupancy()[voxel] == Occupancy::Occupied {
+            let transmission = transmission[voxel];
+            if transmission == 0.0 {
                 return Some(RayEnd::Occupied(crossing));
             }
             crossings.push(crossing);
-            visibility *= 1.0 - self.snapshot.probability()[voxel];
+            visibility *= transmission;
             if visibility < Self::FADED {
                 return Some(RayEnd::Faded);
             }
@@ -98,7 +100,7 @@ impl<'a> RayCaster<'a> {
 mod tests {
     use super::*;
     use crate::geometry::{Lattice, VoxelBlock};
-    use crate::map::LogOdds;
+    use crate::map::{LogOdds, Occupancy};
     use crate::sensor::Distortion;
     use crate::view::look_at;
     use crate::visibility::NO_VOXEL_MISSED;
