@@ -2,26 +2,17 @@
 
 #![allow(clippy::unwrap_used, reason = "clippy exempts the test functions, but not their helpers")]
 
+mod common;
+
+use common::data_folder;
 use glam::{DVec3, IVec3};
 use nextview::geometry::{Aabb, Lattice, VoxelKey};
 use nextview::map::octree::{Octree, TreeKind};
 use nextview::map::{LogOdds, entropy};
-use std::path::PathBuf;
-
-/// The folder with the authors' maps; none, with a word on stderr, if it is not there.
-fn authors_folder(test: &str) -> Option<PathBuf> {
-    let default = || concat!(env!("CARGO_MANIFEST_DIR"), "/../../../shared/data").into();
-    let folder = std::env::var_os("NEXTVIEW_DATA").map_or_else(default, PathBuf::from).join("authors");
-    if !folder.is_dir() {
-        eprintln!("SKIPPED {test}: no data, NEXTVIEW_DATA should name a folder with authors/");
-        return None;
-    }
-    Some(folder)
-}
 
 #[test]
 fn authors_maps_come_back_byte_for_byte() {
-    let Some(folder) = authors_folder("authors_maps_come_back_byte_for_byte") else { return };
+    let Some(folder) = data_folder("authors_maps_come_back_byte_for_byte", "authors") else { return };
     let maps = (0..10).map(|i| format!("octomap{i}.ot"));
     let truth = ["ground_truth_1cm.ot", "ground_truth_2mm.ot"].map(String::from);
     for name in maps.chain(truth) {
@@ -43,7 +34,9 @@ const ENTROPY: [f64; 10] =
 
 #[test]
 fn keys_and_log_odds_mean_what_they_mean_to_the_authors() {
-    let Some(folder) = authors_folder("keys_and_log_odds_mean_what_they_mean_to_the_authors") else { return };
+    let Some(folder) = data_folder("keys_and_log_odds_mean_what_they_mean_to_the_authors", "authors") else {
+        return;
+    };
     let views = std::fs::read_to_string(folder.join("candidate_views.txt")).unwrap();
     let mut numbers = views.split_whitespace().skip(1).map(|w| w.parse::<f64>().unwrap());
     let [x, y, z, half_side] = std::array::from_fn(|_| numbers.next().unwrap());
@@ -66,7 +59,9 @@ fn keys_and_log_odds_mean_what_they_mean_to_the_authors() {
 
 #[test]
 fn ground_truth_covers_exactly_the_surface_samples() {
-    let Some(folder) = authors_folder("ground_truth_covers_exactly_the_surface_samples") else { return };
+    let Some(folder) = data_folder("ground_truth_covers_exactly_the_surface_samples", "authors") else {
+        return;
+    };
     let samples = read_samples(&std::fs::read(folder.join("surface_samples.ply")).unwrap());
     for (name, n_voxels) in [("ground_truth_1cm.ot", 526), ("ground_truth_2mm.ot", 11136)] {
         let tree = Octree::read(std::fs::File::open(folder.join(name)).unwrap()).unwrap();

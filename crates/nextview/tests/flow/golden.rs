@@ -1,11 +1,11 @@
 //! The networks of the authors' recorded run.
 
+use crate::common::data_folder;
 use crate::cover::{n_by_greedy, serves_all};
 use flate2::read::GzDecoder;
 use nextview::flow::{BestSets, fewest_sets};
 use std::fs::File;
 use std::io::{BufRead, BufReader};
-use std::path::PathBuf;
 use std::time::Instant;
 
 const N_SETS: usize = 5000;
@@ -31,13 +31,10 @@ const GOLDEN: [Golden; 5] = [
 /// no more than one set above.
 #[test]
 fn golden_sets() {
+    let Some(folder) = data_folder("golden_sets", "golden") else { return };
     println!("iteration  items      quality  sets  greedy  fewest     ms");
     for golden in &GOLDEN {
-        let path = data_folder().join(format!("golden/optimal_views_it{}.txt.gz", golden.iteration));
-        let Ok(file) = File::open(&path) else {
-            eprintln!("SKIPPED golden_sets: {} is absent", path.display());
-            return;
-        };
+        let file = File::open(folder.join(format!("optimal_views_it{}.txt.gz", golden.iteration))).unwrap();
         check(golden, &best_sets(BufReader::new(GzDecoder::new(file))));
     }
 }
@@ -72,9 +69,4 @@ fn best_sets(lines: impl BufRead) -> BestSets {
         fields.skip(3).for_each(|set| best.offer(item, set.parse().unwrap(), quality));
     }
     best
-}
-
-fn data_folder() -> PathBuf {
-    let default = || concat!(env!("CARGO_MANIFEST_DIR"), "/../../../shared/data").into();
-    std::env::var_os("NEXTVIEW_DATA").map_or_else(default, PathBuf::from)
 }
