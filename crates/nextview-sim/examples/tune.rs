@@ -75,20 +75,20 @@ impl Setup {
 
     /// Name, coverage after each view, and median planning time of every planner.
     fn curves(&self) -> Vec<(&'static str, Vec<f64>, f64)> {
-        let max_flow = |gamma, ray_spacing| MaxFlow::new(MaxFlowConfig { gamma, ray_spacing }).unwrap();
         let mut curves = Vec::new();
+        let mf = |gamma, ray_spacing, free_space| {
+            MaxFlow::new(MaxFlowConfig { gamma, ray_spacing, free_space }).unwrap()
+        };
+        use Background::*;
+        use nextview::visibility::FreeSpace::*;
         for (name, planner, background) in [
-            ("mf.5 s1", max_flow(0.5, 1.0), Background::Carve),
-            ("loc s1", max_flow(0.0, 1.0), Background::Carve),
-            ("mf.5 s2.5", max_flow(0.5, 2.5), Background::Carve),
-            ("loc s2.5", max_flow(0.0, 2.5), Background::Carve),
-            ("mf.5 s5", max_flow(0.5, 5.0), Background::Carve),
-            ("loc s5", max_flow(0.0, 5.0), Background::Carve),
-            ("mf.5 s10", max_flow(0.5, 10.0), Background::Carve),
-            ("loc s10", max_flow(0.0, 10.0), Background::Carve),
-            ("loc s10 hits", max_flow(0.0, 10.0), Background::Ignore),
-            ("mf s10 hits", max_flow(0.5, 10.0), Background::Ignore),
-            ("loc s2.5 hits", max_flow(0.0, 2.5), Background::Ignore),
+            ("loc s1 fades", mf(0.0, 1.0, Fades), Carve),
+            ("loc s1 clear", mf(0.0, 1.0, Clear), Carve),
+            ("mf s1 clear", mf(0.5, 1.0, Clear), Carve),
+            ("loc s2.5 clear", mf(0.0, 2.5, Clear), Carve),
+            ("loc s5 clear", mf(0.0, 5.0, Clear), Carve),
+            ("loc s1 clear hits", mf(0.0, 1.0, Clear), Ignore),
+            ("loc s10 fades hits", mf(0.0, 10.0, Fades), Ignore),
         ] {
             let (curve, time) = self.run(Box::new(planner), background);
             curves.push((name, curve, time));

@@ -5,6 +5,7 @@
 //! look at the truth.
 
 pub mod baseline;
+pub mod builtin;
 pub mod camera;
 mod error;
 pub mod mesh;

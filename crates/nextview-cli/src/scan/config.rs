@@ -5,6 +5,7 @@ use clap::ValueEnum;
 use nextview::map::{Background, RayRule, SensorModel};
 use nextview::planner::MaxFlowConfig;
 use nextview::sensor::Intrinsics;
+use nextview::visibility::FreeSpace;
 use nextview_sim::mesh::Unit;
 use serde::{Deserialize, Serialize};
 use std::path::Path;
@@ -133,7 +134,11 @@ impl ScanConfig {
                 candidates: 5000,
                 voxel_size_m: Some(0.01),
                 map: MapConfig { background: Background::Ignore, ..MapConfig::default() },
-                max_flow: MaxFlowConfig { ray_spacing: 10.0, ..MaxFlowConfig::default() },
+                max_flow: MaxFlowConfig {
+                    ray_spacing: 10.0,
+                    free_space: FreeSpace::Fades,
+                    ..MaxFlowConfig::default()
+                },
                 stop: StopConfig { entropy_share: Some(0.5) },
                 ..config
             },

@@ -71,7 +71,7 @@ impl FileMesh {
             Unit::Auto if longest_side >= 20.0 => (0.001, UnitSource::Guessed),
             Unit::Auto => return Err(self.error(SimError::AmbiguousUnit { longest_side })),
         };
-        let mesh = self.mesh().scaled(metres_per_unit)?;
+        let mesh = self.mesh().scaled(metres_per_unit).map_err(|error| self.error(error))?;
         Ok((mesh, Scaling { metres_per_unit, longest_side, source }))
     }
 }

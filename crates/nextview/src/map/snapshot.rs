@@ -9,8 +9,6 @@ pub struct Snapshot {
     block: VoxelBlock,
     occupancy: Vec<Occupancy>,
     probability: Vec<f32>,
-    /// 1 - P(occupied), and 0 where a ray ends: all that a ray needs to know of a voxel, in one load.
-    transmission: Vec<f32>,
 }
 
 impl Snapshot {
@@ -20,16 +18,14 @@ impl Snapshot {
         block: VoxelBlock,
         log_odds: impl Fn(VoxelKey) -> Option<LogOdds>,
     ) -> Self {
-        let (occupancy, probability): (Vec<Occupancy>, Vec<f32>) = (0..block.n_voxels())
+        let (occupancy, probability) = (0..block.n_voxels())
             .map(|index| match log_odds(block.key(index)) {
                 Some(value) if value.0 > 0.0 => (Occupancy::Occupied, value.probability() as f32),
                 Some(value) if value.0 < 0.0 => (Occupancy::Free, value.probability() as f32),
                 _ => (Occupancy::Unknown, 0.5),
             })
             .unzip();
-        let transmit = |(o, p): (&Occupancy, &f32)| if *o == Occupancy::Occupied { 0.0 } else { 1.0 - p };
-        let transmission = occupancy.iter().zip(&probability).map(transmit).collect();
-        Self { lattice, block, occupancy, probability, transmission }
+        Self { lattice, block, occupancy, probability }
     }
 
     /// The lattice of the voxels.
@@ -50,11 +46,6 @@ impl Snapshot {
     /// P(occupied) of each voxel; 0.5 where unknown.
     pub fn probability(&self) -> &[f32] {
         &self.probability
-    }
-
-    /// What passes through each voxel: 1 - P(occupied), and 0 where it is occupied.
-    pub fn transmission(&self) -> &[f32] {
-        &self.transmission
     }
 
     /// Number of voxels in this state.

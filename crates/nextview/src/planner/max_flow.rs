@@ -2,7 +2,7 @@ use super::{Choice, FlowSummary, Plan, Situation, ViewPlanner, flow_gain};
 use crate::Error;
 use crate::flow::{BestSets, fewest_sets};
 use crate::gain::LocalGain;
-use crate::visibility::{NO_VOXEL_MISSED, RayCaster};
+use crate::visibility::{FreeSpace, NO_VOXEL_MISSED, RayCaster};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
@@ -16,11 +16,13 @@ pub struct MaxFlowConfig {
     /// Distance between neighbouring planning rays at the far side of the box, in voxels, positive. Default
     /// 1 / sqrt(2), where no voxel is missed; the paper thins its rays to about 10.
     pub ray_spacing: f64,
+    /// How far rays see through free space. Default: without loss; the paper's eq. (2) lets them fade.
+    pub free_space: FreeSpace,
 }
 
 impl Default for MaxFlowConfig {
     fn default() -> Self {
-        Self { gamma: 0.5, ray_spacing: NO_VOXEL_MISSED }
+        Self { gamma: 0.5, ray_spacing: NO_VOXEL_MISSED, free_space: FreeSpace::default() }
     }
 }
 
@@ -70,7 +72,8 @@ impl MaxFlow {
         let n_views = situation.views.len();
         let solves_flow = self.config.gamma > 0.0;
         let n_items = if solves_flow { situation.snapshot.block().n_voxels() } else { 0 };
-        let caster = RayCaster::new(situation.snapshot, situation.intrinsics, self.config.ray_spacing)
+        let MaxFlowConfig { ray_spacing, free_space, .. } = self.config;
+        let caster = RayCaster::new(situation.snapshot, situation.intrinsics, ray_spacing, free_space)
             .expect("the constructor checked the ray spacing");
         let look = |best: &mut BestSets, view: usize| {
             let mut local = 0.0;

@@ -8,5 +8,5 @@ mod ray_caster;
 mod ray_grid;
 
 pub use ray::{Crossing, Ray, RayEnd};
-pub use ray_caster::RayCaster;
+pub use ray_caster::{FreeSpace, RayCaster};
 pub use ray_grid::{NO_VOXEL_MISSED, RayGrid};

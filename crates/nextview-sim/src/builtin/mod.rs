@@ -1,0 +1,83 @@
+//! Objects that need no file, for examples, tests and a first look: 0.15 to 0.2 m large, standing on z = 0, centred
+//! in x and y.
+//!
+//! Each is a signed distance function (negative inside), meshed by surface nets; so its surface is closed,
+//! smooth, and has no parts hidden inside the material.
+
+mod bracket;
+mod mug;
+mod shape;
+mod surface_nets;
+mod teapot;
+mod torus_knot;
+
+use crate::mesh::TriangleMesh;
+use glam::DVec3;
+
+/// The names of the objects.
+pub fn names() -> impl Iterator<Item = &'static str> {
+    OBJECTS.iter().map(|(name, _)| *name)
+}
+
+/// The object with this name; none if there is no such object.
+///
+/// ```
+/// let mug = nextview_sim::builtin::by_name("mug").unwrap();
+/// assert!(mug.triangles().len() > 5000);
+/// assert!(nextview_sim::builtin::by_name("cup").is_none());
+/// ```
+pub fn by_name(name: &str) -> Option<TriangleMesh> {
+    let (_, make) = OBJECTS.iter().find(|(known, _)| *known == name)?;
+    Some(stand_on_table(&make()))
+}
+
+type Make = fn() -> TriangleMesh;
+
+const OBJECTS: [(&str, Make); 4] = [
+    ("teapot", teapot::make),
+    ("mug", mug::make),
+    ("bracket", bracket::make),
+    ("torus-knot", torus_knot::make),
+];
+
+fn stand_on_table(mesh: &TriangleMesh) -> TriangleMesh {
+    let (bounds, center) = (mesh.bounds(), mesh.bounds().center());
+    mesh.translated(-DVec3::new(center.x, center.y, bounds.min.z)).expect("a small offset keeps a mesh valid")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::collections::BTreeMap;
+
+    /// Every edge has two triangles, which run along it in opposite directions.
+    fn assert_closed(mesh: &TriangleMesh) {
+        let mut balance = BTreeMap::new();
+        for [a, b, c] in mesh.triangles() {
+            for (from, to) in [(a, b), (b, c), (c, a)] {
+                *balance.entry((from.min(to), from.max(to))).or_insert(0) += if from < to { 1 } else { -1 };
+            }
+        }
+        assert!(balance.values().all(|&sum| sum == 0));
+    }
+
+    fn volume(mesh: &TriangleMesh) -> f64 {
+        let corners = (0..mesh.triangles().len()).map(|i| mesh.corners(i));
+        corners.map(|[a, b, c]| a.dot(b.cross(c)) / 6.0).sum()
+    }
+
+    #[test]
+    fn objects_are_closed_and_of_the_stated_size() {
+        for name in names() {
+            let mesh = by_name(name).unwrap();
+            assert_closed(&mesh);
+            assert_eq!(mesh.n_degenerate(), 0, "{name}");
+            let (bounds, n) = (mesh.bounds(), mesh.triangles().len());
+            assert!((0.15..=0.2).contains(&bounds.longest_side()), "{name}: {}", bounds.size());
+            assert!((5_000..60_000).contains(&n), "{name}: {n} triangles");
+            assert!(bounds.center().truncate().length() < 1e-12 && bounds.min.z.abs() < 1e-12, "{name}");
+            let fill = volume(&mesh) / bounds.size().element_product();
+            assert!((0.05..0.35).contains(&fill), "{name}: hollow things fill little of their box: {fill}");
+        }
+    }
+}
