@@ -2,9 +2,9 @@
 //! completely in as few views as possible?
 //!
 //! Start with [`session::Session`]: it takes depth frames and gives camera poses. The modules are layers, and each
-//! imports only from those before it: [`geometry`], [`flow`] -> [`sensor`] -> [`map`] -> [`view`] ->
-//! [`visibility`] -> [`gain`] -> [`planner`] -> [`session`]. The library computes: it opens no file, prints
-//! nothing, reads no clock and holds no global state.
+//! imports only from those before it: [`geometry`], [`flow`] -> [`sensor`] -> [`map`] -> [`view`], [`model`] ->
+//! [`visibility`] -> [`gain`] -> [`planner`] -> [`session`]. Afterwards, [`model`] makes a surface of the frames. The
+//! library computes: it opens no file, prints nothing, reads no clock and holds no global state.
 #![doc = include_str!("../../../docs/conventions.md")]
 
 mod error;
@@ -12,6 +12,7 @@ pub mod flow;
 pub mod gain;
 pub mod geometry;
 pub mod map;
+pub mod model;
 pub mod planner;
 pub mod sensor;
 pub mod session;

@@ -11,7 +11,7 @@ const LAYERS: [&[&str]; 9] = [
     &["geometry", "flow"],
     &["sensor"],
     &["map"],
-    &["view"],
+    &["view", "model"],
     &["visibility"],
     &["gain"],
     &["planner"],

@@ -46,6 +46,11 @@ impl Frame {
         self.world_from_camera
     }
 
+    /// The depth in metres up to which a pixel without return is known to be free.
+    pub fn range(&self) -> f64 {
+        self.range
+    }
+
     /// The end of every ray that says something, in world coordinates: row by row, with
     /// `true` for a measured surface and `false` for the end of the range where nothing came back.
     pub fn ray_ends(&self) -> impl Iterator<Item = (DVec3, bool)> + '_ {

@@ -1,0 +1,247 @@
+//! Scans of shapes with a formula: what the surface model makes of them.
+
+#![allow(clippy::unwrap_used, reason = "helpers of a test")]
+
+use glam::{DVec2, DVec3};
+use nextview::geometry::{Aabb, Lattice, Pose, sphere};
+use nextview::model::{DistanceField, SurfaceMesh, surface_nets};
+use nextview::sensor::{DepthImage, Distortion, Frame, Intrinsics};
+use nextview::view::look_at;
+use std::collections::BTreeMap;
+
+const VOXEL: f64 = 0.004;
+const RADIUS: f64 = 0.06;
+
+/// A shape: where the ray `origin + t * direction` first meets it.
+type Shape = fn(DVec3, DVec3) -> Option<f64>;
+
+fn ball(origin: DVec3, direction: DVec3) -> Option<f64> {
+    let (a, half_b) = (direction.length_squared(), origin.dot(direction));
+    let discriminant = half_b * half_b - a * (origin.length_squared() - RADIUS * RADIUS);
+    (discriminant >= 0.0).then(|| (-half_b - discriminant.sqrt()) / a)
+}
+
+fn cuboid(half: DVec3, origin: DVec3, direction: DVec3) -> Option<f64> {
+    Aabb { min: -half, max: half }.clip(origin, direction, 10.0).map(|(t_in, _)| t_in)
+}
+
+/// Not aligned with the voxels, so that no face falls on voxel centres.
+const CUBE_HALF: f64 = 0.0507;
+
+fn cube(origin: DVec3, direction: DVec3) -> Option<f64> {
+    cuboid(DVec3::splat(CUBE_HALF), origin, direction)
+}
+
+/// Two voxels thick.
+fn plate(origin: DVec3, direction: DVec3) -> Option<f64> {
+    cuboid(DVec3::new(0.05, 0.05, VOXEL), origin, direction)
+}
+
+fn pinhole() -> Intrinsics {
+    Intrinsics::pinhole(320, 240, DVec2::splat(300.0), DVec2::new(159.5, 119.5)).unwrap()
+}
+
+/// A frame of the shape; what is beside it is `beside` metres away.
+fn render(shape: Shape, camera: Intrinsics, world_from_camera: Pose, beside: f32) -> Frame {
+    let (rotation, origin) = (world_from_camera.rotation_matrix(), world_from_camera.translation());
+    let depth = (0..camera.n_pixels())
+        .map(|i| {
+            let pixel =
+                DVec2::new((i % camera.width() as usize) as f64, (i / camera.width() as usize) as f64);
+            // The third component is 1, so that the ray's parameter is depth.
+            let ideal = camera.deproject(pixel).unwrap();
+            shape(origin, rotation * ideal.extend(1.0)).map_or(beside, |t| t as f32)
+        })
+        .collect();
+    let image = DepthImage::from_metres(camera.width(), camera.height(), depth).unwrap();
+    Frame::new(image, camera, world_from_camera, 2.0).unwrap()
+}
+
+fn empty_field() -> DistanceField {
+    let lattice = Lattice::new(VOXEL).unwrap();
+    let block = lattice.block_inside(&Aabb::cube(DVec3::ZERO, 0.08)).unwrap();
+    DistanceField::new(lattice, block, 2.0 * VOXEL).unwrap()
+}
+
+/// The field after looks at the shape from these directions.
+fn scan(shape: Shape, directions: impl IntoIterator<Item = DVec3>) -> DistanceField {
+    let mut field = empty_field();
+    for direction in directions {
+        let pose = look_at(0.4 * direction, DVec3::ZERO);
+        field.integrate(&render(shape, pinhole(), pose, f32::INFINITY));
+    }
+    field
+}
+
+fn around(n: usize) -> impl Iterator<Item = DVec3> {
+    (0..n).map(move |i| sphere::fibonacci(i, n))
+}
+
+/// How often each edge is used, in the direction of its triangle.
+fn directed_edges(mesh: &SurfaceMesh) -> BTreeMap<(u32, u32), usize> {
+    let mut edges = BTreeMap::new();
+    for &[a, b, c] in &mesh.triangles {
+        for edge in [(a, b), (b, c), (c, a)] {
+            *edges.entry(edge).or_insert(0) += 1;
+        }
+    }
+    edges
+}
+
+/// Every edge belongs to two triangles, which use it in opposite directions.
+fn assert_watertight(mesh: &SurfaceMesh) {
+    let edges = directed_edges(mesh);
+    assert!(!edges.is_empty());
+    for (&(a, b), &n) in &edges {
+        assert_eq!((n, edges.get(&(b, a))), (1, Some(&1)), "edge {a} {b}");
+    }
+}
+
+fn euler_characteristic(mesh: &SurfaceMesh) -> isize {
+    let n_edges = directed_edges(mesh).keys().filter(|(a, b)| a < b).count();
+    mesh.vertices.len() as isize - n_edges as isize + mesh.triangles.len() as isize
+}
+
+fn volume(mesh: &SurfaceMesh) -> f64 {
+    let corners = mesh.triangles.iter().map(|t| t.map(|i| mesh.vertices[i as usize]));
+    corners.map(|[a, b, c]| a.dot(b.cross(c)) / 6.0).sum()
+}
+
+/// Mean and maximum of a distance over all vertices, in voxels.
+fn mean_and_max(mesh: &SurfaceMesh, distance: impl Fn(DVec3) -> f64) -> (f64, f64) {
+    let distances: Vec<f64> = mesh.vertices.iter().map(|&v| distance(v).abs() / VOXEL).collect();
+    assert!(distances.iter().all(|d| d.is_finite()));
+    let max = distances.iter().copied().fold(0.0, f64::max);
+    (distances.iter().sum::<f64>() / distances.len() as f64, max)
+}
+
+#[test]
+fn a_ball_seen_from_all_sides_is_closed_and_in_place() {
+    let mesh = surface_nets(&scan(ball, around(12)));
+    let (mean, max) = mean_and_max(&mesh, |v| v.length() - RADIUS);
+    assert!(mean < 0.05 && max < 0.3, "{mean} {max} voxels");
+    assert_watertight(&mesh);
+    assert_eq!(euler_characteristic(&mesh), 2);
+    let expected = 4.0 / 3.0 * std::f64::consts::PI * RADIUS.powi(3);
+    assert!((volume(&mesh) / expected - 1.0).abs() < 0.01, "{}", volume(&mesh) / expected);
+}
+
+#[test]
+fn a_cube_keeps_its_faces_and_rounds_its_edges() {
+    let mesh = surface_nets(&scan(cube, around(12)));
+    let distance = |v: DVec3| {
+        let beyond = v.abs() - CUBE_HALF;
+        beyond.max(DVec3::ZERO).length() + beyond.max_element().min(0.0)
+    };
+    let on_face =
+        |v: DVec3| (v.abs().cmpgt(DVec3::splat(CUBE_HALF - 2.0 * VOXEL))).bitmask().count_ones() == 1;
+    let (mean, max) = mean_and_max(&mesh, distance);
+    let flat = SurfaceMesh {
+        vertices: mesh.vertices.iter().copied().filter(|&v| on_face(v)).collect(),
+        ..Default::default()
+    };
+    let (_, flat_max) = mean_and_max(&flat, distance);
+    assert!(mean < 0.05 && flat_max < 0.05 && max < 0.3, "{mean} {flat_max} {max} voxels");
+    assert_watertight(&mesh);
+    assert_eq!(euler_characteristic(&mesh), 2);
+    assert!((volume(&mesh) / (2.0 * CUBE_HALF).powi(3) - 1.0).abs() < 0.02);
+}
+
+#[test]
+fn a_ball_seen_from_one_side_is_an_open_cap() {
+    let mesh = surface_nets(&scan(ball, [DVec3::X]));
+    let (_, max) = mean_and_max(&mesh, |v| v.length() - RADIUS);
+    assert!(max < 0.3, "{max} voxels");
+    assert!(mesh.vertices.len() > 500 && mesh.vertices.iter().all(|v| v.x > 0.0), "nothing behind");
+    let edges = directed_edges(&mesh);
+    assert!(edges.keys().any(|&(a, b)| !edges.contains_key(&(b, a))), "open");
+    for &[a, b, c] in &mesh.triangles {
+        let [a, b, c] = [a, b, c].map(|i| mesh.vertices[i as usize]);
+        assert!((b - a).cross(c - a).dot(a) > 0.0, "turned inward");
+    }
+}
+
+#[test]
+fn a_plate_of_two_voxels_keeps_both_sides() {
+    let mesh = surface_nets(&scan(plate, around(12)));
+    let inner = mesh.vertices.iter().filter(|v| v.truncate().abs().max_element() < 0.045);
+    let (mut up, mut down) = (0, 0);
+    for v in inner {
+        assert!((v.z.abs() - VOXEL).abs() < 0.3 * VOXEL, "{v}");
+        *(if v.z > 0.0 { &mut up } else { &mut down }) += 1;
+    }
+    assert!(up > 350 && down > 350, "{up} {down}");
+    assert!(mesh.vertices.iter().all(|v| v.truncate().abs().max_element() < 0.05 + VOXEL), "no fringe");
+    assert_watertight(&mesh);
+    let ratio = volume(&mesh) / (0.1 * 0.1 * 2.0 * VOXEL);
+    assert!((ratio - 1.0).abs() < 0.1, "{ratio}");
+}
+
+#[test]
+fn a_wall_in_the_background_is_as_good_as_nothing() {
+    let mut field = empty_field();
+    for direction in around(12) {
+        field.integrate(&render(ball, pinhole(), look_at(0.4 * direction, DVec3::ZERO), 1.0));
+    }
+    assert_eq!(surface_nets(&field), surface_nets(&scan(ball, around(12))));
+}
+
+#[test]
+fn missing_pixels_leave_holes_and_make_no_surface() {
+    let mut field = empty_field();
+    for direction in around(12) {
+        field.integrate(&render(ball, pinhole(), look_at(0.4 * direction, DVec3::ZERO), f32::NAN));
+    }
+    let (_, max) = mean_and_max(&surface_nets(&field), |v| v.length() - RADIUS);
+    assert!(max < 0.3, "{max} voxels");
+    field = empty_field();
+    field.integrate(&render(|_, _| None, pinhole(), look_at(DVec3::X * 0.4, DVec3::ZERO), f32::NAN));
+    assert_eq!(field.distance(glam::IVec3::ZERO), None);
+}
+
+#[test]
+fn a_lens_does_not_show() {
+    let strong = Distortion::BrownConrady([-0.2, 0.05, 0.01, -0.01, 0.0]);
+    for camera in [pinhole().with_distortion(strong).unwrap(), Intrinsics::d435i()] {
+        let mut field = empty_field();
+        for direction in around(12) {
+            field.integrate(&render(ball, camera, look_at(0.3 * direction, DVec3::ZERO), f32::INFINITY));
+        }
+        let mesh = surface_nets(&field);
+        let (_, max) = mean_and_max(&mesh, |v| v.length() - RADIUS);
+        assert!(max < 0.3, "{max} voxels");
+        assert_watertight(&mesh);
+    }
+}
+
+#[test]
+fn nothing_seen_is_no_surface() {
+    assert_eq!(surface_nets(&empty_field()), SurfaceMesh::default());
+    assert_eq!(surface_nets(&scan(|_, _| None, around(3))), SurfaceMesh::default());
+    let mut behind = empty_field();
+    behind.integrate(&render(ball, pinhole(), look_at(DVec3::X * 0.4, DVec3::X), 1.0));
+    assert_eq!(surface_nets(&behind), SurfaceMesh::default());
+    let mut inside = empty_field();
+    inside.integrate(&render(|_, _| None, pinhole(), look_at(DVec3::ZERO, DVec3::X), 1.0));
+    assert_eq!(surface_nets(&inside), SurfaceMesh::default());
+}
+
+#[test]
+fn refuses_what_is_no_field() {
+    let (lattice, block) = (empty_field().lattice(), empty_field().block());
+    for truncation in [0.0, VOXEL, -1.0, f64::NAN, f64::INFINITY] {
+        assert!(DistanceField::new(lattice, block, truncation).is_err(), "{truncation}");
+    }
+    let huge = nextview::geometry::VoxelBlock::new(glam::IVec3::ZERO, glam::UVec3::MAX).unwrap();
+    let error = DistanceField::new(lattice, huge, 2.0 * VOXEL).unwrap_err().to_string();
+    assert!(error.contains("more than the limit of 4096 MB"), "{error}");
+}
+
+#[test]
+fn threads_do_not_show() {
+    let run = |threads| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+        pool.install(|| surface_nets(&scan(cube, around(5))))
+    };
+    assert_eq!(run(1), run(4));
+}
