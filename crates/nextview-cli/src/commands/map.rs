@@ -199,9 +199,9 @@ impl ConvertArgs {
     }
 }
 
-fn occupied_centers(octree: &Octree) -> Result<Vec<[f32; 3]>, Failure> {
+fn occupied_centers(octree: &Octree) -> Result<Vec<DVec3>, Failure> {
     let lattice = Lattice::new(octree.voxel_size())?;
     let expanded = octree.expanded(MAX_VOXELS)?;
     let occupied = expanded.leaves().filter(|leaf| leaf.log_odds > 0.0);
-    Ok(occupied.map(|leaf| DVec3::as_vec3(&lattice.center(leaf.min)).to_array()).collect())
+    Ok(occupied.map(|leaf| lattice.center(leaf.min)).collect())
 }

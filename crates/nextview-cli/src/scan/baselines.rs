@@ -8,6 +8,7 @@ use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 /// What every planner is measured against.
+#[derive(Debug)]
 pub(super) struct Baselines {
     pub truth: Arc<TrueVisibility>,
     pub random: RandomCurve,

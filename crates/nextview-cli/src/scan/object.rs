@@ -23,7 +23,7 @@ impl Object {
 
     fn builtin(name: &str, config: &ScanConfig) -> Result<Self, Failure> {
         let mesh = builtin::by_name(name).ok_or_else(|| {
-            let known = builtin::names().join(", ");
+            let known = builtin::names().collect::<Vec<_>>().join(", ");
             Failure::usage(format!("no built-in object '{name}'")).with_hint(format!("known: {known}"))
         })?;
         let scale = config.size_m.map_or(1.0, |size| size / mesh.bounds().longest_side());

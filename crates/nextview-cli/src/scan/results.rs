@@ -8,7 +8,7 @@ use crate::report::{self, ScanReport};
 use glam::DVec3;
 use nextview::geometry::{Aabb, Lattice};
 use nextview::map::OccupancyMap;
-use nextview::model::{DistanceField, downsample, write_mesh, write_points};
+use nextview::model::{DistanceField, downsample, surface_nets, write_mesh, write_points};
 use nextview::session::{Session, StepReport};
 use nextview_sim::run::Step;
 use rustc_hash::FxHashSet;
@@ -32,8 +32,8 @@ impl Results<'_> {
         folder.write("steps.jsonl", |w| self.write_steps(w))?;
         folder.write("views.csv", |w| self.write_views(w))?;
         self.write_map(folder, self.session.map())?;
-        folder.write("cloud.ply", |w| Ok(write_points(w, &self.cloud())?))?;
-        folder.write("mesh.ply", |w| Ok(write_mesh(w, &self.surface()?.extract())?))?;
+        folder.write("cloud.ply", |w| Ok(write_points(w, &self.cloud()?)?))?;
+        folder.write("mesh.ply", |w| Ok(write_mesh(w, &surface_nets(&self.field()?))?))?;
         folder.write("report.html", |w| Ok(w.write_all(report::render(&self.report(&config)).as_bytes())?))
     }
 
@@ -80,13 +80,13 @@ impl Results<'_> {
         (0.25 * voxel_size).max(self.bounds.longest_side() / 200.0)
     }
 
-    fn cloud(&self) -> Vec<[f32; 3]> {
+    fn cloud(&self) -> Result<Vec<DVec3>, Failure> {
         let points = self.steps.iter().flat_map(|step| step.frame.points());
         let points = points.filter(|point| self.bounds.contains(*point));
-        downsample(points, self.detail()).into_iter().map(|p| p.as_vec3().to_array()).collect()
+        Ok(downsample(points, self.detail())?)
     }
 
-    fn surface(&self) -> Result<DistanceField, Failure> {
+    fn field(&self) -> Result<DistanceField, Failure> {
         let lattice = Lattice::new(self.detail())?;
         let block =
             lattice.block_inside(&self.bounds).expect("the box holds many cells of a two-hundredth of it");

@@ -2,7 +2,7 @@ use super::{Choice, FlowSummary, Plan, Situation, ViewPlanner, flow_gain};
 use crate::Error;
 use crate::flow::{BestSets, fewest_sets};
 use crate::gain::LocalGain;
-use crate::visibility::{FreeSpace, NO_VOXEL_MISSED, RayCaster};
+use crate::visibility::{FreeSpace, RayCaster};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
@@ -13,8 +13,9 @@ pub struct MaxFlowConfig {
     /// Weight of the flow gain against the local gain, 0..=1; the paper's gamma. Default 0.5; with 0 the planner
     /// is greedy on the local gain and solves no flow.
     pub gamma: f64,
-    /// Distance between neighbouring planning rays at the far side of the box, in voxels, positive. Default
-    /// 1 / sqrt(2), where no voxel is missed; the paper thins its rays to about 10.
+    /// Distance between neighbouring planning rays at the far side of the box, in voxels, positive. Default 2, which
+    /// plans as well as 1 / sqrt(2), where [no voxel is missed](crate::visibility::NO_VOXEL_MISSED), at an eighth of the time; the
+    /// paper thins its rays to about 10.
     pub ray_spacing: f64,
     /// How far rays see through free space. Default: without loss; the paper's eq. (2) lets them fade.
     pub free_space: FreeSpace,
@@ -22,7 +23,7 @@ pub struct MaxFlowConfig {
 
 impl Default for MaxFlowConfig {
     fn default() -> Self {
-        Self { gamma: 0.5, ray_spacing: NO_VOXEL_MISSED, free_space: FreeSpace::default() }
+        Self { gamma: 0.5, ray_spacing: 2.0, free_space: FreeSpace::default() }
     }
 }
 
