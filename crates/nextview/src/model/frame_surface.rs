@@ -13,7 +13,8 @@ const MIN_COSINE: f32 = 0.2;
 const REACH: f64 = 2.0;
 
 /// How much a silhouette counts, against 1 for a surface seen from the front. Its distance is only a lower bound:
-/// with 0.5 a ball grows by 0.015 voxels, without it convex edges have holes and fringes.
+/// with 0.5 a ball of 15 voxels is off by 0.016 voxels in the mean, with 0.05 by 0.007. Without it the voxels beside
+/// convex edges, which all frames see beside a silhouette, would be unmeasured or left to planes carried on too far.
 const SILHOUETTE_WEIGHT: f32 = 0.1;
 
 /// Largest half-width, pixels, of the window that must be clear around a free point.
