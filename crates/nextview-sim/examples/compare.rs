@@ -13,6 +13,7 @@ use nextview::planner::{MaxFlow, MaxFlowConfig, RandomViews, ViewPlanner};
 use nextview::sensor::Intrinsics;
 use nextview::session::{Session, SessionConfig};
 use nextview::view::{ViewSpace, generate};
+use nextview::visibility::FreeSpace;
 use nextview_sim::baseline::{Clairvoyant, RandomCurve, clairvoyant_curve, extended, skill};
 use nextview_sim::mesh::{self, Unit};
 use nextview_sim::run::{self, Step};
@@ -73,19 +74,19 @@ impl Setup {
         Self { scene, views, voxel_size, object, truth }
     }
 
-    /// Name, coverage after each view, and median planning time of every planner.
+    /// Name, coverage after each view, and median planning time of every planner: with the defaults, and with the
+    /// paper's thin rays that fade in free space on maps without background.
     fn curves(&self) -> Vec<(&'static str, Vec<f64>, f64)> {
-        let max_flow = |gamma, ray_spacing| MaxFlow::new(MaxFlowConfig { gamma, ray_spacing }).unwrap();
-        let dense = MaxFlowConfig::default().ray_spacing;
+        let default = MaxFlowConfig::default();
+        let paper = MaxFlowConfig { ray_spacing: 10.0, free_space: FreeSpace::Fades, ..default };
         let mut curves = Vec::new();
-        for (name, planner, background) in [
-            ("max-flow", max_flow(0.5, dense), Background::Carve),
-            ("local", max_flow(0.0, dense), Background::Carve),
-            ("max-flow, thin rays", max_flow(0.5, 10.0), Background::Carve),
-            ("max-flow, hits only", max_flow(0.5, dense), Background::Ignore),
-            ("max-flow, as paper", max_flow(0.5, 10.0), Background::Ignore),
-            ("local, hits only", max_flow(0.0, dense), Background::Ignore),
+        for (name, config, background) in [
+            ("max-flow", default, Background::Carve),
+            ("local", MaxFlowConfig { gamma: 0.0, ..default }, Background::Carve),
+            ("max-flow, as paper", paper, Background::Ignore),
+            ("local, as paper", MaxFlowConfig { gamma: 0.0, ..paper }, Background::Ignore),
         ] {
+            let planner = MaxFlow::new(config).unwrap();
             let (curve, time) = self.run(Box::new(planner), background);
             curves.push((name, curve, time));
         }

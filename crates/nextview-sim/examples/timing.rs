@@ -11,7 +11,7 @@ use nextview::map::{Background, Integration, OccupancyMap, RayRule, SensorModel}
 use nextview::planner::{MaxFlow, MaxFlowConfig, Situation, ViewPlanner};
 use nextview::sensor::{Frame, Intrinsics};
 use nextview::view::generate;
-use nextview::visibility::{NO_VOXEL_MISSED, RayCaster};
+use nextview::visibility::{FreeSpace, NO_VOXEL_MISSED, RayCaster};
 use nextview_sim::mesh::{self, Unit};
 use nextview_sim::scene::Scene;
 use std::path::Path;
@@ -59,14 +59,15 @@ fn main() {
     let (visited, views, snapshot) = (&[0, 1, 2], &views, &snapshot);
     let situation = Situation { snapshot, views, intrinsics: &intrinsics, visited, history: &[] };
     for (density, ray_spacing) in [("the paper's", 10.0), ("full", NO_VOXEL_MISSED)] {
-        let caster = RayCaster::new(snapshot, &intrinsics, ray_spacing).unwrap();
+        let caster = RayCaster::new(snapshot, &intrinsics, ray_spacing, FreeSpace::Clear).unwrap();
         let (mut n_rays, mut n_steps) = (0_usize, 0_usize);
         for pose in views.poses() {
             caster.cast(pose, |ray| (n_rays, n_steps) = (n_rays + 1, n_steps + ray.crossings.len()));
         }
         println!("{density} ray density: {n_rays} rays, {n_steps} voxels crossed");
         for (planner, gamma) in [("local", 0.0), ("max-flow", 0.5)] {
-            let planner_of = MaxFlow::new(MaxFlowConfig { gamma, ray_spacing }).unwrap();
+            let planner_of =
+                MaxFlow::new(MaxFlowConfig { gamma, ray_spacing, ..MaxFlowConfig::default() }).unwrap();
             report(&format!("decision, {planner}, {density} ray density"), 5, |_| {
                 _ = planner_of.plan(&situation)
             });

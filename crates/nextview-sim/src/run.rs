@@ -53,7 +53,7 @@ pub fn run(
         let frame = frame?;
         let (report, map_time) = timed(|| session.observe(&frame));
         seen.union_with(&object.seen_in(&frame));
-        surface.add(frame.points());
+        surface.add(&frame);
         on_step(Step {
             report,
             voxels: object.compare(&session.snapshot()),

@@ -4,6 +4,7 @@ use crate::mesh::{TriangleMesh, sample_surface};
 use crate::truth::SEED;
 use glam::{DVec3, IVec3};
 use nextview::geometry::Aabb;
+use nextview::sensor::Frame;
 use rustc_hash::FxHashMap;
 
 /// Number of surface samples: the standard error of a share is then at most 0.5 %.
@@ -38,9 +39,13 @@ impl SurfaceCoverage {
         Self { nearest_sq: vec![f64::INFINITY; samples.len()], samples, cells, bounds }
     }
 
-    /// Adds measured points, world coordinates in metres.
-    pub fn add(&mut self, points: impl IntoIterator<Item = DVec3>) {
-        for point in points.into_iter().filter(|point| self.bounds.contains(*point)) {
+    /// Adds the points that a frame measured.
+    pub fn add(&mut self, frame: &Frame) {
+        self.add_points(frame.points_in(self.bounds));
+    }
+
+    fn add_points(&mut self, points: impl IntoIterator<Item = DVec3>) {
+        for point in points {
             for offset in neighbor_offsets() {
                 for &i in self.cells.get(&(cell(point) + offset)).into_iter().flatten() {
                     let distance_sq = self.samples[i as usize].distance_squared(point);
@@ -80,7 +85,7 @@ mod tests {
         let mut coverage = SurfaceCoverage::new(&mesh);
         let points: Vec<DVec3> =
             sample_surface(&mesh, 400, 9).iter().map(|p| *p + DVec3::new(0.001, 0.0, -0.0015)).collect();
-        coverage.add(points.iter().copied());
+        coverage.add_points(points.iter().copied());
         for distance in [0.001, 0.002, 0.005] {
             let near = |s: &&DVec3| points.iter().any(|p| p.distance(**s) <= distance);
             let expected = coverage.samples.iter().filter(near).count() as f64 / N_SAMPLES as f64;
@@ -93,7 +98,7 @@ mod tests {
         let mesh = builtin::by_name("mug").unwrap();
         let mut coverage = SurfaceCoverage::new(&mesh);
         assert_eq!(coverage.share_within(0.005), 0.0);
-        coverage.add(sample_surface(&mesh, N_SAMPLES, SEED));
+        coverage.add_points(sample_surface(&mesh, N_SAMPLES, SEED));
         assert_eq!(coverage.share_within(0.001), 1.0);
     }
 }

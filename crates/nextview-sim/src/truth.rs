@@ -66,7 +66,7 @@ impl ObjectVoxels {
     /// Which object voxels hold a measured point of the frame.
     pub fn seen_in(&self, frame: &Frame) -> FixedBitSet {
         let mut seen = FixedBitSet::with_capacity(self.n_voxels);
-        for point in frame.points() {
+        for point in frame.points_in(self.lattice.bounds(&self.block)) {
             self.number_at(point).into_iter().for_each(|number| seen.insert(number));
         }
         seen

@@ -74,23 +74,21 @@ impl Results<'_> {
     }
 
     /// Size of the cells in which points and mesh are told apart: a quarter of a voxel, since the map's voxels are larger
-    /// than what the camera resolves, but no more than 200 along the box.
+    /// than what the camera resolves, but no more than 128 along the box, so that the mesh takes a second or two.
     fn detail(&self) -> f64 {
         let voxel_size = self.session.map().lattice().voxel_size();
-        (0.25 * voxel_size).max(self.bounds.longest_side() / 200.0)
+        (0.25 * voxel_size).max(self.bounds.longest_side() / 128.0)
     }
 
     fn cloud(&self) -> Result<Vec<DVec3>, Failure> {
-        let points = self.steps.iter().flat_map(|step| step.frame.points());
-        let points = points.filter(|point| self.bounds.contains(*point));
+        let points = self.steps.iter().flat_map(|step| step.frame.points_in(self.bounds));
         Ok(downsample(points, self.detail())?)
     }
 
     fn field(&self) -> Result<DistanceField, Failure> {
         let lattice = Lattice::new(self.detail())?;
-        let block =
-            lattice.block_inside(&self.bounds).expect("the box holds many cells of a two-hundredth of it");
-        let mut field = DistanceField::new(lattice, block, 4.0 * self.detail())?;
+        let block = lattice.block_inside(&self.bounds).expect("the box holds many cells of 1/128 of it");
+        let mut field = DistanceField::new(lattice, block, 2.0 * self.detail())?;
         self.steps.iter().for_each(|step| field.integrate(&step.frame));
         Ok(field)
     }
@@ -102,7 +100,7 @@ impl Results<'_> {
         let steps = self.steps.iter().enumerate().map(|(i, step)| {
             let travel = step.path_length - std::mem::replace(&mut path_before, step.path_length);
             let cell = |point: &DVec3| (*point / self.detail()).floor().as_ivec3();
-            let points = step.frame.points().filter(|point| self.bounds.contains(*point));
+            let points = step.frame.points_in(self.bounds);
             report::Step {
                 view: step.report.view.unwrap_or_default(),
                 world_from_camera: step.report.world_from_camera,

@@ -54,6 +54,12 @@ impl Lattice {
         (key.as_dvec3() + 0.5) * self.voxel_size
     }
 
+    /// The space that a block of voxels fills.
+    pub fn bounds(&self, block: &VoxelBlock) -> Aabb {
+        let (min, max) = (block.min().as_dvec3(), (block.max() + 1).as_dvec3());
+        Aabb { min: min * self.voxel_size, max: max * self.voxel_size }
+    }
+
     /// The block of voxels whose centres lie in the box (within 1e-6 of a voxel); none if there are none.
     pub fn block_inside(&self, aabb: &Aabb) -> Option<VoxelBlock> {
         let low = (self.to_voxels(aabb.min) - 0.5 - 1e-6).ceil().as_ivec3();

@@ -38,6 +38,8 @@ struct Axis {
     /// Where the first border is crossed, and how far apart they are.
     t_first: f64,
     t_delta: f64,
+    /// Borders crossed per length of the direction.
+    speed: f64,
     /// Steps made so far, and to make in all, up to the segment's end or the last voxel of the block.
     n: f64,
     n_end: f64,
@@ -49,8 +51,9 @@ impl Axis {
     fn new(from: f64, direction: f64, n_end: f64) -> Self {
         let inverse = 1.0 / direction;
         let border = if direction > 0.0 { from.floor() + 1.0 } else { from.floor() };
-        let (t_first, t_delta) = ((border - from) * inverse, inverse.abs());
-        let mut axis = Self { t_next: 0.0, t_first, t_delta, n: 0.0, n_end, then_done: n_end.is_finite() };
+        let (t_first, t_delta, speed) = ((border - from) * inverse, inverse.abs(), direction.abs());
+        let mut axis =
+            Self { t_next: 0.0, t_first, t_delta, speed, n: 0.0, n_end, then_done: n_end.is_finite() };
         axis.find_next();
         axis
     }
@@ -79,10 +82,9 @@ impl Axis {
     /// Makes all steps that come before `t`, and at `t` if `also_at`; tells how many.
     fn skip_to(&mut self, t: f64, also_at: bool) -> i32 {
         let crossed = |axis: &Self, n: f64| axis.crossing(n) < t || (also_at && axis.crossing(n) == t);
-        let mut n = ((t - self.t_first) / self.t_delta).ceil().clamp(0.0, self.n_end);
-        if n.is_nan() {
-            n = 0.0; // parallel to the borders
-        }
+        // A guess that rounding may put one off; NaN, where the walk is parallel to the borders, becomes 0.
+        let guess = ((t - self.t_first) * self.speed) as u32;
+        let mut n = (guess as f64 + 1.0).min(self.n_end);
         while n > 0.0 && !crossed(self, n - 1.0) {
             n -= 1.0;
         }

@@ -1,6 +1,7 @@
 use super::{Depth, DepthImage, Intrinsics};
-use crate::{Error, geometry::Pose};
-use glam::{DVec2, DVec3};
+use crate::Error;
+use crate::geometry::{Aabb, Pose};
+use glam::{DMat3, DVec2, DVec3};
 
 /// One look of a depth camera: the image, the optics that made it, and where the camera stood.
 #[derive(Clone, Debug)]
@@ -51,29 +52,57 @@ impl Frame {
         self.range
     }
 
-    /// The end of every ray that says something, in world coordinates: row by row, with
+    /// The end of every ray of image row `v` that says something, in world coordinates, from left to right: with
     /// `true` for a measured surface and `false` for the end of the range where nothing came back.
-    pub fn ray_ends(&self) -> impl Iterator<Item = (DVec3, bool)> + '_ {
-        (0..self.image.height()).flat_map(|v| self.row_ray_ends(v))
-    }
-
-    /// [`ray_ends`](Self::ray_ends) of one image row.
     pub fn row_ray_ends(&self, v: u32) -> impl Iterator<Item = (DVec3, bool)> + '_ {
         let rotation = self.world_from_camera.rotation_matrix();
-        let translation = self.world_from_camera.translation();
-        (0..self.image.width()).filter_map(move |u| {
-            let (depth, is_surface) = match self.image.get(u, v) {
-                Depth::Missing => return None,
-                Depth::Beyond => (self.range, false),
-                Depth::Surface(depth) => (depth as f64, true),
-            };
-            let ideal = self.intrinsics.deproject(DVec2::new(u as f64, v as f64))?;
-            Some((rotation * (ideal.extend(1.0) * depth) + translation, is_surface))
+        (0..self.image.width()).filter_map(move |u| match self.image.get(u, v) {
+            Depth::Missing => None,
+            Depth::Beyond => Some((self.at(&rotation, u, v, self.range)?, false)),
+            Depth::Surface(depth) => Some((self.at(&rotation, u, v, depth as f64)?, true)),
         })
     }
 
-    /// The measured surface points in world coordinates, metres, row by row.
-    pub fn points(&self) -> impl Iterator<Item = DVec3> + '_ {
-        self.ray_ends().filter_map(|(end, is_surface)| is_surface.then_some(end))
+    /// The measured surface points inside the box, which must be finite, in world coordinates, row by row.
+    pub fn points_in(&self, bounds: Aabb) -> impl Iterator<Item = DVec3> + '_ {
+        // Most pixels show the background; their depth alone tells, before the lens is undone.
+        let camera_from_world = self.world_from_camera.inverse();
+        let corner_depths = bounds.corners().map(|corner| camera_from_world.transform_point(corner).z as f32);
+        let nearest = corner_depths.into_iter().fold(f32::INFINITY, f32::min) * (1.0 - f32::EPSILON);
+        let farthest = corner_depths.into_iter().fold(0.0, f32::max) * (1.0 + f32::EPSILON);
+        let rotation = self.world_from_camera.rotation_matrix();
+        let pixels = (0..self.image.height()).flat_map(|v| (0..self.image.width()).map(move |u| (u, v)));
+        pixels.filter_map(move |(u, v)| match self.image.get(u, v) {
+            Depth::Surface(depth) if (nearest..=farthest).contains(&depth) => {
+                self.at(&rotation, u, v, depth as f64).filter(|point| bounds.contains(*point))
+            }
+            _ => None,
+        })
+    }
+
+    /// The point that pixel `(u, v)` shows at this depth; none where the lens model has no answer.
+    fn at(&self, rotation: &DMat3, u: u32, v: u32, depth: f64) -> Option<DVec3> {
+        let ideal = self.intrinsics.deproject(DVec2::new(u as f64, v as f64))?;
+        Some(*rotation * (ideal.extend(1.0) * depth) + self.world_from_camera.translation())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::view::look_at;
+
+    #[test]
+    fn points_in_a_box_are_all_points_that_lie_in_it() {
+        let camera = Intrinsics::d435i();
+        let depth = (0..camera.n_pixels()).map(|i| 0.2 + (i % 97) as f32 * 0.005).collect();
+        let pose = look_at(DVec3::new(0.3, 0.2, 0.1), DVec3::ZERO);
+        let frame = Frame::new(DepthImage::from_metres(640, 480, depth).unwrap(), camera, pose, 1.0).unwrap();
+        for bounds in [Aabb::cube(DVec3::ZERO, 0.1), Aabb::cube(DVec3::new(0.3, 0.2, 0.1), 0.15)] {
+            let ends = (0..480).flat_map(|v| frame.row_ray_ends(v)).map(|(end, _)| end);
+            let expected: Vec<DVec3> = ends.filter(|end| bounds.contains(*end)).collect();
+            assert_eq!(frame.points_in(bounds).collect::<Vec<_>>(), expected);
+            assert!(!expected.is_empty());
+        }
     }
 }

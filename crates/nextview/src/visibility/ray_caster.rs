@@ -1,9 +1,9 @@
 use super::{Crossing, Ray, RayEnd, RayGrid};
 use crate::Error;
-use crate::geometry::{Aabb, Pose, SegmentWalk};
+use crate::geometry::{Aabb, Pose, SegmentWalk, VoxelBlock};
 use crate::map::{Occupancy, Snapshot};
 use crate::sensor::Intrinsics;
-use glam::DVec3;
+use glam::{DVec3, IVec3};
 use serde::{Deserialize, Serialize};
 
 /// Sends the rays of view candidates through a snapshot, voxel by voxel (exact traversal).
@@ -31,6 +31,8 @@ pub struct RayCaster<'a> {
     grid: RayGrid,
     /// Distance between rays at the far side of the box, metres.
     spacing: f64,
+    /// The voxels that rays are followed through: those that could change what a ray sees.
+    block: VoxelBlock,
     bounds: Aabb,
     /// What passes through each voxel, 0..=1; 0 where a ray ends.
     transmission: Vec<f32>,
@@ -64,15 +66,16 @@ impl<'a> RayCaster<'a> {
         if !(ray_spacing > 0.0 && ray_spacing.is_finite()) {
             return Err(Error::invalid("ray_spacing", ray_spacing, "a positive number of voxels"));
         }
-        let block = snapshot.block();
-        let voxel_size = snapshot.lattice().voxel_size();
-        let min = block.min().as_dvec3();
-        let max = min + block.dims().as_dvec3();
+        let block = match free_space {
+            FreeSpace::Fades => snapshot.block(),
+            FreeSpace::Clear => without_free_margin(snapshot),
+        };
         Ok(Self {
             snapshot,
+            block,
             grid: RayGrid::new(intrinsics),
-            spacing: ray_spacing * voxel_size,
-            bounds: Aabb { min: min * voxel_size, max: max * voxel_size },
+            spacing: ray_spacing * snapshot.lattice().voxel_size(),
+            bounds: snapshot.lattice().bounds(&block),
             transmission: transmission(snapshot, free_space),
         })
     }
@@ -92,8 +95,8 @@ impl<'a> RayCaster<'a> {
 
     /// Follows one ray, origin and direction in units of voxels; none if it misses the box.
     fn trace(&self, origin: DVec3, direction: DVec3, crossings: &mut Vec<Crossing>) -> Option<RayEnd> {
+        let mut walk = SegmentWalk::ray_within(origin, direction, self.block.min(), self.block.max())?;
         let block = self.snapshot.block();
-        let mut walk = SegmentWalk::ray_within(origin, direction, block.min(), block.max())?;
         let strides = block.strides();
         let steps: [isize; 3] =
             std::array::from_fn(|axis| strides[axis] as isize * walk.step()[axis] as isize);
@@ -114,6 +117,19 @@ impl<'a> RayCaster<'a> {
             voxel = voxel.wrapping_add_signed(steps[axis]);
         }
     }
+}
+
+/// The smallest block that holds all voxels not known to be free (the whole one if there are none): clear free space
+/// around it neither weakens a ray nor ends it.
+fn without_free_margin(snapshot: &Snapshot) -> VoxelBlock {
+    let block = snapshot.block();
+    let is_free = |&index: &usize| snapshot.occupancy()[index] == Occupancy::Free;
+    let keys = (0..block.n_voxels()).filter(|index| !is_free(index)).map(|index| block.key(index));
+    let corners = keys.fold(None, |corners: Option<(IVec3, IVec3)>, key| {
+        Some(corners.map_or((key, key), |(low, high)| (low.min(key), high.max(key))))
+    });
+    let inner = corners.and_then(|(low, high)| VoxelBlock::new(low, (high - low + 1).as_uvec3()));
+    inner.unwrap_or(block)
 }
 
 fn transmission(snapshot: &Snapshot, free_space: FreeSpace) -> Vec<f32> {
@@ -160,7 +176,7 @@ mod tests {
             let intrinsics = cameras()[camera];
             let pose = look_at(position, DVec3::ZERO);
             let mut seen = vec![false; snapshot.block().n_voxels()];
-            let caster = RayCaster::new(&snapshot, &intrinsics, NO_VOXEL_MISSED, FreeSpace::Clear).unwrap();
+            let caster = RayCaster::new(&snapshot, &intrinsics, NO_VOXEL_MISSED, FreeSpace::Fades).unwrap();
             caster.cast(&pose, |ray| ray.crossings.iter().for_each(|c| seen[c.voxel as usize] = true));
             for (index, &seen) in seen.iter().enumerate() {
                 let center = pose.inverse().transform_point(snapshot.lattice().center(snapshot.block().key(index)));
