@@ -15,3 +15,8 @@ pub mod surface;
 pub mod truth;
 
 pub use error::SimError;
+
+/// The examples of the README, kept working.
+#[cfg(doctest)]
+#[doc = include_str!("../../../README.md")]
+struct Readme;

@@ -2,8 +2,11 @@
 
 #![allow(clippy::unwrap_used, reason = "clippy exempts the test functions, but not their helpers")]
 
-use glam::IVec3;
+use glam::{DVec3, IVec3};
+use nextview::geometry::Lattice;
 use nextview::map::octree::Octree;
+use nextview::map::{Integration, OccupancyMap, RayRule, SensorModel};
+use std::collections::BTreeMap;
 use std::fs;
 use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
@@ -230,5 +233,50 @@ fn authors_maps_make_the_same_bt_files() {
         scratch.write("theirs.ot", &file);
         scratch.run("convert_octree", &["theirs.ot", "theirs.bt"]);
         assert!(bt(&read(&file)) == scratch.read("theirs.bt"), "{name}");
+    }
+}
+
+/// Points of a dented ball, as OctoMap reads them from text, and two sensors outside.
+fn two_scans() -> [(DVec3, Vec<DVec3>); 2] {
+    let point = |i: usize| {
+        let (z, angle) = (i as f64 / 2000.0 - 1.0, i as f64 * 2.399_963);
+        let radius = (1.0 - z * z).sqrt() * (1.0 + 0.2 * (5.0 * angle).sin());
+        DVec3::new(1.3 * radius * angle.cos(), radius * angle.sin(), z).as_vec3().as_dvec3()
+    };
+    let facing = |origin: DVec3| (0..4000).map(point).filter(|p| p.dot(origin) > 0.0).collect();
+    [DVec3::new(2.53171, 0.31793, 0.17337), DVec3::new(-0.52739, -2.11393, 0.93471)]
+        .map(|o| o.as_vec3().as_dvec3())
+        .map(|o| (o, facing(o)))
+}
+
+/// The same scans make the same map: voxel for voxel, but for rays that pass an edge so closely that OctoMap's
+/// single-precision ends decide on which side.
+#[test]
+fn scans_are_integrated_as_by_octomap() {
+    let test = "scans_are_integrated_as_by_octomap";
+    let Some(scratch) = Scratch::with_tools(test, &["log2graph", "graph2tree"]) else { return };
+    let mut log = String::new();
+    for (origin, points) in two_scans() {
+        log += &format!("NODE {} {} {} 0 0 0\n", origin.x, origin.y, origin.z);
+        points.iter().for_each(|p| log += &format!("{} {} {}\n", p.x, p.y, p.z));
+    }
+    scratch.write("scan.log", log);
+    scratch.run("log2graph", &["scan.log", "scan.graph"]);
+    for (rays, option) in [(RayRule::EveryPoint, None), (RayRule::OnePerEndVoxel, Some("-discretize"))] {
+        let arguments = ["-g", "-i", "scan.graph", "-o", "theirs.bt", "-res", "0.05"];
+        scratch.run("graph2tree", &arguments.into_iter().chain(option).collect::<Vec<_>>());
+        let theirs = read(&scratch.read("theirs.bt.ot")).expanded(1 << 22).unwrap();
+        let theirs: BTreeMap<[i32; 3], f32> =
+            theirs.leaves().map(|leaf| (leaf.min.to_array(), leaf.log_odds)).collect();
+        let mut map = OccupancyMap::new(Lattice::new(0.05).unwrap(), SensorModel::default()).unwrap();
+        for (origin, points) in two_scans() {
+            map.integrate_points(&points, origin, &Integration { rays, ..Integration::default() });
+        }
+        let ours: BTreeMap<[i32; 3], f32> =
+            map.voxels().into_iter().map(|(k, v)| (k.to_array(), v.0)).collect();
+        let n_different = ours.iter().filter(|(key, value)| theirs.get(*key) != Some(value)).count()
+            + theirs.keys().filter(|key| !ours.contains_key(*key)).count();
+        println!("{rays:?}: {} voxels, {} of OctoMap's, {n_different} differ", ours.len(), theirs.len());
+        assert!(ours.len() > 20_000 && n_different <= ours.len() / 2000);
     }
 }

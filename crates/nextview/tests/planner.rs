@@ -1,0 +1,189 @@
+//! The max-flow planner against the paper's equations written out naively: all rays in a list, all sums by hand.
+
+#![allow(clippy::unwrap_used, reason = "helpers of tests")]
+
+use glam::{DVec3, IVec3, UVec3};
+use nextview::flow::{BestSets, fewest_sets};
+use nextview::gain::object_probability;
+use nextview::geometry::random::Random;
+use nextview::geometry::{Lattice, VoxelBlock};
+use nextview::map::{LogOdds, Snapshot, entropy, frontier};
+use nextview::planner::{MaxFlow, MaxFlowConfig, Plan, RandomViews, Situation, ViewPlanner};
+use nextview::sensor::Intrinsics;
+use nextview::view::{ViewSpace, generate};
+use nextview::visibility::{FreeSpace, RayCaster};
+
+/// A box with a solid ball in it whose +x side was measured, free space around that side, the rest unknown.
+fn half_seen_ball() -> Snapshot {
+    let block = VoxelBlock::new(IVec3::splat(-8), UVec3::splat(16)).unwrap();
+    let lattice = Lattice::new(0.01).unwrap();
+    Snapshot::from_fn(lattice, block, |key| {
+        let center = lattice.center(key);
+        let radius = center.length();
+        match center.x > 0.0 {
+            true if (0.04..0.052).contains(&radius) => Some(LogOdds(0.85)),
+            true if radius >= 0.052 => Some(LogOdds(-0.4)),
+            _ => None,
+        }
+    })
+}
+
+fn unknown() -> Snapshot {
+    let block = VoxelBlock::new(IVec3::splat(-4), UVec3::splat(8)).unwrap();
+    Snapshot::from_fn(Lattice::new(0.02).unwrap(), block, |_| None)
+}
+
+fn views() -> ViewSpace {
+    generate::shell(DVec3::ZERO, 0.08, 60, 5).unwrap()
+}
+
+fn plan(config: MaxFlowConfig, snapshot: &Snapshot, visited: &[usize], history: &[Vec<u32>]) -> Plan {
+    let (views, intrinsics) = (&views(), &Intrinsics::d435i());
+    MaxFlow::new(config).unwrap().plan(&Situation { snapshot, views, intrinsics, visited, history })
+}
+
+/// Eqs. (1) to (7) as they stand: the score of every view, and V_global.
+fn by_the_equations(
+    config: MaxFlowConfig,
+    snapshot: &Snapshot,
+    visited: &[usize],
+    history: &[Vec<u32>],
+) -> (Vec<f64>, Vec<u32>) {
+    let views = views();
+    let object = object_probability(snapshot, &frontier(snapshot));
+    let caster =
+        RayCaster::new(snapshot, &Intrinsics::d435i(), config.ray_spacing, config.free_space).unwrap();
+    let mut edges: Vec<(usize, usize, f64)> = Vec::new(); // view, voxel, quality
+    for view in (0..views.len()).filter(|view| !visited.contains(view)) {
+        caster.cast(&views.pose(view), |ray| {
+            for crossing in ray.crossings {
+                let voxel = crossing.voxel as usize;
+                let h = entropy(snapshot.probability()[voxel] as f64);
+                edges.push((view, voxel, h * object[voxel] * crossing.visibility as f64));
+            }
+        });
+    }
+    let mut local = vec![0.0; views.len()];
+    edges.iter().for_each(|&(view, _, quality)| local[view] += quality);
+    let mut best = BestSets::new(snapshot.block().n_voxels(), views.len());
+    for voxel in 0..snapshot.block().n_voxels() {
+        let offers = edges.iter().filter(|edge| edge.1 == voxel);
+        let largest = offers.clone().map(|edge| edge.2).fold(0.0, f64::max);
+        offers.filter(|edge| edge.2 == largest).for_each(|edge| best.offer(voxel, edge.0 as u32, edge.2));
+    }
+    let optimal = fewest_sets(best.candidates());
+    let mut flow = vec![0.0; views.len()];
+    let plans: Vec<&Vec<u32>> = history.iter().chain([&optimal]).collect();
+    for (k, plan) in plans.iter().enumerate() {
+        let his = (-((plans.len() - 1 - k) as f64)).exp();
+        plan.iter().for_each(|&view| flow[view as usize] += his);
+    }
+    let (local_total, flow_total): (f64, f64) = (local.iter().sum(), flow.iter().sum());
+    let global = |view: usize| {
+        (1.0 - config.gamma) * local[view] / local_total + config.gamma * flow[view] / flow_total
+    };
+    ((0..views.len()).map(global).collect(), optimal)
+}
+
+#[test]
+fn plans_as_the_equations_say() {
+    let snapshot = half_seen_ball();
+    let visited = [3, 17];
+    let history = [vec![1, 2, 40], vec![2, 9]];
+    for free_space in [FreeSpace::Clear, FreeSpace::Fades] {
+        for gamma in [0.25, 0.5, 1.0] {
+            let config = MaxFlowConfig { gamma, ray_spacing: 1.5, free_space };
+            let plan = plan(config, &snapshot, &visited, &history);
+            let (scores, optimal) = by_the_equations(config, &snapshot, &visited, &history);
+            assert_eq!(plan.optimal_views, optimal);
+            let open = (0..60).filter(|view| !visited.contains(view));
+            let best = open.max_by(|&a, &b| scores[a].total_cmp(&scores[b]).then(b.cmp(&a))).unwrap();
+            let choice = plan.choice.unwrap();
+            assert_eq!(choice.view, best);
+            assert!((choice.score - scores[best]).abs() < 1e-12);
+            assert!(scores[choice.runner_up.unwrap()] <= choice.score);
+        }
+    }
+}
+
+#[test]
+fn looks_at_the_side_not_seen() {
+    for gamma in [0.0, 0.5] {
+        let plan = plan(MaxFlowConfig { gamma, ..MaxFlowConfig::default() }, &half_seen_ball(), &[], &[]);
+        let position = views().pose(plan.choice.unwrap().view).translation();
+        // A view from the side sees the rim of what was measured and beyond; one from the front sees nothing new.
+        assert!(
+            position.normalize().x < 0.7,
+            "gamma {gamma}: the ball was seen from +x, the next view is {position}"
+        );
+        assert_eq!(plan.flow.is_some(), gamma > 0.0);
+    }
+}
+
+#[test]
+fn of_an_unknown_box_every_voxel_is_served_best_by_its_first_crossing() {
+    let plan = plan(MaxFlowConfig { ray_spacing: 0.5, ..MaxFlowConfig::default() }, &unknown(), &[], &[]);
+    let flow = plan.flow.unwrap();
+    assert!(flow.n_views < 60 && flow.n_views > 1);
+    assert!(flow.quality <= flow.n_voxels as f64 * std::f64::consts::LN_2);
+}
+
+#[test]
+fn stops_when_everything_is_known_or_visited() {
+    let block = VoxelBlock::new(IVec3::splat(-4), UVec3::splat(8)).unwrap();
+    let known = Snapshot::from_fn(Lattice::new(0.02).unwrap(), block, |_| Some(LogOdds(-1.0)));
+    assert_eq!(plan(MaxFlowConfig::default(), &known, &[], &[]).choice, None);
+    let all: Vec<usize> = (0..60).collect();
+    assert_eq!(plan(MaxFlowConfig::default(), &unknown(), &all, &[]).choice, None);
+}
+
+#[test]
+fn threads_do_not_show() {
+    let snapshot = half_seen_ball();
+    let run = |threads| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+        pool.install(|| plan(MaxFlowConfig::default(), &snapshot, &[4], &[vec![1, 2]]))
+    };
+    let one = run(1);
+    assert_eq!(one, run(2));
+    assert_eq!(one, run(5));
+}
+
+#[test]
+fn refuses_parameters_out_of_range() {
+    for (gamma, ray_spacing) in [(-0.1, 1.0), (1.1, 1.0), (f64::NAN, 1.0), (0.5, 0.0), (0.5, f64::INFINITY)] {
+        assert!(MaxFlow::new(MaxFlowConfig { gamma, ray_spacing, ..MaxFlowConfig::default() }).is_err());
+    }
+}
+
+#[test]
+fn random_views_are_distinct_seeded_and_spread() {
+    let (snapshot, views, intrinsics) = (&unknown(), &views(), &Intrinsics::d435i());
+    let sequence = |seed| {
+        let mut visited = vec![0];
+        while let Some(choice) = (RandomViews { seed })
+            .plan(&Situation { snapshot, views, intrinsics, visited: &visited, history: &[] })
+            .choice
+        {
+            visited.push(choice.view);
+        }
+        visited
+    };
+    let first = sequence(1);
+    assert_eq!(first, sequence(1));
+    assert_ne!(first, sequence(2));
+    let mut sorted = first.clone();
+    sorted.sort_unstable();
+    assert_eq!(sorted, (0..60).collect::<Vec<_>>());
+    // Second views over many seeds fall on all candidates about equally.
+    let mut counts = [0; 60];
+    (0..5900).for_each(|seed| counts[sequence_start(seed)] += 1);
+    assert!(counts[1..].iter().all(|&n| (60..150).contains(&n)), "{counts:?}");
+    assert!(Random::new(1, 0).index(1) == 0);
+}
+
+fn sequence_start(seed: u64) -> usize {
+    let (snapshot, views, intrinsics) = (&unknown(), &views(), &Intrinsics::d435i());
+    let situation = Situation { snapshot, views, intrinsics, visited: &[0], history: &[] };
+    RandomViews { seed }.plan(&situation).choice.unwrap().view
+}
