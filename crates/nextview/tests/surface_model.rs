@@ -4,7 +4,7 @@
 
 use glam::{DVec2, DVec3};
 use nextview::geometry::{Aabb, Lattice, Pose, sphere};
-use nextview::model::{DistanceField, SurfaceMesh, surface_nets};
+use nextview::model::{DistanceField, SurfaceMesh};
 use nextview::sensor::{DepthImage, Distortion, Frame, Intrinsics};
 use nextview::view::look_at;
 use std::collections::BTreeMap;
@@ -117,7 +117,7 @@ fn mean_and_max(mesh: &SurfaceMesh, distance: impl Fn(DVec3) -> f64) -> (f64, f6
 
 #[test]
 fn a_ball_seen_from_all_sides_is_closed_and_in_place() {
-    let mesh = surface_nets(&scan(ball, around(12)));
+    let mesh = scan(ball, around(12)).surface();
     let (mean, max) = mean_and_max(&mesh, |v| v.length() - RADIUS);
     assert!(mean < 0.05 && max < 0.3, "{mean} {max} voxels");
     assert_watertight(&mesh);
@@ -128,7 +128,7 @@ fn a_ball_seen_from_all_sides_is_closed_and_in_place() {
 
 #[test]
 fn a_cube_keeps_its_faces_and_rounds_its_edges() {
-    let mesh = surface_nets(&scan(cube, around(12)));
+    let mesh = scan(cube, around(12)).surface();
     let distance = |v: DVec3| {
         let beyond = v.abs() - CUBE_HALF;
         beyond.max(DVec3::ZERO).length() + beyond.max_element().min(0.0)
@@ -149,7 +149,7 @@ fn a_cube_keeps_its_faces_and_rounds_its_edges() {
 
 #[test]
 fn a_ball_seen_from_one_side_is_an_open_cap() {
-    let mesh = surface_nets(&scan(ball, [DVec3::X]));
+    let mesh = scan(ball, [DVec3::X]).surface();
     let (_, max) = mean_and_max(&mesh, |v| v.length() - RADIUS);
     assert!(max < 0.3, "{max} voxels");
     assert!(mesh.vertices.len() > 500 && mesh.vertices.iter().all(|v| v.x > 0.0), "nothing behind");
@@ -163,7 +163,7 @@ fn a_ball_seen_from_one_side_is_an_open_cap() {
 
 #[test]
 fn a_plate_of_two_voxels_keeps_both_sides() {
-    let mesh = surface_nets(&scan(plate, around(12)));
+    let mesh = scan(plate, around(12)).surface();
     let inner = mesh.vertices.iter().filter(|v| v.truncate().abs().max_element() < 0.045);
     let (mut up, mut down) = (0, 0);
     for v in inner {
@@ -183,7 +183,7 @@ fn a_wall_in_the_background_is_as_good_as_nothing() {
     for direction in around(12) {
         field.integrate(&render(ball, pinhole(), look_at(0.4 * direction, DVec3::ZERO), 1.0));
     }
-    assert_eq!(surface_nets(&field), surface_nets(&scan(ball, around(12))));
+    assert_eq!(field.surface(), scan(ball, around(12)).surface());
 }
 
 #[test]
@@ -192,7 +192,7 @@ fn missing_pixels_leave_holes_and_make_no_surface() {
     for direction in around(12) {
         field.integrate(&render(ball, pinhole(), look_at(0.4 * direction, DVec3::ZERO), f32::NAN));
     }
-    let (_, max) = mean_and_max(&surface_nets(&field), |v| v.length() - RADIUS);
+    let (_, max) = mean_and_max(&field.surface(), |v| v.length() - RADIUS);
     assert!(max < 0.3, "{max} voxels");
     field = empty_field();
     field.integrate(&render(|_, _| None, pinhole(), look_at(DVec3::X * 0.4, DVec3::ZERO), f32::NAN));
@@ -207,7 +207,7 @@ fn a_lens_does_not_show() {
         for direction in around(12) {
             field.integrate(&render(ball, camera, look_at(0.3 * direction, DVec3::ZERO), f32::INFINITY));
         }
-        let mesh = surface_nets(&field);
+        let mesh = field.surface();
         let (_, max) = mean_and_max(&mesh, |v| v.length() - RADIUS);
         assert!(max < 0.3, "{max} voxels");
         assert_watertight(&mesh);
@@ -216,14 +216,14 @@ fn a_lens_does_not_show() {
 
 #[test]
 fn nothing_seen_is_no_surface() {
-    assert_eq!(surface_nets(&empty_field()), SurfaceMesh::default());
-    assert_eq!(surface_nets(&scan(|_, _| None, around(3))), SurfaceMesh::default());
+    assert_eq!(empty_field().surface(), SurfaceMesh::default());
+    assert_eq!(scan(|_, _| None, around(3)).surface(), SurfaceMesh::default());
     let mut behind = empty_field();
     behind.integrate(&render(ball, pinhole(), look_at(DVec3::X * 0.4, DVec3::X), 1.0));
-    assert_eq!(surface_nets(&behind), SurfaceMesh::default());
+    assert_eq!(behind.surface(), SurfaceMesh::default());
     let mut inside = empty_field();
     inside.integrate(&render(|_, _| None, pinhole(), look_at(DVec3::ZERO, DVec3::X), 1.0));
-    assert_eq!(surface_nets(&inside), SurfaceMesh::default());
+    assert_eq!(inside.surface(), SurfaceMesh::default());
 }
 
 #[test]
@@ -241,7 +241,7 @@ fn refuses_what_is_no_field() {
 fn threads_do_not_show() {
     let run = |threads| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-        pool.install(|| surface_nets(&scan(cube, around(5))))
+        pool.install(|| scan(cube, around(5)).surface())
     };
     assert_eq!(run(1), run(4));
 }

@@ -8,7 +8,7 @@ use crate::report::{self, ScanReport};
 use glam::DVec3;
 use nextview::geometry::{Aabb, Lattice};
 use nextview::map::OccupancyMap;
-use nextview::model::{DistanceField, downsample, surface_nets, write_mesh, write_points};
+use nextview::model::{DistanceField, downsample, write_mesh, write_points};
 use nextview::session::{Session, StepReport};
 use nextview_sim::run::Step;
 use rustc_hash::FxHashSet;
@@ -33,7 +33,7 @@ impl Results<'_> {
         folder.write("views.csv", |w| self.write_views(w))?;
         self.write_map(folder, self.session.map())?;
         folder.write("cloud.ply", |w| Ok(write_points(w, &self.cloud()?)?))?;
-        folder.write("mesh.ply", |w| Ok(write_mesh(w, &surface_nets(&self.field()?))?))?;
+        folder.write("mesh.ply", |w| Ok(write_mesh(w, &self.field()?.surface())?))?;
         folder.write("report.html", |w| Ok(w.write_all(report::render(&self.report(&config)).as_bytes())?))
     }
 

@@ -1,5 +1,5 @@
 use super::shape::{cut, cylinder, join, rounded_box};
-use super::surface_nets::surface;
+use super::surface::surface;
 use crate::mesh::TriangleMesh;
 use glam::{DVec2, DVec3};
 use nextview::geometry::Aabb;

@@ -1,4 +1,4 @@
-use super::surface_nets::surface;
+use super::surface::surface;
 use crate::mesh::TriangleMesh;
 use glam::DVec3;
 use nextview::geometry::Aabb;

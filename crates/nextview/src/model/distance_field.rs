@@ -1,4 +1,5 @@
 use super::frame_surface::{Evidence, FrameSurface};
+use super::{SurfaceMesh, surface_nets};
 use crate::Error;
 use crate::geometry::{Aabb, Lattice, Pose, VoxelBlock};
 use crate::sensor::Frame;
@@ -98,6 +99,11 @@ impl DistanceField {
         self.at(self.block.index(voxel)?)
     }
 
+    /// The surface, by [`surface_nets`]; open where nothing was measured.
+    pub fn surface(&self) -> SurfaceMesh {
+        surface_nets(&self.lattice, &self.block, |index| self.at(index).map(f64::from))
+    }
+
     /// The lattice of the voxels.
     pub fn lattice(&self) -> Lattice {
         self.lattice
@@ -109,7 +115,7 @@ impl DistanceField {
     }
 
     /// [`distance`](Self::distance) by the index in the block.
-    pub(super) fn at(&self, index: usize) -> Option<f32> {
+    fn at(&self, index: usize) -> Option<f32> {
         let Cell { sum, weight, n_free } = self.cells[index];
         if n_free as f32 > weight {
             return Some(self.truncation as f32);

@@ -1,8 +1,8 @@
 //! The scanned surface: what the measured frames together say about the object's shape.
 //!
-//! Start with [`DistanceField`]: it takes in the frames of a scan, and [`surface_nets`] turns it into a
-//! [`SurfaceMesh`]. [`downsample`] thins the plain points; [`write_mesh`] and [`write_points`] write PLY. Planning
-//! reads none of this. Not here: filling of holes, colours.
+//! Start with [`DistanceField`]: it takes in the frames of a scan and gives a [`SurfaceMesh`], made by
+//! [`surface_nets`], which meshes any signed distance. [`downsample`] thins the plain points; [`write_mesh`] and
+//! [`write_points`] write PLY. Planning reads none of this. Not here: filling of holes, colours.
 
 mod cloud;
 mod distance_field;
