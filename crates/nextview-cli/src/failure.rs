@@ -40,6 +40,12 @@ impl Failure {
         self
     }
 
+    /// The same, said of writing this file or folder.
+    pub fn while_writing(mut self, path: &Path) -> Self {
+        self.message = format!("cannot be written: {}", self.message);
+        self.in_file(path).with_hint("does its folder exist, is it writable, and is there space on the disk?")
+    }
+
     /// 1 for bad data or a failing system, 2 for bad usage.
     pub fn exit_code(&self) -> u8 {
         match self.kind {
@@ -59,9 +65,7 @@ impl fmt::Display for Failure {
 impl From<nextview::Error> for Failure {
     fn from(error: nextview::Error) -> Self {
         match &error {
-            nextview::Error::InvalidParameter { .. } => Self::usage(error),
-            nextview::Error::TooLarge { .. } => Self::usage(error)
-                .with_hint("use a larger --voxel-size-m, or allow more with memory_limit_mb in --config"),
+            nextview::Error::InvalidParameter { .. } | nextview::Error::TooLarge { .. } => Self::usage(error),
             _ => Self::data(error),
         }
     }

@@ -2,7 +2,7 @@
 
 use crate::Failure;
 use std::fs::{self, File};
-use std::io::{BufReader, BufWriter, Write};
+use std::io::{self, BufReader, BufWriter, Write};
 use std::path::{Path, PathBuf};
 
 /// Opens a file for reading.
@@ -15,39 +15,55 @@ pub(crate) fn open(path: &Path) -> Result<BufReader<File>, Failure> {
         .map_err(|e| Failure::data(format!("cannot be read: {e}")).in_file(path))
 }
 
-/// Writes a file as a whole or not at all.
+/// Writes a file as a whole or not at all. A device or a pipe must not be replaced: it is written to as it is, and so is
+/// `/dev/stdout`, even where it stands for a regular file.
 pub(crate) fn write(
     path: &Path,
     content: impl FnOnce(&mut BufWriter<File>) -> Result<(), Failure>,
 ) -> Result<(), Failure> {
-    let beside = beside(path);
-    let result = write_through(&beside, content).and_then(|()| Ok(fs::rename(&beside, path)?));
-    result.map_err(|failure| {
-        // The first error is the one to tell; the file beside may not even exist.
-        let _ = fs::remove_file(&beside);
-        unwritable(failure, path)
-    })
+    let is_device = path.starts_with("/dev") || (path.exists() && !path.is_file());
+    let result = if is_device {
+        File::create(path).map_err(Failure::from).and_then(|file| fill(file, content)).map(drop)
+    } else {
+        // Of a link, the file it names is replaced.
+        replace(&fs::canonicalize(path).unwrap_or_else(|_| path.to_owned()), content)
+    };
+    result.map_err(|failure| failure.while_writing(path))
 }
 
-fn write_through(
+fn replace(
     path: &Path,
     content: impl FnOnce(&mut BufWriter<File>) -> Result<(), Failure>,
 ) -> Result<(), Failure> {
-    let mut writer = BufWriter::new(File::create(path)?);
+    let beside = path.with_file_name(unfinished(path));
+    let whole = || {
+        // On the disk before it takes the old one's place.
+        fill(File::create(&beside)?, content)?.sync_all()?;
+        Ok(fs::rename(&beside, path)?)
+    };
+    whole().inspect_err(|_| {
+        // The first error is the one to tell; the file beside may not even exist.
+        let _ = fs::remove_file(&beside);
+    })
+}
+
+fn fill(
+    file: File,
+    content: impl FnOnce(&mut BufWriter<File>) -> Result<(), Failure>,
+) -> Result<File, Failure> {
+    let mut writer = BufWriter::new(file);
     content(&mut writer)?;
-    writer.flush()?;
-    Ok(writer.get_ref().sync_all()?)
+    writer.into_inner().map_err(|e| e.into_error().into())
 }
 
-fn unwritable(failure: Failure, path: &Path) -> Failure {
-    failure.in_file(path).with_hint("is the folder writable and is there space on the disk?")
-}
-
-/// A folder of results that appears as a whole or not at all.
+/// A folder of results that appears as a whole or not at all. Until then its files are kept in memory, so that a scan
+/// that is interrupted leaves nothing on the disk.
 #[derive(Debug)]
 pub(crate) struct ResultFolder {
     target: PathBuf,
+    /// Where the files are written first: on the same file system as the target.
     staging: PathBuf,
+    files: Vec<(&'static str, Vec<u8>)>,
 }
 
 impl ResultFolder {
@@ -58,86 +74,132 @@ impl ResultFolder {
                 .in_file(target)
                 .with_hint("pass another --out"));
         }
-        let folder = Self { target: target.to_owned(), staging: beside(target) };
-        fs::create_dir_all(&folder.staging).map_err(|e| unwritable(e.into(), target))?;
-        if target.is_dir() {
-            // A read-only folder is found out now, not after the scan.
-            let probe = target.join(format!(".nextview-{}", std::process::id()));
-            File::create(&probe)
-                .and_then(|_| fs::remove_file(&probe))
-                .map_err(|e| unwritable(e.into(), target))?;
-        }
-        Ok(folder)
+        let staging = nearest_existing(target).join(unfinished(target));
+        fs::create_dir(&staging)
+            .and_then(|()| fs::remove_dir(&staging))
+            .map_err(|e| Failure::from(e).while_writing(target))?;
+        Ok(Self { target: target.to_owned(), staging, files: Vec::new() })
     }
 
     /// Adds a file.
-    pub fn write(
-        &self,
-        name: &str,
-        content: impl FnOnce(&mut BufWriter<File>) -> Result<(), Failure>,
+    pub fn add(
+        &mut self,
+        name: &'static str,
+        content: impl FnOnce(&mut Vec<u8>) -> Result<(), Failure>,
     ) -> Result<(), Failure> {
-        write_through(&self.staging.join(name), content).map_err(|e| unwritable(e, &self.target.join(name)))
+        let mut bytes = Vec::new();
+        content(&mut bytes)?;
+        self.files.push((name, bytes));
+        Ok(())
     }
 
     /// Shows the finished folder under its name; files of the same names that are there already are replaced.
     pub fn publish(self) -> Result<(), Failure> {
-        let moved =
-            if self.target.exists() { self.move_files() } else { fs::rename(&self.staging, &self.target) };
-        moved.map_err(|e| unwritable(e.into(), &self.target))
+        let result = self.write().and_then(|()| {
+            let moved = if self.target.exists() { self.move_files() } else { self.move_folder() };
+            moved.map_err(|e| Failure::from(e).while_writing(&self.target))
+        });
+        result.inspect_err(|_| {
+            let _ = fs::remove_dir_all(&self.staging);
+        })
     }
 
-    fn move_files(&self) -> std::io::Result<()> {
-        for entry in fs::read_dir(&self.staging)? {
-            let entry = entry?;
-            fs::rename(entry.path(), self.target.join(entry.file_name()))?;
+    fn write(&self) -> Result<(), Failure> {
+        fs::create_dir(&self.staging).map_err(|e| Failure::from(e).while_writing(&self.target))?;
+        for (name, bytes) in &self.files {
+            let written = File::create(self.staging.join(name)).and_then(|mut file| {
+                file.write_all(bytes)?;
+                file.sync_all()
+            });
+            written.map_err(|e| Failure::from(e).while_writing(&self.target.join(name)))?;
         }
         Ok(())
     }
-}
 
-impl Drop for ResultFolder {
-    fn drop(&mut self) {
-        // Gone already if it was renamed; otherwise nothing unfinished may stay behind.
-        let _ = fs::remove_dir_all(&self.staging);
+    fn move_folder(&self) -> io::Result<()> {
+        if let Some(parent) = self.target.parent() {
+            fs::create_dir_all(parent)?;
+        }
+        fs::rename(&self.staging, &self.target)
+    }
+
+    fn move_files(&self) -> io::Result<()> {
+        for (name, _) in &self.files {
+            fs::rename(self.staging.join(name), self.target.join(name))?;
+        }
+        fs::remove_dir(&self.staging)
     }
 }
 
-/// A name next to the path, on the same file system.
-fn beside(path: &Path) -> PathBuf {
+/// The path itself if it exists, or else the nearest folder above it that does.
+fn nearest_existing(path: &Path) -> &Path {
+    path.ancestors().find(|path| path.exists()).unwrap_or(Path::new("."))
+}
+
+/// The name under which something is written until it is whole.
+fn unfinished(path: &Path) -> String {
     let name = path.file_name().unwrap_or_default().to_string_lossy();
-    path.with_file_name(format!(".{name}.{}.partial", std::process::id()))
+    format!(".{name}.{}.partial", std::process::id())
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
+    fn test_folder(name: &str) -> PathBuf {
+        let folder = std::env::temp_dir().join(format!("nextview-{name}-{}", std::process::id()));
+        fs::create_dir_all(&folder).unwrap();
+        folder
+    }
+
     #[test]
     fn a_failed_write_leaves_the_old_file_and_nothing_else() {
-        let folder = std::env::temp_dir().join(format!("nextview-files-{}", std::process::id()));
-        fs::create_dir_all(&folder).unwrap();
+        let folder = test_folder("write");
         let path = folder.join("a.txt");
         write(&path, |w| Ok(w.write_all(b"old")?)).unwrap();
         let failure = write(&path, |w| {
             w.write_all(b"half of the new")?;
             Err(Failure::data("no more"))
         });
-        assert!(failure.unwrap_err().to_string().contains("a.txt: no more"));
+        assert!(failure.unwrap_err().to_string().contains("a.txt: cannot be written: no more"));
         assert_eq!(fs::read(&path).unwrap(), b"old");
         assert_eq!(fs::read_dir(&folder).unwrap().count(), 1);
+        fs::remove_dir_all(&folder).unwrap();
+    }
 
-        let results = folder.join("results");
-        let unfinished = ResultFolder::begin(&results).unwrap();
-        unfinished.write("x", |w| Ok(w.write_all(b"x")?)).unwrap();
-        drop(unfinished);
-        assert_eq!(fs::read_dir(&folder).unwrap().count(), 1, "an unfinished folder disappears");
+    #[test]
+    fn a_folder_of_results_appears_as_a_whole() {
+        let folder = test_folder("results");
+        let unfinished = |path: &Path| {
+            let mut results = ResultFolder::begin(path).unwrap();
+            results.add("x", |w| Ok(w.write_all(b"x")?)).unwrap();
+            results
+        };
+        let path = folder.join("new/results");
+        drop(unfinished(&path));
+        assert_eq!(fs::read_dir(&folder).unwrap().count(), 0, "an unfinished folder leaves nothing");
         for _ in 0..2 {
-            let finished = ResultFolder::begin(&results).unwrap();
-            finished.write("x", |w| Ok(w.write_all(b"x")?)).unwrap();
-            finished.publish().unwrap();
-            assert_eq!(fs::read(results.join("x")).unwrap(), b"x");
+            unfinished(&path).publish().unwrap();
+            assert_eq!(fs::read(path.join("x")).unwrap(), b"x");
+            assert_eq!(fs::read_dir(&path).unwrap().count(), 1);
         }
-        assert_eq!(fs::read_dir(&folder).unwrap().count(), 2);
+        assert_eq!(fs::read_dir(folder.join("new")).unwrap().count(), 1);
+        fs::remove_dir_all(&folder).unwrap();
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn devices_and_links_stay_what_they_are() {
+        let folder = test_folder("links");
+        let (file, link, device) = (folder.join("file"), folder.join("link"), folder.join("device"));
+        fs::write(&file, "old").unwrap();
+        std::os::unix::fs::symlink(&file, &link).unwrap();
+        std::os::unix::fs::symlink("/dev/null", &device).unwrap();
+        write(&link, |w| Ok(w.write_all(b"new")?)).unwrap();
+        write(&device, |w| Ok(w.write_all(b"new")?)).unwrap();
+        assert_eq!(fs::read(&file).unwrap(), b"new");
+        assert!(link.is_symlink() && device.is_symlink());
+        assert_eq!(fs::read_dir(&folder).unwrap().count(), 3);
         fs::remove_dir_all(&folder).unwrap();
     }
 }

@@ -8,5 +8,6 @@ mod failure;
 mod files;
 pub mod report;
 mod scan;
+mod stdout;
 
 pub use failure::Failure;

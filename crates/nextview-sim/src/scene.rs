@@ -16,6 +16,7 @@ pub const CAMERA_RANGE: f64 = 10.0;
 pub struct Scene {
     camera: SimulatedCamera,
     bounds: Aabb,
+    room: Aabb,
 }
 
 impl Scene {
@@ -30,9 +31,10 @@ impl Scene {
             let longest = object.longest_side();
             return Err(SimError::TooLargeForCamera { longest_side: longest, range: CAMERA_RANGE });
         }
-        let room = Background::Room(Aabb::cube(object.center(), 6.0 * size));
-        let camera = SimulatedCamera::new(Arc::new(mesh), intrinsics, room, 2.0 * CAMERA_RANGE)?;
-        Ok(Self { camera, bounds: object })
+        let room = Aabb::cube(object.center(), 6.0 * size);
+        let background = Background::Room(room);
+        let camera = SimulatedCamera::new(Arc::new(mesh), intrinsics, background, 2.0 * CAMERA_RANGE)?;
+        Ok(Self { camera, bounds: object, room })
     }
 
     /// The camera that looks at the object.
@@ -43,6 +45,11 @@ impl Scene {
     /// The middle of the object's box: where view candidates look.
     pub fn center(&self) -> DVec3 {
         self.bounds.center()
+    }
+
+    /// The room around the object; the camera must stand inside.
+    pub fn room(&self) -> Aabb {
+        self.room
     }
 
     /// Half the longest side of the object's box, metres: the paper's object size.

@@ -1,5 +1,5 @@
 use super::values;
-use crate::{Failure, files};
+use crate::{Failure, files, stdout};
 use clap::{Args, Subcommand};
 use glam::{DVec3, IVec3};
 use nextview::geometry::{Aabb, Lattice, VoxelBlock};
@@ -12,6 +12,7 @@ use std::path::{Path, PathBuf};
 
 /// Look into OctoMap files (.ot, .bt) and convert them.
 #[derive(Debug, Subcommand)]
+#[command(after_help = "Examples:\n  nextview map info map.ot\n  nextview map convert map.ot occupied.ply")]
 pub(super) enum MapCommand {
     Info(InfoArgs),
     Convert(ConvertArgs),
@@ -82,28 +83,24 @@ struct Info {
 const OCCUPIED_ABOVE: f64 = 0.65;
 const FREE_BELOW: f64 = 0.45;
 
+/// Voxels from the origin to the end of an OctoMap, whose keys have 16 bits.
+const OCTOMAP_REACH: f64 = 32768.0;
+
 impl InfoArgs {
     fn run(self) -> Result<(), Failure> {
         let octree = read(&self.file)?;
         let info = Info::new(&octree, self.cube.as_ref())?;
-        let mut out = std::io::stdout().lock();
         if self.json {
-            serde_json::to_writer(&mut out, &info).map_err(Failure::data)?;
-            return Ok(writeln!(out)?);
+            return stdout::print(serde_json::to_string(&info).map_err(Failure::data)? + "\n");
         }
-        Ok(info.print(out, self.cube.is_some())?)
+        stdout::print(info.to_text(self.cube.is_some()))
     }
 }
 
 impl Info {
     fn new(octree: &Octree, cube: Option<&Aabb>) -> Result<Self, Failure> {
         let lattice = Lattice::new(octree.voxel_size())?;
-        let block = cube.map(|cube| {
-            let none =
-                || Failure::usage("--box holds no voxel centre, expected a cube of at least one voxel");
-            lattice.block_inside(cube).ok_or_else(none)
-        });
-        let block = block.transpose()?;
+        let block = cube.map(|cube| block_inside(&lattice, cube)).transpose()?;
         let mut info = Self {
             kind: match octree.kind() {
                 TreeKind::OcTree => "OcTree",
@@ -150,26 +147,41 @@ impl Info {
         }
     }
 
-    fn print(&self, mut out: impl Write, in_box: bool) -> std::io::Result<()> {
+    fn to_text(&self, in_box: bool) -> String {
         let unknown = if in_box { "other voxels of the box" } else { "measured, but 0.45 <= P <= 0.65" };
-        writeln!(out, "kind             {}", self.kind)?;
-        writeln!(out, "voxel size       {} m", self.voxel_size_m)?;
-        writeln!(out, "nodes            {}", self.nodes)?;
-        writeln!(out, "leaves           {}", self.leaves)?;
-        writeln!(out, "measured voxels  {}", self.measured_voxels)?;
-        writeln!(out, "occupied voxels  {}  (P > 0.65)", self.occupied_voxels)?;
-        writeln!(out, "free voxels      {}  (P < 0.45)", self.free_voxels)?;
-        writeln!(out, "unknown voxels   {}  ({unknown})", self.unknown_voxels)?;
-        match self.bounds_m {
-            Some([low, high]) => writeln!(out, "bounds           {} to {} m", triple(low), triple(high))?,
-            None => writeln!(out, "bounds           none: nothing measured")?,
-        }
-        writeln!(out, "entropy          {:.2} nats", self.entropy_nats)
+        let bounds = self.bounds_m.map_or("none: nothing measured".to_owned(), |[low, high]| {
+            format!("{} to {} m", triple(low), triple(high))
+        });
+        let rows = [
+            ("kind", self.kind.to_owned()),
+            ("voxel size", format!("{} m", self.voxel_size_m)),
+            ("nodes", self.nodes.to_string()),
+            ("leaves", self.leaves.to_string()),
+            ("measured voxels", self.measured_voxels.to_string()),
+            ("occupied voxels", format!("{}  (P > 0.65)", self.occupied_voxels)),
+            ("free voxels", format!("{}  (P < 0.45)", self.free_voxels)),
+            ("unknown voxels", format!("{}  ({unknown})", self.unknown_voxels)),
+            ("bounds", bounds),
+            ("entropy", format!("{:.2} nats", self.entropy_nats)),
+        ];
+        rows.iter().map(|(label, value)| format!("{label:<16} {value}\n")).collect()
     }
 }
 
 fn triple([x, y, z]: [f64; 3]) -> String {
     format!("({x:.4}, {y:.4}, {z:.4})")
+}
+
+/// The voxels in a cube, which must lie in the space of an OctoMap.
+fn block_inside(lattice: &Lattice, cube: &Aabb) -> Result<VoxelBlock, Failure> {
+    let reach = OCTOMAP_REACH * lattice.voxel_size();
+    if cube.min.abs().max(cube.max.abs()).max_element() > reach {
+        return Err(Failure::usage(format!(
+            "--box goes beyond the space of the map, {reach:.3} m from the origin on each axis"
+        )));
+    }
+    let none = || Failure::usage("--box holds no voxel centre, expected a cube of at least one voxel");
+    lattice.block_inside(cube).ok_or_else(none)
 }
 
 /// The part of a leaf inside the block.
@@ -183,19 +195,24 @@ const MAX_VOXELS: usize = 50_000_000;
 
 impl ConvertArgs {
     fn run(self) -> Result<(), Failure> {
-        let octree = read(&self.from)?;
         let extension = self.to.extension().map(|e| e.to_string_lossy().to_lowercase()).unwrap_or_default();
         match extension.as_str() {
-            "ot" => files::write(&self.to, |writer| Ok(octree.write_ot(writer)?)),
-            "bt" => files::write(&self.to, |writer| Ok(octree.write_bt(writer)?)),
-            "ply" => {
-                let points = occupied_centers(&octree)?;
-                files::write(&self.to, |writer| Ok(nextview::model::write_points(writer, &points)?))
-            }
-            other => Err(Failure::usage(format!(
-                "cannot write '.{other}', expected a file name in .ot, .bt or .ply"
+            "ot" => self.write(|octree, writer| Ok(octree.write_ot(writer)?)),
+            "bt" => self.write(|octree, writer| Ok(octree.write_bt(writer)?)),
+            "ply" => self.write(|octree, writer| {
+                Ok(nextview::model::write_points(writer, &occupied_centers(octree)?)?)
+            }),
+            _ => Err(Failure::usage(format!(
+                "{}: unknown format, expected a file name that ends in .ot, .bt or .ply",
+                self.to.display()
             ))),
         }
+    }
+
+    fn write(&self, form: impl FnOnce(&Octree, &mut Vec<u8>) -> Result<(), Failure>) -> Result<(), Failure> {
+        let mut bytes = Vec::new();
+        form(&read(&self.from)?, &mut bytes).map_err(|failure| failure.in_file(&self.from))?;
+        files::write(&self.to, |writer| Ok(writer.write_all(&bytes)?))
     }
 }
 

@@ -21,7 +21,7 @@ use clap::{Parser, Subcommand};
 #[command(name = "nextview", version, max_term_width = 100, after_help = EXAMPLES)]
 pub struct Cli {
     /// Number of threads [default: all cores]; results do not depend on it
-    #[arg(long, global = true, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
+    #[arg(long, global = true, display_order = 100, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
     threads: Option<u16>,
     #[command(subcommand)]
     command: Command,
@@ -29,14 +29,16 @@ pub struct Cli {
 
 const EXAMPLES: &str = "\
 Examples:
-  nextview scan                              scan a built-in teapot and open the report it names
+  nextview scan                              scan a built-in teapot; then open its report.html
   nextview scan part.stl --unit mm           scan your own mesh
   nextview scan builtin:mug --planner local  another object, another planner
   nextview map info map.ot                   what a map knows
+  nextview views > views.csv                 poses to choose from
   nextview plan --map map.ot --views views.csv
 
 Conventions: metres, world frame right-handed with z up, camera frame x right, y down, z forward.
-Data goes to stdout, messages to stderr. Exit codes: 0 done, 1 bad data or a failing system, 2 bad usage.";
+Data goes to stdout, messages to stderr.
+Exit codes: 0 done, 1 bad data or a failing system, 2 bad usage.";
 
 #[derive(Debug, Subcommand)]
 enum Command {

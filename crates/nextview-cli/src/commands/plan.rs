@@ -1,11 +1,12 @@
 use super::{map, values};
 use crate::scan::PlannerName;
-use crate::{Failure, files};
+use crate::{Failure, files, stdout};
 use clap::Args;
 use nextview::geometry::Aabb;
 use nextview::map::{OccupancyMap, SensorModel};
 use nextview::planner::{MaxFlowConfig, Situation};
 use nextview::sensor::Intrinsics;
+use nextview::session::SessionConfig;
 use nextview::view::ViewSpace;
 use serde::Serialize;
 use std::path::PathBuf;
@@ -23,7 +24,7 @@ pub(super) struct PlanArgs {
     #[arg(long, value_name = "FILE")]
     views: PathBuf,
     /// Views already taken, by number from 0
-    #[arg(long, value_name = "I,J,...", value_delimiter = ',')]
+    #[arg(long, value_name = "I,J,...", value_delimiter = ',', value_parser = values::count, allow_negative_numbers = true)]
     visited: Vec<usize>,
     /// The cube the object lies in [default: around the map's occupied voxels, a tenth and two voxels wider]
     #[arg(long = "box", value_name = "CX,CY,CZ,HALF", value_parser = values::cube, allow_hyphen_values = true)]
@@ -32,14 +33,14 @@ pub(super) struct PlanArgs {
     #[arg(long, value_enum, default_value = "max-flow")]
     planner: PlannerName,
     /// Seed of the random planner
-    #[arg(long, value_name = "S", default_value = "0", value_parser = values::seed)]
+    #[arg(long, value_name = "S", default_value = "0", value_parser = values::seed, allow_negative_numbers = true)]
     seed: u64,
     /// Print one JSON object
     #[arg(long)]
     json: bool,
 }
 
-/// Most voxels of a map to plan in, about 4 GB.
+/// Most voxels that a map may have, about 4 GB.
 const MAX_VOXELS: usize = 200_000_000;
 
 /// The answer; `view` is none if no candidate gains anything.
@@ -59,11 +60,10 @@ impl PlanArgs {
         let map = OccupancyMap::from_octree(&octree, SensorModel::default(), MAX_VOXELS)
             .map_err(|e| Failure::from(e).in_file(&self.map))?;
         let bounds = self.cube.map_or_else(|| self.box_around(&map), Ok)?;
-        let block = map.lattice().block_inside(&bounds);
-        let block = block
-            .ok_or_else(|| Failure::usage("--box holds no voxel centre, expected at least one voxel"))?;
         let views = ViewSpace::read_csv(files::open(&self.views)?, bounds.center())
             .map_err(|e| Failure::from(e).in_file(&self.views))?;
+        let block = SessionConfig::new(map.lattice().voxel_size(), bounds).block(&views);
+        let block = block.map_err(|e| Failure::from(e).with_hint("pass another cube as --box"))?;
         if let Some(view) = self.visited.iter().find(|view| **view >= views.len()) {
             return Err(Failure::usage(format!(
                 "--visited names view {view}, expected 0 to {}",
@@ -79,14 +79,15 @@ impl PlanArgs {
             history: &[],
         });
         let pose = plan.choice.map(|choice| views.pose(choice.view));
-        self.print(&Answer {
+        let answer = Answer {
             planner: self.planner,
             view: plan.choice.map(|choice| choice.view),
             position_m: pose.map(|pose| pose.translation().to_array()),
             quaternion_xyzw: pose.map(|pose| pose.rotation().to_array()),
             score: plan.choice.map(|choice| choice.score),
             runner_up: plan.choice.and_then(|choice| choice.runner_up),
-        })
+        };
+        stdout::print(if self.json { answer.to_json()? } else { answer.to_text() })
     }
 
     fn box_around(&self, map: &OccupancyMap) -> Result<Aabb, Failure> {
@@ -99,20 +100,21 @@ impl PlanArgs {
         })?;
         Ok(Aabb::cube(bounds.center(), 0.55 * bounds.longest_side() + 2.0 * lattice.voxel_size()))
     }
+}
 
-    fn print(&self, answer: &Answer) -> Result<(), Failure> {
-        if self.json {
-            println!("{}", serde_json::to_string(answer).map_err(Failure::data)?);
-            return Ok(());
+impl Answer {
+    fn to_json(&self) -> Result<String, Failure> {
+        Ok(serde_json::to_string(self).map_err(Failure::data)? + "\n")
+    }
+
+    fn to_text(&self) -> String {
+        match (self.view, self.position_m, self.quaternion_xyzw) {
+            (Some(view), Some([x, y, z]), Some([qx, qy, qz, qw])) => format!(
+                "next view   {view}\n\
+                 position    {x:.4} {y:.4} {z:.4} m\n\
+                 quaternion  {qx:.6} {qy:.6} {qz:.6} {qw:.6} (x y z w)\n"
+            ),
+            _ => "next view   none: no candidate gains anything\n".to_owned(),
         }
-        match (answer.view, answer.position_m, answer.quaternion_xyzw) {
-            (Some(view), Some([x, y, z]), Some([qx, qy, qz, qw])) => {
-                println!("next view   {view}");
-                println!("position    {x:.4} {y:.4} {z:.4} m");
-                println!("quaternion  {qx:.6} {qy:.6} {qz:.6} {qw:.6} (x y z w)");
-            }
-            _ => println!("next view   none: no candidate gains anything"),
-        }
-        Ok(())
     }
 }

@@ -19,22 +19,22 @@ pub(super) struct ScanArgs {
     #[arg(long, value_enum)]
     planner: Option<PlannerName>,
     /// Most views to take [default: 10]
-    #[arg(long, value_name = "N")]
+    #[arg(long, value_name = "N", value_parser = values::count, allow_negative_numbers = true)]
     views: Option<usize>,
     /// Number of view candidates [default: 1000; profile paper: 5000]
-    #[arg(long, value_name = "N")]
+    #[arg(long, value_name = "N", value_parser = values::count, allow_negative_numbers = true)]
     candidates: Option<usize>,
     /// Number of the candidate to begin with [default: 0]
-    #[arg(long, value_name = "I")]
+    #[arg(long, value_name = "I", value_parser = values::count, allow_negative_numbers = true)]
     first_view: Option<usize>,
     /// Edge of a voxel in metres [default: about a fortieth of the object; profile paper: 0.01]
-    #[arg(long, value_name = "M", value_parser = values::positive)]
+    #[arg(long, value_name = "M", value_parser = values::positive, allow_negative_numbers = true)]
     voxel_size_m: Option<f64>,
     /// Where candidates are: shell (the paper's), sphere, hemisphere, or a CSV file of poses [default: shell]
     #[arg(long, value_name = "RULE|FILE")]
     view_space: Option<String>,
     /// Seed of the random shell and the random planner [default: 0]
-    #[arg(long, value_name = "S", value_parser = values::seed)]
+    #[arg(long, value_name = "S", value_parser = values::seed, allow_negative_numbers = true)]
     seed: Option<u64>,
     /// Named set of defaults [default: default]
     #[arg(long, value_enum)]
@@ -43,10 +43,10 @@ pub(super) struct ScanArgs {
     #[arg(long, value_enum)]
     unit: Option<UnitName>,
     /// Scale the object so that its longest side has this length in metres
-    #[arg(long, value_name = "M", value_parser = values::positive)]
+    #[arg(long, value_name = "M", value_parser = values::positive, allow_negative_numbers = true)]
     size_m: Option<f64>,
     /// Whether to compute the random and clairvoyant curves and the skill [default: on]
-    #[arg(long, value_enum)]
+    #[arg(long, value_enum, value_name = "on|off", hide_possible_values = true)]
     baselines: Option<Switch>,
     /// Configuration to start from, such as the config.toml of an earlier scan; options given here override it
     #[arg(long, value_name = "FILE.toml")]
@@ -66,8 +66,8 @@ Examples:
   nextview scan bunny.ply --profile paper --json            the paper's protocol, as JSON
   nextview scan --config part/config.toml                   the same scan again
 
-The folder holds config.toml (everything that decides the scan), steps.jsonl, views.csv (poses), map.ot and map.bt (OctoMap),
-cloud.ply, mesh.ply and report.html.";
+The folder holds config.toml (everything that decides the scan), steps.jsonl (a line per view),
+views.csv (poses), map.ot and map.bt (OctoMap), cloud.ply, mesh.ply and report.html.";
 
 /// On or off.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]

@@ -9,6 +9,11 @@ pub(super) fn positive(text: &str) -> Result<f64, String> {
     if value > 0.0 { Ok(value) } else { Err(format!("{text} is not positive")) }
 }
 
+/// A whole number from 0 on.
+pub(super) fn count(text: &str) -> Result<usize, String> {
+    text.parse().map_err(|_| format!("'{text}' is not a whole number from 0 on"))
+}
+
 /// A seed: up to 2^63 - 1, the largest integer that a TOML file can hold.
 pub(super) fn seed(text: &str) -> Result<u64, String> {
     let value: i64 =

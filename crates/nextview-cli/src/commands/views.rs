@@ -1,5 +1,5 @@
 use super::values;
-use crate::{Failure, files};
+use crate::{Failure, files, stdout};
 use clap::{Args, ValueEnum};
 use glam::DVec3;
 use nextview::view::{ViewSpace, generate};
@@ -11,7 +11,7 @@ use std::path::PathBuf;
 /// scalar last). All look at the centre, with a level horizon.
 #[derive(Debug, Args)]
 #[command(
-    after_help = "Example:\n  nextview views --rule hemisphere --center 0,0,0.05 --size-m 0.1 --count 200 > views.csv"
+    after_help = "Example:\n  nextview views --rule hemisphere --center 0,0,0.05 --size-m 0.1 --count 200 --out views.csv"
 )]
 pub(super) struct ViewsArgs {
     /// Where the cameras stand
@@ -21,13 +21,13 @@ pub(super) struct ViewsArgs {
     #[arg(long, value_name = "X,Y,Z", default_value = "0,0,0", value_parser = values::point, allow_hyphen_values = true)]
     center: DVec3,
     /// Half the longest side of the object's box in metres; cameras stand 2 to 4 (shell) or 3 times as far away
-    #[arg(long, value_name = "M", default_value = "0.1", value_parser = values::positive)]
+    #[arg(long, value_name = "M", default_value = "0.1", value_parser = values::positive, allow_negative_numbers = true)]
     size_m: f64,
     /// Number of candidates
-    #[arg(long, value_name = "N", default_value_t = 1000)]
+    #[arg(long, value_name = "N", default_value = "1000", value_parser = values::count, allow_negative_numbers = true)]
     count: usize,
     /// Seed of the random shell
-    #[arg(long, value_name = "S", default_value = "0", value_parser = values::seed)]
+    #[arg(long, value_name = "S", default_value = "0", value_parser = values::seed, allow_negative_numbers = true)]
     seed: u64,
     /// File to write [default: stdout]
     #[arg(long, value_name = "FILE")]
@@ -61,7 +61,11 @@ impl ViewsArgs {
         let views = self.rule.views(self.center, self.size_m, self.count, self.seed)?;
         match &self.out {
             Some(path) => files::write(path, |writer| Ok(views.write_csv(writer)?)),
-            None => Ok(views.write_csv(std::io::stdout().lock())?),
+            None => {
+                let mut csv = Vec::new();
+                views.write_csv(&mut csv)?;
+                stdout::print(csv)
+            }
         }
     }
 }

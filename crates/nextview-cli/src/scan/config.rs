@@ -3,11 +3,12 @@ use crate::Failure;
 use crate::commands::Rule;
 use clap::ValueEnum;
 use nextview::map::{Background, RayRule, SensorModel};
-use nextview::planner::MaxFlowConfig;
+use nextview::planner::{MaxFlow, MaxFlowConfig};
 use nextview::sensor::Intrinsics;
 use nextview::visibility::FreeSpace;
 use nextview_sim::mesh::Unit;
 use serde::{Deserialize, Serialize};
+use std::fmt;
 use std::path::Path;
 
 /// A named set of defaults.
@@ -18,6 +19,12 @@ pub(crate) enum Profile {
     Paper,
     /// What works best so far: dense rays, and free space carved by what the camera sees past the object
     Default,
+}
+
+impl fmt::Display for Profile {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        self.to_possible_value().map_or(Ok(()), |value| f.pad(value.get_name()))
+    }
 }
 
 /// Everything that decides a scan: the file for `--config`, and `config.toml` in the results.
@@ -92,7 +99,7 @@ pub(crate) enum UnitName {
     M,
     /// Millimetres
     Mm,
-    /// By size: up to 2 metres, from 20 millimetres, in between an error
+    /// Judged by the longest side: up to 2 it is metres, from 20 on millimetres, in between an error
     Auto,
 }
 
@@ -159,7 +166,27 @@ impl ScanConfig {
             file.get("profile").cloned().map(|value| value.try_into::<Profile>().map_err(bad)).transpose()?;
         let base = Self::of_profile(named.unwrap_or(Profile::Default));
         let base = toml::Table::try_from(&base).map_err(Failure::data)?;
-        merged(base, file).try_into().map_err(bad)
+        let config: Self = merged(base, file).try_into().map_err(bad)?;
+        config.check().map_err(|failure| failure.in_file(path))?;
+        Ok(config)
+    }
+
+    /// Fails on values out of range that only a file can hold.
+    fn check(&self) -> Result<(), Failure> {
+        let lengths = [("voxel_size_m", self.voxel_size_m), ("size_m", self.size_m)];
+        for (name, value) in lengths.into_iter().filter_map(|(name, value)| Some((name, value?))) {
+            if !(value > 0.0 && value.is_finite()) {
+                return Err(Failure::data(format!(
+                    "{name} is {value}, expected a positive number of metres"
+                )));
+            }
+        }
+        if let Some(share) = self.stop.entropy_share.filter(|share| !(0.0..=1.0).contains(share)) {
+            return Err(Failure::data(format!("entropy_share is {share}, expected a number in 0..=1")));
+        }
+        self.map.sensor_model.check()?;
+        MaxFlow::new(self.max_flow)?;
+        Ok(())
     }
 
     /// Fails if the configuration does not fit this number of candidates.
@@ -226,5 +253,15 @@ mod tests {
         assert!(load("voxels = 3\n").unwrap_err().contains("voxels"));
         assert!(load("[map]\nrays = \"some\"\n").unwrap_err().contains("every-point"));
         assert!(load("views = \n").unwrap_err().contains("line 1"));
+        for (text, expected) in [
+            ("voxel_size_m = nan\n", "voxel_size_m is NaN"),
+            ("size_m = -1\n", "size_m is -1"),
+            ("[stop]\nentropy_share = 7\n", "entropy_share is 7"),
+            ("[map.sensor_model]\nhit = 0.2\n", "hit is 0.2"),
+            ("[max_flow]\ngamma = 2\n", "gamma is 2"),
+        ] {
+            let error = load(text).unwrap_err();
+            assert!(error.contains(".toml: ") && error.contains(expected), "{error}");
+        }
     }
 }

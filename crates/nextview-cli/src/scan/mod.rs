@@ -6,23 +6,24 @@ mod memory;
 mod object;
 mod outcome;
 mod planner_name;
+mod progress;
 mod results;
 
 pub(crate) use config::{Profile, ScanConfig, UnitName, ViewSpaceName};
 pub(crate) use planner_name::PlannerName;
 
-use crate::Failure;
 use crate::files::{self, ResultFolder};
+use crate::{Failure, stdout};
 use baselines::Baselines;
-use indicatif::{ProgressBar, ProgressStyle};
-use nextview::geometry::Lattice;
-use nextview::session::{Session, SessionConfig, StopConfig};
+use nextview::geometry::{Lattice, VoxelBlock};
+use nextview::session::{Session, SessionConfig, StopConfig, StopReason};
 use nextview::view::ViewSpace;
 use nextview_sim::run::{self, Step};
 use nextview_sim::scene::Scene;
 use nextview_sim::truth::ObjectVoxels;
 use object::Object;
 use outcome::Outcome;
+use progress::Progress;
 use results::Results;
 use std::path::{Path, PathBuf};
 
@@ -43,34 +44,53 @@ pub(crate) fn default_dir(config: &ScanConfig) -> PathBuf {
 /// Scans the configured object and writes the results.
 pub(crate) fn scan(mut config: ScanConfig, output: &Output) -> Result<(), Failure> {
     let object = Object::load(&config)?;
-    let voxel_size = *config.voxel_size_m.get_or_insert(object.suitable_voxel_size());
-    let scene = Scene::new(object.mesh.clone(), config.camera)?;
+    let voxel_size = object.voxel_size(&config)?;
+    config.voxel_size_m = Some(voxel_size);
+    let scene = object.scene(&config)?;
     let views = view_space(&config, &scene)?;
     config.check_views(views.len())?;
     let session_config = session_config(&config, &scene, voxel_size);
-    let block = session_config.block(&views)?;
+    let block = voxel_block(&session_config, &views)?;
     let folder = ResultFolder::begin(&output.dir)?;
-    if !output.json {
-        outcome::print_heading(&config, &object, &views);
+    if output.json {
+        object.note.iter().for_each(|note| eprintln!("{note}"));
+    } else {
+        stdout::print(outcome::heading(&config, &object, &views))?;
     }
     let object_voxels = ObjectVoxels::new(scene.camera(), Lattice::new(voxel_size)?, block);
     let baselines = baselines(&config, &scene, &object_voxels, &views)?;
     let truth = baselines.as_ref().map(|baselines| baselines.truth.clone());
     let planner = config.planner.build(config.max_flow, config.seed, truth)?;
     let mut session = Session::new(session_config, config.camera, views, planner)?;
+    let progress = Progress::new("scanning", config.views);
+    let (steps, stop_reason) = run_session(&mut session, &scene, &object_voxels, |step| {
+        progress.step();
+        let line = || outcome::step_line(step, baselines.as_ref());
+        if output.json { Ok(()) } else { progress.print(&line()) }
+    })?;
+    drop(progress);
+    let outcome = Outcome::new(&config, &object, &steps, stop_reason, session.views().len(), baselines);
+    let bounds = session_config.bounds;
+    Results { config: &config, bounds, session: &session, steps: &steps, outcome: &outcome }.write(folder)?;
+    stdout::print(if output.json { outcome.to_json()? } else { outcome.to_text(&output.dir) })
+}
+
+/// Runs the session to its end and collects its steps.
+fn run_session(
+    session: &mut Session,
+    scene: &Scene,
+    object: &ObjectVoxels,
+    tell: impl Fn(&Step) -> Result<(), Failure>,
+) -> Result<(Vec<Step>, StopReason), Failure> {
     let mut steps: Vec<Step> = Vec::new();
-    let stop_reason = run::run(&mut session, &scene, &object_voxels, |step| {
-        if !output.json {
-            outcome::print_step(&step, baselines.as_ref());
+    let mut told = Ok(());
+    let stop_reason = run::run(session, scene, object, |step| {
+        if told.is_ok() {
+            told = tell(&step);
         }
         steps.push(step);
     })?;
-    let outcome = Outcome::new(&config, &object, &steps, stop_reason, session.views().len(), baselines);
-    let bounds = session_config.bounds;
-    Results { config: &config, bounds, session: &session, steps: &steps, outcome: &outcome }
-        .write(&folder)?;
-    folder.publish()?;
-    outcome.print(output)
+    told.map(|()| (steps, stop_reason))
 }
 
 /// The two bounds of every planner, if they are asked for or the planner is one of them.
@@ -83,13 +103,17 @@ fn baselines(
     if !config.baselines && config.planner != PlannerName::Clairvoyant {
         return Ok(None);
     }
-    let style = ProgressStyle::with_template("{msg} [{bar:30}] {pos}/{len}, {eta} left");
-    let bar = ProgressBar::new(views.len() as u64)
-        .with_style(style.expect("the template is well formed"))
-        .with_message("baselines: looking from every view");
-    let baselines = Baselines::new(scene, object, views, config, || bar.inc(1));
-    bar.finish_and_clear();
-    baselines.map(Some)
+    let progress = Progress::new("baselines: looking from every view", views.len());
+    Baselines::new(scene, object, views, config, || progress.step()).map(Some)
+}
+
+/// The voxels to plan in, if they are not too many.
+fn voxel_block(config: &SessionConfig, views: &ViewSpace) -> Result<VoxelBlock, Failure> {
+    config.block(views).map_err(|error| match error {
+        nextview::Error::TooLarge { .. } => Failure::from(error)
+            .with_hint("use a larger --voxel-size-m, or allow more with memory_limit_mb in --config"),
+        error => error.into(),
+    })
 }
 
 fn session_config(config: &ScanConfig, scene: &Scene, voxel_size: f64) -> SessionConfig {
@@ -110,8 +134,26 @@ fn view_space(config: &ScanConfig, scene: &Scene) -> Result<ViewSpace, Failure> 
         Some(rule) => Ok(rule.views(scene.center(), scene.size(), config.candidates, config.seed)?),
         None => {
             let path = Path::new(&config.view_space.0);
-            let read = ViewSpace::read_csv(files::open(path)?, scene.center());
-            read.map_err(|e| Failure::from(e).in_file(path))
+            let hint = "--view-space takes shell, sphere, hemisphere or a CSV file";
+            let file = files::open(path).map_err(|failure| failure.with_hint(hint))?;
+            let views =
+                ViewSpace::read_csv(file, scene.center()).map_err(|e| Failure::from(e).in_file(path))?;
+            check_in_room(scene, &views).map_err(|failure| failure.in_file(path))?;
+            Ok(views)
         }
     }
+}
+
+/// Fails if a view is where the simulated camera cannot stand.
+fn check_in_room(scene: &Scene, views: &ViewSpace) -> Result<(), Failure> {
+    let room = scene.room();
+    let outside = |view: &usize| !room.contains(views.pose(*view).translation());
+    let Some(view) = (0..views.len()).find(outside) else { return Ok(()) };
+    let failure = Failure::data(format!(
+        "view {view} (counted from 0) is at {:.3} m, outside the room around the object, from {:.3} to {:.3} m",
+        views.pose(view).translation(),
+        room.min,
+        room.max
+    ));
+    Err(failure.with_hint("views must be in metres, and around the place where the object is"))
 }

@@ -1,7 +1,10 @@
 use super::ScanConfig;
 use crate::Failure;
-use nextview_sim::mesh::{TriangleMesh, Unit, UnitSource};
-use nextview_sim::{builtin, mesh};
+use nextview::geometry::Lattice;
+use nextview_sim::mesh::{FileMesh, TriangleMesh, Unit, UnitSource};
+use nextview_sim::scene::Scene;
+use nextview_sim::{SimError, builtin, mesh};
+use std::fmt;
 use std::path::Path;
 
 /// The object to scan, in metres.
@@ -24,7 +27,7 @@ impl Object {
     fn builtin(name: &str, config: &ScanConfig) -> Result<Self, Failure> {
         let mesh = builtin::by_name(name).ok_or_else(|| {
             let known = builtin::names().collect::<Vec<_>>().join(", ");
-            Failure::usage(format!("no built-in object '{name}'")).with_hint(format!("known: {known}"))
+            Failure::usage(format!("no built-in object '{name}'")).with_hint(format!("there are {known}"))
         })?;
         let scale = config.size_m.map_or(1.0, |size| size / mesh.bounds().longest_side());
         Ok(Self { name: name.to_owned(), mesh: mesh.scaled(scale)?, note: None })
@@ -32,14 +35,51 @@ impl Object {
 
     fn file(path: &Path, config: &ScanConfig) -> Result<Self, Failure> {
         let unit = config.size_m.map_or(config.unit.into(), Unit::LongestSide);
-        let (mesh, scaling) = mesh::load(path)?.to_metres(unit)?;
+        let (mesh, scaling) = read(path)?.to_metres(unit)?;
         let note =
             (scaling.source == UnitSource::Guessed).then(|| format!("note: {scaling}; say so with --unit"));
         Ok(Self { name: short_name(&config.object), mesh, note })
     }
 
+    /// The object before the configured camera.
+    pub fn scene(&self, config: &ScanConfig) -> Result<Scene, Failure> {
+        Scene::new(self.mesh.clone(), config.camera).map_err(|error| match error {
+            SimError::TooLargeForCamera { .. } => self.wrong_size(error, config),
+            error => error.into(),
+        })
+    }
+
+    /// The configured voxel size, or else one that suits the object; fails if that is out of proportion.
+    pub fn voxel_size(&self, config: &ScanConfig) -> Result<f64, Failure> {
+        let longest = self.mesh.bounds().longest_side();
+        match config.voxel_size_m {
+            Some(size) if size > 0.5 * longest => Err(Failure::usage(format!(
+                "the voxel size is {size} m, expected at most half the object's longest side, {longest:.4} m"
+            ))
+            .with_hint("--voxel-size-m is in metres")),
+            Some(size) => Ok(size),
+            None if longest < 40.0 * Lattice::MIN_VOXEL_SIZE => {
+                let problem = format!(
+                    "the object's longest side is {longest} m, too small for voxels of at least {} m; \
+                     pass its unit as --unit m or its true size as --size-m 0.2",
+                    Lattice::MIN_VOXEL_SIZE
+                );
+                Err(self.wrong_size(problem, config))
+            }
+            None => Ok(self.suitable_voxel_size()),
+        }
+    }
+
+    /// An object of this size is the file's fault, unless the user stated the size.
+    fn wrong_size(&self, problem: impl fmt::Display, config: &ScanConfig) -> Failure {
+        match config.size_m {
+            Some(_) => Failure::usage(problem),
+            None => Failure::data(problem).in_file(Path::new(&config.object)),
+        }
+    }
+
     /// About a fortieth of the object's longest side: 1, 2 or 5 times a power of ten, the nearest in ratio.
-    pub fn suitable_voxel_size(&self) -> f64 {
+    fn suitable_voxel_size(&self) -> f64 {
         let wanted = self.mesh.bounds().longest_side() / 40.0;
         let power = 10_f64.powf(wanted.log10().floor());
         let steps = [1.0, 2.0, 5.0, 10.0].map(|step| step * power);
@@ -48,6 +88,14 @@ impl Object {
         // Through text, so that 0.005 is the number a user would write.
         format!("{:.0e}", nearest.unwrap_or(wanted)).parse().unwrap_or(wanted)
     }
+}
+
+fn read(path: &Path) -> Result<FileMesh, Failure> {
+    let name = path.to_string_lossy();
+    mesh::load(path).map_err(|error| match builtin::names().any(|known| known == name) {
+        true => Failure::data(error).with_hint(format!("the built-in object is builtin:{name}")),
+        false => error.into(),
+    })
 }
 
 /// The object's name without `builtin:`, folders and extension.

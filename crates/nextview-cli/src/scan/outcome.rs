@@ -1,13 +1,14 @@
 use super::baselines::Baselines;
 use super::memory;
 use super::object::Object;
-use super::{Output, PlannerName, Profile, ScanConfig};
+use super::{PlannerName, Profile, ScanConfig};
 use crate::Failure;
 use nextview::session::StopReason;
 use nextview::view::ViewSpace;
 use nextview_sim::baseline::{extended, skill};
 use nextview_sim::run::Step;
 use serde::Serialize;
+use std::path::Path;
 use std::time::Duration;
 
 /// The measures of a scan: what `--json` prints. Entries that differ between equal runs are times and memory only.
@@ -135,16 +136,16 @@ impl Outcome {
         rows.into_iter().map(|(label, value)| (label.to_owned(), value)).collect()
     }
 
-    /// Tells the outcome on stdout.
-    pub fn print(&self, output: &Output) -> Result<(), Failure> {
-        if output.json {
-            println!("{}", serde_json::to_string(self).map_err(Failure::data)?);
-            return Ok(());
-        }
-        println!();
-        self.summary().iter().for_each(|(label, value)| println!("{label:<22} {value}"));
-        println!("\nresults in {} (open report.html there)", output.dir.display());
-        Ok(())
+    /// One JSON object on a line.
+    pub fn to_json(&self) -> Result<String, Failure> {
+        Ok(serde_json::to_string(self).map_err(Failure::data)? + "\n")
+    }
+
+    /// The measures as a table, and where the results are.
+    pub fn to_text(&self, dir: &Path) -> String {
+        let rows: String =
+            self.summary().iter().map(|(label, value)| format!("{label:<22} {value}\n")).collect();
+        format!("\n{rows}\nresults in {} (open report.html there)\n", dir.display())
     }
 }
 
@@ -155,34 +156,39 @@ impl Baselines {
     }
 }
 
-pub(super) fn print_heading(config: &ScanConfig, object: &Object, views: &ViewSpace) {
+/// What is scanned and how, and the head of the table of steps.
+pub(super) fn heading(config: &ScanConfig, object: &Object, views: &ViewSpace) -> String {
     let size = object.mesh.bounds().size() * 1e3;
-    let voxel_mm = config.voxel_size_m.unwrap_or_default() * 1e3;
-    println!(
-        "{}: {:.0} x {:.0} x {:.0} mm, {} triangles",
+    // To a nanometre, so that 5 mm do not read 5.000000000000001.
+    let voxel_mm = (config.voxel_size_m.unwrap_or_default() * 1e9).round() / 1e6;
+    let note = object.note.as_ref().map(|note| format!("{note}\n")).unwrap_or_default();
+    format!(
+        "{}: {:.0} x {:.0} x {:.0} mm, {} triangles\n{note}\
+         planner {}, profile {}, {} candidate views, voxels of {voxel_mm} mm\n\n\
+         {:>4}  {:>6}  {:>9}  {:>9}  {:>10}  {:>10}  {:>7}\n",
         object.name,
         size.x,
         size.y,
         size.z,
-        object.mesh.triangles().len()
-    );
-    object.note.iter().for_each(|note| println!("{note}"));
-    println!(
-        "planner {}, profile {:?}, {} candidate views, voxels of {voxel_mm} mm\n",
+        object.mesh.triangles().len(),
         config.planner,
         config.profile,
-        views.len()
-    );
-    println!(
-        "{:>4}  {:>6}  {:>9}  {:>9}  {:>10}  {:>8}  {:>7}",
-        "step", "view", "seen", "surface", "new voxels", "planning", "path"
-    );
+        views.len(),
+        "step",
+        "view",
+        "seen",
+        "surface",
+        "new voxels",
+        "planning",
+        "path"
+    )
 }
 
-pub(super) fn print_step(step: &Step, baselines: Option<&Baselines>) {
+/// The line of a step in the table.
+pub(super) fn step_line(step: &Step, baselines: Option<&Baselines>) -> String {
     let seen = baselines.map_or("-".to_owned(), |b| format!("{:.1} %", 100.0 * b.reachable_coverage(step)));
-    println!(
-        "{:>4}  {:>6}  {:>9}  {:>7.1} %  {:>10}  {:>5.1} ms  {:>5.2} m",
+    format!(
+        "{:>4}  {:>6}  {:>9}  {:>7.1} %  {:>10}  {:>7.1} ms  {:>5.2} m\n",
         step.report.step,
         step.report.view.unwrap_or_default(),
         seen,
@@ -190,7 +196,7 @@ pub(super) fn print_step(step: &Step, baselines: Option<&Baselines>) {
         step.report.update.n_newly_occupied,
         milliseconds(step.plan_time),
         step.path_length,
-    );
+    )
 }
 
 /// Why a scan stopped, as a phrase.

@@ -7,7 +7,6 @@ use crate::files::ResultFolder;
 use crate::report::{self, ScanReport};
 use glam::DVec3;
 use nextview::geometry::{Aabb, Lattice};
-use nextview::map::OccupancyMap;
 use nextview::model::{DistanceField, downsample, write_mesh, write_points};
 use nextview::session::{Session, StepReport};
 use nextview_sim::run::Step;
@@ -26,15 +25,19 @@ pub(super) struct Results<'a> {
 }
 
 impl Results<'_> {
-    pub fn write(&self, folder: &ResultFolder) -> Result<(), Failure> {
+    /// Writes all files and shows the folder.
+    pub fn write(&self, mut folder: ResultFolder) -> Result<(), Failure> {
         let config = toml::to_string(self.config).map_err(Failure::data)?;
-        folder.write("config.toml", |w| Ok(w.write_all(config.as_bytes())?))?;
-        folder.write("steps.jsonl", |w| self.write_steps(w))?;
-        folder.write("views.csv", |w| self.write_views(w))?;
-        self.write_map(folder, self.session.map())?;
-        folder.write("cloud.ply", |w| Ok(write_points(w, &self.cloud()?)?))?;
-        folder.write("mesh.ply", |w| Ok(write_mesh(w, &self.field()?.surface())?))?;
-        folder.write("report.html", |w| Ok(w.write_all(report::render(&self.report(&config)).as_bytes())?))
+        folder.add("config.toml", |w| Ok(w.write_all(config.as_bytes())?))?;
+        folder.add("steps.jsonl", |w| self.write_steps(w))?;
+        folder.add("views.csv", |w| self.write_views(w))?;
+        let octree = self.session.map().to_octree()?.pruned();
+        folder.add("map.ot", |w| Ok(octree.write_ot(w)?))?;
+        folder.add("map.bt", |w| Ok(octree.write_bt(w)?))?;
+        folder.add("cloud.ply", |w| Ok(write_points(w, &self.cloud()?)?))?;
+        folder.add("mesh.ply", |w| Ok(write_mesh(w, &self.field()?.surface())?))?;
+        folder.add("report.html", |w| Ok(w.write_all(report::render(&self.report(&config)).as_bytes())?))?;
+        folder.publish()
     }
 
     fn write_steps(&self, mut writer: impl Write) -> Result<(), Failure> {
@@ -65,12 +68,6 @@ impl Results<'_> {
             writeln!(writer, "{step},{view},{},{},{},{},{},{},{}", t.x, t.y, t.z, q.x, q.y, q.z, q.w)?;
         }
         Ok(())
-    }
-
-    fn write_map(&self, folder: &ResultFolder, map: &OccupancyMap) -> Result<(), Failure> {
-        let octree = map.to_octree()?.pruned();
-        folder.write("map.ot", |w| Ok(octree.write_ot(w)?))?;
-        folder.write("map.bt", |w| Ok(octree.write_bt(w)?))
     }
 
     /// Size of the cells in which points and mesh are told apart: a quarter of a voxel, since the map's voxels are larger
@@ -120,7 +117,7 @@ impl Results<'_> {
             steps: steps.collect(),
             object: outcome.object.clone(),
             planner: outcome.planner.to_string(),
-            profile: format!("{:?}", outcome.profile).to_lowercase(),
+            profile: outcome.profile.to_string(),
             seed: outcome.seed,
             stop_reason: stop_phrase(outcome.stop_reason).to_owned(),
             summary: outcome.summary(),

@@ -1,0 +1,125 @@
+//! A folder to work in, and the program in it.
+
+use serde_json::Value;
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Stdio};
+
+/// A scan that takes a second or two.
+pub const SMALL: [&str; 7] =
+    ["scan", "builtin:mug", "--candidates", "20", "--voxel-size-m", "0.01", "--out=out"];
+
+/// A fresh folder, removed at the end unless the test fails.
+pub struct Folder(PathBuf);
+
+/// What a run of the program came to.
+#[derive(Debug)]
+pub struct Run {
+    pub code: Option<i32>,
+    pub stdout: String,
+    pub stderr: String,
+}
+
+impl Folder {
+    /// The name must differ from those of all other tests.
+    pub fn new(name: &str) -> Self {
+        let path = Path::new(env!("CARGO_TARGET_TMPDIR")).join(name);
+        let _ = fs::remove_dir_all(&path);
+        fs::create_dir_all(&path).unwrap();
+        Self(path)
+    }
+
+    pub fn path(&self, name: &str) -> PathBuf {
+        self.0.join(name)
+    }
+
+    pub fn write(&self, name: &str, content: impl AsRef<[u8]>) {
+        fs::write(self.path(name), content).unwrap();
+    }
+
+    pub fn bytes(&self, name: &str) -> Vec<u8> {
+        fs::read(self.path(name)).unwrap_or_else(|e| panic!("{name}: {e}"))
+    }
+
+    pub fn text(&self, name: &str) -> String {
+        String::from_utf8(self.bytes(name)).unwrap()
+    }
+
+    /// The names in a folder below this one, sorted, hidden ones too; a folder's name ends in a slash.
+    pub fn names(&self, name: &str) -> Vec<String> {
+        let name_of = |entry: fs::DirEntry| {
+            let slash = if entry.path().is_dir() { "/" } else { "" };
+            entry.file_name().into_string().unwrap() + slash
+        };
+        let mut names: Vec<String> =
+            fs::read_dir(self.path(name)).unwrap().map(|entry| name_of(entry.unwrap())).collect();
+        names.sort();
+        names
+    }
+
+    /// The program with this folder as the current one.
+    pub fn command(&self, args: &[&str]) -> Command {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_nextview"));
+        command.args(args).current_dir(&self.0).stdin(Stdio::null());
+        command.env("COLUMNS", "100").env_remove("RUST_BACKTRACE");
+        command
+    }
+
+    pub fn run(&self, args: &[&str]) -> Run {
+        Run::of(self.command(args))
+    }
+
+    /// Runs the program, which must succeed; returns what it printed.
+    pub fn ok(&self, args: &[&str]) -> String {
+        let run = self.run(args);
+        assert_eq!((run.code, run.stderr.as_str()), (Some(0), ""), "{args:?}");
+        run.stdout
+    }
+
+    /// The same for a command that prints JSON.
+    pub fn json(&self, args: &[&str]) -> Value {
+        serde_json::from_str(&self.ok(args)).unwrap()
+    }
+}
+
+impl Drop for Folder {
+    fn drop(&mut self) {
+        if !std::thread::panicking() {
+            let _ = fs::remove_dir_all(&self.0);
+        }
+    }
+}
+
+impl Run {
+    pub fn of(mut command: Command) -> Self {
+        let output = command.output().unwrap();
+        Self {
+            code: output.status.code(),
+            stdout: String::from_utf8(output.stdout).unwrap(),
+            stderr: String::from_utf8(output.stderr).unwrap(),
+        }
+    }
+}
+
+/// The small scan with more arguments.
+pub fn small<'a>(args: &[&'a str]) -> Vec<&'a str> {
+    [&SMALL, args].concat()
+}
+
+/// The JSON without what differs between equal runs: times and memory.
+pub fn timeless(mut value: Value) -> Value {
+    let entries = value.as_object_mut().unwrap();
+    entries.retain(|key, _| !key.ends_with("_time_ms") && key != "peak_memory_mb");
+    value
+}
+
+/// A file of the reference data; none, and a word about it, where there is no such data.
+pub fn data(test: &str, name: &str) -> Option<PathBuf> {
+    let default = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared/data");
+    let path = std::env::var_os("NEXTVIEW_DATA").map_or(default, PathBuf::from).join(name);
+    let path = fs::canonicalize(&path).ok();
+    if path.is_none() {
+        eprintln!("SKIPPED {test}: no {name} in the folder NEXTVIEW_DATA");
+    }
+    path
+}

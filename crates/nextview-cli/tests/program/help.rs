@@ -1,0 +1,63 @@
+use crate::common::Folder;
+
+/// The help of a command is exactly what `tests/program/help` holds. After a change on purpose, look at it and write it
+/// anew: `nextview COMMAND --help | cat > FILE`.
+fn check(command: &[&str]) {
+    let folder = Folder::new(&format!("help{}", command.join("-")));
+    let help = folder.ok(&[command, &["--help"]].concat());
+    let name = [&["nextview"], command].concat().join("-");
+    let path = format!("{}/tests/program/help/{name}.txt", env!("CARGO_MANIFEST_DIR"));
+    let expected = std::fs::read_to_string(&path).unwrap_or_default();
+    assert_eq!(help, expected, "the help of {command:?} differs from {path}");
+    assert!(help.lines().all(|line| line.chars().count() <= 100), "wider than 100 columns");
+    let (_, examples) = help.split_once("\nExample").expect("an example");
+    assert!(examples.contains(&[&["  nextview"], command].concat().join(" ")), "{examples}");
+    assert_eq!(folder.names("."), [""; 0]);
+}
+
+#[test]
+fn of_the_program() {
+    check(&[]);
+}
+
+#[test]
+fn of_scan() {
+    check(&["scan"]);
+}
+
+#[test]
+fn of_plan() {
+    check(&["plan"]);
+}
+
+#[test]
+fn of_views() {
+    check(&["views"]);
+}
+
+#[test]
+fn of_map() {
+    check(&["map"]);
+    check(&["map", "info"]);
+    check(&["map", "convert"]);
+}
+
+#[test]
+fn names_all_built_in_objects() {
+    let help = Folder::new("help-objects").ok(&["scan", "--help"]);
+    let words: Vec<&str> = help.split(|c: char| !c.is_alphanumeric() && c != '-').collect();
+    assert!(nextview_sim::builtin::names().all(|name| words.contains(&name)));
+}
+
+#[test]
+fn no_command_shows_the_help_as_an_error() {
+    let run = Folder::new("help-none").run(&[]);
+    assert_eq!((run.code, run.stdout.as_str()), (Some(2), ""));
+    assert!(run.stderr.contains("Usage: nextview [OPTIONS] <COMMAND>"));
+}
+
+#[test]
+fn the_version_is_that_of_the_package() {
+    let version = Folder::new("version").ok(&["--version"]);
+    assert_eq!(version, format!("nextview {}\n", env!("CARGO_PKG_VERSION")));
+}

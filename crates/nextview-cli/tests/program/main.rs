@@ -1,0 +1,18 @@
+//! The program, driven as a user drives it.
+
+// `cfg(test)` lets Clippy know that the `unwrap`s of helpers, too, are those of a test.
+#[cfg(test)]
+mod bad_input;
+#[cfg(test)]
+mod common;
+#[cfg(test)]
+mod determinism;
+#[cfg(test)]
+mod help;
+#[cfg(test)]
+#[cfg(unix)]
+mod interrupt;
+#[cfg(test)]
+mod map_and_views;
+#[cfg(test)]
+mod scan;

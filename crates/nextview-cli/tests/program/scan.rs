@@ -1,0 +1,209 @@
+use crate::common::{Folder, small, timeless};
+use nextview_sim::mesh;
+use serde_json::Value;
+
+const FILES: [&str; 8] =
+    ["cloud.ply", "config.toml", "map.bt", "map.ot", "mesh.ply", "report.html", "steps.jsonl", "views.csv"];
+
+fn numbers(value: &Value) -> Vec<f64> {
+    value.as_array().unwrap().iter().map(|v| v.as_f64().unwrap()).collect()
+}
+
+/// Whether values lie in 0..=1 and never fall.
+fn is_coverage(values: &[f64]) -> bool {
+    values.iter().all(|v| (0.0..=1.0).contains(v)) && values.is_sorted()
+}
+
+#[test]
+fn writes_all_that_the_issue_lists() {
+    let folder = Folder::new("scan-files");
+    let result = folder.json(&small(&["--views", "3", "--json"]));
+    assert_eq!(result["object"], "mug");
+    assert_eq!(result["planner"], "max-flow");
+    assert_eq!(result["profile"], "default");
+    assert_eq!(result["seed"], 0);
+    assert_eq!(result["views"], 3);
+    assert_eq!(result["stop_reason"], "view-limit");
+    for key in ["voxel_coverage", "surface_coverage_2mm", "reachable_coverage_curve"] {
+        let curve = numbers(&result[key]);
+        assert!(curve.len() == 3 && is_coverage(&curve) && curve[0] > 0.1, "{key}: {curve:?}");
+    }
+    assert_eq!(numbers(&result["plan_time_ms"]).len(), 3);
+    assert_eq!(result["reachable_coverage"], result["reachable_coverage_curve"][2]);
+    assert!((-3.0..=1.5).contains(&result["skill"].as_f64().unwrap()));
+    assert!(result["path_length_m"].as_f64().unwrap() > 0.1);
+    assert!(!cfg!(target_os = "linux") || result["peak_memory_mb"].as_f64().unwrap() > 1.0);
+
+    assert_eq!(folder.names("."), ["out/"]);
+    assert_eq!(folder.names("out"), FILES);
+    check_steps(&folder.text("out/steps.jsonl"), &result);
+    assert_eq!(folder.text("out/views.csv").lines().count(), 4);
+    check_maps(&folder);
+    check_models(&folder);
+    assert!(folder.text("out/report.html").contains("<title>mug"));
+}
+
+fn check_steps(steps: &str, result: &Value) {
+    let steps: Vec<Value> = steps.lines().map(|line| serde_json::from_str(line).unwrap()).collect();
+    assert_eq!(steps.len(), 3);
+    for (i, step) in steps.iter().enumerate() {
+        assert_eq!(step["step"], i + 1);
+        assert_eq!(step["view"], result["view_ids"][i]);
+        assert_eq!(step["voxel_coverage"], result["voxel_coverage"][i]);
+        assert_eq!(step["choice"].is_null(), i == 0, "only the first view is given");
+    }
+}
+
+fn check_maps(folder: &Folder) {
+    let [ot, bt] = ["out/map.ot", "out/map.bt"].map(|map| folder.json(&["map", "info", map, "--json"]));
+    for map in [&ot, &bt] {
+        assert_eq!((&map["kind"], map["voxel_size_m"].as_f64()), (&"OcTree".into(), Some(0.01)));
+    }
+    assert_eq!(ot["measured_voxels"], bt["measured_voxels"]);
+    assert!(ot["occupied_voxels"].as_u64().unwrap() > 300);
+    assert!(ot["free_voxels"].as_u64() > ot["occupied_voxels"].as_u64());
+}
+
+fn check_models(folder: &Folder) {
+    let mesh = mesh::load(&folder.path("out/mesh.ply")).unwrap();
+    assert!((0.1..0.25).contains(&mesh.longest_side()), "a mug in metres: {}", mesh.longest_side());
+    let cloud = folder.bytes("out/cloud.ply");
+    let header = String::from_utf8_lossy(&cloud[..200]).into_owned();
+    let (_, after) = header.split_once("element vertex ").unwrap();
+    let n_points: usize = after.lines().next().unwrap().parse().unwrap();
+    assert!(header.starts_with("ply\n") && (1_000..100_000).contains(&n_points), "{header}");
+}
+
+#[test]
+fn results_feed_the_next_scan() {
+    let folder = Folder::new("scan-again");
+    let first = folder.json(&small(&["--views", "3", "--json"]));
+    let again = folder.json(&["scan", "--config", "out/config.toml", "--out", "again", "--json"]);
+    assert_eq!(timeless(again), timeless(first.clone()));
+    assert_eq!(folder.bytes("again/config.toml"), folder.bytes("out/config.toml"));
+
+    let args = ["--views", "3", "--view-space", "out/views.csv", "--json"];
+    let same_views = folder.json(&small(&args));
+    assert_eq!(same_views["n_candidates"], 3);
+    assert_eq!(numbers(&same_views["voxel_coverage"])[0], numbers(&first["voxel_coverage"])[0]);
+    assert_eq!(folder.names("out"), FILES, "results are replaced");
+    assert!(folder.text("out/config.toml").contains("view_space = \"out/views.csv\""));
+}
+
+#[test]
+fn options_override_the_configuration() {
+    let folder = Folder::new("scan-override");
+    folder.write("c.toml", "object = \"builtin:mug\"\nviews = 4\nseed = 7\nbaselines = false\n");
+    let args = ["--config", "c.toml", "--views", "1", "--planner", "random", "--json"];
+    let result = folder.json(&small(&args));
+    assert_eq!(
+        (&result["views"], &result["seed"], &result["planner"]),
+        (&1.into(), &7.into(), &"random".into())
+    );
+}
+
+#[test]
+fn every_planner_scans() {
+    let folder = Folder::new("scan-planners");
+    for planner in ["local", "random", "clairvoyant"] {
+        let result = folder.json(&small(&["--views", "3", "--planner", planner, "--json"]));
+        assert_eq!((&result["planner"], &result["views"]), (&planner.into(), &3.into()));
+        if planner == "clairvoyant" {
+            assert_eq!(result["skill"], 1.0);
+            assert_eq!(result["reachable_coverage_curve"], result["clairvoyant_curve"]);
+        }
+    }
+}
+
+#[test]
+fn every_view_space_and_profile_scans() {
+    let folder = Folder::new("scan-view-spaces");
+    for rule in ["sphere", "hemisphere"] {
+        folder.json(&small(&["--views", "2", "--view-space", rule, "--baselines", "off", "--json"]));
+        let heights = folder.text("out/steps.jsonl");
+        assert_eq!(heights.lines().count(), 2);
+    }
+    let result = folder.json(&small(&["--views", "2", "--profile", "paper", "--baselines", "off", "--json"]));
+    assert_eq!(result["profile"], "paper");
+    assert!(folder.text("out/config.toml").contains("background = \"ignore\""));
+    for key in
+        ["reachable_coverage", "reachable_coverage_curve", "random_curve", "clairvoyant_curve", "skill"]
+    {
+        assert!(result[key].is_null(), "{key} needs baselines");
+    }
+}
+
+#[test]
+fn tells_why_it_stopped() {
+    let folder = Folder::new("scan-stops");
+    let nothing = folder.json(&small(&["--views", "20", "--planner", "clairvoyant", "--json"]));
+    assert_eq!(nothing["stop_reason"], "nothing-to-gain");
+    let n = nothing["views"].as_u64().unwrap() as usize;
+    assert!(n < 20 && numbers(&nothing["voxel_coverage"]).len() == n);
+    assert_eq!(nothing["reachable_coverage"], 1.0);
+
+    folder.write("c.toml", "[stop]\nentropy_share = 0.96\n");
+    let args = ["--config", "c.toml", "--baselines", "off", "--json"];
+    let converged = folder.json(&small(&args));
+    assert_eq!(converged["stop_reason"], "converged");
+    assert!(converged["views"].as_u64().unwrap() < 10);
+}
+
+#[test]
+fn prints_a_line_per_view_and_a_summary() {
+    let folder = Folder::new("scan-text");
+    let text = folder.ok(&small(&["--views", "2"]));
+    let lines: Vec<&str> = text.lines().collect();
+    assert!(lines[0].starts_with("mug: 158 x 106 x 125 mm, ") && lines[0].ends_with(" triangles"), "{text}");
+    assert_eq!(lines[1], "planner max-flow, profile default, 20 candidate views, voxels of 10 mm");
+    let head: Vec<&str> = lines[3].split_whitespace().collect();
+    assert_eq!(head, ["step", "view", "seen", "surface", "new", "voxels", "planning", "path"]);
+    assert!(lines[4].starts_with("   1       0  ") && lines[5].starts_with("   2  "));
+    assert_eq!(lines[6], "");
+    assert!(text.contains("\nstopped because        the view limit was reached\n"), "{text}");
+    assert!(text.ends_with("\nresults in out (open report.html there)\n"), "{text}");
+}
+
+#[test]
+fn an_object_from_a_file_keeps_its_size() {
+    let folder = Folder::new("scan-file");
+    let tetrahedron = "v 0 0 0\nv 100 0 0\nv 0 80 0\nv 0 0 60\nf 1 2 3\nf 1 2 4\nf 1 3 4\nf 2 3 4\n";
+    folder.write("part.obj", tetrahedron);
+    let text = folder.ok(&["scan", "part.obj", "--candidates", "9", "--views", "2", "--baselines", "off"]);
+    assert!(
+        text.starts_with("part: 100 x 80 x 60 mm, 4 triangles\nnote: 1 unit of the file is 0.001 m"),
+        "{text}"
+    );
+    assert!(text.contains("--unit"), "{text}");
+    assert_eq!(folder.names("."), ["part.obj", "scan-part-max-flow/"], "the default folder");
+    let args = ["--candidates", "9", "--views", "1", "--size-m", "0.2", "--baselines", "off", "--out", "out"];
+    let text = folder.ok(&[&["scan", "part.obj"], args.as_slice()].concat());
+    assert!(text.starts_with("part: 200 x 160 x 120 mm, 4 triangles\nplanner"), "{text}");
+}
+
+#[test]
+fn a_new_folder_may_lie_in_new_folders_and_keeps_what_is_not_its_own() {
+    let folder = Folder::new("scan-folders");
+    let args = ["scan", "builtin:mug", "--candidates", "5", "--views", "1", "--voxel-size-m", "0.02"];
+    let into = |dir: &str| folder.ok(&[args.as_slice(), &["--baselines", "off", "--out", dir]].concat());
+    into("a/b/c");
+    assert_eq!((folder.names("a"), folder.names("a/b")), (vec!["b/".to_owned()], vec!["c/".to_owned()]));
+    folder.write("a/b/notes.txt", "mine");
+    into("a/b");
+    assert_eq!(folder.names("a/b").len(), 2 + FILES.len());
+    assert_eq!(folder.text("a/b/notes.txt"), "mine");
+    into(".");
+    assert_eq!(folder.names(".").len(), 1 + FILES.len());
+}
+
+/// A reader that wants no more than the first lines does not cost the results.
+#[cfg(unix)]
+#[test]
+fn a_closed_stdout_is_no_failure() {
+    let folder = Folder::new("scan-pipe");
+    let mut command = folder.command(&small(&["--views", "1", "--baselines", "off"]));
+    let mut child = command.stdout(std::process::Stdio::piped()).spawn().unwrap();
+    drop(child.stdout.take());
+    assert!(child.wait().unwrap().success());
+    assert_eq!(folder.names("out"), FILES);
+}
