@@ -2,6 +2,9 @@
 
 #![allow(clippy::unwrap_used, reason = "clippy exempts the test functions, but not their helpers")]
 
+mod common;
+
+use common::{data_folder, skipped};
 use glam::{DVec3, IVec3};
 use nextview::geometry::Lattice;
 use nextview::map::octree::Octree;
@@ -9,7 +12,7 @@ use nextview::map::{Integration, OccupancyMap, RayRule, SensorModel};
 use std::collections::BTreeMap;
 use std::fs;
 use std::io::ErrorKind;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::process::Command;
 
 /// A folder for one test, removed at its end.
@@ -21,7 +24,7 @@ impl Scratch {
         for tool in tools {
             if let Err(e) = Command::new(tool).arg("-h").output() {
                 assert_eq!(e.kind(), ErrorKind::NotFound, "{tool}: {e}");
-                eprintln!("SKIPPED {test}: {tool} is not installed");
+                skipped(test, format!("{tool} is not installed"));
                 return None;
             }
         }
@@ -222,14 +225,9 @@ fn authors_maps_make_the_same_bt_files() {
     else {
         return;
     };
-    let default = || concat!(env!("CARGO_MANIFEST_DIR"), "/../../../shared/data").into();
-    let data = std::env::var_os("NEXTVIEW_DATA").map_or_else(default, PathBuf::from);
+    let Some(data) = data_folder("authors_maps_make_the_same_bt_files", "authors") else { return };
     for name in ["octomap0.ot", "octomap9.ot", "ground_truth_2mm.ot"] {
-        let path: &Path = &data.join("authors").join(name);
-        let Ok(file) = fs::read(path) else {
-            eprintln!("SKIPPED authors_maps_make_the_same_bt_files: no data, see NEXTVIEW_DATA");
-            return;
-        };
+        let file = fs::read(data.join(name)).unwrap();
         scratch.write("theirs.ot", &file);
         scratch.run("convert_octree", &["theirs.ot", "theirs.bt"]);
         assert!(bt(&read(&file)) == scratch.read("theirs.bt"), "{name}");

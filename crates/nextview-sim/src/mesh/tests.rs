@@ -4,6 +4,7 @@ use super::raw::RawMesh;
 use super::*;
 use crate::SimError;
 use proptest::prelude::*;
+use std::io::Write;
 use std::path::PathBuf;
 
 /// A folder of its own that is removed at the end.
@@ -232,7 +233,9 @@ fn loads_the_meshes_of_the_test_data() {
     let default = concat!(env!("CARGO_MANIFEST_DIR"), "/../../../shared/data");
     let data = PathBuf::from(std::env::var("NEXTVIEW_DATA").unwrap_or(default.into())).join("meshes");
     let Ok(manifest) = std::fs::read_to_string(data.join("manifest.csv")) else {
-        eprintln!("SKIPPED loads_the_meshes_of_the_test_data: no manifest.csv in {}", data.display());
+        // Not with `eprintln`, whose output the test runner shows of failed tests only.
+        let name = "loads_the_meshes_of_the_test_data";
+        writeln!(std::io::stderr(), "SKIPPED {name}: no manifest.csv in {}", data.display()).unwrap();
         return;
     };
     for line in manifest.lines().skip(1) {
