@@ -91,7 +91,7 @@ impl MaxFlow {
         };
         let open = situation.open_views();
         let (looks, best) = open
-            .par_chunks(open.len().div_ceil(4 * rayon::current_num_threads()).max(1))
+            .par_chunks(open.len().div_ceil(rayon::current_num_threads()).max(1))
             .map(|views| {
                 let mut best = BestSets::new(n_items, n_views);
                 let looks: Vec<(usize, f64)> = views.iter().map(|&view| look(&mut best, view)).collect();

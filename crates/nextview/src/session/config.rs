@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 
 /// Bytes per voxel of the box that a session and its planner hold at their peak: map, snapshot, nearest frontier voxels,
 /// weights, flow.
-const BYTES_PER_VOXEL: u64 = 160;
+const BYTES_PER_VOXEL: u64 = 200;
 
 /// What a [`Session`](super::Session) needs to know.
 #[derive(Clone, Copy, Debug, PartialEq)]
