@@ -22,7 +22,8 @@ fn lines(text: &str) -> Vec<Vec<&str>> {
 fn shows_what_the_first_command_prints() {
     let folder = std::env::temp_dir().join(format!("nextview-readme-{}", std::process::id()));
     let out = folder.to_string_lossy();
-    let output = Command::new(env!("CARGO_BIN_EXE_nextview")).args(["scan", "--out", &*out]).output().unwrap();
+    let output =
+        Command::new(env!("CARGO_BIN_EXE_nextview")).args(["scan", "--out", &*out]).output().unwrap();
     std::fs::remove_dir_all(&folder).unwrap();
     assert!(output.status.success());
     let printed = String::from_utf8(output.stdout).unwrap();
