@@ -17,7 +17,7 @@ use std::path::Path;
 pub(crate) enum Profile {
     /// As published: 5000 candidates, voxels of 1 cm, thin rays, only points on the object, stop at q_thresh = 0.5
     Paper,
-    /// What works best so far: dense rays, and free space carved by what the camera sees past the object
+    /// What works best so far: what the camera sees past the object carves free space, and planning rays pass it
     Default,
 }
 
