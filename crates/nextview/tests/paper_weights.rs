@@ -45,8 +45,8 @@ fn by_authors_bands(block: VoxelBlock, golden: &[Golden]) -> Snapshot {
     })
 }
 
-fn check(name: &str, n_frontier: usize, n_weighted: usize) {
-    let Some(folder) = data_folder(name, "golden") else { return };
+fn check(test: &str, name: &str, n_frontier: usize, n_weighted: usize) {
+    let Some(folder) = data_folder(test, "golden") else { return };
     let (block, golden) = read(&folder.join(format!("{name}.csv.gz")));
     assert_eq!(block.n_voxels(), 7220);
     let snapshot = by_authors_bands(block, &golden);
@@ -66,12 +66,12 @@ fn check(name: &str, n_frontier: usize, n_weighted: usize) {
 
 #[test]
 fn after_the_first_scan() {
-    check("voxels_it0", 450, 6425);
+    check("after_the_first_scan", "voxels_it0", 450, 6425);
 }
 
 #[test]
 fn after_the_sixth_scan() {
-    check("voxels_it5", 174, 3186);
+    check("after_the_sixth_scan", "voxels_it5", 174, 3186);
 }
 
 /// The same from the map file itself: its voxels of log-odds 0 were never measured.
