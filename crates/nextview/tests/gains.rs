@@ -113,15 +113,12 @@ fn krainin_and_average_entropy_take_rays_that_end_occupied() {
 
 #[test]
 fn apora_hides_by_its_own_probability() {
-    // The frontier is the second voxel (P(obj) = 1, unknown between free and occupied); only it touches both. The voxel
-    // after the next, at d = 3, lies behind the occupied one.
+    // The second voxel is the frontier, unknown between free and occupied: P(obj) = 1, in full behind free space.
     near(of_row::<Apora>(".?#??"), LN_2);
-    // From the left: d = 2, 1, 0 to the frontier, which is the unknown voxel with free and occupied at its sides;
-    // but all measured voxels have P(obj) = 0, so that only it counts, in full behind free space.
     near(of_row::<Apora>("...?#"), LN_2);
-    // Voxels 0 and 1 are 3 and 2 from the frontier, voxel 3: exp(-0.09) = 0.913931 and exp(-0.04) = 0.960789. So the sum
-    // is 0.913931 + 0.960789 * 0.086069 + 1 * 0.086069 * 0.039211 = 0.913931 + 0.082694 + 0.003375 = 1.
-    near(of_row::<Apora>("??.?#"), LN_2);
+    // The frontier is voxel 5, which the ray does not reach. Voxels 0 and 1 are at d = 5 and 4: P(obj) is
+    // exp(-0.25) = 0.778801 and exp(-0.16) = 0.852144, and 0.778801 + (1 - 0.778801) * 0.852144 = 0.967294.
+    near(of_row::<Apora>("??..#?."), 0.967_294 * LN_2);
     // Nothing occupied was seen: the first unknown voxel is the object and hides the rest.
     near(of_row::<Apora>(".???"), LN_2);
     // A surface without a frontier is closed: nothing is left to see.
