@@ -21,7 +21,7 @@ pub(crate) enum PlannerName {
     Local,
     /// APORA's gain, Daudelin & Campbell 2017: entropy near the frontier
     Apora,
-    /// Rear side entropy, Isler et al. 2016: the unknown before surfaces met from behind
+    /// Rear side entropy, Isler et al. 2016: the unknown behind surfaces
     Rse,
     /// Rays that meet a surface from behind, Isler et al. 2016
     RearSideVoxel,

@@ -118,6 +118,7 @@ fn every_planner_scans() {
 #[test]
 fn every_gain_scans_and_plans() {
     let folder = Folder::new("scan-gains");
+    folder.ok(&["views", "--rule", "sphere", "--count", "30", "--size-m", "0.12", "--out", "v.csv"]);
     for planner in [
         "apora",
         "rse",
@@ -131,8 +132,7 @@ fn every_gain_scans_and_plans() {
         let args = ["--views", "3", "--planner", planner, "--baselines", "off", "--json"];
         let result = folder.json(&small(&args));
         assert_eq!((&result["planner"], &result["views"]), (&planner.into(), &3.into()));
-        let args =
-            ["plan", "--map", "out/map.ot", "--views", "out/views.csv", "--planner", planner, "--json"];
+        let args = ["plan", "--map", "out/map.ot", "--views", "v.csv", "--planner", planner, "--json"];
         let plan = folder.json(&args);
         assert!(plan["planner"] == planner && plan["view"].is_u64(), "{plan}");
     }
