@@ -11,7 +11,8 @@ use crate::visibility::{FreeSpace, Ray, RayEnd, Sight};
 ///
 /// Occplane, the border between occluded and free space, is published as unknown voxels next to free ones and behind
 /// a measured surface. A snapshot does not tell what was behind a surface when it was measured: here every unknown
-/// voxel that shares a face with a free one is occplane as soon as anything occupied is known. The other factors of the
+/// voxel that shares a face with a free one is occplane as soon as anything occupied is known. (The code of Isler et al.
+/// for it looks on behind unmarked voxels for an occplane or occupied one; here the first decides.) The other factors of the
 /// publication (distance, registration overlap) are not part of this one.
 #[derive(Clone, Debug)]
 pub struct AreaFactor {

@@ -1,7 +1,8 @@
 //! From gains to a decision.
 //!
 //! A [`ViewPlanner`] is a pure function from a [`Situation`] to a [`Plan`]. [`MaxFlow`] is the paper's; with
-//! `gamma = 0` it is the greedy local planner. [`Greedy`] takes any of the literature's gains. [`RandomViews`] is the baseline that every planner must beat.
+//! `gamma = 0` it is the greedy local planner. [`Greedy`] takes any of the literature's gains. [`RandomViews`] is the
+//! baseline that every planner must beat.
 
 mod flow_gain;
 mod greedy;
