@@ -7,9 +7,13 @@
 
 #![allow(clippy::unwrap_used, reason = "an example stops at the first fault")]
 
+use nextview::gain::{
+    Apora, AreaFactor, AverageEntropy, Krainin, OcclusionAware, RearSideEntropy, RearSideVoxel,
+    UnobservedVoxel,
+};
 use nextview::geometry::Lattice;
 use nextview::map::Background;
-use nextview::planner::{MaxFlow, MaxFlowConfig, RandomViews, ViewPlanner};
+use nextview::planner::{Greedy, GreedyConfig, MaxFlow, MaxFlowConfig, RandomViews, ViewPlanner};
 use nextview::sensor::Intrinsics;
 use nextview::session::{Session, SessionConfig};
 use nextview::view::{ViewSpace, generate};
@@ -62,6 +66,20 @@ fn main() {
     }
 }
 
+fn greedy_planners() -> [(&'static str, Box<dyn ViewPlanner>); 8] {
+    let config = GreedyConfig::default();
+    [
+        ("apora", Box::new(Greedy::<Apora>::new(config).unwrap())),
+        ("rse", Box::new(Greedy::<RearSideEntropy>::new(config).unwrap())),
+        ("rear-side-voxel", Box::new(Greedy::<RearSideVoxel>::new(config).unwrap())),
+        ("occlusion-aware", Box::new(Greedy::<OcclusionAware>::new(config).unwrap())),
+        ("unobserved-voxel", Box::new(Greedy::<UnobservedVoxel>::new(config).unwrap())),
+        ("average-entropy", Box::new(Greedy::<AverageEntropy>::new(config).unwrap())),
+        ("krainin", Box::new(Greedy::<Krainin>::new(config).unwrap())),
+        ("area-factor", Box::new(Greedy::<AreaFactor>::new(config).unwrap())),
+    ]
+}
+
 impl Setup {
     fn new(path: &Path, voxel_size: f64) -> Self {
         let (mesh, _) = mesh::load(path).unwrap().to_metres(Unit::LongestSide(0.2)).unwrap();
@@ -75,7 +93,7 @@ impl Setup {
     }
 
     /// Name, coverage after each view, and median planning time of every planner: with the defaults, and with the
-    /// paper's thin rays that fade in free space on maps without background.
+    /// paper's thin rays that fade in free space on maps without background; the literature's gains with the defaults.
     fn curves(&self) -> Vec<(&'static str, Vec<f64>, f64)> {
         let default = MaxFlowConfig::default();
         let paper = MaxFlowConfig { ray_spacing: 10.0, free_space: FreeSpace::Fades, ..default };
@@ -88,6 +106,10 @@ impl Setup {
         ] {
             let planner = MaxFlow::new(config).unwrap();
             let (curve, time) = self.run(Box::new(planner), background);
+            curves.push((name, curve, time));
+        }
+        for (name, planner) in greedy_planners() {
+            let (curve, time) = self.run(planner, Background::Carve);
             curves.push((name, curve, time));
         }
         let random: Vec<Vec<f64>> =

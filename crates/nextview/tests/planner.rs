@@ -1,14 +1,20 @@
-//! The max-flow planner against the paper's equations written out naively: all rays in a list, all sums by hand.
+//! The max-flow planner against the paper's equations written out naively: all rays in a list, all sums by hand; and the
+//! greedy planners against the gains of single views.
 
 #![allow(clippy::unwrap_used, reason = "helpers of tests")]
 
 use glam::{DVec3, IVec3, UVec3};
 use nextview::flow::{BestSets, fewest_sets};
-use nextview::gain::object_probability;
+use nextview::gain::{
+    Apora, AreaFactor, AverageEntropy, InformationGain, Krainin, OcclusionAware, RearSideEntropy,
+    RearSideVoxel, UnobservedVoxel, object_probability,
+};
 use nextview::geometry::random::Random;
 use nextview::geometry::{Lattice, VoxelBlock};
 use nextview::map::{LogOdds, Snapshot, entropy, frontier};
-use nextview::planner::{MaxFlow, MaxFlowConfig, Plan, RandomViews, Situation, ViewPlanner};
+use nextview::planner::{
+    Greedy, GreedyConfig, MaxFlow, MaxFlowConfig, Plan, RandomViews, Situation, ViewPlanner,
+};
 use nextview::sensor::Intrinsics;
 use nextview::view::{ViewSpace, generate};
 use nextview::visibility::{FreeSpace, RayCaster};
@@ -92,7 +98,7 @@ fn plans_as_the_equations_say() {
     let history = [vec![1, 2, 40], vec![2, 9]];
     for free_space in [FreeSpace::Clear, FreeSpace::Fades] {
         for gamma in [0.25, 0.5, 1.0] {
-            let config = MaxFlowConfig { gamma, ray_spacing: 1.5, free_space };
+            let config = MaxFlowConfig { gamma, ray_spacing: 1.5, free_space, theta: 0.0 };
             let plan = plan(config, &snapshot, &visited, &history);
             let (scores, optimal) = by_the_equations(config, &snapshot, &visited, &history);
             assert_eq!(plan.optimal_views, optimal);
@@ -149,8 +155,119 @@ fn threads_do_not_show() {
     assert_eq!(one, run(5));
 }
 
+/// The gain of every view, each looked at by itself.
+fn gains<G: InformationGain>(snapshot: &Snapshot, ray_spacing: f64) -> Vec<f64> {
+    let caster = RayCaster::new(snapshot, &Intrinsics::d435i(), ray_spacing, G::SIGHT).unwrap();
+    let (gain, views) = (G::new(snapshot), views());
+    let of_view = |view: usize| {
+        let mut tally = G::Tally::default();
+        caster.cast(&views.pose(view), |ray| gain.add(&ray, &mut tally));
+        G::total(&tally)
+    };
+    (0..views.len()).map(of_view).collect()
+}
+
+fn greedy<G: InformationGain>(config: GreedyConfig, snapshot: &Snapshot, visited: &[usize]) -> Plan {
+    let (views, intrinsics) = (&views(), &Intrinsics::d435i());
+    let situation = Situation { snapshot, views, intrinsics, visited, history: &[] };
+    Greedy::<G>::new(config).unwrap().plan(&situation)
+}
+
+/// Each view's share, less theta times its share of the distances from the last view, as section V.D says; the visited
+/// ones take no part.
+fn utilities(theta: f64, shares: &[f64], visited: &[usize]) -> Vec<f64> {
+    let views = views();
+    let place = |view: usize| views.pose(view).translation();
+    let open = |view: &usize| !visited.contains(view);
+    let distance = |view: usize| visited.last().map_or(0.0, |&last| (place(view) - place(last)).length());
+    let far: f64 = (0..60).filter(open).map(distance).sum::<f64>().max(f64::MIN_POSITIVE);
+    (0..60).map(|v| (1.0 - theta) * shares[v] - theta * distance(v) / far).collect()
+}
+
+fn greedy_takes_the_view_of_largest_utility<G: InformationGain>() {
+    let snapshot = half_seen_ball();
+    for (theta, visited) in [(0.0, &[][..]), (0.0, &[3, 17]), (0.4, &[]), (0.4, &[3, 17]), (1.0, &[5])] {
+        let gains = gains::<G>(&snapshot, 1.5);
+        let total: f64 = (0..60).filter(|view| !visited.contains(view)).map(|view| gains[view]).sum();
+        let shares: Vec<f64> = gains.iter().map(|gain| gain / total).collect();
+        let scores = utilities(theta, &shares, visited);
+        let open = (0..60).filter(|view| !visited.contains(view) && gains[*view] > 0.0);
+        let best = open.max_by(|&a, &b| scores[a].total_cmp(&scores[b]).then(b.cmp(&a))).unwrap();
+        let choice =
+            greedy::<G>(GreedyConfig { ray_spacing: 1.5, theta }, &snapshot, visited).choice.unwrap();
+        // Two views of equal utility may differ by rounding.
+        assert!((choice.score - scores[best]).abs() < 1e-12, "{choice:?} {best}");
+        assert!((scores[choice.view] - scores[best]).abs() < 1e-12);
+        assert!((choice.local_share - shares[choice.view]).abs() < 1e-12);
+    }
+}
+
+fn greedy_shows_no_threads<G: InformationGain>() {
+    let config = GreedyConfig { theta: 0.2, ..GreedyConfig::default() };
+    let run = |threads| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+        pool.install(|| greedy::<G>(config, &half_seen_ball(), &[4]))
+    };
+    let one = run(1);
+    assert!(one.choice.is_some());
+    assert_eq!(one, run(2));
+    assert_eq!(one, run(5));
+}
+
+fn greedy_stops_when_nothing_is_left<G: InformationGain>() {
+    let all: Vec<usize> = (0..60).collect();
+    assert_eq!(greedy::<G>(GreedyConfig::default(), &half_seen_ball(), &all), Plan::default());
+}
+
+#[test]
+fn greedy_planners_plan_as_their_gains_say() {
+    fn check<G: InformationGain>() {
+        greedy_takes_the_view_of_largest_utility::<G>();
+        greedy_shows_no_threads::<G>();
+        greedy_stops_when_nothing_is_left::<G>();
+    }
+    check::<Apora>();
+    check::<AreaFactor>();
+    check::<AverageEntropy>();
+    check::<Krainin>();
+    check::<OcclusionAware>();
+    check::<RearSideEntropy>();
+    check::<RearSideVoxel>();
+    check::<UnobservedVoxel>();
+}
+
+#[test]
+fn a_known_box_gains_nothing_that_only_the_unknown_has() {
+    let block = VoxelBlock::new(IVec3::splat(-4), UVec3::splat(8)).unwrap();
+    let known = Snapshot::from_fn(Lattice::new(0.02).unwrap(), block, |_| Some(LogOdds(-1.0)));
+    let config = GreedyConfig::default();
+    assert_eq!(greedy::<UnobservedVoxel>(config, &known, &[]).choice, None);
+    assert_eq!(greedy::<Apora>(config, &known, &[]).choice, None);
+    assert_eq!(greedy::<RearSideEntropy>(config, &known, &[]).choice, None);
+}
+
+#[test]
+fn max_flow_pays_for_moving() {
+    let snapshot = half_seen_ball();
+    let visited = [3, 17];
+    let config = |theta| MaxFlowConfig { theta, ..MaxFlowConfig::default() };
+    let (scores, _) = by_the_equations(config(0.3), &snapshot, &visited, &[]);
+    let scores = utilities(0.3, &scores, &visited);
+    let choice = plan(config(0.3), &snapshot, &visited, &[]).choice.unwrap();
+    let best = (0..60).filter(|view| !visited.contains(view)).map(|view| scores[view]);
+    assert!((choice.score - best.fold(f64::NEG_INFINITY, f64::max)).abs() < 1e-12);
+    // With theta = 1 only the way counts: the nearest view that gains anything.
+    let nearest = plan(config(1.0), &snapshot, &visited, &[]).choice.unwrap();
+    let distance = |view: usize| views().pose(view).translation().distance(views().pose(17).translation());
+    assert!(distance(nearest.view) < distance(choice.view) || nearest.view == choice.view);
+}
+
 #[test]
 fn refuses_parameters_out_of_range() {
+    for (theta, ray_spacing) in [(-0.1, 1.0), (1.1, 1.0), (f64::NAN, 1.0), (0.5, 0.0), (0.5, f64::NAN)] {
+        assert!(Greedy::<Krainin>::new(GreedyConfig { theta, ray_spacing }).is_err());
+        assert!(MaxFlow::new(MaxFlowConfig { theta, ray_spacing, ..MaxFlowConfig::default() }).is_err());
+    }
     for (gamma, ray_spacing) in [(-0.1, 1.0), (1.1, 1.0), (f64::NAN, 1.0), (0.5, 0.0), (0.5, f64::INFINITY)] {
         assert!(MaxFlow::new(MaxFlowConfig { gamma, ray_spacing, ..MaxFlowConfig::default() }).is_err());
     }

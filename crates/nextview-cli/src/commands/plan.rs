@@ -4,7 +4,7 @@ use crate::{Failure, files, stdout};
 use clap::Args;
 use nextview::geometry::Aabb;
 use nextview::map::{OccupancyMap, SensorModel};
-use nextview::planner::{MaxFlowConfig, Situation};
+use nextview::planner::{GreedyConfig, MaxFlowConfig, Situation};
 use nextview::sensor::Intrinsics;
 use nextview::session::SessionConfig;
 use nextview::view::ViewSpace;
@@ -70,7 +70,8 @@ impl PlanArgs {
                 views.len() - 1
             )));
         }
-        let planner = self.planner.without_truth(MaxFlowConfig::default(), self.seed)?;
+        let planner =
+            self.planner.without_truth(MaxFlowConfig::default(), GreedyConfig::default(), self.seed)?;
         let plan = planner.plan(&Situation {
             snapshot: &map.snapshot(block),
             views: &views,

@@ -18,6 +18,9 @@ pub(super) struct ScanArgs {
     /// How to choose the next view [default: max-flow]
     #[arg(long, value_enum)]
     planner: Option<PlannerName>,
+    /// Weight of the movement cost against the gain, 0 to 1: the paper's theta [default: 0]
+    #[arg(long, value_name = "T", value_parser = values::share, allow_negative_numbers = true)]
+    theta: Option<f64>,
     /// Most views to take [default: 10]
     #[arg(long, value_name = "N", value_parser = values::count, allow_negative_numbers = true)]
     views: Option<usize>,
@@ -81,6 +84,8 @@ impl ScanArgs {
         let mut config = ScanConfig::load(self.profile, self.config.as_deref())?;
         set(&mut config.object, self.model);
         set(&mut config.planner, self.planner);
+        set(&mut config.max_flow.theta, self.theta);
+        set(&mut config.greedy.theta, self.theta);
         set(&mut config.views, self.views);
         set(&mut config.candidates, self.candidates);
         set(&mut config.first_view, self.first_view);

@@ -9,6 +9,12 @@ pub(super) fn positive(text: &str) -> Result<f64, String> {
     if value > 0.0 { Ok(value) } else { Err(format!("{text} is not positive")) }
 }
 
+/// A number from 0 to 1.
+pub(super) fn share(text: &str) -> Result<f64, String> {
+    let value = number(text)?;
+    if (0.0..=1.0).contains(&value) { Ok(value) } else { Err(format!("{text} is not in 0 to 1")) }
+}
+
 /// A whole number from 0 on.
 pub(super) fn count(text: &str) -> Result<usize, String> {
     text.parse().map_err(|_| format!("'{text}' is not a whole number from 0 on"))

@@ -2,8 +2,9 @@ use super::PlannerName;
 use crate::Failure;
 use crate::commands::Rule;
 use clap::ValueEnum;
+use nextview::gain::Apora;
 use nextview::map::{Background, RayRule, SensorModel};
-use nextview::planner::{MaxFlow, MaxFlowConfig};
+use nextview::planner::{Greedy, GreedyConfig, MaxFlow, MaxFlowConfig};
 use nextview::sensor::Intrinsics;
 use nextview::visibility::FreeSpace;
 use nextview_sim::mesh::Unit;
@@ -57,6 +58,8 @@ pub(crate) struct ScanConfig {
     pub memory_limit_mb: u64,
     pub map: MapConfig,
     pub max_flow: MaxFlowConfig,
+    /// Of all planners that are named after a gain.
+    pub greedy: GreedyConfig,
     pub stop: StopConfig,
     pub camera: Intrinsics,
 }
@@ -132,6 +135,7 @@ impl ScanConfig {
             memory_limit_mb: 4096,
             map: MapConfig::default(),
             max_flow: MaxFlowConfig::default(),
+            greedy: GreedyConfig::default(),
             stop: StopConfig::default(),
             camera: Intrinsics::d435i(),
         };
@@ -146,6 +150,7 @@ impl ScanConfig {
                     free_space: FreeSpace::Fades,
                     ..MaxFlowConfig::default()
                 },
+                greedy: GreedyConfig { ray_spacing: 10.0, ..GreedyConfig::default() },
                 stop: StopConfig { entropy_share: Some(0.5) },
                 ..config
             },
@@ -186,6 +191,7 @@ impl ScanConfig {
         }
         self.map.sensor_model.check()?;
         MaxFlow::new(self.max_flow)?;
+        Greedy::<Apora>::new(self.greedy)?; // the parameters are checked alike for every gain
         Ok(())
     }
 
@@ -259,6 +265,7 @@ mod tests {
             ("[stop]\nentropy_share = 7\n", "entropy_share is 7"),
             ("[map.sensor_model]\nhit = 0.2\n", "hit is 0.2"),
             ("[max_flow]\ngamma = 2\n", "gamma is 2"),
+            ("[greedy]\ntheta = -1\n", "theta is -1"),
         ] {
             let error = load(text).unwrap_err();
             assert!(error.contains(".toml: ") && error.contains(expected), "{error}");

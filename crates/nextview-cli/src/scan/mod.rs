@@ -60,7 +60,7 @@ pub(crate) fn scan(mut config: ScanConfig, output: &Output) -> Result<(), Failur
     let object_voxels = ObjectVoxels::new(scene.camera(), Lattice::new(voxel_size)?, block);
     let baselines = baselines(&config, &scene, &object_voxels, &views)?;
     let truth = baselines.as_ref().map(|baselines| baselines.truth.clone());
-    let planner = config.planner.build(config.max_flow, config.seed, truth)?;
+    let planner = config.planner.build(config.max_flow, config.greedy, config.seed, truth)?;
     let mut session = Session::new(session_config, config.camera, views, planner)?;
     let progress = Progress::new("scanning", config.views);
     let (steps, stop_reason) = run_session(&mut session, &scene, &object_voxels, |step| {

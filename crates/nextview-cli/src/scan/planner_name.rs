@@ -1,6 +1,10 @@
 use crate::Failure;
 use clap::ValueEnum;
-use nextview::planner::{MaxFlow, MaxFlowConfig, RandomViews, ViewPlanner};
+use nextview::gain::{
+    Apora, AreaFactor, AverageEntropy, InformationGain, Krainin, OcclusionAware, RearSideEntropy,
+    RearSideVoxel, UnobservedVoxel,
+};
+use nextview::planner::{Greedy, GreedyConfig, MaxFlow, MaxFlowConfig, RandomViews, ViewPlanner};
 use nextview_sim::baseline::Clairvoyant;
 use nextview_sim::truth::TrueVisibility;
 use serde::{Deserialize, Serialize};
@@ -15,6 +19,22 @@ pub(crate) enum PlannerName {
     MaxFlow,
     /// The paper's local information gain alone (gamma = 0)
     Local,
+    /// APORA's gain, Daudelin & Campbell 2017: entropy near the frontier
+    Apora,
+    /// Rear side entropy, Isler et al. 2016: the unknown behind surfaces
+    Rse,
+    /// Rays that meet a surface from behind, Isler et al. 2016
+    RearSideVoxel,
+    /// Visible entropy, Isler et al. 2016
+    OcclusionAware,
+    /// Visible entropy of unknown voxels, Isler et al. 2016
+    UnobservedVoxel,
+    /// Mean entropy on rays that end at a surface, Kriegel et al. 2015
+    AverageEntropy,
+    /// Entropy on rays that end at a surface, Krainin et al. 2011
+    Krainin,
+    /// Shares of surface and occlusion plane, Vasquez-Gomez et al. 2014
+    AreaFactor,
     /// A random view: the baseline
     Random,
     /// Knows the object: the upper bound, in simulation only
@@ -32,20 +52,34 @@ impl PlannerName {
     pub fn build(
         self,
         max_flow: MaxFlowConfig,
+        greedy: GreedyConfig,
         seed: u64,
         truth: Option<Arc<TrueVisibility>>,
     ) -> Result<Box<dyn ViewPlanner>, Failure> {
         match (self, truth) {
             (Self::Clairvoyant, Some(truth)) => Ok(Box::new(Clairvoyant::new(truth))),
-            _ => self.without_truth(max_flow, seed),
+            _ => self.without_truth(max_flow, greedy, seed),
         }
     }
 
     /// The planner, where nothing but the map is known.
-    pub fn without_truth(self, max_flow: MaxFlowConfig, seed: u64) -> Result<Box<dyn ViewPlanner>, Failure> {
+    pub fn without_truth(
+        self,
+        max_flow: MaxFlowConfig,
+        greedy: GreedyConfig,
+        seed: u64,
+    ) -> Result<Box<dyn ViewPlanner>, Failure> {
         match self {
             Self::MaxFlow => Ok(Box::new(MaxFlow::new(max_flow)?)),
             Self::Local => Ok(Box::new(MaxFlow::new(MaxFlowConfig { gamma: 0.0, ..max_flow })?)),
+            Self::Apora => by_gain::<Apora>(greedy),
+            Self::Rse => by_gain::<RearSideEntropy>(greedy),
+            Self::RearSideVoxel => by_gain::<RearSideVoxel>(greedy),
+            Self::OcclusionAware => by_gain::<OcclusionAware>(greedy),
+            Self::UnobservedVoxel => by_gain::<UnobservedVoxel>(greedy),
+            Self::AverageEntropy => by_gain::<AverageEntropy>(greedy),
+            Self::Krainin => by_gain::<Krainin>(greedy),
+            Self::AreaFactor => by_gain::<AreaFactor>(greedy),
             Self::Random => Ok(Box::new(RandomViews { seed })),
             Self::Clairvoyant => Err(Failure::usage(
                 "the clairvoyant planner needs the true object, which only a simulation knows",
@@ -53,4 +87,8 @@ impl PlannerName {
             .with_hint("use it with `nextview scan`")),
         }
     }
+}
+
+fn by_gain<G: InformationGain + 'static>(config: GreedyConfig) -> Result<Box<dyn ViewPlanner>, Failure> {
+    Ok(Box::new(Greedy::<G>::new(config)?))
 }

@@ -113,7 +113,10 @@ fn options_out_of_range() {
     let refused = |args: &[&str], parts: &[&str]| {
         folder.refused(&[&["scan", "builtin:mug"], args].concat(), USAGE, parts);
     };
-    refused(&["--planner", "best"], &["'best'", "max-flow, local, random, clairvoyant"]);
+    refused(&["--planner", "best"], &["'best'", "max-flow, local, apora, rse,", "random, clairvoyant"]);
+    for theta in ["-0.1", "1.5", "nan", "some"] {
+        refused(&["--theta", theta], &["--theta", theta]);
+    }
     for size in ["0", "-0.01", "nan", "inf", "small"] {
         refused(&["--voxel-size-m", size], &["--voxel-size-m", size]);
     }
@@ -175,6 +178,7 @@ fn configurations_with_faults() {
         ("voxels = 3\n", &["`voxels`", "`voxel_size_m`"]),
         ("[max_flow]\ngama = 1\n", &["`gama`", "`gamma`", "`max_flow`"]),
         ("[max_flow]\ngamma = 2\n", &["gamma is 2", "0..=1"]),
+        ("[greedy]\ntheta = 2\n", &["theta is 2", "0..=1"]),
         ("[map.sensor_model]\nhit = 0.2\n", &["hit is 0.2", "0.5..1"]),
         ("[stop]\nentropy_share = 7\n", &["entropy_share is 7", "0..=1"]),
         ("[camera]\nfx = -1\n", &["focal length", "-1"]),

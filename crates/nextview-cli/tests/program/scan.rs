@@ -116,6 +116,43 @@ fn every_planner_scans() {
 }
 
 #[test]
+fn every_gain_scans_and_plans() {
+    let folder = Folder::new("scan-gains");
+    folder.ok(&["views", "--rule", "sphere", "--count", "30", "--size-m", "0.12", "--out", "v.csv"]);
+    for planner in [
+        "apora",
+        "rse",
+        "rear-side-voxel",
+        "occlusion-aware",
+        "unobserved-voxel",
+        "average-entropy",
+        "krainin",
+        "area-factor",
+    ] {
+        let args = ["--views", "3", "--planner", planner, "--baselines", "off", "--json"];
+        let result = folder.json(&small(&args));
+        assert_eq!((&result["planner"], &result["views"]), (&planner.into(), &3.into()));
+        let args = ["plan", "--map", "out/map.ot", "--views", "v.csv", "--planner", planner, "--json"];
+        let plan = folder.json(&args);
+        assert!(plan["planner"] == planner && plan["view"].is_u64(), "{plan}");
+    }
+}
+
+#[test]
+fn moving_may_cost() {
+    let folder = Folder::new("scan-theta");
+    let way = |planner: &str, theta: &str| {
+        let args = ["--views", "3", "--planner", planner, "--theta", theta, "--baselines", "off", "--json"];
+        let ids = folder.json(&small(&args))["view_ids"].clone();
+        assert_eq!(folder.text("out/config.toml").matches(&format!("theta = {theta}")).count(), 2);
+        ids
+    };
+    for planner in ["max-flow", "local", "unobserved-voxel"] {
+        assert_ne!(way(planner, "0.0"), way(planner, "1.0"), "{planner}");
+    }
+}
+
+#[test]
 fn every_view_space_and_profile_scans() {
     let folder = Folder::new("scan-view-spaces");
     for rule in ["sphere", "hemisphere"] {

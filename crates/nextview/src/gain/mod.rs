@@ -1,8 +1,33 @@
 //! Information gains: what a ray is worth.
+//!
+//! [`LocalGain`] is the paper's and rates single crossings, for the flow needs them. The others, of the literature it
+//! compares with, are [`InformationGain`]s: they rate whole rays. They follow the published formulas; where one
+//! leaves something open, its documentation says what was chosen.
+//!
+//! In the formulas x runs over the voxels of a ray from the camera up to and with the first occupied one, or to the
+//! border of the box; H is entropy in nats, and P(vis_x) the product of 1 - P(occupied) over the voxels before x.
 
+mod apora;
+mod area_factor;
+mod average_entropy;
+mod information_gain;
+mod krainin;
 mod local_gain;
 mod nearest;
 mod object_probability;
+mod occlusion_aware;
+mod rear_side_entropy;
+mod rear_side_voxel;
+mod unobserved_voxel;
 
+pub use apora::Apora;
+pub use area_factor::AreaFactor;
+pub use average_entropy::AverageEntropy;
+pub use information_gain::InformationGain;
+pub use krainin::Krainin;
 pub use local_gain::LocalGain;
 pub use object_probability::object_probability;
+pub use occlusion_aware::OcclusionAware;
+pub use rear_side_entropy::RearSideEntropy;
+pub use rear_side_voxel::RearSideVoxel;
+pub use unobserved_voxel::UnobservedVoxel;

@@ -1,9 +1,6 @@
 use super::nearest::{NONE, nearest_squared};
 use crate::map::{Occupancy, Snapshot};
 
-/// Number of frontier voxels that count (the paper, section III.A).
-const K: usize = 6;
-
 /// The paper's alpha times the voxel size: alpha = 0.1 / resolution.
 const ALPHA: f64 = 0.1;
 
@@ -14,6 +11,11 @@ const ALPHA: f64 = 0.1;
 /// object has been seen, then every unknown voxel may belong to it (1), or its measured surface is closed and
 /// none does (0).
 pub fn object_probability(snapshot: &Snapshot, frontier: &[usize]) -> Vec<f64> {
+    from_nearest::<6>(snapshot, frontier)
+}
+
+/// The same from the K nearest frontier voxels; the paper's K is 6 (section III.A), APORA's 1.
+pub(super) fn from_nearest<const K: usize>(snapshot: &Snapshot, frontier: &[usize]) -> Vec<f64> {
     let without_frontier = if snapshot.count(Occupancy::Occupied) == 0 { 1.0 } else { 0.0 };
     let probability = |distances_sq: [u32; K]| {
         if distances_sq[0] == NONE {

@@ -1,3 +1,4 @@
+use super::utility::{self, Utility};
 use super::{Choice, FlowSummary, Plan, Situation, ViewPlanner, flow_gain};
 use crate::Error;
 use crate::flow::{BestSets, fewest_sets};
@@ -19,11 +20,14 @@ pub struct MaxFlowConfig {
     pub ray_spacing: f64,
     /// How far rays see through free space. Default: without loss; the paper's eq. (2) lets them fade.
     pub free_space: FreeSpace,
+    /// Weight of the movement cost against the global gain, 0..=1; the paper's theta (section V.D). Default 0: moving is
+    /// free.
+    pub theta: f64,
 }
 
 impl Default for MaxFlowConfig {
     fn default() -> Self {
-        Self { gamma: 0.5, ray_spacing: 2.0, free_space: FreeSpace::default() }
+        Self { gamma: 0.5, ray_spacing: 2.0, free_space: FreeSpace::default(), theta: 0.0 }
     }
 }
 
@@ -39,9 +43,8 @@ impl MaxFlow {
         if !(0.0..=1.0).contains(&config.gamma) {
             return Err(Error::invalid("gamma", config.gamma, "a number in 0..=1"));
         }
-        if !(config.ray_spacing > 0.0 && config.ray_spacing.is_finite()) {
-            return Err(Error::invalid("ray_spacing", config.ray_spacing, "a positive number of voxels"));
-        }
+        utility::check_ray_spacing(config.ray_spacing)?;
+        utility::check_theta(config.theta)?;
         Ok(Self { config })
     }
 }
@@ -103,25 +106,20 @@ impl MaxFlow {
         (local, best)
     }
 
-    /// The view of largest global gain, eqs. (6) and (7), among those not visited.
+    /// The view of largest global gain, eqs. (6) and (7), less the cost of moving there, among those not visited. A global
+    /// gain is a mean of shares and takes the place of a share in the utility.
     fn choose(&self, situation: &Situation<'_>, local: &[f64], flow: &[f64]) -> Option<Choice> {
         let (local_total, flow_total) = (local.iter().sum::<f64>(), flow.iter().sum::<f64>());
-        let share = |value: f64, total: f64| if total > 0.0 { value / total } else { 0.0 };
-        let gamma = self.config.gamma;
+        let MaxFlowConfig { gamma, theta, .. } = self.config;
+        let utility = Utility::new(situation, theta);
         let rate = |view: usize| {
-            let (local_share, flow_share) = (share(local[view], local_total), share(flow[view], flow_total));
-            let score = (1.0 - gamma) * local_share + gamma * flow_share;
+            let local_share = utility::share(local[view], local_total);
+            let flow_share = utility::share(flow[view], flow_total);
+            let score = utility.of(view, (1.0 - gamma) * local_share + gamma * flow_share);
             Choice { view, score, local_share, flow_share, runner_up: None }
         };
-        let (mut best, mut second): (Option<Choice>, Option<Choice>) = (None, None);
-        for choice in situation.open_views().into_iter().map(rate).filter(|choice| local[choice.view] > 0.0) {
-            if best.is_none_or(|best| choice.score > best.score) {
-                second = best.replace(choice);
-            } else if second.is_none_or(|second| choice.score > second.score) {
-                second = Some(choice);
-            }
-        }
-        best.map(|best| Choice { runner_up: second.map(|choice| choice.view), ..best })
+        let open = situation.open_views().into_iter();
+        utility::best(open.filter(|&view| local[view] > 0.0).map(rate))
     }
 }
 

@@ -52,7 +52,8 @@ pub struct Choice {
     pub view: usize,
     /// What the planner maximised.
     pub score: f64,
-    /// The view's share of all local gain, 0..=1 (eq. 6, first fraction); zero for planners without one.
+    /// The view's share of all local gain, 0..=1 (eq. 6, first fraction), or of that of a greedy planner; zero for
+    /// planners without one.
     pub local_share: f64,
     /// The view's share of all flow gain, 0..=1 (eq. 6, second fraction); zero for planners without one.
     pub flow_share: f64,

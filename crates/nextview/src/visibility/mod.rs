@@ -6,7 +6,9 @@
 mod ray;
 mod ray_caster;
 mod ray_grid;
+mod sight;
 
 pub use ray::{Crossing, Ray, RayEnd};
-pub use ray_caster::{FreeSpace, RayCaster};
+pub use ray_caster::RayCaster;
 pub use ray_grid::{NO_VOXEL_MISSED, RayGrid};
+pub use sight::{FreeSpace, Sight};

@@ -1,10 +1,9 @@
-use super::{Crossing, Ray, RayEnd, RayGrid};
+use super::{Crossing, FreeSpace, Ray, RayEnd, RayGrid, Sight};
 use crate::Error;
 use crate::geometry::{Aabb, Pose, VoxelBlock};
 use crate::map::{Occupancy, Snapshot};
 use crate::sensor::Intrinsics;
 use glam::{DVec3, IVec3};
-use serde::{Deserialize, Serialize};
 
 /// Sends the rays of view candidates through a snapshot, voxel by voxel (exact traversal).
 ///
@@ -34,6 +33,8 @@ pub struct RayCaster<'a> {
     /// The box that rays are followed through, which holds all voxels that could change what a ray sees.
     bounds: Aabb,
     grid_of_passes: PassGrid,
+    /// Visibility below which a ray ends.
+    fade_limit: f32,
 }
 
 /// What passes through each voxel of a block, with a layer of [`OUTSIDE`](Self::OUTSIDE) around it: a ray then needs
@@ -47,31 +48,18 @@ struct PassGrid {
     passes: Vec<f32>,
 }
 
-/// How far a ray sees through voxels known to be free; unknown ones pass 1 - P(occupied) = 0.5 in any case.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum FreeSpace {
-    /// Each passes 1 - P(occupied), as eq. (2) of the paper says: 0.6 if measured once. At 5 mm a ray has then
-    /// faded after 7 cm of free space.
-    Fades,
-    /// Each passes all: what was measured to be free does not hide anything. The default.
-    #[default]
-    Clear,
-}
-
 impl<'a> RayCaster<'a> {
-    /// Visibility below which a ray ends: what lies behind adds less than a thousandth, and denormal products
-    /// would make long rays six times slower.
-    pub const FADED: f32 = 1e-3;
-
     /// A caster for a camera; `ray_spacing` is the distance between neighbouring rays at the far side of the box, in
     /// voxels, positive. [`NO_VOXEL_MISSED`](super::NO_VOXEL_MISSED) or less hits every voxel; 10 is as thin as the paper.
+    ///
+    /// `sight` may be a [`FreeSpace`] alone: rays then end where they have [faded](Sight::FADED).
     pub fn new(
         snapshot: &'a Snapshot,
         intrinsics: &Intrinsics,
         ray_spacing: f64,
-        free_space: FreeSpace,
+        sight: impl Into<Sight>,
     ) -> Result<Self, Error> {
+        let Sight { free_space, fade_limit } = sight.into();
         if !(ray_spacing > 0.0 && ray_spacing.is_finite()) {
             return Err(Error::invalid("ray_spacing", ray_spacing, "a positive number of voxels"));
         }
@@ -85,6 +73,7 @@ impl<'a> RayCaster<'a> {
             spacing: ray_spacing * snapshot.lattice().voxel_size(),
             bounds: snapshot.lattice().bounds(&block),
             grid_of_passes: PassGrid::new(snapshot, block, free_space),
+            fade_limit,
         })
     }
 
@@ -133,7 +122,7 @@ impl<'a> RayCaster<'a> {
             }
             crossings.push(crossing);
             visibility *= pass;
-            if visibility < Self::FADED {
+            if visibility < self.fade_limit {
                 return Some(RayEnd::Faded);
             }
             if x <= y && x <= z {
@@ -339,5 +328,20 @@ mod tests {
         });
         assert!(n_rays > 0, "a camera inside the box sees what is before it");
         assert!(RayCaster::new(&snapshot, &Intrinsics::d435i(), 0.0, FreeSpace::Clear).is_err());
+    }
+
+    #[test]
+    fn rays_without_a_limit_go_on_where_others_have_faded() {
+        let snapshot = snapshot(UVec3::new(30, 1, 1), |i| (i == 0).then_some(0.85));
+        let (origin, direction) = (DVec3::new(20.0, 0.5, 0.5), DVec3::NEG_X);
+        let trace = |sight: Sight| {
+            let caster = RayCaster::new(&snapshot, &Intrinsics::d435i(), 1.0, sight).unwrap();
+            let mut crossings = Vec::new();
+            (caster.trace(origin, direction, &mut crossings), crossings.len())
+        };
+        // 0.5^10 < 1e-3, so the tenth unknown voxel is the last.
+        assert_eq!(trace(FreeSpace::Clear.into()), (Some(RayEnd::Faded), 10));
+        let last = Crossing { voxel: 0, visibility: 0.5_f32.powi(29) };
+        assert_eq!(trace(Sight::endless(FreeSpace::Clear)), (Some(RayEnd::Occupied(last)), 29));
     }
 }

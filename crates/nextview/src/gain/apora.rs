@@ -1,0 +1,40 @@
+use super::InformationGain;
+use super::information_gain::entropies;
+use super::object_probability::from_nearest;
+use crate::map::{Snapshot, frontier};
+use crate::visibility::{FreeSpace, Ray, Sight};
+
+/// The gain of APORA (Daudelin & Campbell, RA-L 2017) as Pan & Wei (2021) state it: the sum over the unknown x of all rays
+/// of H(x) P(obj_x) and the product of 1 - P(obj) over the voxels before x, nats.
+///
+/// P(obj_x) = exp(-(alpha d)^2) with d the distance to the nearest frontier voxel and alpha = 0.1 / voxel size; it is 0 for
+/// measured voxels, so that free space hides nothing. Occupied voxels end a ray. Without a frontier, P(obj) of the
+/// unknown voxels is 1 if nothing occupied was seen yet, else 0, as for the paper's own gain.
+#[derive(Clone, Debug)]
+pub struct Apora {
+    entropy: Vec<f64>,
+    object: Vec<f64>,
+}
+
+impl InformationGain for Apora {
+    const SIGHT: Sight = Sight::endless(FreeSpace::Clear);
+
+    type Tally = f64;
+
+    fn new(snapshot: &Snapshot) -> Self {
+        Self { entropy: entropies(snapshot), object: from_nearest::<1>(snapshot, &frontier(snapshot)) }
+    }
+
+    fn add(&self, ray: &Ray<'_>, sum: &mut f64) {
+        let mut unhidden = 1.0;
+        for crossing in ray.crossings {
+            let object = self.object[crossing.voxel as usize];
+            *sum += self.entropy[crossing.voxel as usize] * object * unhidden;
+            unhidden *= 1.0 - object;
+        }
+    }
+
+    fn total(sum: &f64) -> f64 {
+        *sum
+    }
+}

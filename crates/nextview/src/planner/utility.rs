@@ -1,0 +1,66 @@
+use super::{Choice, Situation};
+use crate::Error;
+
+/// What a view is worth after the cost of moving there (the paper, section V.D): (1 - theta) times its share of all gain,
+/// less theta times its share of all distances from where the camera is.
+#[derive(Debug)]
+pub(super) struct Utility {
+    theta: f64,
+    /// By view; zeros where moving costs nothing.
+    distance_share: Vec<f64>,
+}
+
+impl Utility {
+    /// Distances are straight lines between the positions of the last view and the open ones, and are shares of the
+    /// sum over those; all are zero before the first view.
+    pub fn new(situation: &Situation<'_>, theta: f64) -> Self {
+        let mut distance_share = vec![0.0; situation.views.len()];
+        if let Some(&last) = situation.visited.last() {
+            let position = |view: usize| situation.views.pose(view).translation();
+            let distance = |view: usize| position(view).distance(position(last));
+            let open = situation.open_views();
+            let total: f64 = open.iter().map(|&view| distance(view)).sum();
+            open.into_iter().for_each(|view| distance_share[view] = share(distance(view), total));
+        }
+        Self { theta, distance_share }
+    }
+
+    /// The utility of a view with this share of all gain; the very share where theta is 0.
+    pub fn of(&self, view: usize, gain_share: f64) -> f64 {
+        (1.0 - self.theta) * gain_share - self.theta * self.distance_share[view]
+    }
+}
+
+/// Fails unless theta is in 0..=1.
+pub(super) fn check_theta(theta: f64) -> Result<(), Error> {
+    if (0.0..=1.0).contains(&theta) {
+        return Ok(());
+    }
+    Err(Error::invalid("theta", theta, "a number in 0..=1"))
+}
+
+/// Fails unless rays can be so far apart.
+pub(super) fn check_ray_spacing(ray_spacing: f64) -> Result<(), Error> {
+    if ray_spacing > 0.0 && ray_spacing.is_finite() {
+        return Ok(());
+    }
+    Err(Error::invalid("ray_spacing", ray_spacing, "a positive number of voxels"))
+}
+
+/// A part of a total that may be zero.
+pub(super) fn share(value: f64, total: f64) -> f64 {
+    if total > 0.0 { value / total } else { 0.0 }
+}
+
+/// The choice of largest score, the first of equals, with the second best as its runner-up.
+pub(super) fn best(choices: impl Iterator<Item = Choice>) -> Option<Choice> {
+    let (mut best, mut second): (Option<Choice>, Option<Choice>) = (None, None);
+    for choice in choices {
+        if best.is_none_or(|best| choice.score > best.score) {
+            second = best.replace(choice);
+        } else if second.is_none_or(|second| choice.score > second.score) {
+            second = Some(choice);
+        }
+    }
+    best.map(|best| Choice { runner_up: second.map(|choice| choice.view), ..best })
+}
