@@ -17,7 +17,7 @@ use nextview::planner::{Greedy, GreedyConfig, MaxFlow, MaxFlowConfig, RandomView
 use nextview::sensor::Intrinsics;
 use nextview::session::{Session, SessionConfig};
 use nextview::view::{ViewSpace, generate};
-use nextview::visibility::FreeSpace;
+use nextview::visibility::{FreeSpace, NO_VOXEL_MISSED};
 use nextview_sim::baseline::{Clairvoyant, RandomCurve, clairvoyant_curve, extended, skill};
 use nextview_sim::mesh::{self, Unit};
 use nextview_sim::run::{self, Step};
@@ -101,6 +101,7 @@ impl Setup {
         for (name, config, background) in [
             ("max-flow", default, Background::Carve),
             ("local", MaxFlowConfig { gamma: 0.0, ..default }, Background::Carve),
+            ("max-flow, dense", MaxFlowConfig { ray_spacing: NO_VOXEL_MISSED, ..default }, Background::Carve),
             ("max-flow, as paper", paper, Background::Ignore),
             ("local, as paper", MaxFlowConfig { gamma: 0.0, ..paper }, Background::Ignore),
         ] {
