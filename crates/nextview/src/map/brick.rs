@@ -60,10 +60,6 @@ impl<B: Default> BrickGrid<B> {
         &mut self.bricks[slot].1
     }
 
-    pub(crate) fn len(&self) -> usize {
-        self.bricks.len()
-    }
-
     pub(crate) fn iter(&self) -> impl Iterator<Item = (IVec3, &B)> {
         self.bricks.iter().map(|(key, brick)| (*key, brick))
     }

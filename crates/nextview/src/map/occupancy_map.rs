@@ -63,11 +63,6 @@ impl OccupancyMap {
         voxels
     }
 
-    /// Memory held by voxels, bytes.
-    pub fn memory_bytes(&self) -> usize {
-        self.bricks.len() * (size_of::<LogOddsBrick>() + 2 * size_of::<IVec3>())
-    }
-
     /// A dense copy of a block.
     pub fn snapshot(&self, block: VoxelBlock) -> Snapshot {
         Snapshot::from_fn(self.lattice, block, |key| self.log_odds(key))

@@ -120,9 +120,11 @@ impl Session {
             return Decision::Stop(StopReason::Converged);
         }
         let plan = self.planner.plan(&self.situation(&snapshot));
-        self.history.push(plan.optimal_views.clone());
         match plan.choice {
-            Some(choice) => self.go_to(choice.view, &plan),
+            Some(choice) => {
+                self.history.push(plan.optimal_views.clone());
+                self.go_to(choice.view, &plan)
+            }
             None => Decision::Stop(StopReason::NothingToGain),
         }
     }
