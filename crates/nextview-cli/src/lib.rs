@@ -3,6 +3,7 @@
 //! It opens files, prints and reads the clock, which the library never does, and contains no planning logic. Data goes to
 //! stdout, messages to stderr. Exit codes: 0 done, 1 bad data or a failing system, 2 bad usage.
 
+mod bench;
 pub mod commands;
 mod failure;
 mod files;

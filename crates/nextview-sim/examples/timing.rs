@@ -57,7 +57,8 @@ fn main() {
     report("snapshot of the box", 5, |_| _ = map.snapshot(block));
     let intrinsics = Intrinsics::d435i();
     let (visited, views, snapshot) = (&[0, 1, 2], &views, &snapshot);
-    let situation = Situation { snapshot, views, intrinsics: &intrinsics, visited, history: &[] };
+    let situation =
+        Situation { snapshot, frames: &[], views, intrinsics: &intrinsics, visited, history: &[] };
     for (density, ray_spacing) in [("the paper's", 10.0), ("full", NO_VOXEL_MISSED)] {
         let caster = RayCaster::new(snapshot, &intrinsics, ray_spacing, FreeSpace::Clear).unwrap();
         let (mut n_rays, mut n_steps) = (0_usize, 0_usize);

@@ -42,7 +42,7 @@ fn of_row<G: InformationGain>(text: &str) -> f64 {
     let snapshot = row(text);
     let voxels: Vec<usize> = (0..text.len()).collect();
     let mut tally = G::Tally::default();
-    with_ray(&snapshot, &voxels, |ray| G::new(&snapshot).add(ray, &mut tally));
+    with_ray(&snapshot, &voxels, |ray| G::new(&snapshot, &[]).add(ray, &mut tally));
     G::total(&tally)
 }
 
@@ -129,7 +129,7 @@ fn apora_hides_by_its_own_probability() {
 fn area_factor_weighs_what_rays_meet_first() {
     // Voxel 2 is occplane: its neighbour 1 is free. Voxel 5 is unmarked: its neighbours are not.
     let snapshot = row("..?#???");
-    let gain = AreaFactor::new(&snapshot);
+    let gain = AreaFactor::new(&snapshot, &[]);
     let total = |rays: &[&[usize]]| {
         let mut tally = Default::default();
         rays.iter().for_each(|voxels| with_ray(&snapshot, voxels, |ray| gain.add(ray, &mut tally)));
@@ -285,7 +285,7 @@ impl Definitions<'_> {
 
 fn cast<G: InformationGain>(snapshot: &Snapshot, pose: &Pose) -> f64 {
     let caster = RayCaster::new(snapshot, &Intrinsics::d435i(), SPACING, G::SIGHT).unwrap();
-    let (gain, mut tally) = (G::new(snapshot), G::Tally::default());
+    let (gain, mut tally) = (G::new(snapshot, &[]), G::Tally::default());
     caster.cast(pose, |ray| gain.add(&ray, &mut tally));
     G::total(&tally)
 }

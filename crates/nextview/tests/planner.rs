@@ -44,7 +44,14 @@ fn views() -> ViewSpace {
 
 fn plan(config: MaxFlowConfig, snapshot: &Snapshot, visited: &[usize], history: &[Vec<u32>]) -> Plan {
     let (views, intrinsics) = (&views(), &Intrinsics::d435i());
-    MaxFlow::new(config).unwrap().plan(&Situation { snapshot, views, intrinsics, visited, history })
+    MaxFlow::new(config).unwrap().plan(&Situation {
+        snapshot,
+        frames: &[],
+        views,
+        intrinsics,
+        visited,
+        history,
+    })
 }
 
 /// Eqs. (1) to (7) as they stand: the score of every view, and V_global.
@@ -157,7 +164,7 @@ fn threads_do_not_show() {
 /// The gain of every view, each looked at by itself.
 fn gains<G: InformationGain>(snapshot: &Snapshot, ray_spacing: f64) -> Vec<f64> {
     let caster = RayCaster::new(snapshot, &Intrinsics::d435i(), ray_spacing, G::SIGHT).unwrap();
-    let (gain, views) = (G::new(snapshot), views());
+    let (gain, views) = (G::new(snapshot, &[]), views());
     let of_view = |view: usize| {
         let mut tally = G::Tally::default();
         caster.cast(&views.pose(view), |ray| gain.add(&ray, &mut tally));
@@ -168,7 +175,7 @@ fn gains<G: InformationGain>(snapshot: &Snapshot, ray_spacing: f64) -> Vec<f64> 
 
 fn greedy<G: InformationGain>(config: GreedyConfig, snapshot: &Snapshot, visited: &[usize]) -> Plan {
     let (views, intrinsics) = (&views(), &Intrinsics::d435i());
-    let situation = Situation { snapshot, views, intrinsics, visited, history: &[] };
+    let situation = Situation { snapshot, frames: &[], views, intrinsics, visited, history: &[] };
     Greedy::<G>::new(config).unwrap().plan(&situation)
 }
 
@@ -278,7 +285,7 @@ fn random_views_are_distinct_seeded_and_spread() {
     let sequence = |seed| {
         let mut visited = vec![0];
         while let Some(choice) = (RandomViews { seed })
-            .plan(&Situation { snapshot, views, intrinsics, visited: &visited, history: &[] })
+            .plan(&Situation { snapshot, frames: &[], views, intrinsics, visited: &visited, history: &[] })
             .choice
         {
             visited.push(choice.view);
@@ -299,6 +306,6 @@ fn random_views_are_distinct_seeded_and_spread() {
 
 fn sequence_start(seed: u64) -> usize {
     let (snapshot, views, intrinsics) = (&unknown(), &views(), &Intrinsics::d435i());
-    let situation = Situation { snapshot, views, intrinsics, visited: &[0], history: &[] };
+    let situation = Situation { snapshot, frames: &[], views, intrinsics, visited: &[0], history: &[] };
     RandomViews { seed }.plan(&situation).choice.unwrap().view
 }

@@ -74,6 +74,7 @@ impl PlanArgs {
             self.planner.without_truth(MaxFlowConfig::default(), GreedyConfig::default(), self.seed)?;
         let plan = planner.plan(&Situation {
             snapshot: &map.snapshot(block),
+            frames: &[],
             views: &views,
             intrinsics: &Intrinsics::d435i(),
             visited: &self.visited,

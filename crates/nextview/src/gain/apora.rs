@@ -2,6 +2,7 @@ use super::InformationGain;
 use super::information_gain::entropies;
 use super::object_probability::from_nearest;
 use crate::map::{Snapshot, frontier};
+use crate::sensor::Frame;
 use crate::visibility::{FreeSpace, Ray, Sight};
 
 /// The gain of APORA (Daudelin & Campbell, RA-L 2017) as Pan & Wei (2021) state it: the sum over the unknown x of all rays
@@ -21,7 +22,7 @@ impl InformationGain for Apora {
 
     type Tally = f64;
 
-    fn new(snapshot: &Snapshot) -> Self {
+    fn new(snapshot: &Snapshot, _: &[Frame]) -> Self {
         Self { entropy: entropies(snapshot), object: from_nearest::<1>(snapshot, &frontier(snapshot)) }
     }
 

@@ -1,5 +1,6 @@
 use super::InformationGain;
 use crate::map::{Occupancy, Snapshot};
+use crate::sensor::Frame;
 use crate::visibility::{FreeSpace, Ray, RayEnd, Sight};
 
 /// The area factor of Vasquez-Gomez et al. (International Journal of Advanced Robotic Systems 2014), 0..=2: how near the
@@ -40,7 +41,7 @@ impl InformationGain for AreaFactor {
 
     type Tally = Areas;
 
-    fn new(snapshot: &Snapshot) -> Self {
+    fn new(snapshot: &Snapshot, _: &[Frame]) -> Self {
         let has_surface = snapshot.count(Occupancy::Occupied) > 0;
         let seen = |index: usize| match snapshot.occupancy()[index] {
             Occupancy::Unknown if has_surface && touches_free(snapshot, index) => Seen::Occplane,

@@ -1,6 +1,7 @@
 use super::InformationGain;
 use super::information_gain::entropies;
 use crate::map::Snapshot;
+use crate::sensor::Frame;
 use crate::visibility::{FreeSpace, Ray, RayEnd, Sight};
 
 /// The average entropy of Kriegel et al. (Journal of Real-Time Image Processing 2015): over the rays that end at an occupied
@@ -20,7 +21,7 @@ impl InformationGain for AverageEntropy {
     /// Sum and number.
     type Tally = (f64, u64);
 
-    fn new(snapshot: &Snapshot) -> Self {
+    fn new(snapshot: &Snapshot, _: &[Frame]) -> Self {
         Self { entropy: entropies(snapshot) }
     }
 

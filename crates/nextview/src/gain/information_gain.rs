@@ -1,4 +1,5 @@
 use crate::map::{Occupancy, Snapshot, entropy};
+use crate::sensor::Frame;
 use crate::visibility::{Ray, Sight};
 
 /// What the rays of a view are worth together: the view's information gain, not negative.
@@ -14,7 +15,7 @@ use crate::visibility::{Ray, Sight};
 ///
 /// # let block = VoxelBlock::new(IVec3::ZERO, UVec3::splat(2)).unwrap();
 /// # let unknown = Snapshot::from_fn(Lattice::new(0.01).unwrap(), block, |_| None);
-/// let gain = UnobservedVoxel::new(&unknown);
+/// let gain = UnobservedVoxel::new(&unknown, &[]);
 /// let mut tally = 0.0;
 /// let crossings = [Crossing { voxel: 0, visibility: 1.0 }, Crossing { voxel: 1, visibility: 0.5 }];
 /// gain.add(&Ray { crossings: &crossings, end: RayEnd::LeftBox }, &mut tally);
@@ -27,8 +28,8 @@ pub trait InformationGain: Sync + Sized {
     /// What is kept of the rays so far.
     type Tally: Default;
 
-    /// The gain under what the snapshot knows.
-    fn new(snapshot: &Snapshot) -> Self;
+    /// The gain under what the snapshot knows, which comes from these frames.
+    fn new(snapshot: &Snapshot, frames: &[Frame]) -> Self;
 
     /// Adds a ray of the view.
     fn add(&self, ray: &Ray<'_>, tally: &mut Self::Tally);

@@ -1,6 +1,7 @@
 use super::InformationGain;
 use super::information_gain::entropies;
 use crate::map::Snapshot;
+use crate::sensor::Frame;
 use crate::visibility::{FreeSpace, Ray, RayEnd, Sight};
 
 /// The gain of Krainin, Curless & Fox (ICRA 2011) as Pan & Wei (2021) state it: the sum of H(x) over all x of the rays that
@@ -18,7 +19,7 @@ impl InformationGain for Krainin {
 
     type Tally = f64;
 
-    fn new(snapshot: &Snapshot) -> Self {
+    fn new(snapshot: &Snapshot, _: &[Frame]) -> Self {
         Self { entropy: entropies(snapshot) }
     }
 

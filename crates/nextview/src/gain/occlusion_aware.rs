@@ -1,6 +1,7 @@
 use super::InformationGain;
 use super::information_gain::entropies;
 use crate::map::Snapshot;
+use crate::sensor::Frame;
 use crate::visibility::{FreeSpace, Ray, RayEnd, Sight};
 
 /// Occlusion aware volumetric information (Isler et al., ICRA 2016): the sum of P(vis_x) H(x) over all x of all rays, nats.
@@ -17,7 +18,7 @@ impl InformationGain for OcclusionAware {
 
     type Tally = f64;
 
-    fn new(snapshot: &Snapshot) -> Self {
+    fn new(snapshot: &Snapshot, _: &[Frame]) -> Self {
         Self { entropy: entropies(snapshot) }
     }
 

@@ -1,6 +1,7 @@
 use super::InformationGain;
 use super::information_gain::{entropies, unknown};
 use crate::map::Snapshot;
+use crate::sensor::Frame;
 use crate::visibility::{FreeSpace, Ray, RayEnd, Sight};
 
 /// Rear side entropy (Isler et al., ICRA 2016; Delmerico et al., Autonomous Robots 2018): over the rays that end at an
@@ -20,7 +21,7 @@ impl InformationGain for RearSideEntropy {
 
     type Tally = f64;
 
-    fn new(snapshot: &Snapshot) -> Self {
+    fn new(snapshot: &Snapshot, _: &[Frame]) -> Self {
         Self { entropy: entropies(snapshot), unknown: unknown(snapshot) }
     }
 

@@ -1,6 +1,7 @@
 use super::InformationGain;
 use super::information_gain::unknown;
 use crate::map::Snapshot;
+use crate::sensor::Frame;
 use crate::visibility::{FreeSpace, Ray, RayEnd, Sight};
 
 /// Rear side voxel volumetric information (Isler et al., ICRA 2016): the number of rays that come at a known surface from
@@ -17,7 +18,7 @@ impl InformationGain for RearSideVoxel {
 
     type Tally = u64;
 
-    fn new(snapshot: &Snapshot) -> Self {
+    fn new(snapshot: &Snapshot, _: &[Frame]) -> Self {
         Self { unknown: unknown(snapshot) }
     }
 

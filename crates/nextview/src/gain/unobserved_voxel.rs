@@ -1,6 +1,7 @@
 use super::InformationGain;
 use super::information_gain::{entropies, unknown};
 use crate::map::Snapshot;
+use crate::sensor::Frame;
 use crate::visibility::{FreeSpace, Ray, Sight};
 
 /// Unobserved voxel volumetric information (Isler et al., ICRA 2016): the sum of P(vis_x) H(x) over the unknown x of all
@@ -16,7 +17,7 @@ impl InformationGain for UnobservedVoxel {
 
     type Tally = f64;
 
-    fn new(snapshot: &Snapshot) -> Self {
+    fn new(snapshot: &Snapshot, _: &[Frame]) -> Self {
         let all = entropies(snapshot).into_iter().zip(unknown(snapshot));
         Self { entropy: all.map(|(entropy, unknown)| if unknown { entropy } else { 0.0 }).collect() }
     }

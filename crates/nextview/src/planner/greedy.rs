@@ -49,7 +49,7 @@ impl<G: InformationGain> Greedy<G> {
 
     /// The gain of each of the views.
     fn gains(&self, situation: &Situation<'_>, views: &[usize]) -> Vec<f64> {
-        let gain = G::new(situation.snapshot);
+        let gain = G::new(situation.snapshot, situation.frames);
         let spacing = self.config.ray_spacing;
         let caster = RayCaster::new(situation.snapshot, situation.intrinsics, spacing, G::SIGHT)
             .expect("the constructor checked the ray spacing");

@@ -1,5 +1,5 @@
 use crate::map::Snapshot;
-use crate::sensor::Intrinsics;
+use crate::sensor::{Frame, Intrinsics};
 use crate::view::ViewSpace;
 use serde::{Deserialize, Serialize};
 
@@ -14,6 +14,8 @@ pub trait ViewPlanner: Send {
 pub struct Situation<'a> {
     /// What is known of the box around the object.
     pub snapshot: &'a Snapshot,
+    /// The frames it is known from, oldest first; none where only a map is left of them.
+    pub frames: &'a [Frame],
     /// Where the camera could go.
     pub views: &'a ViewSpace,
     /// The optics of the camera that will go there.

@@ -41,6 +41,7 @@ pub struct Session {
     planner: Box<dyn ViewPlanner>,
     block: VoxelBlock,
     map: OccupancyMap,
+    frames: Vec<Frame>,
     visited: Vec<usize>,
     /// V_global of every plan so far.
     history: Vec<Vec<u32>>,
@@ -91,14 +92,15 @@ impl Session {
     ) -> Result<Self, Error> {
         let block = config.block(&views)?;
         let map = OccupancyMap::new(Lattice::new(config.voxel_size)?, config.sensor_model)?;
-        let (visited, history) = (Vec::new(), Vec::new());
-        Ok(Self { config, intrinsics, views, planner, block, map, visited, history, pending: None })
+        let (frames, visited, history) = (Vec::new(), Vec::new(), Vec::new());
+        Ok(Self { config, intrinsics, views, planner, block, map, frames, visited, history, pending: None })
     }
 
-    /// Writes a frame into the map and, if a view was decided on, counts it as taken.
+    /// Writes a frame into the map, keeps it, and, if a view was decided on, counts it as taken.
     pub fn observe(&mut self, frame: &Frame) -> StepReport {
         let SessionConfig { rays, background, .. } = self.config;
         let update = self.map.integrate(frame, &Integration { rays, background, region: Some(self.block) });
+        self.frames.push(frame.clone());
         let taken = self.pending.take();
         self.visited.extend(taken.map(|next| next.view));
         self.report(frame, taken, update)
@@ -139,6 +141,11 @@ impl Session {
         self.map.snapshot(self.block)
     }
 
+    /// The frames observed so far, oldest first.
+    pub fn frames(&self) -> &[Frame] {
+        &self.frames
+    }
+
     /// The views taken so far, in order.
     pub fn visited(&self) -> &[usize] {
         &self.visited
@@ -150,8 +157,8 @@ impl Session {
     }
 
     fn situation<'a>(&'a self, snapshot: &'a Snapshot) -> Situation<'a> {
-        let Self { views, intrinsics, visited, history, .. } = self;
-        Situation { snapshot, views, intrinsics, visited, history }
+        let Self { frames, views, intrinsics, visited, history, .. } = self;
+        Situation { snapshot, frames, views, intrinsics, visited, history }
     }
 
     fn go_to(&mut self, view: usize, plan: &Plan) -> Decision {
