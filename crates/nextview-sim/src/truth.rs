@@ -125,6 +125,8 @@ impl TrueVisibility {
         views: &ViewSpace,
         progress: impl Fn() + Sync,
     ) -> Result<Self, SimError> {
+        // Walls stand behind the object and hide none of it.
+        let camera = camera.without_background();
         let look = |pose| {
             let seen = object.seen_in(&camera.capture(pose)?);
             progress();

@@ -86,6 +86,11 @@ impl SimulatedCamera {
         Ok(Self { mesh, intrinsics, background, range: range_m, list, grid })
     }
 
+    /// The same camera where nothing is behind the object.
+    pub fn without_background(&self) -> Self {
+        Self { background: Background::None, ..self.clone() }
+    }
+
     /// The mesh the camera looks at.
     pub fn mesh(&self) -> &Arc<TriangleMesh> {
         &self.mesh
