@@ -58,7 +58,8 @@ impl Results<'_> {
 
     fn write_views(&self, mut writer: impl Write) -> Result<(), Failure> {
         writeln!(writer, "step,view,x_m,y_m,z_m,qx,qy,qz,qw")?;
-        for StepReport { step, view, world_from_camera, .. } in self.scan.steps.iter().map(|step| step.report) {
+        for StepReport { step, view, world_from_camera, .. } in self.scan.steps.iter().map(|step| step.report)
+        {
             let (t, q) = (world_from_camera.translation(), world_from_camera.rotation());
             let view = view.unwrap_or_default();
             writeln!(writer, "{step},{view},{},{},{},{},{},{},{}", t.x, t.y, t.z, q.x, q.y, q.z, q.w)?;
