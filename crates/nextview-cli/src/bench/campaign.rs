@@ -113,3 +113,74 @@ impl RunId {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::builtin;
+    use super::*;
+
+    fn ids(spec: &str) -> Vec<String> {
+        let spec: Spec = toml::from_str(spec).unwrap();
+        let name = |run: &Run| {
+            let RunId { object, variant, seed, first_view } = &run.id;
+            assert_eq!((run.config.seed, run.config.first_view), (*seed, *first_view));
+            assert_eq!(run.config.view_seed(), 0, "all seeds share their candidates");
+            format!("{object} | {variant} | {seed} | {first_view}")
+        };
+        runs(&spec).unwrap().iter().map(name).collect()
+    }
+
+    #[test]
+    fn runs_come_by_object_variant_seed_and_first_view() {
+        let spec = r#"
+            name = "x"
+            objects = ["b/two.ply", { file = "a/one.ply", name = "uno" }]
+            first_views = [3, 1]
+            [[variant]]
+            scan.planner = "random"
+            seeds = [5, 2]
+            [[variant]]
+            scan.planner = "apora"
+            first_views = [0]
+        "#;
+        let of_object = |object: &str| {
+            ["random | 5 | 3", "random | 5 | 1", "random | 2 | 3", "random | 2 | 1", "apora | 0 | 0"]
+                .map(|run| format!("{object} | {run}"))
+        };
+        assert_eq!(ids(spec), [of_object("two"), of_object("uno")].concat());
+    }
+
+    #[test]
+    fn sweeps_combine_and_fill_labels() {
+        let spec = |label: &str| {
+            format!(
+                "name = \"x\"\nobjects = [\"a.ply\"]\n[[variant]]\n{label}\n\
+                 sweep.\"max_flow.gamma\" = [0, 0.5]\nsweep.map.background = [\"carve\", \"ignore\"]\n"
+            )
+        };
+        let background_first = ["carve, gamma 0", "carve, gamma 0.5", "ignore, gamma 0", "ignore, gamma 0.5"];
+        let expected = background_first.map(|label| format!("a | max-flow, background {label} | 0 | 0"));
+        assert_eq!(ids(&spec("")), expected);
+        let label = "label = \"{max_flow.gamma} {map.background} of {candidates}\"";
+        let expected = ["0 carve", "0.5 carve", "0 ignore", "0.5 ignore"];
+        let mut found = ids(&spec(label));
+        found.sort();
+        let mut expected = expected.map(|label| format!("a | {label} of 1000 | 0 | 0"));
+        expected.sort();
+        assert_eq!(found, expected);
+    }
+
+    #[test]
+    fn built_in_specifications_are_whole() {
+        for name in builtin::names() {
+            let spec = Spec::load(name, &[]).unwrap();
+            assert_eq!(spec.name, name);
+            assert_eq!(spec.objects.len(), 4, "the built-in objects");
+            for run in runs(&spec).unwrap() {
+                let config = run.config;
+                assert_eq!((config.candidates, config.views, config.size_m), (5000, 10, Some(0.2)));
+                assert_eq!(config.stop.entropy_share, Some(0.0), "no run stops early");
+            }
+        }
+    }
+}

@@ -48,8 +48,8 @@ A specification (keys of `scan` as in config.toml; docs/bench.md tells all):
   scan.planner = \"random\"
   seeds = [0, 1, 2]
 
-The folder holds spec.toml, runs.jsonl (a line per run, as soon as it is done) and, at the end, the tables runs
-(a row per run), steps (a row per view) and times, each as .csv and .parquet.";
+The folder holds spec.toml, runs.jsonl (a line per run, as soon as it is done) and, at the end, the
+tables runs (a row per run), steps (a row per view) and times, each as .csv and .parquet.";
 
 impl BenchArgs {
     pub fn run(self) -> Result<(), Failure> {
