@@ -46,6 +46,17 @@ impl Failure {
         self.in_file(path).with_hint("does its folder exist, is it writable, and is there space on the disk?")
     }
 
+    /// The same, said of a part of a file, which is to be named as well.
+    pub fn within(mut self, part: impl fmt::Display) -> Self {
+        self.message = format!("{part}: {}", self.message);
+        self
+    }
+
+    /// What is wrong, without the remedy.
+    pub fn message(&self) -> &str {
+        &self.message
+    }
+
     /// 1 for bad data or a failing system, 2 for bad usage.
     pub fn exit_code(&self) -> u8 {
         match self.kind {

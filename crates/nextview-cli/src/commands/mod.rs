@@ -1,5 +1,6 @@
 //! The commands of the program.
 
+mod bench;
 mod map;
 mod plan;
 mod scan;
@@ -15,7 +16,7 @@ use clap::{Parser, Subcommand};
 /// possible.
 ///
 /// `nextview scan` scans a simulated object from the first view to the last and writes the map, the cloud, the mesh
-/// and a report. `nextview plan` gives the next view for a map that you have. `nextview map` looks into maps, `nextview
+/// and a report, `nextview bench` runs many scans and compares. `nextview plan` gives the next view for a map that you have. `nextview map` looks into maps, `nextview
 /// views` makes the poses to choose from.
 #[derive(Debug, Parser)]
 #[command(name = "nextview", version, max_term_width = 100, after_help = EXAMPLES)]
@@ -32,6 +33,7 @@ Examples:
   nextview scan                              scan a built-in teapot; then open its report.html
   nextview scan part.stl --unit mm           scan your own mesh
   nextview scan builtin:mug --planner local  another object, another planner
+  nextview bench paper-1                     all planners on all built-in objects
   nextview map info map.ot                   what a map knows
   nextview views > views.csv                 poses to choose from
   nextview plan --map map.ot --views views.csv
@@ -43,6 +45,7 @@ Exit codes: 0 done, 1 bad data or a failing system, 2 bad usage.";
 #[derive(Debug, Subcommand)]
 enum Command {
     Scan(Box<scan::ScanArgs>),
+    Bench(bench::BenchArgs),
     Plan(plan::PlanArgs),
     Views(views::ViewsArgs),
     #[command(subcommand)]
@@ -58,6 +61,7 @@ impl Cli {
         }
         match self.command {
             Command::Scan(args) => args.run(),
+            Command::Bench(args) => args.run(),
             Command::Plan(args) => args.run(),
             Command::Views(args) => args.run(),
             Command::Map(command) => command.run(),

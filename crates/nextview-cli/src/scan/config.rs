@@ -47,6 +47,10 @@ pub(crate) struct ScanConfig {
     pub voxel_size_m: Option<f64>,
     pub view_space: ViewSpaceName,
     pub seed: u64,
+    /// Seed of the random shell alone, so that random planners of several seeds may choose among the same candidates; by
+    /// default `seed`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub view_seed: Option<u64>,
     /// Unit of the mesh file: m, mm or auto.
     pub unit: UnitName,
     /// Length that the object's longest side is scaled to.
@@ -129,6 +133,7 @@ impl ScanConfig {
             voxel_size_m: None,
             view_space: ViewSpaceName("shell".to_owned()),
             seed: 0,
+            view_seed: None,
             unit: UnitName::Auto,
             size_m: None,
             baselines: true,
@@ -163,17 +168,52 @@ impl ScanConfig {
         let text = std::fs::read_to_string(path)
             .map_err(|e| Failure::data(format!("cannot be read: {e}")).in_file(path))?;
         let bad = |e: toml::de::Error| Failure::data(e.to_string().trim_end()).in_file(path);
-        let mut file: toml::Table = toml::from_str(&text).map_err(bad)?;
+        let mut table: toml::Table = toml::from_str(&text).map_err(bad)?;
         if let Some(profile) = profile {
-            file.insert("profile".to_owned(), toml::Value::try_from(profile).map_err(Failure::data)?);
+            table.insert("profile".to_owned(), toml::Value::try_from(profile).map_err(Failure::data)?);
         }
-        let named =
-            file.get("profile").cloned().map(|value| value.try_into::<Profile>().map_err(bad)).transpose()?;
-        let base = Self::of_profile(named.unwrap_or(Profile::Default));
+        Self::from_table(table).map_err(|failure| failure.in_file(path))
+    }
+
+    /// The values of the table's profile, or else of the default one, overridden by the table's.
+    pub fn from_table(table: toml::Table) -> Result<Self, Failure> {
+        let bad = |e: toml::de::Error| Failure::data(e.to_string().trim_end());
+        let profile = table.get("profile").cloned().map(toml::Value::try_into::<Profile>).transpose();
+        let base = Self::of_profile(profile.map_err(bad)?.unwrap_or(Profile::Default));
         let base = toml::Table::try_from(&base).map_err(Failure::data)?;
-        let config: Self = merged(base, file).try_into().map_err(bad)?;
-        config.check().map_err(|failure| failure.in_file(path))?;
+        let config: Self = merged(base, table).try_into().map_err(bad)?;
+        config.check()?;
         Ok(config)
+    }
+
+    /// Whether the scan needs to know what every candidate truly sees.
+    pub fn needs_truth(&self) -> bool {
+        self.baselines || self.planner == PlannerName::Clairvoyant
+    }
+
+    /// What of the configuration decides the setting and its truth; all else is as in the default profile. Scans with equal
+    /// ones can share them.
+    pub fn of_setting(&self) -> Self {
+        let neutral = Self::of_profile(Profile::Default);
+        Self {
+            profile: neutral.profile,
+            planner: neutral.planner,
+            views: 1,
+            first_view: 0,
+            seed: neutral.seed,
+            view_seed: Some(self.view_seed()),
+            baselines: self.needs_truth(),
+            map: neutral.map,
+            max_flow: neutral.max_flow,
+            greedy: neutral.greedy,
+            stop: neutral.stop,
+            ..self.clone()
+        }
+    }
+
+    /// Seed of the random shell.
+    pub fn view_seed(&self) -> u64 {
+        self.view_seed.unwrap_or(self.seed)
     }
 
     /// Fails on values out of range that only a file can hold.
@@ -213,7 +253,7 @@ impl ScanConfig {
 
 /// The first table with the second's values in place of its own. A value replaces its whole sum type, so that a file
 /// may choose another kind of lens.
-fn merged(mut base: toml::Table, over: toml::Table) -> toml::Table {
+pub(crate) fn merged(mut base: toml::Table, over: toml::Table) -> toml::Table {
     for (key, value) in over {
         let value = match (base.remove(&key), value) {
             (Some(toml::Value::Table(base)), toml::Value::Table(over)) if key != "distortion" => {
@@ -252,6 +292,13 @@ mod tests {
         let config = load("profile = \"paper\"\nviews = 3\n[max_flow]\ngamma = 0.25\n").unwrap();
         assert_eq!((config.views, config.candidates, config.max_flow.gamma), (3, 5000, 0.25));
         assert_eq!(config.max_flow.ray_spacing, 10.0);
+    }
+
+    #[test]
+    fn the_candidates_may_have_their_own_seed() {
+        let seeds = |text: &str| load(text).map(|config| (config.seed, config.view_seed()));
+        assert_eq!(seeds("seed = 3\n"), Ok((3, 3)));
+        assert_eq!(seeds("seed = 3\nview_seed = 0\n"), Ok((3, 0)));
     }
 
     #[test]

@@ -2,30 +2,27 @@
 
 mod baselines;
 mod config;
-mod memory;
+pub(crate) mod memory;
 mod object;
 mod outcome;
 mod planner_name;
 mod progress;
 mod results;
+mod setting;
 
-pub(crate) use config::{Profile, ScanConfig, UnitName, ViewSpaceName};
+pub(crate) use baselines::{Baselines, Truth};
+pub(crate) use config::{Profile, ScanConfig, UnitName, ViewSpaceName, merged};
+pub(crate) use object::short_name;
+pub(crate) use outcome::milliseconds;
 pub(crate) use planner_name::PlannerName;
+pub(crate) use setting::{FinishedScan, Setting};
 
-use crate::files::{self, ResultFolder};
+use crate::files::ResultFolder;
 use crate::{Failure, stdout};
-use baselines::Baselines;
-use nextview::geometry::{Lattice, VoxelBlock};
-use nextview::session::{Session, SessionConfig, StopConfig, StopReason};
-use nextview::view::ViewSpace;
-use nextview_sim::run::{self, Step};
-use nextview_sim::scene::Scene;
-use nextview_sim::truth::ObjectVoxels;
-use object::Object;
 use outcome::Outcome;
 use progress::Progress;
 use results::Results;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 /// Where the results go and how they are told.
 #[derive(Debug)]
@@ -38,122 +35,34 @@ pub(crate) struct Output {
 
 /// The folder for the results where none is named.
 pub(crate) fn default_dir(config: &ScanConfig) -> PathBuf {
-    PathBuf::from(format!("scan-{}-{}", object::short_name(&config.object), config.planner))
+    PathBuf::from(format!("scan-{}-{}", short_name(&config.object), config.planner))
 }
 
 /// Scans the configured object and writes the results.
 pub(crate) fn scan(mut config: ScanConfig, output: &Output) -> Result<(), Failure> {
-    let object = Object::load(&config)?;
-    let voxel_size = object.voxel_size(&config)?;
-    config.voxel_size_m = Some(voxel_size);
-    let scene = object.scene(&config)?;
-    let views = view_space(&config, &scene)?;
-    config.check_views(views.len())?;
-    let session_config = session_config(&config, &scene, voxel_size);
-    let block = voxel_block(&session_config, &views)?;
+    let setting = Setting::new(&config)?;
+    config.voxel_size_m = Some(setting.voxel_size);
     let folder = ResultFolder::begin(&output.dir)?;
     if output.json {
-        object.note.iter().for_each(|note| eprintln!("{note}"));
+        setting.object.note.iter().for_each(|note| eprintln!("{note}"));
     } else {
-        stdout::print(outcome::heading(&config, &object, &views))?;
+        stdout::print(outcome::heading(&config, &setting))?;
     }
-    let object_voxels = ObjectVoxels::new(scene.camera(), Lattice::new(voxel_size)?, block);
-    let baselines = baselines(&config, &scene, &object_voxels, &views)?;
-    let truth = baselines.as_ref().map(|baselines| baselines.truth.clone());
-    let planner = config.planner.build(config.max_flow, config.greedy, config.seed, truth)?;
-    let mut session = Session::new(session_config, config.camera, views, planner)?;
+    let truth = config.needs_truth().then(|| truth(&setting)).transpose()?;
+    let baselines = truth.as_ref().map(|truth| Baselines::new(truth, &config));
     let progress = Progress::new("scanning", config.views);
-    let (steps, stop_reason) = run_session(&mut session, &scene, &object_voxels, |step| {
+    let scan = setting.scan(&config, truth.as_ref(), |step| {
         progress.step();
         let line = || outcome::step_line(step, baselines.as_ref());
         if output.json { Ok(()) } else { progress.print(&line()) }
     })?;
     drop(progress);
-    let outcome = Outcome::new(&config, &object, &steps, stop_reason, session.views().len(), baselines);
-    let bounds = session_config.bounds;
-    Results { config: &config, bounds, session: &session, steps: &steps, outcome: &outcome }.write(folder)?;
+    let outcome = Outcome::new(&config, &setting, &scan, baselines);
+    Results { config: &config, scan: &scan, outcome: &outcome }.write(folder)?;
     stdout::print(if output.json { outcome.to_json()? } else { outcome.to_text(&output.dir) })
 }
 
-/// Runs the session to its end and collects its steps.
-fn run_session(
-    session: &mut Session,
-    scene: &Scene,
-    object: &ObjectVoxels,
-    tell: impl Fn(&Step) -> Result<(), Failure>,
-) -> Result<(Vec<Step>, StopReason), Failure> {
-    let mut steps: Vec<Step> = Vec::new();
-    let mut told = Ok(());
-    let stop_reason = run::run(session, scene, object, |step| {
-        if told.is_ok() {
-            told = tell(&step);
-        }
-        steps.push(step);
-    })?;
-    told.map(|()| (steps, stop_reason))
-}
-
-/// The two bounds of every planner, if they are asked for or the planner is one of them.
-fn baselines(
-    config: &ScanConfig,
-    scene: &Scene,
-    object: &ObjectVoxels,
-    views: &ViewSpace,
-) -> Result<Option<Baselines>, Failure> {
-    if !config.baselines && config.planner != PlannerName::Clairvoyant {
-        return Ok(None);
-    }
-    let progress = Progress::new("baselines: looking from every view", views.len());
-    Baselines::new(scene, object, views, config, || progress.step()).map(Some)
-}
-
-/// The voxels to plan in, if they are not too many.
-fn voxel_block(config: &SessionConfig, views: &ViewSpace) -> Result<VoxelBlock, Failure> {
-    config.block(views).map_err(|error| match error {
-        nextview::Error::TooLarge { .. } => Failure::from(error)
-            .with_hint("use a larger --voxel-size-m, or allow more with memory_limit_mb in --config"),
-        error => error.into(),
-    })
-}
-
-fn session_config(config: &ScanConfig, scene: &Scene, voxel_size: f64) -> SessionConfig {
-    let stop = StopConfig { max_views: config.views, entropy_share: config.stop.entropy_share };
-    SessionConfig {
-        first_view: config.first_view,
-        sensor_model: config.map.sensor_model,
-        rays: config.map.rays,
-        background: config.map.background,
-        stop,
-        memory_limit_mb: config.memory_limit_mb,
-        ..SessionConfig::new(voxel_size, scene.planning_box(voxel_size))
-    }
-}
-
-fn view_space(config: &ScanConfig, scene: &Scene) -> Result<ViewSpace, Failure> {
-    match config.view_space.rule() {
-        Some(rule) => Ok(rule.views(scene.center(), scene.size(), config.candidates, config.seed)?),
-        None => {
-            let path = Path::new(&config.view_space.0);
-            let hint = "--view-space takes shell, sphere, hemisphere or a CSV file";
-            let file = files::open(path).map_err(|failure| failure.with_hint(hint))?;
-            let views =
-                ViewSpace::read_csv(file, scene.center()).map_err(|e| Failure::from(e).in_file(path))?;
-            check_in_room(scene, &views).map_err(|failure| failure.in_file(path))?;
-            Ok(views)
-        }
-    }
-}
-
-/// Fails if a view is where the simulated camera cannot stand.
-fn check_in_room(scene: &Scene, views: &ViewSpace) -> Result<(), Failure> {
-    let room = scene.room();
-    let outside = |view: &usize| !room.contains(views.pose(*view).translation());
-    let Some(view) = (0..views.len()).find(outside) else { return Ok(()) };
-    let failure = Failure::data(format!(
-        "view {view} (counted from 0) is at {:.3} m, outside the room around the object, from {:.3} to {:.3} m",
-        views.pose(view).translation(),
-        room.min,
-        room.max
-    ));
-    Err(failure.with_hint("views must be in metres, and around the place where the object is"))
+fn truth(setting: &Setting) -> Result<Truth, Failure> {
+    let progress = Progress::new("baselines: looking from every view", setting.views.len());
+    Truth::new(setting, || progress.step())
 }

@@ -8,7 +8,7 @@ use std::fmt;
 use std::path::Path;
 
 /// The object to scan, in metres.
-pub(super) struct Object {
+pub(crate) struct Object {
     /// Short name, for headings and file names.
     pub name: String,
     pub mesh: TriangleMesh,
@@ -99,7 +99,7 @@ fn read(path: &Path) -> Result<FileMesh, Failure> {
 }
 
 /// The object's name without `builtin:`, folders and extension.
-pub(super) fn short_name(object: &str) -> String {
+pub(crate) fn short_name(object: &str) -> String {
     let name = object.strip_prefix("builtin:").unwrap_or(object);
     Path::new(name).file_stem().unwrap_or_default().to_string_lossy().into_owned()
 }

@@ -1,11 +1,8 @@
 use super::baselines::Baselines;
 use super::memory;
-use super::object::Object;
-use super::{PlannerName, Profile, ScanConfig};
+use super::{FinishedScan, PlannerName, Profile, ScanConfig, Setting};
 use crate::Failure;
 use nextview::session::StopReason;
-use nextview::view::ViewSpace;
-use nextview_sim::baseline::{extended, skill};
 use nextview_sim::run::Step;
 use serde::Serialize;
 use std::path::Path;
@@ -57,26 +54,22 @@ pub(super) struct Outcome {
 impl Outcome {
     pub fn new(
         config: &ScanConfig,
-        object: &Object,
-        steps: &[Step],
-        stop_reason: StopReason,
-        n_candidates: usize,
+        setting: &Setting,
+        scan: &FinishedScan,
         baselines: Option<Baselines>,
     ) -> Self {
+        let steps = &scan.steps;
         let curve: Option<Vec<f64>> =
             baselines.as_ref().map(|b| steps.iter().map(|step| b.reachable_coverage(step)).collect());
-        let full_curve = curve.clone().map(|curve| extended(curve, config.views));
-        let skill =
-            full_curve.zip(baselines.as_ref()).and_then(|(c, b)| skill(&c, &b.random.mean, &b.clairvoyant));
         Self {
-            object: object.name.clone(),
+            object: setting.object.name.clone(),
             planner: config.planner,
             profile: config.profile,
             seed: config.seed,
             views: steps.len(),
-            stop_reason,
+            stop_reason: scan.stop_reason,
             voxel_size_m: config.voxel_size_m.unwrap_or_default(),
-            n_candidates,
+            n_candidates: setting.views.len(),
             view_ids: steps.iter().filter_map(|s| s.report.view).collect(),
             voxel_coverage: steps.iter().map(|s| s.voxels.coverage()).collect(),
             false_voxels: steps.iter().map(|s| s.voxels.n_false).collect(),
@@ -87,7 +80,7 @@ impl Outcome {
             reachable_coverage_curve: curve,
             random_curve: baselines.as_ref().map(|b| b.random.mean.clone()),
             clairvoyant_curve: baselines.as_ref().map(|b| b.clairvoyant.clone()),
-            skill,
+            skill: baselines.as_ref().and_then(|b| b.skill(steps)),
             entropy_nats: steps.iter().map(|s| s.report.map.entropy).collect(),
             path_length_m: steps.last().map_or(0.0, |s| s.path_length),
             plan_time_ms: steps.iter().map(|s| milliseconds(s.plan_time)).collect(),
@@ -149,15 +142,9 @@ impl Outcome {
     }
 }
 
-impl Baselines {
-    /// Share of the reachable object voxels seen up to this step.
-    pub fn reachable_coverage(&self, step: &Step) -> f64 {
-        step.n_seen as f64 / self.truth.n_reachable() as f64
-    }
-}
-
 /// What is scanned and how, and the head of the table of steps.
-pub(super) fn heading(config: &ScanConfig, object: &Object, views: &ViewSpace) -> String {
+pub(super) fn heading(config: &ScanConfig, setting: &Setting) -> String {
+    let Setting { object, views, .. } = setting;
     let size = object.mesh.bounds().size() * 1e3;
     // To a nanometre, so that 5 mm do not read 5.000000000000001.
     let voxel_mm = (config.voxel_size_m.unwrap_or_default() * 1e9).round() / 1e6;
@@ -208,7 +195,7 @@ pub(super) fn stop_phrase(reason: StopReason) -> &'static str {
     }
 }
 
-pub(super) fn milliseconds(time: Duration) -> f64 {
+pub(crate) fn milliseconds(time: Duration) -> f64 {
     time.as_secs_f64() * 1e3
 }
 

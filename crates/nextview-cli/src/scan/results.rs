@@ -1,15 +1,14 @@
 //! The files of a finished scan.
 
-use super::ScanConfig;
 use super::outcome::{Outcome, milliseconds, stop_phrase};
+use super::{FinishedScan, ScanConfig};
 use crate::Failure;
 use crate::files::ResultFolder;
 use crate::report::{self, ScanReport};
 use glam::DVec3;
-use nextview::geometry::{Aabb, Lattice};
+use nextview::geometry::Lattice;
 use nextview::model::{DistanceField, downsample, write_mesh, write_points};
-use nextview::session::{Session, StepReport};
-use nextview_sim::run::Step;
+use nextview::session::StepReport;
 use rustc_hash::FxHashSet;
 use serde::Serialize;
 use std::io::Write;
@@ -17,10 +16,7 @@ use std::io::Write;
 /// What is written.
 pub(super) struct Results<'a> {
     pub config: &'a ScanConfig,
-    /// The box around the object.
-    pub bounds: Aabb,
-    pub session: &'a Session,
-    pub steps: &'a [Step],
+    pub scan: &'a FinishedScan,
     pub outcome: &'a Outcome,
 }
 
@@ -31,7 +27,7 @@ impl Results<'_> {
         folder.add("config.toml", |w| Ok(w.write_all(config.as_bytes())?))?;
         folder.add("steps.jsonl", |w| self.write_steps(w))?;
         folder.add("views.csv", |w| self.write_views(w))?;
-        let octree = self.session.map().to_octree()?.pruned();
+        let octree = self.scan.session.map().to_octree()?.pruned();
         folder.add("map.ot", |w| Ok(octree.write_ot(w)?))?;
         folder.add("map.bt", |w| Ok(octree.write_bt(w)?))?;
         folder.add("cloud.ply", |w| Ok(write_points(w, &self.cloud()?)?))?;
@@ -41,7 +37,7 @@ impl Results<'_> {
     }
 
     fn write_steps(&self, mut writer: impl Write) -> Result<(), Failure> {
-        for (i, step) in self.steps.iter().enumerate() {
+        for (i, step) in self.scan.steps.iter().enumerate() {
             let line = StepLine {
                 report: &step.report,
                 voxel_coverage: step.voxels.coverage(),
@@ -62,7 +58,8 @@ impl Results<'_> {
 
     fn write_views(&self, mut writer: impl Write) -> Result<(), Failure> {
         writeln!(writer, "step,view,x_m,y_m,z_m,qx,qy,qz,qw")?;
-        for StepReport { step, view, world_from_camera, .. } in self.steps.iter().map(|step| step.report) {
+        for StepReport { step, view, world_from_camera, .. } in self.scan.steps.iter().map(|step| step.report)
+        {
             let (t, q) = (world_from_camera.translation(), world_from_camera.rotation());
             let view = view.unwrap_or_default();
             writeln!(writer, "{step},{view},{},{},{},{},{},{},{}", t.x, t.y, t.z, q.x, q.y, q.z, q.w)?;
@@ -73,20 +70,20 @@ impl Results<'_> {
     /// Size of the cells in which points and mesh are told apart: a quarter of a voxel, since the map's voxels are larger
     /// than what the camera resolves, but no more than 128 along the box, so that the mesh takes a second or two.
     fn detail(&self) -> f64 {
-        let voxel_size = self.session.map().lattice().voxel_size();
-        (0.25 * voxel_size).max(self.bounds.longest_side() / 128.0)
+        let voxel_size = self.scan.session.map().lattice().voxel_size();
+        (0.25 * voxel_size).max(self.scan.bounds.longest_side() / 128.0)
     }
 
     fn cloud(&self) -> Result<Vec<DVec3>, Failure> {
-        let points = self.steps.iter().flat_map(|step| step.frame.points_in(self.bounds));
+        let points = self.scan.steps.iter().flat_map(|step| step.frame.points_in(self.scan.bounds));
         Ok(downsample(points, self.detail())?)
     }
 
     fn field(&self) -> Result<DistanceField, Failure> {
         let lattice = Lattice::new(self.detail())?;
-        let block = lattice.block_inside(&self.bounds).expect("the box holds many cells of 1/128 of it");
+        let block = lattice.block_inside(&self.scan.bounds).expect("the box holds many cells of 1/128 of it");
         let mut field = DistanceField::new(lattice, block, 2.0 * self.detail())?;
-        self.steps.iter().for_each(|step| field.integrate(&step.frame));
+        self.scan.steps.iter().for_each(|step| field.integrate(&step.frame));
         Ok(field)
     }
 
@@ -94,10 +91,10 @@ impl Results<'_> {
         let outcome = self.outcome;
         let mut known = FxHashSet::default();
         let mut path_before = 0.0;
-        let steps = self.steps.iter().enumerate().map(|(i, step)| {
+        let steps = self.scan.steps.iter().enumerate().map(|(i, step)| {
             let travel = step.path_length - std::mem::replace(&mut path_before, step.path_length);
             let cell = |point: &DVec3| (*point / self.detail()).floor().as_ivec3();
-            let points = step.frame.points_in(self.bounds);
+            let points = step.frame.points_in(self.scan.bounds);
             report::Step {
                 view: step.report.view.unwrap_or_default(),
                 world_from_camera: step.report.world_from_camera,
@@ -128,7 +125,7 @@ impl Results<'_> {
                 band: "5th to 95th percentile of 200 sequences".to_owned(),
             }),
             clairvoyant: outcome.baselines.as_ref().map(|b| b.clairvoyant.clone()),
-            candidates: self.session.views().poses().iter().map(|pose| pose.translation()).collect(),
+            candidates: self.scan.session.views().poses().iter().map(|pose| pose.translation()).collect(),
             camera: self.config.camera,
             command: "nextview scan --config config.toml".to_owned(),
             config: config.to_owned(),

@@ -204,6 +204,58 @@ fn configurations_with_faults() {
 }
 
 #[test]
+fn specifications_with_faults() {
+    let folder = Folder::new("bad-specs");
+    let name = "name = \"x\"\n";
+    for (i, (text, parts)) in [
+        ("name = \n", ["line 1"].as_slice()),
+        ("seeds = [0]\n", &["missing field `name`"]),
+        ("name = \"a/b\"\n", &["name is \"a/b\"", "folder"]),
+        ("name = \"x\"\nvariants = 1\n", &["`variants`", "`variant`"]),
+        ("seeds = []", &["seeds is empty"]),
+        ("seeds = [1, 2, 1]", &["seeds has 1 twice"]),
+        ("seeds = [-1]", &["line 2", "-1"]),
+        ("first_views = [0, 0]", &["first_views has 0 twice"]),
+        ("first_views = [2000]", &["variant 1: first view 2000 is none of the 1000"]),
+        ("scan.views = 2000", &["variant 1: views is 2000, expected 1 to 1000"]),
+        ("scan.candidates = 0", &["first view 0 is none of the 0"]),
+        ("scan.voxels = 1", &["variant 1: ", "`voxels`"]),
+        ("scan.profile = \"thesis\"", &["`thesis`", "`paper` or `default`"]),
+        ("scan.seed = 1", &["`seed`", "`seeds` decides it"]),
+        ("[[variant]]\n[[variant]]\nscan.max_flow.gamma = 2", &["variant 2: gamma is 2", "0..=1"]),
+        ("[[variant]]\nlabel = \"a\"\nscan.planner = \"best\"", &["variant 1 (\"a\"): ", "`best`"]),
+        ("[[variant]]\nsweep.gamma = 1", &["sweep.gamma is 1", "a list"]),
+        ("[[variant]]\nsweep.views = []", &["sweep.views is empty"]),
+        ("[[variant]]\nsweep.first_view = [1]", &["`first_view`", "`first_views`"]),
+        ("[[variant]]\nsweep.\"greedy.gamma\" = [0, 1]", &["variant 1: ", "`gamma`", "`theta`"]),
+        ("[[variant]]\nlabel = \"{gamma}\"", &["{gamma} is no value"]),
+        ("[[variant]]\nlabel = \"{views\"", &["without '}'"]),
+        ("[[variant]]\n[[variant]]", &["two variants are labelled \"max-flow\"", "hint: "]),
+        ("objects = [1]", &["object 1: ", "integer"]),
+        ("objects = [\"a.ply\", { file = \"b.ply\", units = \"mm\" }]", &["object 2: ", "`units`", "`unit`"]),
+        ("objects = [{ file = \"a.ply\", unit = \"cm\" }]", &["object 1: ", "`cm`", "`mm`"]),
+        ("objects = [{ file = \"a.ply\", size_m = -1 }]", &["a.ply: size_m is -1"]),
+        ("objects = [\"a/x.ply\", \"b/x.ply\"]", &["two objects are named \"x\"", "b/x.ply", "hint: "]),
+        ("objects = [\"none/*.ply\"]", &["none/*.ply: matches no file"]),
+        ("objects = [{ file = \"*.toml\", name = \"x\" }]", &["files match", "name"]),
+    ]
+    .into_iter()
+    .enumerate()
+    {
+        let file = format!("{i}.toml");
+        let head = if text.contains("name = ") && !text.starts_with("objects") || i == 1 { "" } else { name };
+        folder.write(&file, format!("{head}{text}\n"));
+        let place = format!("{file}: ");
+        let parts = [parts, &[&*place]].concat();
+        folder.refused(&["bench", &file], DATA, &parts);
+    }
+    folder.refused(&["bench", "paper"], DATA, &["paper: cannot be read", "hint: ", "paper-1, paper-2"]);
+    folder.refused(&["bench"], USAGE, &["no specification", "hint: ", "--list"]);
+    folder.refused(&["bench", "--resume", "--out", "none"], DATA, &["none/spec.toml: cannot be read"]);
+    folder.refused(&["bench", "paper-1", "--jobs", "0"], USAGE, &["--jobs", "1..=1024"]);
+}
+
+#[test]
 fn maps_that_are_cut_or_lie() {
     let folder = Folder::new("bad-maps");
     folder.ok(&small(&["--views", "1", "--baselines", "off"]));

@@ -26,6 +26,11 @@ fn of_scan() {
 }
 
 #[test]
+fn of_bench() {
+    check(&["bench"]);
+}
+
+#[test]
 fn of_plan() {
     check(&["plan"]);
 }

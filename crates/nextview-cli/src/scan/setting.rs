@@ -1,0 +1,128 @@
+use super::object::Object;
+use super::{ScanConfig, Truth};
+use crate::{Failure, files};
+use nextview::geometry::{Aabb, Lattice, VoxelBlock};
+use nextview::session::{Session, SessionConfig, StopConfig, StopReason};
+use nextview::view::ViewSpace;
+use nextview_sim::run::{self, Step};
+use nextview_sim::scene::Scene;
+use nextview_sim::truth::ObjectVoxels;
+use std::path::Path;
+
+/// An object before the camera, and the places from which it can be looked at: what scans of it by different planners
+/// share.
+pub(crate) struct Setting {
+    pub object: Object,
+    pub scene: Scene,
+    pub views: ViewSpace,
+    /// The configured voxel size, or else one that suits the object.
+    pub voxel_size: f64,
+    pub object_voxels: ObjectVoxels,
+}
+
+/// A scan that is over.
+pub(crate) struct FinishedScan {
+    pub session: Session,
+    /// The box around the object.
+    pub bounds: Aabb,
+    pub steps: Vec<Step>,
+    pub stop_reason: StopReason,
+}
+
+impl Setting {
+    /// Loads the object; fails if it cannot be scanned as configured.
+    pub fn new(config: &ScanConfig) -> Result<Self, Failure> {
+        let object = Object::load(config)?;
+        let voxel_size = object.voxel_size(config)?;
+        let scene = object.scene(config)?;
+        let views = view_space(config, &scene)?;
+        config.check_views(views.len())?;
+        let block = voxel_block(&session_config(config, &scene, voxel_size), &views)?;
+        let object_voxels = ObjectVoxels::new(scene.camera(), Lattice::new(voxel_size)?, block);
+        Ok(Self { object, scene, views, voxel_size, object_voxels })
+    }
+
+    /// Scans the object from the first view to the last. The truth is for the clairvoyant planner only.
+    pub fn scan(
+        &self,
+        config: &ScanConfig,
+        truth: Option<&Truth>,
+        tell: impl Fn(&Step) -> Result<(), Failure>,
+    ) -> Result<FinishedScan, Failure> {
+        config.check_views(self.views.len())?;
+        let truth = truth.map(|truth| truth.visibility.clone());
+        let planner = config.planner.build(config.max_flow, config.greedy, config.seed, truth)?;
+        let session_config = session_config(config, &self.scene, self.voxel_size);
+        let mut session = Session::new(session_config, config.camera, self.views.clone(), planner)?;
+        let (steps, stop_reason) = self.run(&mut session, tell)?;
+        Ok(FinishedScan { session, bounds: session_config.bounds, steps, stop_reason })
+    }
+
+    /// Runs the session to its end and collects its steps.
+    fn run(
+        &self,
+        session: &mut Session,
+        tell: impl Fn(&Step) -> Result<(), Failure>,
+    ) -> Result<(Vec<Step>, StopReason), Failure> {
+        let mut steps: Vec<Step> = Vec::new();
+        let mut told = Ok(());
+        let stop_reason = run::run(session, &self.scene, &self.object_voxels, |step| {
+            if told.is_ok() {
+                told = tell(&step);
+            }
+            steps.push(step);
+        })?;
+        told.map(|()| (steps, stop_reason))
+    }
+}
+
+/// The voxels to plan in, if they are not too many.
+fn voxel_block(config: &SessionConfig, views: &ViewSpace) -> Result<VoxelBlock, Failure> {
+    config.block(views).map_err(|error| match error {
+        nextview::Error::TooLarge { .. } => Failure::from(error)
+            .with_hint("use a larger --voxel-size-m, or allow more with memory_limit_mb in --config"),
+        error => error.into(),
+    })
+}
+
+fn session_config(config: &ScanConfig, scene: &Scene, voxel_size: f64) -> SessionConfig {
+    let stop = StopConfig { max_views: config.views, entropy_share: config.stop.entropy_share };
+    SessionConfig {
+        first_view: config.first_view,
+        sensor_model: config.map.sensor_model,
+        rays: config.map.rays,
+        background: config.map.background,
+        stop,
+        memory_limit_mb: config.memory_limit_mb,
+        ..SessionConfig::new(voxel_size, scene.planning_box(voxel_size))
+    }
+}
+
+fn view_space(config: &ScanConfig, scene: &Scene) -> Result<ViewSpace, Failure> {
+    match config.view_space.rule() {
+        Some(rule) => Ok(rule.views(scene.center(), scene.size(), config.candidates, config.view_seed())?),
+        None => {
+            let path = Path::new(&config.view_space.0);
+            let hint = "--view-space takes shell, sphere, hemisphere or a CSV file";
+            let file = files::open(path).map_err(|failure| failure.with_hint(hint))?;
+            let views =
+                ViewSpace::read_csv(file, scene.center()).map_err(|e| Failure::from(e).in_file(path))?;
+            check_in_room(scene, &views).map_err(|failure| failure.in_file(path))?;
+            Ok(views)
+        }
+    }
+}
+
+/// Fails if a view is where the simulated camera cannot stand.
+fn check_in_room(scene: &Scene, views: &ViewSpace) -> Result<(), Failure> {
+    let room = scene.room();
+    let outside = |view: &usize| !room.contains(views.pose(*view).translation());
+    let Some(view) = (0..views.len()).find(outside) else { return Ok(()) };
+    let failure = Failure::data(format!(
+        "view {view} (counted from 0) is at {:.3} m, outside the room around the object, from {:.3} to {:.3} m",
+        views.pose(view).translation(),
+        room.min,
+        room.max
+    ));
+    Err(failure.with_hint("views must be in metres, and around the place where the object is"))
+}
