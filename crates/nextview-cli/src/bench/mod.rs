@@ -61,8 +61,8 @@ pub(crate) fn bench(request: &Request) -> Result<(), Failure> {
     tables::write(&dir, &records)?;
     let time = HumanDuration(start.elapsed());
     stdout::print(format!(
-        "\n{} runs, {time}; results in {} (runs, steps and times, as .csv and .parquet)\n",
-        runs.len(),
+        "\n{}, {time}; results in {} (runs, steps and times, as .csv and .parquet)\n",
+        tally::counted(runs.len(), "run"),
         dir.display()
     ))?;
     tally::check(&records)

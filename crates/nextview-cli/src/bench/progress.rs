@@ -1,5 +1,6 @@
 use crate::{Failure, stdout};
-use indicatif::{HumanDuration, ProgressBar, ProgressStyle};
+use indicatif::{HumanDuration, ProgressBar, ProgressState, ProgressStyle};
+use std::fmt::Write;
 use std::io::{IsTerminal, stderr};
 use std::sync::{Mutex, PoisonError};
 use std::time::{Duration, Instant};
@@ -17,8 +18,16 @@ pub(super) struct Progress {
 impl Progress {
     /// A campaign of this many runs, of which some are done already.
     pub fn new(n_runs: usize, n_done: usize) -> Self {
-        let style = ProgressStyle::with_template("{pos} of {len} runs [{bar:30}] {elapsed} ({eta} left)");
-        let bar = ProgressBar::new(n_runs as u64).with_style(style.expect("the template is well formed"));
+        let style = ProgressStyle::with_template("{pos} of {len} runs [{bar:30}] {elapsed} ({left})");
+        let style = style.expect("the template is well formed");
+        let left = move |state: &ProgressState, writer: &mut dyn Write| {
+            // Before the first run there is nothing to judge by, and nobody to tell if a line cannot be drawn.
+            let _ = match state.pos() > n_done as u64 {
+                true => write!(writer, "{:#} left", HumanDuration(state.eta())),
+                false => write!(writer, "looking at the first object"),
+            };
+        };
+        let bar = ProgressBar::new(n_runs as u64).with_style(style.with_key("left", left));
         bar.set_position(n_done as u64);
         bar.reset_eta();
         bar.enable_steady_tick(Duration::from_millis(200));

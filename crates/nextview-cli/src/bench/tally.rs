@@ -39,8 +39,8 @@ impl<'a> Tally<'a> {
         count.n_left -= 1;
         count.n_failed += usize::from(record.failure().is_some());
         (count.n_left == 0).then(|| match count.n_failed {
-            0 => format!("{name}: {} runs\n", count.n_runs),
-            n_failed => format!("{name}: {} runs, {n_failed} failed\n", count.n_runs),
+            0 => format!("{name}: {}\n", counted(count.n_runs, "run")),
+            n_failed => format!("{name}: {}, {n_failed} failed\n", counted(count.n_runs, "run")),
         })
     }
 }
@@ -50,7 +50,13 @@ pub(super) fn heading(spec: &Spec, runs: &[Run], records: &[Option<RunRecord>], 
     let n_done = records.iter().flatten().count();
     let n_objects = spec.objects.len();
     let before = if n_done > 0 { format!(", {n_done} done before") } else { String::new() };
-    format!("{}: {n_objects} objects, {} runs{before}, in {}\n", spec.name, runs.len(), dir.display())
+    format!(
+        "{}: {}, {}{before}, in {}\n",
+        spec.name,
+        counted(n_objects, "object"),
+        counted(runs.len(), "run"),
+        dir.display()
+    )
 }
 
 /// Fails with the reasons if any run failed.
@@ -65,6 +71,13 @@ pub(super) fn check(records: &[RunRecord]) -> Result<(), Failure> {
         return Ok(());
     }
     let n_failed: usize = reasons.values().sum();
-    let lines = reasons.iter().map(|((object, reason), n)| format!("\n  {object} ({n} runs): {reason}"));
+    let lines = reasons
+        .iter()
+        .map(|((object, reason), n)| format!("\n  {object} ({}): {reason}", counted(*n, "run")));
     Err(Failure::data(format!("{n_failed} of {} runs failed{}", records.len(), lines.collect::<String>())))
+}
+
+/// `1 run`, `2 runs`.
+pub(super) fn counted(n: usize, noun: &str) -> String {
+    format!("{n} {noun}{}", if n == 1 { "" } else { "s" })
 }
