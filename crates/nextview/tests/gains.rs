@@ -167,7 +167,7 @@ fn proximity_count_falls_behind_the_surface() {
     };
     // Behind the surface in voxel 0 come voxels 1, 2, (3, which is free,) and 4.
     let left = look_along_row(-0.2, 0.005);
-    assert_eq!(of_frames(&[left.clone()]), 59 + 58 + 56);
+    assert_eq!(of_frames(std::slice::from_ref(&left)), 59 + 58 + 56);
     // From the other side voxel 4 comes first: of 4 and 1 the smaller one counts.
     let right = look_along_row(0.3, 0.055);
     assert_eq!(of_frames(&[left, right]), 59 + 58 + 59);
