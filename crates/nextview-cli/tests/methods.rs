@@ -1,5 +1,7 @@
 //! The pages in docs/methods name what exists: a page for every planner; files, tests and options.
 
+#![allow(clippy::unwrap_used, reason = "helpers of tests")]
+
 use std::fs;
 use std::path::PathBuf;
 
