@@ -8,8 +8,8 @@
 #![allow(clippy::unwrap_used, reason = "an example stops at the first fault")]
 
 use nextview::gain::{
-    Apora, AreaFactor, AverageEntropy, Krainin, OcclusionAware, RearSideEntropy, RearSideVoxel,
-    UnobservedVoxel,
+    Apora, AreaFactor, AverageEntropy, Krainin, OcclusionAware, ProximityCount, RearSideEntropy,
+    RearSideVoxel, UnobservedVoxel,
 };
 use nextview::geometry::Lattice;
 use nextview::map::Background;
@@ -66,7 +66,7 @@ fn main() {
     }
 }
 
-fn greedy_planners() -> [(&'static str, Box<dyn ViewPlanner>); 8] {
+fn greedy_planners() -> [(&'static str, Box<dyn ViewPlanner>); 9] {
     let config = GreedyConfig::default();
     [
         ("apora", Box::new(Greedy::<Apora>::new(config).unwrap())),
@@ -74,6 +74,7 @@ fn greedy_planners() -> [(&'static str, Box<dyn ViewPlanner>); 8] {
         ("rear-side-voxel", Box::new(Greedy::<RearSideVoxel>::new(config).unwrap())),
         ("occlusion-aware", Box::new(Greedy::<OcclusionAware>::new(config).unwrap())),
         ("unobserved-voxel", Box::new(Greedy::<UnobservedVoxel>::new(config).unwrap())),
+        ("proximity-count", Box::new(Greedy::<ProximityCount>::new(config).unwrap())),
         ("average-entropy", Box::new(Greedy::<AverageEntropy>::new(config).unwrap())),
         ("krainin", Box::new(Greedy::<Krainin>::new(config).unwrap())),
         ("area-factor", Box::new(Greedy::<AreaFactor>::new(config).unwrap())),

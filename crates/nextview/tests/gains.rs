@@ -3,14 +3,15 @@
 
 #![allow(clippy::unwrap_used, reason = "helpers of tests")]
 
-use glam::{DVec3, IVec3, UVec3};
+use glam::{DVec2, DVec3, IVec3, UVec3};
 use nextview::gain::{
-    Apora, AreaFactor, AverageEntropy, InformationGain, Krainin, OcclusionAware, RearSideEntropy,
-    RearSideVoxel, UnobservedVoxel,
+    Apora, AreaFactor, AverageEntropy, InformationGain, Krainin, OcclusionAware, ProximityCount,
+    RearSideEntropy, RearSideVoxel, UnobservedVoxel,
 };
-use nextview::geometry::{Lattice, Pose, SegmentWalk, VoxelBlock};
+use nextview::geometry::random::Random;
+use nextview::geometry::{Aabb, Lattice, Pose, SegmentWalk, VoxelBlock};
 use nextview::map::{LogOdds, Occupancy, Snapshot, entropy, frontier};
-use nextview::sensor::Intrinsics;
+use nextview::sensor::{DepthImage, Frame, Intrinsics};
 use nextview::view::look_at;
 use nextview::visibility::{Crossing, Ray, RayCaster, RayEnd, RayGrid};
 use proptest::prelude::*;
@@ -147,6 +148,65 @@ fn area_factor_weighs_what_rays_meet_first() {
     near(total(&[occplane, unmarked]), 0.683_593_75);
 }
 
+/// A camera of one pixel at `x` on the axis of the row, which looks at its other end and measures a surface at `surface`.
+fn look_along_row(x: f64, surface: f64) -> Frame {
+    let on_axis = |x: f64| DVec3::new(x, 0.005, 0.005);
+    let camera = Intrinsics::pinhole(1, 1, DVec2::ONE, DVec2::ZERO).unwrap();
+    let image = DepthImage::from_metres(1, 1, vec![(surface - x).abs() as f32]).unwrap();
+    Frame::new(image, camera, look_at(on_axis(x), on_axis(surface)), 1.0).unwrap()
+}
+
+#[test]
+fn proximity_count_falls_behind_the_surface() {
+    let snapshot = row("#??.?#");
+    let of_frames = |frames: &[Frame]| {
+        let mut tally = 0;
+        let gain = ProximityCount::new(&snapshot, frames);
+        with_ray(&snapshot, &[1, 2, 3, 4], |ray| gain.add(ray, &mut tally));
+        tally
+    };
+    // Behind the surface in voxel 0 come voxels 1, 2, (3, which is free,) and 4.
+    let left = look_along_row(-0.2, 0.005);
+    assert_eq!(of_frames(std::slice::from_ref(&left)), 59 + 58 + 56);
+    // From the other side voxel 4 comes first: of 4 and 1 the smaller one counts.
+    let right = look_along_row(0.3, 0.055);
+    assert_eq!(of_frames(&[left, right]), 59 + 58 + 59);
+    // A surface beyond the row leaves all of it in front, and one before it is not in the box.
+    assert_eq!(of_frames(&[]), 0);
+    assert_eq!(of_frames(&[look_along_row(-0.2, 0.2), look_along_row(-0.2, -0.1)]), 0);
+}
+
+#[test]
+fn proximity_count_ends_at_d_max() {
+    let snapshot = row(&"?".repeat(70));
+    let gain = ProximityCount::new(&snapshot, &[look_along_row(-0.2, 0.005)]);
+    let of_voxel = |voxel: usize| {
+        let mut tally = 0;
+        with_ray(&snapshot, &[voxel], |ray| gain.add(ray, &mut tally));
+        tally
+    };
+    let expected = (0..70).map(|d| if d == 0 { 0 } else { 60_u64.saturating_sub(d) });
+    assert!((0..70).map(of_voxel).eq(expected));
+}
+
+/// Three small depth images around the origin: surfaces within the box and around it, and pixels that tell nothing.
+fn frames(seed: u64) -> Vec<Frame> {
+    let mut random = Random::new(seed, 0);
+    let camera = Intrinsics::pinhole(8, 6, DVec2::splat(20.0), DVec2::new(3.7, 2.7)).unwrap();
+    let mut frame = || {
+        let position = (random.in_cube() + 1e-3).normalize() * 0.3;
+        let depth = |_| match random.index(10) {
+            0 => f32::NAN,
+            1 => f32::INFINITY,
+            _ => random.range(0.24, 0.36) as f32,
+        };
+        let depths = (0..camera.n_pixels()).map(depth).collect();
+        let image = DepthImage::from_metres(8, 6, depths).unwrap();
+        Frame::new(image, camera, look_at(position, DVec3::new(0.001, 0.002, 0.003)), 1.0).unwrap()
+    };
+    (0..3).map(|_| frame()).collect()
+}
+
 /// The voxels of a ray in order, up to and with the first occupied one, by the general walk.
 type Walked = Vec<usize>;
 
@@ -173,6 +233,7 @@ fn walked(snapshot: &Snapshot, pose: &Pose) -> Vec<Walked> {
 
 struct Definitions<'a> {
     snapshot: &'a Snapshot,
+    frames: &'a [Frame],
     rays: Vec<Walked>,
 }
 
@@ -266,6 +327,39 @@ impl Definitions<'_> {
             && faces.iter().any(free)
     }
 
+    /// The measured points in the box, with the camera that saw them, in units of voxels.
+    fn measured(&self) -> Vec<(DVec3, DVec3)> {
+        let lattice = self.snapshot.lattice();
+        let points = |frame: &Frame| {
+            let camera = lattice.to_voxels(frame.world_from_camera().translation());
+            let ends: Vec<(DVec3, bool)> =
+                (0..frame.image().height()).flat_map(|v| frame.row_ray_ends(v)).collect();
+            ends.into_iter().filter(|end| end.1).map(move |end| (lattice.to_voxels(end.0), camera))
+        };
+        let inside = |point: DVec3| self.snapshot.block().index(point.floor().as_ivec3()).is_some();
+        self.frames.iter().flat_map(points).filter(|(point, _)| inside(*point)).collect()
+    }
+
+    /// d(x): of the surfaces whose rays go on through x, how many faces lie between at least.
+    fn behind(&self, voxel: usize, measured: &[(DVec3, DVec3)]) -> Option<i32> {
+        let key = self.snapshot.block().key(voxel);
+        let cube = Aabb { min: key.as_dvec3(), max: (key + 1).as_dvec3() };
+        let goes_through = |(point, camera): &&(DVec3, DVec3)| {
+            cube.clip(*point, *point - *camera, f64::INFINITY).is_some_and(|(t_in, t_out)| t_out > t_in)
+        };
+        let faces = |(point, _): &(DVec3, DVec3)| (point.floor().as_ivec3() - key).abs().element_sum();
+        measured.iter().filter(goes_through).map(faces).filter(|&d| d > 0).min()
+    }
+
+    fn proximity_count(&self) -> f64 {
+        let measured = self.measured();
+        let all = 0..self.snapshot.block().n_voxels();
+        let nearness: Vec<i32> =
+            all.map(|voxel| self.behind(voxel, &measured).map_or(0, |d| (60 - d).max(0))).collect();
+        let unknown = |ray: &Walked, i: usize| self.is(ray[i], Occupancy::Unknown);
+        self.sum(unknown, |ray, i| nearness[ray[i]] as f64)
+    }
+
     fn area_factor(&self) -> f64 {
         let met: Vec<usize> = self
             .rays
@@ -283,9 +377,9 @@ impl Definitions<'_> {
     }
 }
 
-fn cast<G: InformationGain>(snapshot: &Snapshot, pose: &Pose) -> f64 {
+fn cast<G: InformationGain>(snapshot: &Snapshot, frames: &[Frame], pose: &Pose) -> f64 {
     let caster = RayCaster::new(snapshot, &Intrinsics::d435i(), SPACING, G::SIGHT).unwrap();
-    let (gain, mut tally) = (G::new(snapshot, &[]), G::Tally::default());
+    let (gain, mut tally) = (G::new(snapshot, frames), G::Tally::default());
     caster.cast(pose, |ray| gain.add(&ray, &mut tally));
     G::total(&tally)
 }
@@ -296,7 +390,7 @@ proptest! {
     #[test]
     fn views_are_worth_what_the_definitions_say(
         states in prop::collection::vec(0_u8..20, 7 * 8 * 6), n_unknown in 0_u8..20, n_occupied in 0_u8..3,
-        x in -0.4..0.4, y in -0.4..0.4, z in 0.15..0.4,
+        x in -0.4..0.4, y in -0.4..0.4, z in 0.15..0.4, seed in any::<u64>(),
     ) {
         let last = states.len() - 1;
         let state = |i: usize| match states[i] {
@@ -307,16 +401,18 @@ proptest! {
         };
         let snapshot = snapshot(IVec3::new(-3, -4, -2), UVec3::new(7, 8, 6), state);
         let pose = look_at(DVec3::new(x, y, z), DVec3::new(0.0034, -0.0021, 0.0057));
-        let definitions = Definitions { snapshot: &snapshot, rays: walked(&snapshot, &pose) };
+        let frames = frames(seed);
+        let definitions = Definitions { snapshot: &snapshot, frames: &frames, rays: walked(&snapshot, &pose) };
         for (name, found, expected) in [
-            ("oa", cast::<OcclusionAware>(&snapshot, &pose), definitions.occlusion_aware()),
-            ("uv", cast::<UnobservedVoxel>(&snapshot, &pose), definitions.unobserved_voxel()),
-            ("rsv", cast::<RearSideVoxel>(&snapshot, &pose), definitions.rear_side_voxel()),
-            ("rse", cast::<RearSideEntropy>(&snapshot, &pose), definitions.rear_side_entropy()),
-            ("krainin", cast::<Krainin>(&snapshot, &pose), definitions.krainin()),
-            ("ae", cast::<AverageEntropy>(&snapshot, &pose), definitions.average_entropy()),
-            ("apora", cast::<Apora>(&snapshot, &pose), definitions.apora()),
-            ("area", cast::<AreaFactor>(&snapshot, &pose), definitions.area_factor()),
+            ("oa", cast::<OcclusionAware>(&snapshot, &frames, &pose), definitions.occlusion_aware()),
+            ("uv", cast::<UnobservedVoxel>(&snapshot, &frames, &pose), definitions.unobserved_voxel()),
+            ("rsv", cast::<RearSideVoxel>(&snapshot, &frames, &pose), definitions.rear_side_voxel()),
+            ("rse", cast::<RearSideEntropy>(&snapshot, &frames, &pose), definitions.rear_side_entropy()),
+            ("krainin", cast::<Krainin>(&snapshot, &frames, &pose), definitions.krainin()),
+            ("ae", cast::<AverageEntropy>(&snapshot, &frames, &pose), definitions.average_entropy()),
+            ("apora", cast::<Apora>(&snapshot, &frames, &pose), definitions.apora()),
+            ("pc", cast::<ProximityCount>(&snapshot, &frames, &pose), definitions.proximity_count()),
+            ("area", cast::<AreaFactor>(&snapshot, &frames, &pose), definitions.area_factor()),
         ] {
             prop_assert!((found - expected).abs() <= 1e-6 * expected.max(1e-3), "{}: {} {}", name, found, expected);
         }

@@ -3,19 +3,19 @@
 
 #![allow(clippy::unwrap_used, reason = "helpers of tests")]
 
-use glam::{DVec3, IVec3, UVec3};
+use glam::{DVec2, DVec3, IVec3, UVec3};
 use nextview::flow::{BestSets, fewest_sets};
 use nextview::gain::{
-    Apora, AreaFactor, AverageEntropy, InformationGain, Krainin, OcclusionAware, RearSideEntropy,
-    RearSideVoxel, UnobservedVoxel, object_probability,
+    Apora, AreaFactor, AverageEntropy, InformationGain, Krainin, OcclusionAware, ProximityCount,
+    RearSideEntropy, RearSideVoxel, UnobservedVoxel, object_probability,
 };
 use nextview::geometry::{Lattice, VoxelBlock};
 use nextview::map::{LogOdds, Snapshot, entropy, frontier};
 use nextview::planner::{
     Greedy, GreedyConfig, MaxFlow, MaxFlowConfig, Plan, RandomViews, Situation, ViewPlanner,
 };
-use nextview::sensor::Intrinsics;
-use nextview::view::{ViewSpace, generate};
+use nextview::sensor::{DepthImage, Frame, Intrinsics};
+use nextview::view::{ViewSpace, generate, look_at};
 use nextview::visibility::{FreeSpace, RayCaster};
 
 /// A box with a solid ball in it whose +x side was measured, free space around that side, the rest unknown.
@@ -31,6 +31,20 @@ fn half_seen_ball() -> Snapshot {
             _ => None,
         }
     })
+}
+
+/// An image of the ball from +x.
+fn frame_of_ball() -> Frame {
+    let camera = Intrinsics::pinhole(64, 48, DVec2::splat(120.0), DVec2::new(31.5, 23.5)).unwrap();
+    // Where a ray (x, y, 1) t from 0.4 m away meets a ball of 46 mm: the smaller solution of a quadratic equation.
+    let depth = |pixel: u32| {
+        let pixel = DVec2::new((pixel % 64) as f64, (pixel / 64) as f64);
+        let direction_sq = camera.deproject(pixel).unwrap().extend(1.0).length_squared();
+        let root = 0.4_f64.powi(2) - direction_sq * (0.4_f64.powi(2) - 0.046_f64.powi(2));
+        if root < 0.0 { f32::INFINITY } else { ((0.4 - root.sqrt()) / direction_sq) as f32 }
+    };
+    let image = DepthImage::from_metres(64, 48, (0..64 * 48).map(depth).collect()).unwrap();
+    Frame::new(image, camera, look_at(DVec3::X * 0.4, DVec3::ZERO), 1.0).unwrap()
 }
 
 fn unknown() -> Snapshot {
@@ -85,6 +99,7 @@ fn by_the_equations(
     }
     let optimal = fewest_sets(best.candidates());
     let mut flow = vec![0.0; views.len()];
+    let history = if config.uses_history { history } else { &[] };
     let plans: Vec<&Vec<u32>> = history.iter().chain([&optimal]).collect();
     for (k, plan) in plans.iter().enumerate() {
         let his = (-((plans.len() - 1 - k) as f64)).exp();
@@ -102,9 +117,11 @@ fn plans_as_the_equations_say() {
     let snapshot = half_seen_ball();
     let visited = [3, 17];
     let history = [vec![1, 2, 40], vec![2, 9]];
-    for free_space in [FreeSpace::Clear, FreeSpace::Fades] {
+    for (free_space, uses_history) in
+        [(FreeSpace::Clear, true), (FreeSpace::Fades, true), (FreeSpace::Clear, false)]
+    {
         for gamma in [0.25, 0.5, 1.0] {
-            let config = MaxFlowConfig { gamma, ray_spacing: 1.5, free_space, theta: 0.0 };
+            let config = MaxFlowConfig { gamma, uses_history, ray_spacing: 1.5, free_space, theta: 0.0 };
             let plan = plan(config, &snapshot, &visited, &history);
             let (scores, optimal) = by_the_equations(config, &snapshot, &visited, &history);
             assert_eq!(plan.optimal_views, optimal);
@@ -116,6 +133,23 @@ fn plans_as_the_equations_say() {
             assert!(scores[choice.runner_up.unwrap()] <= choice.score);
         }
     }
+}
+
+#[test]
+fn without_history_all_optimal_views_weigh_the_same() {
+    let snapshot = half_seen_ball();
+    let of = |uses_history, history: &[Vec<u32>]| {
+        plan(MaxFlowConfig { uses_history, gamma: 1.0, ..MaxFlowConfig::default() }, &snapshot, &[], history)
+    };
+    let bare = of(false, &[]);
+    let flow_share = 1.0 / bare.flow.unwrap().n_views as f64;
+    let choice = bare.choice.unwrap();
+    assert_eq!((choice.view, choice.flow_share), (bare.optimal_views[0] as usize, flow_share));
+    // Earlier plans favour another one of the optimal views, if they count.
+    let favourite = *bare.optimal_views.last().unwrap();
+    let history = [vec![favourite], vec![favourite]];
+    assert_eq!(of(false, &history), bare);
+    assert_eq!(of(true, &history).choice.unwrap().view, favourite as usize);
 }
 
 #[test]
@@ -164,7 +198,7 @@ fn threads_do_not_show() {
 /// The gain of every view, each looked at by itself.
 fn gains<G: InformationGain>(snapshot: &Snapshot, ray_spacing: f64) -> Vec<f64> {
     let caster = RayCaster::new(snapshot, &Intrinsics::d435i(), ray_spacing, G::SIGHT).unwrap();
-    let (gain, views) = (G::new(snapshot, &[]), views());
+    let (gain, views) = (G::new(snapshot, &[frame_of_ball()]), views());
     let of_view = |view: usize| {
         let mut tally = G::Tally::default();
         caster.cast(&views.pose(view), |ray| gain.add(&ray, &mut tally));
@@ -175,7 +209,8 @@ fn gains<G: InformationGain>(snapshot: &Snapshot, ray_spacing: f64) -> Vec<f64> 
 
 fn greedy<G: InformationGain>(config: GreedyConfig, snapshot: &Snapshot, visited: &[usize]) -> Plan {
     let (views, intrinsics) = (&views(), &Intrinsics::d435i());
-    let situation = Situation { snapshot, frames: &[], views, intrinsics, visited, history: &[] };
+    let frames = &[frame_of_ball()];
+    let situation = Situation { snapshot, frames, views, intrinsics, visited, history: &[] };
     Greedy::<G>::new(config).unwrap().plan(&situation)
 }
 
@@ -237,6 +272,7 @@ fn greedy_planners_plan_as_their_gains_say() {
     check::<AverageEntropy>();
     check::<Krainin>();
     check::<OcclusionAware>();
+    check::<ProximityCount>();
     check::<RearSideEntropy>();
     check::<RearSideVoxel>();
     check::<UnobservedVoxel>();

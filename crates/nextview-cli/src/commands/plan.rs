@@ -32,6 +32,9 @@ pub(super) struct PlanArgs {
     /// How to choose
     #[arg(long, value_enum, default_value = "max-flow")]
     planner: PlannerName,
+    /// Weight of the movement cost against the gain, 0 to 1: the paper's theta; the way begins at the last of --visited
+    #[arg(long, value_name = "T", default_value = "0", value_parser = values::share, allow_negative_numbers = true)]
+    theta: f64,
     /// Seed of the random planner
     #[arg(long, value_name = "S", default_value = "0", value_parser = values::seed, allow_negative_numbers = true)]
     seed: u64,
@@ -70,8 +73,9 @@ impl PlanArgs {
                 views.len() - 1
             )));
         }
-        let planner =
-            self.planner.without_truth(MaxFlowConfig::default(), GreedyConfig::default(), self.seed)?;
+        let max_flow = MaxFlowConfig { theta: self.theta, ..MaxFlowConfig::default() };
+        let greedy = GreedyConfig { theta: self.theta, ..GreedyConfig::default() };
+        let planner = self.planner.without_truth(max_flow, greedy, self.seed)?;
         let plan = planner.plan(&Situation {
             snapshot: &map.snapshot(block),
             frames: &[],

@@ -1,8 +1,8 @@
 use crate::Failure;
 use clap::ValueEnum;
 use nextview::gain::{
-    Apora, AreaFactor, AverageEntropy, InformationGain, Krainin, OcclusionAware, RearSideEntropy,
-    RearSideVoxel, UnobservedVoxel,
+    Apora, AreaFactor, AverageEntropy, InformationGain, Krainin, OcclusionAware, ProximityCount,
+    RearSideEntropy, RearSideVoxel, UnobservedVoxel,
 };
 use nextview::planner::{Greedy, GreedyConfig, MaxFlow, MaxFlowConfig, RandomViews, ViewPlanner};
 use nextview_sim::baseline::Clairvoyant;
@@ -29,6 +29,8 @@ pub(crate) enum PlannerName {
     OcclusionAware,
     /// Visible entropy of unknown voxels, Isler et al. 2016
     UnobservedVoxel,
+    /// Unknown voxels close behind measured surfaces, Isler et al. 2016
+    ProximityCount,
     /// Mean entropy on rays that end at a surface, Kriegel et al. 2015
     AverageEntropy,
     /// Entropy on rays that end at a surface, Krainin et al. 2011
@@ -58,6 +60,7 @@ impl PlannerName {
     ) -> Result<Box<dyn ViewPlanner>, Failure> {
         match (self, truth) {
             (Self::Clairvoyant, Some(truth)) => Ok(Box::new(Clairvoyant::new(truth))),
+            (Self::ProximityCount, _) => by_gain::<ProximityCount>(greedy),
             _ => self.without_truth(max_flow, greedy, seed),
         }
     }
@@ -77,6 +80,10 @@ impl PlannerName {
             Self::RearSideVoxel => by_gain::<RearSideVoxel>(greedy),
             Self::OcclusionAware => by_gain::<OcclusionAware>(greedy),
             Self::UnobservedVoxel => by_gain::<UnobservedVoxel>(greedy),
+            Self::ProximityCount => Err(Failure::usage(
+                "the proximity count needs the depth images behind the map, which a map file does not hold",
+            )
+            .with_hint("use it with `nextview scan`")),
             Self::AverageEntropy => by_gain::<AverageEntropy>(greedy),
             Self::Krainin => by_gain::<Krainin>(greedy),
             Self::AreaFactor => by_gain::<AreaFactor>(greedy),

@@ -307,6 +307,8 @@ fn questions_that_a_map_cannot_answer() {
     plan(&["--visited", "1"], USAGE, &["--visited names view 1", "0 to 0"]);
     plan(&["--visited", "-1"], USAGE, &["--visited"]);
     plan(&["--planner", "clairvoyant"], USAGE, &["hint: ", "nextview scan"]);
+    plan(&["--planner", "proximity-count"], USAGE, &["depth images", "hint: ", "nextview scan"]);
+    plan(&["--theta", "1.5"], USAGE, &["--theta", "1.5 is not in 0 to 1"]);
     plan(&["--box", "0,0,0,100"], USAGE, &["MB, more than the limit", "--box"]);
     plan(&["--box", "0,0,0,1e30"], USAGE, &["--box"]);
     folder.refused(&["plan", "--map", map, "--views", "missing.csv"], DATA, &["missing.csv: cannot be read"]);

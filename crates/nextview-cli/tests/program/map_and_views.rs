@@ -152,6 +152,23 @@ fn plan_agrees_with_the_scan_that_made_the_map() {
 }
 
 #[test]
+fn plan_pays_for_moving() {
+    let folder = Folder::new("plan-theta");
+    folder.ok(&small(&["--views", "1", "--baselines", "off"]));
+    let args = ["--rule", "sphere", "--count", "30", "--center", "0,0,0.05", "--size-m", "0.08"];
+    folder.ok(&[["views", "--out", "v.csv"].as_slice(), &args].concat());
+    let first: Vec<f64> =
+        folder.text("v.csv").lines().nth(1).unwrap().split(',').take(3).map(|x| x.parse().unwrap()).collect();
+    let way = |theta: &str| {
+        let args = ["--views", "v.csv", "--visited", "0", "--theta", theta, "--json"];
+        let plan = folder.json(&[["plan", "--map", "out/map.ot"].as_slice(), &args].concat());
+        let position = plan["position_m"].as_array().unwrap().clone();
+        position.iter().zip(&first).map(|(x, from)| (x.as_f64().unwrap() - from).powi(2)).sum::<f64>().sqrt()
+    };
+    assert!(way("1") < 0.7 * way("0"), "{} m, and {} m where moving is free", way("1"), way("0"));
+}
+
+#[test]
 fn plan_says_when_nothing_is_left() {
     let folder = Folder::new("plan-none");
     folder.ok(&small(&["--views", "1", "--baselines", "off"]));

@@ -14,6 +14,9 @@ pub struct MaxFlowConfig {
     /// Weight of the flow gain against the local gain, 0..=1; the paper's gamma. Default 0.5; with 0 the planner
     /// is greedy on the local gain and solves no flow.
     pub gamma: f64,
+    /// Whether earlier plans count in the flow gain, as eqs. (4) and (5) say; the default. Without, as in the paper's table IV
+    /// ("no history"), it is 1 for the optimal views of the present plan and 0 for the others.
+    pub uses_history: bool,
     /// Distance between neighbouring planning rays at the far side of the box, in voxels, positive. Default 2, which
     /// plans as well as 1 / sqrt(2), where [no voxel is missed](crate::visibility::NO_VOXEL_MISSED), at an eighth of the time; the
     /// paper thins its rays to about 10.
@@ -27,7 +30,13 @@ pub struct MaxFlowConfig {
 
 impl Default for MaxFlowConfig {
     fn default() -> Self {
-        Self { gamma: 0.5, ray_spacing: 2.0, free_space: FreeSpace::default(), theta: 0.0 }
+        Self {
+            gamma: 0.5,
+            uses_history: true,
+            ray_spacing: 2.0,
+            free_space: FreeSpace::default(),
+            theta: 0.0,
+        }
     }
 }
 
@@ -54,7 +63,8 @@ impl ViewPlanner for MaxFlow {
         let gain = LocalGain::new(situation.snapshot);
         let (local, best) = self.survey(situation, &gain); // eqs. (1) to (3)
         let optimal_views = fewest_sets(best.candidates());
-        let past = situation.history.iter().map(Vec::as_slice);
+        let history = if self.config.uses_history { situation.history } else { &[] };
+        let past = history.iter().map(Vec::as_slice);
         let flow = flow_gain(past.chain([optimal_views.as_slice()]), local.len()); // eqs. (4), (5)
         Plan {
             choice: self.choose(situation, &local, &flow), // eqs. (6), (7)

@@ -65,14 +65,18 @@ impl Frame {
 
     /// The measured surface points inside the box, which must be finite, in world coordinates, row by row.
     pub fn points_in(&self, bounds: Aabb) -> impl Iterator<Item = DVec3> + '_ {
+        (0..self.image.height()).flat_map(move |v| self.row_points_in(v, bounds))
+    }
+
+    /// Those of image row `v`, from left to right.
+    pub fn row_points_in(&self, v: u32, bounds: Aabb) -> impl Iterator<Item = DVec3> + '_ {
         // Most pixels show the background; their depth alone tells, before the lens is undone.
         let camera_from_world = self.world_from_camera.inverse();
         let corner_depths = bounds.corners().map(|corner| camera_from_world.transform_point(corner).z as f32);
         let nearest = corner_depths.into_iter().fold(f32::INFINITY, f32::min) * (1.0 - f32::EPSILON);
         let farthest = corner_depths.into_iter().fold(0.0, f32::max) * (1.0 + f32::EPSILON);
         let rotation = self.world_from_camera.rotation_matrix();
-        let pixels = (0..self.image.height()).flat_map(|v| (0..self.image.width()).map(move |u| (u, v)));
-        pixels.filter_map(move |(u, v)| match self.image.get(u, v) {
+        (0..self.image.width()).filter_map(move |u| match self.image.get(u, v) {
             Depth::Surface(depth) if (nearest..=farthest).contains(&depth) => {
                 self.at(&rotation, u, v, depth as f64).filter(|point| bounds.contains(*point))
             }
