@@ -43,7 +43,8 @@ fn main() {
     ] {
         let mut fresh = OccupancyMap::new(Lattice::new(voxel_size).unwrap(), SensorModel::default()).unwrap();
         report(name, 10, |i| {
-            _ = fresh.integrate(&frames[i], &Integration { rays, background, region: Some(block) })
+            _ = fresh
+                .integrate(&frames[i], &Integration { rays, background, region: Some(block), ground: None })
         });
         map.get_or_insert(fresh);
     }
@@ -57,8 +58,15 @@ fn main() {
     report("snapshot of the box", 5, |_| _ = map.snapshot(block));
     let intrinsics = Intrinsics::d435i();
     let (visited, views, snapshot) = (&[0, 1, 2], &views, &snapshot);
-    let situation =
-        Situation { snapshot, frames: &[], views, intrinsics: &intrinsics, visited, history: &[] };
+    let situation = Situation {
+        snapshot,
+        frames: &[],
+        views,
+        intrinsics: &intrinsics,
+        visited,
+        history: &[],
+        finest_voxel_size: snapshot.lattice().voxel_size(),
+    };
     for (density, ray_spacing) in [("the paper's", 10.0), ("full", NO_VOXEL_MISSED)] {
         let caster = RayCaster::new(snapshot, &intrinsics, ray_spacing, FreeSpace::Clear).unwrap();
         let (mut n_rays, mut n_steps) = (0_usize, 0_usize);

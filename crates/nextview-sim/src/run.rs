@@ -17,7 +17,8 @@ pub struct Step {
     pub report: StepReport,
     /// What the camera saw.
     pub frame: Frame,
-    /// The map against the object voxels.
+    /// The map in the finest voxels against the object voxels, in the block of those: object voxels outside the
+    /// session's box do not count as covered, and what is occupied outside the block is not counted at all.
     pub voxels: VoxelScore,
     /// Number of object voxels truly seen so far.
     pub n_seen: usize,
@@ -56,7 +57,7 @@ pub fn run(
         surface.add(&frame);
         on_step(Step {
             report,
-            voxels: object.compare(&session.snapshot()),
+            voxels: object.compare(&session.map().snapshot(object.block())),
             n_seen: seen.count_ones(..),
             surface_coverage: [0.001, 0.002, 0.005].map(|distance| surface.share_within(distance)),
             path_length: path.extend_to(next.world_from_camera.translation()),

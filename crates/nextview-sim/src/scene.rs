@@ -32,9 +32,14 @@ impl Scene {
             return Err(SimError::TooLargeForCamera { longest_side: longest, range: CAMERA_RANGE });
         }
         let room = Aabb::cube(object.center(), 6.0 * size);
-        let background = Background::Room(room);
-        let camera = SimulatedCamera::new(Arc::new(mesh), intrinsics, background, 2.0 * CAMERA_RANGE)?;
-        Ok(Self { camera, bounds: object, room })
+        Ok(Self { camera: camera(Arc::new(mesh), intrinsics, room)?, bounds: object, room })
+    }
+
+    /// The same with the object on a table: the room's floor is raised to the object's lowest point.
+    pub fn with_table(self) -> Result<Self, SimError> {
+        let room = Aabb { min: self.room.min.with_z(self.bounds.min.z), ..self.room };
+        let camera = camera(self.camera.mesh().clone(), *self.camera.intrinsics(), room)?;
+        Ok(Self { camera, room, ..self })
     }
 
     /// The camera that looks at the object.
@@ -62,4 +67,8 @@ impl Scene {
     pub fn planning_box(&self, voxel_size: f64) -> Aabb {
         Aabb::cube(self.center(), 1.1 * self.size() + 2.0 * voxel_size)
     }
+}
+
+fn camera(mesh: Arc<TriangleMesh>, intrinsics: Intrinsics, room: Aabb) -> Result<SimulatedCamera, SimError> {
+    SimulatedCamera::new(mesh, intrinsics, Background::Room(room), 2.0 * CAMERA_RANGE)
 }

@@ -58,6 +58,11 @@ impl ObjectVoxels {
         self.n_voxels
     }
 
+    /// The block they are in.
+    pub fn block(&self) -> VoxelBlock {
+        self.block
+    }
+
     /// Whether the block holds none.
     pub fn is_empty(&self) -> bool {
         self.n_voxels == 0

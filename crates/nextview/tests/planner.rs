@@ -65,6 +65,7 @@ fn plan(config: MaxFlowConfig, snapshot: &Snapshot, visited: &[usize], history: 
         intrinsics,
         visited,
         history,
+        finest_voxel_size: snapshot.lattice().voxel_size(),
     })
 }
 
@@ -210,7 +211,15 @@ fn gains<G: InformationGain>(snapshot: &Snapshot, ray_spacing: f64) -> Vec<f64> 
 fn greedy<G: InformationGain>(config: GreedyConfig, snapshot: &Snapshot, visited: &[usize]) -> Plan {
     let (views, intrinsics) = (&views(), &Intrinsics::d435i());
     let frames = &[frame_of_ball()];
-    let situation = Situation { snapshot, frames, views, intrinsics, visited, history: &[] };
+    let situation = Situation {
+        snapshot,
+        frames,
+        views,
+        intrinsics,
+        visited,
+        history: &[],
+        finest_voxel_size: snapshot.lattice().voxel_size(),
+    };
     Greedy::<G>::new(config).unwrap().plan(&situation)
 }
 
@@ -321,7 +330,15 @@ fn random_views_are_distinct_seeded_and_spread() {
     let sequence = |seed| {
         let mut visited = vec![0];
         while let Some(choice) = (RandomViews { seed })
-            .plan(&Situation { snapshot, frames: &[], views, intrinsics, visited: &visited, history: &[] })
+            .plan(&Situation {
+                snapshot,
+                frames: &[],
+                views,
+                intrinsics,
+                visited: &visited,
+                history: &[],
+                finest_voxel_size: snapshot.lattice().voxel_size(),
+            })
             .choice
         {
             visited.push(choice.view);
@@ -342,6 +359,14 @@ fn random_views_are_distinct_seeded_and_spread() {
 
 fn sequence_start(seed: u64) -> usize {
     let (snapshot, views, intrinsics) = (&unknown(), &views(), &Intrinsics::d435i());
-    let situation = Situation { snapshot, frames: &[], views, intrinsics, visited: &[0], history: &[] };
+    let situation = Situation {
+        snapshot,
+        frames: &[],
+        views,
+        intrinsics,
+        visited: &[0],
+        history: &[],
+        finest_voxel_size: snapshot.lattice().voxel_size(),
+    };
     RandomViews { seed }.plan(&situation).choice.unwrap().view
 }

@@ -61,7 +61,7 @@ fn measures(setting: &Setting, scan: &FinishedScan, baselines: Option<&Baselines
         n_object_voxels: setting.object_voxels.len(),
         n_reachable: baselines.map(Baselines::n_reachable),
         stop_reason: scan.stop_reason,
-        steps: scan.steps.iter().map(|step| step_measures(step, setting, baselines)).collect(),
+        steps: scan.steps.iter().map(|step| step_measures(step, baselines)).collect(),
         random_curve: baselines.map(|b| b.random.mean.clone()),
         clairvoyant_curve: baselines.map(|b| b.clairvoyant.clone()),
         skill: baselines.and_then(|b| b.skill(&scan.steps)),
@@ -69,11 +69,11 @@ fn measures(setting: &Setting, scan: &FinishedScan, baselines: Option<&Baselines
     }
 }
 
-fn step_measures(step: &Step, setting: &Setting, baselines: Option<&Baselines>) -> StepMeasures {
+fn step_measures(step: &Step, baselines: Option<&Baselines>) -> StepMeasures {
     let [surface_1mm, surface_2mm, surface_5mm] = step.surface_coverage;
     StepMeasures {
         view: step.report.view.unwrap_or_default(),
-        voxel_size_m: setting.voxel_size,
+        voxel_size_m: step.report.voxel_size,
         voxel_coverage: step.voxels.coverage(),
         false_voxels: step.voxels.n_false,
         seen: baselines.map(|b| b.reachable_coverage(step)),

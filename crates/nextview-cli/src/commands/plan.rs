@@ -65,7 +65,8 @@ impl PlanArgs {
         let bounds = self.cube.map_or_else(|| self.box_around(&map), Ok)?;
         let views = ViewSpace::read_csv(files::open(&self.views)?, bounds.center())
             .map_err(|e| Failure::from(e).in_file(&self.views))?;
-        let block = SessionConfig::new(map.lattice().voxel_size(), bounds).block(&views);
+        let voxel_size = map.lattice().voxel_size();
+        let block = SessionConfig::new(voxel_size, bounds).block(&bounds);
         let block = block.map_err(|e| Failure::from(e).with_hint("pass another cube as --box"))?;
         if let Some(view) = self.visited.iter().find(|view| **view >= views.len()) {
             return Err(Failure::usage(format!(
@@ -83,6 +84,7 @@ impl PlanArgs {
             intrinsics: &Intrinsics::d435i(),
             visited: &self.visited,
             history: &[],
+            finest_voxel_size: voxel_size,
         });
         let pose = plan.choice.map(|choice| views.pose(choice.view));
         let answer = Answer {

@@ -1,13 +1,15 @@
 use super::values;
 use crate::Failure;
-use crate::scan::{self, Output, PlannerName, Profile, ScanConfig, UnitName, ViewSpaceName};
+use crate::scan::{
+    self, BoxRule, Output, PlannerName, Profile, ScanConfig, TableRule, UnitName, ViewSpaceName,
+};
 use clap::{Args, ValueEnum};
 use std::path::PathBuf;
 
 /// Scan an object from the first view to the last, and write map, cloud, mesh and report.
 ///
-/// The object is a mesh that a simulated depth camera looks at; the planner knows only the box it lies in and what
-/// the camera saw. Because the truth is known, the scan is measured: against random views and against a clairvoyant planner
+/// The object is a mesh that a simulated depth camera looks at; the planner knows only the box it lies in (or not even
+/// that) and what the camera saw. Because the truth is known, the scan is measured: against random views and against a clairvoyant planner
 /// that knows the object (skill 0 and 1).
 #[derive(Debug, Args)]
 #[command(after_help = EXAMPLES)]
@@ -33,6 +35,15 @@ pub(super) struct ScanArgs {
     /// Edge of a voxel in metres [default: about a fortieth of the object; profile paper: 0.01]
     #[arg(long, value_name = "M", value_parser = values::positive, allow_negative_numbers = true)]
     voxel_size_m: Option<f64>,
+    /// Whether planning begins in coarse voxels and halves them as the map becomes known [default: off]
+    #[arg(long, value_enum, value_name = "on|off", hide_possible_values = true)]
+    multi_resolution: Option<Switch>,
+    /// What planning knows of the object's place [default: known]
+    #[arg(long = "box", value_enum)]
+    object_box: Option<BoxRule>,
+    /// What the object stands on [default: none]
+    #[arg(long, value_enum)]
+    table: Option<TableRule>,
     /// Where candidates are: shell (the paper's), sphere, hemisphere, or a CSV file of poses [default: shell]
     #[arg(long, value_name = "RULE|FILE")]
     view_space: Option<String>,
@@ -92,6 +103,9 @@ impl ScanArgs {
         set(&mut config.view_space, self.view_space.map(ViewSpaceName));
         set(&mut config.seed, self.seed);
         set(&mut config.unit, self.unit);
+        set(&mut config.multi_resolution.enabled, self.multi_resolution.map(|switch| switch == Switch::On));
+        set(&mut config.object_box.rule, self.object_box);
+        set(&mut config.object_box.table, self.table);
         set(&mut config.baselines, self.baselines.map(|switch| switch == Switch::On));
         config.voxel_size_m = self.voxel_size_m.or(config.voxel_size_m);
         config.size_m = self.size_m.or(config.size_m);

@@ -6,6 +6,7 @@ use nextview::gain::Apora;
 use nextview::map::{Background, RayRule, SensorModel};
 use nextview::planner::{Greedy, GreedyConfig, MaxFlow, MaxFlowConfig};
 use nextview::sensor::Intrinsics;
+use nextview::session::MultiResolution;
 use nextview::visibility::FreeSpace;
 use nextview_sim::mesh::Unit;
 use serde::{Deserialize, Serialize};
@@ -61,6 +62,8 @@ pub(crate) struct ScanConfig {
     /// Most memory that the planning box may need.
     pub memory_limit_mb: u64,
     pub map: MapConfig,
+    pub multi_resolution: MultiResolutionConfig,
+    pub object_box: ObjectBoxConfig,
     pub max_flow: MaxFlowConfig,
     /// Of all planners that are named after a gain.
     pub greedy: GreedyConfig,
@@ -75,6 +78,65 @@ pub(crate) struct MapConfig {
     pub rays: RayRule,
     pub background: Background,
     pub sensor_model: SensorModel,
+}
+
+/// Whether planning goes from coarse voxels to fine ones.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub(crate) struct MultiResolutionConfig {
+    pub enabled: bool,
+    /// Share of the entropy of an unknown map below which the voxels are halved: the paper's q_thresh.
+    pub q_thresh: f64,
+    /// Voxel size to begin with: the finest times a power of two; by default the coarsest of which 12 fit along the box.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub coarsest_voxel_size_m: Option<f64>,
+}
+
+impl Default for MultiResolutionConfig {
+    fn default() -> Self {
+        let MultiResolution { q_thresh, coarsest_voxel_size } = MultiResolution::default();
+        Self { enabled: false, q_thresh, coarsest_voxel_size_m: coarsest_voxel_size }
+    }
+}
+
+impl MultiResolutionConfig {
+    /// What the session is told.
+    pub fn rule(&self) -> Option<MultiResolution> {
+        let Self { enabled, q_thresh, coarsest_voxel_size_m: coarsest_voxel_size } = *self;
+        enabled.then_some(MultiResolution { coarsest_voxel_size, q_thresh })
+    }
+}
+
+/// What is known of the object's place.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub(crate) struct ObjectBoxConfig {
+    pub rule: BoxRule,
+    pub table: TableRule,
+}
+
+/// How the box around the object comes about.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub(crate) enum BoxRule {
+    /// Planning is told the box
+    #[default]
+    Known,
+    /// Nothing is known: the box begins with the first image and grows, and the candidates move along
+    Grows,
+}
+
+/// What the object stands on.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub(crate) enum TableRule {
+    /// The object floats in the room
+    #[default]
+    None,
+    /// It stands on a table whose height is known
+    Known,
+    /// It stands on a table that is found in the first image
+    Fit,
 }
 
 /// When a scan stops before its last view.
@@ -139,6 +201,8 @@ impl ScanConfig {
             baselines: true,
             memory_limit_mb: 4096,
             map: MapConfig::default(),
+            multi_resolution: MultiResolutionConfig::default(),
+            object_box: ObjectBoxConfig::default(),
             max_flow: MaxFlowConfig::default(),
             greedy: GreedyConfig::default(),
             stop: StopConfig::default(),
@@ -207,6 +271,8 @@ impl ScanConfig {
             max_flow: neutral.max_flow,
             greedy: neutral.greedy,
             stop: neutral.stop,
+            multi_resolution: neutral.multi_resolution,
+            object_box: ObjectBoxConfig { rule: neutral.object_box.rule, ..self.object_box },
             ..self.clone()
         }
     }
@@ -218,7 +284,12 @@ impl ScanConfig {
 
     /// Fails on values out of range that only a file can hold.
     fn check(&self) -> Result<(), Failure> {
-        let lengths = [("voxel_size_m", self.voxel_size_m), ("size_m", self.size_m)];
+        let coarsest = self.multi_resolution.coarsest_voxel_size_m;
+        let lengths = [
+            ("voxel_size_m", self.voxel_size_m),
+            ("size_m", self.size_m),
+            ("coarsest_voxel_size_m", coarsest),
+        ];
         for (name, value) in lengths.into_iter().filter_map(|(name, value)| Some((name, value?))) {
             if !(value > 0.0 && value.is_finite()) {
                 return Err(Failure::data(format!(
@@ -228,6 +299,10 @@ impl ScanConfig {
         }
         if let Some(share) = self.stop.entropy_share.filter(|share| !(0.0..=1.0).contains(share)) {
             return Err(Failure::data(format!("entropy_share is {share}, expected a number in 0..=1")));
+        }
+        let q_thresh = self.multi_resolution.q_thresh;
+        if !(0.0..=1.0).contains(&q_thresh) {
+            return Err(Failure::data(format!("q_thresh is {q_thresh}, expected a number in 0..=1")));
         }
         self.map.sensor_model.check()?;
         MaxFlow::new(self.max_flow)?;
@@ -304,6 +379,7 @@ mod tests {
     #[test]
     fn unknown_fields_and_wrong_values_are_named() {
         assert!(load("voxels = 3\n").unwrap_err().contains("voxels"));
+        assert!(load("[object_box]\ntable = \"oak\"\n").unwrap_err().contains("fit"));
         assert!(load("[map]\nrays = \"some\"\n").unwrap_err().contains("every-point"));
         assert!(load("views = \n").unwrap_err().contains("line 1"));
         for (text, expected) in [
@@ -312,6 +388,8 @@ mod tests {
             ("[stop]\nentropy_share = 7\n", "entropy_share is 7"),
             ("[map.sensor_model]\nhit = 0.2\n", "hit is 0.2"),
             ("[max_flow]\ngamma = 2\n", "gamma is 2"),
+            ("[multi_resolution]\nq_thresh = 1.5\n", "q_thresh is 1.5"),
+            ("[multi_resolution]\ncoarsest_voxel_size_m = -1\n", "coarsest_voxel_size_m is -1"),
             ("[greedy]\ntheta = -1\n", "theta is -1"),
         ] {
             let error = load(text).unwrap_err();

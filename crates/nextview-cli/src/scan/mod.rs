@@ -11,7 +11,7 @@ mod results;
 mod setting;
 
 pub(crate) use baselines::{Baselines, Truth};
-pub(crate) use config::{Profile, ScanConfig, UnitName, ViewSpaceName, merged};
+pub(crate) use config::{BoxRule, Profile, ScanConfig, TableRule, UnitName, ViewSpaceName, merged};
 pub(crate) use object::short_name;
 pub(crate) use outcome::milliseconds;
 pub(crate) use planner_name::PlannerName;

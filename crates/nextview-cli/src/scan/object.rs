@@ -1,4 +1,4 @@
-use super::ScanConfig;
+use super::{ScanConfig, TableRule};
 use crate::Failure;
 use nextview::geometry::Lattice;
 use nextview_sim::mesh::{FileMesh, TriangleMesh, Unit, UnitSource};
@@ -43,10 +43,11 @@ impl Object {
 
     /// The object before the configured camera.
     pub fn scene(&self, config: &ScanConfig) -> Result<Scene, Failure> {
-        Scene::new(self.mesh.clone(), config.camera).map_err(|error| match error {
+        let scene = Scene::new(self.mesh.clone(), config.camera).map_err(|error| match error {
             SimError::TooLargeForCamera { .. } => self.wrong_size(error, config),
             error => error.into(),
-        })
+        })?;
+        Ok(if config.object_box.table == TableRule::None { scene } else { scene.with_table()? })
     }
 
     /// The configured voxel size, or else one that suits the object; fails if that is out of proportion.

@@ -192,6 +192,8 @@ pub(super) fn stop_phrase(reason: StopReason) -> &'static str {
         StopReason::ViewLimit => "the view limit was reached",
         StopReason::Converged => "the map's entropy fell below its threshold (converged)",
         StopReason::NothingToGain => "no candidate gains anything",
+        StopReason::NoObject => "the camera saw no object",
+        StopReason::BoxTooLarge => "the object's box would need more memory than allowed",
     }
 }
 

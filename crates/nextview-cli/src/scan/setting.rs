@@ -1,8 +1,8 @@
 use super::object::Object;
-use super::{ScanConfig, Truth};
+use super::{BoxRule, ScanConfig, TableRule, Truth};
 use crate::{Failure, files};
 use nextview::geometry::{Aabb, Lattice, VoxelBlock};
-use nextview::session::{Session, SessionConfig, StopConfig, StopReason};
+use nextview::session::{ObjectBox, Session, SessionConfig, StopConfig, StopReason, Table, Views};
 use nextview::view::ViewSpace;
 use nextview_sim::run::{self, Step};
 use nextview_sim::scene::Scene;
@@ -37,7 +37,8 @@ impl Setting {
         let scene = object.scene(config)?;
         let views = view_space(config, &scene)?;
         config.check_views(views.len())?;
-        let block = voxel_block(&session_config(config, &scene, voxel_size), &views)?;
+        let block =
+            voxel_block(&session_config(config, &scene, voxel_size), &scene.planning_box(voxel_size))?;
         let object_voxels = ObjectVoxels::new(scene.camera(), Lattice::new(voxel_size)?, block);
         Ok(Self { object, scene, views, voxel_size, object_voxels })
     }
@@ -53,9 +54,21 @@ impl Setting {
         let truth = truth.map(|truth| truth.visibility.clone());
         let planner = config.planner.build(config.max_flow, config.greedy, config.seed, truth)?;
         let session_config = session_config(config, &self.scene, self.voxel_size);
-        let mut session = Session::new(session_config, config.camera, self.views.clone(), planner)?;
+        let mut session = Session::new(session_config, config.camera, self.session_views(config), planner)?;
         let (steps, stop_reason) = self.run(&mut session, tell)?;
-        Ok(FinishedScan { session, bounds: session_config.bounds, steps, stop_reason })
+        let bounds = session.bounds().unwrap_or_else(|| self.scene.planning_box(self.voxel_size));
+        Ok(FinishedScan { session, bounds, steps, stop_reason })
+    }
+
+    /// The candidates as the session has them. Those of a rule move along with a box that grows, which begins where the
+    /// first of the views around the true object is; those of a file stay where they are.
+    fn session_views(&self, config: &ScanConfig) -> Views {
+        if config.object_box.rule == BoxRule::Known || config.view_space.rule().is_none() {
+            return Views::Fixed(self.views.clone());
+        }
+        let (center, size) = (self.scene.center(), self.scene.size());
+        let unit = self.views.around(-center / size, 1.0 / size);
+        Views::Following { first: self.views.pose(config.first_view), unit }
     }
 
     /// Runs the session to its end and collects its steps.
@@ -77,8 +90,8 @@ impl Setting {
 }
 
 /// The voxels to plan in, if they are not too many.
-fn voxel_block(config: &SessionConfig, views: &ViewSpace) -> Result<VoxelBlock, Failure> {
-    config.block(views).map_err(|error| match error {
+fn voxel_block(config: &SessionConfig, bounds: &Aabb) -> Result<VoxelBlock, Failure> {
+    config.block(bounds).map_err(|error| match error {
         nextview::Error::TooLarge { .. } => Failure::from(error)
             .with_hint("use a larger --voxel-size-m, or allow more with memory_limit_mb in --config"),
         error => error.into(),
@@ -87,30 +100,55 @@ fn voxel_block(config: &SessionConfig, views: &ViewSpace) -> Result<VoxelBlock, 
 
 fn session_config(config: &ScanConfig, scene: &Scene, voxel_size: f64) -> SessionConfig {
     let stop = StopConfig { max_views: config.views, entropy_share: config.stop.entropy_share };
+    let known = scene.planning_box(voxel_size);
     SessionConfig {
+        multi_resolution: config.multi_resolution.rule(),
+        object_box: match config.object_box.rule {
+            BoxRule::Known => ObjectBox::Known(known),
+            BoxRule::Grows => ObjectBox::Growing,
+        },
+        table: match config.object_box.table {
+            TableRule::None => Table::None,
+            TableRule::Known => Table::AtHeight(scene.room().min.z),
+            TableRule::Fit => Table::Fitted,
+        },
         first_view: config.first_view,
         sensor_model: config.map.sensor_model,
         rays: config.map.rays,
         background: config.map.background,
         stop,
         memory_limit_mb: config.memory_limit_mb,
-        ..SessionConfig::new(voxel_size, scene.planning_box(voxel_size))
+        ..SessionConfig::new(voxel_size, known)
     }
 }
 
+/// The candidates around the true object that are above its table, if it has one.
 fn view_space(config: &ScanConfig, scene: &Scene) -> Result<ViewSpace, Failure> {
-    match config.view_space.rule() {
-        Some(rule) => Ok(rule.views(scene.center(), scene.size(), config.candidates, config.view_seed())?),
-        None => {
-            let path = Path::new(&config.view_space.0);
-            let hint = "--view-space takes shell, sphere, hemisphere or a CSV file";
-            let file = files::open(path).map_err(|failure| failure.with_hint(hint))?;
-            let views =
-                ViewSpace::read_csv(file, scene.center()).map_err(|e| Failure::from(e).in_file(path))?;
-            check_in_room(scene, &views).map_err(|failure| failure.in_file(path))?;
-            Ok(views)
-        }
+    let views = match config.view_space.rule() {
+        Some(rule) => rule.views(scene.center(), scene.size(), config.candidates, config.view_seed())?,
+        None => views_of_file(config, scene)?,
+    };
+    if config.object_box.table == TableRule::None {
+        return Ok(views);
     }
+    let lowest = scene.room().min.z + LOWEST_VIEW;
+    let above = views.poses().iter().filter(|pose| pose.translation().z >= lowest);
+    ViewSpace::new(above.copied().collect()).map_err(|_| {
+        Failure::usage("no view candidate is above the table").with_hint("--table none floats the object")
+    })
+}
+
+/// How far above the table the lowest candidates are, metres: clear of it for the session, too, which fits it to a
+/// millimetre.
+const LOWEST_VIEW: f64 = 0.03;
+
+fn views_of_file(config: &ScanConfig, scene: &Scene) -> Result<ViewSpace, Failure> {
+    let path = Path::new(&config.view_space.0);
+    let hint = "--view-space takes shell, sphere, hemisphere or a CSV file";
+    let file = files::open(path).map_err(|failure| failure.with_hint(hint))?;
+    let views = ViewSpace::read_csv(file, scene.center()).map_err(|e| Failure::from(e).in_file(path))?;
+    check_in_room(scene, &views).map_err(|failure| failure.in_file(path))?;
+    Ok(views)
 }
 
 /// Fails if a view is where the simulated camera cannot stand.

@@ -1,10 +1,12 @@
-//! Poses, boxes, the voxel lattice and exact voxel traversal.
+//! Poses, boxes, planes, the voxel lattice and exact voxel traversal.
 //!
 //! Start with [`Pose`] for cameras and [`Lattice`] for voxels. World frame: right-handed, z up, metres.
 //! Camera frame: x right, y down, z forward. Nothing here knows about occupancy or views.
 
 mod aabb;
 mod lattice;
+mod plane;
+mod plane_fit;
 mod pose;
 pub mod random;
 pub mod sphere;
@@ -12,5 +14,7 @@ mod traversal;
 
 pub use aabb::Aabb;
 pub use lattice::{Lattice, VoxelBlock, VoxelKey};
+pub use plane::Plane;
+pub use plane_fit::{PlaneFit, fit_ground};
 pub use pose::Pose;
 pub use traversal::SegmentWalk;

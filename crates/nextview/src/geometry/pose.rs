@@ -41,6 +41,11 @@ impl Pose {
         Self { rotation: DQuat::from_mat3(&basis).normalize(), translation }
     }
 
+    /// The same rotation with another translation.
+    pub(crate) fn with_translation(self, translation: DVec3) -> Self {
+        Self { translation, ..self }
+    }
+
     /// The rotation, of unit length.
     pub fn rotation(&self) -> DQuat {
         self.rotation

@@ -2,7 +2,7 @@
 
 use super::brick::{BrickGrid, CELLS, brick_key, cell};
 use super::{LogOdds, OccupancyMap};
-use crate::geometry::{SegmentWalk, VoxelBlock, VoxelKey};
+use crate::geometry::{Plane, SegmentWalk, VoxelBlock, VoxelKey};
 use crate::sensor::Frame;
 use glam::{DVec3, IVec3};
 use rayon::prelude::*;
@@ -40,6 +40,9 @@ pub struct Integration {
     pub background: Background,
     /// The voxels that may change; all of space by default.
     pub region: Option<VoxelBlock>,
+    /// A surface that is not to be mapped, such as a table, with the tolerance added: points that are not above it end
+    /// a free ray and do not hit. None by default.
+    pub ground: Option<Plane>,
 }
 
 /// What a scan changed.
@@ -121,6 +124,7 @@ struct ScanMarks {
     lattice: crate::geometry::Lattice,
     background: Background,
     region: Option<Region>,
+    ground: Option<Plane>,
 }
 
 #[derive(Clone, Copy)]
@@ -171,6 +175,7 @@ impl ScanMarks {
             lattice: map.lattice(),
             background: integration.background,
             region: integration.region.map(Region::new),
+            ground: integration.ground,
         }
     }
 
@@ -179,6 +184,7 @@ impl ScanMarks {
     /// Where one ray per end voxel is asked for, only the end is noted here and traced by
     /// [`finish`](Self::finish), so that each is traced once even if several image rows end in it.
     fn add(&mut self, end: DVec3, hit: bool) {
+        let hit = hit && self.ground.is_none_or(|ground| ground.height(end) > 0.0);
         let end = self.lattice.to_voxels(end);
         let end_key = end.floor().as_ivec3();
         let inside = self.region.is_none_or(|region| region.contains(end_key));

@@ -11,8 +11,8 @@ use std::marker::PhantomData;
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct GreedyConfig {
-    /// Distance between neighbouring planning rays at the far side of the box, in voxels, positive. Default 2, as for
-    /// [`MaxFlow`](super::MaxFlow).
+    /// Distance between neighbouring planning rays at the far side of the box, in voxels of the finest size, positive.
+    /// Default 2, as for [`MaxFlow`](super::MaxFlow).
     pub ray_spacing: f64,
     /// Weight of the movement cost against the gain, 0..=1; the paper's theta (section V.D). Default 0: moving is free.
     pub theta: f64,
@@ -50,7 +50,7 @@ impl<G: InformationGain> Greedy<G> {
     /// The gain of each of the views.
     fn gains(&self, situation: &Situation<'_>, views: &[usize]) -> Vec<f64> {
         let gain = G::new(situation.snapshot, situation.frames);
-        let spacing = self.config.ray_spacing;
+        let spacing = situation.in_snapshot_voxels(self.config.ray_spacing);
         let caster = RayCaster::new(situation.snapshot, situation.intrinsics, spacing, G::SIGHT)
             .expect("the constructor checked the ray spacing");
         let look = |&view: &usize| {

@@ -17,7 +17,7 @@ pub struct MaxFlowConfig {
     /// Whether earlier plans count in the flow gain, as eqs. (4) and (5) say; the default. Without, as in the paper's table IV
     /// ("no history"), it is 1 for the optimal views of the present plan and 0 for the others.
     pub uses_history: bool,
-    /// Distance between neighbouring planning rays at the far side of the box, in voxels, positive. Default 2, which
+    /// Distance between neighbouring planning rays at the far side of the box, in voxels of the finest size, positive. Default 2, which
     /// plans as well as 1 / sqrt(2), where [no voxel is missed](crate::visibility::NO_VOXEL_MISSED), at an eighth of the time; the
     /// paper thins its rays to about 10.
     pub ray_spacing: f64,
@@ -86,9 +86,10 @@ impl MaxFlow {
         let n_views = situation.views.len();
         let solves_flow = self.config.gamma > 0.0;
         let n_items = if solves_flow { situation.snapshot.block().n_voxels() } else { 0 };
-        let MaxFlowConfig { ray_spacing, free_space, .. } = self.config;
-        let caster = RayCaster::new(situation.snapshot, situation.intrinsics, ray_spacing, free_space)
-            .expect("the constructor checked the ray spacing");
+        let spacing = situation.in_snapshot_voxels(self.config.ray_spacing);
+        let caster =
+            RayCaster::new(situation.snapshot, situation.intrinsics, spacing, self.config.free_space)
+                .expect("the constructor checked the ray spacing");
         let look = |best: &mut BestSets, view: usize| {
             let mut local = 0.0;
             caster.cast(&situation.views.pose(view), |ray| {

@@ -11,13 +11,12 @@ pub(super) struct Utility {
 }
 
 impl Utility {
-    /// Distances are straight lines between the positions of the last view and the open ones, and are shares of the
-    /// sum over those; all are zero before the first view.
+    /// Distances are straight lines from where the camera is to the open views, and are shares of the sum over those; all
+    /// are zero before the first view.
     pub fn new(situation: &Situation<'_>, theta: f64) -> Self {
         let mut distance_share = vec![0.0; situation.views.len()];
-        if let Some(&last) = situation.visited.last() {
-            let position = |view: usize| situation.views.pose(view).translation();
-            let distance = |view: usize| position(view).distance(position(last));
+        if let Some(position) = situation.camera_position() {
+            let distance = |view: usize| situation.views.pose(view).translation().distance(position);
             let open = situation.open_views();
             let total: f64 = open.iter().map(|&view| distance(view)).sum();
             open.into_iter().for_each(|view| distance_share[view] = share(distance(view), total));

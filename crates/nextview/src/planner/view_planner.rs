@@ -1,6 +1,7 @@
 use crate::map::Snapshot;
 use crate::sensor::{Frame, Intrinsics};
 use crate::view::ViewSpace;
+use glam::DVec3;
 use serde::{Deserialize, Serialize};
 
 /// Chooses the next view. Pure: the same situation gives the same plan.
@@ -24,14 +25,30 @@ pub struct Situation<'a> {
     pub visited: &'a [usize],
     /// The optimal views (the paper's V_global) of the earlier plans, oldest first.
     pub history: &'a [Vec<u32>],
+    /// Voxel size in which the scan ends, metres: that of the snapshot, or finer. Distances between rays are in
+    /// voxels of this size, so that plans in coarser voxels have as many rays: ten coarse voxels may be wider than the box.
+    pub finest_voxel_size: f64,
 }
 
 impl Situation<'_> {
-    /// The views not yet visited, in increasing order.
+    /// The views within reach and not yet visited, in increasing order.
     pub fn open_views(&self) -> Vec<usize> {
-        let mut is_open = vec![true; self.views.len()];
+        let mut is_open: Vec<bool> =
+            (0..self.views.len()).map(|view| self.views.is_within_reach(view)).collect();
         self.visited.iter().for_each(|&view| is_open[view] = false);
         (0..is_open.len()).filter(|&view| is_open[view]).collect()
+    }
+
+    /// Where the camera is, metres: where it took the last frame, or else the last view; none before the first.
+    pub fn camera_position(&self) -> Option<DVec3> {
+        let last_frame = self.frames.last().map(|frame| frame.world_from_camera());
+        let pose = last_frame.or_else(|| self.visited.last().map(|&view| self.views.pose(view)));
+        pose.map(|pose| pose.translation())
+    }
+
+    /// A distance in voxels of the finest size as one in voxels of the snapshot.
+    pub(super) fn in_snapshot_voxels(&self, distance: f64) -> f64 {
+        distance * (self.finest_voxel_size / self.snapshot.lattice().voxel_size())
     }
 }
 

@@ -1,7 +1,7 @@
+use super::{MultiResolution, ObjectBox, Table, Views};
 use crate::Error;
 use crate::geometry::{Aabb, Lattice, VoxelBlock};
 use crate::map::{Background, RayRule, SensorModel};
-use crate::view::ViewSpace;
 use serde::{Deserialize, Serialize};
 
 /// Bytes per voxel of the box that a session and its planner hold at their peak: map, snapshot, nearest frontier voxels,
@@ -11,11 +11,15 @@ const BYTES_PER_VOXEL: u64 = 200;
 /// What a [`Session`](super::Session) needs to know.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SessionConfig {
-    /// Edge of a voxel, metres, at least 0.0001.
+    /// Edge of a voxel, metres, at least 0.0001; the finest, where planning begins in coarser ones.
     pub voxel_size: f64,
-    /// The box in which the object lies, metres. Only voxels with their centre inside are mapped and planned for.
-    pub bounds: Aabb,
-    /// Number of the view to begin with. Default 0.
+    /// Whether planning begins in coarser voxels. Default: no.
+    pub multi_resolution: Option<MultiResolution>,
+    /// The box in which the object lies. Only voxels with their centre inside are mapped and planned for.
+    pub object_box: ObjectBox,
+    /// What the object stands on. Default: nothing.
+    pub table: Table,
+    /// Number of the view to begin with, where views are fixed. Default 0.
     pub first_view: usize,
     /// How measurements change voxels. Default OctoMap's.
     pub sensor_model: SensorModel,
@@ -52,7 +56,9 @@ impl SessionConfig {
     pub fn new(voxel_size: f64, bounds: Aabb) -> Self {
         Self {
             voxel_size,
-            bounds,
+            multi_resolution: None,
+            object_box: ObjectBox::Known(bounds),
+            table: Table::None,
             first_view: 0,
             sensor_model: SensorModel::default(),
             rays: RayRule::default(),
@@ -62,9 +68,9 @@ impl SessionConfig {
         }
     }
 
-    /// The voxels of the box, if the whole configuration is in range and fits these views.
-    pub fn block(&self, views: &ViewSpace) -> Result<VoxelBlock, Error> {
-        if self.first_view >= views.len() {
+    /// Fails on the first value out of range, or a first view that there is not.
+    pub fn check(&self, views: &Views) -> Result<(), Error> {
+        if matches!(views, Views::Fixed(views) if self.first_view >= views.len()) {
             return Err(Error::invalid(
                 "first_view",
                 self.first_view,
@@ -78,24 +84,35 @@ impl SessionConfig {
             let share = self.stop.entropy_share.unwrap_or_default();
             return Err(Error::invalid("entropy_share", share, "a number in 0..=1"));
         }
-        if !(self.bounds.min.is_finite() && self.bounds.max.is_finite()) {
-            return Err(Error::invalid("bounds", format!("{:?}", self.bounds), "a finite box"));
+        Lattice::new(self.voxel_size)?;
+        self.multi_resolution.map_or(Ok(()), |rule| rule.check(self.voxel_size))?;
+        self.sensor_model.check()?;
+        self.table.check()?;
+        match self.object_box {
+            ObjectBox::Known(bounds) => self.block(&bounds).map(|_| ()),
+            ObjectBox::Growing => Ok(()),
         }
-        self.check_memory()?;
-        let block = Lattice::new(self.voxel_size)?.block_inside(&self.bounds);
+    }
+
+    /// The finest voxels of a box, if they are within the memory limit.
+    pub fn block(&self, bounds: &Aabb) -> Result<VoxelBlock, Error> {
+        if !(bounds.min.is_finite() && bounds.max.is_finite()) {
+            return Err(Error::invalid("bounds", format!("{bounds:?}"), "a finite box"));
+        }
+        self.check_memory(bounds)?;
+        let block = Lattice::new(self.voxel_size)?.block_inside(bounds);
         block.ok_or_else(|| {
-            Error::invalid("bounds", format!("{:?}", self.bounds), "a box that holds at least one voxel")
+            Error::invalid("bounds", format!("{bounds:?}"), "a box that holds at least one voxel")
         })
     }
 
-    fn check_memory(&self) -> Result<(), Error> {
-        let n_voxels = (self.bounds.size() / self.voxel_size).ceil().max(glam::DVec3::ONE).element_product();
+    fn check_memory(&self, bounds: &Aabb) -> Result<(), Error> {
+        let n_voxels = (bounds.size() / self.voxel_size).ceil().max(glam::DVec3::ONE).element_product();
         let needed_mb = (n_voxels * BYTES_PER_VOXEL as f64 / 1e6) as u64;
         if needed_mb <= self.memory_limit_mb {
             return Ok(());
         }
-        let what =
-            format!("a box of {:.3} m with voxels of {} m", self.bounds.longest_side(), self.voxel_size);
+        let what = format!("a box of {:.3} m with voxels of {} m", bounds.longest_side(), self.voxel_size);
         Err(Error::TooLarge { what, needed_mb, limit_mb: self.memory_limit_mb })
     }
 }

@@ -1,17 +1,29 @@
 //! A scan in progress: two verbs, [`observe`](Session::observe) and [`decide`](Session::decide).
 
 mod config;
+mod object_box;
+mod object_points;
 mod report;
+mod resolution;
+mod scan_map;
+mod table;
+mod views;
 
 pub use config::{SessionConfig, StopConfig};
+pub use object_box::ObjectBox;
 pub use report::{MapReport, StepReport};
+pub use resolution::MultiResolution;
+pub use table::Table;
+pub use views::Views;
 
 use crate::Error;
-use crate::geometry::{Lattice, Pose, VoxelBlock};
-use crate::map::{Integration, MapUpdate, OccupancyMap, Snapshot};
+use crate::geometry::{Aabb, Pose};
+use crate::map::{MapUpdate, OccupancyMap, Snapshot};
 use crate::planner::{Choice, FlowSummary, Plan, Situation, ViewPlanner};
 use crate::sensor::{Frame, Intrinsics};
 use crate::view::ViewSpace;
+use object_box::{Location, Locator};
+use scan_map::{MapRules, Place, ScanMap};
 use serde::{Deserialize, Serialize};
 
 /// A scan in progress: the map so far, the views taken, and the planner.
@@ -37,11 +49,16 @@ use serde::{Deserialize, Serialize};
 pub struct Session {
     config: SessionConfig,
     intrinsics: Intrinsics,
-    views: ViewSpace,
+    views: Views,
+    candidates: ViewSpace,
     planner: Box<dyn ViewPlanner>,
-    block: VoxelBlock,
-    map: OccupancyMap,
+    locator: Locator,
+    map: ScanMap,
+    /// The box that was found is larger than the memory limit allows, and was not gone over to.
+    is_box_too_large: bool,
     frames: Vec<Frame>,
+    /// Number of frames that were asked for.
+    n_taken: usize,
     visited: Vec<usize>,
     /// V_global of every plan so far.
     history: Vec<Vec<u32>>,
@@ -60,8 +77,8 @@ pub enum Decision {
 /// The next best view.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct NextView {
-    /// Its number in the view space.
-    pub view: usize,
+    /// Its number in the view space; none for a first view that is no candidate.
+    pub view: Option<usize>,
     /// Where the camera should stand.
     pub world_from_camera: Pose,
     /// Why it was chosen; none for the first view, which is given.
@@ -80,30 +97,56 @@ pub enum StopReason {
     Converged,
     /// No candidate gains anything.
     NothingToGain,
+    /// There is no box to plan in: no frame shows an object yet, or the known box lies inside the table. After another
+    /// frame, taken from elsewhere, the scan may go on.
+    NoObject,
+    /// The box around what hangs together with the object needs more memory than allowed: a table or wall that it touches?
+    BoxTooLarge,
 }
 
 impl Session {
-    /// A scan of the object in the configured box by a camera with these optics; fails on a configuration out of range.
+    /// A scan by a camera with these optics; fails on a configuration out of range.
     pub fn new(
         config: SessionConfig,
         intrinsics: Intrinsics,
-        views: ViewSpace,
+        views: impl Into<Views>,
         planner: Box<dyn ViewPlanner>,
     ) -> Result<Self, Error> {
-        let block = config.block(&views)?;
-        let map = OccupancyMap::new(Lattice::new(config.voxel_size)?, config.sensor_model)?;
-        let (frames, visited, history) = (Vec::new(), Vec::new(), Vec::new());
-        Ok(Self { config, intrinsics, views, planner, block, map, frames, visited, history, pending: None })
+        let views = views.into();
+        config.check(&views)?;
+        let SessionConfig { voxel_size, sensor_model, rays, background, .. } = config;
+        let mut session = Self {
+            locator: Locator::new(&config),
+            map: ScanMap::new(MapRules { voxel_size, sensor_model, rays, background }, Place::default()),
+            candidates: views.candidates(&Location::default()),
+            config,
+            intrinsics,
+            views,
+            planner,
+            is_box_too_large: false,
+            frames: Vec::new(),
+            n_taken: 0,
+            visited: Vec::new(),
+            history: Vec::new(),
+            pending: None,
+        };
+        session.locate();
+        Ok(session)
     }
 
     /// Writes a frame into the map, keeps it, and, if a view was decided on, counts it as taken.
     pub fn observe(&mut self, frame: &Frame) -> StepReport {
-        let SessionConfig { rays, background, .. } = self.config;
-        let update = self.map.integrate(frame, &Integration { rays, background, region: Some(self.block) });
+        let planned_in = self.map.planning_voxel_size();
         self.frames.push(frame.clone());
+        self.locate();
+        let update = self.map.integrate(frame);
+        self.refine_what_is_known();
         let taken = self.pending.take();
-        self.visited.extend(taken.map(|next| next.view));
-        self.report(frame, taken, update)
+        self.n_taken += taken.is_some() as usize;
+        self.visited.extend(taken.and_then(|next| next.view));
+        let is_planned = taken.is_some_and(|next| next.choice.is_some());
+        let voxel_size = if is_planned { planned_in } else { self.map.planning_voxel_size() };
+        self.report(taken, voxel_size, update)
     }
 
     /// Decides on the next view. Asked again before the next observation, the answer is the same.
@@ -111,34 +154,52 @@ impl Session {
         if let Some(next) = self.pending {
             return Decision::Move(next);
         }
-        if self.visited.is_empty() {
-            return self.go_to(self.config.first_view, &Plan::default());
+        if let Some((view, world_from_camera)) = self.first_view() {
+            return self.go_to(view, world_from_camera, &Plan::default());
         }
-        if self.visited.len() >= self.config.stop.max_views {
+        if self.n_taken >= self.config.stop.max_views {
             return Decision::Stop(StopReason::ViewLimit);
         }
-        let snapshot = self.snapshot();
-        if self.config.stop.entropy_share.is_some_and(|q_thresh| snapshot.entropy_share() < q_thresh) {
-            return Decision::Stop(StopReason::Converged);
+        if self.is_box_too_large {
+            return Decision::Stop(StopReason::BoxTooLarge);
         }
-        let plan = self.planner.plan(&self.situation(&snapshot));
-        match plan.choice {
-            Some(choice) => {
-                self.history.push(plan.optimal_views.clone());
-                self.go_to(choice.view, &plan)
+        loop {
+            let Some(snapshot) = self.map.planning_snapshot() else {
+                return Decision::Stop(StopReason::NoObject);
+            };
+            if self.is_converged(&snapshot) {
+                return Decision::Stop(StopReason::Converged);
             }
-            None => Decision::Stop(StopReason::NothingToGain),
+            let plan = self.planner.plan(&self.situation(&snapshot));
+            if let Some(choice) = plan.choice {
+                self.history.push(plan.optimal_views.clone());
+                return self.go_to(Some(choice.view), self.candidates.pose(choice.view), &plan);
+            }
+            if self.map.is_finest() {
+                return Decision::Stop(StopReason::NothingToGain);
+            }
+            self.map.refine(&self.frames); // what coarse voxels do not show, finer ones may
         }
     }
 
-    /// The map so far.
+    /// The map so far, in the finest voxels.
     pub fn map(&self) -> &OccupancyMap {
-        &self.map
+        self.map.finest()
     }
 
-    /// What is known of the box around the object.
-    pub fn snapshot(&self) -> Snapshot {
-        self.map.snapshot(self.block)
+    /// What is known of the box around the object, in the finest voxels; none before an object was found.
+    pub fn snapshot(&self) -> Option<Snapshot> {
+        self.map.finest_snapshot()
+    }
+
+    /// The box around the object, metres, without what is below its table; none before an object was found.
+    pub fn bounds(&self) -> Option<Aabb> {
+        self.map.place().bounds
+    }
+
+    /// Edge of the voxels that the next view is planned in, metres.
+    pub fn planning_voxel_size(&self) -> f64 {
+        self.map.planning_voxel_size()
     }
 
     /// The frames observed so far, oldest first.
@@ -151,32 +212,82 @@ impl Session {
         &self.visited
     }
 
-    /// The view candidates.
+    /// The view candidates as they stand now.
     pub fn views(&self) -> &ViewSpace {
-        &self.views
+        &self.candidates
+    }
+
+    /// Number and pose of the first view, before it was taken.
+    fn first_view(&self) -> Option<(Option<usize>, Pose)> {
+        let view = self.config.first_view;
+        match &self.views {
+            Views::Fixed(views) => (self.n_taken == 0).then(|| (Some(view), views.pose(view))),
+            Views::Following { first, .. } => self.frames.is_empty().then_some((None, *first)),
+        }
+    }
+
+    /// Goes over to the box that all frames tell, the last of which is not mapped yet, unless it is too large.
+    fn locate(&mut self) {
+        let location = self.locator.locate(&self.frames);
+        let block = location.place.bounds.map(|bounds| self.config.block(&bounds));
+        self.is_box_too_large = matches!(block, Some(Err(Error::TooLarge { .. })));
+        if location.place == self.map.place() || self.is_box_too_large {
+            return;
+        }
+        let known = &self.frames[..self.frames.len().saturating_sub(1)];
+        let is_first_box = self.map.place().bounds.is_none();
+        self.candidates = self.views.candidates(&location);
+        self.map.move_to(location.place, known);
+        if let (true, Some(rule), Some(bounds)) =
+            (is_first_box, self.config.multi_resolution, location.place.bounds)
+        {
+            self.map.plan_in(rule.n_halvings(self.config.voxel_size, bounds.longest_side()), known);
+        }
+    }
+
+    /// Halves the voxels that planning uses as long as the map in them is known well enough: algorithm 1, eq. (9).
+    fn refine_what_is_known(&mut self) {
+        let Some(rule) = self.config.multi_resolution else { return };
+        let is_known = |map: &ScanMap| {
+            let share = map.planning_snapshot().map(|snapshot| snapshot.entropy_share());
+            share.is_some_and(|share| share < rule.q_thresh)
+        };
+        while !self.map.is_finest() && is_known(&self.map) {
+            self.map.refine(&self.frames);
+        }
+    }
+
+    fn is_converged(&self, snapshot: &Snapshot) -> bool {
+        let share = self.config.stop.entropy_share;
+        self.map.is_finest() && share.is_some_and(|q_thresh| snapshot.entropy_share() < q_thresh)
     }
 
     fn situation<'a>(&'a self, snapshot: &'a Snapshot) -> Situation<'a> {
-        let Self { frames, views, intrinsics, visited, history, .. } = self;
-        Situation { snapshot, frames, views, intrinsics, visited, history }
+        let Self { frames, candidates: views, intrinsics, visited, history, .. } = self;
+        let finest_voxel_size = self.config.voxel_size;
+        Situation { snapshot, frames, views, intrinsics, visited, history, finest_voxel_size }
     }
 
-    fn go_to(&mut self, view: usize, plan: &Plan) -> Decision {
-        let world_from_camera = self.views.pose(view);
+    fn go_to(&mut self, view: Option<usize>, world_from_camera: Pose, plan: &Plan) -> Decision {
         let next = NextView { view, world_from_camera, choice: plan.choice, flow: plan.flow };
         self.pending = Some(next);
         Decision::Move(next)
     }
 
-    fn report(&self, frame: &Frame, taken: Option<NextView>, update: MapUpdate) -> StepReport {
+    fn report(&self, taken: Option<NextView>, voxel_size: f64, update: MapUpdate) -> StepReport {
+        let frame = self.frames.last().expect("a report follows a frame");
+        let Place { bounds, table } = self.map.place();
         StepReport {
-            step: self.visited.len(),
-            view: taken.map(|next| next.view),
+            step: self.n_taken,
+            view: taken.and_then(|next| next.view),
             world_from_camera: frame.world_from_camera(),
             choice: taken.and_then(|next| next.choice),
             flow: taken.and_then(|next| next.flow),
+            voxel_size,
+            bounds,
+            table: table.map(|table| table.plane),
             update,
-            map: MapReport::new(&self.snapshot()),
+            map: self.snapshot().map_or_else(MapReport::default, |snapshot| MapReport::new(&snapshot)),
         }
     }
 }

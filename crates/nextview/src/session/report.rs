@@ -1,4 +1,4 @@
-use crate::geometry::Pose;
+use crate::geometry::{Aabb, Plane, Pose};
 use crate::map::{MapUpdate, Occupancy, Snapshot};
 use crate::planner::{Choice, FlowSummary};
 use serde::{Deserialize, Serialize};
@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 pub struct StepReport {
     /// Number of views taken so far, this one included.
     pub step: usize,
-    /// Number of the view; none if the frame was not asked for.
+    /// Number of the view; none if it was no candidate: a first view without a number, or a frame that was not asked for.
     pub view: Option<usize>,
     /// Where the camera stood.
     pub world_from_camera: Pose,
@@ -16,14 +16,20 @@ pub struct StepReport {
     pub choice: Option<Choice>,
     /// The flow behind the choice, for planners that solve one.
     pub flow: Option<FlowSummary>,
+    /// Voxel size, metres, in which the view was planned; of a view that was not, that in which planning goes on.
+    pub voxel_size: f64,
+    /// The box around the object after the frame; none if no object was found.
+    pub bounds: Option<Aabb>,
+    /// The table that the object stands on; none without one, or if none was found.
+    pub table: Option<Plane>,
     /// What the frame changed in the map.
     pub update: MapUpdate,
-    /// The box around the object after it.
+    /// What is known of the box after it.
     pub map: MapReport,
 }
 
-/// What is known of the box around the object.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+/// What is known of the box around the object, in the finest voxels; zeros if there is none.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct MapReport {
     /// Occupied voxels.
     pub n_occupied: usize,

@@ -3,10 +3,12 @@ use crate::{Error, geometry::Pose};
 use glam::DVec3;
 use std::io::{Read, Write};
 
-/// The view candidates: an immutable list of camera poses (`world_from_camera`), numbered from 0.
+/// The view candidates: an immutable list of camera poses (`world_from_camera`), numbered from 0. Some may be out of
+/// reach; they keep their numbers.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ViewSpace {
     poses: Vec<Pose>,
+    within_reach: Vec<bool>,
 }
 
 impl ViewSpace {
@@ -15,7 +17,7 @@ impl ViewSpace {
         if poses.is_empty() {
             return Err(Error::invalid("view space", "empty", "at least one view candidate"));
         }
-        Ok(Self { poses })
+        Ok(Self { within_reach: vec![true; poses.len()], poses })
     }
 
     /// Reads candidates from CSV text: a row each, `x_m, y_m, z_m` for a camera that looks at `target`, or
@@ -31,7 +33,27 @@ impl ViewSpace {
         csv::write(writer, &self.poses)
     }
 
-    /// Number of candidates; never 0.
+    /// These candidates, made for an object of size 1 at the origin, around an object elsewhere: in the same directions
+    /// from `center`, `size` times as far away (metres).
+    pub fn around(&self, center: DVec3, size: f64) -> Self {
+        let moved = |pose: &Pose| pose.with_translation(center + pose.translation() * size);
+        Self { poses: self.poses.iter().map(moved).collect(), within_reach: self.within_reach.clone() }
+    }
+
+    /// The same candidates, of which only those stay within reach whose camera can stand there.
+    pub fn restricted(mut self, can_stand: impl Fn(DVec3) -> bool) -> Self {
+        for (within_reach, pose) in self.within_reach.iter_mut().zip(&self.poses) {
+            *within_reach &= can_stand(pose.translation());
+        }
+        self
+    }
+
+    /// Whether the camera can go to candidate `view`, which must be below [`len`](Self::len).
+    pub fn is_within_reach(&self, view: usize) -> bool {
+        self.within_reach[view]
+    }
+
+    /// Number of candidates, those out of reach included; never 0.
     pub fn len(&self) -> usize {
         self.poses.len()
     }
@@ -49,5 +71,33 @@ impl ViewSpace {
     /// All poses in the order of their numbers.
     pub fn poses(&self) -> &[Pose] {
         &self.poses
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::view::generate;
+
+    #[test]
+    fn a_rule_for_size_one_serves_every_object() {
+        let (center, size) = (DVec3::new(0.3, -0.1, 0.2), 0.07);
+        let moved = generate::shell(DVec3::ZERO, 1.0, 40, 5).unwrap().around(center, size);
+        let made = generate::shell(center, size, 40, 5).unwrap();
+        for (a, b) in moved.poses().iter().zip(made.poses()) {
+            assert!(a.translation().distance(b.translation()) < 1e-15);
+            assert!(a.rotation().dot(b.rotation()).abs() > 1.0 - 1e-12);
+        }
+    }
+
+    #[test]
+    fn candidates_out_of_reach_keep_their_numbers() {
+        let all = generate::shell(DVec3::ZERO, 0.1, 40, 5).unwrap();
+        let upper = all.clone().restricted(|position| position.z > 0.0);
+        assert_eq!(upper.poses(), all.poses());
+        for view in 0..40 {
+            assert!(all.is_within_reach(view));
+            assert_eq!(upper.is_within_reach(view), all.pose(view).translation().z > 0.0);
+        }
     }
 }

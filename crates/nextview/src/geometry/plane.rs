@@ -1,0 +1,75 @@
+use crate::Error;
+use glam::DVec3;
+use serde::{Deserialize, Serialize};
+
+/// A plane with an upper side, the one its normal points to.
+///
+/// ```
+/// use glam::DVec3;
+/// use nextview::geometry::Plane;
+///
+/// let table = Plane::horizontal(0.7).unwrap();
+/// assert!((table.height(DVec3::new(3.0, 1.0, 0.9)) - 0.2).abs() < 1e-15);
+/// ```
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Plane {
+    /// Of unit length.
+    normal: DVec3,
+    /// `normal . p` of its points, metres.
+    offset: f64,
+}
+
+impl Plane {
+    /// The plane through `point` (metres) with this normal, of any length but zero.
+    pub fn new(normal: DVec3, point: DVec3) -> Result<Self, Error> {
+        let unit = normal.try_normalize().filter(|_| point.is_finite());
+        let normal = unit.ok_or_else(|| {
+            Error::invalid(
+                "plane",
+                format!("normal {normal} through {point}"),
+                "a direction and a finite point",
+            )
+        })?;
+        Ok(Self { normal, offset: normal.dot(point) })
+    }
+
+    /// The horizontal plane at this height, metres, with its upper side up; fails unless the height is finite.
+    pub fn horizontal(z: f64) -> Result<Self, Error> {
+        Self::new(DVec3::Z, DVec3::Z * z)
+    }
+
+    /// The normal, of unit length.
+    pub fn normal(&self) -> DVec3 {
+        self.normal
+    }
+
+    /// How far a point is above the plane, metres; negative below.
+    pub fn height(&self, point: DVec3) -> f64 {
+        self.normal.dot(point) - self.offset
+    }
+
+    /// The parallel plane `distance` metres above.
+    pub fn raised(&self, distance: f64) -> Self {
+        Self { normal: self.normal, offset: self.offset + distance }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn heights_are_distances_to_the_plane() {
+        let plane = Plane::new(DVec3::new(0.0, 3.0, 4.0), DVec3::X).unwrap();
+        assert_eq!(plane.height(DVec3::X * 7.0), 0.0);
+        assert!((plane.height(DVec3::Z) - 0.8).abs() < 1e-15);
+        assert!((plane.raised(0.5).height(DVec3::Z) - 0.3).abs() < 1e-15);
+    }
+
+    #[test]
+    fn refuses_what_is_no_plane() {
+        assert!(Plane::new(DVec3::ZERO, DVec3::ZERO).is_err());
+        assert!(Plane::new(DVec3::NAN, DVec3::ZERO).is_err());
+        assert!(Plane::horizontal(f64::NAN).unwrap_err().to_string().contains("finite point"));
+    }
+}

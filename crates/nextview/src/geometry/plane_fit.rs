@@ -1,0 +1,141 @@
+use super::Plane;
+use super::random::Random;
+use glam::{DMat2, DVec2, DVec3};
+
+/// Distance, metres, within which a point counts for a plane: several times the noise of a depth camera before a
+/// table.
+const INLIER_DISTANCE: f64 = 0.005;
+/// Points that planes are tried on, evenly drawn from all.
+const N_TRIED: usize = 4000;
+/// Triples drawn. A plane that holds a twentieth of the points is then found with 92 %, one that holds a tenth surely.
+const N_DRAWS: usize = 20_000;
+/// Share of the points that a plane must hold.
+const LEAST_SHARE: f64 = 0.05;
+/// Cosine of the largest tilt, 30 degrees.
+const LEAST_UP: f64 = 0.866_025_403_784_438_6;
+
+/// A plane fitted to points.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PlaneFit {
+    /// The plane, its upper side up.
+    pub plane: Plane,
+    /// Root of the mean squared distance of its points, metres.
+    pub deviation: f64,
+}
+
+/// The plane that holds most points (metres), among those that lean by less than 30 degrees from the horizontal and
+/// lie below `viewpoint`: a table, not a wall and not the ceiling. None if no such plane holds a twentieth of the points.
+///
+/// RANSAC (Fischler & Bolles 1981) with fixed draws, then least squares over the points within 5 mm.
+pub fn fit_ground(points: &[DVec3], viewpoint: DVec3) -> Option<PlaneFit> {
+    let tried: Vec<DVec3> = points.iter().step_by(points.len().div_ceil(N_TRIED).max(1)).copied().collect();
+    let (n, plane) = fullest_plane(&tried, viewpoint)?;
+    if (n as f64) < LEAST_SHARE * tried.len() as f64 {
+        return None;
+    }
+    // Twice, since a better plane has better points.
+    let plane = least_squares(points, least_squares(points, plane));
+    let (n, sum) =
+        inliers(points, plane).fold((0, 0.0), |(n, sum), p| (n + 1, sum + plane.height(p).powi(2)));
+    (n > 0).then(|| PlaneFit { plane, deviation: (sum / n as f64).sqrt() })
+}
+
+/// Of the planes through three drawn points, the one with most points near, and how many.
+fn fullest_plane(points: &[DVec3], viewpoint: DVec3) -> Option<(usize, Plane)> {
+    if points.len() < 3 {
+        return None;
+    }
+    let mut random = Random::new(0, 0);
+    let mut draw = || points[random.index(points.len())];
+    let triples = (0..N_DRAWS).map(|_| [draw(), draw(), draw()]);
+    let planes = triples.filter_map(|triple| ground_through(triple, viewpoint));
+    let counted = planes.map(|plane| (inliers(points, plane).count(), plane));
+    counted.reduce(|best, next| if next.0 > best.0 { next } else { best })
+}
+
+fn ground_through([a, b, c]: [DVec3; 3], viewpoint: DVec3) -> Option<Plane> {
+    let across = (b - a).cross(c - a);
+    let plane = Plane::new(if across.z < 0.0 { -across } else { across }, a).ok()?;
+    (plane.normal().z >= LEAST_UP && plane.height(viewpoint) > 0.0).then_some(plane)
+}
+
+fn inliers(points: &[DVec3], plane: Plane) -> impl Iterator<Item = DVec3> + '_ {
+    points.iter().copied().filter(move |point| plane.height(*point).abs() <= INLIER_DISTANCE)
+}
+
+/// The plane of smallest squared vertical distances to the points near this one; this one if they do not span a plane.
+fn least_squares(points: &[DVec3], plane: Plane) -> Plane {
+    let (n, sum) = inliers(points, plane).fold((0, DVec3::ZERO), |(n, sum), p| (n + 1, sum + p));
+    let mean = sum / n as f64;
+    let (mut moments, mut with_z) = (DMat2::ZERO, DVec2::ZERO);
+    for d in inliers(points, plane).map(|p| p - mean) {
+        moments += DMat2::from_cols(d.truncate() * d.x, d.truncate() * d.y);
+        with_z += d.truncate() * d.z;
+    }
+    let slope = moments.inverse() * with_z;
+    Plane::new((-slope).extend(1.0), mean).unwrap_or(plane)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const EYE: DVec3 = DVec3::new(0.0, -1.0, 1.0);
+
+    /// `n` points of a unit square around the origin, turned about the x axis and moved, with some noise.
+    fn square(n: usize, tilt_deg: f64, at: DVec3, random: &mut Random) -> Vec<DVec3> {
+        let turn = glam::DQuat::from_rotation_x(tilt_deg.to_radians());
+        let mut point = || turn * (random.in_cube() * DVec3::new(0.5, 0.5, 0.001)) + at;
+        (0..n).map(|_| point()).collect()
+    }
+
+    fn check_near(fit: PlaneFit, tilt_deg: f64, at: DVec3) {
+        let normal = glam::DQuat::from_rotation_x(tilt_deg.to_radians()) * DVec3::Z;
+        assert!(fit.plane.normal().angle_between(normal).to_degrees() < 0.3, "{fit:?}");
+        assert!(fit.plane.height(at).abs() < 0.0005 && fit.deviation < 0.001, "{fit:?}");
+    }
+
+    #[test]
+    fn finds_the_table_among_a_larger_wall_a_ceiling_and_things() {
+        for tilt in [-20.0, 0.0, 3.0, 28.0] {
+            let mut random = Random::new(1, 0);
+            let mut points = square(9000, 90.0, DVec3::Y, &mut random);
+            points.extend(square(5000, 0.0, DVec3::Z * 2.0, &mut random));
+            points.extend((0..3000).map(|_| random.in_cube() * 0.1 + DVec3::Z * 0.1));
+            points.extend(square(4000, tilt, DVec3::ZERO, &mut random));
+            check_near(fit_ground(&points, EYE).unwrap(), tilt, DVec3::ZERO);
+        }
+    }
+
+    #[test]
+    fn finds_nothing_where_there_is_no_table() {
+        let mut random = Random::new(2, 0);
+        let wall = square(3000, 90.0, DVec3::Y, &mut random);
+        let ceiling = square(3000, 0.0, DVec3::Z * 2.0, &mut random);
+        let steep = square(3000, 45.0, DVec3::ZERO, &mut random);
+        let lone = vec![DVec3::X; 10];
+        for points in [wall, ceiling, steep, lone, vec![], vec![DVec3::X], vec![DVec3::NAN; 5]] {
+            assert_eq!(fit_ground(&points, EYE), None);
+        }
+    }
+
+    /// The slow twin: every triple of a few points.
+    #[test]
+    fn holds_as_many_points_as_the_best_of_all_triples() {
+        for seed in 0..20 {
+            let mut random = Random::new(seed, 1);
+            let mut points = square(8, 0.0, DVec3::ZERO, &mut random);
+            points.extend((0..16).map(|_| random.in_cube() * 0.2));
+            let mut most = 0;
+            for (i, &a) in points.iter().enumerate() {
+                for (j, &b) in points.iter().enumerate().skip(i + 1) {
+                    for &c in &points[j + 1..] {
+                        let plane = ground_through([a, b, c], EYE);
+                        most = most.max(plane.map_or(0, |plane| inliers(&points, plane).count()));
+                    }
+                }
+            }
+            assert_eq!(fullest_plane(&points, EYE).unwrap().0, most, "seed {seed}");
+        }
+    }
+}

@@ -1,0 +1,89 @@
+use crate::Error;
+use serde::{Deserialize, Serialize};
+
+/// Planning from coarse voxels to fine ones: the paper's algorithm 1.
+///
+/// After each frame, while the entropy of the map in the present voxels is below `q_thresh` of that of an unknown one
+/// (eqs. 8, 9), planning goes on in voxels half the size, down to the finest. There,
+/// [`StopConfig::entropy_share`](super::StopConfig::entropy_share) ends the scan. Algorithm 1 has 0.5 for both.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct MultiResolution {
+    /// Voxel size to begin with, metres: the finest times a power of two. Default: the coarsest of which at
+    /// least 12 fit along the first box (the paper, section IV.C).
+    pub coarsest_voxel_size: Option<f64>,
+    /// Share of the entropy of an unknown map below which the voxels are halved, 0..=1; the paper's q_thresh. Default 0.5.
+    pub q_thresh: f64,
+}
+
+/// Voxels along the edge of the box in the coarsest map, at least.
+const LEAST_VOXELS: f64 = 12.0;
+
+/// Most halvings: a cube of 12 voxels becomes one of 400,000.
+const MOST_HALVINGS: u32 = 15;
+
+impl Default for MultiResolution {
+    fn default() -> Self {
+        Self { coarsest_voxel_size: None, q_thresh: 0.5 }
+    }
+}
+
+impl MultiResolution {
+    pub(super) fn check(&self, finest: f64) -> Result<(), Error> {
+        if !(0.0..=1.0).contains(&self.q_thresh) {
+            return Err(Error::invalid("q_thresh", self.q_thresh, "a number in 0..=1"));
+        }
+        match self.coarsest_voxel_size {
+            Some(coarsest) if halvings(coarsest, finest).is_none() => Err(Error::invalid(
+                "coarsest_voxel_size",
+                coarsest,
+                "the finest voxel size times 1, 2, 4, 8, ... or 32768",
+            )),
+            _ => Ok(()),
+        }
+    }
+
+    /// How often the coarsest voxels are halved in a box with this edge (metres).
+    pub(super) fn n_halvings(&self, finest: f64, edge: f64) -> u32 {
+        let stated = self.coarsest_voxel_size.and_then(|coarsest| halvings(coarsest, finest));
+        let fits = |n: &u32| edge / (finest * 2_f64.powi(*n as i32)) >= LEAST_VOXELS;
+        stated.unwrap_or_else(|| (1..=MOST_HALVINGS).take_while(fits).last().unwrap_or(0))
+    }
+}
+
+/// How often `coarsest` is halved to give `finest`, to rounding; none if it is not.
+fn halvings(coarsest: f64, finest: f64) -> Option<u32> {
+    let is_power = |n: &u32| (coarsest / finest / 2_f64.powi(*n as i32) - 1.0).abs() < 1e-9;
+    (0..=MOST_HALVINGS).find(is_power)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn begins_where_twelve_voxels_fit() {
+        let rule = MultiResolution::default();
+        for (edge, expected) in [(0.05, 0), (0.239, 0), (0.2401, 1), (0.479, 1), (0.4801, 2), (1e9, 15)] {
+            assert_eq!(rule.n_halvings(0.01, edge), expected, "{edge}");
+        }
+        let stated = MultiResolution { coarsest_voxel_size: Some(0.04), ..rule };
+        assert_eq!(stated.n_halvings(0.01, 0.1), 2);
+    }
+
+    #[test]
+    fn refuses_what_is_no_power_of_two_and_no_share() {
+        let check = |coarsest_voxel_size, q_thresh| {
+            MultiResolution { coarsest_voxel_size, q_thresh }.check(0.005).map_err(|e| e.to_string())
+        };
+        for size in [0.005, 0.01, 0.02, 0.04] {
+            assert_eq!(check(Some(size), 0.0), Ok(()));
+        }
+        for size in [0.0025, 0.015, 0.0, -0.01, f64::NAN, f64::INFINITY] {
+            assert!(check(Some(size), 0.5).unwrap_err().contains("coarsest_voxel_size"), "{size}");
+        }
+        for q_thresh in [-0.1, 1.1, f64::NAN] {
+            assert!(check(None, q_thresh).unwrap_err().contains("q_thresh"));
+        }
+    }
+}

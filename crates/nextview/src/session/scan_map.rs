@@ -1,0 +1,253 @@
+use crate::geometry::{Aabb, Lattice, VoxelBlock};
+use crate::map::{Background, Integration, LogOdds, MapUpdate, OccupancyMap, RayRule, SensorModel, Snapshot};
+use crate::sensor::Frame;
+
+use super::table::KnownTable;
+
+/// What decides how frames become maps.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct MapRules {
+    /// Finest voxel size, metres.
+    pub voxel_size: f64,
+    pub sensor_model: SensorModel,
+    pub rays: RayRule,
+    pub background: Background,
+}
+
+/// Where the object is, as far as it is known.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(super) struct Place {
+    /// The box around it; nothing is mapped before there is one.
+    pub bounds: Option<Aabb>,
+    pub table: Option<KnownTable>,
+}
+
+/// The map of a scan in the finest voxels and, while planning is done in coarser ones, the same frames mapped in those.
+///
+/// Both are functions of the frames, the place and the voxel size alone: when the box grows or the voxels are halved,
+/// maps are made anew from all frames, so that no measurement is lost or made up.
+#[derive(Debug)]
+pub(super) struct ScanMap {
+    rules: MapRules,
+    place: Place,
+    finest: BoxMap,
+    /// How often voxels are yet to be halved, and the map in the present ones; none in the finest.
+    coarse: Option<(u32, BoxMap)>,
+}
+
+/// A map of a box in voxels of one size.
+#[derive(Debug)]
+struct BoxMap {
+    map: OccupancyMap,
+    /// None where the box is unknown or holds no voxel.
+    block: Option<VoxelBlock>,
+    integration: Integration,
+    table: Option<KnownTable>,
+}
+
+impl ScanMap {
+    /// A map without frames.
+    pub fn new(rules: MapRules, place: Place) -> Self {
+        Self { finest: BoxMap::new(&rules, 0, place), coarse: None, place, rules }
+    }
+
+    pub fn place(&self) -> Place {
+        self.place
+    }
+
+    /// The map in the finest voxels.
+    pub fn finest(&self) -> &OccupancyMap {
+        &self.finest.map
+    }
+
+    /// What is known of the box in the finest voxels; none before there is a box.
+    pub fn finest_snapshot(&self) -> Option<Snapshot> {
+        self.finest.snapshot()
+    }
+
+    /// What is known of the box in the voxels that planning uses; none before there is a box.
+    pub fn planning_snapshot(&self) -> Option<Snapshot> {
+        self.planning().snapshot()
+    }
+
+    /// Edge of the voxels that planning uses, metres.
+    pub fn planning_voxel_size(&self) -> f64 {
+        self.planning().map.lattice().voxel_size()
+    }
+
+    /// Whether planning uses the finest voxels.
+    pub fn is_finest(&self) -> bool {
+        self.coarse.is_none()
+    }
+
+    /// Writes a frame into all maps and tells what it changed in the finest.
+    pub fn integrate(&mut self, frame: &Frame) -> MapUpdate {
+        if let Some((_, coarse)) = &mut self.coarse {
+            coarse.integrate(frame);
+        }
+        self.finest.integrate(frame)
+    }
+
+    /// Makes the maps anew for another place, from all frames.
+    pub fn move_to(&mut self, place: Place, frames: &[Frame]) {
+        self.place = place;
+        self.finest = BoxMap::of(&self.rules, 0, place, frames);
+        self.plan_in(self.coarse.as_ref().map_or(0, |(n_halvings, _)| *n_halvings), frames);
+    }
+
+    /// Goes on planning in voxels that are yet to be halved so often, or in finer ones if the box holds none of those.
+    pub fn plan_in(&mut self, n_halvings: u32, frames: &[Frame]) {
+        self.coarse = (1..=n_halvings)
+            .rev()
+            .find(|&n| self.place.bounds.is_none() || BoxMap::new(&self.rules, n, self.place).block.is_some())
+            .map(|n| (n, BoxMap::of(&self.rules, n, self.place, frames)));
+    }
+
+    /// Halves the voxels that planning uses; they must not be the finest.
+    pub fn refine(&mut self, frames: &[Frame]) {
+        let n_halvings = self.coarse.as_ref().map_or(0, |(n_halvings, _)| n_halvings - 1);
+        self.plan_in(n_halvings, frames);
+    }
+
+    fn planning(&self) -> &BoxMap {
+        self.coarse.as_ref().map_or(&self.finest, |(_, coarse)| coarse)
+    }
+}
+
+impl BoxMap {
+    fn new(rules: &MapRules, n_halvings: u32, place: Place) -> Self {
+        let voxel_size = rules.voxel_size * 2_f64.powi(n_halvings as i32);
+        let lattice = Lattice::new(voxel_size).expect("the session checked the voxel size");
+        let map =
+            OccupancyMap::new(lattice, rules.sensor_model).expect("the session checked the sensor model");
+        let block = place.bounds.and_then(|bounds| lattice.block_inside(&bounds));
+        let ground = place.table.map(|table| table.top);
+        let integration =
+            Integration { rays: rules.rays, background: rules.background, region: block, ground };
+        Self { map, block, integration, table: place.table }
+    }
+
+    fn of(rules: &MapRules, n_halvings: u32, place: Place, frames: &[Frame]) -> Self {
+        let mut map = Self::new(rules, n_halvings, place);
+        frames.iter().for_each(|frame| _ = map.integrate(frame));
+        map
+    }
+
+    fn integrate(&mut self, frame: &Frame) -> MapUpdate {
+        match self.block {
+            Some(_) => self.map.integrate(frame, &self.integration),
+            None => MapUpdate::default(),
+        }
+    }
+
+    /// What is known of the box. Voxels inside the table, which no frame can show, count as free: nothing is to be found there.
+    fn snapshot(&self) -> Option<Snapshot> {
+        let Some(table) = self.table else { return self.block.map(|block| self.map.snapshot(block)) };
+        let lattice = self.map.lattice();
+        let reach = 0.5 * lattice.voxel_size() * table.top.normal().abs().element_sum();
+        let free = LogOdds::from_probability(self.map.model().clamp_min);
+        let log_odds = |key| match table.top.height(lattice.center(key)) + reach <= 0.0 {
+            true => Some(free),
+            false => self.map.log_odds(key),
+        };
+        self.block.map(|block| Snapshot::from_fn(lattice, block, log_odds))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geometry::random::Random;
+    use crate::map::Occupancy;
+    use crate::sensor::{DepthImage, Intrinsics};
+    use crate::session::Table;
+    use crate::view::look_at;
+    use glam::{DVec2, DVec3};
+
+    fn frames(n: usize) -> Vec<Frame> {
+        let optics = Intrinsics::pinhole(40, 30, DVec2::splat(40.0), DVec2::new(19.5, 14.5)).unwrap();
+        let mut random = Random::new(7, 0);
+        let mut frame = || {
+            let depth = (0..1200).map(|_| random.range(0.25, 0.75) as f32).collect();
+            let image = DepthImage::from_metres(40, 30, depth).unwrap();
+            let pose = look_at(random.in_cube().normalize() * 0.5, DVec3::ZERO);
+            Frame::new(image, optics, pose, 1.0).unwrap()
+        };
+        (0..n).map(|_| frame()).collect()
+    }
+
+    fn rules() -> MapRules {
+        MapRules {
+            voxel_size: 0.01,
+            sensor_model: SensorModel::default(),
+            rays: RayRule::default(),
+            background: Background::default(),
+        }
+    }
+
+    fn place(half: f64, table: Table) -> Place {
+        Place { bounds: Some(Aabb::cube(DVec3::splat(0.013), half)), table: table.find(&[]) }
+    }
+
+    /// Whatever the way there, the maps are those made from scratch from the frames, the place and the voxel size.
+    fn check_is_from_scratch(map: &ScanMap, frames: &[Frame]) {
+        let mut known = Place { ..map.place() };
+        let n_halvings = (map.planning_voxel_size() / 0.01).log2().round() as u32;
+        for (n, found) in [(0, &map.finest), (n_halvings, map.planning())] {
+            let scratch = BoxMap::of(&rules(), n, known, frames);
+            assert_eq!(found.block, scratch.block);
+            assert_eq!(found.map.lattice(), scratch.map.lattice());
+            assert_eq!(found.map.voxels(), scratch.map.voxels());
+        }
+        known.bounds = None;
+        assert!(BoxMap::of(&rules(), 0, known, frames).map.voxels().is_empty());
+    }
+
+    #[test]
+    fn growth_refinement_and_frames_in_any_order_give_the_map_from_scratch() {
+        let frames = frames(6);
+        let mut random = Random::new(3, 0);
+        for _ in 0..10 {
+            let mut map = ScanMap::new(rules(), Place::default());
+            map.plan_in(3, &[]);
+            let (mut seen, mut half) = (0, 0.08);
+            while seen < frames.len() {
+                match random.index(4) {
+                    0 => {
+                        half += 0.02;
+                        map.move_to(place(half, Table::AtHeight(-0.05)), &frames[..seen]);
+                    }
+                    1 if !map.is_finest() => map.refine(&frames[..seen]),
+                    _ => {
+                        map.integrate(&frames[seen]);
+                        seen += 1;
+                    }
+                }
+                check_is_from_scratch(&map, &frames[..seen]);
+            }
+        }
+    }
+
+    #[test]
+    fn voxel_sizes_that_the_box_holds_none_of_are_passed_over() {
+        let mut map = ScanMap::new(rules(), place(0.02, Table::None));
+        map.plan_in(10, &[]);
+        assert!(map.planning_snapshot().is_some() && map.planning_voxel_size() < 0.1);
+    }
+
+    #[test]
+    fn nothing_is_to_be_found_inside_the_table() {
+        let mut map = ScanMap::new(rules(), place(0.05, Table::AtHeight(-0.011)));
+        frames(2).iter().for_each(|frame| _ = map.integrate(frame));
+        let below = |key: glam::IVec3| (key.z + 1) as f64 * 0.01 <= -0.009;
+        // As a tilted table would leave them in the box.
+        map.finest.block = Lattice::new(0.01).unwrap().block_inside(&Aabb::cube(DVec3::ZERO, 0.05));
+        let snapshot = map.finest_snapshot().unwrap();
+        let block = snapshot.block();
+        assert!((0..block.n_voxels()).any(|i| below(block.key(i))));
+        for i in (0..block.n_voxels()).filter(|&i| below(block.key(i))) {
+            assert_eq!(snapshot.occupancy()[i], Occupancy::Free);
+        }
+        assert!(snapshot.count(Occupancy::Unknown) > 0);
+    }
+}

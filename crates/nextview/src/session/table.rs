@@ -1,0 +1,115 @@
+use crate::Error;
+use crate::geometry::{Aabb, Plane, fit_ground};
+use crate::sensor::Frame;
+use glam::{DVec2, DVec3};
+use serde::{Deserialize, Serialize};
+
+/// What the object stands on.
+///
+/// Points of the table, and below, are no part of the object and make no voxel occupied; they still say that the way to
+/// them is free. The box ends at the table, and candidates below it are out of reach.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Table {
+    /// Nothing that the camera sees. The default.
+    #[default]
+    None,
+    /// A horizontal surface at this z, metres, finite.
+    AtHeight(f64),
+    /// The largest surface that the first frame shows below the camera and less than 30 degrees from the horizontal;
+    /// where there is none, as without a table.
+    Fitted,
+}
+
+/// Points up to here above a table belong to it, metres: the paper's figure (section V.C).
+const TOLERANCE: f64 = 0.002;
+
+/// A fitted table's points may lie this many times their own deviation above it, if that is more.
+const DEVIATIONS: f64 = 3.0;
+
+/// How far above a table's points a camera can stand, metres: most of the height of a small camera.
+const CLEARANCE: f64 = 0.02;
+
+/// A table that was found.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct KnownTable {
+    /// Where it is.
+    pub plane: Plane,
+    /// The plane above which points are no longer its own.
+    pub top: Plane,
+}
+
+impl Table {
+    pub(super) fn check(self) -> Result<(), Error> {
+        match self {
+            Self::AtHeight(z) if !z.is_finite() => {
+                Err(Error::invalid("table", z, "a finite height in metres"))
+            }
+            _ => Ok(()),
+        }
+    }
+
+    /// The table, as far as the frames (oldest first) tell.
+    pub(super) fn find(self, frames: &[Frame]) -> Option<KnownTable> {
+        match self {
+            Self::None => None,
+            Self::AtHeight(z) => Plane::horizontal(z).ok().map(|plane| KnownTable::new(plane, TOLERANCE)),
+            Self::Fitted => frames.first().and_then(fit),
+        }
+    }
+}
+
+impl KnownTable {
+    fn new(plane: Plane, tolerance: f64) -> Self {
+        Self { plane, top: plane.raised(tolerance) }
+    }
+
+    /// Whether a camera at this position is clear of the table.
+    pub fn is_clear(&self, position: DVec3) -> bool {
+        self.top.height(position) >= CLEARANCE
+    }
+
+    /// The box without what lies below the table wherever one stands in it; the box itself if nothing would be left.
+    pub fn clip(&self, bounds: Aabb) -> Aabb {
+        let (normal, min, max) = (self.top.normal(), bounds.min.truncate(), bounds.max.truncate());
+        let corners = [min, max, DVec2::new(min.x, max.y), DVec2::new(max.x, min.y)];
+        let height = |corner: DVec2| -self.top.height(corner.extend(0.0)) / normal.z;
+        let lowest = corners.map(height).into_iter().fold(f64::INFINITY, f64::min);
+        let z = if lowest < bounds.max.z { lowest.max(bounds.min.z) } else { bounds.min.z };
+        Aabb { min: min.extend(z), ..bounds }
+    }
+}
+
+fn fit(frame: &Frame) -> Option<KnownTable> {
+    let rows = 0..frame.image().height();
+    let ends = rows.flat_map(|v| frame.row_ray_ends(v));
+    let points: Vec<DVec3> = ends.filter(|(_, hit)| *hit).map(|(point, _)| point).collect();
+    let fit = fit_ground(&points, frame.world_from_camera().translation())?;
+    Some(KnownTable::new(fit.plane, TOLERANCE.max(DEVIATIONS * fit.deviation)))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_box_ends_at_the_top() {
+        let table = Table::AtHeight(0.1).find(&[]).unwrap();
+        let clipped = table.clip(Aabb::cube(DVec3::ZERO, 0.5));
+        assert!((clipped.min.z - 0.102).abs() < 1e-15 && clipped.min.x == -0.5 && clipped.max.z == 0.5);
+        let above = Aabb::cube(DVec3::ONE, 0.5);
+        assert_eq!(table.clip(above), above);
+        let below = Aabb::cube(-DVec3::ONE, 0.5);
+        assert_eq!(table.clip(below), below);
+        let tilted = KnownTable::new(Plane::new(DVec3::new(0.1, 0.0, 1.0), DVec3::ZERO).unwrap(), 0.0);
+        assert!((tilted.clip(Aabb::cube(DVec3::ZERO, 0.5)).min.z + 0.05).abs() < 1e-15);
+    }
+
+    #[test]
+    fn cameras_keep_clear() {
+        let table = Table::AtHeight(0.0).find(&[]).unwrap();
+        assert!(table.is_clear(DVec3::Z * 0.03) && !table.is_clear(DVec3::Z * 0.01));
+        assert_eq!(Table::Fitted.find(&[]), None);
+        assert!(Table::AtHeight(f64::NAN).check().is_err());
+    }
+}

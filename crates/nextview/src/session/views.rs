@@ -1,0 +1,40 @@
+use super::object_box::Location;
+use crate::geometry::Pose;
+use crate::view::ViewSpace;
+
+/// Where the camera could go.
+#[derive(Clone, Debug)]
+pub enum Views {
+    /// Poses that stay where they are. The first view is [one of them](super::SessionConfig::first_view).
+    Fixed(ViewSpace),
+    /// Poses that move along with what is known of the object.
+    Following {
+        /// The first view, which is no candidate.
+        first: Pose,
+        /// The candidates for an object at the origin whose longest side is 2 m ("size 1"), such as
+        /// `generate::shell(DVec3::ZERO, 1.0, 1000, 0)`. They stand [around](ViewSpace::around) the middle of what is known
+        /// of the object, at distances in proportion to half its longest side. So a candidate's number always means the same
+        /// direction and relative distance, and stays taken once it was, although the candidate may have moved a
+        /// little since.
+        unit: ViewSpace,
+    },
+}
+
+impl From<ViewSpace> for Views {
+    fn from(views: ViewSpace) -> Self {
+        Self::Fixed(views)
+    }
+}
+
+impl Views {
+    /// The candidates for an object that is there; the unit candidates themselves while it is nowhere.
+    pub(super) fn candidates(&self, location: &Location) -> ViewSpace {
+        let views = match (self, location.object) {
+            (Self::Fixed(views), _) => views.clone(),
+            (Self::Following { unit, .. }, Some((center, size))) => unit.around(center, size),
+            (Self::Following { unit, .. }, None) => unit.clone(),
+        };
+        let is_clear = |position| location.place.table.is_none_or(|table| table.is_clear(position));
+        views.restricted(is_clear)
+    }
+}
