@@ -1,7 +1,9 @@
 //! The commands of the program.
 
+mod compare;
 mod map;
 mod plan;
+mod report;
 mod scan;
 mod values;
 mod views;
@@ -47,6 +49,8 @@ enum Command {
     Views(views::ViewsArgs),
     #[command(subcommand)]
     Map(map::MapCommand),
+    Report(report::ReportArgs),
+    Compare(compare::CompareArgs),
 }
 
 impl Cli {
@@ -61,6 +65,8 @@ impl Cli {
             Command::Plan(args) => args.run(),
             Command::Views(args) => args.run(),
             Command::Map(command) => command.run(),
+            Command::Report(args) => args.run(),
+            Command::Compare(args) => args.run(),
         }
     }
 }
