@@ -51,7 +51,7 @@ impl VariantComparison {
         };
         let objects = if self.n_objects == 1 { "object" } else { "objects" };
         let rows: String = self.measures.iter().map(MeasureComparison::to_text).collect();
-        let head = format!("{:<26}{:>10}{:>10}{:>11}   {:<22}\n", "", "A", "B", "B - A", "95 % interval");
+        let head = format!("{:<26}{:>10}{:>10}{:>11}   {}\n", "", "A", "B", "B - A", "95 % interval");
         let lists = [("better", &self.better), ("worse", &self.worse)].map(|(word, objects)| {
             let named: Vec<String> =
                 objects.iter().map(|(name, points)| format!("{name} {}", signed(*points, 1))).collect();

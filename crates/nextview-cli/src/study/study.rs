@@ -135,10 +135,11 @@ mod tests {
         made_up::measures_mut(&mut again).steps.last_mut().unwrap().voxel_coverage -= 0.2;
         campaign.runs.push(again);
         let study = Study::new(&campaign);
+        let coverage = |run: &RunRecord| (VOXEL_COVERAGE.of)(&Done::of(run).unwrap()).unwrap();
+        let object = study.objects.iter().position(|o| *o == Object::of(&campaign.runs[0])).unwrap();
         let all = study.variants[0].by_object(&VOXEL_COVERAGE);
-        let of_run = |i: usize| (VOXEL_COVERAGE.of)(&Done::of(&campaign.runs[i]).unwrap()).unwrap();
-        assert!((all[0].unwrap() - (of_run(0) - 0.1)).abs() < 1e-12);
-        assert_eq!(all[1], Some(of_run(1)));
+        assert!((all[object].unwrap() - (coverage(&campaign.runs[0]) - 0.1)).abs() < 1e-12);
+        assert_eq!(all[1 - object], Some(coverage(&campaign.runs[1])));
     }
 
     #[test]

@@ -20,8 +20,15 @@ pub(crate) fn section(study: &Study<'_>) -> Section {
                   Ranges are 95 % intervals by a bootstrap over objects with 10 000 resamples and a fixed seed; \
                   with fewer than about ten objects they are too narrow. Differences are paired by object.";
     let blocks = [reached(study), views(study), costs(study), against(study)];
-    let blocks = std::iter::once(Block::Text(method.to_owned())).chain(blocks.map(Block::Table));
-    Section { title: "Summary".to_owned(), blocks: blocks.collect() }
+    let mut texts = vec![method];
+    if study.variants.iter().any(|variant| variant.n_objects() != study.variants[0].n_objects()) {
+        texts.push(
+            "The variants do not have the same objects, since runs failed or are still to come: \
+             only the paired differences compare like with like.",
+        );
+    }
+    let texts = texts.into_iter().map(|text| Block::Text(text.to_owned()));
+    Section { title: "Summary".to_owned(), blocks: texts.chain(blocks.map(Block::Table)).collect() }
 }
 
 /// The mean with its interval; a dash of nothing.

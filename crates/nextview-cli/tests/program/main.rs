@@ -4,6 +4,8 @@
 #[cfg(test)]
 mod bad_input;
 #[cfg(test)]
+mod campaigns;
+#[cfg(test)]
 mod common;
 #[cfg(test)]
 mod determinism;
