@@ -9,9 +9,8 @@ pub(crate) const METHODS: [&str; 4] = ["APORA", "RSE", "NBV-Net", "Ours"];
 /// A published number, by the names in `paper_numbers.csv`.
 pub(crate) fn number(table: &str, row: &str, column: &str, measure: &str) -> Option<f64> {
     let lines = include_str!("paper_numbers.csv").lines().filter(|line| !line.starts_with('#'));
-    let fields = lines.map(|line| line.split(',').collect::<Vec<_>>());
-    let found = fields.filter(|fields| fields[..4] == [table, row, column, measure]).next();
-    found.and_then(|fields| fields[4].parse().ok())
+    let mut fields = lines.map(|line| line.split(',').collect::<Vec<_>>());
+    fields.find(|fields| fields[..4] == [table, row, column, measure])?[4].parse().ok()
 }
 
 /// The paper's name of a planner.

@@ -109,7 +109,7 @@ fn costs(study: &Study<'_>) -> Table {
     })
 }
 
-/// A column of differences: its head, and what to subtract from a variant.
+/// What each variant reached beyond random views, beyond a variant of random views, and beyond its best rival.
 fn against(study: &Study<'_>) -> Table {
     let random = study.variants.iter().find(|variant| variant.planner == PlannerName::Random);
     let mut head = vec!["seen beyond random views, points", "objects better / worse / equal"];
