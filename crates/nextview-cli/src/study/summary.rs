@@ -147,8 +147,8 @@ fn paired(differences: &[f64], other: &str) -> [Cell; 2] {
     let Some(mean) = mean(differences) else { return ["–".into(), "–".into()] };
     let show = |value| VOXEL_COVERAGE.show_difference(value);
     let interval = Interval::of_mean(differences).map(|i| format!("{} to {}", show(i.low), show(i.high)));
-    let than = if other.is_empty() { String::new() } else { format!("than {other}") };
-    let note = [interval.unwrap_or_default(), than].into_iter().filter(|part| !part.is_empty());
+    let name = if other.is_empty() { String::new() } else { format!("against {other}") };
+    let note = [interval.unwrap_or_default(), name].into_iter().filter(|part| !part.is_empty());
     let count = |f: fn(f64) -> bool| differences.iter().filter(|&&d| f(d)).count();
     let (better, worse) = (count(|d| d > DRAW), count(|d| d < -DRAW));
     let equal = differences.len() - better - worse;
