@@ -10,5 +10,6 @@ mod files;
 pub mod report;
 mod scan;
 mod stdout;
+mod study;
 
 pub use failure::Failure;

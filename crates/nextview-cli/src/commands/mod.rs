@@ -1,8 +1,10 @@
 //! The commands of the program.
 
 mod bench;
+mod compare;
 mod map;
 mod plan;
+mod report;
 mod scan;
 mod values;
 mod views;
@@ -16,7 +18,8 @@ use clap::{Parser, Subcommand};
 /// possible.
 ///
 /// `nextview scan` scans a simulated object from the first view to the last and writes the map, the cloud, the mesh
-/// and a report, `nextview bench` runs many scans and compares. `nextview plan` gives the next view for a map that you have. `nextview map` looks into maps, `nextview
+/// and a report. `nextview bench` scans many objects with many planners, `nextview report` and `nextview compare` tell
+/// what came of it. `nextview plan` gives the next view for a map that you have, `nextview map` looks into maps, `nextview
 /// views` makes the poses to choose from.
 #[derive(Debug, Parser)]
 #[command(name = "nextview", version, max_term_width = 100, after_help = EXAMPLES)]
@@ -33,7 +36,8 @@ Examples:
   nextview scan                              scan a built-in teapot; then open its report.html
   nextview scan part.stl --unit mm           scan your own mesh
   nextview scan builtin:mug --planner local  another object, another planner
-  nextview bench paper-1                     all planners on all built-in objects
+  nextview bench paper-1 meshes/*.ply        every planner on your meshes
+  nextview report bench-paper-1              the figures and tables of that
   nextview map info map.ot                   what a map knows
   nextview views > views.csv                 poses to choose from
   nextview plan --map map.ot --views views.csv
@@ -46,6 +50,8 @@ Exit codes: 0 done, 1 bad data or a failing system, 2 bad usage.";
 enum Command {
     Scan(Box<scan::ScanArgs>),
     Bench(bench::BenchArgs),
+    Report(report::ReportArgs),
+    Compare(compare::CompareArgs),
     Plan(plan::PlanArgs),
     Views(views::ViewsArgs),
     #[command(subcommand)]
@@ -65,6 +71,8 @@ impl Cli {
             Command::Plan(args) => args.run(),
             Command::Views(args) => args.run(),
             Command::Map(command) => command.run(),
+            Command::Report(args) => args.run(),
+            Command::Compare(args) => args.run(),
         }
     }
 }

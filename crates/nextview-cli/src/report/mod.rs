@@ -5,15 +5,19 @@
 mod chart;
 mod cloud;
 mod headline;
+pub(crate) mod plot;
 mod ramp;
 mod scene;
 mod table;
-mod text;
+pub(crate) mod text;
 mod thumbnail;
 
 use glam::{DVec3, Vec3};
 use nextview::geometry::Pose;
 use nextview::sensor::{DepthImage, Intrinsics};
+
+/// The style of all pages.
+pub(crate) const STYLE: &str = include_str!("style.css");
 
 /// What the page shows of a scan. All strings are plain text; the page escapes them.
 #[derive(Clone, Debug)]
@@ -93,7 +97,7 @@ pub fn render(report: &ScanReport) -> String {
     );
     let values = [
         ("object", text::escape(&report.object)),
-        ("style", include_str!("style.css").to_owned()),
+        ("style", STYLE.to_owned()),
         ("subtitle", subtitle),
         ("headline", headline::draw(report)),
         ("chart", chart::draw(report)),

@@ -48,6 +48,12 @@ fn of_map() {
 }
 
 #[test]
+fn of_report_and_compare() {
+    check(&["report"]);
+    check(&["compare"]);
+}
+
+#[test]
 fn names_all_built_in_objects() {
     let help = Folder::new("help-objects").ok(&["scan", "--help"]);
     let words: Vec<&str> = help.split(|c: char| !c.is_alphanumeric() && c != '-').collect();

@@ -6,6 +6,8 @@ mod bad_input;
 #[cfg(test)]
 mod bench;
 #[cfg(test)]
+mod campaigns;
+#[cfg(test)]
 mod common;
 #[cfg(test)]
 mod determinism;
