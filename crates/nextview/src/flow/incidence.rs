@@ -111,6 +111,16 @@ impl Incidence {
         }
     }
 
+    /// The row's columns modulo 64, a bit for each: a row that holds all columns of another holds all its bits too.
+    pub(super) fn row_signature(&self, row: usize) -> u64 {
+        match self.form(row) {
+            Form::List(list) => list.iter().fold(0, |all, column| all | 1 << (column % 64)),
+            Form::Bits(bits) => {
+                bits.iter().enumerate().fold(0, |all, (i, &word)| all | u64::from(word) << (i % 2 * 32))
+            }
+        }
+    }
+
     /// The words that hold a row, equal for rows of equal content.
     pub(super) fn row_words(&self, row: usize) -> &[u32] {
         &self.rows[row]
@@ -235,6 +245,10 @@ mod tests {
             }
             prop_assert_eq!(incidence.row_is_subset(0, 1), sets[0].is_subset(&sets[1]));
             prop_assert_eq!(incidence.row_is_subset(1, 0), sets[1].is_subset(&sets[0]));
+            for (row, set) in sets.iter().enumerate() {
+                let signature = set.iter().fold(0, |all, column| all | 1 << (column % 64));
+                prop_assert_eq!(incidence.row_signature(row), signature);
+            }
             prop_assert_eq!(incidence.transposed().transposed(), incidence);
         }
     }

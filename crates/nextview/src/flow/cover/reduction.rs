@@ -1,5 +1,5 @@
 use super::super::Incidence;
-use std::collections::HashSet;
+use rustc_hash::FxHashSet;
 
 /// Edges visited and rows compared after which dominated rows are no longer looked for. What is found by then is
 /// used; a problem that is not fully reduced is only harder for what follows.
@@ -50,7 +50,7 @@ impl Core {
             }
         }
         // Asked only whether it has a row; its order never matters.
-        let mut seen = HashSet::new();
+        let mut seen = FxHashSet::default();
         let keep_item = |item: usize| {
             self.candidates.row(item).next().is_some()
                 && !self.candidates.row(item).any(|set| is_chosen[set as usize])
@@ -114,12 +114,15 @@ struct Containment<'a> {
     by_column: &'a Incidence,
     lens: Vec<usize>,
     column_lens: Vec<usize>,
+    /// Most rows that hold not all of another are told apart by these, without a look at the rows.
+    signatures: Vec<u64>,
 }
 
 impl<'a> Containment<'a> {
     fn new(rows: &'a Incidence, by_column: &'a Incidence) -> Self {
         let lens = |of: &Incidence| (0..of.n_rows()).map(|row| of.row_len(row)).collect();
-        Self { rows, by_column, lens: lens(rows), column_lens: lens(by_column) }
+        let signatures = (0..rows.n_rows()).map(|row| rows.row_signature(row)).collect();
+        Self { rows, by_column, lens: lens(rows), column_lens: lens(by_column), signatures }
     }
 
     /// The other rows that hold all columns of `row`; none if it is empty or the work is used up.
@@ -132,7 +135,10 @@ impl<'a> Containment<'a> {
         let rarest = rarest.flatten().filter(|&column| work.spend(self.column_lens[column as usize]));
         let others = rarest.into_iter().flat_map(|column| self.by_column.row(column as usize));
         others.map(|other| other as usize).filter(move |&other| {
-            other != row && self.lens[other] >= self.lens[row] && self.rows.row_is_subset(row, other)
+            other != row
+                && self.lens[other] >= self.lens[row]
+                && self.signatures[row] & !self.signatures[other] == 0
+                && self.rows.row_is_subset(row, other)
         })
     }
 }
