@@ -15,7 +15,7 @@ pub enum ObjectBox {
     /// Nothing. The first frame must show some of it: the object is the nearest thing there (a thing that does not reach
     /// into the middle half of the image counts as twice as far), and whatever later frames show that hangs together with
     /// it. The box is the cube around the middle of the points seen so far, a tenth wider than their longest side and
-    /// two voxels more on each side; so it grows as more is seen (the dynamic box of Daudelin & Campbell 2017). What the object
+    /// two voxels more on each side, rounded to whole voxels; so it grows as more is seen (the dynamic box of Daudelin & Campbell 2017). What the object
     /// touches belongs to it, unless it is a [`Table`].
     Growing,
 }
@@ -67,8 +67,10 @@ impl Locator {
         }
     }
 
+    /// Centre and half-side are whole voxels, so that a box that grows by less stays what it is, and so do its maps.
     fn with_margin(&self, object: Aabb) -> Aabb {
-        let half = MARGIN * 0.5 * object.longest_side() + MARGIN_IN_VOXELS * self.voxel_size;
-        Aabb::cube(object.center(), half)
+        let voxel = self.voxel_size;
+        let half = (MARGIN * 0.5 * object.longest_side() / voxel + MARGIN_IN_VOXELS).ceil();
+        Aabb::cube((object.center() / voxel).round() * voxel, half * voxel)
     }
 }
