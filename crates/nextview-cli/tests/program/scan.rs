@@ -171,6 +171,25 @@ fn every_view_space_and_profile_scans() {
 }
 
 #[test]
+fn planning_may_know_less_and_begin_coarser() {
+    let folder = Folder::new("scan-unknown");
+    let command =
+        "scan builtin:mug --views 4 --candidates 60 --voxel-size-m 0.005 --baselines off --json --out out";
+    let options = ["--box", "grows", "--table", "fit", "--multi-resolution", "on"];
+    let args: Vec<&str> = command.split(' ').chain(options).collect();
+    folder.json(&args);
+    let config = folder.text("out/config.toml");
+    for line in ["rule = \"grows\"", "table = \"fit\"", "enabled = true"] {
+        assert!(config.contains(line), "{config}");
+    }
+    let steps = folder.text("out/steps.jsonl");
+    let first: Value = serde_json::from_str(steps.lines().next().unwrap()).unwrap();
+    assert_eq!(first["voxel_size"].as_f64(), Some(0.01));
+    assert!(first["bounds"].is_object() && first["table"].is_object());
+    assert!(first["view"].is_null(), "the first view is no candidate");
+}
+
+#[test]
 fn tells_why_it_stopped() {
     let folder = Folder::new("scan-stops");
     let nothing = folder.json(&small(&["--views", "20", "--planner", "clairvoyant", "--json"]));
