@@ -11,6 +11,8 @@ const BETWEEN_LINES: Duration = Duration::from_secs(30);
 /// How far a campaign is, on stderr: a bar, or else a line now and then.
 pub(super) struct Progress {
     bar: ProgressBar,
+    /// Since when runs are done, and how many had been done before.
+    begin: (Instant, u64),
     /// When the last line was; none where there is a bar.
     last_line: Option<Mutex<Instant>>,
 }
@@ -20,19 +22,19 @@ impl Progress {
     pub fn new(n_runs: usize, n_done: usize) -> Self {
         let style = ProgressStyle::with_template("{pos} of {len} runs [{bar:30}] {elapsed} ({left})");
         let style = style.expect("the template is well formed");
+        let begin = (Instant::now(), n_done as u64);
         let left = move |state: &ProgressState, writer: &mut dyn Write| {
             // Before the first run there is nothing to judge by, and nobody to tell if a line cannot be drawn.
-            let _ = match state.pos() > n_done as u64 {
-                true => write!(writer, "{:#} left", HumanDuration(state.eta())),
-                false => write!(writer, "looking at the first object"),
+            let _ = match time_left(begin, state.pos(), n_runs as u64) {
+                Some(time) => write!(writer, "{:#} left", HumanDuration(time)),
+                None => write!(writer, "looking at the first object"),
             };
         };
         let bar = ProgressBar::new(n_runs as u64).with_style(style.with_key("left", left));
         bar.set_position(n_done as u64);
-        bar.reset_eta();
         bar.enable_steady_tick(Duration::from_millis(200));
         let last_line = (!stderr().is_terminal()).then(|| Mutex::new(Instant::now()));
-        Self { bar, last_line }
+        Self { bar, begin, last_line }
     }
 
     /// A run is done.
@@ -43,7 +45,8 @@ impl Progress {
         let (n_done, n_runs) = (self.bar.position(), self.bar.length().unwrap_or_default());
         if last_line.elapsed() >= BETWEEN_LINES && n_done < n_runs {
             *last_line = Instant::now();
-            eprintln!("{n_done} of {n_runs} runs, about {} left", HumanDuration(self.bar.eta()));
+            let left = time_left(self.begin, n_done, n_runs).unwrap_or_default();
+            eprintln!("{n_done} of {n_runs} runs, about {} left", HumanDuration(left));
         }
     }
 
@@ -51,6 +54,13 @@ impl Progress {
     pub fn print(&self, text: &str) -> Result<(), Failure> {
         self.bar.suspend(|| stdout::print(text))
     }
+}
+
+/// By the mean time of all runs since the beginning, because runs come in bursts, when an object has been looked at; none
+/// before the first.
+fn time_left((begin, n_before): (Instant, u64), n_done: u64, n_runs: u64) -> Option<Duration> {
+    let n_since = n_done.saturating_sub(n_before);
+    (n_since > 0).then(|| begin.elapsed().mul_f64((n_runs - n_done) as f64 / n_since as f64))
 }
 
 impl Drop for Progress {

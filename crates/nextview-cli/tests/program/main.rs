@@ -19,4 +19,6 @@ mod interrupt;
 #[cfg(test)]
 mod map_and_views;
 #[cfg(test)]
+mod reproduction;
+#[cfg(test)]
 mod scan;

@@ -1,0 +1,62 @@
+//! The tables in docs/reproduction are what this program finds: a few of their runs, done again.
+
+use crate::common::{Folder, data};
+
+/// A report, a column of its table of objects, and the configuration that the column stands for, over the paper's protocol.
+const COLUMNS: [(&str, &str, &str); 7] = [
+    (include_str!("../../../../docs/reproduction/paper-1.md"), "max-flow", ""),
+    (include_str!("../../../../docs/reproduction/paper-1.md"), "apora", "planner = 'apora'\n"),
+    (include_str!("../../../../docs/reproduction/paper-1.md"), "rse", "planner = 'rse'\n"),
+    (
+        include_str!("../../../../docs/reproduction/paper-3.md"),
+        "rse + multi",
+        "planner = 'rse'\nmulti_resolution.enabled = true\n",
+    ),
+    (
+        include_str!("../../../../docs/reproduction/paper-4.md"),
+        "gamma 0.75, history false",
+        "max_flow.gamma = 0.75\nmax_flow.uses_history = false\n",
+    ),
+    (
+        include_str!("../../../../docs/reproduction/paper-5.md"),
+        "max-flow, q_thresh 1",
+        "multi_resolution = { enabled = true, q_thresh = 1, coarsest_voxel_size_m = 0.04 }\n",
+    ),
+    (include_str!("../../../../docs/reproduction/paper-7.md"), "theta 0.75", "max_flow.theta = 0.75\n"),
+];
+
+const PROTOCOL: &str = "profile = 'paper'\nsize_m = 0.2\nbaselines = false\nstop.entropy_share = 0\n";
+
+/// Final voxel coverage, %, as the report's table of objects has it.
+fn reported(report: &str, object: &str, column: &str) -> String {
+    let (_, table) = report.split_once("## Voxel coverage by object").unwrap();
+    let plain = |cell: &str| cell.trim().replace('\\', "");
+    let rows = table.lines().filter(|line| line.starts_with('|'));
+    let mut rows = rows.map(|line| line.split('|').map(plain).collect::<Vec<_>>());
+    let head = rows.next().unwrap();
+    let position = head.iter().position(|name| name == column).unwrap_or_else(|| panic!("no {column}: {head:?}"));
+    let row = rows.find(|row| row[1].split(" (").next() == Some(object)).unwrap();
+    row[position].clone()
+}
+
+fn check(object: &str, file: &str) {
+    let test = format!("reproduces_the_reported_coverage of {object}");
+    let Some(mesh) = data(&test, file) else { return };
+    let folder = Folder::new(&format!("reproduction-{object}"));
+    for (report, column, config) in COLUMNS {
+        folder.write("config.toml", format!("{PROTOCOL}{config}"));
+        let scan = folder.json(&["scan", mesh.to_str().unwrap(), "--config=config.toml", "--out=out", "--json"]);
+        let coverage = scan["voxel_coverage"].as_array().unwrap().last().unwrap().as_f64().unwrap();
+        assert_eq!(format!("{:.1}", 100.0 * coverage), reported(report, object, column), "{object}, {column}");
+    }
+}
+
+#[test]
+fn reproduces_the_reported_coverage_of_a_part() {
+    check("tless_05", "meshes/tless/tless_05.ply");
+}
+
+#[test]
+fn reproduces_the_reported_coverage_of_a_mug() {
+    check("ycb_025_mug", "meshes/ycb/ycb_025_mug.ply");
+}
