@@ -65,8 +65,13 @@ const MULTI: Axis = Axis {
     name: "multi-resolution",
     keys: &["multi_resolution"],
     label: |_, config| {
-        let is_on = config.get("multi_resolution").is_some_and(|value| !value.is_null());
-        Some(if is_on { "multi" } else { "single" }.to_owned())
+        let is_on = find(config, "multi_resolution.enabled") == Some(&Value::Bool(true));
+        let coarsest = find(config, "multi_resolution.coarsest_voxel_size_m").and_then(number);
+        Some(match (is_on, coarsest) {
+            (false, _) => "single".to_owned(),
+            (true, None) => "multi".to_owned(),
+            (true, Some(coarsest)) => format!("multi from {coarsest} m"),
+        })
     },
 };
 

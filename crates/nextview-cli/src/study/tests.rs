@@ -1,5 +1,6 @@
 use super::*;
 use crate::bench::{RunRecord, RunResult};
+use crate::scan::{PlannerName, ScanConfig};
 use made_up::{campaign, measures_mut};
 use std::path::Path;
 
@@ -102,6 +103,68 @@ fn a_parameter_study_makes_the_papers_table() {
     for other in ["Table III.", "Table V.", "Table VII."] {
         assert!(!markdown.contains(other), "{other}");
     }
+}
+
+/// The rows of the paper's table with this number, over these configurations of apora and max-flow.
+fn rows_of(number: &str, configure: [fn(&mut ScanConfig); 3]) -> Vec<String> {
+    let names: Vec<String> = ["apora", "max-flow"]
+        .iter()
+        .flat_map(|planner| (0..3).map(move |i| format!("{planner} {i}")))
+        .collect();
+    let mut campaign = campaign(&names.iter().map(String::as_str).collect::<Vec<_>>(), 3);
+    for run in &mut campaign.runs {
+        if run.variant.starts_with("apora") {
+            run.config.planner = PlannerName::Apora;
+        }
+        configure[run.variant.rsplit(' ').next().unwrap().parse::<usize>().unwrap()](&mut run.config);
+    }
+    let [_, markdown] = report(&campaign);
+    let (_, table) = markdown.split_once(&format!("Table {number}. ")).unwrap();
+    table.lines().skip(2).take_while(|line| line.starts_with('|')).map(str::to_owned).collect()
+}
+
+#[test]
+fn resolutions_thresholds_and_movement_have_their_tables() {
+    let rows = rows_of(
+        "III",
+        [
+            |_| (),
+            |config| config.multi_resolution.enabled = true,
+            |config| {
+                config.multi_resolution.enabled = true;
+                config.multi_resolution.coarsest_voxel_size_m = Some(0.04);
+            },
+        ],
+    );
+    let columns = ["single", "multi from 0.04 m", "multi"].map(|name| format!("multi-resolution = {name} |"));
+    assert_eq!(rows[0], format!("| method | measure | {}", columns.join(" ")));
+    assert!(
+        rows[2].starts_with("| APORA | voxel coverage, %") && rows[2].contains("(paper 88.9)"),
+        "{rows:?}"
+    );
+    assert!(rows[5].starts_with("| Ours | computing time") && rows[5].contains("(paper 6.972)"), "{rows:?}");
+
+    let rows = rows_of(
+        "V",
+        [
+            |config| config.multi_resolution.q_thresh = 0.0,
+            |config| config.multi_resolution.q_thresh = 0.5,
+            |config| config.multi_resolution.q_thresh = 1.0,
+        ],
+    );
+    assert_eq!(rows[0], "| method | measure | q_thresh = 0 | q_thresh = 0.5 | q_thresh = 1 |");
+    assert!(rows[3].contains("(paper 92.6)") && rows[3].contains("(paper 93)"), "{rows:?}");
+
+    let rows = rows_of(
+        "VII",
+        [
+            |config| (config.max_flow.theta, config.greedy.theta) = (0.0, 0.0),
+            |config| (config.max_flow.theta, config.greedy.theta) = (0.5, 0.5),
+            |config| (config.max_flow.theta, config.greedy.theta) = (1.0, 1.0),
+        ],
+    );
+    assert_eq!(rows[0], "| method | measure | θ = 0 | θ = 0.5 | θ = 1 |");
+    assert!(rows.iter().any(|row| row.contains("(paper 48.7)")), "{rows:?}");
 }
 
 #[test]

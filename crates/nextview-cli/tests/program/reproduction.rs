@@ -34,7 +34,8 @@ fn reported(report: &str, object: &str, column: &str) -> String {
     let rows = table.lines().filter(|line| line.starts_with('|'));
     let mut rows = rows.map(|line| line.split('|').map(plain).collect::<Vec<_>>());
     let head = rows.next().unwrap();
-    let position = head.iter().position(|name| name == column).unwrap_or_else(|| panic!("no {column}: {head:?}"));
+    let position =
+        head.iter().position(|name| name == column).unwrap_or_else(|| panic!("no {column}: {head:?}"));
     let row = rows.find(|row| row[1].split(" (").next() == Some(object)).unwrap();
     row[position].clone()
 }
@@ -45,9 +46,14 @@ fn check(object: &str, file: &str) {
     let folder = Folder::new(&format!("reproduction-{object}"));
     for (report, column, config) in COLUMNS {
         folder.write("config.toml", format!("{PROTOCOL}{config}"));
-        let scan = folder.json(&["scan", mesh.to_str().unwrap(), "--config=config.toml", "--out=out", "--json"]);
+        let scan =
+            folder.json(&["scan", mesh.to_str().unwrap(), "--config=config.toml", "--out=out", "--json"]);
         let coverage = scan["voxel_coverage"].as_array().unwrap().last().unwrap().as_f64().unwrap();
-        assert_eq!(format!("{:.1}", 100.0 * coverage), reported(report, object, column), "{object}, {column}");
+        assert_eq!(
+            format!("{:.1}", 100.0 * coverage),
+            reported(report, object, column),
+            "{object}, {column}"
+        );
     }
 }
 
