@@ -152,7 +152,7 @@ fn resolutions_thresholds_and_movement_have_their_tables() {
             |config| config.multi_resolution.q_thresh = 1.0,
         ],
     );
-    assert_eq!(rows[0], "| method | measure | q_thresh = 0 | q_thresh = 0.5 | q_thresh = 1 |");
+    assert_eq!(rows[0], r"| method | measure | q\_thresh = 0 | q\_thresh = 0.5 | q\_thresh = 1 |");
     assert!(rows[3].contains("(paper 92.6)") && rows[3].contains("(paper 93)"), "{rows:?}");
 
     let rows = rows_of(
