@@ -72,7 +72,7 @@ fn measures(setting: &Setting, scan: &FinishedScan, baselines: Option<&Baselines
 fn step_measures(step: &Step, baselines: Option<&Baselines>) -> StepMeasures {
     let [surface_1mm, surface_2mm, surface_5mm] = step.surface_coverage;
     StepMeasures {
-        view: step.report.view.unwrap_or_default(),
+        view: step.report.view,
         voxel_size_m: step.report.voxel_size,
         voxel_coverage: step.voxels.coverage(),
         false_voxels: step.voxels.n_false,

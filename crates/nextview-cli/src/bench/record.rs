@@ -70,8 +70,8 @@ pub(crate) struct Measures {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct StepMeasures {
-    /// Number of the view among the candidates.
-    pub view: usize,
+    /// Number of the view among the candidates; none for a first view that is none of them.
+    pub view: Option<usize>,
     /// Voxel size in which the view was planned.
     pub voxel_size_m: f64,
     /// Occupied object voxels of the map at the finest voxel size, over object voxels.

@@ -53,8 +53,8 @@ pub struct ScanReport {
 /// One view of the scan.
 #[derive(Clone, Debug)]
 pub struct Step {
-    /// Number of the view in the list of candidates.
-    pub view: usize,
+    /// Number of the view in the list of candidates; none for a first view that is none of them.
+    pub view: Option<usize>,
     /// Where the camera stood.
     pub world_from_camera: Pose,
     /// What it saw; shown as a thumbnail.

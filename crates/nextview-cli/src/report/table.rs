@@ -65,9 +65,9 @@ fn row(report: &ScanReport, columns: &[Column], i: usize, img: &str) -> String {
     let step = &report.steps[i];
     let color = ramp::css(ramp::view(i, report.steps.len()));
     let mut out = format!(
-        r#"<tr><th scope="row"><i class="swatch" style="background:{color}"></i>{} <small>candidate {}</small></th><td class="depth">{img}</td>"#,
+        r#"<tr><th scope="row"><i class="swatch" style="background:{color}"></i>{} <small>{}</small></th><td class="depth">{img}</td>"#,
         i + 1,
-        step.view
+        step.view.map_or("given pose".to_owned(), |view| format!("candidate {view}"))
     );
     for Column { name, cell } in columns {
         let value = cell(report, i, step);

@@ -1,6 +1,6 @@
 use super::baselines::Baselines;
 use super::memory;
-use super::{FinishedScan, PlannerName, Profile, ScanConfig, Setting};
+use super::{BoxRule, FinishedScan, PlannerName, Profile, ScanConfig, Setting, TableRule};
 use crate::Failure;
 use nextview::session::StopReason;
 use nextview_sim::run::Step;
@@ -20,8 +20,8 @@ pub(super) struct Outcome {
     pub stop_reason: StopReason,
     pub voxel_size_m: f64,
     pub n_candidates: usize,
-    /// Numbers of the views, in order.
-    pub view_ids: Vec<usize>,
+    /// Numbers of the views, in order; none for a first view that is no candidate.
+    pub view_ids: Vec<Option<usize>>,
     /// Object voxels that are occupied in the map, over object voxels, after each view.
     pub voxel_coverage: Vec<f64>,
     /// Occupied voxels that are no object voxels, after each view.
@@ -49,6 +49,9 @@ pub(super) struct Outcome {
     /// Kept for the report, not printed.
     #[serde(skip)]
     pub baselines: Option<Baselines>,
+    /// The box around the object and the plane of its table, in words; of what the scan was not told already.
+    #[serde(skip)]
+    found: Vec<(&'static str, String)>,
 }
 
 impl Outcome {
@@ -70,7 +73,7 @@ impl Outcome {
             stop_reason: scan.stop_reason,
             voxel_size_m: config.voxel_size_m.unwrap_or_default(),
             n_candidates: setting.views.len(),
-            view_ids: steps.iter().filter_map(|s| s.report.view).collect(),
+            view_ids: steps.iter().map(|s| s.report.view).collect(),
             voxel_coverage: steps.iter().map(|s| s.voxels.coverage()).collect(),
             false_voxels: steps.iter().map(|s| s.voxels.n_false).collect(),
             surface_coverage_1mm: steps.iter().map(|s| s.surface_coverage[0]).collect(),
@@ -89,6 +92,7 @@ impl Outcome {
             baseline_time_ms: baselines.as_ref().map(|b| milliseconds(b.time)),
             peak_memory_mb: memory::peak_mb(),
             baselines,
+            found: found(config, steps.last()),
         }
     }
 
@@ -114,6 +118,7 @@ impl Outcome {
         rows.push(("false voxels", self.false_voxels.last().copied().unwrap_or_default().to_string()));
         rows.push(("surface within 2 mm", last(&self.surface_coverage_2mm)));
         rows.push(("surface within 5 mm", last(&self.surface_coverage_5mm)));
+        rows.extend(self.found.iter().cloned());
         rows.push(("path length", format!("{:.2} m", self.path_length_m)));
         rows.push((
             "planning time",
@@ -140,6 +145,27 @@ impl Outcome {
             self.summary().iter().map(|(label, value)| format!("{label:<22} {value}\n")).collect();
         format!("\n{rows}\nresults in {} (open report.html there)\n", dir.display())
     }
+}
+
+/// Where the object and its table are, if the scan had to find out.
+fn found(config: &ScanConfig, last: Option<&Step>) -> Vec<(&'static str, String)> {
+    let (bounds, table) = last.map_or((None, None), |step| (step.report.bounds, step.report.table));
+    let mut rows = Vec::new();
+    if config.object_box.rule == BoxRule::Grows {
+        let size = bounds.map(|bounds| bounds.size() * 1e3);
+        let size = size.map(|mm| format!("{:.0} x {:.0} x {:.0} mm", mm.x, mm.y, mm.z));
+        rows.push(("box found", size.unwrap_or("none".to_owned())));
+    }
+    if config.object_box.table == TableRule::Fit {
+        let height =
+            table.zip(bounds).map(|(table, bounds)| -table.height(bounds.center().with_z(0.0)) * 1e3);
+        let height = height.map_or("none".to_owned(), |mm| {
+            // Added to 0, so that it does not read -0.0.
+            format!("at z = {:.1} mm", (mm * 10.0).round() / 10.0 + 0.0)
+        });
+        rows.push(("table found", height));
+    }
+    rows
 }
 
 /// What is scanned and how, and the head of the table of steps.
@@ -177,7 +203,7 @@ pub(super) fn step_line(step: &Step, baselines: Option<&Baselines>) -> String {
     format!(
         "{:>4}  {:>6}  {:>9}  {:>7.1} %  {:>10}  {:>7.1} ms  {:>5.2} m\n",
         step.report.step,
-        step.report.view.unwrap_or_default(),
+        step.report.view.map_or("-".to_owned(), |view| view.to_string()),
         seen,
         100.0 * step.surface_coverage[1],
         step.report.update.n_newly_occupied,

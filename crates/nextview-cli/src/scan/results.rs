@@ -61,7 +61,7 @@ impl Results<'_> {
         for StepReport { step, view, world_from_camera, .. } in self.scan.steps.iter().map(|step| step.report)
         {
             let (t, q) = (world_from_camera.translation(), world_from_camera.rotation());
-            let view = view.unwrap_or_default();
+            let view = view.map(|view| view.to_string()).unwrap_or_default();
             writeln!(writer, "{step},{view},{},{},{},{},{},{},{}", t.x, t.y, t.z, q.x, q.y, q.z, q.w)?;
         }
         Ok(())
@@ -96,7 +96,7 @@ impl Results<'_> {
             let cell = |point: &DVec3| (*point / self.detail()).floor().as_ivec3();
             let points = step.frame.points_in(self.scan.bounds);
             report::Step {
-                view: step.report.view.unwrap_or_default(),
+                view: step.report.view,
                 world_from_camera: step.report.world_from_camera,
                 depth: step.frame.image().clone(),
                 points: points

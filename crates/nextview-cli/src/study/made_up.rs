@@ -88,7 +88,7 @@ fn saturating(rate: f64, view: usize) -> f64 {
 fn step(view: usize, rate: f64) -> StepMeasures {
     let seen = saturating(rate, view);
     StepMeasures {
-        view: 7 * view,
+        view: Some(7 * view),
         voxel_size_m: 0.005,
         voxel_coverage: 0.95 * seen,
         false_voxels: 3,

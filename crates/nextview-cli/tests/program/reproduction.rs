@@ -66,3 +66,18 @@ fn reproduces_the_reported_coverage_of_a_part() {
 fn reproduces_the_reported_coverage_of_a_mug() {
     check("ycb_025_mug", "meshes/ycb/ycb_025_mug.ply");
 }
+
+#[test]
+fn the_readme_says_what_the_report_says() {
+    let report = include_str!("../../../../docs/reproduction/paper-1.md");
+    let (_, summary) = report.split_once("What was reached with the last view").unwrap();
+    let cells = |line: &str| line.split('|').map(|cell| cell.trim().to_owned()).collect::<Vec<_>>();
+    let (_, table) =
+        include_str!("../../../../README.md").split_once("| planner | voxel coverage, % | skill |").unwrap();
+    let rows: Vec<_> = table.lines().skip(2).take_while(|line| line.starts_with('|')).map(cells).collect();
+    assert!(rows.len() > 5);
+    for row in rows {
+        let reported = summary.lines().map(cells).find(|line| line.get(1) == row.get(1)).unwrap();
+        assert_eq!((&row[2], &row[3]), (&reported[3], &reported[5]), "{}", row[1]);
+    }
+}

@@ -102,7 +102,7 @@ fn step(
     seen.extend(new_voxels);
     let path = before.map_or(vec![], |b| arc(b.world_from_camera.translation(), pose.translation()));
     Step {
-        view,
+        view: Some(view),
         world_from_camera: pose,
         depth: DepthImage::from_metres(camera.width(), camera.height(), depth).unwrap(),
         points,
