@@ -223,13 +223,13 @@ fn greedy<G: InformationGain>(config: GreedyConfig, snapshot: &Snapshot, visited
     Greedy::<G>::new(config).unwrap().plan(&situation)
 }
 
-/// Each view's share, less theta times its share of the distances from the last view, as section V.D says; the visited
-/// ones take no part.
-fn utilities(theta: f64, shares: &[f64], visited: &[usize]) -> Vec<f64> {
+/// Each view's share, less theta times its share of the distances from where the camera is, as section V.D says; the
+/// visited ones take no part.
+fn utilities(theta: f64, shares: &[f64], visited: &[usize], here: DVec3) -> Vec<f64> {
     let views = views();
     let place = |view: usize| views.pose(view).translation();
     let open = |view: &usize| !visited.contains(view);
-    let distance = |view: usize| visited.last().map_or(0.0, |&last| (place(view) - place(last)).length());
+    let distance = |view: usize| (place(view) - here).length();
     let far: f64 = (0..60).filter(open).map(distance).sum::<f64>().max(f64::MIN_POSITIVE);
     (0..60).map(|v| (1.0 - theta) * shares[v] - theta * distance(v) / far).collect()
 }
@@ -240,7 +240,8 @@ fn greedy_takes_the_view_of_largest_utility<G: InformationGain>() {
         let gains = gains::<G>(&snapshot, 1.5);
         let total: f64 = (0..60).filter(|view| !visited.contains(view)).map(|view| gains[view]).sum();
         let shares: Vec<f64> = gains.iter().map(|gain| gain / total).collect();
-        let scores = utilities(theta, &shares, visited);
+        let here = frame_of_ball().world_from_camera().translation();
+        let scores = utilities(theta, &shares, visited, here);
         let open = (0..60).filter(|view| !visited.contains(view) && gains[*view] > 0.0);
         let best = open.max_by(|&a, &b| scores[a].total_cmp(&scores[b]).then(b.cmp(&a))).unwrap();
         let choice =
@@ -303,7 +304,8 @@ fn max_flow_pays_for_moving() {
     let visited = [3, 17];
     let config = |theta| MaxFlowConfig { theta, ..MaxFlowConfig::default() };
     let (scores, _) = by_the_equations(config(0.3), &snapshot, &visited, &[]);
-    let scores = utilities(0.3, &scores, &visited);
+    let here = views().pose(visited[visited.len() - 1]).translation(); // without frames, the last view
+    let scores = utilities(0.3, &scores, &visited, here);
     let choice = plan(config(0.3), &snapshot, &visited, &[]).choice.unwrap();
     let best = (0..60).filter(|view| !visited.contains(view)).map(|view| scores[view]);
     assert!((choice.score - best.fold(f64::NEG_INFINITY, f64::max)).abs() < 1e-12);
