@@ -60,7 +60,11 @@ fn variants(spec: &Spec) -> Result<Vec<Variant>, Failure> {
             Some(label) => format!("variant {number} ({label:?})"),
             None => format!("variant {number}"),
         };
-        variants.extend(variant.expand(spec).map_err(|failure| failure.within(name()))?);
+        variants.extend(
+            variant
+                .expand(&spec.scan, &spec.seeds, &spec.first_views)
+                .map_err(|failure| failure.within(name()))?,
+        );
     }
     let labels = variants.iter().map(|variant| (variant.label.clone(), ()));
     match first_twice(labels) {

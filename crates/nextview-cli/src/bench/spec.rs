@@ -2,7 +2,7 @@
 
 use super::builtin;
 use super::object::{self, ObjectSpec, whole_path};
-use super::variant::VariantSpec;
+use super::variant::{VariantSpec, check_distinct};
 use crate::Failure;
 use crate::scan::ViewSpaceName;
 use serde::{Deserialize, Serialize};
@@ -90,18 +90,6 @@ impl Spec {
         check_distinct("seeds", &self.seeds)?;
         check_distinct("first_views", &self.first_views)
     }
-}
-
-/// Fails unless there is at least one value and none twice.
-pub(super) fn check_distinct<T: PartialEq + std::fmt::Debug>(
-    field: &str,
-    values: &[T],
-) -> Result<(), Failure> {
-    if values.is_empty() {
-        return Err(Failure::data(format!("{field} is empty, expected at least one value")));
-    }
-    let twice = (1..values.len()).find(|&i| values[..i].contains(&values[i]));
-    twice.map_or(Ok(()), |i| Err(Failure::data(format!("{field} has {:?} twice", values[i]))))
 }
 
 fn resolved(

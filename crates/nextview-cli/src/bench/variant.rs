@@ -1,6 +1,5 @@
 //! The planners and parameters of a specification.
 
-use super::spec::{Spec, check_distinct};
 use crate::Failure;
 use crate::scan::{ScanConfig, merged};
 use serde::{Deserialize, Serialize};
@@ -41,14 +40,20 @@ const DECIDED_ELSEWHERE: [(&str, &str); 3] =
     [("object", "objects"), ("seed", "seeds"), ("first_view", "first_views")];
 
 impl VariantSpec {
-    /// All combinations of the swept values, the last key changing fastest.
-    pub fn expand(&self, spec: &Spec) -> Result<Vec<Variant>, Failure> {
-        let seeds = self.seeds.clone().unwrap_or_else(|| spec.seeds.clone());
-        let first_views = self.first_views.clone().unwrap_or_else(|| spec.first_views.clone());
+    /// All combinations of the swept values, the last key changing fastest; with the specification's keys, seeds and first
+    /// views where it has none of its own.
+    pub fn expand(
+        &self,
+        scan: &Table,
+        seeds: &[u64],
+        first_views: &[usize],
+    ) -> Result<Vec<Variant>, Failure> {
+        let seeds = self.seeds.clone().unwrap_or_else(|| seeds.to_vec());
+        let first_views = self.first_views.clone().unwrap_or_else(|| first_views.to_vec());
         check_distinct("seeds", &seeds)?;
         check_distinct("first_views", &first_views)?;
         let sweeps = sweeps(&self.sweep, "")?;
-        let mut tables = vec![merged(spec.scan.clone(), self.scan.clone())];
+        let mut tables = vec![merged(scan.clone(), self.scan.clone())];
         for (path, values) in &sweeps {
             let with = |table: &Table, value: &Value| merged(table.clone(), nested(path, value.clone()));
             tables = tables.iter().flat_map(|table| values.iter().map(|value| with(table, value))).collect();
@@ -63,6 +68,18 @@ impl VariantSpec {
         };
         tables.into_iter().map(variant).collect()
     }
+}
+
+/// Fails unless there is at least one value and none twice.
+pub(super) fn check_distinct<T: PartialEq + std::fmt::Debug>(
+    field: &str,
+    values: &[T],
+) -> Result<(), Failure> {
+    if values.is_empty() {
+        return Err(Failure::data(format!("{field} is empty, expected at least one value")));
+    }
+    let twice = (1..values.len()).find(|&i| values[..i].contains(&values[i]));
+    twice.map_or(Ok(()), |i| Err(Failure::data(format!("{field} has {:?} twice", values[i]))))
 }
 
 /// The configuration; unless it says otherwise, all its seeds share their candidates.
