@@ -55,9 +55,11 @@ impl<T> Queue<T> {
         }
     }
 
-    /// The runs of this group can be done.
+    /// The runs of this group can be done, unless the queue was stopped.
     pub fn prepared(&self, group: usize, prepared: T) {
-        self.lock()[group].stage = Stage::Prepared(Arc::new(prepared));
+        if let Some(group) = self.lock().get_mut(group) {
+            group.stage = Stage::Prepared(Arc::new(prepared));
+        }
         self.changed.notify_all();
     }
 
@@ -108,6 +110,15 @@ mod tests {
             done.sort_unstable();
             assert_eq!(done, [(0, 0), (0, 1), (0, 2), (1, 3), (2, 4), (2, 5), (2, 6), (2, 7)]);
         }
+    }
+
+    #[test]
+    fn a_preparation_may_end_after_the_queue_was_stopped() {
+        let queue = Queue::new(vec![vec![0, 1], vec![2]]);
+        let Some(Task::Prepare(0)) = queue.next() else { panic!("a group is prepared first") };
+        queue.stop();
+        queue.prepared(0, ());
+        assert!(queue.next().is_none());
     }
 
     #[test]
