@@ -210,7 +210,7 @@ impl ScanConfig {
         };
         match profile {
             Profile::Default => config,
-            // The box is known and the voxel size fixed, as in the paper's comparison of view quality functions (table II).
+            // The box is known and the voxel size fixed, as in the paper's comparison of view quality functions (table I).
             Profile::Paper => Self {
                 candidates: 5000,
                 voxel_size_m: Some(0.01),
