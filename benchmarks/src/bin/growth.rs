@@ -1,0 +1,135 @@
+//! How time and memory of a decision grow with the number of candidates and the voxel size, and those of a map update with
+//! the image size. Every point is a process of its own, so that its peak memory is its own.
+//!
+//!     cargo run --release -p nextview-benchmarks --bin growth -- FOLDER [PLOT.svg]
+//!
+//! FOLDER holds a workload. Prints a line `SWEEP,SIZE,MILLISECONDS,MEGABYTES` a point, and for each sweep the exponents of
+//! time and memory over its upper half; draws the plot if asked.
+
+use glam::DVec2;
+use nextview::geometry::Aabb;
+use nextview::map::Integration;
+use nextview::planner::{MaxFlow, MaxFlowConfig, Situation, ViewPlanner};
+use nextview::sensor::Intrinsics;
+use nextview::view::generate;
+use nextview_benchmarks::log_plot::{Panel, Point, draw, exponent};
+use nextview_benchmarks::workload::{Set, Workload, block, empty_map, intrinsics};
+use nextview_sim::camera::{Background, SimulatedCamera};
+use std::error::Error;
+use std::path::Path;
+use std::process::Command;
+use std::time::Instant;
+
+const SWEEPS: [(&str, &str, &[f64]); 3] = [
+    ("decision over candidates, 5 mm", "candidates", &[1e3, 2e3, 5e3, 1e4, 2e4, 5e4, 1e5]),
+    (
+        "decision over voxels per metre, 5000 candidates",
+        "voxels per metre",
+        &[50.0, 100.0, 200.0, 500.0, 1000.0],
+    ),
+    ("map update over pixels, 5 mm", "pixels", &[19_200.0, 76_800.0, 307_200.0, 1_228_800.0]),
+];
+
+type Outcome<T> = Result<T, Box<dyn Error>>;
+
+fn main() -> Outcome<()> {
+    let args: Vec<String> = std::env::args().skip(1).collect();
+    match args.as_slice() {
+        [folder] => sweep(folder, None),
+        [folder, plot] => sweep(folder, Some(Path::new(plot))),
+        [folder, sweep, size] => measure(Path::new(folder), sweep.parse()?, size.parse()?),
+        _ => Err("usage: growth FOLDER [PLOT.svg]".into()),
+    }
+}
+
+fn sweep(folder: &str, plot: Option<&Path>) -> Outcome<()> {
+    let mut panels = Vec::new();
+    for (number, (title, x_label, sizes)) in SWEEPS.iter().enumerate() {
+        let mut points = Vec::new();
+        for size in *sizes {
+            let program = Command::new(std::env::current_exe()?)
+                .args([folder, &number.to_string(), &size.to_string()])
+                .output()?;
+            let text = String::from_utf8(program.stdout)?;
+            let numbers: Vec<f64> = text.split_whitespace().filter_map(|word| word.parse().ok()).collect();
+            let &[ms, mb] = numbers.as_slice() else {
+                return Err(format!("{title}, {size}: {}", String::from_utf8_lossy(&program.stderr)).into());
+            };
+            println!("{title},{size},{ms:.3},{mb:.0}");
+            points.push(Point { size: *size, ms, mb });
+        }
+        let panel = Panel { title: (*title).to_owned(), x_label: (*x_label).to_owned(), points };
+        println!(
+            "{title}: time grows with the power {:.2}, memory {:.2}",
+            exponent(&panel.points, |point| point.ms),
+            exponent(&panel.points, |point| point.mb)
+        );
+        panels.push(panel);
+    }
+    plot.map_or(Ok(()), |plot| Ok(std::fs::write(plot, draw(&panels))?))
+}
+
+/// Prints milliseconds, the median of several runs, and the peak memory of the process in megabytes.
+fn measure(folder: &Path, sweep: usize, size: f64) -> Outcome<()> {
+    let workload = Workload::read(folder)?;
+    let before = peak_memory_mb()?;
+    let ms = match sweep {
+        0 => decision_ms(&workload, 0.005, size as usize)?,
+        1 => decision_ms(&workload, 1.0 / size, 5000)?,
+        _ => update_ms(workload, size)?,
+    };
+    println!("{ms} {}", peak_memory_mb()? - before);
+    Ok(())
+}
+
+/// A decision of the default planner after three images that carve.
+fn decision_ms(workload: &Workload, voxel_size: f64, n_candidates: usize) -> Outcome<f64> {
+    let snapshot = workload.snapshot(Set::B, voxel_size, 3);
+    let views = generate::fibonacci_sphere(glam::DVec3::ZERO, 0.5, n_candidates)?;
+    let planner = MaxFlow::new(MaxFlowConfig::default())?;
+    let optics = intrinsics();
+    let situation = Situation {
+        snapshot: &snapshot,
+        frames: &[],
+        views: &views,
+        intrinsics: &optics,
+        visited: &[],
+        history: &[],
+        finest_voxel_size: voxel_size,
+    };
+    Ok(median_ms(3, || _ = planner.plan(&situation)))
+}
+
+/// A frame of so many pixels, 4 : 3, into an empty map.
+fn update_ms(workload: Workload, n_pixels: f64) -> Outcome<f64> {
+    let scale = (n_pixels / (640.0 * 480.0)).sqrt();
+    let [width, height] = [640.0, 480.0].map(|pixels| (pixels * scale).round());
+    let center = DVec2::new(0.5 * width, 0.5 * height);
+    let optics = Intrinsics::pinhole(width as u32, height as u32, DVec2::splat(610.0 * scale), center)?;
+    let room = Background::Room(Aabb::cube(glam::DVec3::ZERO, 0.6));
+    let camera = SimulatedCamera::new(workload.meshes[0].clone(), optics, room, 10.0)?;
+    let frame = camera.capture(&workload.poses[0])?;
+    let integration = Integration { region: Some(block(0.005)), ..Default::default() };
+    Ok(median_ms(9, || _ = empty_map(0.005).integrate(&frame, &integration)))
+}
+
+fn median_ms(n: usize, mut work: impl FnMut()) -> f64 {
+    let mut times: Vec<f64> = (0..n)
+        .map(|_| {
+            let start = Instant::now();
+            work();
+            1e3 * start.elapsed().as_secs_f64()
+        })
+        .collect();
+    times.sort_by(f64::total_cmp);
+    times[n / 2]
+}
+
+/// The largest memory the process ever held (Linux).
+fn peak_memory_mb() -> Outcome<f64> {
+    let status = std::fs::read_to_string("/proc/self/status")?;
+    let line =
+        status.lines().find(|line| line.starts_with("VmHWM")).ok_or("no VmHWM in /proc/self/status")?;
+    let kb: f64 = line.split_whitespace().nth(1).ok_or("no number after VmHWM")?.parse()?;
+    Ok(kb / 1024.0)
+}

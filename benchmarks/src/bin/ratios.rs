@@ -1,0 +1,118 @@
+//! The table of ratios from lines `PROGRAM,STAGE,CASE,MILLISECONDS` on standard input, the least of equal lines.
+//!
+//!     ratios < results.csv
+//!
+//! Exits with 1 if a target is missed.
+
+use std::collections::BTreeMap;
+use std::error::Error;
+use std::io::Read;
+use std::process::ExitCode;
+
+/// A peer's time over ours must be at least this.
+const RATIOS: [(&str, &str, &str, f64); 18] = [
+    ("insertion A; per end voxel", "1 cm", "octomap", 5.0),
+    ("insertion A; per end voxel", "5 mm", "octomap", 20.0),
+    ("insertion A; per end voxel", "2 mm", "octomap", 60.0),
+    ("insertion A; per end voxel", "1 mm", "octomap", 100.0),
+    ("insertion A; per end voxel", "1 cm", "bonxai", 1.0),
+    ("insertion A; per end voxel", "5 mm", "bonxai", 1.0),
+    ("insertion A; per end voxel", "2 mm", "bonxai", 1.0),
+    ("insertion A; per end voxel", "1 mm", "bonxai", 1.0),
+    ("insertion B; per end voxel", "1 cm", "octomap", 10.0),
+    ("insertion B; every point", "1 cm", "octomap", 10.0),
+    ("planning rays", "1 cm", "octomap", 60.0),
+    ("planning rays", "5 mm", "octomap", 60.0),
+    ("planning rays", "2 mm", "octomap", 100.0),
+    ("depth image", "1x", "embree", 1.0),
+    ("depth image", "4x", "embree", 1.0),
+    ("depth image", "16x", "embree", 1.0),
+    ("flow and cover", "19177 rays", "spfa", 200.0),
+    ("flow and cover", "19177 rays", "lemon", 1.0),
+];
+
+/// Our own time must be at most this, milliseconds.
+const TIMES: [(&str, &str, &str, f64); 4] = [
+    ("nextview", "flow and cover", "19177 rays", 5.0),
+    ("nextview", "flow and cover", "148428 rays", 50.0),
+    ("nextview wall", "decision; rays of the authors' code", "1 cm", 3.0),
+    ("nextview wall", "decision; 32 x 24 rays", "1 cm", 150.0),
+];
+
+/// Least time by stage, case and program.
+type Times = BTreeMap<(String, String, String), f64>;
+
+/// Stage and case of every row.
+type Rows = Vec<(String, String)>;
+
+fn main() -> Result<ExitCode, Box<dyn Error>> {
+    let mut text = String::new();
+    std::io::stdin().read_to_string(&mut text)?;
+    let (times, order) = parse(&text)?;
+    let time = |stage: &str, case: &str, program: &str| {
+        times.get(&(stage.to_owned(), case.to_owned(), program.to_owned())).copied()
+    };
+    let mut n_missed = 0;
+    println!(
+        "| stage | case | nextview, ms | peer | peer, ms | ratio | target |\n|---|---|---:|---|---:|---:|---:|"
+    );
+    for (stage, case) in &order {
+        let ours = time(stage, case, "nextview");
+        for peer in ["octomap", "bonxai", "embree", "lemon", "spfa"] {
+            let (Some(ours), Some(theirs)) = (ours, time(stage, case, peer)) else { continue };
+            let target =
+                RATIOS.iter().find(|row| (row.0, row.1, row.2) == (stage, case, peer)).map(|row| row.3);
+            let verdict = verdict(target.is_none_or(|target| theirs / ours >= target), &mut n_missed);
+            let target = target.map_or(String::new(), |target| format!("{target} {verdict}"));
+            println!(
+                "| {stage} | {case} | {ours:.3} | {peer} | {theirs:.3} | {:.1} | {target} |",
+                theirs / ours
+            );
+        }
+    }
+    println!(
+        "\n| stage | case | one thread, CPU ms | all threads, wall ms | at most |\n|---|---|---:|---:|---:|"
+    );
+    for (stage, case) in &order {
+        let cell = |ms: Option<f64>| ms.map_or(String::new(), |ms| format!("{ms:.3}"));
+        let ours = ["nextview", "nextview wall"].map(|program| time(stage, case, program));
+        let limits = TIMES.iter().filter(|row| (row.1, row.2) == (stage, case));
+        let limits = limits.map(|&(program, stage, case, limit)| {
+            format!(
+                "{limit} {}",
+                verdict(time(stage, case, program).is_some_and(|ms| ms <= limit), &mut n_missed)
+            )
+        });
+        println!(
+            "| {stage} | {case} | {} | {} | {} |",
+            cell(ours[0]),
+            cell(ours[1]),
+            limits.collect::<String>()
+        );
+    }
+    Ok(if n_missed == 0 { ExitCode::SUCCESS } else { ExitCode::FAILURE })
+}
+
+fn verdict(is_met: bool, n_missed: &mut usize) -> &'static str {
+    *n_missed += !is_met as usize;
+    if is_met { "met" } else { "**missed**" }
+}
+
+/// The times, and stages with cases in the order of their first line.
+fn parse(text: &str) -> Result<(Times, Rows), Box<dyn Error>> {
+    let (mut times, mut order) = (Times::new(), Rows::new());
+    for line in text.lines() {
+        let fields: Vec<&str> = line.split(',').collect();
+        let &[program, stage, case, ms] = fields.as_slice() else {
+            return Err(format!("not a line PROGRAM,STAGE,CASE,MILLISECONDS: {line}").into());
+        };
+        let ms: f64 = ms.parse().map_err(|_| format!("no time in line: {line}"))?;
+        let [stage, case] = [stage, case].map(str::to_owned);
+        if !order.contains(&(stage.clone(), case.clone())) {
+            order.push((stage.clone(), case.clone()));
+        }
+        let least = times.entry((stage, case, program.to_owned())).or_insert(ms);
+        *least = least.min(ms);
+    }
+    Ok((times, order))
+}

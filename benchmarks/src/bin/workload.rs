@@ -1,0 +1,37 @@
+//! Writes the workload for the peers.
+//!
+//!     cargo run --release -p nextview-benchmarks --bin workload -- OBJECT FOLDER
+//!
+//! OBJECT is a mesh file or the name of a built-in object.
+
+use nextview_benchmarks::network::Network;
+use nextview_benchmarks::workload::Workload;
+use std::error::Error;
+use std::path::PathBuf;
+
+fn main() -> Result<(), Box<dyn Error>> {
+    let mut args = std::env::args().skip(1);
+    let (Some(object), Some(folder)) = (args.next(), args.next().map(PathBuf::from)) else {
+        return Err("usage: workload OBJECT FOLDER".into());
+    };
+    std::fs::create_dir_all(&folder)?;
+    // An existing workload, made by other means, is only completed.
+    let workload = if folder.join("mesh0.bin").exists() {
+        Workload::read(&folder)?
+    } else {
+        let workload = Workload::around(&object)?;
+        workload.write(&folder)?;
+        workload
+    };
+    for (name, n_rays) in [("small", 19_177), ("large", 148_428)] {
+        let network = Network::of(&workload, n_rays);
+        eprintln!(
+            "network of {} rays, {} edges, {} views of the optimal flow",
+            network.view_of_ray.len(),
+            network.edges.len(),
+            network.solve().len()
+        );
+        network.write(&folder.join(format!("network_{name}.bin")))?;
+    }
+    Ok(())
+}

@@ -1,0 +1,11 @@
+//! What the stages of `nextview` cost.
+//!
+//! One list of [`stages`](stage::stages) on one [`Workload`](workload::Workload) serves four readers: `cargo bench` (wall
+//! time), the program `stages` (CPU time, beside the peers in `peers/`), the program `kernels` (instruction counts) and, over
+//! sizes, the program `growth`. What they found is in `BENCHMARK.md`.
+
+pub mod log_plot;
+pub mod network;
+pub mod plain_files;
+pub mod stage;
+pub mod workload;

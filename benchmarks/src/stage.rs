@@ -1,0 +1,60 @@
+//! The stages that are timed, each with its cases.
+
+mod files;
+mod insertion;
+mod planning;
+mod rendering;
+
+use crate::workload::Workload;
+use std::fmt;
+
+/// What is repeated and timed.
+pub type Work<'a> = Box<dyn FnMut() + 'a>;
+
+/// A stage on one case of the workload.
+pub struct Stage {
+    /// What is done, e.g. `insertion A; per end voxel`; without a comma, since lines of results are divided at commas.
+    pub name: &'static str,
+    /// On what, e.g. `5 mm`.
+    pub case: String,
+    /// Number of units, such as images, in one run of the work: times are stated per unit.
+    pub n_units: usize,
+    /// Makes the input, which is not timed.
+    prepare: Prepare,
+}
+
+type Prepare = Box<dyn for<'a> Fn(&'a Workload) -> Work<'a> + Send + Sync>;
+
+impl Stage {
+    fn new(
+        name: &'static str,
+        case: impl Into<String>,
+        n_units: usize,
+        prepare: impl for<'a> Fn(&'a Workload) -> Work<'a> + Send + Sync + 'static,
+    ) -> Self {
+        Self { name, case: case.into(), n_units, prepare: Box::new(prepare) }
+    }
+
+    /// The work on a workload, ready to run.
+    pub fn prepare<'a>(&self, workload: &'a Workload) -> Work<'a> {
+        (self.prepare)(workload)
+    }
+}
+
+impl fmt::Display for Stage {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}, {}", self.name, self.case)
+    }
+}
+
+/// All stages, in the order of the pipeline.
+pub fn stages() -> Vec<Stage> {
+    let groups = [rendering::stages(), insertion::stages(), planning::stages(), files::stages()];
+    groups.into_iter().flatten().collect()
+}
+
+/// A voxel size as cases name it.
+fn name_of(voxel_size: f64) -> String {
+    let mm = (voxel_size * 1e3).round();
+    if mm >= 10.0 { format!("{} cm", mm / 10.0) } else { format!("{mm} mm") }
+}

@@ -1,0 +1,75 @@
+use super::{Stage, Work, name_of};
+use crate::network::Network;
+use crate::workload::{N_IMAGES, Set, Workload, intrinsics};
+use nextview::gain::object_probability;
+use nextview::map::{Snapshot, frontier};
+use nextview::planner::{MaxFlow, MaxFlowConfig, Situation, ViewPlanner};
+use nextview::visibility::{FreeSpace, NO_VOXEL_MISSED};
+use std::hint::black_box;
+
+/// Distance between planning rays on the image, pixels: 32 x 24 rays over the whole image.
+const PIXELS_BETWEEN_RAYS: f64 = 20.0;
+
+/// Planning rays with gain, their parts, and whole decisions.
+pub(super) fn stages() -> Vec<Stage> {
+    use Set::{A, B};
+    let sizes = [0.01, 0.005, 0.002];
+    let rays = sizes.map(|size| Stage::new("planning rays", name_of(size), 1, move |w| rays(w, size)));
+    let object = sizes.map(|size| {
+        Stage::new("object probability", name_of(size), 1, move |workload| {
+            let snapshot = workload.snapshot(A, size, 3);
+            Box::new(move || _ = black_box(object_probability(&snapshot, &frontier(&snapshot))))
+        })
+    });
+    let flow = [19_177, 148_428].map(|n_rays| {
+        Stage::new("flow and cover", format!("{n_rays} rays"), 1, move |workload| {
+            let network = Network::of(workload, n_rays);
+            Box::new(move || _ = black_box(network.solve()))
+        })
+    });
+    // In the paper's simulation nothing carves but the rays that hit the object; by default all do.
+    let decisions = [
+        ("decision; rays of the authors' code", A, 0.01, 29.0),
+        ("decision; profile paper", A, 0.01, 10.0),
+        ("decision; 32 x 24 rays", B, 0.01, in_voxels(PIXELS_BETWEEN_RAYS, 0.01)),
+        ("decision; no voxel missed", B, 0.01, NO_VOXEL_MISSED),
+        ("decision; default", B, 0.005, 2.0),
+    ]
+    .map(|(name, set, size, ray_spacing)| {
+        let free_space = if set == A { FreeSpace::Fades } else { FreeSpace::Clear };
+        let config = MaxFlowConfig { ray_spacing, free_space, ..MaxFlowConfig::default() };
+        Stage::new(name, name_of(size), 1, move |w| decision(w.snapshot(set, size, 3), w, config))
+    });
+    rays.into_iter().chain(object).chain(flow).chain(decisions).collect()
+}
+
+/// Rays of 5000 views through the map of set A, with the local gain and nothing else.
+fn rays(workload: &Workload, voxel_size: f64) -> Work<'_> {
+    let ray_spacing = in_voxels(PIXELS_BETWEEN_RAYS, voxel_size);
+    let config =
+        MaxFlowConfig { gamma: 0.0, ray_spacing, free_space: FreeSpace::Fades, ..Default::default() };
+    decision(workload.snapshot(Set::A, voxel_size, N_IMAGES), workload, config)
+}
+
+/// The distance between rays at the far side of the box that so many pixels are, voxels.
+fn in_voxels(n_pixels: f64, voxel_size: f64) -> f64 {
+    let farthest = 0.5 + 0.5 * crate::workload::BOX_EDGE * 3.0_f64.sqrt();
+    n_pixels / intrinsics().focal().x * farthest / voxel_size
+}
+
+fn decision(snapshot: Snapshot, workload: &Workload, config: MaxFlowConfig) -> Work<'_> {
+    let planner = MaxFlow::new(config).expect("parameters are written in the source");
+    let optics = intrinsics();
+    Box::new(move || {
+        let situation = Situation {
+            snapshot: &snapshot,
+            frames: &[],
+            views: &workload.views,
+            intrinsics: &optics,
+            visited: &[],
+            history: &[],
+            finest_voxel_size: snapshot.lattice().voxel_size(),
+        };
+        black_box(planner.plan(&situation));
+    })
+}
