@@ -1,0 +1,89 @@
+use super::key_box::KeyBox;
+use super::{Background, Integration, RayRule};
+use crate::geometry::{Lattice, VoxelKey};
+use glam::DVec3;
+use rustc_hash::FxHashSet;
+
+/// What a scan says, in units of voxels: where its rays end and which voxels hold a surface.
+#[derive(Default)]
+pub(super) struct Scan {
+    pub ends: Vec<DVec3>,
+    /// Voxels may come several times.
+    pub hits: Vec<VoxelKey>,
+    /// The voxel the last ray ended in.
+    last: Option<VoxelKey>,
+}
+
+/// Which rays of a scan count, and how.
+#[derive(Clone, Copy)]
+pub(super) struct ScanRules {
+    /// Where all rays start, in units of voxels.
+    pub origin: DVec3,
+    pub region: Option<KeyBox>,
+    lattice: Lattice,
+    integration: Integration,
+}
+
+impl ScanRules {
+    pub fn new(lattice: Lattice, origin: DVec3, integration: &Integration) -> Self {
+        Self {
+            origin: lattice.to_voxels(origin),
+            region: integration.region.map(KeyBox::of),
+            lattice,
+            integration: *integration,
+        }
+    }
+
+    /// Adds the ray to `end` (world coordinates), which is a surface if `hit`, to a scan.
+    #[inline(always)]
+    pub fn add(&self, scan: &mut Scan, end: DVec3, hit: bool) {
+        let hit = hit && self.integration.ground.is_none_or(|ground| ground.height(end) > 0.0);
+        let end = self.lattice.to_voxels(end);
+        let key = end.floor().as_ivec3();
+        let is_in = self.region.is_none_or(|region| region.contains(key));
+        if is_in && hit && scan.hits.last() != Some(&key) {
+            scan.hits.push(key);
+        }
+        let end = match self.integration.rays {
+            RayRule::EveryPoint => end,
+            // Neighbours in the image mostly end in the same voxel.
+            RayRule::OnePerEndVoxel if scan.last == Some(key) => return,
+            RayRule::OnePerEndVoxel => key.as_dvec3() + 0.5,
+        };
+        scan.last = Some(key);
+        let counts = is_in
+            || self.integration.background == Background::Carve
+                && self.region.is_none_or(|region| region.is_near(self.origin, end));
+        if counts {
+            scan.ends.push(end);
+        }
+    }
+}
+
+impl Scan {
+    /// One scan of several, each end once if that is the rule.
+    pub fn union(parts: Vec<Self>, rules: &ScanRules) -> Self {
+        let mut ends: Vec<DVec3> = parts.iter().flat_map(|part| &part.ends).copied().collect();
+        if rules.integration.rays == RayRule::OnePerEndVoxel {
+            let mut seen = FxHashSet::with_capacity_and_hasher(ends.len(), Default::default());
+            ends.retain(|end| seen.insert((end - 0.5).as_ivec3()));
+        }
+        Self { ends, hits: parts.into_iter().flat_map(|part| part.hits).collect(), last: None }
+    }
+
+    /// What concerns the voxels of a box.
+    pub fn within(&self, origin: DVec3, keys: &KeyBox) -> Self {
+        Self {
+            ends: self.ends.iter().filter(|end| keys.is_near(origin, **end)).copied().collect(),
+            hits: self.hits.iter().filter(|hit| keys.contains(**hit)).copied().collect(),
+            last: None,
+        }
+    }
+
+    /// The box of all voxels that the rays may cross; none without rays.
+    pub fn reach(&self, origin: DVec3) -> Option<KeyBox> {
+        let start = origin.floor().as_ivec3();
+        let grow = |reach: KeyBox, end: &DVec3| reach.with(end.floor().as_ivec3());
+        (!self.ends.is_empty()).then(|| self.ends.iter().fold(KeyBox { min: start, max: start }, grow))
+    }
+}
