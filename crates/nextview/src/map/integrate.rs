@@ -67,13 +67,8 @@ impl OccupancyMap {
         let rules = ScanRules::new(self.lattice(), frame.world_from_camera().translation(), integration);
         let rows: Vec<u32> = (0..frame.image().height()).collect();
         let parts = rows.par_chunks(16).map(|rows| {
-            let mut scan = Scan::default();
-            Arch::new().dispatch(|| {
-                rows.iter().for_each(|&v| {
-                    frame.row_ray_ends(v).for_each(|(end, hit)| rules.add(&mut scan, end, hit))
-                });
-            });
-            scan
+            let ends = rows.iter().flat_map(|&v| frame.row_ray_ends(v));
+            rules.scan(ends)
         });
         self.write(parts.collect(), &rules)
     }
@@ -87,14 +82,8 @@ impl OccupancyMap {
     ) -> MapUpdate {
         let rules = ScanRules::new(self.lattice(), origin, integration);
         let parts = points.par_chunks(1 << 14).map(|points| {
-            let mut scan = Scan::default();
-            Arch::new().dispatch(|| {
-                points
-                    .iter()
-                    .filter(|point| point.is_finite())
-                    .for_each(|&point| rules.add(&mut scan, point, true));
-            });
-            scan
+            let finite = points.iter().filter(|point| point.is_finite());
+            rules.scan(finite.map(|&point| (point, true)))
         });
         self.write(parts.collect(), &rules)
     }

@@ -2,6 +2,7 @@ use super::key_box::KeyBox;
 use super::{Background, Integration, RayRule};
 use crate::geometry::{Lattice, VoxelKey};
 use glam::DVec3;
+use pulp::Arch;
 use rustc_hash::FxHashSet;
 
 /// What a scan says, in units of voxels: where its rays end and which voxels hold a surface.
@@ -34,9 +35,22 @@ impl ScanRules {
         }
     }
 
-    /// Adds the ray to `end` (world coordinates), which is a surface if `hit`, to a scan.
+    /// The scan whose rays have these ends, in world coordinates, each with whether it is a surface.
+    pub fn scan(&self, ends: impl Iterator<Item = (DVec3, bool)>) -> Scan {
+        let mut scan = Scan::default();
+        Arch::new().dispatch(
+            #[inline(always)]
+            || {
+                for (end, hit) in ends {
+                    self.add(&mut scan, end, hit);
+                }
+            },
+        );
+        scan
+    }
+
     #[inline(always)]
-    pub fn add(&self, scan: &mut Scan, end: DVec3, hit: bool) {
+    fn add(&self, scan: &mut Scan, end: DVec3, hit: bool) {
         let hit = hit && self.integration.ground.is_none_or(|ground| ground.height(end) > 0.0);
         let end = self.lattice.to_voxels(end);
         let key = end.floor().as_ivec3();
