@@ -65,11 +65,8 @@ impl OccupancyMap {
     /// Writes a depth frame into the map.
     pub fn integrate(&mut self, frame: &Frame, integration: &Integration) -> MapUpdate {
         let rules = ScanRules::new(self.lattice(), frame.world_from_camera().translation(), integration);
-        let rows: Vec<u32> = (0..frame.image().height()).collect();
-        let parts = rows.par_chunks(16).map(|rows| {
-            let ends = rows.iter().flat_map(|&v| frame.row_ray_ends(v));
-            rules.scan(ends)
-        });
+        let rows = (0..frame.image().height()).into_par_iter();
+        let parts = rows.map(|v| rules.scan(frame.row_ray_ends(v)));
         self.write(parts.collect(), &rules)
     }
 

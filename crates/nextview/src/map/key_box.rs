@@ -18,6 +18,12 @@ impl KeyBox {
         key.cmpge(self.min).all() && key.cmple(self.max).all()
     }
 
+    /// Whether the box contains the voxel with these whole numbers as its key.
+    #[inline(always)]
+    pub fn contains_floor(&self, floor: DVec3) -> bool {
+        floor.cmpge(self.min.as_dvec3()).all() && floor.cmple(self.max.as_dvec3()).all()
+    }
+
     /// The box with a voxel added.
     pub fn with(self, key: VoxelKey) -> Self {
         Self { min: self.min.min(key), max: self.max.max(key) }

@@ -11,8 +11,9 @@ pub(super) struct Scan {
     pub ends: Vec<DVec3>,
     /// Voxels may come several times.
     pub hits: Vec<VoxelKey>,
-    /// The voxel the last ray ended in.
-    last: Option<VoxelKey>,
+    /// The voxels, as whole numbers, that the last ray ended in and that was hit last.
+    last_end: Option<DVec3>,
+    last_hit: Option<DVec3>,
 }
 
 /// Which rays of a scan count, and how.
@@ -53,18 +54,20 @@ impl ScanRules {
     fn add(&self, scan: &mut Scan, end: DVec3, hit: bool) {
         let hit = hit && self.integration.ground.is_none_or(|ground| ground.height(end) > 0.0);
         let end = self.lattice.to_voxels(end);
-        let key = end.floor().as_ivec3();
-        let is_in = self.region.is_none_or(|region| region.contains(key));
-        if is_in && hit && scan.hits.last() != Some(&key) {
-            scan.hits.push(key);
+        // Not yet a key: turning numbers into integers costs more than all else here.
+        let floor = end.floor();
+        let is_in = self.region.is_none_or(|region| region.contains_floor(floor));
+        if is_in && hit && scan.last_hit != Some(floor) {
+            scan.hits.push(floor.as_ivec3());
+            scan.last_hit = Some(floor);
         }
         let end = match self.integration.rays {
             RayRule::EveryPoint => end,
             // Neighbours in the image mostly end in the same voxel.
-            RayRule::OnePerEndVoxel if scan.last == Some(key) => return,
-            RayRule::OnePerEndVoxel => key.as_dvec3() + 0.5,
+            RayRule::OnePerEndVoxel if scan.last_end == Some(floor) => return,
+            RayRule::OnePerEndVoxel => floor + 0.5,
         };
-        scan.last = Some(key);
+        scan.last_end = Some(floor);
         let counts = is_in
             || self.integration.background == Background::Carve
                 && self.region.is_none_or(|region| region.is_near(self.origin, end));
@@ -82,7 +85,7 @@ impl Scan {
             let mut seen = FxHashSet::with_capacity_and_hasher(ends.len(), Default::default());
             ends.retain(|end| seen.insert((end - 0.5).as_ivec3()));
         }
-        Self { ends, hits: parts.into_iter().flat_map(|part| part.hits).collect(), last: None }
+        Self { ends, hits: parts.into_iter().flat_map(|part| part.hits).collect(), ..Self::default() }
     }
 
     /// What concerns the voxels of a box.
@@ -90,7 +93,7 @@ impl Scan {
         Self {
             ends: self.ends.iter().filter(|end| keys.is_near(origin, **end)).copied().collect(),
             hits: self.hits.iter().filter(|hit| keys.contains(**hit)).copied().collect(),
-            last: None,
+            ..Self::default()
         }
     }
 
