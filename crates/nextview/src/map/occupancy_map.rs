@@ -65,7 +65,7 @@ impl OccupancyMap {
 
     /// A dense copy of a block.
     pub fn snapshot(&self, block: VoxelBlock) -> Snapshot {
-        Snapshot::from_fn(self.lattice, block, |key| self.log_odds(key))
+        Snapshot::from_bricks(self.lattice, block, |brick| Some(&self.bricks.get(brick)?.0))
     }
 
     /// The same measurements in voxels `factor` times as large (at least 1): each takes the highest value of the
@@ -148,6 +148,23 @@ mod tests {
             let mut sorted = found.clone();
             sorted.sort_by_key(|(k, _)| *k);
             prop_assert_eq!(sorted, expected.into_iter().collect::<Vec<_>>());
+        }
+
+        #[test]
+        fn a_snapshot_tells_what_the_map_tells(
+            voxels in prop::collection::vec((key(), -2.0_f32..3.5), 0..60),
+            min in prop::array::uniform3(-25..15), dims in prop::array::uniform3(1_u32..20),
+        ) {
+            let map = map_of(&voxels);
+            let block = VoxelBlock::new(IVec3::from_array(min), UVec3::from_array(dims)).unwrap();
+            let expected = Snapshot::from_fn(map.lattice(), block, |key| map.log_odds(key));
+            let found = map.snapshot(block);
+            prop_assert_eq!(found.occupancy(), expected.occupancy());
+            prop_assert_eq!(found.probability(), expected.probability());
+            for (index, &p) in found.probability().iter().enumerate() {
+                let value = map.log_odds(block.key(index));
+                prop_assert_eq!(p, value.map_or(0.5, |value| value.probability() as f32));
+            }
         }
 
         #[test]
