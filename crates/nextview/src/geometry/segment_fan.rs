@@ -346,9 +346,9 @@ mod tests {
         cells
     }
 
-    fn marks(fan: &SegmentFan, ends: &[DVec3]) -> Vec<u8> {
+    fn marks(fan: &SegmentFan, ends: &[DVec3], mark: impl Fn(Crossing)) -> Vec<u8> {
         let cells: Vec<AtomicU8> = (0..=fan.cells.n_voxels()).map(|_| AtomicU8::new(0)).collect();
-        fan.mark_crossed(ends, &cells);
+        mark(Crossing { fan, ends, cells: &cells });
         cells.into_iter().map(AtomicU8::into_inner).take(fan.cells.n_voxels()).collect()
     }
 
@@ -375,7 +375,14 @@ mod tests {
             let max = min + IVec3::from_array(dims);
             let cells = VoxelBlock::new(IVec3::splat(-8), UVec3::splat(24)).unwrap();
             let fan = SegmentFan { from, min, max, cells };
-            prop_assert_eq!(marks(&fan, &ends), by_walks(&fan, &ends));
+            let expected = by_walks(&fan, &ends);
+            let public = marks(&fan, &ends, |crossing| fan.mark_crossed(&ends, crossing.cells));
+            prop_assert_eq!(&public, &expected);
+            prop_assert_eq!(&marks(&fan, &ends, |crossing| crossing.with_simd(pulp::Scalar)), &expected);
+            #[cfg(target_arch = "x86_64")]
+            if let Some(avx2) = pulp::x86::V3::try_new() {
+                prop_assert_eq!(&marks(&fan, &ends, |crossing| Simd::vectorize(avx2, crossing)), &expected);
+            }
         }
     }
 }
