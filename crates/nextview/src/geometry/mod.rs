@@ -9,6 +9,7 @@ mod plane;
 mod plane_fit;
 mod pose;
 pub mod random;
+mod segment_fan;
 pub mod sphere;
 mod traversal;
 
@@ -17,4 +18,5 @@ pub use lattice::{Lattice, VoxelBlock, VoxelKey};
 pub use plane::Plane;
 pub use plane_fit::{PlaneFit, fit_ground};
 pub use pose::Pose;
+pub(crate) use segment_fan::SegmentFan;
 pub use traversal::SegmentWalk;

@@ -4,7 +4,7 @@ use rustc_hash::FxHashMap;
 /// Voxels along the edge of a brick. A ray then changes brick every five to eight steps, so that hashing costs
 /// less than stepping, and a brick of log-odds is 2 kB.
 const EDGE_BITS: i32 = 3;
-const EDGE: i32 = 1 << EDGE_BITS;
+pub(crate) const BRICK_EDGE: i32 = 1 << EDGE_BITS;
 
 /// Number of voxels in a brick.
 pub(crate) const CELLS: usize = 1 << (3 * EDGE_BITS);
@@ -16,7 +16,7 @@ pub(crate) fn brick_key(key: IVec3) -> IVec3 {
 
 /// The place of a voxel in its brick, x varying fastest.
 pub(crate) fn cell(key: IVec3) -> usize {
-    let local = key & (EDGE - 1);
+    let local = key & (BRICK_EDGE - 1);
     (local.x | local.y << EDGE_BITS | local.z << (2 * EDGE_BITS)) as usize
 }
 
@@ -24,7 +24,7 @@ pub(crate) fn cell(key: IVec3) -> usize {
 pub(crate) fn voxel_key(brick: IVec3, cell: usize) -> IVec3 {
     let cell = cell as i32;
     (brick << EDGE_BITS)
-        + IVec3::new(cell & (EDGE - 1), cell >> EDGE_BITS & (EDGE - 1), cell >> (2 * EDGE_BITS))
+        + IVec3::new(cell & (BRICK_EDGE - 1), cell >> EDGE_BITS & (BRICK_EDGE - 1), cell >> (2 * EDGE_BITS))
 }
 
 /// A sparse, unbounded grid of bricks.

@@ -1,12 +1,15 @@
 //! Scan integration: the only writer of a map. A scan updates each voxel once, and a hit wins over a miss.
 
-use super::brick::{BrickGrid, CELLS, brick_key, cell};
-use super::{LogOdds, OccupancyMap};
-use crate::geometry::{Plane, SegmentWalk, VoxelBlock, VoxelKey};
+use super::brick::CELLS;
+use super::key_box::KeyBox;
+use super::marks::{HIT, MISS, Marks};
+use super::scan::{Scan, ScanRules};
+use super::{LogOdds, OccupancyMap, SensorModel};
+use crate::geometry::{Plane, VoxelBlock};
 use crate::sensor::Frame;
-use glam::{DVec3, IVec3};
+use glam::DVec3;
+use pulp::Arch;
 use rayon::prelude::*;
-use rustc_hash::FxHashSet;
 use serde::{Deserialize, Serialize};
 
 /// Which rays of a scan are traced.
@@ -61,18 +64,10 @@ pub struct MapUpdate {
 impl OccupancyMap {
     /// Writes a depth frame into the map.
     pub fn integrate(&mut self, frame: &Frame, integration: &Integration) -> MapUpdate {
-        let origin = frame.world_from_camera().translation();
-        // Rows in parallel: marks are unions of bits, so that the order of the rows cannot show.
-        let rows: Vec<u32> = (0..frame.image().height()).collect();
-        let marks = rows
-            .par_chunks(16)
-            .map(|rows| {
-                let mut marks = ScanMarks::new(self, origin, integration);
-                rows.iter().for_each(|&v| frame.row_ray_ends(v).for_each(|(end, hit)| marks.add(end, hit)));
-                marks
-            })
-            .reduce_with(ScanMarks::union);
-        marks.map(ScanMarks::finish).map_or_else(MapUpdate::default, |marks| self.apply(&marks))
+        let rules = ScanRules::new(self.lattice(), frame.world_from_camera().translation(), integration);
+        let rows = (0..frame.image().height()).into_par_iter();
+        let parts = rows.map(|v| rules.scan(frame.row_ray_ends(v)));
+        self.write(parts.collect(), &rules)
     }
 
     /// Writes a cloud of surface points, seen from `origin`, into the map (world coordinates, metres).
@@ -82,183 +77,115 @@ impl OccupancyMap {
         origin: DVec3,
         integration: &Integration,
     ) -> MapUpdate {
-        let mut marks = ScanMarks::new(self, origin, integration);
-        points.iter().filter(|point| point.is_finite()).for_each(|&point| marks.add(point, true));
-        self.apply(&marks.finish())
+        let rules = ScanRules::new(self.lattice(), origin, integration);
+        let parts = points.par_chunks(1 << 14).map(|points| {
+            let finite = points.iter().filter(|point| point.is_finite());
+            rules.scan(finite.map(|&point| (point, true)))
+        });
+        self.write(parts.collect(), &rules)
     }
 
-    fn apply(&mut self, marks: &BrickGrid<Marks>) -> MapUpdate {
-        let model = *self.model();
-        let [hit, miss, low, high] =
-            [model.hit, model.miss, model.clamp_min, model.clamp_max].map(|p| LogOdds::from_probability(p).0);
-        let mut update = MapUpdate::default();
-        for (key, marks) in marks.iter() {
-            let slot = self.bricks.slot(key);
-            let values = &mut self.bricks.at_mut(slot).0;
-            for (cell, value) in values.iter_mut().enumerate() {
-                let (is_hit, is_miss) = (marks.hit.contains(cell), marks.miss.contains(cell));
-                if !is_hit && !is_miss {
-                    continue;
-                }
-                let before = *value;
-                let start = if before.is_nan() { 0.0 } else { before };
-                let after = (start + if is_hit { hit } else { miss }).clamp(low, high);
-                *value = after;
-                update.n_hits += is_hit as usize;
-                update.n_misses += !is_hit as usize;
-                update.n_first_measured += before.is_nan() as usize;
-                update.n_newly_occupied += (start <= 0.0 && after > 0.0) as usize;
-            }
+    fn write(&mut self, parts: Vec<Scan>, rules: &ScanRules) -> MapUpdate {
+        let scan = Scan::union(parts, rules);
+        let keys = rules.region.or_else(|| scan.reach(rules.origin));
+        let mut writer = Writer {
+            origin: rules.origin,
+            steps: Steps::new(self.model()),
+            map: self,
+            marks: Marks::default(),
+            update: MapUpdate::default(),
+        };
+        if let Some(keys) = keys {
+            writer.write(scan, keys);
         }
-        update
+        writer.update
     }
 }
 
-/// The voxels that a scan hit and crossed.
-struct ScanMarks {
-    bricks: BrickGrid<Marks>,
-    /// Voxels that were already the end of a ray, where one ray per end voxel is asked for.
-    ends: Option<FxHashSet<VoxelKey>>,
-    /// The origin in units of voxels.
+/// Bricks along the edge of a tile. The marks of a tile, 2 MB, stay in the cache while rays are traced through it.
+const TILE_EDGE: i32 = 16;
+
+/// Writes a scan tile by tile.
+struct Writer<'a> {
     origin: DVec3,
-    lattice: crate::geometry::Lattice,
-    background: Background,
-    region: Option<Region>,
-    ground: Option<Plane>,
+    steps: Steps,
+    map: &'a mut OccupancyMap,
+    marks: Marks,
+    update: MapUpdate,
 }
 
-#[derive(Clone, Copy)]
-struct Region {
-    min: IVec3,
-    max: IVec3,
-}
-
-#[derive(Clone, Default)]
-struct Marks {
-    hit: CellSet,
-    miss: CellSet,
-}
-
-#[derive(Clone, Copy, Default)]
-struct CellSet([u64; CELLS / 64]);
-
-impl CellSet {
-    fn insert(&mut self, cell: usize) {
-        self.0[cell / 64] |= 1 << (cell % 64);
-    }
-
-    fn contains(&self, cell: usize) -> bool {
-        self.0[cell / 64] >> (cell % 64) & 1 == 1
-    }
-
-    fn extend(&mut self, other: &Self) {
-        self.0.iter_mut().zip(other.0).for_each(|(a, b)| *a |= b);
-    }
-}
-
-impl Region {
-    fn new(block: VoxelBlock) -> Self {
-        Self { min: block.min(), max: block.max() }
-    }
-
-    fn contains(&self, key: VoxelKey) -> bool {
-        key.cmpge(self.min).all() && key.cmple(self.max).all()
-    }
-}
-
-impl ScanMarks {
-    fn new(map: &OccupancyMap, origin: DVec3, integration: &Integration) -> Self {
-        Self {
-            bricks: BrickGrid::default(),
-            ends: (integration.rays == RayRule::OnePerEndVoxel).then(FxHashSet::default),
-            origin: map.lattice().to_voxels(origin),
-            lattice: map.lattice(),
-            background: integration.background,
-            region: integration.region.map(Region::new),
-            ground: integration.ground,
-        }
-    }
-
-    /// Adds the ray to `end` (world coordinates), which is a surface if `hit`.
-    ///
-    /// Where one ray per end voxel is asked for, only the end is noted here and traced by
-    /// [`finish`](Self::finish), so that each is traced once even if several image rows end in it.
-    fn add(&mut self, end: DVec3, hit: bool) {
-        let hit = hit && self.ground.is_none_or(|ground| ground.height(end) > 0.0);
-        let end = self.lattice.to_voxels(end);
-        let end_key = end.floor().as_ivec3();
-        let inside = self.region.is_none_or(|region| region.contains(end_key));
-        if !inside && self.background == Background::Ignore {
+impl Writer<'_> {
+    fn write(&mut self, scan: Scan, keys: KeyBox) {
+        if scan.ends.is_empty() {
             return;
         }
-        if inside && hit {
-            let slot = self.bricks.slot(brick_key(end_key));
-            self.bricks.at_mut(slot).hit.insert(cell(end_key));
-        }
-        match &mut self.ends {
-            Some(ends) => _ = ends.insert(end_key),
-            None => self.cross(end),
-        }
-    }
-
-    fn union(mut self, other: Self) -> Self {
-        for (key, marks) in other.bricks.iter() {
-            let slot = self.bricks.slot(key);
-            let mine = self.bricks.at_mut(slot);
-            mine.hit.extend(&marks.hit);
-            mine.miss.extend(&marks.miss);
-        }
-        if let (Some(ends), Some(others)) = (&mut self.ends, other.ends) {
-            ends.extend(others);
-        }
-        self
-    }
-
-    fn finish(mut self) -> BrickGrid<Marks> {
-        // The order of the set does not show: marks are unions.
-        for end in self.ends.take().into_iter().flatten() {
-            self.cross(end.as_dvec3() + 0.5);
-        }
-        self.bricks
-    }
-
-    /// Marks the voxels before the end (in units of voxels) as crossed, within the region.
-    fn cross(&mut self, end: DVec3) {
-        let Some(mut walk) = self.walk_to(end) else { return };
-        let end_key = end.floor().as_ivec3();
-        let mut brick = brick_key(walk.key());
-        let mut slot = self.bricks.slot(brick);
-        loop {
-            let key = walk.key();
-            if key == end_key {
-                return;
+        match keys.halves(TILE_EDGE) {
+            Some(halves) => {
+                halves.into_iter().for_each(|half| self.write(scan.within(self.origin, &half), half));
             }
-            if brick_key(key) != brick {
-                brick = brick_key(key);
-                slot = self.bricks.slot(brick);
-            }
-            self.bricks.at_mut(slot).miss.insert(cell(key));
-            if walk.advance().is_none() {
-                return;
-            }
+            None => self.write_tile(&scan, keys),
         }
     }
 
-    fn walk_to(&self, end: DVec3) -> Option<SegmentWalk> {
-        match self.region {
-            Some(region) => SegmentWalk::within(self.origin, end, region.min, region.max),
-            None => Some(SegmentWalk::new(self.origin, end)),
+    fn write_tile(&mut self, scan: &Scan, keys: KeyBox) {
+        let Self { origin, steps, map, marks, update } = self;
+        Arch::new().dispatch(
+            #[inline(always)]
+            || {
+                marks.visit(*origin, scan, keys, |brick, marks| {
+                    let slot = map.bricks.slot(brick);
+                    steps.apply(&mut map.bricks.at_mut(slot).0, marks, update);
+                });
+            },
+        );
+    }
+}
+
+/// How log-odds change.
+struct Steps {
+    hit: f32,
+    miss: f32,
+    low: f32,
+    high: f32,
+}
+
+impl Steps {
+    fn new(model: &SensorModel) -> Self {
+        let [hit, miss, low, high] =
+            [model.hit, model.miss, model.clamp_min, model.clamp_max].map(|p| LogOdds::from_probability(p).0);
+        Self { hit, miss, low, high }
+    }
+
+    /// Updates the marked voxels of a brick. Without branches, for vector instructions.
+    #[inline(always)]
+    fn apply(&self, values: &mut [f32; CELLS], marks: &[u8; CELLS], update: &mut MapUpdate) {
+        let [mut n_hits, mut n_misses, mut n_first_measured, mut n_newly_occupied] = [0_u32; 4];
+        for (value, &mark) in values.iter_mut().zip(marks) {
+            let before = *value;
+            let (is_hit, is_marked) = (mark == HIT, mark != 0);
+            let start = if before.is_nan() { 0.0 } else { before };
+            let sum = start + if is_hit { self.hit } else { self.miss };
+            let after = if sum < self.low { self.low } else { sum };
+            let after = if after > self.high { self.high } else { after };
+            *value = if is_marked { after } else { before };
+            n_hits += is_hit as u32;
+            n_misses += (mark == MISS) as u32;
+            n_first_measured += (is_marked & before.is_nan()) as u32;
+            n_newly_occupied += (is_marked & (start <= 0.0) & (after > 0.0)) as u32;
         }
+        update.n_hits += n_hits as usize;
+        update.n_misses += n_misses as usize;
+        update.n_first_measured += n_first_measured as usize;
+        update.n_newly_occupied += n_newly_occupied as usize;
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::geometry::{Lattice, Pose};
-    use crate::map::SensorModel;
+    use crate::geometry::{Lattice, Pose, SegmentWalk};
     use crate::sensor::{DepthImage, Intrinsics};
-    use glam::{DVec2, UVec3};
+    use glam::{DVec2, IVec3, UVec3};
     use proptest::prelude::*;
     use std::collections::BTreeMap;
 

@@ -6,9 +6,12 @@
 mod brick;
 mod frontier;
 mod integrate;
+mod key_box;
 mod log_odds;
+mod marks;
 mod occupancy_map;
 pub mod octree;
+mod scan;
 mod snapshot;
 
 pub use frontier::frontier;

@@ -51,21 +51,22 @@ impl OccupancyMap {
 
     /// All measured voxels, in increasing order of z, then y, then x.
     pub fn voxels(&self) -> Vec<(VoxelKey, LogOdds)> {
-        let mut voxels: Vec<(VoxelKey, LogOdds)> = self
-            .bricks
-            .iter()
-            .flat_map(|(brick, values)| {
-                let measured = values.0.iter().enumerate().filter(|(_, value)| !value.is_nan());
-                measured.map(move |(cell, &value)| (voxel_key(brick, cell), LogOdds(value)))
-            })
-            .collect();
+        let mut voxels: Vec<(VoxelKey, LogOdds)> = self.measured().collect();
         voxels.sort_unstable_by_key(|(key, _)| (key.z, key.y, key.x));
         voxels
     }
 
+    /// All measured voxels in an order that must not show.
+    fn measured(&self) -> impl Iterator<Item = (VoxelKey, LogOdds)> {
+        self.bricks.iter().flat_map(|(brick, values)| {
+            let measured = values.0.iter().enumerate().filter(|(_, value)| !value.is_nan());
+            measured.map(move |(cell, &value)| (voxel_key(brick, cell), LogOdds(value)))
+        })
+    }
+
     /// A dense copy of a block.
     pub fn snapshot(&self, block: VoxelBlock) -> Snapshot {
-        Snapshot::from_fn(self.lattice, block, |key| self.log_odds(key))
+        Snapshot::from_bricks(self.lattice, block, |brick| Some(&self.bricks.get(brick)?.0))
     }
 
     /// The same measurements in voxels `factor` times as large (at least 1): each takes the highest value of the
@@ -76,22 +77,17 @@ impl OccupancyMap {
         }
         let lattice = Lattice::new(self.lattice.voxel_size() * factor as f64)?;
         let mut coarse = Self::new(lattice, self.model)?;
-        for (brick, values) in self.bricks.iter() {
-            for (cell, &value) in values.0.iter().enumerate().filter(|(_, value)| !value.is_nan()) {
-                let key = voxel_key(brick, cell).div_euclid(IVec3::splat(factor as i32));
-                let highest = coarse.log_odds(key).map_or(value, |present| present.0.max(value));
-                coarse.set(key, LogOdds(highest));
-            }
+        for (key, LogOdds(value)) in self.measured() {
+            let key = key.div_euclid(IVec3::splat(factor as i32));
+            let highest = coarse.log_odds(key).map_or(value, |present| present.0.max(value));
+            coarse.set(key, LogOdds(highest));
         }
         Ok(coarse)
     }
 
     /// The map in OctoMap's form, at its finest level.
     pub fn to_octree(&self) -> Result<Octree, Error> {
-        Octree::from_voxels(
-            self.lattice.voxel_size(),
-            self.voxels().into_iter().map(|(key, value)| (key, value.0)),
-        )
+        Octree::from_voxels(self.lattice.voxel_size(), self.measured().map(|(key, value)| (key, value.0)))
     }
 
     /// A map from OctoMap's form; merged leaves become single voxels, colours are dropped. A leaf whose
@@ -148,6 +144,23 @@ mod tests {
             let mut sorted = found.clone();
             sorted.sort_by_key(|(k, _)| *k);
             prop_assert_eq!(sorted, expected.into_iter().collect::<Vec<_>>());
+        }
+
+        #[test]
+        fn a_snapshot_tells_what_the_map_tells(
+            voxels in prop::collection::vec((key(), -2.0_f32..3.5), 0..60),
+            min in prop::array::uniform3(-25..15), dims in prop::array::uniform3(1_u32..20),
+        ) {
+            let map = map_of(&voxels);
+            let block = VoxelBlock::new(IVec3::from_array(min), UVec3::from_array(dims)).unwrap();
+            let expected = Snapshot::from_fn(map.lattice(), block, |key| map.log_odds(key));
+            let found = map.snapshot(block);
+            prop_assert_eq!(found.occupancy(), expected.occupancy());
+            prop_assert_eq!(found.probability(), expected.probability());
+            for (index, &p) in found.probability().iter().enumerate() {
+                let value = map.log_odds(block.key(index));
+                prop_assert_eq!(p, value.map_or(0.5, |value| value.probability() as f32));
+            }
         }
 
         #[test]

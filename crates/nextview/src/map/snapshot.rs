@@ -1,5 +1,8 @@
+use super::brick::{CELLS, voxel_key};
+use super::key_box::KeyBox;
 use super::{LogOdds, Occupancy, entropy};
 use crate::geometry::{Lattice, VoxelBlock, VoxelKey};
+use glam::IVec3;
 use std::f64::consts::LN_2;
 
 /// A dense, immutable copy of a block of the map: what planning reads.
@@ -18,14 +21,50 @@ impl Snapshot {
         block: VoxelBlock,
         log_odds: impl Fn(VoxelKey) -> Option<LogOdds>,
     ) -> Self {
-        let (occupancy, probability) = (0..block.n_voxels())
-            .map(|index| match log_odds(block.key(index)) {
-                Some(value) if value.0 > 0.0 => (Occupancy::Occupied, value.probability() as f32),
-                Some(value) if value.0 < 0.0 => (Occupancy::Free, value.probability() as f32),
-                _ => (Occupancy::Unknown, 0.5),
-            })
-            .unzip();
-        Self { lattice, block, occupancy, probability }
+        let mut snapshot = Self::unknown(lattice, block);
+        let mut known = KnownValues::default();
+        for index in 0..block.n_voxels() {
+            if let Some(value) = log_odds(block.key(index)) {
+                (snapshot.occupancy[index], snapshot.probability[index]) = known.get(value);
+            }
+        }
+        snapshot
+    }
+
+    /// A snapshot of what the bricks hold that reach into the block; NaN where nothing was measured.
+    pub(super) fn from_bricks<'a>(
+        lattice: Lattice,
+        block: VoxelBlock,
+        brick: impl Fn(IVec3) -> Option<&'a [f32; CELLS]>,
+    ) -> Self {
+        let mut snapshot = Self::unknown(lattice, block);
+        let mut known = KnownValues::default();
+        let keys = KeyBox::of(block);
+        let bricks = keys.bricks();
+        for (at, values) in
+            (0..bricks.n_voxels()).filter_map(|i| Some((bricks.key(i), brick(bricks.key(i))?)))
+        {
+            let cells = values.iter().enumerate().filter(|(_, value)| !value.is_nan());
+            for (index, value) in cells.filter_map(|(cell, &v)| Some((block.index(voxel_key(at, cell))?, v)))
+            {
+                (snapshot.occupancy[index], snapshot.probability[index]) = known.get(LogOdds(value));
+            }
+        }
+        snapshot
+    }
+
+    /// The same snapshot with this value in the voxels that `is_there` names.
+    pub(crate) fn with_value(mut self, value: LogOdds, is_there: impl Fn(VoxelKey) -> bool) -> Self {
+        let known = KnownValues::default().get(value);
+        for index in (0..self.block.n_voxels()).filter(|&index| is_there(self.block.key(index))) {
+            (self.occupancy[index], self.probability[index]) = known;
+        }
+        self
+    }
+
+    fn unknown(lattice: Lattice, block: VoxelBlock) -> Self {
+        let n = block.n_voxels();
+        Self { lattice, block, occupancy: vec![Occupancy::Unknown; n], probability: vec![0.5; n] }
     }
 
     /// The lattice of the voxels.
@@ -61,5 +100,34 @@ impl Snapshot {
     /// The paper's eqs. (8) and (9): entropy as a share, 0..=1, of that of a block nothing is known of.
     pub fn entropy_share(&self) -> f64 {
         self.entropy() / (self.block.n_voxels() as f64 * LN_2)
+    }
+}
+
+/// What log-odds mean, with the answers of late: a map holds few different values, and an exponential costs more than
+/// all else of a snapshot.
+struct KnownValues([Option<(f32, (Occupancy, f32))>; 256]);
+
+impl Default for KnownValues {
+    fn default() -> Self {
+        Self([None; 256])
+    }
+}
+
+impl KnownValues {
+    fn get(&mut self, LogOdds(value): LogOdds) -> (Occupancy, f32) {
+        // Fibonacci hashing of the bits.
+        let place = &mut self.0[(value.to_bits().wrapping_mul(0x9E37_79B9) >> 24) as usize];
+        match *place {
+            Some((known, meaning)) if known == value => meaning,
+            _ => place.insert((value, meaning(value))).1,
+        }
+    }
+}
+
+fn meaning(value: f32) -> (Occupancy, f32) {
+    match value {
+        v if v > 0.0 => (Occupancy::Occupied, LogOdds(v).probability() as f32),
+        v if v < 0.0 => (Occupancy::Free, LogOdds(v).probability() as f32),
+        _ => (Occupancy::Unknown, 0.5),
     }
 }

@@ -56,10 +56,11 @@ impl Frame {
     /// `true` for a measured surface and `false` for the end of the range where nothing came back.
     pub fn row_ray_ends(&self, v: u32) -> impl Iterator<Item = (DVec3, bool)> + '_ {
         let rotation = self.world_from_camera.rotation_matrix();
-        (0..self.image.width()).filter_map(move |u| match self.image.get(u, v) {
+        let row = self.intrinsics.deproject_row(v);
+        (0..).zip(row).filter_map(move |(u, ideal)| match self.image.get(u, v) {
             Depth::Missing => None,
-            Depth::Beyond => Some((self.at(&rotation, u, v, self.range)?, false)),
-            Depth::Surface(depth) => Some((self.at(&rotation, u, v, depth as f64)?, true)),
+            Depth::Beyond => Some((self.place(&rotation, ideal?, self.range), false)),
+            Depth::Surface(depth) => Some((self.place(&rotation, ideal?, depth as f64), true)),
         })
     }
 
@@ -86,8 +87,13 @@ impl Frame {
 
     /// The point that pixel `(u, v)` shows at this depth; none where the lens model has no answer.
     fn at(&self, rotation: &DMat3, u: u32, v: u32, depth: f64) -> Option<DVec3> {
-        let ideal = self.intrinsics.deproject(DVec2::new(u as f64, v as f64))?;
-        Some(*rotation * (ideal.extend(1.0) * depth) + self.world_from_camera.translation())
+        Some(self.place(rotation, self.intrinsics.deproject(DVec2::new(u as f64, v as f64))?, depth))
+    }
+
+    /// The point at this depth on the ray through `ideal`.
+    #[inline(always)]
+    fn place(&self, rotation: &DMat3, ideal: DVec2, depth: f64) -> DVec3 {
+        *rotation * (ideal.extend(1.0) * depth) + self.world_from_camera.translation()
     }
 }
 

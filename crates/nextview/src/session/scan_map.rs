@@ -142,15 +142,13 @@ impl BoxMap {
 
     /// What is known of the box. Voxels inside the table, which no frame can show, count as free: nothing is to be found there.
     fn snapshot(&self) -> Option<Snapshot> {
-        let Some(table) = self.table else { return self.block.map(|block| self.map.snapshot(block)) };
+        let snapshot = self.map.snapshot(self.block?);
+        let Some(table) = self.table else { return Some(snapshot) };
         let lattice = self.map.lattice();
         let reach = 0.5 * lattice.voxel_size() * table.top.normal().abs().element_sum();
         let free = LogOdds::from_probability(self.map.model().clamp_min);
-        let log_odds = |key| match table.top.height(lattice.center(key)) + reach <= 0.0 {
-            true => Some(free),
-            false => self.map.log_odds(key),
-        };
-        self.block.map(|block| Snapshot::from_fn(lattice, block, log_odds))
+        let is_inside = |key| table.top.height(lattice.center(key)) + reach <= 0.0;
+        Some(snapshot.with_value(free, is_inside))
     }
 }
 

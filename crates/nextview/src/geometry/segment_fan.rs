@@ -1,0 +1,388 @@
+use super::{VoxelBlock, VoxelKey};
+use glam::DVec3;
+use pulp::{Arch, Simd, WithSimd};
+use std::array::from_fn;
+use std::sync::atomic::{AtomicU8, Ordering};
+
+/// Segments from one point through a box of voxels, several walked at a time in the lanes of vector instructions.
+///
+/// Each is walked exactly as by [`SegmentWalk::within`](super::SegmentWalk::within), with the same operations on the
+/// same numbers, but only tells which voxels were crossed. That takes a third of the time: a step has no branch that
+/// depends on the segment, and marks with one store a lane.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct SegmentFan {
+    /// Where all segments start, in units of voxels.
+    pub from: DVec3,
+    /// The box that they are cut to, both ends included.
+    pub min: VoxelKey,
+    /// See `min`.
+    pub max: VoxelKey,
+    /// Numbers the cells to be marked; holds the box, and at most 2^31 voxels.
+    pub cells: VoxelBlock,
+}
+
+impl SegmentFan {
+    /// Sets to 1 the cells of all voxels that the segments cross before the voxel of their end, in units of voxels.
+    /// There must be one cell more than voxels in the block; its value means nothing.
+    pub fn mark_crossed(&self, ends: &[DVec3], cells: &[AtomicU8]) {
+        assert_eq!(cells.len(), self.cells.n_voxels() + 1);
+        Arch::new().dispatch(Crossing { fan: self, ends, cells });
+    }
+}
+
+struct Crossing<'a> {
+    fan: &'a SegmentFan,
+    ends: &'a [DVec3],
+    cells: &'a [AtomicU8],
+}
+
+impl WithSimd for Crossing<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) {
+        for ends in self.ends.chunks(S::F64_LANES) {
+            if let Some(mut walk) = Walk::new(simd, self.fan, ends) {
+                walk.mark(simd, self.cells);
+            }
+        }
+    }
+}
+
+/// Lanes of the widest instructions.
+const MAX_LANES: usize = 8;
+
+/// Added to an index, it leaves the index in the low bits of the number.
+const MAGIC: f64 = (1_u64 << 52) as f64;
+
+/// A number per segment.
+type Lanes = [f64; MAX_LANES];
+
+/// Segments under way; the names are those of `SegmentWalk`.
+struct Walk<S: Simd> {
+    axes: [Axis<S>; 3],
+    /// The cell of the voxel it is in, and that of its end or one that does not exist; plus [`MAGIC`].
+    index: S::f64s,
+    end_index: S::f64s,
+    /// The cell that ended segments mark.
+    spare: S::f64s,
+    goes_on: S::m64s,
+}
+
+#[derive(Clone, Copy)]
+struct Axis<S: Simd> {
+    t_next: S::f64s,
+    t_first: S::f64s,
+    t_delta: S::f64s,
+    n: S::f64s,
+    n_end: S::f64s,
+    /// Whether all steps are made, and the crossing after them: infinite, or that out of the box.
+    done: S::m64s,
+    t_last: S::f64s,
+    /// How far a step moves the index.
+    stride: S::f64s,
+}
+
+/// One axis before the walk has entered the box.
+#[derive(Clone, Copy)]
+struct Approach<S: Simd> {
+    t_first: S::f64s,
+    t_delta: S::f64s,
+    speed: S::f64s,
+    step: S::f64s,
+    n_end: S::f64s,
+    /// Steps that are missing to the box.
+    short: S::f64s,
+}
+
+/// The same axis of all segments.
+struct AxisInput {
+    from: f64,
+    to: Lanes,
+    to_floor: Lanes,
+    min: f64,
+    max: f64,
+}
+
+#[inline(always)]
+fn load<S: Simd>(lanes: &Lanes) -> S::f64s {
+    S::as_simd_f64s(lanes).0[0]
+}
+
+#[inline(always)]
+fn any<S: Simd>(simd: S, mask: S::m64s) -> bool {
+    simd.reduce_max_f64s(simd.select_f64s(mask, simd.splat_f64s(1.0), simd.splat_f64s(0.0))) > 0.0
+}
+
+impl AxisInput {
+    #[inline(always)]
+    fn new(fan: &SegmentFan, ends: &[DVec3], axis: usize) -> Self {
+        // Lanes without a segment repeat the first.
+        let to: Lanes = from_fn(|lane| ends.get(lane).unwrap_or(&ends[0])[axis]);
+        let [min, max] = [fan.min, fan.max].map(|key| key[axis] as f64);
+        Self { from: fan.from[axis], to, to_floor: to.map(f64::floor), min, max }
+    }
+}
+
+impl<S: Simd> Approach<S> {
+    #[inline(always)]
+    fn new(simd: S, input: &AxisInput) -> Self {
+        let [zero, one] = [0.0, 1.0].map(|n| simd.splat_f64s(n));
+        let (from, from_floor) = (simd.splat_f64s(input.from), simd.splat_f64s(input.from.floor()));
+        let direction = simd.sub_f64s(load::<S>(&input.to), from);
+        let forward = simd.less_than_f64s(zero, direction);
+        let backward = simd.less_than_f64s(direction, zero);
+        let border = simd.select_f64s(forward, simd.splat_f64s(input.from.floor() + 1.0), from_floor);
+        let inverse = simd.div_f64s(one, direction);
+        let ahead = simd.splat_f64s(input.min - input.from.floor());
+        let behind = simd.splat_f64s(input.from.floor() - input.max);
+        Self {
+            t_first: simd.mul_f64s(simd.sub_f64s(border, from), inverse),
+            t_delta: simd.abs_f64s(inverse),
+            speed: simd.abs_f64s(direction),
+            step: simd.select_f64s(forward, one, simd.select_f64s(backward, simd.splat_f64s(-1.0), zero)),
+            n_end: simd.abs_f64s(simd.sub_f64s(load::<S>(&input.to_floor), from_floor)),
+            short: simd.select_f64s(backward, behind, ahead),
+        }
+    }
+
+    #[inline(always)]
+    fn crossing(&self, simd: S, n: S::f64s) -> S::f64s {
+        simd.add_f64s(self.t_first, simd.mul_f64s(n, self.t_delta))
+    }
+
+    /// Number of crossings before `t`, and at `t` if `also_at`.
+    #[inline(always)]
+    fn n_crossings(&self, simd: S, t: S::f64s, also_at: S::m64s) -> S::f64s {
+        let [zero, half, one, magic] = [0.0, 0.5, 1.0, MAGIC].map(|n| simd.splat_f64s(n));
+        let crossed = |n| {
+            let at = self.crossing(simd, n);
+            let touches = simd.and_m64s(also_at, simd.equal_f64s(at, t));
+            simd.or_m64s(simd.less_than_f64s(at, t), touches)
+        };
+        // A guess that rounding may put one off; NaN, where the walk is parallel to the borders, becomes 0.
+        let guess = simd.mul_f64s(simd.sub_f64s(t, self.t_first), self.speed);
+        let guess = simd.select_f64s(simd.less_than_f64s(guess, self.n_end), guess, self.n_end);
+        let guess = simd.select_f64s(simd.less_than_f64s(zero, guess), guess, zero);
+        let rounded = simd.sub_f64s(simd.add_f64s(simd.add_f64s(guess, half), magic), magic);
+        let mut n = simd.select_f64s(simd.less_than_f64s(rounded, self.n_end), rounded, self.n_end);
+        loop {
+            let before = simd.sub_f64s(n, one);
+            let too_many = simd.and_m64s(simd.less_than_f64s(zero, n), simd.not_m64s(crossed(before)));
+            let too_few = simd.and_m64s(simd.less_than_f64s(n, self.n_end), crossed(n));
+            if !any(simd, simd.or_m64s(too_many, too_few)) {
+                return n;
+            }
+            n = simd.select_f64s(too_many, before, simd.select_f64s(too_few, simd.add_f64s(n, one), n));
+        }
+    }
+}
+
+impl<S: Simd> Axis<S> {
+    /// The axis after `n` steps, with room for `room` more in the box.
+    #[inline(always)]
+    fn new(simd: S, approach: &Approach<S>, n: S::f64s, room: S::f64s, stride: f64) -> Self {
+        let limit = simd.add_f64s(n, room);
+        let is_cut = simd.less_than_f64s(limit, approach.n_end);
+        let infinite = simd.splat_f64s(f64::INFINITY);
+        let mut axis = Self {
+            t_next: infinite,
+            t_first: approach.t_first,
+            t_delta: approach.t_delta,
+            n,
+            n_end: simd.select_f64s(is_cut, limit, approach.n_end),
+            done: is_cut,
+            t_last: simd.select_f64s(is_cut, approach.crossing(simd, limit), infinite),
+            stride: simd.mul_f64s(approach.step, simd.splat_f64s(stride)),
+        };
+        axis.find_next(simd);
+        axis
+    }
+
+    #[inline(always)]
+    fn find_next(&mut self, simd: S) {
+        let next = simd.add_f64s(self.t_first, simd.mul_f64s(self.n, self.t_delta));
+        self.done = simd.less_than_or_equal_f64s(self.n_end, self.n);
+        self.t_next = simd.select_f64s(self.done, self.t_last, next);
+    }
+
+    /// Makes a step where it is this axis' turn.
+    #[inline(always)]
+    fn advance(&mut self, simd: S, turn: S::m64s) {
+        self.n = simd.select_f64s(turn, simd.add_f64s(self.n, simd.splat_f64s(1.0)), self.n);
+        self.find_next(simd);
+    }
+}
+
+impl<S: Simd> Walk<S> {
+    /// None if no segment crosses the box.
+    #[inline(always)]
+    fn new(simd: S, fan: &SegmentFan, ends: &[DVec3]) -> Option<Self> {
+        let [zero, minus_one] = [0.0, -1.0].map(|n| simd.splat_f64s(n));
+        let inputs: [AxisInput; 3] = from_fn(|axis| AxisInput::new(fan, ends, axis));
+        let approaches: [Approach<S>; 3] = from_fn(|axis| Approach::new(simd, &inputs[axis]));
+        let (t_in, entering) = last_entry(simd, &approaches);
+
+        let strides = fan.cells.strides().map(|stride| stride as f64);
+        let first = fan.cells.min().as_dvec3();
+        let mut goes_on = simd.equal_f64s(zero, zero);
+        let mut end_is_in = goes_on;
+        let mut index = simd.splat_f64s(MAGIC);
+        let mut end_index = index;
+        let axes = from_fn(|axis| {
+            let (approach, input) = (&approaches[axis], &inputs[axis]);
+            let also_at = simd.less_than_or_equal_f64s(simd.splat_f64s(axis as f64), entering);
+            let n = approach.n_crossings(simd, t_in, also_at);
+            let key = simd.add_f64s(simd.splat_f64s(input.from.floor()), simd.mul_f64s(approach.step, n));
+            let [min, max] = [input.min, input.max].map(|k| simd.splat_f64s(k));
+            let is_in = |key| {
+                simd.and_m64s(simd.less_than_or_equal_f64s(min, key), simd.less_than_or_equal_f64s(key, max))
+            };
+            let to_floor = load::<S>(&input.to_floor);
+            goes_on = simd.and_m64s(goes_on, is_in(key));
+            goes_on = simd.and_m64s(goes_on, simd.less_than_or_equal_f64s(approach.short, approach.n_end));
+            end_is_in = simd.and_m64s(end_is_in, is_in(to_floor));
+            let place = |key| {
+                let local = simd.sub_f64s(key, simd.splat_f64s(first[axis]));
+                simd.mul_f64s(local, simd.splat_f64s(strides[axis]))
+            };
+            index = simd.add_f64s(index, place(key));
+            end_index = simd.add_f64s(end_index, place(to_floor));
+            let backward = simd.less_than_f64s(approach.step, zero);
+            let room = simd.select_f64s(backward, simd.sub_f64s(key, min), simd.sub_f64s(max, key));
+            Axis::new(simd, approach, n, room, strides[axis])
+        });
+        any(simd, goes_on).then(|| Self {
+            axes,
+            index,
+            end_index: simd.select_f64s(end_is_in, end_index, minus_one),
+            spare: simd.splat_f64s(MAGIC + fan.cells.n_voxels() as f64),
+            goes_on,
+        })
+    }
+
+    #[inline(always)]
+    fn mark(&mut self, simd: S, cells: &[AtomicU8]) {
+        let mut marked: Lanes = [0.0; MAX_LANES];
+        loop {
+            // Asking whether any goes on costs as much as a step.
+            for _ in 0..4 {
+                self.goes_on =
+                    simd.and_m64s(self.goes_on, simd.not_m64s(simd.equal_f64s(self.index, self.end_index)));
+                S::as_mut_simd_f64s(&mut marked).0[0] =
+                    simd.select_f64s(self.goes_on, self.index, self.spare);
+                for index in &marked[..S::F64_LANES] {
+                    if let Some(cell) = cells.get(index.to_bits() as u32 as usize) {
+                        cell.store(1, Ordering::Relaxed);
+                    }
+                }
+                self.advance(simd);
+            }
+            if !any(simd, self.goes_on) {
+                return;
+            }
+        }
+    }
+
+    #[inline(always)]
+    fn advance(&mut self, simd: S) {
+        let [x, y, z] = self.axes.each_mut();
+        let x_turn = simd.and_m64s(
+            simd.less_than_or_equal_f64s(x.t_next, y.t_next),
+            simd.less_than_or_equal_f64s(x.t_next, z.t_next),
+        );
+        let y_before_z = simd.less_than_or_equal_f64s(y.t_next, z.t_next);
+        let y_turn = simd.and_m64s(y_before_z, simd.not_m64s(x_turn));
+        let z_turn = simd.not_m64s(simd.or_m64s(x_turn, y_before_z));
+        let is_over = simd.or_m64s(
+            simd.and_m64s(x_turn, x.done),
+            simd.or_m64s(simd.and_m64s(y_turn, y.done), simd.and_m64s(z_turn, z.done)),
+        );
+        self.goes_on = simd.and_m64s(self.goes_on, simd.not_m64s(is_over));
+        let stride = simd.select_f64s(y_turn, y.stride, z.stride);
+        self.index = simd.add_f64s(self.index, simd.select_f64s(x_turn, x.stride, stride));
+        x.advance(simd, x_turn);
+        y.advance(simd, y_turn);
+        z.advance(simd, z_turn);
+    }
+}
+
+/// The last crossing that brings a segment into the slabs of the box, and its axis; minus infinity and -1 where it
+/// starts in all of them.
+#[inline(always)]
+fn last_entry<S: Simd>(simd: S, approaches: &[Approach<S>; 3]) -> (S::f64s, S::f64s) {
+    let [zero, one] = [0.0, 1.0].map(|n| simd.splat_f64s(n));
+    let mut t_in = simd.splat_f64s(f64::NEG_INFINITY);
+    let mut entering = simd.splat_f64s(-1.0);
+    for (axis, approach) in approaches.iter().enumerate() {
+        let t = approach.crossing(simd, simd.sub_f64s(approach.short, one));
+        let enters = simd.less_than_f64s(zero, approach.short);
+        let is_later = simd.and_m64s(enters, simd.less_than_or_equal_f64s(t_in, t));
+        t_in = simd.select_f64s(is_later, t, t_in);
+        entering = simd.select_f64s(is_later, simd.splat_f64s(axis as f64), entering);
+    }
+    (t_in, entering)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geometry::SegmentWalk;
+    use glam::{IVec3, UVec3};
+    use proptest::prelude::*;
+
+    /// Marks by one walk at a time.
+    fn by_walks(fan: &SegmentFan, ends: &[DVec3]) -> Vec<u8> {
+        let mut cells = vec![0; fan.cells.n_voxels()];
+        for &end in ends {
+            let Some(mut walk) = SegmentWalk::within(fan.from, end, fan.min, fan.max) else { continue };
+            while walk.key() != end.floor().as_ivec3() {
+                cells[fan.cells.index(walk.key()).unwrap()] = 1;
+                if walk.advance().is_none() {
+                    break;
+                }
+            }
+        }
+        cells
+    }
+
+    fn marks(fan: &SegmentFan, ends: &[DVec3], mark: impl Fn(Crossing)) -> Vec<u8> {
+        let cells: Vec<AtomicU8> = (0..=fan.cells.n_voxels()).map(|_| AtomicU8::new(0)).collect();
+        mark(Crossing { fan, ends, cells: &cells });
+        cells.into_iter().map(AtomicU8::into_inner).take(fan.cells.n_voxels()).collect()
+    }
+
+    fn position() -> impl Strategy<Value = DVec3> {
+        (-9.0..9.0, -9.0..9.0, -9.0..9.0).prop_map(|(x, y, z)| DVec3::new(x, y, z))
+    }
+
+    /// Positions with many exact ties: multiples of a quarter.
+    fn tied() -> impl Strategy<Value = DVec3> {
+        (-36..36, -36..36, -36..36).prop_map(|(x, y, z)| DVec3::new(x as f64, y as f64, z as f64) * 0.25)
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig::with_cases(2000))]
+        #[test]
+        fn marks_what_the_walks_cross(
+            (from, ends) in prop_oneof![
+                (position(), prop::collection::vec(position(), 1..20)),
+                (tied(), prop::collection::vec(tied(), 1..20)),
+            ],
+            min in prop::array::uniform3(-6..3), dims in prop::array::uniform3(0..9),
+        ) {
+            let min = IVec3::from_array(min);
+            let max = min + IVec3::from_array(dims);
+            let cells = VoxelBlock::new(IVec3::splat(-8), UVec3::splat(24)).unwrap();
+            let fan = SegmentFan { from, min, max, cells };
+            let expected = by_walks(&fan, &ends);
+            let public = marks(&fan, &ends, |crossing| fan.mark_crossed(&ends, crossing.cells));
+            prop_assert_eq!(&public, &expected);
+            prop_assert_eq!(&marks(&fan, &ends, |crossing| crossing.with_simd(pulp::Scalar)), &expected);
+            #[cfg(target_arch = "x86_64")]
+            if let Some(avx2) = pulp::x86::V3::try_new() {
+                prop_assert_eq!(&marks(&fan, &ends, |crossing| Simd::vectorize(avx2, crossing)), &expected);
+            }
+        }
+    }
+}

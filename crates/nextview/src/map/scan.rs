@@ -1,0 +1,106 @@
+use super::key_box::KeyBox;
+use super::{Background, Integration, RayRule};
+use crate::geometry::{Lattice, VoxelKey};
+use glam::DVec3;
+use pulp::Arch;
+use rustc_hash::FxHashSet;
+
+/// What a scan says, in units of voxels: where its rays end and which voxels hold a surface.
+#[derive(Default)]
+pub(super) struct Scan {
+    pub ends: Vec<DVec3>,
+    /// Voxels may come several times.
+    pub hits: Vec<VoxelKey>,
+    /// The voxels, as whole numbers, that the last ray ended in and that was hit last.
+    last_end: Option<DVec3>,
+    last_hit: Option<DVec3>,
+}
+
+/// Which rays of a scan count, and how.
+#[derive(Clone, Copy)]
+pub(super) struct ScanRules {
+    /// Where all rays start, in units of voxels.
+    pub origin: DVec3,
+    pub region: Option<KeyBox>,
+    lattice: Lattice,
+    integration: Integration,
+}
+
+impl ScanRules {
+    pub fn new(lattice: Lattice, origin: DVec3, integration: &Integration) -> Self {
+        Self {
+            origin: lattice.to_voxels(origin),
+            region: integration.region.map(KeyBox::of),
+            lattice,
+            integration: *integration,
+        }
+    }
+
+    /// The scan whose rays have these ends, in world coordinates, each with whether it is a surface.
+    pub fn scan(&self, ends: impl Iterator<Item = (DVec3, bool)>) -> Scan {
+        let mut scan = Scan::default();
+        Arch::new().dispatch(
+            #[inline(always)]
+            || {
+                for (end, hit) in ends {
+                    self.add(&mut scan, end, hit);
+                }
+            },
+        );
+        scan
+    }
+
+    #[inline(always)]
+    fn add(&self, scan: &mut Scan, end: DVec3, hit: bool) {
+        let hit = hit && self.integration.ground.is_none_or(|ground| ground.height(end) > 0.0);
+        let end = self.lattice.to_voxels(end);
+        // Not yet a key: turning numbers into integers costs more than all else here.
+        let floor = end.floor();
+        let is_in = self.region.is_none_or(|region| region.contains_floor(floor));
+        if is_in && hit && scan.last_hit != Some(floor) {
+            scan.hits.push(floor.as_ivec3());
+            scan.last_hit = Some(floor);
+        }
+        let end = match self.integration.rays {
+            RayRule::EveryPoint => end,
+            // Neighbours in the image mostly end in the same voxel.
+            RayRule::OnePerEndVoxel if scan.last_end == Some(floor) => return,
+            RayRule::OnePerEndVoxel => floor + 0.5,
+        };
+        scan.last_end = Some(floor);
+        let counts = is_in
+            || self.integration.background == Background::Carve
+                && self.region.is_none_or(|region| region.is_near(self.origin, end));
+        if counts {
+            scan.ends.push(end);
+        }
+    }
+}
+
+impl Scan {
+    /// One scan of several, each end once if that is the rule.
+    pub fn union(parts: Vec<Self>, rules: &ScanRules) -> Self {
+        let mut ends: Vec<DVec3> = parts.iter().flat_map(|part| &part.ends).copied().collect();
+        if rules.integration.rays == RayRule::OnePerEndVoxel {
+            let mut seen = FxHashSet::with_capacity_and_hasher(ends.len(), Default::default());
+            ends.retain(|end| seen.insert((end - 0.5).as_ivec3()));
+        }
+        Self { ends, hits: parts.into_iter().flat_map(|part| part.hits).collect(), ..Self::default() }
+    }
+
+    /// What concerns the voxels of a box.
+    pub fn within(&self, origin: DVec3, keys: &KeyBox) -> Self {
+        Self {
+            ends: self.ends.iter().filter(|end| keys.is_near(origin, **end)).copied().collect(),
+            hits: self.hits.iter().filter(|hit| keys.contains(**hit)).copied().collect(),
+            ..Self::default()
+        }
+    }
+
+    /// The box of all voxels that the rays may cross; none without rays.
+    pub fn reach(&self, origin: DVec3) -> Option<KeyBox> {
+        let start = origin.floor().as_ivec3();
+        let grow = |reach: KeyBox, end: &DVec3| reach.with(end.floor().as_ivec3());
+        (!self.ends.is_empty()).then(|| self.ends.iter().fold(KeyBox { min: start, max: start }, grow))
+    }
+}
