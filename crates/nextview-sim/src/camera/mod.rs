@@ -19,6 +19,7 @@ mod tests;
 use crate::SimError;
 use crate::mesh::TriangleMesh;
 use draw_list::DrawList;
+use glam::DVec3;
 use nextview::Error;
 use nextview::geometry::{Aabb, Pose};
 use nextview::sensor::{DepthImage, Frame, Intrinsics};
@@ -135,5 +136,23 @@ impl SimulatedCamera {
             }));
         }
         Ok(depth)
+    }
+
+    /// The surface points that a [`capture`](Self::capture) from this pose would measure inside the box, in world
+    /// coordinates, row by row: those of [`Frame::points_in`], in less time because the camera knows every pixel's ray.
+    ///
+    /// Fails if there is a room and the camera stands outside.
+    pub fn points_in(
+        &self,
+        world_from_camera: &Pose,
+        bounds: Aabb,
+    ) -> Result<impl Iterator<Item = DVec3> + '_, Error> {
+        let depth = self.render_depth(world_from_camera)?;
+        let (rotation, origin) = (world_from_camera.rotation_matrix(), world_from_camera.translation());
+        let pixels = depth.into_iter().zip(self.samples.ideal_points());
+        let surface = pixels.filter(|(depth, _)| depth.is_finite());
+        let points =
+            surface.map(move |(depth, ideal)| rotation * (ideal.extend(1.0) * depth as f64) + origin);
+        Ok(points.filter(move |point| bounds.contains(*point)))
     }
 }

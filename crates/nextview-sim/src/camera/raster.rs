@@ -16,6 +16,7 @@ use super::samples::Samples;
 use glam::DVec2;
 use nextview::geometry::Pose;
 use pulp::{Arch, Simd, WithSimd};
+use std::ops::Range;
 
 /// 1 / depth of the nearest surface at every sample; 0 where there is none, infinite where there is no sample.
 pub(super) fn nearest_surfaces(samples: &Samples, list: &DrawList, world_from_camera: &Pose) -> Vec<Chunk> {
@@ -120,13 +121,17 @@ fn draw(samples: &Samples, nearest: &mut [Chunk], pixels: PixelBox, corners: [Pr
         let range = first + chunks.start..first + chunks.end;
         let (x, y) = (&samples.x()[range.clone()], &samples.y()[range.clone()]);
         for (i, nearest) in nearest[range].iter_mut().enumerate() {
-            draw_chunk(&x[i], &y[i], nearest, &corners);
+            let first_column = ((chunks.start + i) * LANES) as i64;
+            let lanes = columns.start as i64 - first_column..columns.end as i64 - first_column;
+            draw_chunk(&x[i], &y[i], nearest, lanes, &corners);
         }
     }
 }
 
+/// Draws a triangle at some of the samples of a chunk. The others are left out because rounding may put them into a
+/// triangle seen edge-on that ends before them.
 #[inline(always)]
-fn draw_chunk(x: &Chunk, y: &Chunk, nearest: &mut Chunk, [a, b, c]: &[Projected; 3]) {
+fn draw_chunk(x: &Chunk, y: &Chunk, nearest: &mut Chunk, lanes: Range<i64>, [a, b, c]: &[Projected; 3]) {
     for i in 0..LANES {
         let sample = DVec2::new(x[i], y[i]);
         let (to_a, to_b, to_c) = (a.ideal - sample, b.ideal - sample, c.ideal - sample);
@@ -135,7 +140,8 @@ fn draw_chunk(x: &Chunk, y: &Chunk, nearest: &mut Chunk, [a, b, c]: &[Projected;
         let is_right = (at_a <= 0.0) & (at_b <= 0.0) & (at_c <= 0.0);
         let sum = at_a + at_b + at_c;
         // A triangle seen edge-on has no inside: its sum is 0.
-        let is_inside = (is_left | is_right) & (sum != 0.0);
+        let is_drawn = (lanes.start <= i as i64) & ((i as i64) < lanes.end);
+        let is_inside = (is_left | is_right) & (sum != 0.0) & is_drawn;
         let weighted = at_a * a.inverse_depth + at_b * b.inverse_depth + at_c * c.inverse_depth;
         let inverse_depth = weighted / sum;
         nearest[i] = if is_inside & (inverse_depth > nearest[i]) { inverse_depth } else { nearest[i] };

@@ -59,6 +59,15 @@ impl Samples {
         &self.y
     }
 
+    /// The ideal points of all pixels row by row, NaN for those without an answer.
+    pub fn ideal_points(&self) -> impl Iterator<Item = DVec2> + '_ {
+        let rows = self.x.chunks_exact(self.chunks_in_row).zip(self.y.chunks_exact(self.chunks_in_row));
+        rows.flat_map(|(x, y)| {
+            let points = x.as_flattened().iter().zip(y.as_flattened());
+            points.take(self.size[0]).map(|(&x, &y)| DVec2::new(x, y))
+        })
+    }
+
     /// 0 for every sample and infinity where there is none.
     pub fn blank(&self) -> &[Chunk] {
         &self.blank

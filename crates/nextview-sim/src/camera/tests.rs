@@ -241,6 +241,16 @@ fn the_room_is_seen_behind_the_object_like_a_mesh() {
 }
 
 #[test]
+fn gives_the_points_of_a_frame() {
+    let camera = camera(ball(20), Intrinsics::d435i());
+    let pose = look_at(DVec3::new(0.1, 0.3, 0.2), DVec3::new(0.02, 0.01, 0.0));
+    let bounds = Aabb::cube(DVec3::new(0.01, 0.03, 0.0), 0.08);
+    let expected: Vec<DVec3> = camera.capture(&pose).unwrap().points_in(bounds).collect();
+    assert!(expected.len() > 1000);
+    assert_eq!(camera.points_in(&pose, bounds).unwrap().collect::<Vec<_>>(), expected);
+}
+
+#[test]
 fn surfaces_beyond_the_range_give_nothing_back() {
     let mesh = Arc::new(cube(0.1));
     let pose = look_at(DVec3::new(-0.5, 0.0, 0.0), DVec3::ZERO);
