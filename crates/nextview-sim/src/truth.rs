@@ -6,7 +6,7 @@ use crate::mesh::sample_surface;
 use fixedbitset::FixedBitSet;
 use glam::DVec3;
 use nextview::Error;
-use nextview::geometry::{Lattice, VoxelBlock};
+use nextview::geometry::{Lattice, Pose, VoxelBlock};
 use nextview::map::{Occupancy, Snapshot};
 use nextview::sensor::Frame;
 use nextview::view::ViewSpace;
@@ -70,11 +70,12 @@ impl ObjectVoxels {
 
     /// Which object voxels hold a measured point of the frame.
     pub fn seen_in(&self, frame: &Frame) -> FixedBitSet {
-        let mut seen = FixedBitSet::with_capacity(self.n_voxels);
-        for point in frame.points_in(self.lattice.bounds(&self.block)) {
-            self.number_at(point).into_iter().for_each(|number| seen.insert(number));
-        }
-        seen
+        self.hit_by(frame.points_in(self.lattice.bounds(&self.block)))
+    }
+
+    /// The same for the frame that the camera would take from a pose, in less time.
+    pub fn seen_from(&self, camera: &SimulatedCamera, pose: &Pose) -> Result<FixedBitSet, Error> {
+        Ok(self.hit_by(camera.points_in(pose, self.lattice.bounds(&self.block))?))
     }
 
     /// How a map compares with the object; the snapshot must be of the same block.
@@ -87,6 +88,12 @@ impl ObjectVoxels {
             }
         }
         score
+    }
+
+    fn hit_by(&self, points: impl Iterator<Item = DVec3>) -> FixedBitSet {
+        let mut hit = FixedBitSet::with_capacity(self.n_voxels);
+        points.filter_map(|point| self.number_at(point)).for_each(|number| hit.insert(number));
+        hit
     }
 
     fn number_at(&self, point: DVec3) -> Option<usize> {
@@ -133,7 +140,7 @@ impl TrueVisibility {
         // Walls stand behind the object and hide none of it.
         let camera = camera.without_background();
         let look = |pose| {
-            let seen = object.seen_in(&camera.capture(pose)?);
+            let seen = object.seen_from(&camera, pose)?;
             progress();
             Ok::<_, Error>(seen)
         };

@@ -2,7 +2,14 @@
 //!
 //! Start with [`SimulatedCamera`]. It is exact: no noise, no loss at silhouettes.
 
+mod chunk;
+mod clip;
+mod depth_buffer;
 mod draw_list;
+mod locator;
+mod pixel_box;
+mod polynomial;
+mod projection;
 mod raster;
 mod room;
 mod samples;
@@ -12,10 +19,11 @@ mod tests;
 use crate::SimError;
 use crate::mesh::TriangleMesh;
 use draw_list::DrawList;
+use glam::DVec3;
 use nextview::Error;
 use nextview::geometry::{Aabb, Pose};
 use nextview::sensor::{DepthImage, Frame, Intrinsics};
-use samples::SampleGrid;
+use samples::Samples;
 use std::sync::Arc;
 
 /// What the camera sees where the object is not.
@@ -58,7 +66,7 @@ pub struct SimulatedCamera {
     background: Background,
     range: f64,
     list: Arc<DrawList>,
-    grid: Arc<SampleGrid>,
+    samples: Arc<Samples>,
 }
 
 impl SimulatedCamera {
@@ -72,18 +80,18 @@ impl SimulatedCamera {
         background: Background,
         range_m: f64,
     ) -> Result<Self, SimError> {
-        if !(range_m > raster::MIN_DEPTH && range_m.is_finite()) {
+        if !(range_m > projection::MIN_DEPTH && range_m.is_finite()) {
             return Err(SimError::parameter("range_m", range_m, "a finite number of metres above 0.001"));
         }
         if let Background::Room(room) = background {
             room::check_holds_mesh(&room, &mesh.bounds())?;
         }
-        let grid = SampleGrid::new(&intrinsics).ok_or_else(|| {
+        let samples = Samples::new(&intrinsics).ok_or_else(|| {
             let value = format!("{:?}", intrinsics.distortion());
             SimError::parameter("distortion", value, "a lens model that has an answer inside the image")
         })?;
-        let (list, grid) = (DrawList::new(&mesh).into(), grid.into());
-        Ok(Self { mesh, intrinsics, background, range: range_m, list, grid })
+        let (list, samples) = (DrawList::new(&mesh).into(), samples.into());
+        Ok(Self { mesh, intrinsics, background, range: range_m, list, samples })
     }
 
     /// The same camera where nothing is behind the object.
@@ -113,16 +121,38 @@ impl SimulatedCamera {
     /// The pixels of [`capture`](Self::capture) as plain numbers, row by row: depth in metres, infinite where
     /// nothing comes back, NaN where the lens model has no answer.
     pub fn render_depth(&self, world_from_camera: &Pose) -> Result<Vec<f32>, Error> {
-        let mut nearest = raster::nearest_surfaces(&self.grid, &self.list, world_from_camera);
+        let mut nearest = raster::nearest_surfaces(&self.samples, &self.list, world_from_camera);
         if let Background::Room(room) = &self.background {
-            room::add_walls(room, &self.grid, world_from_camera, &mut nearest)?;
+            room::add_walls(room, &self.samples, world_from_camera, &mut nearest)?;
         }
         let farthest = 1.0 / self.range;
-        let mut depth = vec![f32::NAN; self.intrinsics.n_pixels()];
-        for (&pixel, &inverse_depth) in self.grid.pixels().iter().zip(&nearest) {
-            let is_seen = inverse_depth >= farthest;
-            depth[pixel as usize] = if is_seen { (1.0 / inverse_depth) as f32 } else { f32::INFINITY };
+        let mut depth = Vec::with_capacity(self.intrinsics.n_pixels());
+        for row in nearest.chunks_exact(self.samples.chunks_in_row()) {
+            let width = self.intrinsics.width() as usize;
+            depth.extend(row.as_flattened()[..width].iter().map(|&inverse_depth| {
+                let is_seen = inverse_depth >= farthest;
+                let depth = if is_seen { (1.0 / inverse_depth) as f32 } else { f32::INFINITY };
+                if inverse_depth < f64::INFINITY { depth } else { f32::NAN }
+            }));
         }
         Ok(depth)
+    }
+
+    /// The surface points that a [`capture`](Self::capture) from this pose would measure inside the box, in world
+    /// coordinates, row by row: those of [`Frame::points_in`], in less time because the camera knows every pixel's ray.
+    ///
+    /// Fails if there is a room and the camera stands outside.
+    pub fn points_in(
+        &self,
+        world_from_camera: &Pose,
+        bounds: Aabb,
+    ) -> Result<impl Iterator<Item = DVec3> + '_, Error> {
+        let depth = self.render_depth(world_from_camera)?;
+        let (rotation, origin) = (world_from_camera.rotation_matrix(), world_from_camera.translation());
+        let pixels = depth.into_iter().zip(self.samples.ideal_points());
+        let surface = pixels.filter(|(depth, _)| depth.is_finite());
+        let points =
+            surface.map(move |(depth, ideal)| rotation * (ideal.extend(1.0) * depth as f64) + origin);
+        Ok(points.filter(move |point| bounds.contains(*point)))
     }
 }

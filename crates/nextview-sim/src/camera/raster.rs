@@ -2,119 +2,148 @@
 //! its three edges or on one of them (Pineda 1988). The side is computed so that the two triangles at an edge
 //! always get opposite answers, and a point on a corner gets an exact zero; so no sample falls between
 //! neighbours, whatever is rounded.
+//!
+//! The image is the same in whatever order the triangles are drawn, and whichever hidden ones are left out. So the
+//! clusters nearest to the camera come first, and those that they hide are not drawn.
 
-use super::draw_list::DrawList;
-use super::samples::{CellBox, SampleGrid};
-use glam::{DVec2, DVec3};
+use super::chunk::{Chunk, LANES};
+use super::clip::clip;
+use super::depth_buffer::DepthBuffer;
+use super::draw_list::{Cluster, DrawList};
+use super::pixel_box::PixelBox;
+use super::projection::{Projected, ProjectedCluster, ToCamera, project};
+use super::samples::Samples;
+use glam::DVec2;
 use nextview::geometry::Pose;
+use pulp::{Arch, Simd, WithSimd};
+use std::ops::Range;
 
-/// Surfaces nearer than this are not seen, metres.
-pub(super) const MIN_DEPTH: f64 = 1e-3;
+/// 1 / depth of the nearest surface at every sample; 0 where there is none, infinite where there is no sample.
+pub(super) fn nearest_surfaces(samples: &Samples, list: &DrawList, world_from_camera: &Pose) -> Vec<Chunk> {
+    let to_camera = ToCamera::new(world_from_camera);
+    Arch::new().dispatch(Raster { samples, list, to_camera })
+}
 
-/// A vertex seen by the camera.
+/// One image to draw, compiled for several kinds of processors.
 #[derive(Clone, Copy)]
-struct Projected {
-    ideal: DVec2,
-    /// 1 / depth; 0 for a vertex nearer than [`MIN_DEPTH`] or behind the camera.
-    inverse_depth: f64,
+struct Raster<'a> {
+    samples: &'a Samples,
+    list: &'a DrawList,
+    to_camera: ToCamera,
 }
 
-/// 1 / depth of the nearest surface at every sample, 0 where there is none.
-pub(super) fn nearest_surfaces(grid: &SampleGrid, list: &DrawList, world_from_camera: &Pose) -> Vec<f64> {
-    let camera_from_world = world_from_camera.inverse();
-    let (rotation, translation) = (camera_from_world.rotation_matrix(), camera_from_world.translation());
-    let to_camera = |point: DVec3| rotation * point + translation;
-    let (boxes, vertices): (Vec<CellBox>, Vec<Projected>) =
-        list.vertices.iter().map(|&v| project(grid, to_camera(v))).unzip();
+impl WithSimd for Raster<'_> {
+    type Output = Vec<Chunk>;
 
-    let mut nearest = vec![0.0; grid.pixels().len()];
-    for triangle in &list.triangles {
-        let corner = triangle.map(|i| i as usize);
-        let cells = CellBox::around(boxes[corner[0]], boxes[corner[1]], boxes[corner[2]]);
-        if cells.is_empty() {
-            continue;
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) -> Vec<Chunk> {
+        let mut buffer = DepthBuffer::new(self.samples);
+        let mut projected = ProjectedCluster::new();
+        for cluster in self.front_to_back() {
+            projected.project(self.list, cluster, self.to_camera, self.samples.locator());
+            if projected.farthest > 0.0 {
+                self.draw_in_front(&mut buffer, cluster, &projected);
+            } else if projected.nearest > 0.0 {
+                self.draw_around(&mut buffer, cluster, &projected);
+            }
         }
-        let seen = corner.map(|i| vertices[i]);
-        if seen.iter().all(|v| v.inverse_depth > 0.0) {
-            draw(grid, &mut nearest, cells, &seen);
-        } else {
-            draw_clipped(grid, &mut nearest, corner.map(|i| to_camera(list.vertices[i])));
+        buffer.into_nearest()
+    }
+}
+
+impl Raster<'_> {
+    fn front_to_back(&self) -> impl Iterator<Item = &Cluster> {
+        let depth_of = |cluster: &Cluster| self.to_camera.point(cluster.center).z;
+        let mut order: Vec<(f64, &Cluster)> = self.list.clusters.iter().map(|c| (depth_of(c), c)).collect();
+        order.sort_unstable_by(|a, b| a.0.total_cmp(&b.0));
+        order.into_iter().map(|(_, cluster)| cluster)
+    }
+
+    /// Draws a cluster that lies in front of the camera.
+    #[inline(always)]
+    fn draw_in_front(&self, buffer: &mut DepthBuffer, cluster: &Cluster, projected: &ProjectedCluster) {
+        // A mean of the corners' depths may be rounded up.
+        let nearest = projected.nearest * (1.0 + 1e-12);
+        if projected.bounds.is_empty() || buffer.hides(projected.bounds, nearest) {
+            return;
         }
+        let triangles = &self.list.triangles[cluster.triangles.clone()];
+        // Most triangles of a fine mesh fall between the samples: the others are picked out without a branch.
+        let mut with_samples = [(PixelBox::NOTHING, [0; 3]); Cluster::MAX_TRIANGLES];
+        let mut n = 0;
+        for &triangle in triangles {
+            let pixels = projected.pixels(triangle);
+            with_samples[n] = (pixels, triangle);
+            n += !pixels.is_empty() as usize;
+        }
+        for &(pixels, triangle) in &with_samples[..n] {
+            draw(self.samples, buffer.nearest(), pixels, projected.corners(triangle));
+        }
+        buffer.update_bounds(projected.bounds);
     }
-    nearest
-}
 
-/// A vertex, and the cells that may hold a sample at it. The cells are kept apart because they alone decide about
-/// most triangles of a fine mesh: those that fall between the samples.
-#[inline]
-fn project(grid: &SampleGrid, point: DVec3) -> (CellBox, Projected) {
-    if point.z < MIN_DEPTH {
-        return (grid.all(), Projected { ideal: DVec2::ZERO, inverse_depth: 0.0 });
-    }
-    let inverse_depth = 1.0 / point.z;
-    let ideal = point.truncate() * inverse_depth;
-    (grid.box_of(ideal), Projected { ideal, inverse_depth })
-}
-
-/// Draws a triangle of which every corner lies in front of the camera.
-#[inline]
-fn draw(grid: &SampleGrid, nearest: &mut [f64], cells: CellBox, [a, b, c]: &[Projected; 3]) {
-    let (x, y) = grid.coordinates();
-    for row in cells.first[1]..cells.end[1] {
-        let range = grid.in_row(cells, row);
-        let samples = x[range.clone()].iter().zip(&y[range.clone()]);
-        for ((&x, &y), nearest) in samples.zip(&mut nearest[range]) {
-            let sample = DVec2::new(x, y);
-            let (to_a, to_b, to_c) = (a.ideal - sample, b.ideal - sample, c.ideal - sample);
-            let (at_a, at_b, at_c) = (to_b.perp_dot(to_c), to_c.perp_dot(to_a), to_a.perp_dot(to_b));
-            let is_left = (at_a >= 0.0) & (at_b >= 0.0) & (at_c >= 0.0);
-            let is_right = (at_a <= 0.0) & (at_b <= 0.0) & (at_c <= 0.0);
-            let sum = at_a + at_b + at_c;
-            // A triangle seen edge-on has no inside: its sum is 0. One branch, because none can be predicted.
-            if (is_left | is_right) & (sum != 0.0) {
-                let weighted = at_a * a.inverse_depth + at_b * b.inverse_depth + at_c * c.inverse_depth;
-                *nearest = nearest.max(weighted / sum);
+    /// Draws a cluster that lies on both sides of the smallest depth.
+    #[inline(never)]
+    fn draw_around(&self, buffer: &mut DepthBuffer, cluster: &Cluster, projected: &ProjectedCluster) {
+        let locator = self.samples.locator();
+        for &triangle in &self.list.triangles[cluster.triangles.clone()] {
+            let corners = projected.corners(triangle);
+            if corners.iter().all(|corner| corner.inverse_depth > 0.0) {
+                draw(self.samples, buffer.nearest(), projected.pixels(triangle), corners);
+                continue;
+            }
+            let vertex = |i: u16| self.to_camera.point(self.list.vertex(cluster, i));
+            let (polygon, n) = clip(triangle.map(vertex));
+            let polygon = polygon.map(project);
+            let margin = locator.margin(f64::INFINITY, f64::INFINITY);
+            // Chunks with all corners of the polygon.
+            let x = std::array::from_fn(|i| polygon[i % 4].ideal.x);
+            let y = std::array::from_fn(|i| polygon[i % 4].ideal.y);
+            let boxes = locator.boxes_of(&x, &y, margin);
+            for i in 2..n {
+                let pixels = boxes[0].join(boxes[i - 1]).join(boxes[i]);
+                draw(self.samples, buffer.nearest(), pixels, [polygon[0], polygon[i - 1], polygon[i]]);
             }
         }
     }
 }
 
-/// Draws the part of a triangle that lies beyond the smallest depth.
-fn draw_clipped(grid: &SampleGrid, nearest: &mut [f64], corners: [DVec3; 3]) {
-    let (polygon, n) = clip(corners);
-    let seen = polygon.map(|corner| project(grid, corner));
-    for i in 2..n {
-        let [first, second, third] = [seen[0], seen[i - 1], seen[i]];
-        let cells = CellBox::around(first.0, second.0, third.0);
-        draw(grid, nearest, cells, &[first.1, second.1, third.1]);
+/// Draws a triangle of which every corner lies in front of the camera.
+#[inline(always)]
+fn draw(samples: &Samples, nearest: &mut [Chunk], pixels: PixelBox, corners: [Projected; 3]) {
+    if pixels.is_empty() {
+        return;
+    }
+    let columns = pixels.columns();
+    let chunks = columns.start / LANES..(columns.end - 1) / LANES + 1;
+    for row in pixels.rows() {
+        let first = row * samples.chunks_in_row();
+        let range = first + chunks.start..first + chunks.end;
+        let (x, y) = (&samples.x()[range.clone()], &samples.y()[range.clone()]);
+        for (i, nearest) in nearest[range].iter_mut().enumerate() {
+            let first_column = ((chunks.start + i) * LANES) as i64;
+            let lanes = columns.start as i64 - first_column..columns.end as i64 - first_column;
+            draw_chunk(&x[i], &y[i], nearest, lanes, &corners);
+        }
     }
 }
 
-/// The part of a triangle beyond the smallest depth: a polygon of 0, 3 or 4 corners.
-fn clip(corners: [DVec3; 3]) -> ([DVec3; 4], usize) {
-    let (mut polygon, mut n) = ([DVec3::ZERO; 4], 0);
-    let mut push = |corner| {
-        polygon[n] = corner;
-        n += 1;
-    };
-    for i in 0..3 {
-        let (here, next) = (corners[i], corners[(i + 1) % 3]);
-        if here.z >= MIN_DEPTH {
-            push(here);
-        }
-        // Always from the visible end, so that both triangles at the edge are cut at the same point.
-        match (here.z >= MIN_DEPTH, next.z >= MIN_DEPTH) {
-            (true, false) => push(cut(here, next)),
-            (false, true) => push(cut(next, here)),
-            _ => {}
-        }
+/// Draws a triangle at some of the samples of a chunk. The others are left out because rounding may put them into a
+/// triangle seen edge-on that ends before them.
+#[inline(always)]
+fn draw_chunk(x: &Chunk, y: &Chunk, nearest: &mut Chunk, lanes: Range<i64>, [a, b, c]: &[Projected; 3]) {
+    for i in 0..LANES {
+        let sample = DVec2::new(x[i], y[i]);
+        let (to_a, to_b, to_c) = (a.ideal - sample, b.ideal - sample, c.ideal - sample);
+        let (at_a, at_b, at_c) = (to_b.perp_dot(to_c), to_c.perp_dot(to_a), to_a.perp_dot(to_b));
+        let is_left = (at_a >= 0.0) & (at_b >= 0.0) & (at_c >= 0.0);
+        let is_right = (at_a <= 0.0) & (at_b <= 0.0) & (at_c <= 0.0);
+        let sum = at_a + at_b + at_c;
+        // A triangle seen edge-on has no inside: its sum is 0.
+        let is_drawn = (lanes.start <= i as i64) & ((i as i64) < lanes.end);
+        let is_inside = (is_left | is_right) & (sum != 0.0) & is_drawn;
+        let weighted = at_a * a.inverse_depth + at_b * b.inverse_depth + at_c * c.inverse_depth;
+        let inverse_depth = weighted / sum;
+        nearest[i] = if is_inside & (inverse_depth > nearest[i]) { inverse_depth } else { nearest[i] };
     }
-    (polygon, n)
-}
-
-/// Where an edge crosses the smallest depth.
-fn cut(visible: DVec3, hidden: DVec3) -> DVec3 {
-    let share = (visible.z - MIN_DEPTH) / (visible.z - hidden.z);
-    let crossing = visible + share * (hidden - visible);
-    DVec3::new(crossing.x, crossing.y, MIN_DEPTH)
 }

@@ -1,6 +1,7 @@
 //! The walls behind the object.
 
-use super::samples::SampleGrid;
+use super::chunk::Chunk;
+use super::samples::Samples;
 use crate::SimError;
 use glam::DVec3;
 use nextview::Error;
@@ -18,9 +19,9 @@ pub(super) fn check_holds_mesh(room: &Aabb, mesh: &Aabb) -> Result<(), SimError>
 /// Puts the walls at the samples where no surface is, as 1 / depth.
 pub(super) fn add_walls(
     room: &Aabb,
-    grid: &SampleGrid,
+    samples: &Samples,
     world_from_camera: &Pose,
-    nearest: &mut [f64],
+    nearest: &mut [Chunk],
 ) -> Result<(), Error> {
     let origin = world_from_camera.translation();
     if !(origin.cmpgt(room.min).all() && origin.cmplt(room.max).all()) {
@@ -32,8 +33,8 @@ pub(super) fn add_walls(
     }
     let rotation = world_from_camera.rotation_matrix();
     let (to_low, to_high) = (1.0 / (room.min - origin), 1.0 / (room.max - origin));
-    let (x, y) = grid.coordinates();
-    for ((&x, &y), nearest) in x.iter().zip(y).zip(nearest) {
+    let (x, y) = (samples.x().as_flattened(), samples.y().as_flattened());
+    for ((&x, &y), nearest) in x.iter().zip(y).zip(nearest.as_flattened_mut()) {
         if *nearest == 0.0 {
             // Points of the ray are `origin + depth * direction`.
             *nearest = inverse_depth_of_wall(rotation * DVec3::new(x, y, 1.0), to_low, to_high);

@@ -30,7 +30,7 @@ fn intersect(direction: DVec3, [a, b, c]: [DVec3; 3]) -> Option<Crossing> {
     let margin = [u, v, 1.0 - u - v].into_iter().fold(f64::INFINITY, f64::min);
     // A barycentric margin times an edge of the projection is a distance in the plane z = 1.
     let longest = (ab.length().max(ac.length()) / depth.abs()).max(EDGE);
-    let is_near_edge = margin.abs() * longest < EDGE || (depth - raster::MIN_DEPTH).abs() < EDGE;
+    let is_near_edge = margin.abs() * longest < EDGE || (depth - projection::MIN_DEPTH).abs() < EDGE;
     (margin > -EDGE && depth > 0.0).then_some(Crossing { depth, is_near_edge })
 }
 
@@ -47,7 +47,7 @@ fn brute_force(camera: &SimulatedCamera, world_from_camera: &Pose) -> Vec<Option
             let Some(ideal) = camera.intrinsics.deproject(pixel) else { return Some(f64::NAN) };
             let crossings = triangles.iter().filter_map(|&t| intersect(ideal.extend(1.0), t));
             let mut nearest = Crossing { depth: f64::INFINITY, is_near_edge: false };
-            for crossing in crossings.filter(|c| c.depth >= raster::MIN_DEPTH - EDGE) {
+            for crossing in crossings.filter(|c| c.depth >= projection::MIN_DEPTH - EDGE) {
                 if crossing.is_near_edge {
                     return None;
                 }
@@ -180,6 +180,27 @@ fn a_closed_surface_around_the_camera_covers_every_pixel() {
     }
 }
 
+#[test]
+fn what_is_hidden_changes_no_bit() {
+    let (outer, inner) = (ball(30), ball(30).scaled(0.97).unwrap());
+    let shift = outer.vertices().len() as u32;
+    let vertices = [outer.vertices(), inner.vertices()].concat();
+    let shifted = inner.triangles().iter().map(|t| t.map(|v| v + shift));
+    let both =
+        TriangleMesh::new(vertices, outer.triangles().iter().copied().chain(shifted).collect()).unwrap();
+    let mut random = Random::new(9, 0);
+    for intrinsics in [Intrinsics::d435i(), pinhole()] {
+        let (alone, both) = (camera(outer.clone(), intrinsics), camera(both.clone(), intrinsics));
+        for distance in [0.11, 0.2, 0.5] {
+            let pose = look_at(random.in_cube().normalize() * distance, 0.02 * random.in_cube());
+            let bits = |camera: &SimulatedCamera| -> Vec<u32> {
+                camera.render_depth(&pose).unwrap().into_iter().map(f32::to_bits).collect()
+            };
+            assert_eq!(bits(&alone), bits(&both));
+        }
+    }
+}
+
 /// Edges and corners of the mesh lie exactly on the samples.
 #[test]
 fn loses_no_pixel_where_edges_and_corners_meet_samples() {
@@ -217,6 +238,16 @@ fn the_room_is_seen_behind_the_object_like_a_mesh() {
             }
         }
     }
+}
+
+#[test]
+fn gives_the_points_of_a_frame() {
+    let camera = camera(ball(20), Intrinsics::d435i());
+    let pose = look_at(DVec3::new(0.1, 0.3, 0.2), DVec3::new(0.02, 0.01, 0.0));
+    let bounds = Aabb::cube(DVec3::new(0.01, 0.03, 0.0), 0.08);
+    let expected: Vec<DVec3> = camera.capture(&pose).unwrap().points_in(bounds).collect();
+    assert!(expected.len() > 1000);
+    assert_eq!(camera.points_in(&pose, bounds).unwrap().collect::<Vec<_>>(), expected);
 }
 
 #[test]
