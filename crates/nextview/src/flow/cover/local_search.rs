@@ -1,4 +1,4 @@
-use super::super::Incidence;
+use super::super::rows::Rows;
 use std::cmp::Reverse;
 
 /// Visits of an edge after which the search ends: some 4 ms. Real problems of 200 items and 500 sets needed up to
@@ -14,8 +14,8 @@ const MAX_WORK_PER_EDGE: usize = 2_000;
 /// for one until the rest is a cover again. An item that stays unserved gains weight from step to step, so the search
 /// leaves every dead end. Where the published method draws an unserved item by lot, the heaviest is taken: the search
 /// then needs no random numbers, and on the problems at hand it reached the optimum soonest.
-pub(super) fn improve(candidates: &Incidence, by_set: &Incidence, cover: Vec<u32>) -> Vec<u32> {
-    let n_edges: usize = (0..candidates.n_rows()).map(|item| candidates.row_len(item)).sum();
+pub(super) fn improve(candidates: &Rows, by_set: &Rows, cover: Vec<u32>) -> Vec<u32> {
+    let n_edges: usize = candidates.iter().map(|row| row.len()).sum();
     if n_edges > MAX_WORK {
         return cover;
     }
@@ -36,8 +36,8 @@ pub(super) fn improve(candidates: &Incidence, by_set: &Incidence, cover: Vec<u32
 
 /// A choice of sets, and what adding or removing one would change.
 struct Search<'a> {
-    candidates: &'a Incidence,
-    by_set: &'a Incidence,
+    candidates: &'a Rows,
+    by_set: &'a Rows,
     /// In the order in which they were added.
     chosen: Vec<u32>,
     /// Items that no chosen set serves.
@@ -56,7 +56,7 @@ struct Search<'a> {
 }
 
 impl<'a> Search<'a> {
-    fn new(candidates: &'a Incidence, by_set: &'a Incidence) -> Self {
+    fn new(candidates: &'a Rows, by_set: &'a Rows) -> Self {
         let (n_items, n_sets) = (candidates.n_rows(), by_set.n_rows());
         Self {
             candidates,
@@ -65,7 +65,7 @@ impl<'a> Search<'a> {
             unserved: (0..n_items as u32).collect(),
             serving: vec![(0, 0); n_items],
             weight: vec![1; n_items],
-            worth: (0..n_sets).map(|set| by_set.row_len(set) as u64).collect(),
+            worth: (0..n_sets).map(|set| by_set.row(set).len() as u64).collect(),
             moved: vec![0; n_sets],
             n_steps: 0,
             work: 0,
@@ -90,7 +90,7 @@ impl<'a> Search<'a> {
     fn best_candidate(&self, removed: u32) -> u32 {
         let heaviest = self.unserved.iter().max_by_key(|&&item| (self.weight[item as usize], Reverse(item)));
         let item = *heaviest.expect("removing a set of worth leaves items unserved");
-        let others = self.candidates.row(item as usize).filter(|&set| set != removed);
+        let others = self.candidates.row(item as usize).columns().filter(|&set| set != removed);
         let by_worth = |&set: &u32| (self.worth[set as usize], Reverse((self.moved[set as usize], set)));
         others.max_by_key(by_worth).unwrap_or(removed)
     }
@@ -109,7 +109,7 @@ impl<'a> Search<'a> {
         self.chosen.push(set);
         self.moved[set as usize] = self.n_steps;
         let own_worth = self.worth[set as usize];
-        for item in self.by_set.row(set as usize) {
+        for item in self.by_set.row(set as usize).columns() {
             let (n, sum) = self.serving[item as usize];
             self.serving[item as usize] = (n + 1, sum + set as u64);
             let weight = self.weight[item as usize];
@@ -128,7 +128,7 @@ impl<'a> Search<'a> {
     fn remove(&mut self, set: u32) {
         self.moved[set as usize] = self.n_steps;
         let own_worth = self.worth[set as usize];
-        for item in self.by_set.row(set as usize) {
+        for item in self.by_set.row(set as usize).columns() {
             let (n, sum) = self.serving[item as usize];
             let others = sum - set as u64;
             self.serving[item as usize] = (n - 1, others);
@@ -147,7 +147,7 @@ impl<'a> Search<'a> {
 
     /// Changes the worth of all candidates of an item.
     fn change_worth(&mut self, item: u32, change: impl Fn(&mut u64)) {
-        for set in self.candidates.row(item as usize) {
+        for set in self.candidates.row(item as usize).columns() {
             change(&mut self.worth[set as usize]);
             self.work += 1;
         }

@@ -5,6 +5,7 @@ mod local_search;
 mod reduction;
 
 use super::Incidence;
+use super::rows::Rows;
 use greedy::greedy;
 use local_search::improve;
 use reduction::Core;
@@ -23,9 +24,10 @@ use reduction::Core;
 /// assert_eq!(fewest_sets(&candidates), [1, 3]);
 /// ```
 pub fn fewest_sets(candidates: &Incidence) -> Vec<u32> {
+    let candidates = packed(candidates);
     let by_set = candidates.transposed();
-    let plain = greedy(candidates, &by_set);
-    let core = Core::of(candidates.clone(), by_set);
+    let plain = greedy(&candidates, &by_set);
+    let core = Core::of(candidates, by_set);
     let start = greedy(&core.candidates, &core.by_set);
     let rest = improve(&core.candidates, &core.by_set, start);
     let mut reduced = core.chosen;
@@ -33,6 +35,14 @@ pub fn fewest_sets(candidates: &Incidence) -> Vec<u32> {
     let mut sets = if reduced.len() <= plain.len() { reduced } else { plain };
     sets.sort_unstable();
     sets
+}
+
+/// The rows of the items that ask for a set.
+fn packed(candidates: &Incidence) -> Rows {
+    let mut rows = Rows::new(candidates.n_columns());
+    let all = (0..candidates.n_rows()).map(|item| candidates.words_of(item));
+    all.filter(|row| row.columns().next().is_some()).for_each(|row| rows.push(row));
+    rows
 }
 
 #[cfg(test)]
