@@ -1,5 +1,6 @@
-use super::nearest::{NONE, nearest_squared};
+use super::nearest::{FAR_SQ, sums_of_nearest};
 use crate::map::{Occupancy, Snapshot};
+use rayon::prelude::*;
 
 /// The paper's alpha times the voxel size: alpha = 0.1 / resolution.
 const ALPHA: f64 = 0.1;
@@ -16,15 +17,28 @@ pub fn object_probability(snapshot: &Snapshot, frontier: &[usize]) -> Vec<f64> {
 
 /// The same from the K nearest frontier voxels; the paper's K is 6 (section III.A), APORA's 1.
 pub(super) fn from_nearest<const K: usize>(snapshot: &Snapshot, frontier: &[usize]) -> Vec<f64> {
-    let without_frontier = if snapshot.count(Occupancy::Occupied) == 0 { 1.0 } else { 0.0 };
-    let probability = |distances_sq: [u32; K]| {
-        if distances_sq[0] == NONE {
-            return without_frontier;
-        }
-        let sum: u64 = distances_sq.iter().filter(|&&d| d != NONE).map(|&d| d as u64).sum();
-        (-ALPHA * ALPHA * sum as f64).exp()
+    let is_unknown = |index: usize| snapshot.occupancy()[index] == Occupancy::Unknown;
+    let n_voxels = snapshot.block().n_voxels();
+    if frontier.is_empty() {
+        let unknown = if snapshot.count(Occupancy::Occupied) == 0 { 1.0 } else { 0.0 };
+        return (0..n_voxels).map(|index| if is_unknown(index) { unknown } else { 0.0 }).collect();
+    }
+    let sums = sums_of_nearest::<K>(&snapshot.block(), frontier, is_unknown);
+    // Missing voxels are in the sums like far ones.
+    let n_missing = K.saturating_sub(frontier.len()) as u32;
+    let probability = |index: usize| match is_unknown(index) {
+        true => (-ALPHA * ALPHA * (sums[index] - n_missing * FAR_SQ) as f64).exp(),
+        false => 0.0,
     };
-    let nearest = nearest_squared::<K>(&snapshot.block(), frontier);
-    let unknown = snapshot.occupancy().iter().map(|&o| o == Occupancy::Unknown);
-    nearest.into_iter().zip(unknown).map(|(d, unknown)| if unknown { probability(d) } else { 0.0 }).collect()
+    (0..n_voxels).into_par_iter().with_min_len(4096).map(probability).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn nothing_is_left_of_a_probability_where_distances_are_no_longer_told_apart() {
+        assert_eq!((-ALPHA * ALPHA * FAR_SQ as f64).exp(), 0.0);
+    }
 }

@@ -24,7 +24,10 @@ pub(super) fn improve(candidates: &Rows, by_set: &Rows, cover: Vec<u32>) -> Vec<
     let mut search = Search::new(&candidates, &by_set);
     cover.iter().for_each(|&set| search.add(set));
     // A third of the time goes into the least of some hundred numbers, which is one vector instruction to eight of them.
-    Arch::new().dispatch(|| search.run(cover, max_work))
+    Arch::new().dispatch(
+        #[inline(always)]
+        || search.run(cover, max_work),
+    )
 }
 
 /// Rows that are all lists, so that the search need not ask for their form.
