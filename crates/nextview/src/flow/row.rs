@@ -99,9 +99,9 @@ impl Iterator for Columns<'_> {
     fn fold<B, F: FnMut(B, u32) -> B>(self, init: B, mut f: F) -> B {
         match self {
             Self::List(list) => list.fold(init, f),
-            mut bits @ Self::Bits { .. } => {
+            bits => {
                 let mut folded = init;
-                while let Some(column) = bits.next() {
+                for column in bits {
                     folded = f(folded, column);
                 }
                 folded

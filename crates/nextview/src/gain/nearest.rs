@@ -1,7 +1,6 @@
 use crate::geometry::VoxelBlock;
 use pulp::Arch;
 use rayon::prelude::*;
-use std::ops::Range;
 
 /// Squared distances from here on are not told apart.
 pub(super) const FAR_SQ: u32 = 75_000;
@@ -15,7 +14,7 @@ type Lists<const K: usize> = [[i32; LANES]; K];
 
 /// The sum of the squared distances, in voxels, from every needed voxel of the block to its K nearest of the given
 /// voxels, which must come in increasing order; of each that is at least [`FAR_SQ`], or of which there are too few,
-/// that. Anything for voxels not needed.
+/// that. Either the same or 0 for voxels not needed.
 ///
 /// Exact and separable, like a distance transform (Felzenszwalb & Huttenlocher 2012): of the points in a row
 /// along x, only the K nearest along x can be among the K nearest of any voxel of that row, and so on for y and z. So
@@ -59,6 +58,8 @@ struct Slab<'a, const K: usize> {
 }
 
 impl<const K: usize> Slab<'_, K> {
+    const NOTHING: Lists<K> = [[FAR_SQ as i32; LANES]; K];
+
     /// The sums of all voxels of the slab, x varying fastest.
     #[inline(always)]
     fn sums(self, is_needed: &impl Fn(usize) -> bool) -> Vec<u32> {
@@ -72,9 +73,14 @@ impl<const K: usize> Slab<'_, K> {
         let mut sums = vec![0; LANES * self.n_y * self.n_z];
         // A column of lists along z stays in the cache.
         for y in 0..self.n_y {
+            let mut nearest = Self::NOTHING;
             for at in 0..self.n_z {
                 let row = y + at * self.n_y;
-                let Some(mut nearest) = self.open_lists(row, is_needed) else { continue };
+                if !self.is_any_needed(row, is_needed) {
+                    nearest = Self::NOTHING;
+                    continue;
+                }
+                nearest = next_lists(&nearest);
                 merge_line(&mut nearest, &z, &in_plane[y.min(in_plane.len())..], self.n_y, at);
                 let sums = &mut sums[row * LANES..][..LANES];
                 nearest.iter().for_each(|of| sums.iter_mut().zip(of).for_each(|(sum, d)| *sum += *d as u32));
@@ -88,8 +94,9 @@ impl<const K: usize> Slab<'_, K> {
     fn push_plane(&self, rows: &[&[usize]], in_plane: &mut Vec<Lists<K>>) {
         let y: Vec<usize> = rows.iter().map(|row| row[0] / self.n_x % self.n_y).collect();
         let in_row: Vec<Lists<K>> = rows.iter().map(|row| self.row(row)).collect();
+        let mut nearest = Self::NOTHING;
         for at in 0..self.n_y {
-            let mut nearest = [[FAR_SQ as i32; LANES]; K];
+            nearest = next_lists(&nearest);
             merge_line(&mut nearest, &y, &in_row, 1, at);
             in_plane.push(nearest);
         }
@@ -98,7 +105,7 @@ impl<const K: usize> Slab<'_, K> {
     /// The lists of a row from its own points.
     #[inline(always)]
     fn row(&self, points: &[usize]) -> Lists<K> {
-        let mut nearest = [[FAR_SQ as i32; LANES]; K];
+        let mut nearest = Self::NOTHING;
         for point in points {
             let x = point % self.n_x;
             insert(&mut nearest, std::array::from_fn(|lane| square(x.abs_diff(self.x + lane))));
@@ -106,14 +113,10 @@ impl<const K: usize> Slab<'_, K> {
         nearest
     }
 
-    /// Lists without points for the voxels of a row, full ones for those not needed; none if none is needed.
     #[inline(always)]
-    fn open_lists(&self, row: usize, is_needed: &impl Fn(usize) -> bool) -> Option<Lists<K>> {
+    fn is_any_needed(&self, row: usize, is_needed: &impl Fn(usize) -> bool) -> bool {
         let n = LANES.min(self.n_x - self.x);
-        let needed: [bool; LANES] =
-            std::array::from_fn(|lane| lane < n && is_needed(row * self.n_x + self.x + lane));
-        let open = needed.map(|needed| if needed { FAR_SQ as i32 } else { 0 });
-        (open != [0; LANES]).then_some([open; K])
+        (0..n).any(|lane| is_needed(row * self.n_x + self.x + lane))
     }
 }
 
@@ -127,19 +130,31 @@ fn merge_line<const K: usize>(
     stride: usize,
     at: usize,
 ) {
-    let mut seen = Range { start: places.partition_point(|&place| place < at), end: 0 };
-    seen.end = seen.start;
+    let mut above = places.partition_point(|&place| place < at);
+    let mut below = above;
     loop {
-        let below = seen.start.checked_sub(1).map(|i| (at - places[i], i));
-        let above = places.get(seen.end).map(|place| (place - at, seen.end));
-        let Some((distance, i)) = below.into_iter().chain(above).min() else { return };
-        seen = seen.start.min(i)..seen.end.max(i + 1);
-        let distance_sq = square(distance);
+        let down = if below > 0 { at - places[below - 1] } else { usize::MAX };
+        let up = if above < places.len() { places[above] - at } else { usize::MAX };
+        let distance_sq = square(down.min(up));
         if !any_less(&[distance_sq; LANES], &nearest[K - 1]) {
             return;
         }
-        merge(nearest, &lists[i * stride], distance_sq);
+        if down < up {
+            below -= 1;
+            merge(nearest, &lists[below * stride], distance_sq);
+        } else {
+            merge(nearest, &lists[above * stride], distance_sq);
+            above += 1;
+        }
     }
+}
+
+/// The lists of a voxel before any point is known, one step along a line from one of these lists: its K nearest points
+/// are not farther than theirs and the step together, so nothing beyond is ever inserted.
+#[inline(always)]
+fn next_lists<const K: usize>(nearest: &Lists<K>) -> Lists<K> {
+    let limit = nearest[K - 1].map(|d| (d + 2 + (2.0 * (d as f32).sqrt()) as i32 + 1).min(FAR_SQ as i32));
+    [limit; K]
 }
 
 /// Inserts the distances of `other`, moved away by `offset`, into the ascending lists.
@@ -204,11 +219,10 @@ mod tests {
     proptest! {
         #[test]
         fn equals_sorting_all_distances(
-            dims in prop::array::uniform3(1_u32..9), wide in 0_usize..4, picks in prop::collection::vec(any::<prop::sample::Index>(), 0..30),
+            dims in prop::array::uniform3(1_u32..9), long in 0_usize..3, picks in prop::collection::vec(any::<prop::sample::Index>(), 0..30),
         ) {
-            let mut dims = UVec3::from_array(dims);
             // One axis longer than a slab is wide, or than the distances that are told apart.
-            [Some(&mut dims.x), Some(&mut dims.y), Some(&mut dims.z), None][wide].take().map(|n| *n *= 40);
+                        let dims = UVec3::from_array(std::array::from_fn(|axis| dims[axis] * [40, 1, 1][(axis + long) % 3]));
             let block = VoxelBlock::new(IVec3::new(-3, 0, 5), dims).unwrap();
             let mut points: Vec<usize> = picks.iter().map(|pick| pick.index(block.n_voxels())).collect();
             points.sort_unstable();

@@ -23,14 +23,20 @@ pub(super) fn from_nearest<const K: usize>(snapshot: &Snapshot, frontier: &[usiz
         let unknown = if snapshot.count(Occupancy::Occupied) == 0 { 1.0 } else { 0.0 };
         return (0..n_voxels).map(|index| if is_unknown(index) { unknown } else { 0.0 }).collect();
     }
-    let sums = sums_of_nearest::<K>(&snapshot.block(), frontier, is_unknown);
+    let mut points = frontier.to_vec();
+    points.sort_unstable();
+    points.dedup();
+    let sums = sums_of_nearest::<K>(&snapshot.block(), &points, is_unknown);
     // Missing voxels are in the sums like far ones.
-    let n_missing = K.saturating_sub(frontier.len()) as u32;
+    let missing = K.saturating_sub(points.len()) as u32 * FAR_SQ;
+    let largest = sums.iter().max().map_or(0, |&sum| sum.saturating_sub(missing).min(FAR_SQ));
+    // Sums are few, and each exponential takes as long as ten reads.
+    let by_sum: Vec<f64> = (0..=largest).map(|sum| (-ALPHA * ALPHA * sum as f64).exp()).collect();
     let probability = |index: usize| match is_unknown(index) {
-        true => (-ALPHA * ALPHA * (sums[index] - n_missing * FAR_SQ) as f64).exp(),
+        true => by_sum[(sums[index] - missing).min(FAR_SQ) as usize],
         false => 0.0,
     };
-    (0..n_voxels).into_par_iter().with_min_len(4096).map(probability).collect()
+    (0..n_voxels).into_par_iter().with_min_len(16_384).map(probability).collect()
 }
 
 #[cfg(test)]

@@ -170,7 +170,8 @@ impl<'a> Search<'a> {
         let item = !(heaviest.expect("removing a set of worth leaves items unserved") as u32);
         let (mut best, mut most) = (removed, 0);
         for &set in self.candidates.row(item) {
-            let gain: u32 = self.by_set.row(set).iter().map(|&item| self.weight_unserved[item as usize]).sum();
+            let gain: u32 =
+                self.by_set.row(set).iter().map(|&item| self.weight_unserved[item as usize]).sum();
             let rank = u64::from(gain) << 32 | u64::from(!self.moved[set as usize]);
             if set != removed && rank > most {
                 (best, most) = (set, rank);
