@@ -1,4 +1,4 @@
-use super::super::rows::Rows;
+use super::lists::Lists;
 use pulp::Arch;
 
 /// Work after which the search ends: some 1 ms. Real problems of 200 items and 500 sets needed up to 1.5 million to
@@ -14,47 +14,21 @@ const MAX_WORK_PER_EDGE: usize = 2_000;
 /// for one until the rest is a cover again. An item that stays unserved gains weight from step to step, so the search
 /// leaves every dead end. Where the published method draws an unserved item by lot, the heaviest is taken: the search
 /// then needs no random numbers, and on the problems at hand it reached the optimum soonest.
-pub(super) fn improve(candidates: &Rows, by_set: &Rows, cover: Vec<u32>) -> Vec<u32> {
-    let n_edges: usize = candidates.iter().map(|row| row.len()).sum();
-    if n_edges > MAX_WORK {
+///
+/// The search ends early once no smaller cover is possible.
+pub(super) fn improve(candidates: &Lists, by_set: &Lists, cover: Vec<u32>, fewest: usize) -> Vec<u32> {
+    let n_edges = candidates.n_pairs();
+    if n_edges > MAX_WORK || cover.len() <= fewest {
         return cover;
     }
     let max_work = MAX_WORK.min(n_edges * MAX_WORK_PER_EDGE);
-    let (candidates, by_set) = (Lists::of(candidates), Lists::of(by_set));
-    let mut search = Search::new(&candidates, &by_set);
+    let mut search = Search::new(candidates, by_set);
     cover.iter().for_each(|&set| search.add(set));
     // A third of the time goes into the least of some hundred numbers, which is one vector instruction to eight of them.
     Arch::new().dispatch(
         #[inline(always)]
-        || search.run(cover, max_work),
+        || search.run(cover, fewest, max_work),
     )
-}
-
-/// Rows that are all lists, so that the search need not ask for their form.
-struct Lists {
-    columns: Vec<u32>,
-    starts: Vec<u32>,
-}
-
-impl Lists {
-    fn of(rows: &Rows) -> Self {
-        let (mut columns, mut starts) = (Vec::new(), vec![0]);
-        for row in rows.iter() {
-            columns.extend(row.columns());
-            starts.push(columns.len() as u32);
-        }
-        Self { columns, starts }
-    }
-
-    fn n_rows(&self) -> usize {
-        self.starts.len() - 1
-    }
-
-    #[inline]
-    fn row(&self, row: u32) -> &[u32] {
-        let row = row as usize;
-        &self.columns[self.starts[row] as usize..self.starts[row + 1] as usize]
-    }
 }
 
 /// A choice of sets, and what adding or removing one would change.
@@ -117,9 +91,9 @@ impl<'a> Search<'a> {
 
     /// Searches from the cover that was added; the smallest cover found.
     #[inline(always)]
-    fn run(&mut self, cover: Vec<u32>, max_work: usize) -> Vec<u32> {
+    fn run(&mut self, cover: Vec<u32>, fewest: usize, max_work: usize) -> Vec<u32> {
         let mut best = cover;
-        while self.work < max_work && best.len() > 1 {
+        while self.work < max_work && best.len() > fewest.max(1) {
             if self.unserved.is_empty() {
                 best = self.chosen();
                 self.shrink();

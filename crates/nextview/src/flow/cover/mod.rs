@@ -1,12 +1,16 @@
 //! Few sets that serve all items: minimum set cover, one of Karp's 21 NP-complete problems (1972).
 
+mod bound;
 mod greedy;
+mod lists;
 mod local_search;
 mod reduction;
 
 use super::Incidence;
 use super::rows::Rows;
+use bound::fewest_possible;
 use greedy::greedy;
+use lists::Lists;
 use local_search::improve;
 use reduction::Core;
 
@@ -26,15 +30,26 @@ use reduction::Core;
 pub fn fewest_sets(candidates: &Incidence) -> Vec<u32> {
     let candidates = packed(candidates);
     let by_set = candidates.transposed();
-    let plain = greedy(&candidates, &by_set);
-    let core = Core::of(candidates, by_set);
-    let start = greedy(&core.candidates, &core.by_set);
-    let rest = improve(&core.candidates, &core.by_set, start);
-    let mut reduced = core.chosen;
-    reduced.extend(rest.iter().map(|&set| core.set_ids[set as usize]));
-    let mut sets = if reduced.len() <= plain.len() { reduced } else { plain };
+    let core = Core::of(&candidates, &by_set);
+    let (rest, is_fewest) = few_sets(&core);
+    let mut sets = core.chosen;
+    sets.extend(rest.iter().map(|&set| core.set_ids[set as usize]));
+    if !is_fewest {
+        let plain = greedy(&candidates, &by_set);
+        sets = if sets.len() <= plain.len() { sets } else { plain };
+    }
     sets.sort_unstable();
     sets
+}
+
+/// A small cover of the core, and whether it was proved that no other is smaller.
+fn few_sets(core: &Core) -> (Vec<u32>, bool) {
+    let start = greedy(&core.candidates, &core.by_set);
+    let (candidates, by_set) = (Lists::of(&core.candidates), Lists::of(&core.by_set));
+    let fewest = fewest_possible(&candidates, &by_set, start.len());
+    let sets = improve(&candidates, &by_set, start, fewest);
+    let is_fewest = sets.len() <= fewest;
+    (sets, is_fewest)
 }
 
 /// The rows of the items that ask for a set.

@@ -22,8 +22,9 @@ impl Core {
     /// Applies the classic reductions until none applies (Garfinkel and Nemhauser 1972, Beasley 1987): a set that is
     /// the only candidate of an item is chosen; an item with all the candidates of another is served along with it;
     /// a set that serves only what another serves is not needed.
-    pub(super) fn of(candidates: Rows, by_set: Rows) -> Self {
+    pub(super) fn of(candidates: &Rows, by_set: &Rows) -> Self {
         let set_ids = (0..candidates.n_columns() as u32).collect();
+        let (candidates, by_set) = (candidates.clone(), by_set.clone());
         let mut core = Self { chosen: Vec::new(), candidates, by_set, set_ids };
         let mut work = Work { left: MAX_WORK };
         loop {
