@@ -17,11 +17,7 @@ const MAX_WORK_PER_EDGE: usize = 2_000;
 ///
 /// The search ends early once no smaller cover is possible.
 pub(super) fn improve(candidates: &Lists, by_set: &Lists, cover: Vec<u32>, fewest: usize) -> Vec<u32> {
-    let n_edges = candidates.n_pairs();
-    if n_edges > MAX_WORK || cover.len() <= fewest {
-        return cover;
-    }
-    let max_work = MAX_WORK.min(n_edges * MAX_WORK_PER_EDGE);
+    let max_work = MAX_WORK.min(candidates.n_pairs() * MAX_WORK_PER_EDGE);
     let mut search = Search::new(candidates, by_set);
     cover.iter().for_each(|&set| search.add(set));
     // A third of the time goes into the least of some hundred numbers, which is one vector instruction to eight of them.

@@ -14,6 +14,9 @@ use lists::Lists;
 use local_search::improve;
 use reduction::Core;
 
+/// Edges between items and sets above which greedy cover is not improved on: too many to be visited even once.
+const MAX_EDGES: usize = 2_000_000;
+
 /// A small number of sets of which every item finds one among its candidates, in increasing order.
 ///
 /// `candidates` holds a row of set numbers for each item; an item without candidates asks for nothing. The result is
@@ -29,13 +32,12 @@ use reduction::Core;
 /// ```
 pub fn fewest_sets(candidates: &Incidence) -> Vec<u32> {
     let candidates = packed(candidates);
-    let by_set = candidates.transposed();
-    let core = Core::of(&candidates, &by_set);
+    let core = Core::of(&candidates);
     let (rest, is_fewest) = few_sets(&core);
     let mut sets = core.chosen;
     sets.extend(rest.iter().map(|&set| core.set_ids[set as usize]));
     if !is_fewest {
-        let plain = greedy(&candidates, &by_set);
+        let plain = greedy(&candidates, &candidates.transposed());
         sets = if sets.len() <= plain.len() { sets } else { plain };
     }
     sets.sort_unstable();
@@ -45,6 +47,10 @@ pub fn fewest_sets(candidates: &Incidence) -> Vec<u32> {
 /// A small cover of the core, and whether it was proved that no other is smaller.
 fn few_sets(core: &Core) -> (Vec<u32>, bool) {
     let start = greedy(&core.candidates, &core.by_set);
+    let n_edges: usize = core.candidates.iter().map(|row| row.len()).sum();
+    if n_edges > MAX_EDGES {
+        return (start, false);
+    }
     let (candidates, by_set) = (Lists::of(&core.candidates), Lists::of(&core.by_set));
     let fewest = fewest_possible(&candidates, &by_set, start.len());
     let sets = improve(&candidates, &by_set, start, fewest);

@@ -22,16 +22,21 @@ impl Core {
     /// Applies the classic reductions until none applies (Garfinkel and Nemhauser 1972, Beasley 1987): a set that is
     /// the only candidate of an item is chosen; an item with all the candidates of another is served along with it;
     /// a set that serves only what another serves is not needed.
-    pub(super) fn of(candidates: &Rows, by_set: &Rows) -> Self {
-        let set_ids = (0..candidates.n_columns() as u32).collect();
-        let (candidates, by_set) = (candidates.clone(), by_set.clone());
+    pub(super) fn of(all: &Rows) -> Self {
+        let (is_chosen, keep) = only_candidates(all);
+        let candidates = all.selected(&keep);
+        let by_set = candidates.transposed();
+        let set_ids = (0..all.n_columns() as u32).collect();
         let mut core = Self { chosen: Vec::new(), candidates, by_set, set_ids };
+        core.choose(&is_chosen);
         let mut work = Work { left: MAX_WORK };
         loop {
             let size = core.size();
-            core.choose_only_candidates();
             core.drop_wider_items(&mut work);
             core.drop_dominated_sets(&mut work);
+            let (is_chosen, keep) = only_candidates(&core.candidates);
+            core.choose(&is_chosen);
+            core.keep_items(&keep);
             if core.size() == size {
                 return core;
             }
@@ -42,23 +47,9 @@ impl Core {
         (self.candidates.n_rows(), self.by_set.n_rows())
     }
 
-    /// Drops the items that are served by the sets chosen here, or equal to an earlier item.
-    fn choose_only_candidates(&mut self) {
-        let mut is_chosen = vec![false; self.by_set.n_rows()];
-        for row in self.candidates.iter() {
-            let mut sets = row.columns();
-            if let (Some(only), None) = (sets.next(), sets.next()) {
-                is_chosen[only as usize] = true;
-            }
-        }
-        // Asked only whether it has a row; its order never matters.
-        let mut seen = FxHashSet::default();
-        let is_served = |row: Row<'_>| row.columns().any(|set| is_chosen[set as usize]);
-        let items = self.candidates.iter().map(|row| !is_served(row) && seen.insert(row.words()));
-        let items: Vec<bool> = items.collect();
-        let chosen = self.set_ids.iter().zip(&is_chosen).filter(|(_, is_chosen)| **is_chosen);
+    fn choose(&mut self, is_chosen: &[bool]) {
+        let chosen = self.set_ids.iter().zip(is_chosen).filter(|(_, is_chosen)| **is_chosen);
         self.chosen.extend(chosen.map(|(id, _)| id));
-        self.keep_items(&items);
     }
 
     /// Drops every item that has all candidates of another.
@@ -101,6 +92,23 @@ impl Core {
             self.set_ids = ids.map(|(&id, _)| id).collect();
         }
     }
+}
+
+/// For each set whether it is the only candidate of an item. And for each item whether it is left: not if it is served
+/// by those sets or equal to an earlier one.
+fn only_candidates(candidates: &Rows) -> (Vec<bool>, Vec<bool>) {
+    let mut is_chosen = vec![false; candidates.n_columns()];
+    for row in candidates.iter() {
+        let mut sets = row.columns();
+        if let (Some(only), None) = (sets.next(), sets.next()) {
+            is_chosen[only as usize] = true;
+        }
+    }
+    // Asked only whether it has a row; its order never matters.
+    let mut seen = FxHashSet::default();
+    let is_served = |row: Row<'_>| row.columns().any(|set| is_chosen[set as usize]);
+    let keep = candidates.iter().map(|row| !is_served(row) && seen.insert(row.words())).collect();
+    (is_chosen, keep)
 }
 
 /// Finds the rows that hold all of another row.
