@@ -37,10 +37,11 @@ impl BestSets {
     /// Order does not matter; cheapest is sets in increasing order.
     ///
     /// # Panics
-    /// If the item or (when the offer is not refused for its quality) the set is out of range.
+    /// If the item or the set is out of range (unless the offer is refused for its quality).
     #[inline]
     pub fn offer(&mut self, item: usize, set: u32, quality: f64) {
-        if quality >= self.quality[item] {
+        // Most offers of a scan are worth nothing, being of measured voxels: they are told without a look at the item.
+        if quality > 0.0 && quality >= self.quality[item] {
             self.accept(item, set, quality);
         }
     }
@@ -97,8 +98,6 @@ impl BestSets {
         if quality > self.quality[item] {
             self.quality[item] = quality;
             self.candidates.clear(item);
-        } else if quality <= 0.0 {
-            return;
         }
         self.candidates.insert(item, set);
     }

@@ -1,5 +1,4 @@
-use std::iter::Copied;
-use std::slice::Iter;
+use super::row::{Row, n_words, set_bit};
 
 /// For each of a number of rows, a set of column numbers.
 ///
@@ -61,10 +60,10 @@ impl Incidence {
     #[inline]
     pub fn insert(&mut self, row: usize, column: u32) {
         assert!((column as usize) < self.n_columns, "column {column} of {}", self.n_columns);
-        let n_words = self.n_words();
+        let n_words = n_words(self.n_columns);
         let words = &mut self.rows[row];
         if words.len() == n_words {
-            words[column as usize / 32] |= 1 << (column % 32);
+            set_bit(words, column);
         } else if words.last() != Some(&column) {
             insert_in_list(words, column, n_words);
         }
@@ -78,122 +77,34 @@ impl Incidence {
     /// The columns of a row in increasing order.
     #[inline]
     pub fn row(&self, row: usize) -> impl Iterator<Item = u32> + use<'_> {
-        match self.form(row) {
-            Form::List(list) => Columns::List(list.iter().copied()),
-            Form::Bits(bits) => Columns::Bits { rest: bits.iter().copied(), word: 0, end: 0 },
-        }
+        self.words_of(row).columns()
     }
 
     /// Number of columns of a row.
     pub fn row_len(&self, row: usize) -> usize {
-        match self.form(row) {
-            Form::List(list) => list.len(),
-            Form::Bits(bits) => bits.iter().map(|word| word.count_ones() as usize).sum(),
-        }
+        self.words_of(row).len()
     }
 
-    /// Number of columns of a row among those whose bit is set in `mask`, 32 columns to a word.
-    pub(super) fn row_len_in(&self, row: usize, mask: &[u32]) -> usize {
-        match self.form(row) {
-            Form::List(list) => list.iter().filter(|&&column| has_bit(mask, column)).count(),
-            Form::Bits(bits) => bits.iter().zip(mask).map(|(a, b)| (a & b).count_ones() as usize).sum(),
-        }
-    }
-
-    /// Whether every column of row `inner` is one of row `outer`.
-    pub(super) fn row_is_subset(&self, inner: usize, outer: usize) -> bool {
-        match (self.form(inner), self.form(outer)) {
-            (Form::List(a), Form::List(b)) => is_sublist(a, b),
-            (Form::List(a), Form::Bits(b)) => a.iter().all(|&column| has_bit(b, column)),
-            (Form::Bits(a), Form::Bits(b)) => a.iter().zip(b).all(|(a, b)| a & !b == 0),
-            // Bits stand for more columns than any list holds.
-            (Form::Bits(_), Form::List(_)) => false,
-        }
-    }
-
-    /// The row's columns modulo 64, a bit for each: a row that holds all columns of another holds all its bits too.
-    pub(super) fn row_signature(&self, row: usize) -> u64 {
-        match self.form(row) {
-            Form::List(list) => list.iter().fold(0, |all, column| all | 1 << (column % 64)),
-            Form::Bits(bits) => {
-                bits.iter().enumerate().fold(0, |all, (i, &word)| all | u64::from(word) << (i % 2 * 32))
-            }
-        }
-    }
-
-    /// The words that hold a row, equal for rows of equal content.
-    pub(super) fn row_words(&self, row: usize) -> &[u32] {
-        &self.rows[row]
+    /// A row in the form in which it is held.
+    #[inline]
+    pub(super) fn words_of(&self, row: usize) -> Row<'_> {
+        Row::new(&self.rows[row], n_words(self.n_columns))
     }
 
     /// Takes the union of a row with the same row of another incidence of equal size.
     pub(super) fn unite_row(&mut self, row: usize, other: &Self) {
-        let n_words = self.n_words();
-        match other.form(row) {
-            Form::Bits(bits) if self.rows[row].len() == n_words => {
+        let n_words = n_words(self.n_columns);
+        match other.words_of(row) {
+            Row::Bits(bits) if self.rows[row].len() == n_words => {
                 self.rows[row].iter_mut().zip(bits).for_each(|(mine, theirs)| *mine |= theirs);
             }
-            _ => other.row(row).for_each(|column| self.insert(row, column)),
+            theirs => theirs.columns().for_each(|column| self.insert(row, column)),
         }
     }
 
     /// Replaces a row by the same row of another incidence of equal size, which is left undefined.
     pub(super) fn take_row(&mut self, row: usize, other: &mut Self) {
         std::mem::swap(&mut self.rows[row], &mut other.rows[row]);
-    }
-
-    /// The same relation read the other way: for each column its rows.
-    pub fn transposed(&self) -> Self {
-        let mut columns = Self::new(self.n_columns, self.n_rows());
-        for row in 0..self.n_rows() {
-            self.row(row).for_each(|column| columns.insert(column as usize, row as u32));
-        }
-        columns
-    }
-
-    fn n_words(&self) -> usize {
-        self.n_columns.div_ceil(32)
-    }
-
-    #[inline]
-    fn form(&self, row: usize) -> Form<'_> {
-        let words = &self.rows[row];
-        if words.len() == self.n_words() { Form::Bits(words) } else { Form::List(words) }
-    }
-}
-
-enum Form<'a> {
-    List(&'a [u32]),
-    Bits(&'a [u32]),
-}
-
-enum Columns<'a> {
-    List(Copied<Iter<'a, u32>>),
-    /// `word` holds the bits still to report of the columns `end - 32..end`.
-    Bits {
-        rest: Copied<Iter<'a, u32>>,
-        word: u32,
-        end: u32,
-    },
-}
-
-impl Iterator for Columns<'_> {
-    type Item = u32;
-
-    #[inline]
-    fn next(&mut self) -> Option<u32> {
-        match self {
-            Self::List(list) => list.next(),
-            Self::Bits { rest, word, end } => {
-                while *word == 0 {
-                    *word = rest.next()?;
-                    *end += 32;
-                }
-                let column = *end - 32 + word.trailing_zeros();
-                *word &= *word - 1;
-                Some(column)
-            }
-        }
     }
 }
 
@@ -206,20 +117,9 @@ fn insert_in_list(list: &mut Vec<u32>, column: u32, n_words: usize) {
     }
     if list.len() == n_words {
         let mut bits = vec![0; n_words];
-        list.iter().for_each(|&column| bits[column as usize / 32] |= 1 << (column % 32));
+        list.iter().for_each(|&column| set_bit(&mut bits, column));
         *list = bits;
     }
-}
-
-/// Whether the bit of a column is set.
-pub(super) fn has_bit(bits: &[u32], column: u32) -> bool {
-    bits[column as usize / 32] >> (column % 32) & 1 == 1
-}
-
-fn is_sublist(inner: &[u32], outer: &[u32]) -> bool {
-    let mut rest = outer.iter();
-    inner.len() <= outer.len()
-        && inner.iter().all(|column| rest.find(|other| *other >= column) == Some(column))
 }
 
 #[cfg(test)]
@@ -243,13 +143,13 @@ mod tests {
                 prop_assert!(incidence.row(row).eq(set.iter().copied()));
                 prop_assert_eq!(incidence.row_len(row), set.len());
             }
-            prop_assert_eq!(incidence.row_is_subset(0, 1), sets[0].is_subset(&sets[1]));
-            prop_assert_eq!(incidence.row_is_subset(1, 0), sets[1].is_subset(&sets[0]));
+            let [a, b] = [0, 1].map(|row| incidence.words_of(row));
+            prop_assert_eq!(a.is_subset_of(b), sets[0].is_subset(&sets[1]));
+            prop_assert_eq!(b.is_subset_of(a), sets[1].is_subset(&sets[0]));
             for (row, set) in sets.iter().enumerate() {
                 let signature = set.iter().fold(0, |all, column| all | 1 << (column % 64));
-                prop_assert_eq!(incidence.row_signature(row), signature);
+                prop_assert_eq!(incidence.words_of(row).signature(), signature);
             }
-            prop_assert_eq!(incidence.transposed().transposed(), incidence);
         }
     }
 
@@ -257,6 +157,5 @@ mod tests {
     fn memory_of_a_row_is_bounded() {
         let incidence = Incidence::from_rows(5000, std::iter::once(0..5000));
         assert_eq!(incidence.rows[0].capacity(), 157);
-        assert_eq!(Incidence::new(3, 0).transposed().n_rows(), 0);
     }
 }

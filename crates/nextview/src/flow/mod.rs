@@ -10,6 +10,8 @@
 mod best;
 mod cover;
 mod incidence;
+mod row;
+mod rows;
 
 pub use best::BestSets;
 pub use cover::fewest_sets;

@@ -1,5 +1,6 @@
-use super::nearest::{NONE, nearest_squared};
+use super::nearest::{FAR_SQ, sums_of_nearest};
 use crate::map::{Occupancy, Snapshot};
+use rayon::prelude::*;
 
 /// The paper's alpha times the voxel size: alpha = 0.1 / resolution.
 const ALPHA: f64 = 0.1;
@@ -16,15 +17,34 @@ pub fn object_probability(snapshot: &Snapshot, frontier: &[usize]) -> Vec<f64> {
 
 /// The same from the K nearest frontier voxels; the paper's K is 6 (section III.A), APORA's 1.
 pub(super) fn from_nearest<const K: usize>(snapshot: &Snapshot, frontier: &[usize]) -> Vec<f64> {
-    let without_frontier = if snapshot.count(Occupancy::Occupied) == 0 { 1.0 } else { 0.0 };
-    let probability = |distances_sq: [u32; K]| {
-        if distances_sq[0] == NONE {
-            return without_frontier;
-        }
-        let sum: u64 = distances_sq.iter().filter(|&&d| d != NONE).map(|&d| d as u64).sum();
-        (-ALPHA * ALPHA * sum as f64).exp()
+    let is_unknown = |index: usize| snapshot.occupancy()[index] == Occupancy::Unknown;
+    let n_voxels = snapshot.block().n_voxels();
+    if frontier.is_empty() {
+        let unknown = if snapshot.count(Occupancy::Occupied) == 0 { 1.0 } else { 0.0 };
+        return (0..n_voxels).map(|index| if is_unknown(index) { unknown } else { 0.0 }).collect();
+    }
+    let mut points = frontier.to_vec();
+    points.sort_unstable();
+    points.dedup();
+    let sums = sums_of_nearest::<K>(&snapshot.block(), &points, is_unknown);
+    // Missing voxels are in the sums like far ones.
+    let missing = K.saturating_sub(points.len()) as u32 * FAR_SQ;
+    let largest = sums.iter().max().map_or(0, |&sum| sum.saturating_sub(missing).min(FAR_SQ));
+    // Sums are few, and each exponential takes as long as ten reads.
+    let by_sum: Vec<f64> = (0..=largest).map(|sum| (-ALPHA * ALPHA * sum as f64).exp()).collect();
+    let probability = |index: usize| match is_unknown(index) {
+        true => by_sum[(sums[index] - missing).min(FAR_SQ) as usize],
+        false => 0.0,
     };
-    let nearest = nearest_squared::<K>(&snapshot.block(), frontier);
-    let unknown = snapshot.occupancy().iter().map(|&o| o == Occupancy::Unknown);
-    nearest.into_iter().zip(unknown).map(|(d, unknown)| if unknown { probability(d) } else { 0.0 }).collect()
+    (0..n_voxels).into_par_iter().with_min_len(16_384).map(probability).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn nothing_is_left_of_a_probability_where_distances_are_no_longer_told_apart() {
+        assert_eq!((-ALPHA * ALPHA * FAR_SQ as f64).exp(), 0.0);
+    }
 }

@@ -1,52 +1,49 @@
-use super::super::Incidence;
-use std::cmp::Reverse;
-use std::collections::BinaryHeap;
+use super::super::rows::Rows;
 
 /// Greedy cover (Chvátal 1979): again and again the set that serves most of the unserved items, the lowest of
 /// several; then without those that turned out to be superfluous.
-///
-/// Gains only fall, so a set that stays first with a fresh gain is the largest without a look at the others
-/// (Minoux 1978).
-pub(super) fn greedy(candidates: &Incidence, by_set: &Incidence) -> Vec<u32> {
-    let mut unserved = all_with_candidates(candidates);
-    let mut queue: BinaryHeap<(usize, Reverse<u32>)> =
-        (0..by_set.n_rows()).map(|set| (by_set.row_len(set), Reverse(set as u32))).collect();
+pub(super) fn greedy(candidates: &Rows, by_set: &Rows) -> Vec<u32> {
+    let mut gains = by_set.lens();
+    let mut by_gain = vec![Vec::new(); 1 + gains.iter().max().map_or(0, |&gain| gain as usize)];
+    (0..by_set.n_rows()).for_each(|set| by_gain[gains[set] as usize].push(set as u32));
+    let mut is_served = vec![false; candidates.n_rows()];
     let mut chosen = Vec::new();
-    while let Some((stale, Reverse(set))) = queue.pop() {
-        let gain = by_set.row_len_in(set as usize, &unserved);
-        if gain == 0 {
-            continue;
+    // Gains only fall. So no set comes to those of some gain once it is their turn, and one pass in increasing order
+    // meets each while it is the lowest.
+    for gain in (1..by_gain.len()).rev() {
+        let mut sets = std::mem::take(&mut by_gain[gain]);
+        sets.sort_unstable();
+        for set in sets {
+            let gain_now = gains[set as usize] as usize;
+            if gain_now < gain {
+                by_gain[gain_now].push(set);
+                continue;
+            }
+            chosen.push(set);
+            by_set.row(set as usize).columns().for_each(|item| {
+                if !std::mem::replace(&mut is_served[item as usize], true) {
+                    let others = candidates.row(item as usize).columns();
+                    others.for_each(|other| gains[other as usize] -= 1);
+                }
+            });
         }
-        if gain < stale && queue.peek().is_some_and(|&next| next > (gain, Reverse(set))) {
-            queue.push((gain, Reverse(set)));
-            continue;
-        }
-        chosen.push(set);
-        by_set.row(set as usize).for_each(|item| unserved[item as usize / 32] &= !(1 << (item % 32)));
     }
-    without_superfluous(candidates.n_rows(), by_set, chosen)
+    without_superfluous(candidates.n_rows(), by_set, &chosen)
 }
 
-fn all_with_candidates(candidates: &Incidence) -> Vec<u32> {
-    let mut mask = vec![0; candidates.n_rows().div_ceil(32)];
-    for item in (0..candidates.n_rows()).filter(|&item| candidates.row(item).next().is_some()) {
-        mask[item / 32] |= 1 << (item % 32);
-    }
-    mask
-}
-
-/// Drops every set whose items are all served by others too, the last chosen first.
-fn without_superfluous(n_items: usize, by_set: &Incidence, mut chosen: Vec<u32>) -> Vec<u32> {
+/// The sets without each whose items are all served by others too, the last chosen dropped first.
+fn without_superfluous(n_items: usize, by_set: &Rows, chosen: &[u32]) -> Vec<u32> {
     let mut n_serving = vec![0_u32; n_items];
-    for &set in &chosen {
-        by_set.row(set as usize).for_each(|item| n_serving[item as usize] += 1);
-    }
-    for i in (0..chosen.len()).rev() {
-        let items = || by_set.row(chosen[i] as usize);
-        if items().all(|item| n_serving[item as usize] > 1) {
-            items().for_each(|item| n_serving[item as usize] -= 1);
-            chosen.remove(i);
+    let items = |set: u32| by_set.row(set as usize).columns();
+    chosen.iter().for_each(|&set| items(set).for_each(|item| n_serving[item as usize] += 1));
+    let is_needed = |&set: &u32| {
+        let needed = items(set).any(|item| n_serving[item as usize] == 1);
+        if !needed {
+            items(set).for_each(|item| n_serving[item as usize] -= 1);
         }
-    }
-    chosen
+        needed
+    };
+    let mut needed: Vec<u32> = chosen.iter().rev().copied().filter(is_needed).collect();
+    needed.reverse();
+    needed
 }

@@ -1,13 +1,21 @@
 //! Few sets that serve all items: minimum set cover, one of Karp's 21 NP-complete problems (1972).
 
+mod bound;
 mod greedy;
+mod lists;
 mod local_search;
 mod reduction;
 
 use super::Incidence;
+use super::rows::Rows;
+use bound::fewest_possible;
 use greedy::greedy;
+use lists::Lists;
 use local_search::improve;
 use reduction::Core;
+
+/// Edges between items and sets above which greedy cover is not improved on: too many to be visited even once.
+const MAX_EDGES: usize = 2_000_000;
 
 /// A small number of sets of which every item finds one among its candidates, in increasing order.
 ///
@@ -23,16 +31,39 @@ use reduction::Core;
 /// assert_eq!(fewest_sets(&candidates), [1, 3]);
 /// ```
 pub fn fewest_sets(candidates: &Incidence) -> Vec<u32> {
-    let by_set = candidates.transposed();
-    let plain = greedy(candidates, &by_set);
-    let core = Core::of(candidates.clone(), by_set);
-    let start = greedy(&core.candidates, &core.by_set);
-    let rest = improve(&core.candidates, &core.by_set, start);
-    let mut reduced = core.chosen;
-    reduced.extend(rest.iter().map(|&set| core.set_ids[set as usize]));
-    let mut sets = if reduced.len() <= plain.len() { reduced } else { plain };
+    let candidates = packed(candidates);
+    let core = Core::of(&candidates);
+    let (rest, is_fewest) = few_sets(&core);
+    let mut sets = core.chosen;
+    sets.extend(rest.iter().map(|&set| core.set_ids[set as usize]));
+    if !is_fewest {
+        let plain = greedy(&candidates, &candidates.transposed());
+        sets = if sets.len() <= plain.len() { sets } else { plain };
+    }
     sets.sort_unstable();
     sets
+}
+
+/// A small cover of the core, and whether it was proved that no other is smaller.
+fn few_sets(core: &Core) -> (Vec<u32>, bool) {
+    let start = greedy(&core.candidates, &core.by_set);
+    let n_edges: usize = core.candidates.iter().map(|row| row.len()).sum();
+    if n_edges > MAX_EDGES {
+        return (start, false);
+    }
+    let (candidates, by_set) = (Lists::of(&core.candidates), Lists::of(&core.by_set));
+    let fewest = fewest_possible(&candidates, &by_set, start.len());
+    let sets = improve(&candidates, &by_set, start, fewest);
+    let is_fewest = sets.len() <= fewest;
+    (sets, is_fewest)
+}
+
+/// The rows of the items that ask for a set.
+fn packed(candidates: &Incidence) -> Rows {
+    let mut rows = Rows::new(candidates.n_columns());
+    let all = (0..candidates.n_rows()).map(|item| candidates.words_of(item));
+    all.filter(|row| row.columns().next().is_some()).for_each(|row| rows.push(row));
+    rows
 }
 
 #[cfg(test)]
