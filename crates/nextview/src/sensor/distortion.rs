@@ -53,7 +53,8 @@ impl Distortion {
 }
 
 /// The polynomial D and its derivative.
-fn polynomial(k: &[f64; 5], p: DVec2) -> (DVec2, DMat2) {
+#[inline(always)]
+pub(super) fn polynomial(k: &[f64; 5], p: DVec2) -> (DVec2, DMat2) {
     let [k1, k2, p1, p2, k3] = *k;
     let DVec2 { x, y } = p;
     let r2 = p.length_squared();
@@ -77,7 +78,7 @@ fn unfolded(k: &[f64; 5], p: DVec2) -> Option<DVec2> {
 
 /// Solves D(p) = target by Newton's method from the target itself; none if it does not converge to a point
 /// on the unfolded side.
-fn invert(k: &[f64; 5], target: DVec2) -> Option<DVec2> {
+pub(super) fn invert(k: &[f64; 5], target: DVec2) -> Option<DVec2> {
     let mut p = target;
     for _ in 0..30 {
         let (value, derivative) = polynomial(k, p);
