@@ -69,8 +69,12 @@ impl Packet {
     #[inline(always)]
     pub fn enter<S: Simd>(&mut self, simd: S, grid: &PassGrid, origin: DVec3, directions: &Directions) {
         let mut is_ray = [0.0; LANES];
-        for (number, &is_ray) in is_ray.iter_mut().zip(&directions.is_ray) {
-            *number = if is_ray { 1.0 } else { 0.0 };
+        #[allow(
+            clippy::needless_range_loop,
+            reason = "iterators are not always inlined into vector instructions"
+        )]
+        for lane in 0..LANES {
+            is_ray[lane] = if directions.is_ray[lane] { 1.0 } else { 0.0 };
         }
         for part in 0..LANES / S::F64_LANES {
             let clip = Clip::new(simd, grid, origin, directions, part);

@@ -99,9 +99,13 @@ impl Step {
         visibility: &mut [f32; LANES],
     ) -> (S::f64s, S::f64s) {
         let mut passes = [0.0_f32; LANES];
-        let indices = &self.index[part * S::F64_LANES..][..S::F64_LANES];
-        for (pass, &index) in passes.iter_mut().zip(indices) {
-            *pass = grid.passes.get(cell(index)).copied().unwrap_or(PassGrid::OUTSIDE);
+        #[allow(
+            clippy::needless_range_loop,
+            reason = "iterators are not always inlined into vector instructions"
+        )]
+        for lane in 0..S::F64_LANES {
+            let pass = grid.passes.get(cell(self.index[part * S::F64_LANES + lane]));
+            passes[lane] = pass.copied().unwrap_or(PassGrid::OUTSIDE);
         }
         let (mut pass, mut after) = ([0.0; LANES], [0.0; LANES]);
         for lane in 0..S::F64_LANES {

@@ -84,8 +84,12 @@ impl RayGrid {
         }
         let ideal = self.intrinsics.deproject_lanes(pixels);
         let mut axes = [[0.0; LANES]; 3];
-        for (lane, (&x, &y)) in ideal.x.iter().zip(&ideal.y).enumerate() {
-            let direction = *rotation * DVec3::new(x, y, 1.0);
+        #[allow(
+            clippy::needless_range_loop,
+            reason = "iterators are not always inlined into vector instructions"
+        )]
+        for lane in 0..LANES {
+            let direction = *rotation * DVec3::new(ideal.x[lane], ideal.y[lane], 1.0);
             (axes[0][lane], axes[1][lane], axes[2][lane]) = (direction.x, direction.y, direction.z);
         }
         Directions { axes, is_ray: ideal.is_known }
