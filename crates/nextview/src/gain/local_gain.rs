@@ -19,6 +19,11 @@ impl LocalGain {
         Self { weights: weights.collect() }
     }
 
+    /// H(x) P(obj_x) of every voxel of the snapshot: its quality where it is wholly visible, 0 for measured voxels.
+    pub(crate) fn weights(&self) -> &[f64] {
+        &self.weights
+    }
+
     /// The quality Q of a voxel seen along a ray, H(x) P(vis_x) P(obj_x): a summand of eq. (1), and the weight of the
     /// edge between voxel and ray in the flow network.
     pub fn quality(&self, crossing: &Crossing) -> f64 {

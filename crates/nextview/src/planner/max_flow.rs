@@ -1,10 +1,10 @@
+use super::survey::Survey;
 use super::utility::{self, Utility};
 use super::{Choice, FlowSummary, Plan, Situation, ViewPlanner, flow_gain};
 use crate::Error;
-use crate::flow::{BestSets, fewest_sets};
+use crate::flow::fewest_sets;
 use crate::gain::LocalGain;
-use crate::visibility::{FreeSpace, RayCaster};
-use rayon::prelude::*;
+use crate::visibility::{FreeSpace, RayCaster, WorthCaster};
 use serde::{Deserialize, Serialize};
 
 /// Parameters of [`MaxFlow`].
@@ -60,8 +60,7 @@ impl MaxFlow {
 
 impl ViewPlanner for MaxFlow {
     fn plan(&self, situation: &Situation<'_>) -> Plan {
-        let gain = LocalGain::new(situation.snapshot);
-        let (local, best) = self.survey(situation, &gain); // eqs. (1) to (3)
+        let Survey { local, best } = self.survey(situation);
         let optimal_views = fewest_sets(best.candidates());
         let history = if self.config.uses_history { situation.history } else { &[] };
         let past = history.iter().map(Vec::as_slice);
@@ -79,42 +78,15 @@ impl ViewPlanner for MaxFlow {
 }
 
 impl MaxFlow {
-    /// The local gain of every view, eq. (1), and for every voxel the views with a ray of largest quality, which is
-    /// the maximum flow of eq. (3): only the source edges are bounded, so that each voxel's unit of flow takes
-    /// its best ray without regard to the others. Visited views take no part.
-    fn survey(&self, situation: &Situation<'_>, gain: &LocalGain) -> (Vec<f64>, BestSets) {
-        let n_views = situation.views.len();
-        let solves_flow = self.config.gamma > 0.0;
-        let n_items = if solves_flow { situation.snapshot.block().n_voxels() } else { 0 };
+    /// Eqs. (1) to (3).
+    fn survey(&self, situation: &Situation<'_>) -> Survey {
         let spacing = situation.in_snapshot_voxels(self.config.ray_spacing);
         let caster =
             RayCaster::new(situation.snapshot, situation.intrinsics, spacing, self.config.free_space)
                 .expect("the constructor checked the ray spacing");
-        let look = |best: &mut BestSets, view: usize| {
-            let mut local = 0.0;
-            caster.cast(&situation.views.pose(view), |ray| {
-                for crossing in ray.crossings {
-                    let quality = gain.quality(crossing);
-                    local += quality;
-                    if solves_flow {
-                        best.offer(crossing.voxel as usize, view as u32, quality);
-                    }
-                }
-            });
-            (view, local)
-        };
-        let open = situation.open_views();
-        let (looks, best) = open
-            .par_chunks(open.len().div_ceil(rayon::current_num_threads()).max(1))
-            .map(|views| {
-                let mut best = BestSets::new(n_items, n_views);
-                let looks: Vec<(usize, f64)> = views.iter().map(|&view| look(&mut best, view)).collect();
-                (looks, best)
-            })
-            .reduce(|| (Vec::new(), BestSets::new(n_items, n_views)), join);
-        let mut local = vec![0.0; n_views];
-        looks.into_iter().for_each(|(view, gain)| local[view] = gain);
-        (local, best)
+        let gain = LocalGain::new(situation.snapshot);
+        let caster = WorthCaster::new(caster, situation.snapshot, gain.weights());
+        Survey::new(situation, &caster, self.config.gamma > 0.0)
     }
 
     /// The view of largest global gain, eqs. (6) and (7), less the cost of moving there, among those not visited. A global
@@ -132,13 +104,4 @@ impl MaxFlow {
         let open = situation.open_views().into_iter();
         utility::best(open.filter(|&view| local[view] > 0.0).map(rate))
     }
-}
-
-type Survey = (Vec<(usize, f64)>, BestSets);
-
-/// Joins two parts of a survey; the order does not show in the result.
-fn join((mut looks, mut best): Survey, (other_looks, other_best): Survey) -> Survey {
-    looks.extend(other_looks);
-    best.merge(other_best);
-    (looks, best)
 }

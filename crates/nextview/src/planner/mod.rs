@@ -8,6 +8,7 @@ mod flow_gain;
 mod greedy;
 mod max_flow;
 mod random_views;
+mod survey;
 mod utility;
 mod view_planner;
 

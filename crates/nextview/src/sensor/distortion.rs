@@ -1,5 +1,4 @@
 use glam::{DMat2, DVec2};
-use pulp::Arch;
 use serde::{Deserialize, Serialize};
 
 /// How a lens departs from the ideal pinhole, with coefficients `k1, k2, p1, p2, k3`: the order of OpenCV and
@@ -44,14 +43,6 @@ impl Distortion {
         }
     }
 
-    /// [`undistort`](Self::undistort) of many points, several at a time.
-    pub(crate) fn undistort_all(&self, observed: Vec<DVec2>) -> Vec<Option<DVec2>> {
-        match self {
-            Self::InverseBrownConrady(k) => unfolded_all(k, &observed),
-            _ => observed.into_iter().map(|point| self.undistort(point)).collect(),
-        }
-    }
-
     /// The coefficients `k1, k2, p1, p2, k3`, all zero for the ideal pinhole.
     pub fn coefficients(&self) -> [f64; 5] {
         match *self {
@@ -63,7 +54,7 @@ impl Distortion {
 
 /// The polynomial D and its derivative.
 #[inline(always)]
-fn polynomial(k: &[f64; 5], p: DVec2) -> (DVec2, DMat2) {
+pub(super) fn polynomial(k: &[f64; 5], p: DVec2) -> (DVec2, DMat2) {
     let [k1, k2, p1, p2, k3] = *k;
     let DVec2 { x, y } = p;
     let r2 = p.length_squared();
@@ -85,25 +76,9 @@ fn unfolded(k: &[f64; 5], p: DVec2) -> Option<DVec2> {
     (derivative.determinant() > 0.0 && derivative.x_axis.x > 0.0).then_some(value)
 }
 
-/// [`unfolded`] of many points: the polynomial without a branch, which lets it run in vector instructions.
-fn unfolded_all(k: &[f64; 5], points: &[DVec2]) -> Vec<Option<DVec2>> {
-    let mut values = vec![(DVec2::ZERO, 0.0, 0.0); points.len()];
-    Arch::new().dispatch(
-        #[inline(always)]
-        || {
-            for (target, &point) in values.iter_mut().zip(points) {
-                let (value, derivative) = polynomial(k, point);
-                *target = (value, derivative.determinant(), derivative.x_axis.x);
-            }
-        },
-    );
-    let is_unfolded = |determinant: f64, slope: f64| determinant > 0.0 && slope > 0.0;
-    values.into_iter().map(|(value, a, b)| is_unfolded(a, b).then_some(value)).collect()
-}
-
 /// Solves D(p) = target by Newton's method from the target itself; none if it does not converge to a point
 /// on the unfolded side.
-fn invert(k: &[f64; 5], target: DVec2) -> Option<DVec2> {
+pub(super) fn invert(k: &[f64; 5], target: DVec2) -> Option<DVec2> {
     let mut p = target;
     for _ in 0..30 {
         let (value, derivative) = polynomial(k, p);

@@ -121,12 +121,6 @@ impl Intrinsics {
         self.distortion.undistort((pixel - self.center) / self.focal)
     }
 
-    /// [`deproject`](Self::deproject) of all pixels of an image row, from left to right.
-    pub(crate) fn deproject_row(&self, v: u32) -> Vec<Option<DVec2>> {
-        let observed = (0..self.width).map(|u| (DVec2::new(u as f64, v as f64) - self.center) / self.focal);
-        self.distortion.undistort_all(observed.collect())
-    }
-
     /// Whether a pixel coordinate lies in the image.
     pub fn contains(&self, pixel: DVec2) -> bool {
         let size = DVec2::new(self.width as f64, self.height as f64);

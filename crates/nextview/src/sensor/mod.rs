@@ -6,8 +6,10 @@ mod depth_image;
 mod distortion;
 mod frame;
 mod intrinsics;
+mod lens_lanes;
 
 pub use depth_image::{Depth, DepthImage};
 pub use distortion::Distortion;
 pub use frame::Frame;
 pub use intrinsics::Intrinsics;
+pub(crate) use lens_lanes::Points;

@@ -1,9 +1,13 @@
-use super::{Crossing, FreeSpace, Ray, RayEnd, RayGrid, Sight};
+use super::packet::{LANES, Packet, cell};
+use super::pass_grid::PassGrid;
+use super::ray_grid::Cells;
+use super::{Crossing, Ray, RayEnd, RayGrid, Sight};
 use crate::Error;
-use crate::geometry::{Aabb, Pose, VoxelBlock};
-use crate::map::{Occupancy, Snapshot};
+use crate::geometry::{Aabb, Pose};
+use crate::map::Snapshot;
 use crate::sensor::Intrinsics;
-use glam::{DVec3, IVec3};
+use glam::{DMat3, DVec3};
+use pulp::{Arch, Simd, WithSimd};
 
 /// Sends the rays of view candidates through a snapshot, voxel by voxel (exact traversal).
 ///
@@ -30,29 +34,20 @@ pub struct RayCaster<'a> {
     grid: RayGrid,
     /// Distance between rays at the far side of the box, metres.
     spacing: f64,
-    /// The box that rays are followed through, which holds all voxels that could change what a ray sees.
+    /// The box that rays are followed through.
     bounds: Aabb,
-    grid_of_passes: PassGrid,
+    pub(super) passes: PassGrid,
     /// Visibility below which a ray ends.
-    fade_limit: f32,
-}
-
-/// What passes through each voxel of a block, with a layer of [`OUTSIDE`](Self::OUTSIDE) around it: a ray then needs
-/// no other test to find the end of the box.
-#[derive(Debug)]
-struct PassGrid {
-    block: VoxelBlock,
-    /// The block with the layer.
-    padded: VoxelBlock,
-    /// 1 - P(occupied) or 1 where free space is clear; 0 where a ray ends.
-    passes: Vec<f32>,
+    pub(super) fade_limit: f32,
+    /// The instructions of the CPU.
+    pub(super) arch: Arch,
 }
 
 impl<'a> RayCaster<'a> {
     /// A caster for a camera; `ray_spacing` is the distance between neighbouring rays at the far side of the box, in
     /// voxels, positive. [`NO_VOXEL_MISSED`](super::NO_VOXEL_MISSED) or less hits every voxel; 10 is as thin as the paper.
     ///
-    /// `sight` may be a [`FreeSpace`] alone: rays then end where they have [faded](Sight::FADED).
+    /// `sight` may be a [`FreeSpace`](super::FreeSpace) alone: rays then end where they have [faded](Sight::FADED).
     pub fn new(
         snapshot: &'a Snapshot,
         intrinsics: &Intrinsics,
@@ -63,56 +58,58 @@ impl<'a> RayCaster<'a> {
         if !(ray_spacing > 0.0 && ray_spacing.is_finite()) {
             return Err(Error::invalid("ray_spacing", ray_spacing, "a positive number of voxels"));
         }
-        let block = match free_space {
-            FreeSpace::Fades => snapshot.block(),
-            FreeSpace::Clear => without_free_margin(snapshot),
-        };
+        let passes = PassGrid::new(snapshot, free_space);
         Ok(Self {
             snapshot,
             grid: RayGrid::new(intrinsics),
             spacing: ray_spacing * snapshot.lattice().voxel_size(),
-            bounds: snapshot.lattice().bounds(&block),
-            grid_of_passes: PassGrid::new(snapshot, block, free_space),
+            bounds: snapshot.lattice().bounds(&passes.block),
+            passes,
             fade_limit,
+            arch: Arch::new(),
         })
     }
 
     /// Casts the rays of a view, in a fixed order; those that miss the box are left out.
     pub fn cast(&self, world_from_camera: &Pose, mut visit: impl FnMut(Ray<'_>)) {
+        let mut crossings = Vec::new();
+        self.for_each_packet(world_from_camera, |packet| {
+            for lane in 0..LANES {
+                crossings.clear();
+                if let Some(end) = self.trace(packet, lane, &mut crossings) {
+                    visit(Ray { crossings: &crossings, end });
+                }
+            }
+        });
+    }
+
+    /// The rays of a view where they enter the box, [`LANES`] at a time and in order.
+    pub(super) fn for_each_packet(&self, world_from_camera: &Pose, mut visit: impl FnMut(&Packet)) {
         let rotation = world_from_camera.rotation_matrix();
         let origin = self.snapshot.lattice().to_voxels(world_from_camera.translation());
-        let mut crossings = Vec::new();
-        for direction in self.grid.directions(world_from_camera, &self.bounds, self.spacing) {
-            crossings.clear();
-            if let Some(end) = self.trace(origin, rotation * direction, &mut crossings) {
-                visit(Ray { crossings: &crossings, end });
-            }
+        let cells = self.grid.cells(world_from_camera, &self.bounds, self.spacing);
+        let mut packet = Packet::default();
+        for start in (0..cells.len()).step_by(LANES) {
+            let (caster, cells) = (self, &cells);
+            self.arch.dispatch(Prepare { packet: &mut packet, caster, cells, start, rotation, origin });
+            visit(&packet);
         }
     }
 
-    /// Follows one ray, origin and direction in units of voxels; none if it misses the box.
-    ///
-    /// The same walk as [`SegmentWalk`](crate::geometry::SegmentWalk), cut down to what a ray needs: it takes half the
-    /// time, and this loop is where planning spends its time.
-    fn trace(&self, origin: DVec3, direction: DVec3, crossings: &mut Vec<Crossing>) -> Option<RayEnd> {
-        let PassGrid { block, padded, passes } = &self.grid_of_passes;
-        let (min, max) = (block.min().as_dvec3(), (block.max() + 1).as_dvec3());
-        let (t_in, _) = Aabb { min, max }.clip(origin, direction, f64::INFINITY)?;
-        // Cutting off the fraction is the floor here, without the call that a floor is on plain x86-64.
-        let entry = min + (origin + direction * t_in - min).as_uvec3().min(block.dims() - 1).as_dvec3();
-        let inverse = 1.0 / direction;
-        let is_forward = direction.cmpgt(DVec3::ZERO);
-        let border = entry + DVec3::select(is_forward, DVec3::ONE, DVec3::ZERO);
-        let is_still = direction.cmpeq(DVec3::ZERO);
-        let first = DVec3::select(is_still, DVec3::INFINITY, (border - origin) * inverse);
-        let step = inverse.abs();
-        let sign = |forward: bool, stride: usize| if forward { stride as isize } else { -(stride as isize) };
-        let signed = |strides: [usize; 3]| std::array::from_fn(|i| sign(is_forward.test(i), strides[i]));
-        let [index_x, index_y, index_z]: [isize; 3] = signed(padded.strides());
-        let [voxel_x, voxel_y, voxel_z]: [isize; 3] = signed(self.snapshot.block().strides());
-        let key = entry.as_ivec3();
-        let (mut index, mut voxel) = (padded.index(key)?, self.snapshot.block().index(key)?);
-        let (mut x, mut y, mut z) = (first.x, first.y, first.z);
+    /// Follows one ray of a packet; none if it misses the box.
+    fn trace(&self, packet: &Packet, lane: usize, crossings: &mut Vec<Crossing>) -> Option<RayEnd> {
+        let PassGrid { block, padded, passes } = &self.passes;
+        let mut index = cell(packet.index[lane]);
+        let key = padded.key(index);
+        block.index(key)?;
+        let mut voxel = self.snapshot.block().index(key)?;
+        let [x, y, z] = &packet.axes;
+        let [index_x, index_y, index_z] = [x, y, z].map(|axis| axis.stride[lane] as isize);
+        let [stride_x, stride_y, stride_z] = self.snapshot.block().strides().map(|stride| stride as isize);
+        let [voxel_x, voxel_y, voxel_z] =
+            [stride_x * index_x.signum(), stride_y * index_y.signum(), stride_z * index_z.signum()];
+        let [step_x, step_y, step_z] = [x.step[lane], y.step[lane], z.step[lane]];
+        let (mut x, mut y, mut z) = (x.next[lane], y.next[lane], z.next[lane]);
         let mut visibility = 1.0_f32;
         loop {
             let pass = passes[index];
@@ -126,15 +123,15 @@ impl<'a> RayCaster<'a> {
                 return Some(RayEnd::Faded);
             }
             if x <= y && x <= z {
-                x += step.x;
+                x += step_x;
                 index = index.wrapping_add_signed(index_x);
                 voxel = voxel.wrapping_add_signed(voxel_x);
             } else if y <= z {
-                y += step.y;
+                y += step_y;
                 index = index.wrapping_add_signed(index_y);
                 voxel = voxel.wrapping_add_signed(voxel_y);
             } else {
-                z += step.z;
+                z += step_z;
                 index = index.wrapping_add_signed(index_z);
                 voxel = voxel.wrapping_add_signed(voxel_z);
             }
@@ -142,47 +139,46 @@ impl<'a> RayCaster<'a> {
     }
 }
 
-impl PassGrid {
-    /// Marks the layer around the block.
-    const OUTSIDE: f32 = -1.0;
-
-    fn new(snapshot: &Snapshot, block: VoxelBlock, free_space: FreeSpace) -> Self {
-        let padded = VoxelBlock::new(block.min() - 1, block.dims() + 2).expect("larger than a block");
-        let pass = |index: usize| match (snapshot.occupancy()[index], free_space) {
-            (Occupancy::Occupied, _) => 0.0,
-            (Occupancy::Free, FreeSpace::Clear) => 1.0,
-            _ => 1.0 - snapshot.probability()[index],
-        };
-        let inner = |key: IVec3| block.index(key).and_then(|_| snapshot.block().index(key));
-        let passes =
-            (0..padded.n_voxels()).map(|i| inner(padded.key(i)).map_or(Self::OUTSIDE, pass)).collect();
-        Self { block, padded, passes }
-    }
+/// Prepares the rays through the cells of an image from `start` on.
+struct Prepare<'a> {
+    packet: &'a mut Packet,
+    caster: &'a RayCaster<'a>,
+    cells: &'a Cells,
+    start: usize,
+    rotation: DMat3,
+    /// In units of voxels.
+    origin: DVec3,
 }
 
-/// The smallest block that holds all voxels not known to be free (the whole one if there are none): clear free space
-/// around it neither weakens a ray nor ends it.
-fn without_free_margin(snapshot: &Snapshot) -> VoxelBlock {
-    let block = snapshot.block();
-    let is_free = |&index: &usize| snapshot.occupancy()[index] == Occupancy::Free;
-    let keys = (0..block.n_voxels()).filter(|index| !is_free(index)).map(|index| block.key(index));
-    let corners = keys.fold(None, |corners: Option<(IVec3, IVec3)>, key| {
-        Some(corners.map_or((key, key), |(low, high)| (low.min(key), high.max(key))))
-    });
-    let inner = corners.and_then(|(low, high)| VoxelBlock::new(low, (high - low + 1).as_uvec3()));
-    inner.unwrap_or(block)
+impl WithSimd for Prepare<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) {
+        let directions = self.caster.grid.packet(self.cells, self.start, &self.rotation);
+        self.packet.enter(simd, &self.caster.passes, self.origin, &directions);
+    }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::geometry::{Lattice, SegmentWalk};
-    use crate::map::LogOdds;
+    use crate::geometry::{Lattice, SegmentWalk, VoxelBlock};
+    use crate::map::{LogOdds, Occupancy};
     use crate::sensor::Distortion;
     use crate::view::look_at;
-    use crate::visibility::NO_VOXEL_MISSED;
-    use glam::{DVec2, UVec3};
+    use crate::visibility::packet::tests::Enter;
+    use crate::visibility::{FreeSpace, NO_VOXEL_MISSED};
+    use glam::{DVec2, IVec3, UVec3};
     use proptest::prelude::*;
+
+    /// Traces one ray, origin and direction in units of voxels; none if it misses the box.
+    fn trace(caster: &RayCaster<'_>, origin: DVec3, direction: DVec3) -> Option<(Vec<Crossing>, RayEnd)> {
+        let (mut packet, grid, directions) = (Packet::default(), &caster.passes, [direction; LANES]);
+        caster.arch.dispatch(Enter { packet: &mut packet, grid, origin, directions });
+        let mut crossings = Vec::new();
+        caster.trace(&packet, 3, &mut crossings).map(|end| (crossings, end))
+    }
 
     fn snapshot(dims: UVec3, state: impl Fn(usize) -> Option<f32>) -> Snapshot {
         let block = VoxelBlock::new(-(dims / 2).as_ivec3(), dims).unwrap();
@@ -230,8 +226,7 @@ mod tests {
             let snapshot = snapshot(UVec3::from_array(dims), |_| Some(-20.0));
             let block = snapshot.block();
             let caster = RayCaster::new(&snapshot, &Intrinsics::d435i(), 1.0, FreeSpace::Fades).unwrap();
-            let mut crossings = Vec::new();
-            let end = caster.trace(origin, direction, &mut crossings);
+            let (crossings, end) = trace(&caster, origin, direction).unzip();
             let mut expected = Vec::new();
             let walk = SegmentWalk::ray_within(origin, direction, block.min(), block.max());
             prop_assert_eq!(end, walk.as_ref().map(|_| RayEnd::LeftBox));
@@ -241,7 +236,7 @@ mod tests {
                     expected.push(walk.key());
                 }
             }
-            let found: Vec<IVec3> = crossings.iter().map(|c| block.key(c.voxel as usize)).collect();
+            let found: Vec<IVec3> = crossings.unwrap_or_default().iter().map(|c| block.key(c.voxel as usize)).collect();
             prop_assert_eq!(found, expected);
         }
 
@@ -259,11 +254,10 @@ mod tests {
             let mut traced = Vec::new();
             caster.cast(&pose, |ray| traced.push((ray.crossings.to_vec(), ray.end)));
             let mut traced = traced.into_iter();
-            let mut buffer = Vec::new();
             for direction in directions.by_ref() {
                 let origin = snapshot.lattice().to_voxels(pose.translation());
                 let direction = pose.rotation() * direction;
-                if caster.trace(origin, direction, &mut buffer).is_some() {
+                if trace(&caster, origin, direction).is_some() {
                     let (crossings, end) = traced.next().expect("one ray per direction that meets the box");
                     check_by_sampling(&snapshot, origin, direction, &crossings, end)?;
                 }
@@ -336,12 +330,11 @@ mod tests {
         let (origin, direction) = (DVec3::new(20.0, 0.5, 0.5), DVec3::NEG_X);
         let trace = |sight: Sight| {
             let caster = RayCaster::new(&snapshot, &Intrinsics::d435i(), 1.0, sight).unwrap();
-            let mut crossings = Vec::new();
-            (caster.trace(origin, direction, &mut crossings), crossings.len())
+            trace(&caster, origin, direction).map(|(crossings, end)| (end, crossings.len())).unwrap()
         };
         // 0.5^10 < 1e-3, so the tenth unknown voxel is the last.
-        assert_eq!(trace(FreeSpace::Clear.into()), (Some(RayEnd::Faded), 10));
+        assert_eq!(trace(FreeSpace::Clear.into()), (RayEnd::Faded, 10));
         let last = Crossing { voxel: 0, visibility: 0.5_f32.powi(29) };
-        assert_eq!(trace(Sight::endless(FreeSpace::Clear)), (Some(RayEnd::Occupied(last)), 29));
+        assert_eq!(trace(Sight::endless(FreeSpace::Clear)), (RayEnd::Occupied(last), 29));
     }
 }

@@ -1,6 +1,7 @@
+use super::packet::{Directions, LANES};
 use crate::geometry::{Aabb, Pose};
-use crate::sensor::Intrinsics;
-use glam::{DVec2, DVec3};
+use crate::sensor::{Distortion, Intrinsics, Points};
+use glam::{DMat3, DVec2, DVec3};
 
 /// The ray spacing at which no voxel of the box is missed: 1 / sqrt(2) of a voxel. A voxel contains a ball as wide as
 /// its edge, whose image holds a disc as wide as the voxel at its depth, and a square grid hits every disc
@@ -13,6 +14,27 @@ pub struct RayGrid {
     intrinsics: Intrinsics,
     /// Largest length on the plane z = 1 that a step of one pixel covers, along x and y.
     pixel_on_plane: f64,
+}
+
+/// Equal cells of an image with a ray through the middle of each, row by row.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Cells {
+    /// Corner of the first, and size of each, in pixels.
+    low: DVec2,
+    size: DVec2,
+    columns: usize,
+    rows: usize,
+}
+
+impl Cells {
+    pub fn len(&self) -> usize {
+        self.columns * self.rows
+    }
+
+    #[inline(always)]
+    fn middle(&self, column: usize, row: usize) -> DVec2 {
+        self.low + self.size * DVec2::new(column as f64 + 0.5, row as f64 + 0.5)
+    }
 }
 
 impl RayGrid {
@@ -29,21 +51,48 @@ impl RayGrid {
         aabb: &Aabb,
         spacing: f64,
     ) -> impl Iterator<Item = DVec3> + '_ {
+        let cells = self.cells(world_from_camera, aabb, spacing);
+        let places = (0..cells.rows).flat_map(move |row| (0..cells.columns).map(move |column| (column, row)));
+        let ideal = move |(column, row)| self.intrinsics.deproject(cells.middle(column, row));
+        places.filter_map(ideal).map(|ideal| ideal.extend(1.0))
+    }
+
+    /// The cells of the image that these rays go through.
+    pub(super) fn cells(&self, world_from_camera: &Pose, aabb: &Aabb, spacing: f64) -> Cells {
         let camera_from_world = world_from_camera.inverse();
         let corners = aabb.corners().map(|corner| camera_from_world.transform_point(corner));
         let farthest = corners.iter().map(|corner| corner.z).fold(0.0, f64::max);
         let step = spacing / (farthest.max(f64::MIN_POSITIVE) * self.pixel_on_plane);
         let (low, high) = if farthest > 0.0 { self.window(&corners) } else { (DVec2::ZERO, DVec2::ZERO) };
-        // Equal cells with a ray through the middle of each.
         let n = ((high - low) / step).ceil().max(DVec2::ZERO);
-        let cell = (high - low) / n.max(DVec2::ONE);
-        let (columns, rows) = (n.x as usize, n.y as usize);
-        (0..rows).flat_map(move |row| {
-            (0..columns).filter_map(move |column| {
-                let pixel = low + cell * DVec2::new(column as f64 + 0.5, row as f64 + 0.5);
-                self.intrinsics.deproject(pixel).map(|ideal| ideal.extend(1.0))
-            })
-        })
+        Cells { low, size: (high - low) / n.max(DVec2::ONE), columns: n.x as usize, rows: n.y as usize }
+    }
+
+    /// The directions, turned by `rotation`, of the rays through the cells from `start` on, which is one of them: the
+    /// twin of [`directions`](Self::directions) for a packet.
+    #[inline(always)]
+    pub(super) fn packet(&self, cells: &Cells, start: usize, rotation: &DMat3) -> Directions {
+        let mut pixels = Points { x: [0.0; LANES], y: [0.0; LANES], is_known: [false; LANES] };
+        let (mut column, mut row) = (start % cells.columns, start / cells.columns);
+        for lane in 0..LANES {
+            let pixel = cells.middle(column, row);
+            (pixels.x[lane], pixels.y[lane], pixels.is_known[lane]) = (pixel.x, pixel.y, row < cells.rows);
+            column += 1;
+            if column == cells.columns {
+                (column, row) = (0, row + 1);
+            }
+        }
+        let ideal = self.intrinsics.deproject_lanes(pixels);
+        let mut axes = [[0.0; LANES]; 3];
+        #[allow(
+            clippy::needless_range_loop,
+            reason = "iterators are not always inlined into vector instructions"
+        )]
+        for lane in 0..LANES {
+            let direction = *rotation * DVec3::new(ideal.x[lane], ideal.y[lane], 1.0);
+            (axes[0][lane], axes[1][lane], axes[2][lane]) = (direction.x, direction.y, direction.z);
+        }
+        Directions { axes, is_ray: ideal.is_known }
     }
 
     /// The part of the image, in pixels, that can show the box with these corners (camera frame).
@@ -51,13 +100,11 @@ impl RayGrid {
         let border_low = DVec2::splat(-0.5);
         let border_high = DVec2::new(self.intrinsics.width() as f64, self.intrinsics.height() as f64) - 0.5;
         // A corner without image (behind the camera or far outside) leaves the whole image to be searched.
-        let pixels: Option<Vec<DVec2>> =
-            corners.iter().map(|&corner| self.intrinsics.project(corner)).collect();
-        let Some(pixels) = pixels else { return (border_low, border_high) };
+        let Some(pixels) = self.intrinsics.project_all(corners) else { return (border_low, border_high) };
         let low = pixels.iter().copied().fold(DVec2::INFINITY, DVec2::min);
         let high = pixels.iter().copied().fold(DVec2::NEG_INFINITY, DVec2::max);
         // A lens bends the box's edges between the corners; a margin of 2 % of its image covers that.
-        let bend = if self.intrinsics.distortion() == crate::sensor::Distortion::None { 0.0 } else { 0.02 };
+        let bend = if self.intrinsics.distortion() == Distortion::None { 0.0 } else { 0.02 };
         let margin = (high - low) * bend;
         ((low - margin).max(border_low), (high + margin).min(border_high))
     }

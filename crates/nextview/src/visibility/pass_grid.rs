@@ -1,0 +1,71 @@
+use super::FreeSpace;
+use crate::geometry::VoxelBlock;
+use crate::map::{Occupancy, Snapshot};
+use glam::IVec3;
+use std::ops::Range;
+
+/// What passes through each voxel of a block, with a layer of [`OUTSIDE`](Self::OUTSIDE) around it: a ray then needs
+/// no other test to find the end of the box. The voxels with the layer are called cells.
+#[derive(Debug)]
+pub(super) struct PassGrid {
+    /// What rays are followed through: all voxels that could change what a ray sees.
+    pub block: VoxelBlock,
+    /// The block with the layer.
+    pub padded: VoxelBlock,
+    /// By cell, 1 - P(occupied) or 1 where free space is clear; 0 where a ray ends.
+    pub passes: Vec<f32>,
+}
+
+impl PassGrid {
+    /// Marks the layer around the block.
+    pub const OUTSIDE: f32 = -1.0;
+
+    pub fn new(snapshot: &Snapshot, free_space: FreeSpace) -> Self {
+        let block = match free_space {
+            FreeSpace::Fades => snapshot.block(),
+            FreeSpace::Clear => without_free_margin(snapshot),
+        };
+        let padded = VoxelBlock::new(block.min() - 1, block.dims() + 2).expect("larger than a block");
+        let mut grid = Self { block, padded, passes: vec![Self::OUTSIDE; padded.n_voxels()] };
+        let pass = |voxel: usize| match (snapshot.occupancy()[voxel], free_space) {
+            (Occupancy::Occupied, _) => 0.0,
+            (Occupancy::Free, FreeSpace::Clear) => 1.0,
+            _ => 1.0 - snapshot.probability()[voxel],
+        };
+        for (cells, voxels) in grid.rows(snapshot) {
+            grid.passes[cells].iter_mut().zip(voxels).for_each(|(cell, voxel)| *cell = pass(voxel));
+        }
+        grid
+    }
+
+    /// The rows of the block along x, as ranges of cells and of voxels of the snapshot, both increasing.
+    pub fn rows(&self, snapshot: &Snapshot) -> impl Iterator<Item = (Range<usize>, Range<usize>)> + use<> {
+        let (block, padded, whole) = (self.block, self.padded, snapshot.block());
+        let (low, high) = (block.min(), block.max());
+        let starts =
+            (low.z..=high.z).flat_map(move |z| (low.y..=high.y).map(move |y| IVec3::new(low.x, y, z)));
+        let row = move |start: usize| start..start + block.dims().x as usize;
+        starts.filter_map(move |key| Some((row(padded.index(key)?), row(whole.index(key)?))))
+    }
+}
+
+/// The smallest block that holds all voxels not known to be free (the whole one if there are none): clear free space
+/// around it neither weakens a ray nor ends it.
+fn without_free_margin(snapshot: &Snapshot) -> VoxelBlock {
+    let block = snapshot.block();
+    let (width, height) = (block.dims().x as usize, block.dims().y as usize);
+    let mut corners: Option<(IVec3, IVec3)> = None;
+    for (row, states) in snapshot.occupancy().chunks(width).enumerate() {
+        let ends = [states.iter().position(is_not_free), states.iter().rposition(is_not_free)];
+        for x in ends.into_iter().flatten() {
+            let key = block.min() + IVec3::new(x as i32, (row % height) as i32, (row / height) as i32);
+            corners = Some(corners.map_or((key, key), |(low, high)| (low.min(key), high.max(key))));
+        }
+    }
+    let inner = corners.and_then(|(low, high)| VoxelBlock::new(low, (high - low + 1).as_uvec3()));
+    inner.unwrap_or(block)
+}
+
+fn is_not_free(state: &Occupancy) -> bool {
+    *state != Occupancy::Free
+}

@@ -1,0 +1,152 @@
+use super::packet::{LANES, Lanes, OUTSIDE, Packet, PacketAxis, cell, load, store};
+use super::pass_grid::PassGrid;
+use pulp::Simd;
+
+/// What the rays of a packet cross, found by walking them side by side.
+///
+/// The twin of the walk of a single ray in [`RayCaster`](super::RayCaster): the same operations in the same order, with
+/// selections in place of branches. A branch on the axis of the next step is wrong every other time.
+#[derive(Debug)]
+pub(crate) struct Paths {
+    /// Longer than any path.
+    steps: Vec<Step>,
+    /// Number of crossings of each ray.
+    len: Lanes,
+    /// How many of them come before the first that weakens the ray.
+    n_clear: Lanes,
+}
+
+#[derive(Clone, Copy, Debug)]
+struct Step {
+    index: Lanes,
+    /// Visibility in front of the cell.
+    visibility: [f32; LANES],
+}
+
+impl Paths {
+    /// Room for paths through a grid.
+    pub(super) fn new(grid: &PassGrid) -> Self {
+        let longest = grid.padded.dims().element_sum() as usize + 1;
+        let step = Step { index: [OUTSIDE; LANES], visibility: [1.0; LANES] };
+        Self { steps: vec![step; longest], len: [0.0; LANES], n_clear: [0.0; LANES] }
+    }
+
+    /// The cells and visibilities that a ray crosses, without those before the first that weakens it.
+    pub(super) fn weakened(&self, lane: usize) -> impl Iterator<Item = (usize, f32)> {
+        let (start, end) = (self.n_clear[lane] as usize, self.len[lane] as usize);
+        let steps = self.steps[..end].get(start..).unwrap_or_default();
+        steps.iter().map(move |step| (cell(step.index[lane]), step.visibility[lane]))
+    }
+
+    /// Follows the rays of a packet through its grid until all have ended.
+    #[inline(always)]
+    pub(super) fn follow<S: Simd>(&mut self, simd: S, packet: &Packet, grid: &PassGrid, fade_limit: f32) {
+        for part in 0..LANES / S::F64_LANES {
+            self.follow_part(simd, part, packet, grid, fade_limit);
+        }
+    }
+
+    #[inline(always)]
+    fn follow_part<S: Simd>(
+        &mut self,
+        simd: S,
+        part: usize,
+        packet: &Packet,
+        grid: &PassGrid,
+        fade_limit: f32,
+    ) {
+        let (zero, one, outside) = (simd.splat_f64s(0.0), simd.splat_f64s(1.0), simd.splat_f64s(OUTSIDE));
+        let fade_limit = simd.splat_f64s(fade_limit as f64);
+        let [x, y, z] = &packet.axes;
+        let mut axes = [Axis::<S>::load(x, part), Axis::<S>::load(y, part), Axis::<S>::load(z, part)];
+        let mut index = load::<S>(&packet.index, part);
+        let mut visibility = [1.0; LANES];
+        let (mut len, mut n_clear) = (zero, zero);
+        let mut goes_on = simd.less_than_f64s(zero, one);
+        for step in &mut self.steps {
+            step.record::<S>(part, index, &visibility);
+            // Where a ray ends is known only after many cycles: it may go a step too far, so as not to wait for that.
+            let may_move = goes_on;
+            let (pass, after) = step.pass::<S>(part, grid, &mut visibility);
+            let crosses = simd.and_m64s(goes_on, simd.greater_than_f64s(pass, zero));
+            len = simd.add_f64s(len, simd.select_f64s(crosses, one, zero));
+            n_clear = simd.add_f64s(n_clear, simd.select_f64s(simd.equal_f64s(after, one), one, zero));
+            goes_on = simd.and_m64s(crosses, simd.greater_than_or_equal_f64s(after, fade_limit));
+            if simd.first_true_m64s(goes_on) == S::F64_LANES {
+                break;
+            }
+            let stride = advance(simd, &mut axes);
+            index = simd.select_f64s(may_move, simd.add_f64s(index, stride), outside);
+        }
+        store::<S>(&mut self.len, part, len);
+        store::<S>(&mut self.n_clear, part, n_clear);
+    }
+}
+
+impl Step {
+    #[inline(always)]
+    fn record<S: Simd>(&mut self, part: usize, index: S::f64s, visibility: &[f32; LANES]) {
+        store::<S>(&mut self.index, part, index);
+        self.visibility[part * S::F64_LANES..][..S::F64_LANES].copy_from_slice(&visibility[..S::F64_LANES]);
+    }
+
+    /// What passes through the cells, and the visibility behind them.
+    #[inline(always)]
+    fn pass<S: Simd>(
+        &self,
+        part: usize,
+        grid: &PassGrid,
+        visibility: &mut [f32; LANES],
+    ) -> (S::f64s, S::f64s) {
+        let mut passes = [0.0_f32; LANES];
+        #[allow(
+            clippy::needless_range_loop,
+            reason = "iterators are not always inlined into vector instructions"
+        )]
+        for lane in 0..S::F64_LANES {
+            let pass = grid.passes.get(cell(self.index[part * S::F64_LANES + lane]));
+            passes[lane] = pass.copied().unwrap_or(PassGrid::OUTSIDE);
+        }
+        let (mut pass, mut after) = ([0.0; LANES], [0.0; LANES]);
+        for lane in 0..S::F64_LANES {
+            visibility[lane] *= passes[lane];
+            (pass[lane], after[lane]) = (passes[lane] as f64, visibility[lane] as f64);
+        }
+        (load::<S>(&pass, 0), load::<S>(&after, 0))
+    }
+}
+
+/// The walks along one axis.
+struct Axis<S: Simd> {
+    next: S::f64s,
+    step: S::f64s,
+    stride: S::f64s,
+}
+
+impl<S: Simd> Axis<S> {
+    #[inline(always)]
+    fn load(axis: &PacketAxis, part: usize) -> Self {
+        let (next, step, stride) =
+            (load::<S>(&axis.next, part), load::<S>(&axis.step, part), load::<S>(&axis.stride, part));
+        Self { next, step, stride }
+    }
+
+    #[inline(always)]
+    fn cross(&mut self, simd: S, crosses: S::m64s) {
+        self.next = simd.select_f64s(crosses, simd.add_f64s(self.next, self.step), self.next);
+    }
+}
+
+/// Takes every ray over the border that is next, that of the lowest axis where several are, and tells how the indices
+/// move.
+#[inline(always)]
+fn advance<S: Simd>(simd: S, [x, y, z]: &mut [Axis<S>; 3]) -> S::f64s {
+    let (x_y, x_z) =
+        (simd.less_than_or_equal_f64s(x.next, y.next), simd.less_than_or_equal_f64s(x.next, z.next));
+    let (x_first, y_z) = (simd.and_m64s(x_y, x_z), simd.less_than_or_equal_f64s(y.next, z.next));
+    let not_x = simd.not_m64s(x_first);
+    x.cross(simd, x_first);
+    y.cross(simd, simd.and_m64s(not_x, y_z));
+    z.cross(simd, simd.and_m64s(not_x, simd.not_m64s(y_z)));
+    simd.select_f64s(x_first, x.stride, simd.select_f64s(y_z, y.stride, z.stride))
+}

@@ -1,0 +1,142 @@
+use super::packet::{LANES, Packet};
+use super::paths::Paths;
+use super::{RayCaster, pass_grid::PassGrid};
+use crate::geometry::Pose;
+use crate::map::{Occupancy, Snapshot};
+use pulp::{Simd, WithSimd};
+
+/// Sends rays for planners that ask of a ray only which unknown voxels of worth it crosses, and how well it sees them.
+///
+/// It tells the same as [`RayCaster::cast`], in the same order, at a fifth of the time: measured voxels are left out, and
+/// the rays are walked side by side.
+#[derive(Debug)]
+pub(crate) struct WorthCaster<'a> {
+    caster: RayCaster<'a>,
+    /// By cell, [`NO_ITEM`] for those of no worth.
+    items: Vec<u32>,
+    /// By item.
+    worth: Vec<f64>,
+}
+
+const NO_ITEM: u32 = u32::MAX;
+
+impl<'a> WorthCaster<'a> {
+    /// Numbers the unknown voxels of positive worth as items, in the order of the voxels.
+    pub fn new(caster: RayCaster<'a>, snapshot: &Snapshot, worth_of_voxel: &[f64]) -> Self {
+        let mut items = vec![NO_ITEM; caster.passes.padded.n_voxels()];
+        let mut worth = Vec::new();
+        for (cells, voxels) in caster.passes.rows(snapshot) {
+            for (cell, voxel) in cells.zip(voxels) {
+                if worth_of_voxel[voxel] > 0.0 && snapshot.occupancy()[voxel] == Occupancy::Unknown {
+                    items[cell] = worth.len() as u32;
+                    worth.push(worth_of_voxel[voxel]);
+                }
+            }
+        }
+        Self { caster, items, worth }
+    }
+
+    /// Number of items.
+    pub fn n_items(&self) -> usize {
+        self.worth.len()
+    }
+
+    /// Room for the paths of rays, to be used for one view after the other.
+    pub fn paths(&self) -> Paths {
+        Paths::new(&self.caster.passes)
+    }
+
+    /// Tells all items that the rays of a view cross, ray after ray, with their worth times their visibility.
+    pub fn cast(&self, world_from_camera: &Pose, paths: &mut Paths, mut visit: impl FnMut(usize, f64)) {
+        self.caster.for_each_packet(world_from_camera, |packet| {
+            let (grid, fade_limit) = (&self.caster.passes, self.caster.fade_limit);
+            self.caster.arch.dispatch(Follow { paths: &mut *paths, packet, grid, fade_limit });
+            for lane in 0..LANES {
+                for (cell, visibility) in paths.weakened(lane) {
+                    let item = self.items[cell];
+                    if item != NO_ITEM {
+                        visit(item as usize, self.worth[item as usize] * visibility as f64);
+                    }
+                }
+            }
+        });
+    }
+}
+
+/// Arguments of [`Paths::follow`].
+struct Follow<'a> {
+    paths: &'a mut Paths,
+    packet: &'a Packet,
+    grid: &'a PassGrid,
+    fade_limit: f32,
+}
+
+impl WithSimd for Follow<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) {
+        self.paths.follow(simd, self.packet, self.grid, self.fade_limit);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geometry::{Lattice, VoxelBlock};
+    use crate::map::LogOdds;
+    use crate::sensor::{Distortion, Intrinsics};
+    use crate::view::look_at;
+    use crate::visibility::packet::tests::archs;
+    use crate::visibility::{FreeSpace, Sight};
+    use glam::{DVec2, DVec3, IVec3, UVec3};
+    use proptest::prelude::*;
+
+    fn cameras() -> Vec<Intrinsics> {
+        let pinhole = Intrinsics::pinhole(320, 240, DVec2::splat(300.0), DVec2::new(160.0, 120.0)).unwrap();
+        let barrel =
+            pinhole.with_distortion(Distortion::BrownConrady([-0.2, 0.03, 0.001, 0.002, 0.0])).unwrap();
+        vec![pinhole, barrel, Intrinsics::d435i()]
+    }
+
+    /// Boxes of which three quarters are free: rays then end in many ways.
+    fn states() -> impl Strategy<Value = Vec<Option<f32>>> {
+        let state = prop_oneof![1 => Just(None), 1 => Just(Some(0.85)), 6 => (1..5).prop_map(|n| Some(-0.4 * n as f32))];
+        prop::collection::vec(state, 11 * 9 * 10)
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig::with_cases(128))]
+
+        /// The slow twin: all crossings of all rays.
+        #[test]
+        fn tells_what_a_cast_of_single_rays_tells(
+            states in states(), position in prop::array::uniform3(-0.4..0.4), camera in 0_usize..3,
+            free_space in prop::sample::select(vec![FreeSpace::Clear, FreeSpace::Fades]),
+            fade_limit in prop::sample::select(vec![0.0, Sight::FADED, 0.2]), spacing in 0.5..6.0,
+        ) {
+            let block = VoxelBlock::new(IVec3::new(-5, -4, -6), UVec3::new(11, 9, 10)).unwrap();
+            let state = |key| states[block.index(key).unwrap()].map(LogOdds);
+            let snapshot = Snapshot::from_fn(Lattice::new(0.01).unwrap(), block, state);
+            let worth: Vec<f64> = (0..states.len()).map(|i| if i % 5 == 0 { 0.0 } else { 1.0 / i as f64 }).collect();
+            let item_of = |voxel: u32| {
+                let is_item = |&i: &usize| states[i].is_none() && worth[i] > 0.0;
+                is_item(&(voxel as usize)).then(|| (0..voxel as usize).filter(is_item).count())
+            };
+            let (pose, sight) = (look_at(DVec3::from_array(position), DVec3::ZERO), Sight { free_space, fade_limit });
+            for arch in archs() {
+                let mut caster = RayCaster::new(&snapshot, &cameras()[camera], spacing, sight).unwrap();
+                caster.arch = arch;
+                let mut expected = Vec::new();
+                caster.cast(&pose, |ray| expected.extend(ray.crossings.iter().filter_map(|crossing| {
+                    let quality = worth[crossing.voxel as usize] * crossing.visibility as f64;
+                    item_of(crossing.voxel).map(|item| (item, quality))
+                })));
+                let caster = WorthCaster::new(caster, &snapshot, &worth);
+                let mut found = Vec::new();
+                caster.cast(&pose, &mut caster.paths(), |item, quality| found.push((item, quality)));
+                prop_assert_eq!(found, expected);
+            }
+        }
+    }
+}
