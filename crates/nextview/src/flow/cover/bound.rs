@@ -54,3 +54,26 @@ fn relax(by_set: &Lists, prices: &[f64], lacking: &mut [f64]) -> f64 {
     }
     bound
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::packed;
+    use super::*;
+    use crate::flow::Incidence;
+    use proptest::prelude::*;
+
+    proptest! {
+        /// The slow twin: every choice of sets.
+        #[test]
+        fn no_cover_is_smaller(
+            rows in prop::collection::vec(prop::collection::vec(0_u32..10, 1..5), 1..20),
+            spare in 0_usize..3,
+        ) {
+            let candidates = packed(&Incidence::from_rows(10, rows));
+            let (items, sets) = (Lists::of(&candidates), Lists::of(&candidates.transposed()));
+            let serves = |choice: &u32| candidates.iter().all(|row| row.columns().any(|set| choice >> set & 1 == 1));
+            let fewest = (0_u32..1 << 10).filter(serves).map(|choice| choice.count_ones() as usize).min().unwrap();
+            prop_assert!(fewest_possible(&items, &sets, fewest + spare) <= fewest);
+        }
+    }
+}
