@@ -1,7 +1,6 @@
 use super::{VoxelBlock, VoxelKey};
 use glam::DVec3;
 use pulp::{Arch, Simd, WithSimd};
-use std::array::from_fn;
 use std::sync::atomic::{AtomicU8, Ordering};
 
 /// Segments from one point through a box of voxels, several walked at a time in the lanes of vector instructions.
@@ -58,7 +57,8 @@ const MAGIC: f64 = (1_u64 << 52) as f64;
 /// A number per segment.
 type Lanes = [f64; MAX_LANES];
 
-/// Segments under way; the names are those of `SegmentWalk`.
+/// Segments under way; the names are those of `SegmentWalk`. There is no closure in what follows: one that is not inlined is
+/// compiled without vector instructions, and each of them becomes a call.
 struct Walk<S: Simd> {
     axes: [Axis<S>; 3],
     /// The cell of the voxel it is in, and that of its end or one that does not exist; plus [`MAGIC`].
@@ -118,16 +118,23 @@ impl AxisInput {
     #[inline(always)]
     fn new(fan: &SegmentFan, ends: &[DVec3], axis: usize) -> Self {
         // Lanes without a segment repeat the first.
-        let to: Lanes = from_fn(|lane| ends.get(lane).unwrap_or(&ends[0])[axis]);
-        let [min, max] = [fan.min, fan.max].map(|key| key[axis] as f64);
-        Self { from: fan.from[axis], to, to_floor: to.map(f64::floor), min, max }
+        let mut to: Lanes = [ends[0][axis]; MAX_LANES];
+        for (lane, end) in ends.iter().enumerate() {
+            to[lane] = end[axis];
+        }
+        let mut to_floor = to;
+        for value in &mut to_floor {
+            *value = value.floor();
+        }
+        let (min, max) = (fan.min[axis] as f64, fan.max[axis] as f64);
+        Self { from: fan.from[axis], to, to_floor, min, max }
     }
 }
 
 impl<S: Simd> Approach<S> {
     #[inline(always)]
     fn new(simd: S, input: &AxisInput) -> Self {
-        let [zero, one] = [0.0, 1.0].map(|n| simd.splat_f64s(n));
+        let (zero, one) = (simd.splat_f64s(0.0), simd.splat_f64s(1.0));
         let (from, from_floor) = (simd.splat_f64s(input.from), simd.splat_f64s(input.from.floor()));
         let direction = simd.sub_f64s(load::<S>(&input.to), from);
         let forward = simd.less_than_f64s(zero, direction);
@@ -151,15 +158,19 @@ impl<S: Simd> Approach<S> {
         simd.add_f64s(self.t_first, simd.mul_f64s(n, self.t_delta))
     }
 
+    /// Whether the crossing after `n` steps is before `t`, or at `t` if `also_at`.
+    #[inline(always)]
+    fn crossed(&self, simd: S, n: S::f64s, t: S::f64s, also_at: S::m64s) -> S::m64s {
+        let at = self.crossing(simd, n);
+        let touches = simd.and_m64s(also_at, simd.equal_f64s(at, t));
+        simd.or_m64s(simd.less_than_f64s(at, t), touches)
+    }
+
     /// Number of crossings before `t`, and at `t` if `also_at`.
     #[inline(always)]
     fn n_crossings(&self, simd: S, t: S::f64s, also_at: S::m64s) -> S::f64s {
-        let [zero, half, one, magic] = [0.0, 0.5, 1.0, MAGIC].map(|n| simd.splat_f64s(n));
-        let crossed = |n| {
-            let at = self.crossing(simd, n);
-            let touches = simd.and_m64s(also_at, simd.equal_f64s(at, t));
-            simd.or_m64s(simd.less_than_f64s(at, t), touches)
-        };
+        let (zero, half, one) = (simd.splat_f64s(0.0), simd.splat_f64s(0.5), simd.splat_f64s(1.0));
+        let magic = simd.splat_f64s(MAGIC);
         // A guess that rounding may put one off; NaN, where the walk is parallel to the borders, becomes 0.
         let guess = simd.mul_f64s(simd.sub_f64s(t, self.t_first), self.speed);
         let guess = simd.select_f64s(simd.less_than_f64s(guess, self.n_end), guess, self.n_end);
@@ -168,8 +179,12 @@ impl<S: Simd> Approach<S> {
         let mut n = simd.select_f64s(simd.less_than_f64s(rounded, self.n_end), rounded, self.n_end);
         loop {
             let before = simd.sub_f64s(n, one);
-            let too_many = simd.and_m64s(simd.less_than_f64s(zero, n), simd.not_m64s(crossed(before)));
-            let too_few = simd.and_m64s(simd.less_than_f64s(n, self.n_end), crossed(n));
+            let too_many = simd.and_m64s(
+                simd.less_than_f64s(zero, n),
+                simd.not_m64s(self.crossed(simd, before, t, also_at)),
+            );
+            let too_few =
+                simd.and_m64s(simd.less_than_f64s(n, self.n_end), self.crossed(simd, n, t, also_at));
             if !any(simd, simd.or_m64s(too_many, too_few)) {
                 return n;
             }
@@ -218,46 +233,23 @@ impl<S: Simd> Walk<S> {
     /// None if no segment crosses the box.
     #[inline(always)]
     fn new(simd: S, fan: &SegmentFan, ends: &[DVec3]) -> Option<Self> {
-        let [zero, minus_one] = [0.0, -1.0].map(|n| simd.splat_f64s(n));
-        let inputs: [AxisInput; 3] = from_fn(|axis| AxisInput::new(fan, ends, axis));
-        let approaches: [Approach<S>; 3] = from_fn(|axis| Approach::new(simd, &inputs[axis]));
-        let (t_in, entering) = last_entry(simd, &approaches);
-
-        let strides = fan.cells.strides().map(|stride| stride as f64);
-        let first = fan.cells.min().as_dvec3();
-        let mut goes_on = simd.equal_f64s(zero, zero);
-        let mut end_is_in = goes_on;
-        let mut index = simd.splat_f64s(MAGIC);
-        let mut end_index = index;
-        let axes = from_fn(|axis| {
-            let (approach, input) = (&approaches[axis], &inputs[axis]);
-            let also_at = simd.less_than_or_equal_f64s(simd.splat_f64s(axis as f64), entering);
-            let n = approach.n_crossings(simd, t_in, also_at);
-            let key = simd.add_f64s(simd.splat_f64s(input.from.floor()), simd.mul_f64s(approach.step, n));
-            let [min, max] = [input.min, input.max].map(|k| simd.splat_f64s(k));
-            let is_in = |key| {
-                simd.and_m64s(simd.less_than_or_equal_f64s(min, key), simd.less_than_or_equal_f64s(key, max))
-            };
-            let to_floor = load::<S>(&input.to_floor);
-            goes_on = simd.and_m64s(goes_on, is_in(key));
-            goes_on = simd.and_m64s(goes_on, simd.less_than_or_equal_f64s(approach.short, approach.n_end));
-            end_is_in = simd.and_m64s(end_is_in, is_in(to_floor));
-            let place = |key| {
-                let local = simd.sub_f64s(key, simd.splat_f64s(first[axis]));
-                simd.mul_f64s(local, simd.splat_f64s(strides[axis]))
-            };
-            index = simd.add_f64s(index, place(key));
-            end_index = simd.add_f64s(end_index, place(to_floor));
-            let backward = simd.less_than_f64s(approach.step, zero);
-            let room = simd.select_f64s(backward, simd.sub_f64s(key, min), simd.sub_f64s(max, key));
-            Axis::new(simd, approach, n, room, strides[axis])
-        });
-        any(simd, goes_on).then(|| Self {
-            axes,
-            index,
-            end_index: simd.select_f64s(end_is_in, end_index, minus_one),
+        let x = AxisInput::new(fan, ends, 0);
+        let y = AxisInput::new(fan, ends, 1);
+        let z = AxisInput::new(fan, ends, 2);
+        let approaches = [Approach::new(simd, &x), Approach::new(simd, &y), Approach::new(simd, &z)];
+        let mut entry = Entry::new(simd, &approaches);
+        let x = entry.enter(simd, fan, &approaches[0], &x, 0);
+        let y = entry.enter(simd, fan, &approaches[1], &y, 1);
+        let z = entry.enter(simd, fan, &approaches[2], &z, 2);
+        if !any(simd, entry.goes_on) {
+            return None;
+        }
+        Some(Self {
+            axes: [x, y, z],
+            index: entry.index,
+            end_index: simd.select_f64s(entry.end_is_in, entry.end_index, simd.splat_f64s(-1.0)),
             spare: simd.splat_f64s(MAGIC + fan.cells.n_voxels() as f64),
-            goes_on,
+            goes_on: entry.goes_on,
         })
     }
 
@@ -286,7 +278,7 @@ impl<S: Simd> Walk<S> {
 
     #[inline(always)]
     fn advance(&mut self, simd: S) {
-        let [x, y, z] = self.axes.each_mut();
+        let [x, y, z] = &mut self.axes;
         let x_turn = simd.and_m64s(
             simd.less_than_or_equal_f64s(x.t_next, y.t_next),
             simd.less_than_or_equal_f64s(x.t_next, z.t_next),
@@ -307,21 +299,73 @@ impl<S: Simd> Walk<S> {
     }
 }
 
-/// The last crossing that brings a segment into the slabs of the box, and its axis; minus infinity and -1 where it
-/// starts in all of them.
-#[inline(always)]
-fn last_entry<S: Simd>(simd: S, approaches: &[Approach<S>; 3]) -> (S::f64s, S::f64s) {
-    let [zero, one] = [0.0, 1.0].map(|n| simd.splat_f64s(n));
-    let mut t_in = simd.splat_f64s(f64::NEG_INFINITY);
-    let mut entering = simd.splat_f64s(-1.0);
-    for (axis, approach) in approaches.iter().enumerate() {
-        let t = approach.crossing(simd, simd.sub_f64s(approach.short, one));
-        let enters = simd.less_than_f64s(zero, approach.short);
-        let is_later = simd.and_m64s(enters, simd.less_than_or_equal_f64s(t_in, t));
-        t_in = simd.select_f64s(is_later, t, t_in);
-        entering = simd.select_f64s(is_later, simd.splat_f64s(axis as f64), entering);
+/// Segments that enter the box, one axis after the other.
+struct Entry<S: Simd> {
+    /// The last crossing that brings a segment into the slabs of the box, and its axis; minus infinity and -1 where it
+    /// starts in all of them.
+    t_in: S::f64s,
+    entering: S::f64s,
+    /// As in [`Walk`], over the axes so far.
+    index: S::f64s,
+    end_index: S::f64s,
+    end_is_in: S::m64s,
+    goes_on: S::m64s,
+}
+
+impl<S: Simd> Entry<S> {
+    #[inline(always)]
+    fn new(simd: S, approaches: &[Approach<S>; 3]) -> Self {
+        let (zero, one) = (simd.splat_f64s(0.0), simd.splat_f64s(1.0));
+        let mut t_in = simd.splat_f64s(f64::NEG_INFINITY);
+        let mut entering = simd.splat_f64s(-1.0);
+        for (axis, approach) in approaches.iter().enumerate() {
+            let t = approach.crossing(simd, simd.sub_f64s(approach.short, one));
+            let enters = simd.less_than_f64s(zero, approach.short);
+            let is_later = simd.and_m64s(enters, simd.less_than_or_equal_f64s(t_in, t));
+            t_in = simd.select_f64s(is_later, t, t_in);
+            entering = simd.select_f64s(is_later, simd.splat_f64s(axis as f64), entering);
+        }
+        let (index, all) = (simd.splat_f64s(MAGIC), simd.equal_f64s(zero, zero));
+        Self { t_in, entering, index, end_index: index, end_is_in: all, goes_on: all }
     }
-    (t_in, entering)
+
+    #[inline(always)]
+    fn enter(
+        &mut self,
+        simd: S,
+        fan: &SegmentFan,
+        approach: &Approach<S>,
+        input: &AxisInput,
+        axis: usize,
+    ) -> Axis<S> {
+        let also_at = simd.less_than_or_equal_f64s(simd.splat_f64s(axis as f64), self.entering);
+        let n = approach.n_crossings(simd, self.t_in, also_at);
+        let key = simd.add_f64s(simd.splat_f64s(input.from.floor()), simd.mul_f64s(approach.step, n));
+        let (min, max) = (simd.splat_f64s(input.min), simd.splat_f64s(input.max));
+        let to_floor = load::<S>(&input.to_floor);
+        self.goes_on = simd.and_m64s(self.goes_on, is_within(simd, key, min, max));
+        self.goes_on =
+            simd.and_m64s(self.goes_on, simd.less_than_or_equal_f64s(approach.short, approach.n_end));
+        self.end_is_in = simd.and_m64s(self.end_is_in, is_within(simd, to_floor, min, max));
+        let stride = fan.cells.strides()[axis] as f64;
+        let first = simd.splat_f64s(fan.cells.min()[axis] as f64);
+        self.index = simd.add_f64s(self.index, place(simd, key, first, stride));
+        self.end_index = simd.add_f64s(self.end_index, place(simd, to_floor, first, stride));
+        let backward = simd.less_than_f64s(approach.step, simd.splat_f64s(0.0));
+        let room = simd.select_f64s(backward, simd.sub_f64s(key, min), simd.sub_f64s(max, key));
+        Axis::new(simd, approach, n, room, stride)
+    }
+}
+
+#[inline(always)]
+fn is_within<S: Simd>(simd: S, key: S::f64s, min: S::f64s, max: S::f64s) -> S::m64s {
+    simd.and_m64s(simd.less_than_or_equal_f64s(min, key), simd.less_than_or_equal_f64s(key, max))
+}
+
+/// What a coordinate adds to the index of a cell.
+#[inline(always)]
+fn place<S: Simd>(simd: S, key: S::f64s, first: S::f64s, stride: f64) -> S::f64s {
+    simd.mul_f64s(simd.sub_f64s(key, first), simd.splat_f64s(stride))
 }
 
 #[cfg(test)]

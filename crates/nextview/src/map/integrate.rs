@@ -8,7 +8,7 @@ use super::{LogOdds, OccupancyMap, SensorModel};
 use crate::geometry::{Plane, VoxelBlock};
 use crate::sensor::Frame;
 use glam::DVec3;
-use pulp::Arch;
+use pulp::{Arch, Simd, WithSimd};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
@@ -128,14 +128,30 @@ impl Writer<'_> {
     }
 
     fn write_tile(&mut self, scan: &Scan, keys: KeyBox) {
-        let Self { origin, steps, map, marks, update } = self;
-        Arch::new().dispatch(
+        Arch::new().dispatch(WriteTile { writer: self, scan, keys });
+    }
+}
+
+struct WriteTile<'a, 'b> {
+    writer: &'a mut Writer<'b>,
+    scan: &'a Scan,
+    keys: KeyBox,
+}
+
+impl WithSimd for WriteTile<'_, '_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) {
+        let Writer { origin, steps, map, marks, update } = self.writer;
+        marks.visit(
+            *origin,
+            self.scan,
+            self.keys,
             #[inline(always)]
-            || {
-                marks.visit(*origin, scan, keys, |brick, marks| {
-                    let slot = map.bricks.slot(brick);
-                    steps.apply(&mut map.bricks.at_mut(slot).0, marks, update);
-                });
+            |brick, marks| {
+                let slot = map.bricks.slot(brick);
+                steps.apply(&mut map.bricks.at_mut(slot).0, marks, update);
             },
         );
     }

@@ -23,6 +23,7 @@ pub(super) struct Marks {
 
 impl Marks {
     /// Marks what a scan hit and crossed in a box, tells it brick by brick, and forgets it.
+    #[inline(always)]
     pub fn visit(
         &mut self,
         origin: DVec3,
