@@ -62,13 +62,11 @@ impl Part {
     }
 
     fn look(&mut self, view: usize, pose: &Pose, caster: &WorthCaster<'_>, paths: &mut Paths) {
-        let mut local = 0.0;
-        caster.cast(pose, paths, |item, quality| {
-            local += quality;
-            if self.solves_flow {
-                self.best.offer(item, view as u32, quality);
-            }
-        });
+        let local = if self.solves_flow {
+            caster.cast(pose, paths, |item, quality| self.best.offer(item, view as u32, quality))
+        } else {
+            caster.cast(pose, paths, |_, _| ())
+        };
         self.local.push((view, local));
     }
 

@@ -20,7 +20,7 @@ pub(super) struct Directions {
 /// Rays from one origin where they enter a block, in units of voxels: the start of a walk as that of
 /// [`SegmentWalk`](crate::geometry::SegmentWalk), cut down to what a ray needs.
 ///
-/// Setting up a short ray costs as much as following it; eight at a time, it costs a tenth.
+/// Setting up a short ray alone costs as much as following it; eight at a time, a fifth of that.
 #[derive(Debug, Default)]
 pub(super) struct Packet {
     /// The cell in which the ray enters, as an [`index`](cell); [`OUTSIDE`] if it misses the block.

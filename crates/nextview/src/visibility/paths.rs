@@ -10,9 +10,9 @@ use pulp::Simd;
 pub(crate) struct Paths {
     /// Longer than any path.
     steps: Vec<Step>,
-    /// Number of crossings of each ray.
+    /// Number of crossings of each ray, in the form of an [index](cell).
     len: Lanes,
-    /// How many of them come before the first that weakens the ray.
+    /// How many of them come before the first that weakens the ray, in the same form; may exceed `len` where none does.
     n_clear: Lanes,
 }
 
@@ -28,12 +28,12 @@ impl Paths {
     pub(super) fn new(grid: &PassGrid) -> Self {
         let longest = grid.padded.dims().element_sum() as usize + 1;
         let step = Step { index: [OUTSIDE; LANES], visibility: [1.0; LANES] };
-        Self { steps: vec![step; longest], len: [0.0; LANES], n_clear: [0.0; LANES] }
+        Self { steps: vec![step; longest], len: [OUTSIDE; LANES], n_clear: [OUTSIDE; LANES] }
     }
 
     /// The cells and visibilities that a ray crosses, without those before the first that weakens it.
     pub(super) fn weakened(&self, lane: usize) -> impl Iterator<Item = (usize, f32)> {
-        let (start, end) = (self.n_clear[lane] as usize, self.len[lane] as usize);
+        let (start, end) = (cell(self.n_clear[lane]), cell(self.len[lane]));
         let steps = self.steps[..end].get(start..).unwrap_or_default();
         steps.iter().map(move |step| (cell(step.index[lane]), step.visibility[lane]))
     }
@@ -61,7 +61,7 @@ impl Paths {
         let mut axes = [Axis::<S>::load(x, part), Axis::<S>::load(y, part), Axis::<S>::load(z, part)];
         let mut index = load::<S>(&packet.index, part);
         let mut visibility = [1.0; LANES];
-        let (mut len, mut n_clear) = (zero, zero);
+        let (mut len, mut n_clear) = (outside, outside);
         let mut goes_on = simd.less_than_f64s(zero, one);
         for step in &mut self.steps {
             step.record::<S>(part, index, &visibility);

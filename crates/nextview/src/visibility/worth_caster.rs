@@ -7,8 +7,8 @@ use pulp::{Simd, WithSimd};
 
 /// Sends rays for planners that ask of a ray only which unknown voxels of worth it crosses, and how well it sees them.
 ///
-/// It tells the same as [`RayCaster::cast`], in the same order, at a fifth of the time: measured voxels are left out, and
-/// the rays are walked side by side.
+/// It tells the same as [`RayCaster::cast`], in the same order, at half of the time: measured voxels are left out, and the
+/// rays are walked side by side.
 #[derive(Debug)]
 pub(crate) struct WorthCaster<'a> {
     caster: RayCaster<'a>,
@@ -46,20 +46,33 @@ impl<'a> WorthCaster<'a> {
         Paths::new(&self.caster.passes)
     }
 
-    /// Tells all items that the rays of a view cross, ray after ray, with their worth times their visibility.
-    pub fn cast(&self, world_from_camera: &Pose, paths: &mut Paths, mut visit: impl FnMut(usize, f64)) {
+    /// Tells all items that the rays of a view cross, ray after ray, with their quality, which is worth times visibility;
+    /// returns the sum of the qualities in this order.
+    pub fn cast(
+        &self,
+        world_from_camera: &Pose,
+        paths: &mut Paths,
+        mut visit: impl FnMut(usize, f64),
+    ) -> f64 {
+        let mut sum = 0.0;
         self.caster.for_each_packet(world_from_camera, |packet| {
             let (grid, fade_limit) = (&self.caster.passes, self.caster.fade_limit);
             self.caster.arch.dispatch(Follow { paths: &mut *paths, packet, grid, fade_limit });
+            // In a register: through memory, each addition would wait for the one before for twelve cycles.
+            let mut running_sum = sum;
             for lane in 0..LANES {
                 for (cell, visibility) in paths.weakened(lane) {
                     let item = self.items[cell];
                     if item != NO_ITEM {
-                        visit(item as usize, self.worth[item as usize] * visibility as f64);
+                        let quality = self.worth[item as usize] * visibility as f64;
+                        running_sum += quality;
+                        visit(item as usize, quality);
                     }
                 }
             }
+            sum = running_sum;
         });
+        sum
     }
 }
 
@@ -134,8 +147,9 @@ mod tests {
                 })));
                 let caster = WorthCaster::new(caster, &snapshot, &worth);
                 let mut found = Vec::new();
-                caster.cast(&pose, &mut caster.paths(), |item, quality| found.push((item, quality)));
-                prop_assert_eq!(found, expected);
+                let sum = caster.cast(&pose, &mut caster.paths(), |item, quality| found.push((item, quality)));
+                prop_assert_eq!(&found, &expected);
+                prop_assert_eq!(sum, expected.iter().fold(0.0, |sum, (_, quality)| sum + quality));
             }
         }
     }
