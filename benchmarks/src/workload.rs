@@ -138,6 +138,13 @@ pub fn intrinsics() -> Intrinsics {
         .expect("a camera of sound numbers")
 }
 
+/// The distance between rays at the far side of the box, in voxels, with which they are 20 pixels apart: 32 x 24 over the
+/// whole image.
+pub fn ray_spacing_of_image_grid(voxel_size: f64) -> f64 {
+    let farthest = CAMERA_DISTANCE + 0.5 * BOX_EDGE * 3.0_f64.sqrt();
+    20.0 / intrinsics().focal().x * farthest / voxel_size
+}
+
 /// A map of nothing, with OctoMap's sensor model.
 pub fn empty_map(voxel_size: f64) -> OccupancyMap {
     OccupancyMap::new(lattice(voxel_size), SensorModel::default()).expect("the default model is sound")

@@ -13,23 +13,21 @@ use nextview::planner::{MaxFlow, MaxFlowConfig, Situation, ViewPlanner};
 use nextview::sensor::Intrinsics;
 use nextview::view::generate;
 use nextview_benchmarks::log_plot::{Panel, Point, draw, exponent};
-use nextview_benchmarks::workload::{Set, Workload, block, empty_map, intrinsics};
+use nextview_benchmarks::workload::{Set, Workload, block, empty_map, intrinsics, ray_spacing_of_image_grid};
 use nextview_sim::camera::{Background, SimulatedCamera};
 use std::error::Error;
 use std::path::Path;
 use std::process::Command;
 use std::time::Instant;
 
-const SWEEPS: [(&str, &str, &[f64]); 3] = [
-    ("decision over candidates, 5 mm", "candidates", &[1e3, 2e3, 5e3, 1e4, 2e4, 5e4, 1e5]),
-    (
-        "decision over voxels per metre, 5000 candidates",
-        "voxels per metre",
-        &[50.0, 100.0, 200.0, 500.0, 1000.0],
-    ),
-    ("map update over pixels, 5 mm", "pixels", &[19_200.0, 76_800.0, 307_200.0, 1_228_800.0]),
+const SWEEPS: [(&str, &str, &[f64]); 4] = [
+    ("decision over candidates; 5 mm", "candidates", &[1e3, 2e3, 5e3, 1e4, 2e4, 5e4, 1e5]),
+    ("decision over voxel size; 5000 candidates", "voxels per metre", VOXELS_PER_METRE),
+    ("the same with 32 x 24 rays a view", "voxels per metre", VOXELS_PER_METRE),
+    ("map update over image size; 5 mm", "pixels", &[19_200.0, 76_800.0, 307_200.0, 1_228_800.0]),
 ];
 
+const VOXELS_PER_METRE: &[f64] = &[50.0, 100.0, 200.0, 500.0, 1000.0];
 type Outcome<T> = Result<T, Box<dyn Error>>;
 
 fn main() -> Outcome<()> {
@@ -74,19 +72,28 @@ fn measure(folder: &Path, sweep: usize, size: f64) -> Outcome<()> {
     let workload = Workload::read(folder)?;
     let before = peak_memory_mb()?;
     let ms = match sweep {
-        0 => decision_ms(&workload, 0.005, size as usize)?,
-        1 => decision_ms(&workload, 1.0 / size, 5000)?,
+        0 => decision_ms(&workload, 0.005, size as usize, MaxFlowConfig::default())?,
+        1 => decision_ms(&workload, 1.0 / size, 5000, MaxFlowConfig::default())?,
+        2 => {
+            let ray_spacing = ray_spacing_of_image_grid(1.0 / size);
+            decision_ms(&workload, 1.0 / size, 5000, MaxFlowConfig { ray_spacing, ..Default::default() })?
+        }
         _ => update_ms(workload, size)?,
     };
     println!("{ms} {}", peak_memory_mb()? - before);
     Ok(())
 }
 
-/// A decision of the default planner after three images that carve.
-fn decision_ms(workload: &Workload, voxel_size: f64, n_candidates: usize) -> Outcome<f64> {
+/// A decision after three images that carve.
+fn decision_ms(
+    workload: &Workload,
+    voxel_size: f64,
+    n_candidates: usize,
+    config: MaxFlowConfig,
+) -> Outcome<f64> {
     let snapshot = workload.snapshot(Set::B, voxel_size, 3);
     let views = generate::fibonacci_sphere(glam::DVec3::ZERO, 0.5, n_candidates)?;
-    let planner = MaxFlow::new(MaxFlowConfig::default())?;
+    let planner = MaxFlow::new(config)?;
     let optics = intrinsics();
     let situation = Situation {
         snapshot: &snapshot,
@@ -97,7 +104,7 @@ fn decision_ms(workload: &Workload, voxel_size: f64, n_candidates: usize) -> Out
         history: &[],
         finest_voxel_size: voxel_size,
     };
-    Ok(median_ms(3, || _ = planner.plan(&situation)))
+    Ok(median_ms(|| _ = planner.plan(&situation)))
 }
 
 /// A frame of so many pixels, 4 : 3, into an empty map.
@@ -110,19 +117,19 @@ fn update_ms(workload: Workload, n_pixels: f64) -> Outcome<f64> {
     let camera = SimulatedCamera::new(workload.meshes[0].clone(), optics, room, 10.0)?;
     let frame = camera.capture(&workload.poses[0])?;
     let integration = Integration { region: Some(block(0.005)), ..Default::default() };
-    Ok(median_ms(9, || _ = empty_map(0.005).integrate(&frame, &integration)))
+    Ok(median_ms(|| _ = empty_map(0.005).integrate(&frame, &integration)))
 }
 
-fn median_ms(n: usize, mut work: impl FnMut()) -> f64 {
-    let mut times: Vec<f64> = (0..n)
-        .map(|_| {
-            let start = Instant::now();
-            work();
-            1e3 * start.elapsed().as_secs_f64()
-        })
-        .collect();
+/// The median of at most nine runs, of fewer if they take more than three seconds together.
+fn median_ms(mut work: impl FnMut()) -> f64 {
+    let mut times = Vec::new();
+    while times.len() < 9 && times.iter().sum::<f64>() < 3e3 {
+        let start = Instant::now();
+        work();
+        times.push(1e3 * start.elapsed().as_secs_f64());
+    }
     times.sort_by(f64::total_cmp);
-    times[n / 2]
+    times[times.len() / 2]
 }
 
 /// The largest memory the process ever held (Linux).

@@ -1,14 +1,11 @@
 use super::{Stage, Work, name_of};
 use crate::network::Network;
-use crate::workload::{N_IMAGES, Set, Workload, intrinsics};
+use crate::workload::{N_IMAGES, Set, Workload, intrinsics, ray_spacing_of_image_grid};
 use nextview::gain::object_probability;
 use nextview::map::{Snapshot, frontier};
 use nextview::planner::{MaxFlow, MaxFlowConfig, Situation, ViewPlanner};
 use nextview::visibility::{FreeSpace, NO_VOXEL_MISSED};
 use std::hint::black_box;
-
-/// Distance between planning rays on the image, pixels: 32 x 24 rays over the whole image.
-const PIXELS_BETWEEN_RAYS: f64 = 20.0;
 
 /// Planning rays with gain, their parts, and whole decisions.
 pub(super) fn stages() -> Vec<Stage> {
@@ -31,7 +28,7 @@ pub(super) fn stages() -> Vec<Stage> {
     let decisions = [
         ("decision; rays of the authors' code", A, 0.01, 29.0),
         ("decision; profile paper", A, 0.01, 10.0),
-        ("decision; 32 x 24 rays", B, 0.01, in_voxels(PIXELS_BETWEEN_RAYS, 0.01)),
+        ("decision; 32 x 24 rays", B, 0.01, ray_spacing_of_image_grid(0.01)),
         ("decision; no voxel missed", B, 0.01, NO_VOXEL_MISSED),
         ("decision; default", B, 0.005, 2.0),
     ]
@@ -45,16 +42,10 @@ pub(super) fn stages() -> Vec<Stage> {
 
 /// Rays of 5000 views through the map of set A, with the local gain and nothing else.
 fn rays(workload: &Workload, voxel_size: f64) -> Work<'_> {
-    let ray_spacing = in_voxels(PIXELS_BETWEEN_RAYS, voxel_size);
+    let ray_spacing = ray_spacing_of_image_grid(voxel_size);
     let config =
         MaxFlowConfig { gamma: 0.0, ray_spacing, free_space: FreeSpace::Fades, ..Default::default() };
     decision(workload.snapshot(Set::A, voxel_size, N_IMAGES), workload, config)
-}
-
-/// The distance between rays at the far side of the box that so many pixels are, voxels.
-fn in_voxels(n_pixels: f64, voxel_size: f64) -> f64 {
-    let farthest = 0.5 + 0.5 * crate::workload::BOX_EDGE * 3.0_f64.sqrt();
-    n_pixels / intrinsics().focal().x * farthest / voxel_size
 }
 
 fn decision(snapshot: Snapshot, workload: &Workload, config: MaxFlowConfig) -> Work<'_> {

@@ -19,7 +19,7 @@ pub struct SurfaceCoverage {
     samples: Vec<DVec3>,
     /// Squared distance to the nearest measured point so far, infinite beyond `FAR`.
     nearest_sq: Vec<f64>,
-    /// The samples in cells of size `FAR`.
+    /// The samples in and around every cell of size `FAR`: a point asks one cell, not 27.
     cells: FxHashMap<IVec3, Vec<u32>>,
     /// Points outside, on the walls behind the object, are near no sample.
     bounds: Aabb,
@@ -31,7 +31,9 @@ impl SurfaceCoverage {
         let samples = sample_surface(mesh, N_SAMPLES, SEED);
         let mut cells: FxHashMap<IVec3, Vec<u32>> = FxHashMap::default();
         for (i, sample) in samples.iter().enumerate() {
-            cells.entry(cell(*sample)).or_default().push(i as u32);
+            for offset in neighbor_offsets() {
+                cells.entry(cell(*sample) + offset).or_default().push(i as u32);
+            }
         }
         let mut bounds = mesh.bounds();
         bounds.min -= FAR;
@@ -46,13 +48,11 @@ impl SurfaceCoverage {
 
     fn add_points(&mut self, points: impl IntoIterator<Item = DVec3>) {
         for point in points {
-            for offset in neighbor_offsets() {
-                for &i in self.cells.get(&(cell(point) + offset)).into_iter().flatten() {
-                    let distance_sq = self.samples[i as usize].distance_squared(point);
-                    let nearest = &mut self.nearest_sq[i as usize];
-                    if distance_sq <= FAR * FAR && distance_sq < *nearest {
-                        *nearest = distance_sq;
-                    }
+            for &i in self.cells.get(&cell(point)).into_iter().flatten() {
+                let distance_sq = self.samples[i as usize].distance_squared(point);
+                let nearest = &mut self.nearest_sq[i as usize];
+                if distance_sq <= FAR * FAR && distance_sq < *nearest {
+                    *nearest = distance_sq;
                 }
             }
         }

@@ -14,9 +14,16 @@ impl LocalGain {
     /// The gain under what the snapshot knows.
     pub fn new(snapshot: &Snapshot) -> Self {
         let object = object_probability(snapshot, &frontier(snapshot));
-        let weights =
-            object.iter().zip(snapshot.probability()).map(|(&object, &p)| entropy(p as f64) * object);
-        Self { weights: weights.collect() }
+        // Measured voxels weigh nothing, and an unknown one mostly has the entropy of its neighbour: the logarithms would
+        // take longer than all else here.
+        let (mut last, mut last_entropy) = (f32::NAN, 0.0);
+        let weight = |(&object, &p): (&f64, &f32)| {
+            if object > 0.0 && p != last {
+                (last, last_entropy) = (p, entropy(p as f64));
+            }
+            if object > 0.0 { last_entropy * object } else { 0.0 }
+        };
+        Self { weights: object.iter().zip(snapshot.probability()).map(weight).collect() }
     }
 
     /// H(x) P(obj_x) of every voxel of the snapshot: its quality where it is wholly visible, 0 for measured voxels.

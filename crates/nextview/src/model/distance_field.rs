@@ -3,8 +3,11 @@ use super::{SurfaceMesh, surface_nets};
 use crate::Error;
 use crate::geometry::{Aabb, Lattice, Pose, VoxelBlock};
 use crate::sensor::Frame;
-use glam::IVec3;
+use glam::{DVec3, IVec3};
 use rayon::prelude::*;
+
+/// Voxels of a row that a frame is asked about at a time.
+const LANES: usize = 8;
 
 /// Most memory that a field may need, MB.
 const MEMORY_LIMIT_MB: u64 = 4096;
@@ -86,9 +89,12 @@ impl DistanceField {
         let row = block.dims().x as usize;
         self.cells.par_chunks_mut(row).enumerate().for_each(|(i, cells)| {
             let first = block.key(i * row);
-            for (x, cell) in (0..).zip(cells) {
-                let center = lattice.center(first + IVec3::new(x, 0, 0));
-                surface.evidence(rotation * center + translation).into_iter().for_each(|e| cell.add(e));
+            for (x, cells) in (0..).step_by(LANES).zip(cells.chunks_mut(LANES)) {
+                // The last ones may lie beyond the block: what the frame says of those is dropped.
+                let center = |i: usize| lattice.center(first + IVec3::new(x + i as i32, 0, 0));
+                let points: [DVec3; LANES] = std::array::from_fn(|i| rotation * center(i) + translation);
+                let evidence = surface.evidence(&points);
+                cells.iter_mut().zip(evidence).for_each(|(cell, e)| e.into_iter().for_each(|e| cell.add(e)));
             }
         });
     }

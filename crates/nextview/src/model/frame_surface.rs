@@ -65,10 +65,16 @@ impl FrameSurface {
         surface
     }
 
-    /// What the frame says about a point of the camera frame; nothing outside the image, where nothing was measured,
-    /// and behind the surface.
-    pub(super) fn evidence(&self, point: DVec3) -> Option<Evidence> {
-        let pixel = self.pixel(point)?;
+    /// What the frame says about points of the camera frame; nothing outside the image, where nothing was measured,
+    /// and behind the surface. Several at a time, since undoing the lens is most of the work.
+    pub(super) fn evidence<const N: usize>(&self, points: &[DVec3; N]) -> [Option<Evidence>; N] {
+        let pixels = self.intrinsics.project_lanes(points);
+        std::array::from_fn(|i| self.evidence_at(points[i], pixels[i]?))
+    }
+
+    /// What the pixel nearest to `shown`, where the point is shown, says about it.
+    fn evidence_at(&self, point: DVec3, shown: DVec2) -> Option<Evidence> {
+        let pixel = self.pixel(shown)?;
         let wanted = self.margin_in_pixels(point.z).min(self.clear_depth.len() - 1);
         if self.is_clear(point, pixel, wanted) {
             return Some(Evidence::Free);
@@ -106,11 +112,11 @@ impl FrameSurface {
         (pixels.ceil() as usize).min(MAX_MARGIN)
     }
 
-    /// The index of the pixel nearest to where a point of the camera frame is shown.
-    fn pixel(&self, point: DVec3) -> Option<usize> {
-        let pixel = self.intrinsics.project(point).filter(|&pixel| self.intrinsics.contains(pixel))?;
+    /// The index of the pixel nearest to a place on the image; none outside.
+    fn pixel(&self, shown: DVec2) -> Option<usize> {
+        self.intrinsics.contains(shown).then_some(())?;
         // Half up, as `contains` has it; at the border the sum may round up once more.
-        let [u, v] = (pixel + 0.5).to_array().map(|x| x as usize);
+        let [u, v] = (shown + 0.5).to_array().map(|x| x as usize);
         let [width, height] = [self.intrinsics.width(), self.intrinsics.height()].map(|n| n as usize);
         Some(v.min(height - 1) * width + u.min(width - 1))
     }
@@ -216,16 +222,16 @@ mod tests {
             [DVec3::new(0.013, 0.02, 0.5), DVec3::new(-0.05, -0.01, 0.54), DVec3::new(0.0, 0.0, 0.46)]
         {
             let expected = (1.0 - point.x - 2.0 * point.z) / 5.0_f64.sqrt();
-            let Some(Evidence::Near { distance, weight }) = surface.evidence(point) else {
+            let Some(Evidence::Near { distance, weight }) = surface.evidence(&[point])[0] else {
                 panic!("{point}")
             };
             assert!((distance as f64 - expected).abs() < 1e-6, "{distance} {expected}");
             assert!((0.0..=1.0).contains(&weight));
         }
-        assert_eq!(surface.evidence(DVec3::new(0.0, 0.0, 0.4)), Some(Evidence::Free));
-        assert_eq!(surface.evidence(DVec3::new(0.0, 0.0, 0.6)), None, "behind");
+        assert_eq!(surface.evidence(&[DVec3::new(0.0, 0.0, 0.4)])[0], Some(Evidence::Free));
+        assert_eq!(surface.evidence(&[DVec3::new(0.0, 0.0, 0.6)])[0], None, "behind");
         for x in [0.5, -0.5, 1e300] {
-            assert_eq!(surface.evidence(DVec3::new(x, 0.0, 0.5)), None, "outside the image");
+            assert_eq!(surface.evidence(&[DVec3::new(x, 0.0, 0.5)])[0], None, "outside the image");
         }
     }
 
@@ -234,7 +240,7 @@ mod tests {
         // A surface in the left half, nothing in the right.
         let frame = frame(21, 17, |u, _| if u < 10 { 0.5 } else { f32::INFINITY });
         let surface = FrameSurface::new(&frame, 0.02, 0.04, 0.5);
-        let at = |x: f64| surface.evidence(DVec3::new(x, 0.0, 0.5));
+        let at = |x: f64| surface.evidence(&[DVec3::new(x, 0.0, 0.5)])[0];
         // A pixel is 1 cm wide there.
         for (x, expected) in [(0.0, 0.005), (0.01, 0.015), (0.02, 0.025)] {
             let Some(Evidence::Near { distance, .. }) = at(x) else { panic!("{x}") };

@@ -34,20 +34,21 @@ impl Intrinsics {
         }
     }
 
-    /// [`project`](Self::project) of several points; none if it has no answer for one of them.
-    pub(crate) fn project_all<const N: usize>(&self, points: &[DVec3; N]) -> Option<[DVec2; N]> {
-        if points.iter().any(|point| point.z <= 0.0) {
-            return None;
+    /// [`project`](Self::project) of several points.
+    pub(crate) fn project_lanes<const N: usize>(&self, points: &[DVec3; N]) -> [Option<DVec2>; N] {
+        let mut ideal = Points { x: [0.0; N], y: [0.0; N], is_known: [false; N] };
+        for (i, point) in points.iter().enumerate().filter(|(_, point)| point.z > 0.0) {
+            (ideal.x[i], ideal.y[i], ideal.is_known[i]) = (point.x / point.z, point.y / point.z, true);
         }
-        let (x, y) = (points.map(|p| p.x / p.z), points.map(|p| p.y / p.z));
-        let ideal = Points { x, y, is_known: [true; N] };
         let observed = match self.distortion() {
             Distortion::None => ideal,
             Distortion::BrownConrady(k) => unfolded(&k, ideal),
             Distortion::InverseBrownConrady(k) => Arch::new().dispatch(Invert { k: &k, targets: ideal }),
         };
-        let pixel = |i: usize| DVec2::new(observed.x[i], observed.y[i]) * self.focal() + self.center();
-        (observed.is_known == [true; N]).then(|| std::array::from_fn(pixel))
+        std::array::from_fn(|i| {
+            let point = observed.is_known[i].then(|| DVec2::new(observed.x[i], observed.y[i]))?;
+            Some(point * self.focal() + self.center())
+        })
     }
 }
 
@@ -178,11 +179,11 @@ mod tests {
                 for i in 0..8 {
                     let found = ideal.is_known[i].then(|| DVec2::new(ideal.x[i], ideal.y[i]));
                     prop_assert_eq!(found, camera.deproject(pixels[i]));
-                    let alone = camera.project_all(&[in_camera[i]]).map(|[pixel]| pixel);
-                    prop_assert_eq!(alone, camera.project(in_camera[i]));
                 }
-                let all: Option<Vec<DVec2>> = in_camera.iter().map(|&p| camera.project(p)).collect();
-                prop_assert_eq!(camera.project_all(&in_camera).map(Vec::from), all);
+                let pixels = camera.project_lanes(&in_camera);
+                for i in 0..8 {
+                    prop_assert_eq!(pixels[i], camera.project(in_camera[i]));
+                }
             }
         }
     }
@@ -198,9 +199,9 @@ mod tests {
     }
 
     #[test]
-    fn nothing_is_projected_if_a_point_is_behind() {
+    fn what_is_behind_the_camera_is_not_projected() {
         let camera = Intrinsics::d435i();
-        assert!(camera.project_all(&[DVec3::Z, DVec3::Z]).is_some());
-        assert_eq!(camera.project_all(&[DVec3::Z, DVec3::NEG_Z]), None);
+        let pixels = camera.project_lanes(&[DVec3::Z, DVec3::NEG_Z, DVec3::ZERO]);
+        assert_eq!(pixels, [camera.project(DVec3::Z), None, None]);
     }
 }

@@ -100,9 +100,11 @@ impl RayGrid {
         let border_low = DVec2::splat(-0.5);
         let border_high = DVec2::new(self.intrinsics.width() as f64, self.intrinsics.height() as f64) - 0.5;
         // A corner without image (behind the camera or far outside) leaves the whole image to be searched.
-        let Some(pixels) = self.intrinsics.project_all(corners) else { return (border_low, border_high) };
-        let low = pixels.iter().copied().fold(DVec2::INFINITY, DVec2::min);
-        let high = pixels.iter().copied().fold(DVec2::NEG_INFINITY, DVec2::max);
+        let (mut low, mut high) = (DVec2::INFINITY, DVec2::NEG_INFINITY);
+        for pixel in self.intrinsics.project_lanes(corners) {
+            let Some(pixel) = pixel else { return (border_low, border_high) };
+            (low, high) = (low.min(pixel), high.max(pixel));
+        }
         // A lens bends the box's edges between the corners; a margin of 2 % of its image covers that.
         let bend = if self.intrinsics.distortion() == Distortion::None { 0.0 } else { 0.02 };
         let margin = (high - low) * bend;
