@@ -57,5 +57,6 @@ for round in $(seq "${ROUNDS:-2}"); do
         fi
     done
     "$programs/stages" wall "$workload" decision >>"$results"
+    "$programs/stages" wall "$workload" scan >>"$results"
 done
 "$programs/ratios" <"$results"

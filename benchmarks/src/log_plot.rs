@@ -95,28 +95,27 @@ impl Panel {
             _ = write!(svg, r##"<text x="-6" y="{}" text-anchor="end">{}</text>"##, at + 4.0, label(power));
         }
         let ms: fn(&Point) -> f64 = |point| point.ms;
-        for (unit, color, dash, value) in
-            [("ms", "#0060a0", "", ms), ("MB", "#b04000", "5 3", |point| point.mb)]
+        for (i, (unit, color, dash, value)) in
+            [("ms", "#0060a0", "", ms), ("MB", "#b04000", "5 3", |point| point.mb)].into_iter().enumerate()
         {
             let place =
                 |point: &Point| format!("{:.1},{:.1}", x.place(point.size), height - y.place(value(point)));
             let places: Vec<String> = self.points.iter().map(place).collect();
-            let slope = exponent(&self.points, value);
-            let end = self.points.last().map_or(0.0, |point| height - y.place(value(point)));
+            // Curves rise to the right, which leaves the upper left corner to their names.
+            let name_y = 18.0 + 16.0 * i as f64;
             _ = write!(
                 svg,
                 concat!(
-                    r##"<polyline points="{}" fill="none" stroke="{}" stroke-width="2" stroke-dasharray="{}"/>"##,
-                    r##"<text x="{}" y="{:.1}" text-anchor="end" fill="{}">{}, power {:.2}</text>"##
+                    r##"<g fill="none" stroke="{1}" stroke-width="2" stroke-dasharray="{2}"><polyline points="{0}"/>"##,
+                    r##"<path d="M8 {4}h24"/></g><text x="38" y="{3}">{5}, power {6:.2}</text>"##
                 ),
                 places.join(" "),
                 color,
                 dash,
-                width - 4.0,
-                end - 8.0,
-                color,
+                name_y,
+                name_y - 4.0,
                 unit,
-                slope
+                exponent(&self.points, value)
             );
         }
         svg

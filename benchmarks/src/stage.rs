@@ -4,6 +4,7 @@ mod files;
 mod insertion;
 mod planning;
 mod rendering;
+mod scan;
 
 use crate::workload::Workload;
 use std::fmt;
@@ -49,7 +50,8 @@ impl fmt::Display for Stage {
 
 /// All stages, in the order of the pipeline.
 pub fn stages() -> Vec<Stage> {
-    let groups = [rendering::stages(), insertion::stages(), planning::stages(), files::stages()];
+    let groups =
+        [rendering::stages(), insertion::stages(), planning::stages(), files::stages(), scan::stages()];
     groups.into_iter().flatten().collect()
 }
 

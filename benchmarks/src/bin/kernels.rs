@@ -9,7 +9,7 @@ use std::error::Error;
 use std::path::Path;
 
 /// Stages too large to be run instruction by instruction: parts of their name and case.
-const TOO_LARGE: [&str; 4] = ["no voxel missed", "2 mm", "1 mm", "decision; default"];
+const TOO_LARGE: [&str; 5] = ["no voxel missed", "2 mm", "1 mm", "decision; default", "scan"];
 
 fn main() -> Result<(), Box<dyn Error>> {
     let mut args = std::env::args().skip(1);
