@@ -176,14 +176,11 @@ mod tests {
                 let (x, y) = (pixels.map(|pixel| pixel.x), pixels.map(|pixel| pixel.y));
                 let ideal = camera.deproject_lanes(Points { x, y, is_known: [true; 8] });
                 let in_camera: [DVec3; 8] = std::array::from_fn(|i| point(i).extend(1.0) * 0.7);
-                for i in 0..8 {
+                for (i, &pixel) in pixels.iter().enumerate() {
                     let found = ideal.is_known[i].then(|| DVec2::new(ideal.x[i], ideal.y[i]));
-                    prop_assert_eq!(found, camera.deproject(pixels[i]));
+                    prop_assert_eq!(found, camera.deproject(pixel));
                 }
-                let pixels = camera.project_lanes(&in_camera);
-                for i in 0..8 {
-                    prop_assert_eq!(pixels[i], camera.project(in_camera[i]));
-                }
+                prop_assert_eq!(camera.project_lanes(&in_camera), in_camera.map(|point| camera.project(point)));
             }
         }
     }
