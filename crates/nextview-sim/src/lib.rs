@@ -9,6 +9,7 @@ pub mod builtin;
 pub mod camera;
 mod error;
 pub mod mesh;
+pub mod noise;
 pub mod run;
 pub mod scene;
 pub mod surface;

@@ -15,12 +15,13 @@ use std::time::{Duration, Instant};
 pub struct Step {
     /// What the session tells.
     pub report: StepReport,
-    /// What the camera saw.
+    /// What the camera told.
     pub frame: Frame,
     /// The map in the finest voxels against the object voxels, in the block of those: object voxels outside the
     /// session's box do not count as covered, and what is occupied outside the block is not counted at all.
     pub voxels: VoxelScore,
-    /// Number of object voxels truly seen so far.
+    /// Number of object voxels truly seen so far: those with a point of the true surface that a pixel measured, wherever
+    /// noise and a wrong pose put that point in the map. All other measures are of what the frames claim.
     pub n_seen: usize,
     /// Share, 0..=1, of the true surface with a measured point within 1, 2 and 5 mm.
     pub surface_coverage: [f64; 3],
@@ -50,11 +51,11 @@ pub fn run(
             Decision::Move(next) => next,
             Decision::Stop(reason) => return Ok(reason),
         };
-        let (frame, render_time) = timed(|| scene.camera().capture(&next.world_from_camera));
-        let frame = frame?;
-        let (report, map_time) = timed(|| session.observe(&frame));
-        seen.union_with(&object.seen_in(&frame));
-        surface.add(&frame);
+        let (capture, render_time) = timed(|| scene.camera().capture_with_truth(&next.world_from_camera));
+        let capture = capture?;
+        let (report, map_time) = timed(|| session.observe(&capture.frame));
+        seen.union_with(&object.seen_in(capture.truth()));
+        surface.add(&capture.frame);
         on_step(Step {
             report,
             voxels: object.compare(&session.map().snapshot(object.block())),
@@ -64,7 +65,7 @@ pub fn run(
             plan_time,
             map_time,
             render_time,
-            frame,
+            frame: capture.frame,
         });
     }
 }

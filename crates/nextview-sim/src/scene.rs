@@ -3,6 +3,7 @@
 use crate::SimError;
 use crate::camera::{Background, SimulatedCamera};
 use crate::mesh::TriangleMesh;
+use crate::noise::Noise;
 use glam::DVec3;
 use nextview::geometry::Aabb;
 use nextview::sensor::Intrinsics;
@@ -39,7 +40,12 @@ impl Scene {
     pub fn with_table(self) -> Result<Self, SimError> {
         let room = Aabb { min: self.room.min.with_z(self.bounds.min.z), ..self.room };
         let camera = camera(self.camera.mesh().clone(), *self.camera.intrinsics(), room)?;
-        Ok(Self { camera, room, ..self })
+        Ok(Self { camera: camera.with_noise(*self.camera.noise())?, room, ..self })
+    }
+
+    /// The same with a camera that has these errors; fails if one is out of its range.
+    pub fn with_noise(self, noise: Noise) -> Result<Self, SimError> {
+        Ok(Self { camera: self.camera.with_noise(noise)?, ..self })
     }
 
     /// The camera that looks at the object.

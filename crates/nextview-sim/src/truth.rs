@@ -73,7 +73,7 @@ impl ObjectVoxels {
         self.hit_by(frame.points_in(self.lattice.bounds(&self.block)))
     }
 
-    /// The same for the frame that the camera would take from a pose, in less time.
+    /// The same for the truth of the frame that the camera would take from a pose, in less time.
     pub fn seen_from(&self, camera: &SimulatedCamera, pose: &Pose) -> Result<FixedBitSet, Error> {
         Ok(self.hit_by(camera.points_in(pose, self.lattice.bounds(&self.block))?))
     }
@@ -120,7 +120,8 @@ impl VoxelScore {
     }
 }
 
-/// What every view candidate truly sees: the knowledge of the clairvoyant planner and of no other.
+/// What every view candidate truly sees: the knowledge of the clairvoyant planner and of no other. A camera with noise loses
+/// the same pixels here as when it takes its frame.
 #[derive(Clone, Debug)]
 pub struct TrueVisibility {
     /// Object voxels that each view sees.
@@ -137,8 +138,9 @@ impl TrueVisibility {
         views: &ViewSpace,
         progress: impl Fn() + Sync,
     ) -> Result<Self, SimError> {
-        // Walls stand behind the object and hide none of it.
-        let camera = camera.without_background();
+        // Walls stand behind the object and hide none of it; but where there is noise, they decide what is an edge.
+        let camera =
+            if camera.noise().depth.is_none() { camera.without_background() } else { camera.clone() };
         let look = |pose| {
             let seen = object.seen_from(&camera, pose)?;
             progress();

@@ -1,7 +1,8 @@
 //! A depth camera that looks at a triangle mesh.
 //!
-//! Start with [`SimulatedCamera`]. It is exact: no noise, no loss at silhouettes.
+//! Start with [`SimulatedCamera`]. It is exact, no noise and no loss at silhouettes, unless it is given [`Noise`].
 
+mod capture;
 mod chunk;
 mod clip;
 mod depth_buffer;
@@ -18,11 +19,13 @@ mod tests;
 
 use crate::SimError;
 use crate::mesh::TriangleMesh;
+use crate::noise::Noise;
+pub use capture::Capture;
 use draw_list::DrawList;
 use glam::DVec3;
 use nextview::Error;
 use nextview::geometry::{Aabb, Pose};
-use nextview::sensor::{DepthImage, Frame, Intrinsics};
+use nextview::sensor::{Frame, Intrinsics};
 use samples::Samples;
 use std::sync::Arc;
 
@@ -65,6 +68,7 @@ pub struct SimulatedCamera {
     intrinsics: Intrinsics,
     background: Background,
     range: f64,
+    noise: Noise,
     list: Arc<DrawList>,
     samples: Arc<Samples>,
 }
@@ -91,7 +95,13 @@ impl SimulatedCamera {
             SimError::parameter("distortion", value, "a lens model that has an answer inside the image")
         })?;
         let (list, samples) = (DrawList::new(&mesh).into(), samples.into());
-        Ok(Self { mesh, intrinsics, background, range: range_m, list, samples })
+        Ok(Self { mesh, intrinsics, background, range: range_m, noise: Noise::default(), list, samples })
+    }
+
+    /// The same camera with these errors; fails if one is out of its range.
+    pub fn with_noise(self, noise: Noise) -> Result<Self, SimError> {
+        noise.check()?;
+        Ok(Self { noise, ..self })
     }
 
     /// The same camera where nothing is behind the object.
@@ -104,6 +114,11 @@ impl SimulatedCamera {
         &self.mesh
     }
 
+    /// Its errors.
+    pub fn noise(&self) -> &Noise {
+        &self.noise
+    }
+
     /// The optics.
     pub fn intrinsics(&self) -> &Intrinsics {
         &self.intrinsics
@@ -113,12 +128,15 @@ impl SimulatedCamera {
     ///
     /// Fails if there is a room and the camera stands outside.
     pub fn capture(&self, world_from_camera: &Pose) -> Result<Frame, Error> {
-        let depth = self.render_depth(world_from_camera)?;
-        let image = DepthImage::from_metres(self.intrinsics.width(), self.intrinsics.height(), depth)?;
-        Frame::new(image, self.intrinsics, *world_from_camera, self.range)
+        Ok(self.capture_with_truth(world_from_camera)?.frame)
     }
 
-    /// The pixels of [`capture`](Self::capture) as plain numbers, row by row: depth in metres, infinite where
+    /// The same, with what was truly measured.
+    pub fn capture_with_truth(&self, world_from_camera: &Pose) -> Result<Capture, Error> {
+        Capture::new(self, world_from_camera)
+    }
+
+    /// The exact image from a pose, without any noise, as plain numbers, row by row: depth in metres, infinite where
     /// nothing comes back, NaN where the lens model has no answer.
     pub fn render_depth(&self, world_from_camera: &Pose) -> Result<Vec<f32>, Error> {
         let mut nearest = raster::nearest_surfaces(&self.samples, &self.list, world_from_camera);
@@ -138,8 +156,9 @@ impl SimulatedCamera {
         Ok(depth)
     }
 
-    /// The surface points that a [`capture`](Self::capture) from this pose would measure inside the box, in world
-    /// coordinates, row by row: those of [`Frame::points_in`], in less time because the camera knows every pixel's ray.
+    /// The surface points that a [`capture`](Self::capture) from this pose would truly measure inside the box, in world
+    /// coordinates, row by row: those of [`Frame::points_in`] of [`Capture::truth`], in less time because the camera
+    /// knows every pixel's ray.
     ///
     /// Fails if there is a room and the camera stands outside.
     pub fn points_in(
@@ -147,7 +166,7 @@ impl SimulatedCamera {
         world_from_camera: &Pose,
         bounds: Aabb,
     ) -> Result<impl Iterator<Item = DVec3> + '_, Error> {
-        let depth = self.render_depth(world_from_camera)?;
+        let depth = capture::truly_measured(self, world_from_camera)?;
         let (rotation, origin) = (world_from_camera.rotation_matrix(), world_from_camera.translation());
         let pixels = depth.into_iter().zip(self.samples.ideal_points());
         let surface = pixels.filter(|(depth, _)| depth.is_finite());

@@ -1,0 +1,95 @@
+//! Where a stereo camera has no depth.
+//!
+//! All of it is told from the inverse depth, which on a plane is linear in the image: with the plane's normal n and distance
+//! d from the camera, 1 / z = n / d . (x, y, 1) where the ray is z (x, y, 1). The lens is taken for a pinhole here.
+
+use super::DepthNoise;
+use glam::DVec3;
+use nextview::sensor::Intrinsics;
+
+/// The probability, 0..=1, that each pixel of the exact image is lost; 1 for pixels without a surface.
+pub(super) fn probabilities(noise: &DepthNoise, exact: &[f32], intrinsics: &Intrinsics) -> Vec<f32> {
+    let width = intrinsics.width() as usize;
+    let inverse: Vec<f32> = exact.iter().map(|depth| 1.0 / depth).collect();
+    let disparity_at_1_m = (intrinsics.focal().x * noise.baseline) as f32;
+    let farthest = inverse_limit(noise.min_depth);
+    let mut loss = vec![1.0; exact.len()];
+    for v in 0..intrinsics.height() as usize {
+        let is_hidden = hidden(&inverse[v * width..][..width], disparity_at_1_m);
+        for u in (0..width).filter(|u| !is_hidden[*u]) {
+            let here = inverse[v * width + u];
+            if here > 0.0 && here <= farthest {
+                let slopes = Slopes::new(&inverse, width, u, v);
+                let is_edge = slopes.steepest * disparity_at_1_m > noise.edge_gradient as f32;
+                let edge = if is_edge { noise.edge_loss } else { 0.0 };
+                let grazing = grazing_loss(noise, intrinsics, [u, v], here as f64, &slopes);
+                loss[v * width + u] = (1.0 - (1.0 - edge) * (1.0 - grazing)) as f32;
+            }
+        }
+    }
+    loss
+}
+
+fn inverse_limit(min_depth: f64) -> f32 {
+    if min_depth > 0.0 { (1.0 / min_depth) as f32 } else { f32::MAX }
+}
+
+/// Which pixels of a row the second camera, to the right of the first, does not see: there, what is at pixel u appears at u
+/// less its disparity, and is hidden if something to the right of it appears there or farther left.
+fn hidden(inverse: &[f32], disparity_at_1_m: f32) -> Vec<bool> {
+    let mut is_hidden = vec![false; inverse.len()];
+    let mut leftmost = f32::INFINITY;
+    for (u, is_hidden) in is_hidden.iter_mut().enumerate().rev() {
+        let seen_at = u as f32 - disparity_at_1_m * inverse[u];
+        *is_hidden = seen_at >= leftmost;
+        leftmost = leftmost.min(seen_at);
+    }
+    is_hidden
+}
+
+/// How the inverse depth changes from a pixel to its neighbours, 1/m a pixel.
+struct Slopes {
+    /// To the right and down, on the side where it changes less: across an edge there is another surface.
+    gentlest: [f32; 2],
+    /// The largest of all four.
+    steepest: f32,
+}
+
+impl Slopes {
+    fn new(inverse: &[f32], width: usize, u: usize, v: usize) -> Self {
+        let here = v * width + u;
+        let at = |index: usize| inverse.get(index).copied().unwrap_or(f32::NAN);
+        let left = if u > 0 { inverse[here] - inverse[here - 1] } else { f32::NAN };
+        let right = if u + 1 < width { inverse[here + 1] - inverse[here] } else { f32::NAN };
+        let up = if v > 0 { inverse[here] - inverse[here - width] } else { f32::NAN };
+        let down = at(here + width) - inverse[here];
+        let steepest =
+            [left, right, up, down].into_iter().fold(0.0, |steepest: f32, s| steepest.max(s.abs()));
+        Self { gentlest: [gentler(left, right), gentler(up, down)], steepest }
+    }
+}
+
+/// The smaller of two slopes; of one that is NaN, the other.
+fn gentler(a: f32, b: f32) -> f32 {
+    if b.is_nan() || a.abs() <= b.abs() { a } else { b }
+}
+
+/// The loss at the angle between the pixel's ray and the normal of the plane through its gentler neighbours; 1 if there are
+/// none to tell.
+fn grazing_loss(
+    noise: &DepthNoise,
+    intrinsics: &Intrinsics,
+    [u, v]: [usize; 2],
+    inverse: f64,
+    slopes: &Slopes,
+) -> f64 {
+    let (focal, center) = (intrinsics.focal(), intrinsics.center());
+    let ray = DVec3::new((u as f64 - center.x) / focal.x, (v as f64 - center.y) / focal.y, 1.0);
+    let [x, y] = [slopes.gentlest[0] as f64 * focal.x, slopes.gentlest[1] as f64 * focal.y];
+    let normal = DVec3::new(x, y, inverse - x * ray.x - y * ray.y);
+    let cosine = inverse / (normal.length() * ray.length());
+    match cosine.is_nan() {
+        true => 1.0,
+        false => noise.grazing_loss(cosine.min(1.0).acos()),
+    }
+}

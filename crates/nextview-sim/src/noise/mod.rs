@@ -1,0 +1,73 @@
+//! What a real depth camera adds to the exact image: errors and losses of the depth, and a pose that is not quite where
+//! the image was taken.
+//!
+//! Start with [`Noise`]. The same pose with the same seed gives the same bits, whatever was captured before and in however
+//! many threads; so looking twice from one place does not average the noise out. Formulas, sources and constants are in
+//! `docs/noise.md`. Not modelled: noise that neighbouring pixels share, texture and gloss, and errors of the calibration.
+
+mod depth_noise;
+mod lateral;
+mod loss;
+mod normal;
+mod pose_error;
+mod readings;
+#[cfg(test)]
+mod tests;
+
+pub use depth_noise::DepthNoise;
+pub use pose_error::PoseError;
+pub(crate) use readings::Readings;
+
+use nextview::Error;
+use nextview::geometry::Pose;
+use nextview::geometry::random::Random;
+
+/// All errors of a simulated camera; none by default.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Noise {
+    /// Seed of all of it.
+    pub seed: u64,
+    /// Errors of the depth; none measures exactly.
+    pub depth: Option<DepthNoise>,
+    /// Errors of the pose that a frame claims.
+    pub pose: PoseError,
+}
+
+/// Each use of chance in a frame has a stream of its own, so that one does not shift another.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum Use {
+    /// Which pixels are read and which are lost.
+    Readings,
+    /// The error along the axis.
+    Axial,
+    /// The error of the pose.
+    Pose,
+}
+
+impl Noise {
+    /// Fails on the first parameter out of its range.
+    pub fn check(&self) -> Result<(), Error> {
+        self.pose.check()?;
+        self.depth.map_or(Ok(()), |depth| depth.check())
+    }
+
+    /// Whether there is none.
+    pub fn is_none(&self) -> bool {
+        self.depth.is_none() && self.pose == PoseError::default()
+    }
+
+    /// The random numbers of the frame that is taken from this pose.
+    pub(crate) fn random(&self, world_from_camera: &Pose, purpose: Use) -> Random {
+        let (t, q) = (world_from_camera.translation(), world_from_camera.rotation());
+        let numbers = t.to_array().into_iter().chain(q.to_array());
+        Random::new(self.seed, numbers.fold(purpose as u64, |hash, number| mixed(hash ^ number.to_bits())))
+    }
+}
+
+/// A number of which every bit depends on every bit of the given one: the finaliser of SplitMix64 (Steele et al. 2014).
+fn mixed(x: u64) -> u64 {
+    let x = x.wrapping_add(0x9E37_79B9_7F4A_7C15);
+    let x = (x ^ (x >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
+    let x = (x ^ (x >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
+    x ^ (x >> 31)
+}

@@ -1,0 +1,188 @@
+//! The model against its formulas, on planes before the camera.
+
+use super::*;
+use glam::{DQuat, DVec2, DVec3};
+use nextview::sensor::Intrinsics;
+use std::f64::consts::FRAC_PI_2;
+
+const SIZE: u32 = 200;
+
+fn camera() -> Intrinsics {
+    Intrinsics::pinhole(SIZE, SIZE, DVec2::splat(600.0), DVec2::splat(99.5)).unwrap()
+}
+
+/// The exact image of the plane n . p = 1.
+fn plane(n: DVec3) -> Vec<f32> {
+    let ray = |pixel: u32| camera().deproject(DVec2::new((pixel % SIZE) as f64, (pixel / SIZE) as f64));
+    (0..SIZE * SIZE).map(|pixel| (1.0 / n.dot(ray(pixel).unwrap().extend(1.0))) as f32).collect()
+}
+
+/// The plane through the point at this depth on the axis, turned about the vertical by this angle.
+fn tilted(depth: f64, angle: f64) -> Vec<f32> {
+    plane(DVec3::new(-angle.tan(), 0.0, 1.0) / depth)
+}
+
+fn told(noise: DepthNoise, exact: &[f32]) -> Vec<f32> {
+    let readings = Readings::new(&noise, exact, &camera(), &mut Random::new(1, 0));
+    readings.told(&noise, exact, &mut Random::new(1, 1))
+}
+
+fn lost_share(image: &[f32]) -> f64 {
+    image.iter().filter(|depth| depth.is_nan()).count() as f64 / image.len() as f64
+}
+
+fn mean_and_sigma(image: &[f32]) -> (f64, f64) {
+    let n = image.len() as f64;
+    let mean = image.iter().map(|&d| d as f64).sum::<f64>() / n;
+    (mean, (image.iter().map(|&d| (d as f64 - mean).powi(2)).sum::<f64>() / n).sqrt())
+}
+
+/// 40,000 pixels: the standard error of a sigma is 0.35 % of it.
+#[test]
+fn axial_noise_grows_with_the_square_of_the_depth() {
+    let noise = DepthNoise { depth_unit: 0.0, disparity_step: 0.0, ..DepthNoise::d435i() };
+    for depth in [0.3, 0.6] {
+        let image = told(noise, &plane(DVec3::Z / depth));
+        assert_eq!(lost_share(&image), 0.0);
+        let (mean, sigma) = mean_and_sigma(&image);
+        let expected = noise.axial_sigma(depth);
+        assert!((sigma / expected - 1.0).abs() < 0.015, "sigma {sigma} at {depth} m, expected {expected}");
+        assert!((mean - depth).abs() < 0.02 * expected, "mean {mean} at {depth} m");
+    }
+    let sigma_at_20_cm = noise.axial_sigma(0.2);
+    assert!(sigma_at_20_cm < 0.0003, "Intel states less than 0.3 mm at 20 cm, this is {sigma_at_20_cm}");
+}
+
+#[test]
+fn lateral_noise_is_a_depth_error_on_slopes() {
+    let off =
+        DepthNoise { disparity_sigma: 0.0, depth_unit: 0.0, disparity_step: 0.0, ..DepthNoise::d435i() };
+    let exact = tilted(0.5, 45_f64.to_radians());
+    for (sigma, expected) in [(0.0, 0.0), (0.5, 0.317_3), (1.0, 0.617_1)] {
+        let image = told(DepthNoise { lateral_sigma: sigma, ..off }, &exact);
+        let moved = image.iter().zip(&exact).filter(|(told, exact)| (*told - *exact).abs() > 1e-5);
+        let share = moved.count() as f64 / exact.len() as f64;
+        assert!((share - expected).abs() < 0.01, "{share} at {sigma}: beyond half a pixel along the slope");
+    }
+}
+
+#[test]
+fn the_disparity_and_the_depth_come_in_steps() {
+    let noise = DepthNoise::d435i();
+    let on_grid = |value: f64, step: f64| ((value / step).round() * step - value).abs() < 1e-3 * step;
+    let image = told(DepthNoise { depth_unit: 0.0, ..noise }, &tilted(0.5, 0.5));
+    assert!(image.iter().all(|&depth| on_grid(424.0 * 0.05 / depth as f64, 1.0 / 32.0)));
+    let image = told(noise, &tilted(0.5, 0.5));
+    assert!(image.iter().all(|&depth| on_grid(depth as f64, 0.001)));
+    assert_eq!(noise.told(2000.0, 0.0).to_bits(), f32::NAN.to_bits(), "less than half a step of disparity");
+}
+
+#[test]
+fn near_surfaces_and_empty_pixels_are_lost() {
+    let noise = DepthNoise::d435i();
+    for (depth, expected) in [(0.16, 1.0), (0.18, 0.0), (f64::INFINITY, 1.0), (f64::NAN, 1.0)] {
+        assert_eq!(lost_share(&told(noise, &vec![depth as f32; 40_000])), expected, "{depth}");
+    }
+}
+
+/// Seen from the left half of the turned plane the angle is another; only the middle columns have the stated one.
+#[test]
+fn loss_grows_with_the_angle_up_to_all() {
+    let noise = DepthNoise { edge_gradient: 1e9, ..DepthNoise::d435i() };
+    for degrees in [0.0_f64, 60.0, 69.0, 75.0, 80.0, 85.0] {
+        let angle = degrees.to_radians();
+        // The far end is to the left, so that the second camera, on the right, sees the plane less steeply.
+        let exact = tilted(1.0, -angle);
+        let loss = loss::probabilities(&noise, &exact, &camera());
+        let middle: Vec<f64> = (0..200).map(|v| loss[v * 200 + 99] as f64).collect();
+        let rows = middle.iter().zip(0..200).map(|(loss, v)| {
+            let ray = DVec3::new(-0.5 / 600.0, (v as f64 - 99.5) / 600.0, 1.0).normalize();
+            let normal = DVec3::new(angle.tan(), 0.0, 1.0).normalize();
+            (loss - noise.grazing_loss(ray.dot(normal).acos())).abs()
+        });
+        let worst = rows.fold(0.0, f64::max);
+        assert!(worst < 2e-3, "{degrees} degrees: off by {worst}");
+    }
+    assert_eq!(noise.grazing_loss(80_f64.to_radians()), 0.5);
+    assert_eq!(noise.grazing_loss(FRAC_PI_2), 1.0);
+    let half = Readings::new(&noise, &tilted(1.0, -80_f64.to_radians()), &camera(), &mut Random::new(3, 0));
+    let lost = half.told(&noise, &tilted(1.0, -80_f64.to_radians()), &mut Random::new(3, 1));
+    let middle: Vec<f32> = (0..200).flat_map(|v| lost[v * 200 + 90..][..20].to_vec()).collect();
+    assert!((lost_share(&middle) - 0.5).abs() < 0.03, "{}", lost_share(&middle));
+}
+
+/// A square plate 0.4 m before a wall at 0.8 m: the second camera sees the plate farther left, by 75 pixels, than the wall,
+/// which it shifts by 37.5.
+#[test]
+fn the_wall_left_of_a_plate_is_hidden_and_edges_are_thinned() {
+    let noise = DepthNoise { lateral_sigma: 0.0, ..DepthNoise::d435i() };
+    let is_plate = |u: usize, v: usize| (80..120).contains(&u) && (80..120).contains(&v);
+    let exact: Vec<f32> = (0..40_000).map(|i| if is_plate(i % 200, i / 200) { 0.4 } else { 0.8 }).collect();
+    let loss = loss::probabilities(&noise, &exact, &camera());
+    let at = |u: usize, v: usize| loss[v * 200 + u];
+    let row: Vec<f32> = (0..200).map(|u| at(u, 100)).collect();
+    let hidden: Vec<usize> = (0..200).filter(|&u| row[u] == 1.0).collect();
+    assert_eq!(hidden, (43..80).collect::<Vec<_>>());
+    let edges: Vec<usize> = (0..200).filter(|&u| row[u] == 0.5).collect();
+    assert_eq!(edges, [80, 119, 120]);
+    assert_eq!([at(100, 79), at(100, 80), at(100, 90), at(20, 20)], [0.5, 0.5, 0.0, 0.0]);
+}
+
+#[test]
+fn the_truth_is_exact_where_something_was_read() {
+    let exact = tilted(0.5, 1.3);
+    let noise = DepthNoise::d435i();
+    let readings = Readings::new(&noise, &exact, &camera(), &mut Random::new(1, 0));
+    let measured = readings.truly_measured(&exact);
+    let n_kept = measured.iter().zip(&exact).filter(|(m, e)| m == e).count();
+    assert_eq!(n_kept, measured.iter().filter(|m| !m.is_nan()).count());
+    assert!((0.3..0.999).contains(&(n_kept as f64 / 40_000.0)), "{n_kept}");
+}
+
+#[test]
+fn pose_errors_have_their_sigmas_and_are_of_the_frame() {
+    let pose = PoseError { translation_sigma: 0.01, rotation_sigma: 0.02 };
+    let noise = Noise { seed: 5, depth: None, pose };
+    let errors: Vec<(DVec3, DVec3)> = (0..4000)
+        .map(|i| {
+            let at = DVec3::new(i as f64, 0.5, -1.0);
+            let world_from_camera = Pose::new(DQuat::from_rotation_x(0.3), at).unwrap();
+            let mut random = noise.random(&world_from_camera, Use::Pose);
+            let claimed = pose.claimed(&world_from_camera, &mut random).unwrap();
+            let again = pose.claimed(&world_from_camera, &mut noise.random(&world_from_camera, Use::Pose));
+            assert_eq!(again.unwrap(), claimed);
+            let turn = world_from_camera.rotation().conjugate() * claimed.rotation();
+            (claimed.translation() - at, turn.to_scaled_axis())
+        })
+        .collect();
+    let rms = |values: Vec<f64>| (values.iter().map(|x| x * x).sum::<f64>() / values.len() as f64).sqrt();
+    for axis in 0..3 {
+        let shift = rms(errors.iter().map(|(shift, _)| shift[axis]).collect());
+        let turn = rms(errors.iter().map(|(_, turn)| turn[axis]).collect());
+        assert!((shift / 0.01 - 1.0).abs() < 0.05 && (turn / 0.02 - 1.0).abs() < 0.05, "{shift}, {turn}");
+    }
+}
+
+#[test]
+fn parameters_out_of_range_are_named() {
+    let d435i = DepthNoise::d435i();
+    for (noise, expected) in [
+        (DepthNoise { baseline: 0.0, ..d435i }, "baseline_m is 0, expected a positive number of metres"),
+        (DepthNoise { focal: f64::INFINITY, ..d435i }, "focal_px is inf"),
+        (DepthNoise { disparity_sigma: -1.0, ..d435i }, "disparity_sigma_px is -1"),
+        (DepthNoise { disparity_step: f64::NAN, ..d435i }, "disparity_step_px is NaN"),
+        (DepthNoise { depth_unit: -0.1, ..d435i }, "depth_unit_m is -0.1"),
+        (DepthNoise { min_depth: -0.1, ..d435i }, "min_depth_m is -0.1"),
+        (DepthNoise { lateral_sigma: 5.0, ..d435i }, "lateral_sigma_px is 5, expected 0 to 4 pixels"),
+        (DepthNoise { edge_gradient: 0.0, ..d435i }, "edge_gradient is 0"),
+        (DepthNoise { edge_loss: 1.5, ..d435i }, "edge_loss is 1.5, expected a probability"),
+        (DepthNoise { grazing_from: 1.6, ..d435i }, "grazing_from_rad is 1.6"),
+    ] {
+        let error = Noise { depth: Some(noise), ..Noise::default() }.check().unwrap_err().to_string();
+        assert!(error.starts_with(expected), "{error}");
+    }
+    let pose = PoseError { translation_sigma: -0.1, ..PoseError::default() };
+    let error = Noise { pose, ..Noise::default() }.check().unwrap_err().to_string();
+    assert_eq!(error, "pose error (translation) is -0.1, expected 0 to 1 m");
+    assert!(d435i.check().is_ok() && Noise::default().is_none());
+}
