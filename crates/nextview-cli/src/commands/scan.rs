@@ -1,7 +1,7 @@
 use super::values;
 use crate::Failure;
 use crate::scan::{
-    self, BoxRule, Output, PlannerName, Profile, ScanConfig, TableRule, UnitName, ViewSpaceName,
+    self, BoxRule, NoiseModel, Output, PlannerName, Profile, ScanConfig, TableRule, UnitName, ViewSpaceName,
 };
 use clap::{Args, ValueEnum};
 use std::path::PathBuf;
@@ -44,6 +44,15 @@ pub(super) struct ScanArgs {
     /// What the object stands on [default: none]
     #[arg(long, value_enum)]
     table: Option<TableRule>,
+    /// Errors and losses of the camera's depth [default: none]
+    #[arg(long, value_enum)]
+    noise: Option<NoiseModel>,
+    /// Standard deviation of the position that each image claims, along each axis, in millimetres [default: 0]
+    #[arg(long, value_name = "MM", value_parser = values::not_negative, allow_negative_numbers = true)]
+    pose_error_mm: Option<f64>,
+    /// Standard deviation of the rotation that each image claims, about each axis, in degrees [default: 0]
+    #[arg(long, value_name = "DEG", value_parser = values::not_negative, allow_negative_numbers = true)]
+    pose_error_deg: Option<f64>,
     /// Where candidates are: shell (the paper's), sphere, hemisphere, or a CSV file of poses [default: shell]
     #[arg(long, value_name = "RULE|FILE")]
     view_space: Option<String>,
@@ -106,7 +115,11 @@ impl ScanArgs {
         set(&mut config.multi_resolution.enabled, self.multi_resolution.map(|switch| switch == Switch::On));
         set(&mut config.object_box.rule, self.object_box);
         set(&mut config.object_box.table, self.table);
+        set(&mut config.noise.model, self.noise);
+        set(&mut config.noise.pose_error_mm, self.pose_error_mm);
+        set(&mut config.noise.pose_error_deg, self.pose_error_deg);
         set(&mut config.baselines, self.baselines.map(|switch| switch == Switch::On));
+        config.noise.check()?;
         config.voxel_size_m = self.voxel_size_m.or(config.voxel_size_m);
         config.size_m = self.size_m.or(config.size_m);
         let dir = self.out.unwrap_or_else(|| scan::default_dir(&config));

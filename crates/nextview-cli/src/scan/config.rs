@@ -1,4 +1,5 @@
 use super::PlannerName;
+use super::noise::NoiseConfig;
 use crate::Failure;
 use crate::commands::Rule;
 use clap::ValueEnum;
@@ -69,6 +70,8 @@ pub(crate) struct ScanConfig {
     pub greedy: GreedyConfig,
     pub stop: StopConfig,
     pub camera: Intrinsics,
+    #[serde(default)]
+    pub noise: NoiseConfig,
 }
 
 /// How scans are written into the map.
@@ -207,6 +210,7 @@ impl ScanConfig {
             greedy: GreedyConfig::default(),
             stop: StopConfig::default(),
             camera: Intrinsics::d435i(),
+            noise: NoiseConfig::default(),
         };
         match profile {
             Profile::Default => config,
@@ -306,6 +310,7 @@ impl ScanConfig {
             return Err(Failure::data(format!("q_thresh is {q_thresh}, expected a number in 0..=1")));
         }
         self.map.sensor_model.check()?;
+        self.noise.check()?;
         MaxFlow::new(self.max_flow)?;
         Greedy::<Apora>::new(self.greedy)?; // the parameters are checked alike for every gain
         Ok(())
@@ -392,6 +397,8 @@ mod tests {
             ("[multi_resolution]\nq_thresh = 1.5\n", "q_thresh is 1.5"),
             ("[multi_resolution]\ncoarsest_voxel_size_m = -1\n", "coarsest_voxel_size_m is -1"),
             ("[greedy]\ntheta = -1\n", "theta is -1"),
+            ("[noise]\npose_error_mm = -1\n", "pose_error_mm is -1, expected 0 to 1000"),
+            ("[noise.depth]\nedge_loss = 2\n", "edge_loss is 2"),
         ] {
             let error = load(text).unwrap_err();
             assert!(error.contains(".toml: ") && error.contains(expected), "{error}");

@@ -3,6 +3,7 @@
 mod baselines;
 mod config;
 pub(crate) mod memory;
+mod noise;
 mod object;
 mod outcome;
 mod planner_name;
@@ -12,6 +13,7 @@ mod setting;
 
 pub(crate) use baselines::{Baselines, Truth};
 pub(crate) use config::{BoxRule, Profile, ScanConfig, TableRule, UnitName, ViewSpaceName, merged};
+pub(crate) use noise::NoiseModel;
 pub(crate) use object::short_name;
 pub(crate) use outcome::milliseconds;
 pub(crate) use planner_name::PlannerName;

@@ -34,7 +34,7 @@ impl Setting {
     pub fn new(config: &ScanConfig) -> Result<Self, Failure> {
         let object = Object::load(config)?;
         let voxel_size = object.voxel_size(config)?;
-        let scene = object.scene(config)?;
+        let scene = object.scene(config)?.with_noise(config.noise.noise())?;
         let views = view_space(config, &scene)?;
         config.check_views(views.len())?;
         let block =

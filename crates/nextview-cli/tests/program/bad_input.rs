@@ -103,6 +103,8 @@ fn objects_of_the_wrong_size() {
     folder.refused(&["scan", "m.ply", "--unit", "mm"], DATA, &["m.ply: ", "0.00015 m", "--unit m"]);
     folder.write("either.ply", ply(&["0 0 0", "10 0 0", "0 5 0"], &["3 0 1 2"]));
     folder.refused(&["scan", "either.ply"], DATA, &["either.ply: ", "--unit m, --unit mm"]);
+    folder.refused(&["scan", "--pose-error-mm", "2000"], USAGE, &["pose_error_mm is 2000", "0 to 1000"]);
+    folder.refused(&["scan", "--pose-error-deg", "-1"], USAGE, &["--pose-error-deg", "-1 is negative"]);
     folder.refused(&["scan", "--size-m", "100"], USAGE, &["100 m", "10 m"]);
     folder.refused(&["scan", "--size-m", "1e-6"], USAGE, &["0.000001 m", "0.0001 m"]);
 }
@@ -182,6 +184,10 @@ fn configurations_with_faults() {
         ("[map.sensor_model]\nhit = 0.2\n", &["hit is 0.2", "0.5..1"]),
         ("[stop]\nentropy_share = 7\n", &["entropy_share is 7", "0..=1"]),
         ("[camera]\nfx = -1\n", &["focal length", "-1"]),
+        ("[noise]\nmodel = \"kinect\"\n", &["`kinect`", "`none` or `d435i`"]),
+        ("[noise]\npose_error_deg = 90\n", &["pose_error_deg is 90", "0 to 57"]),
+        ("[noise.depth]\nmin_depth = 0.1\n", &["`min_depth`", "`min_depth_m`"]),
+        ("[noise.depth]\nedge_loss = 2\n", &["edge_loss is 2", "0..=1"]),
         ("voxel_size_m = nan\n", &["voxel_size_m is NaN", "positive"]),
         ("size_m = 0\n", &["size_m is 0", "positive"]),
         ("views = -1\n", &["-1", "`views`"]),

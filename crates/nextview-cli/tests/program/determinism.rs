@@ -3,9 +3,19 @@ use serde_json::Value;
 
 #[test]
 fn equal_scans_give_equal_bytes_for_any_number_of_threads() {
-    let folder = Folder::new("determinism");
+    check_threads("determinism", &[]);
+}
+
+#[test]
+fn noise_is_the_same_for_any_number_of_threads() {
+    check_threads("noise", &["--noise", "d435i", "--pose-error-mm", "2", "--pose-error-deg", "0.2"]);
+}
+
+fn check_threads(name: &str, options: &[&str]) {
+    let folder = Folder::new(name);
     let scan = |threads: &str| {
-        let json = folder.json(&small(&["--views", "3", "--json", "--threads", threads]));
+        let args = [options, &["--views", "3", "--json", "--threads", threads]].concat();
+        let json = folder.json(&small(&args));
         let files = ["config.toml", "map.ot", "map.bt", "cloud.ply", "mesh.ply", "views.csv"];
         let files = files.map(|file| (file, folder.bytes(&format!("out/{file}"))));
         let steps = folder.text("out/steps.jsonl");

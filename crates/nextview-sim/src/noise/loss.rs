@@ -87,9 +87,11 @@ fn grazing_loss(
     let ray = DVec3::new((u as f64 - center.x) / focal.x, (v as f64 - center.y) / focal.y, 1.0);
     let [x, y] = [slopes.gentlest[0] as f64 * focal.x, slopes.gentlest[1] as f64 * focal.y];
     let normal = DVec3::new(x, y, inverse - x * ray.x - y * ray.y);
-    let cosine = inverse / (normal.length() * ray.length());
-    match cosine.is_nan() {
-        true => 1.0,
-        false => noise.grazing_loss(cosine.min(1.0).acos()),
+    // Most pixels are far from grazing, and need no root.
+    let lengths_sq = normal.length_squared() * ray.length_squared();
+    if inverse * inverse >= lengths_sq * noise.grazing_from.cos().powi(2) {
+        return 0.0;
     }
+    let cosine = inverse / lengths_sq.sqrt();
+    if cosine.is_nan() { 1.0 } else { noise.grazing_loss(cosine.acos()) }
 }
