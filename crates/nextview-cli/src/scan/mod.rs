@@ -14,7 +14,7 @@ pub(crate) use baselines::{Baselines, Truth};
 pub(crate) use config::{BoxRule, Profile, ScanConfig, TableRule, UnitName, ViewSpaceName, merged};
 pub(crate) use object::short_name;
 pub(crate) use outcome::milliseconds;
-pub(crate) use planner_name::PlannerName;
+pub(crate) use planner_name::{PlannerConfigs, PlannerName};
 pub(crate) use setting::{FinishedScan, Setting};
 
 use crate::files::ResultFolder;

@@ -18,5 +18,5 @@ mod rows;
 
 pub use best::BestSets;
 pub use cover::fewest_sets;
-pub use coverage::{Coverage, Selection, SetValues, best_coverage};
+pub use coverage::{Coverage, Selection, SetValues, best_coverage, good_coverage};
 pub use incidence::Incidence;

@@ -5,11 +5,13 @@
 //! at once and the order to visit them in. [`RandomViews`] is the baseline that every planner must beat.
 
 mod batch;
+mod field;
 mod flow_gain;
 mod greedy;
 mod max_flow;
 mod random_views;
 mod survey;
+mod trade_off;
 mod utility;
 mod view_planner;
 mod worth;

@@ -69,3 +69,74 @@ impl Departure {
         is_same.then(|| snapshot.count(Occupancy::Occupied).saturating_sub(self.n_occupied) as f64)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::map::LogOdds;
+    use glam::{IVec3, UVec3};
+
+    /// A box in which so many voxels are occupied.
+    fn snapshot(n_occupied: usize, voxel_size: f64) -> Snapshot {
+        let block = VoxelBlock::new(IVec3::ZERO, UVec3::splat(20)).unwrap();
+        let is_occupied = |key| block.index(key).is_some_and(|index| index < n_occupied);
+        Snapshot::from_fn(Lattice::new(voxel_size).unwrap(), block, |key| {
+            is_occupied(key).then_some(LogOdds(1.0))
+        })
+    }
+
+    /// Views 0, 1, 2, ... of which so much is expected.
+    fn itinerary(expected: &[f64]) -> Itinerary {
+        let choice = |view| Choice { view, score: 0.0, local_share: 0.0, flow_share: 0.0, runner_up: None };
+        let leg = |(view, &expected): (usize, &f64)| Leg { choice: choice(view), expected };
+        Itinerary { legs: expected.iter().enumerate().map(leg).collect(), tolerance: 0.5 }
+    }
+
+    /// The views that are gone to without a plan if the legs show so many new voxels.
+    fn followed(course: &mut Course, expected: &[f64], measured: &[usize]) -> Vec<usize> {
+        let (mut n_occupied, mut views) = (100, Vec::new());
+        course.follow(Some(itinerary(expected)));
+        for n_new in measured {
+            course.depart(&snapshot(n_occupied, 0.01));
+            n_occupied += n_new;
+            let Some(choice) = course.next(&snapshot(n_occupied, 0.01)) else { break };
+            views.push(choice.view);
+        }
+        views
+    }
+
+    #[test]
+    fn an_itinerary_is_followed_while_it_keeps_its_promise() {
+        let of = |measured: &[usize]| followed(&mut Course::default(), &[40.0, 30.0, 20.0, 10.0], measured);
+        assert_eq!(of(&[200, 150, 100, 50]), [1, 2, 3]);
+        assert_eq!(of(&[200, 140, 110, 50]), [1, 2, 3], "about as much");
+        assert_eq!(of(&[200, 70, 100, 50]), [1], "less");
+        assert_eq!(of(&[200, 240, 100, 50]), [1], "more");
+        assert_eq!(of(&[0, 150, 100, 50]), [0; 0], "nothing");
+    }
+
+    #[test]
+    fn the_next_itinerary_is_measured_by_the_last() {
+        let mut course = Course::default();
+        assert_eq!(followed(&mut course, &[40.0, 30.0], &[200, 150]), [1]);
+        assert_eq!(followed(&mut course, &[40.0, 30.0], &[90, 150]), [0; 0]);
+        assert_eq!(followed(&mut course, &[40.0, 30.0], &[110, 150]), [1]);
+    }
+
+    #[test]
+    fn another_map_ends_it() {
+        let mut course = Course::default();
+        course.follow(Some(itinerary(&[1.0, 1.0])));
+        course.depart(&snapshot(10, 0.02));
+        assert_eq!(course.next(&snapshot(20, 0.01)), None);
+        assert_eq!(course.next(&snapshot(20, 0.01)), None);
+    }
+
+    #[test]
+    fn without_an_itinerary_there_is_no_next_view() {
+        let mut course = Course::default();
+        course.follow(None);
+        course.depart(&snapshot(10, 0.01));
+        assert_eq!(course.next(&snapshot(20, 0.01)), None);
+    }
+}

@@ -58,7 +58,7 @@ impl SetValues {
     }
 
     /// Number of pairs of item and set.
-    pub(super) fn n_pairs(&self) -> usize {
+    pub fn n_pairs(&self) -> usize {
         self.rows.iter().map(Vec::len).sum()
     }
 }
