@@ -12,7 +12,7 @@ use nextview::view::ViewSpace;
 use serde::Serialize;
 use std::path::PathBuf;
 
-/// Give the next best view for a saved map, or with --batch the next few and a tour through them.
+/// Give the next best view for a saved map, or with --batch several.
 ///
 /// The camera is the D435i of the paper. The history of the flow is empty: a map does not tell how it came about.
 #[derive(Debug, Args)]
@@ -33,12 +33,12 @@ pub(super) struct PlanArgs {
     /// How to choose
     #[arg(long, value_enum, default_value = "max-flow")]
     planner: PlannerName,
-    /// Give up to N views that together show as much as possible of what is worth seeing, how much that is at least of the best
-    /// N views, and the shortest tour through them around the object's sphere
-    #[arg(long, value_name = "N", value_parser = values::count, allow_negative_numbers = true, conflicts_with_all = ["planner", "seed"])]
-    batch: Option<usize>,
-    /// Weight of the movement cost against the gain, 0 to 1: the paper's theta; the way begins at the last of --visited. In a batch,
-    /// what is left out of the tour may also be a view
+    /// Give up to N views that together show as much as possible of what is worth seeing, the shortest tour through them around
+    /// the object's sphere, and a bound: how much of what the best N views would show is sure
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..), conflicts_with_all = ["planner", "seed"])]
+    batch: Option<u32>,
+    /// Weight of the movement cost against the gain, 0 to 1: the paper's theta, and of the length of the tour against what a batch
+    /// shows; the way begins at the last of --visited
     #[arg(long, value_name = "T", default_value = "0", value_parser = values::share, allow_negative_numbers = true)]
     theta: f64,
     /// Seed of the random planner
@@ -104,7 +104,11 @@ impl PlanArgs {
         PlannerConfigs {
             max_flow: MaxFlowConfig { theta, ..MaxFlowConfig::default() },
             greedy: GreedyConfig { theta, ..GreedyConfig::default() },
-            batch: BatchConfig { theta, n_views: self.batch.unwrap_or(default.n_views), ..default },
+            batch: BatchConfig {
+                theta,
+                n_views: self.batch.map_or(default.n_views, |n| n as usize),
+                ..default
+            },
         }
     }
 

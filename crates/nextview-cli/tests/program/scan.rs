@@ -128,6 +128,7 @@ fn every_gain_scans_and_plans() {
         "average-entropy",
         "krainin",
         "area-factor",
+        "batch",
     ] {
         let args = ["--views", "3", "--planner", planner, "--baselines", "off", "--json"];
         let result = folder.json(&small(&args));

@@ -78,7 +78,7 @@ impl Batch {
         if !(0.0..=1.0).contains(&config.least_share) {
             return Err(Error::invalid("least_share", config.least_share, "a number in 0..=1"));
         }
-        if !(config.tolerance >= 0.0) {
+        if !(0.0..=f64::INFINITY).contains(&config.tolerance) {
             return Err(Error::invalid("tolerance", config.tolerance, "a number of at least 0"));
         }
         check_theta(config.theta)?;
