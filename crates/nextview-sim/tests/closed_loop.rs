@@ -4,7 +4,9 @@
 
 use nextview::geometry::Lattice;
 use nextview::map::Background;
-use nextview::planner::{MaxFlow, MaxFlowConfig, RandomViews, ViewPlanner};
+use nextview::planner::{
+    Batch, BatchConfig, MaxFlow, MaxFlowConfig, Plan, RandomViews, Situation, ViewPlanner,
+};
 use nextview::sensor::Intrinsics;
 use nextview::session::{Session, SessionConfig, StopConfig, StopReason};
 use nextview::view::{ViewSpace, generate};
@@ -14,6 +16,7 @@ use nextview_sim::run::{self, Step};
 use nextview_sim::scene::Scene;
 use nextview_sim::truth::{ObjectVoxels, TrueVisibility};
 use std::sync::Arc;
+use std::sync::atomic::{AtomicUsize, Ordering};
 
 const VOXEL_SIZE: f64 = 0.01;
 
@@ -113,6 +116,40 @@ fn each_stop_reason_is_reached() {
     let (steps, reason) = setup.run(Box::new(Clairvoyant::new(setup.truth.clone())), everything);
     assert_eq!(reason, StopReason::NothingToGain);
     assert_eq!(steps.last().unwrap().n_seen, setup.truth.n_reachable());
+}
+
+/// A batch planner that counts how often it is asked.
+struct Counted(Batch, Arc<AtomicUsize>);
+
+impl ViewPlanner for Counted {
+    fn plan(&self, situation: &Situation<'_>) -> Plan {
+        self.1.fetch_add(1, Ordering::Relaxed);
+        self.0.plan(situation)
+    }
+}
+
+/// Steps and number of plans of a scan in batches of three that are given up beyond this tolerance.
+fn run_in_batches(setup: &Setup, tolerance: f64) -> (Vec<Step>, usize) {
+    let config = BatchConfig { n_views: 3, tolerance, least_share: 0.0, ..BatchConfig::default() };
+    let n_plans = Arc::new(AtomicUsize::new(0));
+    let planner = Counted(Batch::new(config).unwrap(), n_plans.clone());
+    let stop = StopConfig { max_views: 7, ..StopConfig::default() };
+    let (steps, _) = setup.run(Box::new(planner), SessionConfig { stop, ..setup.config() });
+    (steps, n_plans.load(Ordering::Relaxed))
+}
+
+#[test]
+fn a_batch_is_followed_as_long_as_it_keeps_its_promise() {
+    let setup = Setup::new("teapot");
+    let random = RandomCurve::new(&setup.truth, 0, 7).mean;
+    // Whatever is seen, unless it is nothing; something near it; nothing but it.
+    for (tolerance, n_plans) in [(f64::INFINITY, 2..=3), (0.5, 2..=5), (0.0, 5..=6)] {
+        let (steps, n) = run_in_batches(&setup, tolerance);
+        assert!(n_plans.contains(&n), "{n} plans with tolerance {tolerance}");
+        assert_eq!(steps.len(), 7);
+        assert!(steps[1..].iter().all(|step| step.report.choice.is_some()), "each view says why");
+        assert!(setup.curve(&steps)[6] > random[6], "tolerance {tolerance}: {:?}", setup.curve(&steps));
+    }
 }
 
 #[test]

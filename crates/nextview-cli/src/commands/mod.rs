@@ -1,5 +1,6 @@
 //! The commands of the program.
 
+mod batch;
 mod bench;
 mod compare;
 mod map;
@@ -19,7 +20,7 @@ use clap::{Parser, Subcommand};
 ///
 /// `nextview scan` scans a simulated object from the first view to the last and writes the map, the cloud, the mesh
 /// and a report. `nextview bench` scans many objects with many planners, `nextview report` and `nextview compare` tell
-/// what came of it. `nextview plan` gives the next view for a map that you have, `nextview map` looks into maps, `nextview
+/// what came of it. `nextview plan` gives the next view, or the next few, for a map that you have, `nextview map` looks into maps, `nextview
 /// views` makes the poses to choose from.
 #[derive(Debug, Parser)]
 #[command(name = "nextview", version, max_term_width = 100, after_help = EXAMPLES)]

@@ -1,21 +1,22 @@
+use super::batch::BatchAnswer;
 use super::{map, values};
-use crate::scan::PlannerName;
+use crate::scan::{PlannerConfigs, PlannerName};
 use crate::{Failure, files, stdout};
 use clap::Args;
 use nextview::geometry::Aabb;
 use nextview::map::{OccupancyMap, SensorModel};
-use nextview::planner::{GreedyConfig, MaxFlowConfig, Situation};
+use nextview::planner::{Batch, BatchConfig, GreedyConfig, MaxFlowConfig, Situation};
 use nextview::sensor::Intrinsics;
 use nextview::session::SessionConfig;
 use nextview::view::ViewSpace;
 use serde::Serialize;
 use std::path::PathBuf;
 
-/// Give the next best view for a saved map.
+/// Give the next best view for a saved map, or with --batch several.
 ///
 /// The camera is the D435i of the paper. The history of the flow is empty: a map does not tell how it came about.
 #[derive(Debug, Args)]
-#[command(after_help = "Example:\n  nextview plan --map map.ot --views views.csv --visited 0,17 --json")]
+#[command(after_help = EXAMPLES)]
 pub(super) struct PlanArgs {
     /// The map, .ot or .bt
     #[arg(long, value_name = "FILE")]
@@ -32,7 +33,12 @@ pub(super) struct PlanArgs {
     /// How to choose
     #[arg(long, value_enum, default_value = "max-flow")]
     planner: PlannerName,
-    /// Weight of the movement cost against the gain, 0 to 1: the paper's theta; the way begins at the last of --visited
+    /// Give up to N views that together show as much as possible of what is worth seeing, the shortest tour through them around
+    /// the object's sphere, and a bound: how much of what the best N views would show is sure
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..), conflicts_with_all = ["planner", "seed"])]
+    batch: Option<u32>,
+    /// Weight of the movement cost against the gain, 0 to 1: the paper's theta, and of the length of the tour against what a batch
+    /// shows; the way begins at the last of --visited
     #[arg(long, value_name = "T", default_value = "0", value_parser = values::share, allow_negative_numbers = true)]
     theta: f64,
     /// Seed of the random planner
@@ -42,6 +48,12 @@ pub(super) struct PlanArgs {
     #[arg(long)]
     json: bool,
 }
+
+const EXAMPLES: &str = "\
+Examples:
+  nextview plan --map map.ot --views views.csv --visited 0,17 --json
+  nextview plan --map map.ot --views views.csv --visited 0,17 --batch 8
+  nextview plan --map map.ot --views views.csv --visited 0,17 --batch 8 --theta 0.2";
 
 /// Most voxels that a map may have, about 4 GB.
 const MAX_VOXELS: usize = 200_000_000;
@@ -74,10 +86,7 @@ impl PlanArgs {
                 views.len() - 1
             )));
         }
-        let max_flow = MaxFlowConfig { theta: self.theta, ..MaxFlowConfig::default() };
-        let greedy = GreedyConfig { theta: self.theta, ..GreedyConfig::default() };
-        let planner = self.planner.without_truth(max_flow, greedy, self.seed)?;
-        let plan = planner.plan(&Situation {
+        let situation = Situation {
             snapshot: &map.snapshot(block),
             frames: &[],
             views: &views,
@@ -85,7 +94,33 @@ impl PlanArgs {
             visited: &self.visited,
             history: &[],
             finest_voxel_size: voxel_size,
-        });
+        };
+        stdout::print(if self.batch.is_some() { self.batch(&situation)? } else { self.next(&situation)? })
+    }
+
+    /// The parameters of all planners, as far as they are told.
+    fn configs(&self) -> PlannerConfigs {
+        let (theta, default) = (self.theta, BatchConfig::default());
+        PlannerConfigs {
+            max_flow: MaxFlowConfig { theta, ..MaxFlowConfig::default() },
+            greedy: GreedyConfig { theta, ..GreedyConfig::default() },
+            batch: BatchConfig {
+                theta,
+                n_views: self.batch.map_or(default.n_views, |n| n as usize),
+                ..default
+            },
+        }
+    }
+
+    fn batch(&self, situation: &Situation<'_>) -> Result<String, Failure> {
+        let plan = Batch::new(self.configs().batch)?.plan_batch(situation);
+        let answer = BatchAnswer::new(&plan, situation.views);
+        if self.json { answer.to_json() } else { Ok(answer.to_text()) }
+    }
+
+    fn next(&self, situation: &Situation<'_>) -> Result<String, Failure> {
+        let plan = self.planner.without_truth(self.configs(), self.seed)?.plan(situation);
+        let views = situation.views;
         let pose = plan.choice.map(|choice| views.pose(choice.view));
         let answer = Answer {
             planner: self.planner,
@@ -95,7 +130,7 @@ impl PlanArgs {
             score: plan.choice.map(|choice| choice.score),
             runner_up: plan.choice.and_then(|choice| choice.runner_up),
         };
-        stdout::print(if self.json { answer.to_json()? } else { answer.to_text() })
+        if self.json { answer.to_json() } else { Ok(answer.to_text()) }
     }
 
     fn box_around(&self, map: &OccupancyMap) -> Result<Aabb, Failure> {

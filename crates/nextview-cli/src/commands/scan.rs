@@ -106,6 +106,7 @@ impl ScanArgs {
         set(&mut config.planner, self.planner);
         set(&mut config.max_flow.theta, self.theta);
         set(&mut config.greedy.theta, self.theta);
+        set(&mut config.batch.theta, self.theta);
         set(&mut config.views, self.views);
         set(&mut config.candidates, self.candidates);
         set(&mut config.first_view, self.first_view);

@@ -1,11 +1,11 @@
-use super::PlannerName;
 use super::noise::NoiseConfig;
+use super::{PlannerConfigs, PlannerName};
 use crate::Failure;
 use crate::commands::Rule;
 use clap::ValueEnum;
 use nextview::gain::Apora;
 use nextview::map::{Background, RayRule, SensorModel};
-use nextview::planner::{Greedy, GreedyConfig, MaxFlow, MaxFlowConfig};
+use nextview::planner::{Batch, BatchConfig, Greedy, GreedyConfig, MaxFlow, MaxFlowConfig};
 use nextview::sensor::Intrinsics;
 use nextview::session::MultiResolution;
 use nextview::visibility::FreeSpace;
@@ -68,6 +68,9 @@ pub(crate) struct ScanConfig {
     pub max_flow: MaxFlowConfig,
     /// Of all planners that are named after a gain.
     pub greedy: GreedyConfig,
+    /// Campaigns before there were batches do not tell.
+    #[serde(default)]
+    pub batch: BatchConfig,
     pub stop: StopConfig,
     pub camera: Intrinsics,
     #[serde(default)]
@@ -208,6 +211,7 @@ impl ScanConfig {
             object_box: ObjectBoxConfig::default(),
             max_flow: MaxFlowConfig::default(),
             greedy: GreedyConfig::default(),
+            batch: BatchConfig::default(),
             stop: StopConfig::default(),
             camera: Intrinsics::d435i(),
             noise: NoiseConfig::default(),
@@ -225,6 +229,7 @@ impl ScanConfig {
                     ..MaxFlowConfig::default()
                 },
                 greedy: GreedyConfig { ray_spacing: 10.0, ..GreedyConfig::default() },
+                batch: BatchConfig { ray_spacing: 10.0, ..BatchConfig::default() },
                 stop: StopConfig { entropy_share: Some(0.5) },
                 ..config
             },
@@ -275,11 +280,17 @@ impl ScanConfig {
             map: neutral.map,
             max_flow: neutral.max_flow,
             greedy: neutral.greedy,
+            batch: neutral.batch,
             stop: neutral.stop,
             multi_resolution: neutral.multi_resolution,
             object_box: ObjectBoxConfig { rule: neutral.object_box.rule, ..self.object_box },
             ..self.clone()
         }
+    }
+
+    /// The parameters of all planners.
+    pub fn planners(&self) -> PlannerConfigs {
+        PlannerConfigs { max_flow: self.max_flow, greedy: self.greedy, batch: self.batch }
     }
 
     /// Seed of the random shell.
@@ -313,6 +324,7 @@ impl ScanConfig {
         self.noise.check()?;
         MaxFlow::new(self.max_flow)?;
         Greedy::<Apora>::new(self.greedy)?; // the parameters are checked alike for every gain
+        Batch::new(self.batch)?;
         Ok(())
     }
 
@@ -399,6 +411,8 @@ mod tests {
             ("[greedy]\ntheta = -1\n", "theta is -1"),
             ("[noise]\npose_error_mm = -1\n", "pose_error_mm is -1, expected 0 to 1000"),
             ("[noise.depth]\nedge_loss = 2\n", "edge_loss is 2"),
+            ("[batch]\nn_views = 0\n", "n_views is 0"),
+            ("[batch]\nleast_share = 2\n", "least_share is 2"),
         ] {
             let error = load(text).unwrap_err();
             assert!(error.contains(".toml: ") && error.contains(expected), "{error}");

@@ -4,7 +4,9 @@ use nextview::gain::{
     Apora, AreaFactor, AverageEntropy, InformationGain, Krainin, OcclusionAware, ProximityCount,
     RearSideEntropy, RearSideVoxel, UnobservedVoxel,
 };
-use nextview::planner::{Greedy, GreedyConfig, MaxFlow, MaxFlowConfig, RandomViews, ViewPlanner};
+use nextview::planner::{
+    Batch, BatchConfig, Greedy, GreedyConfig, MaxFlow, MaxFlowConfig, RandomViews, ViewPlanner,
+};
 use nextview_sim::baseline::Clairvoyant;
 use nextview_sim::truth::TrueVisibility;
 use serde::{Deserialize, Serialize};
@@ -37,10 +39,21 @@ pub(crate) enum PlannerName {
     Krainin,
     /// Shares of surface and occlusion plane, Vasquez-Gomez et al. 2014
     AreaFactor,
+    /// Several views at once that together show most, and the shortest tour through them
+    Batch,
     /// A random view: the baseline
     Random,
     /// Knows the object: the upper bound, in simulation only
     Clairvoyant,
+}
+
+/// The parameters of all planners.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct PlannerConfigs {
+    pub max_flow: MaxFlowConfig,
+    /// Of all planners that are named after a gain.
+    pub greedy: GreedyConfig,
+    pub batch: BatchConfig,
 }
 
 impl fmt::Display for PlannerName {
@@ -53,25 +66,20 @@ impl PlannerName {
     /// The planner, where the true object is known.
     pub fn build(
         self,
-        max_flow: MaxFlowConfig,
-        greedy: GreedyConfig,
+        configs: PlannerConfigs,
         seed: u64,
         truth: Option<Arc<TrueVisibility>>,
     ) -> Result<Box<dyn ViewPlanner>, Failure> {
         match (self, truth) {
             (Self::Clairvoyant, Some(truth)) => Ok(Box::new(Clairvoyant::new(truth))),
-            (Self::ProximityCount, _) => by_gain::<ProximityCount>(greedy),
-            _ => self.without_truth(max_flow, greedy, seed),
+            (Self::ProximityCount, _) => by_gain::<ProximityCount>(configs.greedy),
+            _ => self.without_truth(configs, seed),
         }
     }
 
     /// The planner, where nothing but the map is known.
-    pub fn without_truth(
-        self,
-        max_flow: MaxFlowConfig,
-        greedy: GreedyConfig,
-        seed: u64,
-    ) -> Result<Box<dyn ViewPlanner>, Failure> {
+    pub fn without_truth(self, configs: PlannerConfigs, seed: u64) -> Result<Box<dyn ViewPlanner>, Failure> {
+        let PlannerConfigs { max_flow, greedy, batch } = configs;
         match self {
             Self::MaxFlow => Ok(Box::new(MaxFlow::new(max_flow)?)),
             Self::Local => Ok(Box::new(MaxFlow::new(MaxFlowConfig { gamma: 0.0, ..max_flow })?)),
@@ -87,6 +95,7 @@ impl PlannerName {
             Self::AverageEntropy => by_gain::<AverageEntropy>(greedy),
             Self::Krainin => by_gain::<Krainin>(greedy),
             Self::AreaFactor => by_gain::<AreaFactor>(greedy),
+            Self::Batch => Ok(Box::new(Batch::new(batch)?)),
             Self::Random => Ok(Box::new(RandomViews { seed })),
             Self::Clairvoyant => Err(Failure::usage(
                 "the clairvoyant planner needs the true object, which only a simulation knows",

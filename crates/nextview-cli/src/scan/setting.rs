@@ -52,7 +52,7 @@ impl Setting {
     ) -> Result<FinishedScan, Failure> {
         config.check_views(self.views.len())?;
         let truth = truth.map(|truth| truth.visibility.clone());
-        let planner = config.planner.build(config.max_flow, config.greedy, config.seed, truth)?;
+        let planner = config.planner.build(config.planners(), config.seed, truth)?;
         let session_config = session_config(config, &self.scene, self.voxel_size);
         let mut session = Session::new(session_config, config.camera, self.session_views(config), planner)?;
         let (steps, stop_reason) = self.run(&mut session, tell)?;

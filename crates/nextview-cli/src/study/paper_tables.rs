@@ -100,11 +100,8 @@ const Q_THRESH: Axis = Axis {
 
 const THETA: Axis = Axis {
     name: "θ",
-    keys: &["max_flow.theta", "greedy.theta"],
-    label: |planner, config| {
-        let key = if uses_max_flow(planner) { "max_flow.theta" } else { "greedy.theta" };
-        find(config, key).and_then(number)
-    },
+    keys: &["max_flow.theta", "greedy.theta", "batch.theta"],
+    label: |planner, config| find(config, &format!("{}.theta", planner_key(planner))).and_then(number),
 };
 
 const PARAMETER_TABLES: [Definition; 4] = [
@@ -238,15 +235,23 @@ fn method(planner: PlannerName) -> String {
     paper::method(planner).map_or_else(|| planner.to_string(), str::to_owned)
 }
 
-fn uses_max_flow(planner: PlannerName) -> bool {
-    matches!(planner, PlannerName::MaxFlow | PlannerName::Local)
+/// Where the configuration has the parameters of planners.
+const PLANNER_KEYS: [&str; 3] = ["max_flow", "greedy", "batch"];
+
+/// Where it has those of this planner, if there are any.
+fn planner_key(planner: PlannerName) -> &'static str {
+    match planner {
+        PlannerName::MaxFlow | PlannerName::Local => "max_flow",
+        PlannerName::Batch => "batch",
+        _ => "greedy",
+    }
 }
 
 /// The variant's parameters, without those that tell runs apart and those that its planner does not read.
 fn configuration(variant: &Variant<'_>) -> Value {
     let mut config = serde_json::to_value(&variant.example.config).unwrap_or_default();
-    let unread = if uses_max_flow(variant.planner) { "greedy" } else { "max_flow" };
-    for key in ["object", "unit", "size_m", "seed", "first_view", unread] {
+    let unread = PLANNER_KEYS.into_iter().filter(|key| *key != planner_key(variant.planner));
+    for key in ["object", "unit", "size_m", "seed", "first_view"].into_iter().chain(unread) {
         remove(&mut config, key);
     }
     config

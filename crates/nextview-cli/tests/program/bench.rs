@@ -112,7 +112,11 @@ fn tables_hold_every_run_and_view() {
     }
     let runs = folder.text("bench-tiny/runs.csv");
     assert_eq!(runs.lines().count(), 1 + N_RUNS);
-    assert!(runs.starts_with("object,data_set,variant,seed,first_view,config.baselines,config.camera.cx,"));
+    assert!(
+        runs.starts_with(
+            "object,data_set,variant,seed,first_view,config.baselines,config.batch.least_share,"
+        )
+    );
     assert_eq!(folder.text("bench-tiny/runs.jsonl").lines().count(), N_RUNS);
     assert_eq!(folder.names("bench-tiny"), FILES);
 }

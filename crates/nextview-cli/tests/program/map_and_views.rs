@@ -169,6 +169,38 @@ fn plan_pays_for_moving() {
 }
 
 #[test]
+fn plan_gives_a_batch_and_its_tour() {
+    let folder = Folder::new("plan-batch");
+    folder.ok(&small(&["--views", "1", "--baselines", "off"]));
+    let args = ["--rule", "sphere", "--count", "30", "--center", "0,0,0.05", "--size-m", "0.08"];
+    folder.ok(&[["views", "--out", "v.csv"].as_slice(), &args].concat());
+    let args = ["plan", "--map", "out/map.ot", "--views", "v.csv", "--visited", "0", "--batch", "4"];
+    let batch = |more: &[&str]| folder.json(&[args.as_slice(), &["--json"], more].concat());
+    let free = batch(&[]);
+    let number = |batch: &Value, key: &str| batch[key].as_f64().unwrap();
+    let views = free["views"].as_array().unwrap();
+    assert!(views.len() == 4 && views.iter().all(|view| view["position_m"].as_array().unwrap().len() == 3));
+    let shares = views.iter().map(|view| number(view, "share")).sum::<f64>();
+    assert!((shares - number(&free, "share")).abs() < 1e-6 && shares <= 1.0 + 1e-9, "{free}");
+    let of_best = number(&free, "share") / number(&free, "share_bound");
+    assert!((of_best - number(&free, "share_of_best")).abs() < 1e-12 && of_best > 0.9, "{free}");
+    let near = batch(&["--theta", "0.4"]);
+    assert!(number(&near, "path_length_m") < number(&free, "path_length_m"), "{near} {free}");
+
+    let text = folder.ok(&args);
+    let lines: Vec<&str> = text.lines().collect();
+    assert!(
+        lines[0].starts_with("next views  4, which show ") && lines[1].starts_with("bound       "),
+        "{text}"
+    );
+    let length = format!("path        {:.3} m", number(&free, "path_length_m"));
+    assert_eq!((lines.len(), lines[2]), (9, length.as_str()));
+    let listed =
+        lines[5..].iter().map(|line| line.split_whitespace().next().unwrap().parse::<u64>().unwrap());
+    assert!(listed.eq(views.iter().map(|view| view["view"].as_u64().unwrap())), "{text}");
+}
+
+#[test]
 fn plan_says_when_nothing_is_left() {
     let folder = Folder::new("plan-none");
     folder.ok(&small(&["--views", "1", "--baselines", "off"]));
@@ -176,6 +208,10 @@ fn plan_says_when_nothing_is_left() {
     assert_eq!(folder.ok(&args), "next view   none: no candidate gains anything\n");
     let plan = folder.json(&[args.as_slice(), &["--json"]].concat());
     assert!(plan["view"].is_null() && plan["position_m"].is_null());
+    let args = [args.as_slice(), &["--batch", "3"]].concat();
+    assert_eq!(folder.ok(&args), "next views  none: no candidate gains anything\n");
+    let batch = folder.json(&[args.as_slice(), &["--json"]].concat());
+    assert!(batch["views"].as_array().unwrap().is_empty() && batch["path_length_m"] == 0.0, "{batch}");
 }
 
 #[test]

@@ -128,6 +128,7 @@ fn every_gain_scans_and_plans() {
         "average-entropy",
         "krainin",
         "area-factor",
+        "batch",
     ] {
         let args = ["--views", "3", "--planner", planner, "--baselines", "off", "--json"];
         let result = folder.json(&small(&args));
@@ -144,7 +145,7 @@ fn moving_may_cost() {
     let way = |planner: &str, theta: &str| {
         let args = ["--views", "3", "--planner", planner, "--theta", theta, "--baselines", "off", "--json"];
         let ids = folder.json(&small(&args))["view_ids"].clone();
-        assert_eq!(folder.text("out/config.toml").matches(&format!("theta = {theta}")).count(), 2);
+        assert_eq!(folder.text("out/config.toml").matches(&format!("theta = {theta}")).count(), 3);
         ids
     };
     for planner in ["max-flow", "local", "unobserved-voxel"] {

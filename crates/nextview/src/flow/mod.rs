@@ -4,15 +4,19 @@
 //! bounded. [`BestSets`] finds the largest total quality in one pass over the offers, with every set that can be
 //! part of it; [`fewest_sets`] then picks a small number of sets that still serve every item at its best.
 //!
+//! The other way round, [`best_coverage`] takes a stated number of sets that together are worth as much as possible.
+//!
 //! There is no flow network here: it would only be needed if channels or sets had limits. One, with a textbook
 //! min-cost-flow solver, stands in the tests as an oracle.
 
 mod best;
 mod cover;
+mod coverage;
 mod incidence;
 mod row;
 mod rows;
 
 pub use best::BestSets;
 pub use cover::fewest_sets;
+pub use coverage::{Coverage, Selection, SetValues, best_coverage, good_coverage};
 pub use incidence::Incidence;

@@ -73,6 +73,7 @@ impl ViewPlanner for MaxFlow {
                 n_views: optimal_views.len(),
             }),
             optimal_views,
+            ..Plan::default()
         }
     }
 }

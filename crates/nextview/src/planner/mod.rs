@@ -1,19 +1,24 @@
 //! From gains to a decision.
 //!
 //! A [`ViewPlanner`] is a pure function from a [`Situation`] to a [`Plan`]. [`MaxFlow`] is the paper's; with
-//! `gamma = 0` it is the greedy local planner. [`Greedy`] takes any of the literature's gains. [`RandomViews`] is the
-//! baseline that every planner must beat.
+//! `gamma = 0` it is the greedy local planner. [`Greedy`] takes any of the literature's gains. [`Batch`] chooses several views
+//! at once and the order to visit them in. [`RandomViews`] is the baseline that every planner must beat.
 
+mod batch;
+mod field;
 mod flow_gain;
 mod greedy;
 mod max_flow;
 mod random_views;
 mod survey;
+mod trade_off;
 mod utility;
 mod view_planner;
+mod worth;
 
+pub use batch::{Batch, BatchConfig, BatchPlan, BatchView};
 pub use flow_gain::flow_gain;
 pub use greedy::{Greedy, GreedyConfig};
 pub use max_flow::{MaxFlow, MaxFlowConfig};
 pub use random_views::RandomViews;
-pub use view_planner::{Choice, FlowSummary, Plan, Situation, ViewPlanner};
+pub use view_planner::{Choice, FlowSummary, Itinerary, Leg, Plan, Situation, ViewPlanner};

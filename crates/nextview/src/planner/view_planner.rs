@@ -62,6 +62,29 @@ pub struct Plan {
     pub optimal_views: Vec<u32>,
     /// The flow behind them.
     pub flow: Option<FlowSummary>,
+    /// Where to go after the choice without another plan, for planners that choose several views at once.
+    pub itinerary: Option<Itinerary>,
+}
+
+/// Views that were chosen together, in the order of the tour.
+///
+/// It holds as long as the camera sees what was expected: after that, its views were chosen for a map that is no more.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Itinerary {
+    /// The views, the first of which is the choice of the plan.
+    pub legs: Vec<Leg>,
+    /// How far what is seen may be from what was expected, as a share of that, at least 0.
+    pub tolerance: f64,
+}
+
+/// A view of an itinerary.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Leg {
+    /// The view and why it was chosen.
+    pub choice: Choice,
+    /// How many voxels it is expected to make newly occupied after those before it, up to a factor that is about the same for
+    /// all legs and plans; positive.
+    pub expected: f64,
 }
 
 /// A view and why it was chosen.

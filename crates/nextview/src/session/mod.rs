@@ -1,6 +1,7 @@
 //! A scan in progress: two verbs, [`observe`](Session::observe) and [`decide`](Session::decide).
 
 mod config;
+mod course;
 mod object_box;
 mod object_points;
 mod report;
@@ -22,6 +23,7 @@ use crate::map::{MapUpdate, OccupancyMap, Snapshot};
 use crate::planner::{Choice, FlowSummary, Plan, Situation, ViewPlanner};
 use crate::sensor::{Frame, Intrinsics};
 use crate::view::ViewSpace;
+use course::Course;
 use object_box::{Location, Locator};
 use scan_map::{MapRules, Place, ScanMap};
 use serde::{Deserialize, Serialize};
@@ -63,6 +65,7 @@ pub struct Session {
     /// V_global of every plan so far.
     history: Vec<Vec<u32>>,
     pending: Option<NextView>,
+    course: Course,
 }
 
 /// What to do next.
@@ -129,6 +132,7 @@ impl Session {
             visited: Vec::new(),
             history: Vec::new(),
             pending: None,
+            course: Course::default(),
         };
         session.locate();
         Ok(session)
@@ -170,9 +174,9 @@ impl Session {
             if self.is_converged(&snapshot) {
                 return Decision::Stop(StopReason::Converged);
             }
-            let plan = self.planner.plan(&self.situation(&snapshot));
+            let plan = self.plan(&snapshot);
             if let Some(choice) = plan.choice {
-                self.history.push(plan.optimal_views.clone());
+                self.course.depart(&snapshot);
                 return self.go_to(Some(choice.view), self.candidates.pose(choice.view), &plan);
             }
             if self.map.is_finest() {
@@ -260,6 +264,19 @@ impl Session {
     fn is_converged(&self, snapshot: &Snapshot) -> bool {
         let share = self.config.stop.entropy_share;
         self.map.is_finest() && share.is_some_and(|q_thresh| snapshot.entropy_share() < q_thresh)
+    }
+
+    /// The next view of the itinerary, or else a new plan.
+    fn plan(&mut self, snapshot: &Snapshot) -> Plan {
+        if let Some(choice) = self.course.next(snapshot) {
+            return Plan { choice: Some(choice), ..Plan::default() };
+        }
+        let mut plan = self.planner.plan(&self.situation(snapshot));
+        self.course.follow(plan.itinerary.take());
+        if plan.choice.is_some() {
+            self.history.push(plan.optimal_views.clone());
+        }
+        plan
     }
 
     fn situation<'a>(&'a self, snapshot: &'a Snapshot) -> Situation<'a> {

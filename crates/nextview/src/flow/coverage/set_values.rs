@@ -1,0 +1,130 @@
+/// What each of many sets is worth for each of many items.
+///
+/// Several sets that are chosen serve an item as well as the best of them; what they are worth together is the sum of that
+/// over the items. If an item has one value in all its sets, this is weighted coverage.
+///
+/// ```
+/// use nextview::flow::SetValues;
+///
+/// let values = SetValues::new(3, vec![vec![(0, 1.0), (1, 0.5)], vec![(1, 2.0)], vec![(2, 0.25)]]);
+/// assert_eq!(values.worth([0, 1]), 3.0);
+/// assert_eq!(values.worth(0..3), 3.25);
+/// ```
+#[derive(Clone, Debug, PartialEq)]
+pub struct SetValues {
+    n_items: usize,
+    /// By set, in increasing order of the items; values are positive.
+    rows: Vec<Vec<(u32, f32)>>,
+}
+
+impl SetValues {
+    /// A row of items, each below `n_items`, and their values for every set. Values that are not positive and finite do not
+    /// count; of an item's values in a row, the largest does.
+    ///
+    /// # Panics
+    /// If an item is out of range.
+    pub fn new(n_items: usize, mut rows: Vec<Vec<(u32, f32)>>) -> Self {
+        for row in &mut rows {
+            row.retain(|&(_, value)| value > 0.0 && value.is_finite());
+            if !row.is_sorted_by(|a, b| a.0 < b.0) {
+                row.sort_unstable_by(|a, b| a.0.cmp(&b.0).then(b.1.total_cmp(&a.1)));
+                row.dedup_by_key(|(item, _)| *item);
+            }
+            assert!(row.last().is_none_or(|&(item, _)| (item as usize) < n_items), "items below {n_items}");
+        }
+        Self { n_items, rows }
+    }
+
+    /// Number of items.
+    pub fn n_items(&self) -> usize {
+        self.n_items
+    }
+
+    /// Number of sets.
+    pub fn n_sets(&self) -> usize {
+        self.rows.len()
+    }
+
+    /// The items of a set in increasing order, and their values.
+    pub fn row(&self, set: u32) -> &[(u32, f32)] {
+        &self.rows[set as usize]
+    }
+
+    /// What these sets are worth together.
+    pub fn worth(&self, sets: impl IntoIterator<Item = u32>) -> f64 {
+        let mut selection = Selection::new(self);
+        sets.into_iter().for_each(|set| _ = selection.add(set));
+        selection.worth()
+    }
+
+    /// Number of pairs of item and set.
+    pub fn n_pairs(&self) -> usize {
+        self.rows.iter().map(Vec::len).sum()
+    }
+}
+
+/// Some of the sets, and how well they serve every item.
+#[derive(Clone, Debug)]
+pub struct Selection<'a> {
+    pub(super) values: &'a SetValues,
+    /// By item, its largest value in the selected sets.
+    served: Vec<f32>,
+}
+
+impl<'a> Selection<'a> {
+    /// No sets yet.
+    pub fn new(values: &'a SetValues) -> Self {
+        Self { values, served: vec![0.0; values.n_items] }
+    }
+
+    /// How much more the selection would be worth with this set, too. It never grows as sets are added, not even by
+    /// rounding.
+    pub fn gain(&self, set: u32) -> f64 {
+        let more = |sum, &(item, value): &(u32, f32)| {
+            sum + (value as f64 - self.served[item as usize] as f64).max(0.0)
+        };
+        self.values.row(set).iter().fold(0.0, more)
+    }
+
+    /// Adds a set and returns what it gained.
+    pub fn add(&mut self, set: u32) -> f64 {
+        let gain = self.gain(set);
+        for &(item, value) in self.values.row(set) {
+            let served = &mut self.served[item as usize];
+            *served = served.max(value);
+        }
+        gain
+    }
+
+    /// What the selected sets are worth together.
+    pub fn worth(&self) -> f64 {
+        self.served.iter().fold(0.0, |sum, &value| sum + value as f64)
+    }
+
+    /// By item, its largest value in the selected sets.
+    pub(super) fn served(&self) -> &[f32] {
+        &self.served
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn rows_are_put_in_order() {
+        let rows = vec![vec![(4, 1.0), (1, 0.5), (4, 3.0), (0, f32::NAN), (2, -1.0), (3, 0.0), (1, 0.25)]];
+        let values = SetValues::new(5, rows);
+        assert_eq!(values.row(0), [(1, 0.5), (4, 3.0)]);
+        assert_eq!((values.n_items(), values.n_sets(), values.n_pairs()), (5, 1, 2));
+    }
+
+    #[test]
+    fn a_selection_is_worth_the_sum_of_its_gains() {
+        let values = SetValues::new(3, vec![vec![(0, 1.0), (1, 2.0)], vec![(1, 3.0), (2, 1.0)], vec![]]);
+        let mut selection = Selection::new(&values);
+        assert_eq!([0, 1, 1, 2].map(|set| selection.add(set)), [3.0, 2.0, 0.0, 0.0]);
+        assert_eq!((selection.worth(), selection.served()), (5.0, [1.0, 3.0, 1.0].as_slice()));
+        assert_eq!(SetValues::new(0, vec![]).worth([]), 0.0);
+    }
+}

@@ -1,0 +1,44 @@
+use super::Situation;
+use crate::flow::SetValues;
+use crate::view::{KeepOut, tour, tour_length};
+use glam::DVec3;
+
+/// What a batch is chosen from. Sets stand for the open views, in their order.
+pub(super) struct Field<'a> {
+    pub values: &'a SetValues,
+    /// Worth of all sets together.
+    pub total: f64,
+    /// Where the camera of each set stands.
+    pub positions: Vec<DVec3>,
+    /// Where the camera is.
+    pub start: Option<DVec3>,
+    /// The ball around the box.
+    pub ball: KeepOut,
+}
+
+impl<'a> Field<'a> {
+    pub fn new(situation: &Situation<'_>, open: &[usize], values: &'a SetValues) -> Self {
+        let bounds = situation.snapshot.lattice().bounds(&situation.snapshot.block());
+        Self {
+            values,
+            total: values.worth(0..values.n_sets() as u32),
+            positions: open.iter().map(|&view| situation.views.pose(view).translation()).collect(),
+            start: situation.camera_position(),
+            ball: KeepOut::around(&bounds, 0.0).expect("a block of voxels is a finite box"),
+        }
+    }
+
+    pub fn route(&self, sets: &[u32]) -> Vec<DVec3> {
+        sets.iter().map(|&set| self.positions[set as usize]).collect()
+    }
+
+    /// The sets in the order of a short tour, whatever the order given.
+    pub fn tour(&self, mut sets: Vec<u32>) -> Vec<u32> {
+        sets.sort_unstable();
+        tour(self.start, &self.route(&sets), &self.ball).into_iter().map(|i| sets[i]).collect()
+    }
+
+    pub fn length(&self, tour: &[u32]) -> f64 {
+        tour_length(self.start, self.route(tour), &self.ball)
+    }
+}
