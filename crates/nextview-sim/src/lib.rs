@@ -10,6 +10,7 @@ pub mod camera;
 mod error;
 pub mod mesh;
 pub mod noise;
+pub mod random_object;
 pub mod run;
 pub mod scene;
 pub mod surface;

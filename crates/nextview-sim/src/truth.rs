@@ -6,7 +6,7 @@ use crate::mesh::sample_surface;
 use fixedbitset::FixedBitSet;
 use glam::DVec3;
 use nextview::Error;
-use nextview::geometry::{Lattice, Pose, VoxelBlock};
+use nextview::geometry::{Lattice, Pose, VoxelBlock, VoxelKey};
 use nextview::map::{Occupancy, Snapshot};
 use nextview::sensor::Frame;
 use nextview::view::ViewSpace;
@@ -68,6 +68,12 @@ impl ObjectVoxels {
         self.n_voxels == 0
     }
 
+    /// The number of an object voxel among them; none for other voxels.
+    pub fn number(&self, voxel: VoxelKey) -> Option<usize> {
+        let number = self.number[self.block.index(voxel)?];
+        (number != NO_OBJECT).then_some(number as usize)
+    }
+
     /// Which object voxels hold a measured point of the frame.
     pub fn seen_in(&self, frame: &Frame) -> FixedBitSet {
         self.hit_by(frame.points_in(self.lattice.bounds(&self.block)))
@@ -97,8 +103,7 @@ impl ObjectVoxels {
     }
 
     fn number_at(&self, point: DVec3) -> Option<usize> {
-        let number = self.number[self.block.index(self.lattice.key(point))?];
-        (number != NO_OBJECT).then_some(number as usize)
+        self.number(self.lattice.key(point))
     }
 }
 

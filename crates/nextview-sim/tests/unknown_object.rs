@@ -152,7 +152,7 @@ fn coarse_voxels_come_first_and_no_measurement_is_lost() {
 fn the_finest_voxels_decide_when_a_scan_has_converged() {
     let setup = Setup::new("mug", false);
     let rule = MultiResolution { coarsest_voxel_size: Some(0.02), q_thresh: 0.8 };
-    let stop = StopConfig { max_views: 30, entropy_share: Some(0.8) };
+    let stop = StopConfig { max_views: 30, entropy_share: Some(0.8), ..StopConfig::default() };
     let config = SessionConfig { multi_resolution: Some(rule), stop, ..setup.known() };
     let mut session = setup.session(config, setup.views.clone().into());
     assert_eq!(setup.run(&mut session).1, StopReason::Converged);

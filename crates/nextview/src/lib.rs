@@ -14,6 +14,7 @@ pub mod geometry;
 pub mod map;
 pub mod model;
 pub mod planner;
+pub mod prior;
 pub mod sensor;
 pub mod session;
 pub mod view;

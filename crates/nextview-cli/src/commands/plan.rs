@@ -5,7 +5,7 @@ use crate::{Failure, files, stdout};
 use clap::Args;
 use nextview::geometry::Aabb;
 use nextview::map::{OccupancyMap, SensorModel};
-use nextview::planner::{Batch, BatchConfig, GreedyConfig, MaxFlowConfig, Situation};
+use nextview::planner::{Batch, BatchConfig, GreedyConfig, MaxFlowConfig, MostSurfaceConfig, Situation};
 use nextview::sensor::Intrinsics;
 use nextview::session::SessionConfig;
 use nextview::view::ViewSpace;
@@ -31,7 +31,7 @@ pub(super) struct PlanArgs {
     #[arg(long = "box", value_name = "CX,CY,CZ,HALF", value_parser = values::cube, allow_hyphen_values = true)]
     cube: Option<Aabb>,
     /// How to choose
-    #[arg(long, value_enum, default_value = "max-flow")]
+    #[arg(long, value_enum, default_value = "most-surface")]
     planner: PlannerName,
     /// Give up to N views that together show as much as possible of what is worth seeing, the shortest tour through them around
     /// the object's sphere, and a bound: how much of what the best N views would show is sure
@@ -102,6 +102,7 @@ impl PlanArgs {
     fn configs(&self) -> PlannerConfigs {
         let (theta, default) = (self.theta, BatchConfig::default());
         PlannerConfigs {
+            most_surface: MostSurfaceConfig { theta, ..MostSurfaceConfig::default() },
             max_flow: MaxFlowConfig { theta, ..MaxFlowConfig::default() },
             greedy: GreedyConfig { theta, ..GreedyConfig::default() },
             batch: BatchConfig {

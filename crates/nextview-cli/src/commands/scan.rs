@@ -104,6 +104,7 @@ impl ScanArgs {
         let mut config = ScanConfig::load(self.profile, self.config.as_deref())?;
         set(&mut config.object, self.model);
         set(&mut config.planner, self.planner);
+        set(&mut config.most_surface.theta, self.theta);
         set(&mut config.max_flow.theta, self.theta);
         set(&mut config.greedy.theta, self.theta);
         set(&mut config.batch.theta, self.theta);

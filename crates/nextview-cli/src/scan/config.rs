@@ -5,7 +5,9 @@ use crate::commands::Rule;
 use clap::ValueEnum;
 use nextview::gain::Apora;
 use nextview::map::{Background, RayRule, SensorModel};
-use nextview::planner::{Batch, BatchConfig, Greedy, GreedyConfig, MaxFlow, MaxFlowConfig};
+use nextview::planner::{
+    Batch, BatchConfig, Greedy, GreedyConfig, MaxFlow, MaxFlowConfig, MostSurface, MostSurfaceConfig,
+};
 use nextview::sensor::Intrinsics;
 use nextview::session::MultiResolution;
 use nextview::visibility::FreeSpace;
@@ -20,7 +22,7 @@ use std::path::Path;
 pub(crate) enum Profile {
     /// As published: 5000 candidates, voxels of 1 cm, thin rays, only points on the object, stop at q_thresh = 0.5
     Paper,
-    /// What works best so far: what the camera sees past the object carves free space, and planning rays pass it
+    /// What works best: the planner most-surface; what the camera sees past the object carves free space
     Default,
 }
 
@@ -65,6 +67,9 @@ pub(crate) struct ScanConfig {
     pub map: MapConfig,
     pub multi_resolution: MultiResolutionConfig,
     pub object_box: ObjectBoxConfig,
+    /// Campaigns before there was this planner do not tell.
+    #[serde(default)]
+    pub most_surface: MostSurfaceConfig,
     pub max_flow: MaxFlowConfig,
     /// Of all planners that are named after a gain.
     pub greedy: GreedyConfig,
@@ -113,6 +118,14 @@ impl MultiResolutionConfig {
     }
 }
 
+impl StopConfig {
+    /// What the session is told.
+    pub fn rules(&self, max_views: usize) -> nextview::session::StopConfig {
+        let Self { entropy_share, completeness, expected_gain, path_length_m: path_length } = *self;
+        nextview::session::StopConfig { max_views, entropy_share, completeness, expected_gain, path_length }
+    }
+}
+
 /// What is known of the object's place.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
@@ -152,6 +165,15 @@ pub(crate) struct StopConfig {
     /// q_thresh of the paper's eq. (9).
     #[serde(skip_serializing_if = "Option::is_none")]
     pub entropy_share: Option<f64>,
+    /// Estimated share of the surface that can be seen.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub completeness: Option<f64>,
+    /// Least share that the next view must be expected to add to what was seen.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub expected_gain: Option<f64>,
+    /// Longest path through the views.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub path_length_m: Option<f64>,
 }
 
 /// A rule's name or a file.
@@ -194,7 +216,7 @@ impl ScanConfig {
         let config = Self {
             object: "builtin:teapot".to_owned(),
             profile,
-            planner: PlannerName::MaxFlow,
+            planner: PlannerName::MostSurface,
             views: 10,
             candidates: 1000,
             first_view: 0,
@@ -212,6 +234,7 @@ impl ScanConfig {
             max_flow: MaxFlowConfig::default(),
             greedy: GreedyConfig::default(),
             batch: BatchConfig::default(),
+            most_surface: MostSurfaceConfig::default(),
             stop: StopConfig::default(),
             camera: Intrinsics::d435i(),
             noise: NoiseConfig::default(),
@@ -220,6 +243,7 @@ impl ScanConfig {
             Profile::Default => config,
             // The box is known and the voxel size fixed, as in the paper's comparison of view quality functions (table I).
             Profile::Paper => Self {
+                planner: PlannerName::MaxFlow,
                 candidates: 5000,
                 voxel_size_m: Some(0.01),
                 map: MapConfig { background: Background::Ignore, ..MapConfig::default() },
@@ -230,7 +254,7 @@ impl ScanConfig {
                 },
                 greedy: GreedyConfig { ray_spacing: 10.0, ..GreedyConfig::default() },
                 batch: BatchConfig { ray_spacing: 10.0, ..BatchConfig::default() },
-                stop: StopConfig { entropy_share: Some(0.5) },
+                stop: StopConfig { entropy_share: Some(0.5), ..StopConfig::default() },
                 ..config
             },
         }
@@ -281,6 +305,7 @@ impl ScanConfig {
             max_flow: neutral.max_flow,
             greedy: neutral.greedy,
             batch: neutral.batch,
+            most_surface: neutral.most_surface,
             stop: neutral.stop,
             multi_resolution: neutral.multi_resolution,
             object_box: ObjectBoxConfig { rule: neutral.object_box.rule, ..self.object_box },
@@ -290,7 +315,12 @@ impl ScanConfig {
 
     /// The parameters of all planners.
     pub fn planners(&self) -> PlannerConfigs {
-        PlannerConfigs { max_flow: self.max_flow, greedy: self.greedy, batch: self.batch }
+        PlannerConfigs {
+            most_surface: self.most_surface,
+            max_flow: self.max_flow,
+            greedy: self.greedy,
+            batch: self.batch,
+        }
     }
 
     /// Seed of the random shell.
@@ -313,9 +343,7 @@ impl ScanConfig {
                 )));
             }
         }
-        if let Some(share) = self.stop.entropy_share.filter(|share| !(0.0..=1.0).contains(share)) {
-            return Err(Failure::data(format!("entropy_share is {share}, expected a number in 0..=1")));
-        }
+        self.stop.rules(self.views).check()?;
         let q_thresh = self.multi_resolution.q_thresh;
         if !(0.0..=1.0).contains(&q_thresh) {
             return Err(Failure::data(format!("q_thresh is {q_thresh}, expected a number in 0..=1")));
@@ -324,6 +352,7 @@ impl ScanConfig {
         self.noise.check()?;
         MaxFlow::new(self.max_flow)?;
         Greedy::<Apora>::new(self.greedy)?; // the parameters are checked alike for every gain
+        MostSurface::new(self.most_surface)?;
         Batch::new(self.batch)?;
         Ok(())
     }

@@ -217,6 +217,9 @@ pub(super) fn stop_phrase(reason: StopReason) -> &'static str {
     match reason {
         StopReason::ViewLimit => "the view limit was reached",
         StopReason::Converged => "the map's entropy fell below its threshold (converged)",
+        StopReason::Complete => "the surface is estimated to be as complete as asked for",
+        StopReason::LittleToGain => "the next view is expected to add less than asked for",
+        StopReason::PathLimit => "the path would become longer than allowed",
         StopReason::NothingToGain => "no candidate gains anything",
         StopReason::NoObject => "the camera saw no object",
         StopReason::BoxTooLarge => "the object's box would need more memory than allowed",

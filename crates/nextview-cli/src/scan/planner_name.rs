@@ -5,7 +5,8 @@ use nextview::gain::{
     RearSideEntropy, RearSideVoxel, UnobservedVoxel,
 };
 use nextview::planner::{
-    Batch, BatchConfig, Greedy, GreedyConfig, MaxFlow, MaxFlowConfig, RandomViews, ViewPlanner,
+    Batch, BatchConfig, Greedy, GreedyConfig, MaxFlow, MaxFlowConfig, MostSurface, MostSurfaceConfig,
+    RandomViews, ViewPlanner,
 };
 use nextview_sim::baseline::Clairvoyant;
 use nextview_sim::truth::TrueVisibility;
@@ -17,6 +18,8 @@ use std::sync::Arc;
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub(crate) enum PlannerName {
+    /// Ours: the most surface that a learned prior expects to be seen anew
+    MostSurface,
     /// The paper's: local information gain and the views of a maximum flow
     MaxFlow,
     /// The paper's local information gain alone (gamma = 0)
@@ -50,6 +53,7 @@ pub(crate) enum PlannerName {
 /// The parameters of all planners.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct PlannerConfigs {
+    pub most_surface: MostSurfaceConfig,
     pub max_flow: MaxFlowConfig,
     /// Of all planners that are named after a gain.
     pub greedy: GreedyConfig,
@@ -79,8 +83,9 @@ impl PlannerName {
 
     /// The planner, where nothing but the map is known.
     pub fn without_truth(self, configs: PlannerConfigs, seed: u64) -> Result<Box<dyn ViewPlanner>, Failure> {
-        let PlannerConfigs { max_flow, greedy, batch } = configs;
+        let PlannerConfigs { most_surface, max_flow, greedy, batch } = configs;
         match self {
+            Self::MostSurface => Ok(Box::new(MostSurface::new(most_surface)?)),
             Self::MaxFlow => Ok(Box::new(MaxFlow::new(max_flow)?)),
             Self::Local => Ok(Box::new(MaxFlow::new(MaxFlowConfig { gamma: 0.0, ..max_flow })?)),
             Self::Apora => by_gain::<Apora>(greedy),

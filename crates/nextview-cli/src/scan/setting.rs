@@ -2,7 +2,7 @@ use super::object::Object;
 use super::{BoxRule, ScanConfig, TableRule, Truth};
 use crate::{Failure, files};
 use nextview::geometry::{Aabb, Lattice, VoxelBlock};
-use nextview::session::{ObjectBox, Session, SessionConfig, StopConfig, StopReason, Table, Views};
+use nextview::session::{ObjectBox, Session, SessionConfig, StopReason, Table, Views};
 use nextview::view::ViewSpace;
 use nextview_sim::run::{self, Step};
 use nextview_sim::scene::Scene;
@@ -99,7 +99,7 @@ fn voxel_block(config: &SessionConfig, bounds: &Aabb) -> Result<VoxelBlock, Fail
 }
 
 fn session_config(config: &ScanConfig, scene: &Scene, voxel_size: f64) -> SessionConfig {
-    let stop = StopConfig { max_views: config.views, entropy_share: config.stop.entropy_share };
+    let stop = config.stop.rules(config.views);
     let known = scene.planning_box(voxel_size);
     SessionConfig {
         multi_resolution: config.multi_resolution.rule(),

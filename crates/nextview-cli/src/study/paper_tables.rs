@@ -100,7 +100,7 @@ const Q_THRESH: Axis = Axis {
 
 const THETA: Axis = Axis {
     name: "θ",
-    keys: &["max_flow.theta", "greedy.theta", "batch.theta"],
+    keys: &["most_surface.theta", "max_flow.theta", "greedy.theta", "batch.theta"],
     label: |planner, config| find(config, &format!("{}.theta", planner_key(planner))).and_then(number),
 };
 
@@ -236,12 +236,13 @@ fn method(planner: PlannerName) -> String {
 }
 
 /// Where the configuration has the parameters of planners.
-const PLANNER_KEYS: [&str; 3] = ["max_flow", "greedy", "batch"];
+const PLANNER_KEYS: [&str; 4] = ["most_surface", "max_flow", "greedy", "batch"];
 
 /// Where it has those of this planner, if there are any.
 fn planner_key(planner: PlannerName) -> &'static str {
     match planner {
         PlannerName::MaxFlow | PlannerName::Local => "max_flow",
+        PlannerName::MostSurface => "most_surface",
         PlannerName::Batch => "batch",
         _ => "greedy",
     }

@@ -4,6 +4,8 @@
 //! compares with, are [`InformationGain`]s: they rate whole rays. They follow the published formulas; where one
 //! leaves something open, its documentation says what was chosen.
 //!
+//! [`ExpectedSurface`] is ours: it counts what a view will probably show, under a learned prior.
+//!
 //! In the formulas x runs over the voxels of a ray from the camera up to and with the first occupied one, or to the
 //! border of the box; H is entropy in nats, and P(vis_x) the product of 1 - P(occupied) over the voxels before x.
 
@@ -11,6 +13,7 @@ mod apora;
 mod area_factor;
 mod average_entropy;
 mod behind_surface;
+mod expected_surface;
 mod information_gain;
 mod krainin;
 mod local_gain;
@@ -25,6 +28,7 @@ mod unobserved_voxel;
 pub use apora::Apora;
 pub use area_factor::AreaFactor;
 pub use average_entropy::AverageEntropy;
+pub use expected_surface::{ExpectedSurface, Eye};
 pub use information_gain::InformationGain;
 pub use krainin::Krainin;
 pub use local_gain::LocalGain;

@@ -4,7 +4,9 @@
 //! Camera frame: x right, y down, z forward. Nothing here knows about occupancy or views.
 
 mod aabb;
+mod box_count;
 mod lattice;
+mod nearest_source;
 mod plane;
 mod plane_fit;
 mod pose;
@@ -14,7 +16,9 @@ pub mod sphere;
 mod traversal;
 
 pub use aabb::Aabb;
+pub(crate) use box_count::BoxCount;
 pub use lattice::{Lattice, VoxelBlock, VoxelKey};
+pub(crate) use nearest_source::{Nearest, NearestSource};
 pub use plane::Plane;
 pub use plane_fit::{PlaneFit, fit_ground};
 pub use pose::Pose;

@@ -64,6 +64,32 @@ pub struct Plan {
     pub flow: Option<FlowSummary>,
     /// Where to go after the choice without another plan, for planners that choose several views at once.
     pub itinerary: Option<Itinerary>,
+    /// What the planner expects of the next view and of all, for planners that tell.
+    pub outlook: Option<Outlook>,
+}
+
+/// What a planner expects to be seen.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Outlook {
+    /// Number of voxels that are occupied so far, of the size the planner thinks in.
+    pub n_seen: usize,
+    /// How many the chosen view is expected to add.
+    pub n_expected: f64,
+    /// How many are expected to be seen if every view were taken.
+    pub n_unseen: f64,
+}
+
+impl Outlook {
+    /// The estimated share, 0..=1, of what can be seen that has been seen; 1 if nothing can.
+    pub fn completeness(&self) -> f64 {
+        let n_seen = self.n_seen as f64;
+        if n_seen + self.n_unseen > 0.0 { n_seen / (n_seen + self.n_unseen) } else { 1.0 }
+    }
+
+    /// What the chosen view is expected to add, as a share of what was seen; infinite if nothing was.
+    pub fn gain(&self) -> f64 {
+        self.n_expected / self.n_seen as f64
+    }
 }
 
 /// Views that were chosen together, in the order of the tour.

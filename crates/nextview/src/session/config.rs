@@ -43,11 +43,50 @@ pub struct StopConfig {
     /// paper's eq. (9), where it is 0.5. Default: do not, since the share says how empty the box is rather than
     /// how completely the object was seen.
     pub entropy_share: Option<f64>,
+    /// Stop when this share, 0..=1, of the surface that can be seen is [estimated](crate::planner::Outlook::completeness) to have been seen. Default:
+    /// do not. Planners that expect nothing never stop so.
+    pub completeness: Option<f64>,
+    /// Stop when the next view is expected to add less than this share, 0..=1, to what was seen so far. Default: do not.
+    /// Planners that expect nothing never stop so.
+    pub expected_gain: Option<f64>,
+    /// Stop rather than let the straight path through all views become longer than this, metres, positive. Default: do not.
+    pub path_length: Option<f64>,
 }
 
 impl Default for StopConfig {
     fn default() -> Self {
-        Self { max_views: 10, entropy_share: None }
+        Self {
+            max_views: 10,
+            entropy_share: None,
+            completeness: None,
+            expected_gain: None,
+            path_length: None,
+        }
+    }
+}
+
+impl StopConfig {
+    /// Fails on the first value out of range.
+    pub fn check(&self) -> Result<(), Error> {
+        if self.max_views == 0 {
+            return Err(Error::invalid("max_views", 0, "at least 1"));
+        }
+        let shares = [
+            ("entropy_share", self.entropy_share),
+            ("completeness", self.completeness),
+            ("expected_gain", self.expected_gain),
+        ];
+        for (name, share) in shares.into_iter().filter_map(|(name, share)| Some((name, share?))) {
+            if !(0.0..=1.0).contains(&share) {
+                return Err(Error::invalid(name, share, "a number in 0..=1"));
+            }
+        }
+        match self.path_length {
+            Some(length) if length.is_nan() || length <= 0.0 => {
+                Err(Error::invalid("path_length", length, "a positive number of metres"))
+            }
+            _ => Ok(()),
+        }
     }
 }
 
@@ -77,13 +116,7 @@ impl SessionConfig {
                 "a number below that of view candidates",
             ));
         }
-        if self.stop.max_views == 0 {
-            return Err(Error::invalid("max_views", 0, "at least 1"));
-        }
-        if self.stop.entropy_share.is_some_and(|share| !(0.0..=1.0).contains(&share)) {
-            let share = self.stop.entropy_share.unwrap_or_default();
-            return Err(Error::invalid("entropy_share", share, "a number in 0..=1"));
-        }
+        self.stop.check()?;
         Lattice::new(self.voxel_size)?;
         self.multi_resolution.map_or(Ok(()), |rule| rule.check(self.voxel_size))?;
         self.sensor_model.check()?;

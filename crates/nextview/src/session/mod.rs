@@ -20,7 +20,7 @@ pub use views::Views;
 use crate::Error;
 use crate::geometry::{Aabb, Pose};
 use crate::map::{MapUpdate, OccupancyMap, Snapshot};
-use crate::planner::{Choice, FlowSummary, Plan, Situation, ViewPlanner};
+use crate::planner::{Choice, FlowSummary, Outlook, Plan, Situation, ViewPlanner};
 use crate::sensor::{Frame, Intrinsics};
 use crate::view::ViewSpace;
 use course::Course;
@@ -88,6 +88,8 @@ pub struct NextView {
     pub choice: Option<Choice>,
     /// The flow behind the choice, for planners that solve one.
     pub flow: Option<FlowSummary>,
+    /// What the planner expects of the view and of all that could follow, for planners that tell.
+    pub outlook: Option<Outlook>,
 }
 
 /// Why a scan ends.
@@ -100,6 +102,12 @@ pub enum StopReason {
     Converged,
     /// No candidate gains anything.
     NothingToGain,
+    /// As much of the surface as asked for is estimated to have been seen.
+    Complete,
+    /// The next view is expected to add less than asked for.
+    LittleToGain,
+    /// The way to the next view would make the path longer than allowed.
+    PathLimit,
     /// There is no box to plan in: no frame shows an object yet, or the known box lies inside the table. After another
     /// frame, taken from elsewhere, the scan may go on.
     NoObject,
@@ -175,6 +183,9 @@ impl Session {
                 return Decision::Stop(StopReason::Converged);
             }
             let plan = self.plan(&snapshot);
+            if let Some(reason) = self.reason_to_stop(&plan) {
+                return Decision::Stop(reason);
+            }
             if let Some(choice) = plan.choice {
                 self.course.depart(&snapshot);
                 return self.go_to(Some(choice.view), self.candidates.pose(choice.view), &plan);
@@ -266,6 +277,30 @@ impl Session {
         self.map.is_finest() && share.is_some_and(|q_thresh| snapshot.entropy_share() < q_thresh)
     }
 
+    /// Whether the plan's next view is not worth the while.
+    fn reason_to_stop(&self, plan: &Plan) -> Option<StopReason> {
+        let StopConfig { completeness, expected_gain, path_length, .. } = self.config.stop;
+        let outlook = plan.outlook.filter(|_| self.map.is_finest());
+        if outlook.zip(completeness).is_some_and(|(outlook, enough)| outlook.completeness() >= enough) {
+            return Some(StopReason::Complete);
+        }
+        let choice = plan.choice?;
+        if outlook.zip(expected_gain).is_some_and(|(outlook, least)| outlook.gain() < least) {
+            return Some(StopReason::LittleToGain);
+        }
+        let next = self.candidates.pose(choice.view).translation();
+        let last =
+            self.frames.last().map_or(0.0, |frame| frame.world_from_camera().translation().distance(next));
+        let is_too_long = path_length.is_some_and(|limit| self.legs().sum::<f64>() + last > limit);
+        is_too_long.then_some(StopReason::PathLimit)
+    }
+
+    /// Straight distances between the places of the frames so far, metres.
+    fn legs(&self) -> impl DoubleEndedIterator<Item = f64> {
+        let position = |frame: &Frame| frame.world_from_camera().translation();
+        self.frames.windows(2).map(move |pair| position(&pair[0]).distance(position(&pair[1])))
+    }
+
     /// The next view of the itinerary, or else a new plan.
     fn plan(&mut self, snapshot: &Snapshot) -> Plan {
         if let Some(choice) = self.course.next(snapshot) {
@@ -286,7 +321,8 @@ impl Session {
     }
 
     fn go_to(&mut self, view: Option<usize>, world_from_camera: Pose, plan: &Plan) -> Decision {
-        let next = NextView { view, world_from_camera, choice: plan.choice, flow: plan.flow };
+        let next =
+            NextView { view, world_from_camera, choice: plan.choice, flow: plan.flow, outlook: plan.outlook };
         self.pending = Some(next);
         Decision::Move(next)
     }
@@ -300,6 +336,8 @@ impl Session {
             world_from_camera: frame.world_from_camera(),
             choice: taken.and_then(|next| next.choice),
             flow: taken.and_then(|next| next.flow),
+            outlook: taken.and_then(|next| next.outlook),
+            travel: self.legs().next_back().unwrap_or(0.0),
             voxel_size,
             bounds,
             table: table.map(|table| table.plane),

@@ -1,6 +1,6 @@
 use crate::geometry::{Aabb, Plane, Pose};
 use crate::map::{MapUpdate, Occupancy, Snapshot};
-use crate::planner::{Choice, FlowSummary};
+use crate::planner::{Choice, FlowSummary, Outlook};
 use serde::{Deserialize, Serialize};
 
 /// Everything worth telling about one step: the choice of a view and what looking from there changed.
@@ -16,6 +16,10 @@ pub struct StepReport {
     pub choice: Option<Choice>,
     /// The flow behind the choice, for planners that solve one.
     pub flow: Option<FlowSummary>,
+    /// What the planner expected of the view and of all that could follow, for planners that tell.
+    pub outlook: Option<Outlook>,
+    /// Straight distance from where the last frame was taken, metres; 0 for the first.
+    pub travel: f64,
     /// Voxel size, metres, in which the view was planned; of a view that was not, that in which planning goes on.
     pub voxel_size: f64,
     /// The box around the object after the frame; none if no object was found.

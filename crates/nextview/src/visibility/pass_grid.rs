@@ -20,18 +20,31 @@ impl PassGrid {
     /// Marks the layer around the block.
     pub const OUTSIDE: f32 = -1.0;
 
+    /// The passes under eq. (2) as users choose it.
     pub fn new(snapshot: &Snapshot, free_space: FreeSpace) -> Self {
-        let block = match free_space {
-            FreeSpace::Fades => snapshot.block(),
-            FreeSpace::Clear => without_free_margin(snapshot),
-        };
-        let padded = VoxelBlock::new(block.min() - 1, block.dims() + 2).expect("larger than a block");
-        let mut grid = Self { block, padded, passes: vec![Self::OUTSIDE; padded.n_voxels()] };
         let pass = |voxel: usize| match (snapshot.occupancy()[voxel], free_space) {
             (Occupancy::Occupied, _) => 0.0,
             (Occupancy::Free, FreeSpace::Clear) => 1.0,
             _ => 1.0 - snapshot.probability()[voxel],
         };
+        let block = match free_space {
+            FreeSpace::Fades => snapshot.block(),
+            FreeSpace::Clear => {
+                without_margin(snapshot.block(), |voxel| snapshot.occupancy()[voxel] == Occupancy::Free)
+            }
+        };
+        Self::with_passes(snapshot, block, pass)
+    }
+
+    /// What passes through each voxel of the snapshot, above 0 and up to 1.
+    pub fn of_passes(snapshot: &Snapshot, passes: &[f32]) -> Self {
+        let block = without_margin(snapshot.block(), |voxel| passes[voxel] == 1.0);
+        Self::with_passes(snapshot, block, |voxel| passes[voxel])
+    }
+
+    fn with_passes(snapshot: &Snapshot, block: VoxelBlock, pass: impl Fn(usize) -> f32) -> Self {
+        let padded = VoxelBlock::new(block.min() - 1, block.dims() + 2).expect("larger than a block");
+        let mut grid = Self { block, padded, passes: vec![Self::OUTSIDE; padded.n_voxels()] };
         for (cells, voxels) in grid.rows(snapshot) {
             grid.passes[cells].iter_mut().zip(voxels).for_each(|(cell, voxel)| *cell = pass(voxel));
         }
@@ -49,23 +62,20 @@ impl PassGrid {
     }
 }
 
-/// The smallest block that holds all voxels not known to be free (the whole one if there are none): clear free space
-/// around it neither weakens a ray nor ends it.
-fn without_free_margin(snapshot: &Snapshot) -> VoxelBlock {
-    let block = snapshot.block();
-    let (width, height) = (block.dims().x as usize, block.dims().y as usize);
+/// The smallest block that holds all voxels that are not clear (the whole one if there are none): clear space around it neither weakens a
+/// ray nor ends it.
+fn without_margin(block: VoxelBlock, is_clear: impl Fn(usize) -> bool) -> VoxelBlock {
+    let [width, height, depth] = block.dims().to_array().map(|dim| dim as usize);
     let mut corners: Option<(IVec3, IVec3)> = None;
-    for (row, states) in snapshot.occupancy().chunks(width).enumerate() {
-        let ends = [states.iter().position(is_not_free), states.iter().rposition(is_not_free)];
-        for x in ends.into_iter().flatten() {
-            let key = block.min() + IVec3::new(x as i32, (row % height) as i32, (row / height) as i32);
+    for row in 0..height * depth {
+        let mut voxels = row * width..(row + 1) * width;
+        let first = voxels.find(|&voxel| !is_clear(voxel));
+        let last = voxels.rfind(|&voxel| !is_clear(voxel)).or(first);
+        for voxel in [first, last].into_iter().flatten() {
+            let key = block.key(voxel);
             corners = Some(corners.map_or((key, key), |(low, high)| (low.min(key), high.max(key))));
         }
     }
     let inner = corners.and_then(|(low, high)| VoxelBlock::new(low, (high - low + 1).as_uvec3()));
     inner.unwrap_or(block)
-}
-
-fn is_not_free(state: &Occupancy) -> bool {
-    *state != Occupancy::Free
 }

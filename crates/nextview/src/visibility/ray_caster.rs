@@ -55,10 +55,36 @@ impl<'a> RayCaster<'a> {
         sight: impl Into<Sight>,
     ) -> Result<Self, Error> {
         let Sight { free_space, fade_limit } = sight.into();
+        Self::with_passes(snapshot, intrinsics, ray_spacing, PassGrid::new(snapshot, free_space), fade_limit)
+    }
+
+    /// A caster for what these shares of visibility, above 0 and up to 1, pass through each voxel of the snapshot.
+    pub(crate) fn through(
+        snapshot: &'a Snapshot,
+        intrinsics: &Intrinsics,
+        ray_spacing: f64,
+        passes: &[f32],
+        fade_limit: f32,
+    ) -> Result<Self, Error> {
+        Self::with_passes(
+            snapshot,
+            intrinsics,
+            ray_spacing,
+            PassGrid::of_passes(snapshot, passes),
+            fade_limit,
+        )
+    }
+
+    fn with_passes(
+        snapshot: &'a Snapshot,
+        intrinsics: &Intrinsics,
+        ray_spacing: f64,
+        passes: PassGrid,
+        fade_limit: f32,
+    ) -> Result<Self, Error> {
         if !(ray_spacing > 0.0 && ray_spacing.is_finite()) {
             return Err(Error::invalid("ray_spacing", ray_spacing, "a positive number of voxels"));
         }
-        let passes = PassGrid::new(snapshot, free_space);
         Ok(Self {
             snapshot,
             grid: RayGrid::new(intrinsics),

@@ -2,10 +2,10 @@ use super::packet::{LANES, Packet};
 use super::paths::Paths;
 use super::{RayCaster, pass_grid::PassGrid};
 use crate::geometry::Pose;
-use crate::map::{Occupancy, Snapshot};
+use crate::map::Snapshot;
 use pulp::{Simd, WithSimd};
 
-/// Sends rays for planners that ask of a ray only which unknown voxels of worth it crosses, and how well it sees them.
+/// Sends rays for planners that ask of a ray only which voxels of worth it crosses, and how well it sees them.
 ///
 /// It tells the same as [`RayCaster::cast`], in the same order, at half of the time: measured voxels are left out, and the
 /// rays are walked side by side.
@@ -21,13 +21,13 @@ pub(crate) struct WorthCaster<'a> {
 const NO_ITEM: u32 = u32::MAX;
 
 impl<'a> WorthCaster<'a> {
-    /// Numbers the unknown voxels of positive worth as items, in the order of the voxels.
+    /// Numbers the voxels of positive worth as items, in the order of the voxels.
     pub fn new(caster: RayCaster<'a>, snapshot: &Snapshot, worth_of_voxel: &[f64]) -> Self {
         let mut items = vec![NO_ITEM; caster.passes.padded.n_voxels()];
         let mut worth = Vec::new();
         for (cells, voxels) in caster.passes.rows(snapshot) {
             for (cell, voxel) in cells.zip(voxels) {
-                if worth_of_voxel[voxel] > 0.0 && snapshot.occupancy()[voxel] == Occupancy::Unknown {
+                if worth_of_voxel[voxel] > 0.0 {
                     items[cell] = worth.len() as u32;
                     worth.push(worth_of_voxel[voxel]);
                 }

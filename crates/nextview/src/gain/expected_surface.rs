@@ -1,0 +1,106 @@
+use crate::Error;
+use crate::geometry::Pose;
+use crate::map::{Occupancy, Snapshot};
+use crate::prior::{Sighting, SurfaceEstimate};
+use crate::sensor::Intrinsics;
+use crate::visibility::{Paths, RayCaster, WorthCaster};
+use glam::Vec3;
+
+/// How many voxels of surface a view is expected to show that were not seen before, under a [`SurfacePrior`](crate::prior::SurfacePrior).
+///
+/// Rays go on behind unknown voxels as far as the prior lets them. Each voxel counts once for a view, with the probability that it is seen
+/// anew from there, as the ray shows it that comes to it best.
+#[derive(Debug)]
+pub struct ExpectedSurface<'a> {
+    estimate: &'a SurfaceEstimate,
+    caster: WorthCaster<'a>,
+    /// The middle of each voxel of the estimate, metres, world coordinates.
+    centers: Vec<Vec3>,
+}
+
+/// The visibility behind an occupied voxel: the surface in it may leave a part of it open.
+const PASSES_OCCUPIED: f32 = 0.25;
+
+/// The same for a free voxel at the border of the unknown, where surface may lie after all.
+const PASSES_BORDER: f32 = 0.95;
+
+/// Visibility below which a ray ends.
+const FADED: f32 = 0.03;
+
+impl<'a> ExpectedSurface<'a> {
+    /// The gain under an estimate for this snapshot. `ray_spacing` is the distance between neighbouring rays at the far side of the box, in voxels
+    /// of the snapshot, positive.
+    pub fn new(
+        snapshot: &'a Snapshot,
+        intrinsics: &Intrinsics,
+        estimate: &'a SurfaceEstimate,
+        ray_spacing: f64,
+    ) -> Result<Self, Error> {
+        let occupancy = snapshot.occupancy();
+        let pass_measured =
+            |state: &Occupancy| if *state == Occupancy::Occupied { PASSES_OCCUPIED } else { 1.0 };
+        let mut passes: Vec<f32> = occupancy.iter().map(pass_measured).collect();
+        let mut is_item = vec![0.0; passes.len()];
+        for (i, &voxel) in estimate.voxels().iter().enumerate() {
+            let voxel = voxel as usize;
+            let is_free = occupancy[voxel] == Occupancy::Free;
+            passes[voxel] =
+                if is_free { PASSES_BORDER } else { (1.0 - estimate.stops(i)).clamp(1e-3, 0.999) };
+            is_item[voxel] = 1.0;
+        }
+        let caster = RayCaster::through(snapshot, intrinsics, ray_spacing, &passes, FADED)?;
+        let (lattice, block) = (snapshot.lattice(), snapshot.block());
+        let center = |&voxel: &u32| lattice.center(block.key(voxel as usize)).as_vec3();
+        let centers = estimate.voxels().iter().map(center).collect();
+        Ok(Self { estimate, caster: WorthCaster::new(caster, snapshot, &is_item), centers })
+    }
+
+    /// Room to look from one view after the other.
+    pub fn eye(&self) -> Eye<'_> {
+        Eye {
+            gain: self,
+            paths: self.caster.paths(),
+            visibility: vec![0.0; self.estimate.len()],
+            seen: Vec::new(),
+        }
+    }
+}
+
+/// Looks from one view after the other.
+#[derive(Debug)]
+pub struct Eye<'a> {
+    gain: &'a ExpectedSurface<'a>,
+    paths: Paths,
+    /// By voxel of the estimate, the largest visibility in the view; zeros between views.
+    visibility: Vec<f32>,
+    /// The voxels that rays of the view come to.
+    seen: Vec<u32>,
+}
+
+impl Eye<'_> {
+    /// Tells all voxels of the estimate that rays of the view come to, by their place in the estimate, and how well it sees them; each once, in a fixed order.
+    pub fn look(&mut self, world_from_camera: &Pose, mut visit: impl FnMut(usize, Sighting)) {
+        let Self { gain, paths, visibility, seen } = self;
+        gain.caster.cast(world_from_camera, paths, |item, value| {
+            let (best, value) = (&mut visibility[item], value as f32);
+            if value > *best {
+                if *best == 0.0 {
+                    seen.push(item as u32);
+                }
+                *best = value;
+            }
+        });
+        let camera = world_from_camera.translation().as_vec3();
+        for item in seen.drain(..).map(|item| item as usize) {
+            let facing = (camera - gain.centers[item]).normalize().dot(gain.estimate.normal(item));
+            visit(item, Sighting::new(std::mem::take(&mut visibility[item]), facing));
+        }
+    }
+
+    /// The number of voxels that the view is expected to show anew.
+    pub fn gain(&mut self, world_from_camera: &Pose) -> f64 {
+        let (mut sum, estimate) = (0.0, self.gain.estimate);
+        self.look(world_from_camera, |item, sighting| sum += estimate.shows(item, sighting) as f64);
+        sum
+    }
+}

@@ -1,0 +1,200 @@
+use crate::optimizer::Sample;
+use glam::{DQuat, DVec3};
+use nextview::gain::ExpectedSurface;
+use nextview::geometry::Lattice;
+use nextview::geometry::random::Random;
+use nextview::map::{Occupancy, Snapshot};
+use nextview::planner::{MostSurface, MostSurfaceConfig, RandomViews, ViewPlanner};
+use nextview::prior::{SurfacePrior, VoxelFeatures};
+use nextview::sensor::Intrinsics;
+use nextview::session::{Decision, Session, SessionConfig, StopConfig, Table};
+use nextview::view::{ViewSpace, generate};
+use nextview::visibility::{FreeSpace, RayCaster, Sight};
+use nextview_sim::mesh::TriangleMesh;
+use nextview_sim::random_object::random_object;
+use nextview_sim::scene::Scene;
+use nextview_sim::truth::ObjectVoxels;
+use std::sync::Arc;
+
+/// Longest side of all objects, metres; to the features, only voxels have a size.
+const SIZE: f64 = 0.2;
+
+/// Voxel sizes that a scan may have, metres: 26 to 66 voxels along the box.
+const VOXEL_SIZES: [f64; 4] = [0.01, 0.007, 0.005, 0.0036];
+
+/// Share of scans over a table.
+const WITH_TABLE: f64 = 0.35;
+
+/// Views of a scan, and candidates.
+const N_VIEWS: usize = 7;
+const N_CANDIDATES: usize = 150;
+
+/// An object to be scanned, with all that chance decides about the scan.
+#[derive(Clone, Debug)]
+pub struct Source {
+    /// A mesh to be turned and stretched, or else a random object.
+    pub mesh: Option<Arc<TriangleMesh>>,
+    /// What chance decides.
+    pub seed: u64,
+}
+
+/// What a scan is to teach.
+#[derive(Clone, Copy, Debug)]
+pub enum Lesson<'a> {
+    /// Whether a ray that comes to an unknown voxel ends in it.
+    Stops,
+    /// Whether a view shows something new of a voxel, given how well it sees it under this prior. Half of the scans
+    /// are planned with it.
+    Shows(&'a SurfacePrior),
+}
+
+impl Source {
+    /// Samples from a scan, up to so many after each view.
+    pub fn samples(&self, lesson: Lesson<'_>, n_per_view: usize) -> Vec<Sample> {
+        let mut random = Random::new(self.seed, 21);
+        let scan = Scan::new(self, &mut random);
+        let planner: Box<dyn ViewPlanner> = match lesson {
+            Lesson::Shows(prior) if random.unit() < 0.5 => {
+                let planner = MostSurface::with_prior(MostSurfaceConfig::default(), prior.clone());
+                Box::new(planner.expect("the defaults are in range"))
+            }
+            _ => Box::new(RandomViews { seed: self.seed }),
+        };
+        let mut session = scan.session(planner, &mut random);
+        let mut samples = Vec::new();
+        while let Decision::Move(next) = session.decide() {
+            let frame = scan.scene.camera().capture(&next.world_from_camera);
+            session.observe(&frame.expect("candidates are in the room"));
+            let Some(snapshot) = session.snapshot() else { continue };
+            let all = match lesson {
+                Lesson::Stops => scan.rays(&snapshot, &mut random),
+                Lesson::Shows(prior) => scan.sightings(&snapshot, prior, &mut random),
+            };
+            let features = VoxelFeatures::new(&snapshot);
+            let n_samples = if all.is_empty() { 0 } else { n_per_view };
+            samples.extend((0..n_samples).map(|_| {
+                let Observation { item, output, is_so } = all[random.index(all.len())];
+                Sample { row: features.rows[item as usize], output, is_so }
+            }));
+        }
+        samples
+    }
+
+    fn object(&self, random: &mut Random) -> TriangleMesh {
+        let object = match &self.mesh {
+            None => random_object(self.seed),
+            Some(mesh) => varied(mesh, random),
+        };
+        let size = object.bounds().longest_side();
+        object.scaled(SIZE / size).expect("a mesh of any size can be scaled to this one")
+    }
+}
+
+/// The mesh turned, stretched and turned again; about the vertical axis alone in half of all cases.
+fn varied(mesh: &TriangleMesh, random: &mut Random) -> TriangleMesh {
+    let first = DQuat::from_rotation_z(random.range(0.0, std::f64::consts::TAU));
+    let stretch = DVec3::new(random.range(0.6, 1.0), random.range(0.6, 1.0), random.range(0.6, 1.0));
+    let second = if random.unit() < 0.5 {
+        DQuat::from_rotation_z(random.range(0.0, std::f64::consts::TAU))
+    } else {
+        DQuat::from_rotation_arc(DVec3::Z, (random.in_cube() + 1e-9).normalize())
+    };
+    let vertices = mesh.vertices().iter().map(|&vertex| second * (stretch * (first * vertex))).collect();
+    TriangleMesh::new(vertices, mesh.triangles().to_vec()).expect("a mesh stays one when it is stretched")
+}
+
+/// An object before a camera.
+struct Scan {
+    scene: Scene,
+    views: ViewSpace,
+    voxel_size: f64,
+    has_table: bool,
+    object: ObjectVoxels,
+}
+
+/// Something that is so or not of a voxel.
+#[derive(Clone, Copy)]
+struct Observation {
+    /// Its place among the voxels that have features.
+    item: u32,
+    output: u8,
+    is_so: bool,
+}
+
+impl Scan {
+    fn new(source: &Source, random: &mut Random) -> Self {
+        let voxel_size = VOXEL_SIZES[random.index(VOXEL_SIZES.len())];
+        let has_table = random.unit() < WITH_TABLE;
+        let object = source.object(random);
+        let scene = Scene::new(object, Intrinsics::d435i()).expect("the objects are small");
+        let scene = if has_table { scene.with_table().expect("the camera stands above") } else { scene };
+        let n_around = if has_table { 2 * N_CANDIDATES } else { N_CANDIDATES };
+        let around = generate::shell(scene.center(), scene.size(), n_around, source.seed).expect("a shell");
+        let lowest = scene.room().min.z + 0.03;
+        let poses = around.poses().iter().filter(|pose| !has_table || pose.translation().z > lowest);
+        let views = ViewSpace::new(poses.copied().collect()).expect("some are above the table");
+        let lattice = Lattice::new(voxel_size).expect("a length");
+        let block = lattice.block_inside(&scene.planning_box(voxel_size)).expect("larger than a voxel");
+        let object = ObjectVoxels::new(scene.camera(), lattice, block);
+        Self { scene, views, voxel_size, has_table, object }
+    }
+
+    fn session(&self, planner: Box<dyn ViewPlanner>, random: &mut Random) -> Session {
+        let table = if self.has_table { Table::AtHeight(self.scene.room().min.z) } else { Table::None };
+        let config = SessionConfig {
+            table,
+            first_view: random.index(self.views.len()),
+            stop: StopConfig { max_views: N_VIEWS, ..StopConfig::default() },
+            ..SessionConfig::new(self.voxel_size, self.scene.planning_box(self.voxel_size))
+        };
+        let camera = *self.scene.camera().intrinsics();
+        Session::new(config, camera, self.views.clone(), planner).expect("all is in range")
+    }
+
+    fn random_view(&self, random: &mut Random) -> nextview::geometry::Pose {
+        self.views.pose(random.index(self.views.len()))
+    }
+
+    /// What the rays of a few views come to, up to the first voxel of the object.
+    fn rays(&self, snapshot: &Snapshot, random: &mut Random) -> Vec<Observation> {
+        let features = VoxelFeatures::new(snapshot);
+        let mut item_of = vec![u32::MAX; snapshot.block().n_voxels()];
+        features.voxels.iter().zip(0..).for_each(|(&voxel, item)| item_of[voxel as usize] = item);
+        let camera = self.scene.camera().intrinsics();
+        let caster = RayCaster::new(snapshot, camera, 3.0, Sight::endless(FreeSpace::Clear));
+        let caster = caster.expect("the spacing is positive");
+        let mut all = Vec::new();
+        for _ in 0..8 {
+            caster.cast(&self.random_view(random), |ray| {
+                let voxels = ray.crossings.iter().map(|crossing| crossing.voxel as usize);
+                for voxel in voxels.filter(|&voxel| snapshot.occupancy()[voxel] == Occupancy::Unknown) {
+                    let is_so = self.object.number(snapshot.block().key(voxel)).is_some();
+                    all.push(Observation { item: item_of[voxel], output: 0, is_so });
+                    if is_so {
+                        break;
+                    }
+                }
+            });
+        }
+        all
+    }
+
+    /// What a few views show of the voxels that their rays come to.
+    fn sightings(&self, snapshot: &Snapshot, prior: &SurfacePrior, random: &mut Random) -> Vec<Observation> {
+        let estimate = prior.estimate(snapshot);
+        let camera = self.scene.camera().without_background();
+        let gain = ExpectedSurface::new(snapshot, camera.intrinsics(), &estimate, 1.0);
+        let gain = gain.expect("the spacing is positive");
+        let (mut eye, mut all) = (gain.eye(), Vec::new());
+        for _ in 0..4 {
+            let pose = self.random_view(random);
+            let seen = self.object.seen_from(&camera, &pose).expect("candidates are in the room");
+            eye.look(&pose, |item, sighting| {
+                let key = snapshot.block().key(estimate.voxels()[item] as usize);
+                let is_so = self.object.number(key).is_some_and(|number| seen[number]);
+                all.push(Observation { item: item as u32, output: sighting.index() as u8, is_so });
+            });
+        }
+        all
+    }
+}
