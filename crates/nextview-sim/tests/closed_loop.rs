@@ -107,7 +107,7 @@ fn what_a_scan_sees_is_what_the_truth_says_of_its_views() {
 #[test]
 fn each_stop_reason_is_reached() {
     let setup = Setup::new("torus-knot");
-    let stop = |max_views, entropy_share| StopConfig { max_views, entropy_share };
+    let stop = |max_views, entropy_share| StopConfig { max_views, entropy_share, ..StopConfig::default() };
     let limit = SessionConfig { stop: stop(2, None), ..setup.config() };
     assert_eq!(setup.run(max_flow(0.0), limit).1, StopReason::ViewLimit);
     let converged = SessionConfig { stop: stop(20, Some(0.9)), ..setup.config() };

@@ -3,13 +3,13 @@
 #![allow(clippy::unwrap_used, reason = "helpers of tests")]
 
 use glam::{DVec3, IVec3, UVec3};
-use nextview::gain::LocalGain;
+use nextview::gain::ExpectedSurface;
 use nextview::geometry::{Lattice, VoxelBlock};
 use nextview::map::{LogOdds, Snapshot};
 use nextview::planner::{Batch, BatchConfig, BatchPlan, Situation, ViewPlanner};
+use nextview::prior::SurfacePrior;
 use nextview::sensor::Intrinsics;
 use nextview::view::{KeepOut, ViewSpace, generate, tour_length};
-use nextview::visibility::{FreeSpace, RayCaster};
 
 const N_VIEWS: usize = 14;
 const VISITED: [usize; 2] = [3, 9];
@@ -50,19 +50,14 @@ fn plan(config: BatchConfig) -> BatchPlan {
     with_situation(&half_seen_ball(), &views(), |situation| planner.plan_batch(situation))
 }
 
-/// For every view the value of each voxel: the largest quality of a crossing.
+/// For every view the value of each voxel: the probability that it shows new surface.
 fn values(snapshot: &Snapshot, views: &ViewSpace) -> Vec<Vec<f64>> {
-    let gain = LocalGain::new(snapshot);
-    let caster = RayCaster::new(snapshot, &Intrinsics::d435i(), 2.0, FreeSpace::Clear).unwrap();
+    let estimate = SurfacePrior::default().estimate(snapshot);
+    let gain = ExpectedSurface::new(snapshot, &Intrinsics::d435i(), &estimate, 2.0).unwrap();
     let look = |view: usize| {
-        let mut best = vec![0.0_f64; snapshot.block().n_voxels()];
-        caster.cast(&views.pose(view), |ray| {
-            for crossing in ray.crossings {
-                let best = &mut best[crossing.voxel as usize];
-                *best = best.max(gain.quality(crossing));
-            }
-        });
-        best
+        let mut value = vec![0.0; estimate.len()];
+        gain.eye().look(&views.pose(view), |i, sighting| value[i] = estimate.shows(i, sighting) as f64);
+        value
     };
     (0..views.len()).map(look).collect()
 }

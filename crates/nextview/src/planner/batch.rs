@@ -25,8 +25,8 @@ pub struct BatchConfig {
     pub least_share: f64,
     /// A session plans anew when a view showed less or more than expected by over this share, at least 0. Default 0.5.
     pub tolerance: f64,
-    /// Distance between neighbouring planning rays at the far side of the box, in voxels of the finest size, positive.
-    /// Default 2, as for [`MaxFlow`](super::MaxFlow).
+    /// Distance between neighbouring planning rays at the far side of the box, in voxels as for
+    /// [`MostSurface`](super::MostSurface), positive. Default 2.
     pub ray_spacing: f64,
 }
 
@@ -38,7 +38,7 @@ impl Default for BatchConfig {
 
 /// Chooses a few views that together show as much as possible of what is worth seeing, and a short tour through them.
 ///
-/// What a view shows is the paper's local gain, each voxel counted once. The views are a [`best_coverage`]; with a weight
+/// What a view shows is what a learned prior expects it to show anew, as for [`MostSurface`](super::MostSurface). The views are a [`best_coverage`]; with a weight
 /// on the path, a tour of large score is searched for.
 #[derive(Clone, Copy, Debug)]
 pub struct Batch {
@@ -63,7 +63,7 @@ pub struct BatchPlan {
 pub struct BatchView {
     /// Its number.
     pub view: usize,
-    /// What it shows that those before it do not: local gain, nats.
+    /// What it is expected to show that those before it do not: voxels of surface.
     pub gain: f64,
     /// The same as a part, 0..=1, of all that is worth seeing.
     pub share: f64,
