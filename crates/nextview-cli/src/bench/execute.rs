@@ -77,6 +77,8 @@ fn step_measures(step: &Step, baselines: Option<&Baselines>) -> StepMeasures {
         voxel_coverage: step.voxels.coverage(),
         false_voxels: step.voxels.n_false,
         seen: baselines.map(|b| b.reachable_coverage(step)),
+        estimated_seen_before: step.report.outlook.map(|outlook| outlook.completeness()),
+        expected_new_voxels: step.report.outlook.map(|outlook| outlook.n_expected),
         surface_1mm,
         surface_2mm,
         surface_5mm,

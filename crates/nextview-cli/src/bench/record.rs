@@ -80,6 +80,13 @@ pub(crate) struct StepMeasures {
     pub false_voxels: usize,
     /// Share of the reachable object voxels seen so far; none without baselines.
     pub seen: Option<f64>,
+    /// The planner's estimate, before it took this view, of the share of what can be seen that had been seen; none for planners
+    /// that do not tell, and in campaigns of old.
+    #[serde(default)]
+    pub estimated_seen_before: Option<f64>,
+    /// Voxels that it expected the view to show anew.
+    #[serde(default)]
+    pub expected_new_voxels: Option<f64>,
     /// Share of the true surface with a measured point within 1, 2 and 5 mm.
     pub surface_1mm: f64,
     pub surface_2mm: f64,

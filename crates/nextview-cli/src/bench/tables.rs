@@ -69,6 +69,8 @@ fn step_columns<'a, I: Iterator<Item = Option<&'a StepMeasures>>>(table: &mut Ta
     table.float("voxel_coverage", steps().map(|s| Some(s?.voxel_coverage)));
     table.count("false_voxels", steps().map(|s| Some(s?.false_voxels)));
     table.float("seen", steps().map(|s| s?.seen));
+    table.float("estimated_seen_before", steps().map(|s| s?.estimated_seen_before));
+    table.float("expected_new_voxels", steps().map(|s| s?.expected_new_voxels));
     table.float("surface_1mm", steps().map(|s| Some(s?.surface_1mm)));
     table.float("surface_2mm", steps().map(|s| Some(s?.surface_2mm)));
     table.float("surface_5mm", steps().map(|s| Some(s?.surface_5mm)));

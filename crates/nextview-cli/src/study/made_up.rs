@@ -93,6 +93,8 @@ fn step(view: usize, rate: f64) -> StepMeasures {
         voxel_coverage: 0.95 * seen,
         false_voxels: 3,
         seen: Some(seen),
+        estimated_seen_before: None,
+        expected_new_voxels: None,
         surface_1mm: 0.8 * seen,
         surface_2mm: 0.9 * seen,
         surface_5mm: 0.95 * seen,
