@@ -23,6 +23,7 @@ use nextview_sim::mesh::{self, Unit};
 use nextview_sim::run::{self, Step};
 use nextview_sim::scene::Scene;
 use nextview_sim::truth::{ObjectVoxels, TrueVisibility};
+use std::ops::ControlFlow;
 use std::path::Path;
 use std::sync::Arc;
 
@@ -128,7 +129,11 @@ impl Setup {
         let config = SessionConfig { background, ..SessionConfig::new(self.voxel_size, bounds) };
         let mut session = Session::new(config, Intrinsics::d435i(), self.views.clone(), planner).unwrap();
         let mut steps: Vec<Step> = Vec::new();
-        run::run(&mut session, &self.scene, &self.object, |step| steps.push(step)).unwrap();
+        run::run(&mut session, &self.scene, &self.object, |step| {
+            steps.push(step);
+            ControlFlow::Continue(())
+        })
+        .unwrap();
         let mut times: Vec<f64> =
             steps.iter().skip(1).map(|step| step.plan_time.as_secs_f64() * 1e3).collect();
         times.sort_by(f64::total_cmp);

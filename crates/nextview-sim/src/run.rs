@@ -8,6 +8,7 @@ use fixedbitset::FixedBitSet;
 use glam::DVec3;
 use nextview::sensor::Frame;
 use nextview::session::{Decision, Session, StepReport, StopReason};
+use std::ops::ControlFlow;
 use std::time::{Duration, Instant};
 
 /// Everything measured at one step of a simulated scan.
@@ -35,12 +36,12 @@ pub struct Step {
     pub render_time: Duration,
 }
 
-/// Runs a session until it stops; every step is handed out as soon as it is done.
+/// Runs a session until it stops; every step is handed out as soon as it is done, and may end the run.
 pub fn run(
     session: &mut Session,
     scene: &Scene,
     object: &ObjectVoxels,
-    mut on_step: impl FnMut(Step),
+    mut on_step: impl FnMut(Step) -> ControlFlow<StopReason>,
 ) -> Result<StopReason, SimError> {
     let mut surface = SurfaceCoverage::new(scene.camera().mesh());
     let mut seen = FixedBitSet::with_capacity(object.len());
@@ -56,7 +57,7 @@ pub fn run(
         let (report, map_time) = timed(|| session.observe(&capture.frame));
         seen.union_with(&object.seen_in(capture.truth()));
         surface.add(&capture.frame);
-        on_step(Step {
+        let goes_on = on_step(Step {
             report,
             voxels: object.compare(&session.map().snapshot(object.block())),
             n_seen: seen.count_ones(..),
@@ -67,6 +68,9 @@ pub fn run(
             render_time,
             frame: capture.frame,
         });
+        if let ControlFlow::Break(reason) = goes_on {
+            return Ok(reason);
+        }
     }
 }
 

@@ -15,6 +15,7 @@ use nextview_sim::builtin;
 use nextview_sim::run::{self, Step};
 use nextview_sim::scene::Scene;
 use nextview_sim::truth::{ObjectVoxels, TrueVisibility};
+use std::ops::ControlFlow;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
@@ -45,7 +46,11 @@ impl Setup {
     fn run(&self, planner: Box<dyn ViewPlanner>, config: SessionConfig) -> (Vec<Step>, StopReason) {
         let mut session = Session::new(config, Intrinsics::d435i(), self.views.clone(), planner).unwrap();
         let mut steps = Vec::new();
-        let reason = run::run(&mut session, &self.scene, &self.object, |step| steps.push(step)).unwrap();
+        let reason = run::run(&mut session, &self.scene, &self.object, |step| {
+            steps.push(step);
+            ControlFlow::Continue(())
+        })
+        .unwrap();
         assert_eq!(session.visited().len(), steps.len());
         (steps, reason)
     }

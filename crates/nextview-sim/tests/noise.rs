@@ -13,6 +13,7 @@ use nextview_sim::run::{self, Step};
 use nextview_sim::scene::Scene;
 use nextview_sim::truth::{ObjectVoxels, TrueVisibility};
 use rayon::prelude::*;
+use std::ops::ControlFlow;
 
 const VOXEL_SIZE: f64 = 0.01;
 
@@ -51,7 +52,11 @@ impl Setup {
         let planner = Box::new(MaxFlow::new(MaxFlowConfig::default()).unwrap());
         let mut session = Session::new(config, Intrinsics::d435i(), self.views.clone(), planner).unwrap();
         let mut steps = Vec::new();
-        run::run(&mut session, &self.scene, &self.object, |step| steps.push(step)).unwrap();
+        run::run(&mut session, &self.scene, &self.object, |step| {
+            steps.push(step);
+            ControlFlow::Continue(())
+        })
+        .unwrap();
         steps
     }
 }

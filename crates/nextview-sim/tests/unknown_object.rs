@@ -15,6 +15,7 @@ use nextview_sim::builtin;
 use nextview_sim::run::{self, Step};
 use nextview_sim::scene::Scene;
 use nextview_sim::truth::{ObjectVoxels, TrueVisibility};
+use std::ops::ControlFlow;
 
 const VOXEL_SIZE: f64 = 0.01;
 
@@ -71,7 +72,11 @@ impl Setup {
 
     fn run(&self, session: &mut Session) -> (Vec<Step>, StopReason) {
         let mut steps = Vec::new();
-        let reason = run::run(session, &self.scene, &self.object, |step| steps.push(step)).unwrap();
+        let reason = run::run(session, &self.scene, &self.object, |step| {
+            steps.push(step);
+            ControlFlow::Continue(())
+        })
+        .unwrap();
         (steps, reason)
     }
 

@@ -17,7 +17,7 @@ pub(super) struct ScanArgs {
     /// A mesh file (.ply, .obj, .stl, .off, .gltf, .glb) or builtin:NAME (teapot, mug, bracket, torus-knot) [default:
     /// builtin:teapot]
     model: Option<String>,
-    /// How to choose the next view [default: max-flow]
+    /// How to choose the next view [default: most-surface; profile paper: max-flow]
     #[arg(long, value_enum)]
     planner: Option<PlannerName>,
     /// Weight of the movement cost against the gain, 0 to 1: the paper's theta [default: 0]
@@ -26,6 +26,15 @@ pub(super) struct ScanArgs {
     /// Most views to take [default: 10]
     #[arg(long, value_name = "N", value_parser = values::count, allow_negative_numbers = true)]
     views: Option<usize>,
+    /// Stop when the planner estimates that this share, 0 to 1, of the surface that can be seen has been seen
+    #[arg(long, value_name = "SHARE", value_parser = values::share, allow_negative_numbers = true)]
+    complete: Option<f64>,
+    /// Stop rather than let the path become longer than this, in metres
+    #[arg(long, value_name = "M", value_parser = values::positive, allow_negative_numbers = true)]
+    max_path_m: Option<f64>,
+    /// Stop after the view during which this time is over, in seconds; such a scan is not the same every time
+    #[arg(long, value_name = "S", value_parser = values::not_negative, allow_negative_numbers = true)]
+    max_time_s: Option<f64>,
     /// Number of view candidates [default: 1000; profile paper: 5000]
     #[arg(long, value_name = "N", value_parser = values::count, allow_negative_numbers = true)]
     candidates: Option<usize>,
@@ -122,6 +131,9 @@ impl ScanArgs {
         set(&mut config.noise.pose_error_deg, self.pose_error_deg);
         set(&mut config.baselines, self.baselines.map(|switch| switch == Switch::On));
         config.noise.check()?;
+        config.stop.completeness = self.complete.or(config.stop.completeness);
+        config.stop.path_length_m = self.max_path_m.or(config.stop.path_length_m);
+        config.stop.time_s = self.max_time_s.or(config.stop.time_s);
         config.voxel_size_m = self.voxel_size_m.or(config.voxel_size_m);
         config.size_m = self.size_m.or(config.size_m);
         let dir = self.out.unwrap_or_else(|| scan::default_dir(&config));

@@ -121,7 +121,8 @@ impl MultiResolutionConfig {
 impl StopConfig {
     /// What the session is told.
     pub fn rules(&self, max_views: usize) -> nextview::session::StopConfig {
-        let Self { entropy_share, completeness, expected_gain, path_length_m: path_length } = *self;
+        let Self { entropy_share, completeness, expected_gain, path_length_m: path_length, time_s: _ } =
+            *self;
         nextview::session::StopConfig { max_views, entropy_share, completeness, expected_gain, path_length }
     }
 }
@@ -174,6 +175,9 @@ pub(crate) struct StopConfig {
     /// Longest path through the views.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub path_length_m: Option<f64>,
+    /// Longest time from the first decision on; with it, a scan is not the same every time.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub time_s: Option<f64>,
 }
 
 /// A rule's name or a file.
@@ -336,6 +340,9 @@ impl ScanConfig {
             ("size_m", self.size_m),
             ("coarsest_voxel_size_m", coarsest),
         ];
+        if let Some(time) = self.stop.time_s.filter(|time| time.is_nan() || *time < 0.0) {
+            return Err(Failure::data(format!("time_s is {time}, expected a number of seconds, at least 0")));
+        }
         for (name, value) in lengths.into_iter().filter_map(|(name, value)| Some((name, value?))) {
             if !(value > 0.0 && value.is_finite()) {
                 return Err(Failure::data(format!(
@@ -344,6 +351,14 @@ impl ScanConfig {
             }
         }
         self.stop.rules(self.views).check()?;
+        let is_estimated = self.stop.completeness.or(self.stop.expected_gain).is_some();
+        if is_estimated && self.planner != PlannerName::MostSurface {
+            return Err(Failure::usage(format!(
+                "the planner {} cannot stop by completeness or expected gain, which it does not estimate",
+                self.planner
+            ))
+            .with_hint("--planner most-surface does"));
+        }
         let q_thresh = self.multi_resolution.q_thresh;
         if !(0.0..=1.0).contains(&q_thresh) {
             return Err(Failure::data(format!("q_thresh is {q_thresh}, expected a number in 0..=1")));

@@ -219,6 +219,7 @@ pub(super) fn stop_phrase(reason: StopReason) -> &'static str {
         StopReason::Converged => "the map's entropy fell below its threshold (converged)",
         StopReason::Complete => "the surface is estimated to be as complete as asked for",
         StopReason::LittleToGain => "the next view is expected to add less than asked for",
+        StopReason::TimeLimit => "the time allowed was over",
         StopReason::PathLimit => "the path would become longer than allowed",
         StopReason::NothingToGain => "no candidate gains anything",
         StopReason::NoObject => "the camera saw no object",

@@ -7,7 +7,9 @@ use nextview::view::ViewSpace;
 use nextview_sim::run::{self, Step};
 use nextview_sim::scene::Scene;
 use nextview_sim::truth::ObjectVoxels;
+use std::ops::ControlFlow;
 use std::path::Path;
+use std::time::Instant;
 
 /// An object before the camera, and the places from which it can be looked at: what scans of it by different planners
 /// share.
@@ -55,7 +57,7 @@ impl Setting {
         let planner = config.planner.build(config.planners(), config.seed, truth)?;
         let session_config = session_config(config, &self.scene, self.voxel_size);
         let mut session = Session::new(session_config, config.camera, self.session_views(config), planner)?;
-        let (steps, stop_reason) = self.run(&mut session, tell)?;
+        let (steps, stop_reason) = self.run(&mut session, config.stop.time_s, tell)?;
         let bounds = session.bounds().unwrap_or_else(|| self.scene.planning_box(self.voxel_size));
         Ok(FinishedScan { session, bounds, steps, stop_reason })
     }
@@ -75,15 +77,19 @@ impl Setting {
     fn run(
         &self,
         session: &mut Session,
+        time_limit_s: Option<f64>,
         tell: impl Fn(&Step) -> Result<(), Failure>,
     ) -> Result<(Vec<Step>, StopReason), Failure> {
         let mut steps: Vec<Step> = Vec::new();
         let mut told = Ok(());
+        let start = Instant::now();
         let stop_reason = run::run(session, &self.scene, &self.object_voxels, |step| {
             if told.is_ok() {
                 told = tell(&step);
             }
             steps.push(step);
+            let is_over = time_limit_s.is_some_and(|limit| start.elapsed().as_secs_f64() >= limit);
+            if is_over { ControlFlow::Break(StopReason::TimeLimit) } else { ControlFlow::Continue(()) }
         })?;
         told.map(|()| (steps, stop_reason))
     }

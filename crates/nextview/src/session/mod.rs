@@ -108,6 +108,8 @@ pub enum StopReason {
     LittleToGain,
     /// The way to the next view would make the path longer than allowed.
     PathLimit,
+    /// The time allowed is over. A session reads no clock: whoever runs it tells.
+    TimeLimit,
     /// There is no box to plan in: no frame shows an object yet, or the known box lies inside the table. After another
     /// frame, taken from elsewhere, the scan may go on.
     NoObject,
