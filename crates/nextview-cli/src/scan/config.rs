@@ -351,14 +351,6 @@ impl ScanConfig {
             }
         }
         self.stop.rules(self.views).check()?;
-        let is_estimated = self.stop.completeness.or(self.stop.expected_gain).is_some();
-        if is_estimated && self.planner != PlannerName::MostSurface {
-            return Err(Failure::usage(format!(
-                "the planner {} cannot stop by completeness or expected gain, which it does not estimate",
-                self.planner
-            ))
-            .with_hint("--planner most-surface does"));
-        }
         let q_thresh = self.multi_resolution.q_thresh;
         if !(0.0..=1.0).contains(&q_thresh) {
             return Err(Failure::data(format!("q_thresh is {q_thresh}, expected a number in 0..=1")));
@@ -369,6 +361,19 @@ impl ScanConfig {
         Greedy::<Apora>::new(self.greedy)?; // the parameters are checked alike for every gain
         MostSurface::new(self.most_surface)?;
         Batch::new(self.batch)?;
+        Ok(())
+    }
+
+    /// Fails if the planner does not estimate what the scan is to stop by.
+    pub fn check_stop(&self) -> Result<(), Failure> {
+        let is_estimated = self.stop.completeness.or(self.stop.expected_gain).is_some();
+        if is_estimated && self.planner != PlannerName::MostSurface {
+            return Err(Failure::usage(format!(
+                "the planner {} cannot stop by completeness or expected gain, which it does not estimate",
+                self.planner
+            ))
+            .with_hint("--planner most-surface does"));
+        }
         Ok(())
     }
 
