@@ -1,8 +1,9 @@
 //! Objects that need no file, for examples, tests and a first look: 0.15 to 0.2 m large, standing on z = 0, centred
 //! in x and y.
 //!
-//! Each is a signed distance function (negative inside), meshed by surface nets; so its surface is closed,
-//! smooth, and has no parts hidden inside the material.
+//! Each of those with a name of its own is a signed distance function (negative inside), meshed by surface nets; so its
+//! surface is closed, smooth, and has no parts hidden inside the material. Beside them there is a
+//! [random object](random_object) for every seed, by the name `random-SEED`.
 
 mod bracket;
 mod mug;
@@ -12,23 +13,29 @@ mod teapot;
 mod torus_knot;
 
 use crate::mesh::TriangleMesh;
+use crate::random_object::random_object;
 use glam::DVec3;
 
-/// The names of the objects.
+/// The names of the objects, but for the endlessly many random ones.
 pub fn names() -> impl Iterator<Item = &'static str> {
     OBJECTS.iter().map(|(name, _)| *name)
 }
 
-/// The object with this name; none if there is no such object.
+/// The object with this name, one of [`names`] or `random-SEED` with a whole number below 2^64; none if there is no such
+/// object.
 ///
 /// ```
 /// let mug = nextview_sim::builtin::by_name("mug").unwrap();
 /// assert!(mug.triangles().len() > 5000);
 /// assert!(nextview_sim::builtin::by_name("cup").is_none());
+/// assert!(nextview_sim::builtin::by_name("random-17").is_some());
 /// ```
 pub fn by_name(name: &str) -> Option<TriangleMesh> {
-    let (_, make) = OBJECTS.iter().find(|(known, _)| *known == name)?;
-    Some(stand_on_table(&make()))
+    let mesh = match name.strip_prefix("random-") {
+        Some(seed) => random_object(seed.parse().ok()?),
+        None => OBJECTS.iter().find(|(known, _)| *known == name)?.1(),
+    };
+    Some(stand_on_table(&mesh))
 }
 
 type Make = fn() -> TriangleMesh;
@@ -63,6 +70,11 @@ mod tests {
         }
     }
 
+    fn assert_stands(mesh: &TriangleMesh) {
+        let bounds = mesh.bounds();
+        assert!(bounds.center().truncate().length() < 1e-12 && bounds.min.z.abs() < 1e-12, "{bounds:?}");
+    }
+
     fn volume(mesh: &TriangleMesh) -> f64 {
         let corners = (0..mesh.triangles().len()).map(|i| mesh.corners(i));
         corners.map(|[a, b, c]| a.dot(b.cross(c)) / 6.0).sum()
@@ -77,9 +89,24 @@ mod tests {
             let (bounds, n) = (mesh.bounds(), mesh.triangles().len());
             assert!((0.15..=0.2).contains(&bounds.longest_side()), "{name}: {}", bounds.size());
             assert!((5_000..60_000).contains(&n), "{name}: {n} triangles");
-            assert!(bounds.center().truncate().length() < 1e-12 && bounds.min.z.abs() < 1e-12, "{name}");
+            assert_stands(&mesh);
             let fill = volume(&mesh) / bounds.size().element_product();
             assert!((0.05..0.35).contains(&fill), "{name}: hollow things fill little of their box: {fill}");
+        }
+    }
+
+    #[test]
+    fn every_seed_names_a_random_object() {
+        for seed in [0, 17, u64::MAX] {
+            let mesh = by_name(&format!("random-{seed}")).unwrap();
+            let (size, expected) = (mesh.bounds().size(), random_object(seed).bounds().size());
+            assert!(size.abs_diff_eq(expected, 1e-12), "seed {seed}: {size}, expected {expected}");
+            assert_stands(&mesh);
+        }
+        for name in
+            ["random", "random-", "random-x", "random--1", "random-1.5", "random-18446744073709551616"]
+        {
+            assert!(by_name(name).is_none(), "{name}");
         }
     }
 }
