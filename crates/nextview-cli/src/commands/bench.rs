@@ -13,7 +13,7 @@ use std::path::PathBuf;
 pub(super) struct BenchArgs {
     /// A TOML file or a built-in specification (see --list)
     spec: Option<String>,
-    /// Mesh files or builtin:NAME, in place of the objects of the specification
+    /// Mesh files or builtin:NAME (see scan), in place of the objects of the specification
     mesh: Vec<String>,
     /// Folder for the results [default: bench-NAME]
     #[arg(long, value_name = "DIR")]

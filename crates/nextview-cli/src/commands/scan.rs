@@ -14,8 +14,8 @@ use std::path::PathBuf;
 #[derive(Debug, Args)]
 #[command(after_help = EXAMPLES)]
 pub(super) struct ScanArgs {
-    /// A mesh file (.ply, .obj, .stl, .off, .gltf, .glb) or builtin:NAME (teapot, mug, bracket, torus-knot) [default:
-    /// builtin:teapot]
+    /// A mesh file (.ply, .obj, .stl, .off, .gltf, .glb) or builtin:NAME (teapot, mug, bracket, torus-knot, random-SEED
+    /// such as random-17) [default: builtin:teapot]
     model: Option<String>,
     /// How to choose the next view [default: most-surface; profile paper: max-flow]
     #[arg(long, value_enum)]

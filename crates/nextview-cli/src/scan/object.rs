@@ -27,7 +27,9 @@ impl Object {
     fn builtin(name: &str, config: &ScanConfig) -> Result<Self, Failure> {
         let mesh = builtin::by_name(name).ok_or_else(|| {
             let known = builtin::names().collect::<Vec<_>>().join(", ");
-            Failure::usage(format!("no built-in object '{name}'")).with_hint(format!("there are {known}"))
+            let hint =
+                format!("there are {known}, and random-SEED with a whole number from 0 to {}", u64::MAX);
+            Failure::usage(format!("no built-in object '{name}'")).with_hint(hint)
         })?;
         let scale = config.size_m.map_or(1.0, |size| size / mesh.bounds().longest_side());
         Ok(Self { name: name.to_owned(), mesh: mesh.scaled(scale)?, note: None })
@@ -93,7 +95,7 @@ impl Object {
 
 fn read(path: &Path) -> Result<FileMesh, Failure> {
     let name = path.to_string_lossy();
-    mesh::load(path).map_err(|error| match builtin::names().any(|known| known == name) {
+    mesh::load(path).map_err(|error| match builtin::by_name(&name).is_some() {
         true => Failure::data(error).with_hint(format!("the built-in object is builtin:{name}")),
         false => error.into(),
     })

@@ -189,6 +189,17 @@ fn a_torn_last_line_is_done_again_and_other_damage_told() {
 }
 
 #[test]
+fn random_objects_are_built_in_objects() {
+    let folder = Folder::new("bench-random-objects");
+    folder.write("tiny.toml", SPEC.replace("builtin:mug", "builtin:random-3"));
+    folder.ok(&["bench", "tiny.toml", "builtin:random-17", "--out", "other"]);
+    let runs = folder.text("other/runs.csv");
+    assert_eq!(runs.matches("\nrandom-17,builtin,").count(), N_RUNS / 2, "{runs}");
+    folder.ok(&["bench", "tiny.toml"]);
+    assert_eq!(folder.text("bench-tiny/runs.csv").matches("\nrandom-3,builtin,").count(), N_RUNS / 2);
+}
+
+#[test]
 fn a_broken_object_does_not_stop_the_others() {
     let folder = Folder::new("bench-broken");
     let objects =

@@ -239,6 +239,17 @@ fn an_object_from_a_file_keeps_its_size() {
 }
 
 #[test]
+fn a_random_object_is_named_by_its_seed() {
+    let folder = Folder::new("scan-random-object");
+    let args = ["--candidates", "9", "--views", "2", "--voxel-size-m", "0.02", "--baselines", "off"];
+    let text = folder.ok(&[&["scan", "builtin:random-17"], args.as_slice()].concat());
+    assert!(text.starts_with("random-17: "), "{text}");
+    let [out] = &folder.names(".")[..] else { panic!("one folder") };
+    assert!(out.starts_with("scan-random-17-"), "{out}");
+    assert!(folder.text(&format!("{out}config.toml")).contains("object = \"builtin:random-17\"\n"));
+}
+
+#[test]
 fn a_new_folder_may_lie_in_new_folders_and_keeps_what_is_not_its_own() {
     let folder = Folder::new("scan-folders");
     let args = ["scan", "builtin:mug", "--candidates", "5", "--views", "1", "--voxel-size-m", "0.02"];
