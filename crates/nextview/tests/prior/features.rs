@@ -61,10 +61,7 @@ impl<'a> Slow<'a> {
     fn known(&self) -> (IVec3, IVec3) {
         let occupied: Vec<IVec3> = self.all(Occupancy::Occupied).collect();
         let keys = if occupied.is_empty() { &self.keys } else { &occupied };
-        (
-            keys.iter().copied().reduce(IVec3::min).unwrap(),
-            keys.iter().copied().reduce(IVec3::max).unwrap(),
-        )
+        (keys.iter().copied().reduce(IVec3::min).unwrap(), keys.iter().copied().reduce(IVec3::max).unwrap())
     }
 
     fn may_hold_surface(&self, voxel: usize) -> bool {
@@ -134,8 +131,8 @@ impl<'a> Slow<'a> {
         let offset = (key - surface).as_dvec3();
         let mut row = Vec::new();
         for radius in [2, 4] {
-            let along =
-                offset.dot(self.gradient(surface, radius, Occupancy::Free).try_normalize().unwrap_or_default());
+            let along = offset
+                .dot(self.gradient(surface, radius, Occupancy::Free).try_normalize().unwrap_or_default());
             let across = (offset.length_squared() - along * along).max(0.0).sqrt();
             row.extend([along.signum() * log(along.abs()), log(across)]);
         }
@@ -161,8 +158,10 @@ fn half(low: IVec3, high: IVec3) -> DVec3 {
 
 fn check_against_the_slow_twin(snapshot: &Snapshot) -> Result<(), TestCaseError> {
     let (found, slow) = (VoxelFeatures::new(snapshot), Slow::new(snapshot));
-    let expected: Vec<u32> =
-        (0..slow.keys.len()).filter(|&voxel| slow.may_hold_surface(voxel)).map(|voxel| voxel as u32).collect();
+    let expected: Vec<u32> = (0..slow.keys.len())
+        .filter(|&voxel| slow.may_hold_surface(voxel))
+        .map(|voxel| voxel as u32)
+        .collect();
     prop_assert_eq!(&found.voxels, &expected);
     prop_assert_eq!((found.rows.len(), found.normals.len()), (expected.len(), expected.len()));
     for ((&voxel, row), normal) in found.voxels.iter().zip(&found.rows).zip(&found.normals) {
