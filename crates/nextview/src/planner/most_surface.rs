@@ -11,9 +11,10 @@ use serde::{Deserialize, Serialize};
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct MostSurfaceConfig {
-    /// Distance between neighbouring planning rays at the far side of the box, in voxels, positive. Default 1. The voxels are those of the
-    /// snapshot or, if it has more than 72 along a side, larger ones. All views are looked at with rays three times as far apart first, and only the best
-    /// 40 with these.
+    /// Distance between neighbouring planning rays at the far side of the box, in voxels, positive. Default 1.
+    ///
+    /// The voxels are those of the snapshot or, if it has more than 72 along a side, larger ones. All views are looked at
+    /// with rays three times as far apart first, and only the best 40 with these.
     pub ray_spacing: f64,
     /// Weight of the movement cost against the gain, 0..=1; the paper's theta (section V.D). Default 0: moving is free.
     pub theta: f64,
@@ -35,6 +36,15 @@ const N_SHORTLISTED: usize = 40;
 const LEAST_GAIN: f64 = 0.5;
 
 /// Takes the view that is expected to show most surface that was not seen before: the gain [`ExpectedSurface`].
+///
+/// It tells an [`Outlook`] with each plan. What could be seen is what all views within reach show in the first look.
+///
+/// ```
+/// use nextview::planner::{MostSurface, MostSurfaceConfig};
+///
+/// let planner = MostSurface::new(MostSurfaceConfig { theta: 0.3, ..MostSurfaceConfig::default() });
+/// assert!(planner.is_ok());
+/// ```
 #[derive(Clone, Debug)]
 pub struct MostSurface {
     config: MostSurfaceConfig,
@@ -60,29 +70,50 @@ impl ViewPlanner for MostSurface {
         let snapshot = coarse_enough(situation.snapshot);
         let estimate = self.prior.estimate(&snapshot);
         let scene = Scene { situation, snapshot: &snapshot, estimate: &estimate };
-        let utility = Utility::new(situation, self.config.theta);
         let first = scene.survey(&situation.open_views(), FIRST_LOOK * self.config.ray_spacing);
-        let total: f64 = first.gains.iter().map(|(_, gain)| gain).sum();
-        let rate = |&(view, gain): &(usize, f64)| {
-            let local_share = utility::share(gain, total);
-            let score = utility.of(view, local_share);
-            (Choice { view, score, local_share, flow_share: 0.0, runner_up: None }, gain)
+        let rating = Rating {
+            utility: Utility::new(situation, self.config.theta),
+            total: first.gains.iter().map(|(_, gain)| gain).sum(),
         };
-        let mut rated: Vec<(Choice, f64)> = first.gains.iter().map(rate).collect();
-        rated.sort_by(|(a, _), (b, _)| b.score.total_cmp(&a.score).then(a.view.cmp(&b.view)));
-        rated.truncate(N_SHORTLISTED);
-        let shortlist: Vec<usize> = rated.iter().map(|(choice, _)| choice.view).collect();
-        let second = scene.survey(&shortlist, self.config.ray_spacing);
-        let rated: Vec<(Choice, f64)> =
-            second.gains.iter().map(rate).filter(|(_, gain)| *gain >= LEAST_GAIN).collect();
-        let choice = utility::best(rated.iter().map(|(choice, _)| *choice));
-        let gain = rated.iter().find(|(rated, _)| choice.is_some_and(|choice| choice.view == rated.view));
+        let second = scene.survey(&rating.shortlist(&first.gains), self.config.ray_spacing);
+        let best = rating.best(&second.gains);
         let outlook = Outlook {
             n_seen: snapshot.count(Occupancy::Occupied),
-            n_expected: gain.map_or(0.0, |(_, gain)| *gain),
+            n_expected: best.map_or(0.0, |(_, gain)| gain),
             n_unseen: first.shown.iter().map(|&p| p as f64).sum(),
         };
-        Plan { choice, outlook: Some(outlook), ..Plan::default() }
+        Plan { choice: best.map(|(choice, _)| choice), outlook: Some(outlook), ..Plan::default() }
+    }
+}
+
+/// What makes a view better than another.
+struct Rating {
+    utility: Utility,
+    /// What all views show in the first look, added up.
+    total: f64,
+}
+
+impl Rating {
+    fn rate(&self, view: usize, gain: f64) -> Choice {
+        let local_share = utility::share(gain, self.total);
+        let score = self.utility.of(view, local_share);
+        Choice { view, score, local_share, flow_share: 0.0, runner_up: None }
+    }
+
+    /// The views that are worth a second look.
+    fn shortlist(&self, gains: &[(usize, f64)]) -> Vec<usize> {
+        let mut rated: Vec<Choice> = gains.iter().map(|&(view, gain)| self.rate(view, gain)).collect();
+        rated.sort_by(|a, b| b.score.total_cmp(&a.score).then(a.view.cmp(&b.view)));
+        rated.truncate(N_SHORTLISTED);
+        rated.iter().map(|choice| choice.view).collect()
+    }
+
+    /// The best of the views that show anything, and its gain.
+    fn best(&self, gains: &[(usize, f64)]) -> Option<(Choice, f64)> {
+        let worthwhile = gains.iter().filter(|(_, gain)| *gain >= LEAST_GAIN);
+        let choice = utility::best(worthwhile.map(|&(view, gain)| self.rate(view, gain)))?;
+        let (_, gain) = gains.iter().find(|(view, _)| *view == choice.view)?;
+        Some((choice, *gain))
     }
 }
 
@@ -114,8 +145,7 @@ impl Scene<'_> {
                 (survey, eye)
             },
         );
-        let parts = parts.map(|(survey, _)| survey);
-        let mut all = parts.reduce(nothing, Survey::join);
+        let mut all = parts.map(|(survey, _)| survey).reduce(nothing, Survey::join);
         all.gains.sort_unstable_by_key(|(view, _)| *view);
         all
     }

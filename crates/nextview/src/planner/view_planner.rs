@@ -88,7 +88,7 @@ impl Outlook {
 
     /// What the chosen view is expected to add, as a share of what was seen; infinite if nothing was.
     pub fn gain(&self) -> f64 {
-        self.n_expected / self.n_seen as f64
+        if self.n_seen > 0 { self.n_expected / self.n_seen as f64 } else { f64::INFINITY }
     }
 }
 
@@ -138,4 +138,29 @@ pub struct FlowSummary {
     pub quality: f64,
     /// Number of views that carry flow.
     pub n_views: usize,
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn outlook(n_seen: usize, n_expected: f64, n_unseen: f64) -> Outlook {
+        Outlook { n_seen, n_expected, n_unseen }
+    }
+
+    #[test]
+    fn completeness_is_the_share_seen() {
+        assert_eq!(outlook(90, 0.0, 10.0).completeness(), 0.9);
+        assert_eq!(outlook(90, 0.0, 0.0).completeness(), 1.0);
+        assert_eq!(outlook(0, 0.0, 10.0).completeness(), 0.0);
+        assert_eq!(outlook(0, 0.0, 0.0).completeness(), 1.0, "nothing can be seen");
+    }
+
+    #[test]
+    fn gain_is_a_share_of_what_was_seen() {
+        assert_eq!(outlook(80, 20.0, 10.0).gain(), 0.25);
+        assert_eq!(outlook(80, 0.0, 10.0).gain(), 0.0);
+        assert_eq!(outlook(0, 20.0, 30.0).gain(), f64::INFINITY);
+        assert_eq!(outlook(0, 0.0, 0.0).gain(), f64::INFINITY, "a number, even of nothing");
+    }
 }
