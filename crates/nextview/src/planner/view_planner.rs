@@ -25,8 +25,8 @@ pub struct Situation<'a> {
     pub visited: &'a [usize],
     /// The optimal views (the paper's V_global) of the earlier plans, oldest first.
     pub history: &'a [Vec<u32>],
-    /// Voxel size in which the scan ends, metres: that of the snapshot, or finer. Distances between rays are in
-    /// voxels of this size, so that plans in coarser voxels have as many rays: ten coarse voxels may be wider than the box.
+    /// Voxel size in which the scan ends, metres: that of the snapshot, or finer. Distances between rays are in voxels
+    /// of this size, so that plans in coarser voxels have as many rays: ten coarse voxels may be wider than the box.
     pub finest_voxel_size: f64,
 }
 
@@ -108,8 +108,8 @@ pub struct Itinerary {
 pub struct Leg {
     /// The view and why it was chosen.
     pub choice: Choice,
-    /// How many voxels it is expected to make newly occupied after those before it, up to a factor that is about the same for
-    /// all legs and plans; positive.
+    /// How many voxels it is expected to make newly occupied after those before it, up to a factor that is about the
+    /// same for all legs and plans; positive.
     pub expected: f64,
 }
 

@@ -7,8 +7,9 @@ const LONGEST: u32 = 72;
 
 /// The snapshot in voxels so coarse that the prior knows blocks of as many: the snapshot itself if it is coarse enough.
 ///
-/// As when a map is made in larger voxels, one is occupied if a part of it is, else free if a part of it is, else unknown. What the object looks
-/// like shows in as few voxels, and the time to plan does not grow with the resolution of the map.
+/// As when a map is made in larger voxels, one is occupied if a part of it is, else free if a part of it is, else
+/// unknown. What the object looks like shows in as few voxels, and the time to plan does not grow with the resolution
+/// of the map.
 pub fn coarse_enough(snapshot: &Snapshot) -> Cow<'_, Snapshot> {
     let mut coarse = Cow::Borrowed(snapshot);
     while coarse.block().dims().max_element() > LONGEST {

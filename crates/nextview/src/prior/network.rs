@@ -34,8 +34,8 @@ impl Network {
         2 * VoxelFeatures::N + FIRST + SECOND + (HIDDEN[1] + 1) * n_outputs
     }
 
-    /// The network that these numbers describe: mean and scale of the features, then the weights of each layer, for each
-    /// input those to all outputs, and last the biases.
+    /// The network that these numbers describe: mean and scale of the features, then the weights of each layer, for
+    /// each input those to all outputs, and last the biases.
     ///
     /// None unless there are [`n_numbers`](Self::n_numbers), all finite, and at least one output.
     pub fn from_numbers(numbers: &[f32], n_outputs: usize) -> Option<Self> {
@@ -82,28 +82,31 @@ impl WithSimd for Forward<'_> {
         let Self { network, rows, out } = self;
         let n = network.n_outputs;
         for row in 0..rows.len() {
-            let hidden = network.hidden(&rows[row]);
-            let last = &network.weights[FIRST + SECOND..];
-            let out = &mut out[row * n..(row + 1) * n];
-            out.copy_from_slice(&last[HIDDEN[1] * n..]);
-            for input in 0..HIDDEN[1] {
-                for output in 0..n {
-                    out[output] += hidden[input] * last[input * n + output];
-                }
-            }
-            for logit in out {
-                *logit = 1.0 / (1.0 + (-*logit).exp());
-            }
+            network.forward(&rows[row], &mut out[row * n..(row + 1) * n]);
         }
     }
 }
 
+#[allow(clippy::needless_range_loop, reason = "iterators are not always inlined into vector instructions")]
 impl Network {
+    /// The probabilities of one row.
     #[inline(always)]
-    #[allow(
-        clippy::needless_range_loop,
-        reason = "iterators are not always inlined into vector instructions"
-    )]
+    fn forward(&self, row: &[f32; VoxelFeatures::N], out: &mut [f32]) {
+        let (hidden, last) = (self.hidden(row), &self.weights[FIRST + SECOND..]);
+        let n = self.n_outputs;
+        out.copy_from_slice(&last[HIDDEN[1] * n..]);
+        for input in 0..HIDDEN[1] {
+            for output in 0..n {
+                out[output] += hidden[input] * last[input * n + output];
+            }
+        }
+        for output in 0..n {
+            out[output] = 1.0 / (1.0 + (-out[output]).exp());
+        }
+    }
+
+    /// What the units of the second hidden layer give.
+    #[inline(always)]
     fn hidden(&self, row: &[f32; VoxelFeatures::N]) -> [f32; HIDDEN[1]] {
         let (first, second) = self.weights[..FIRST + SECOND].split_at(FIRST);
         let mut wide = [0.0; HIDDEN[0]];
@@ -118,17 +121,21 @@ impl Network {
         let mut narrow = [0.0; HIDDEN[1]];
         narrow.copy_from_slice(&second[HIDDEN[0] * HIDDEN[1]..]);
         for input in 0..HIDDEN[0] {
-            let value = if wide[input] > 0.0 { wide[input] } else { 0.0 };
-            let weights = &second[input * HIDDEN[1]..][..HIDDEN[1]];
+            let (value, weights) = (rectified(wide[input]), &second[input * HIDDEN[1]..][..HIDDEN[1]]);
             for unit in 0..HIDDEN[1] {
                 narrow[unit] += value * weights[unit];
             }
         }
         for unit in 0..HIDDEN[1] {
-            narrow[unit] = if narrow[unit] > 0.0 { narrow[unit] } else { 0.0 };
+            narrow[unit] = rectified(narrow[unit]);
         }
         narrow
     }
+}
+
+#[inline(always)]
+fn rectified(value: f32) -> f32 {
+    if value > 0.0 { value } else { 0.0 }
 }
 
 #[cfg(test)]

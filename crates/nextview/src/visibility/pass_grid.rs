@@ -62,8 +62,8 @@ impl PassGrid {
     }
 }
 
-/// The smallest block that holds all voxels that are not clear (the whole one if there are none): clear space around it neither weakens a
-/// ray nor ends it.
+/// The smallest block that holds all voxels that are not clear (the whole one if there are none): clear space around
+/// it neither weakens a ray nor ends it.
 fn without_margin(block: VoxelBlock, is_clear: impl Fn(usize) -> bool) -> VoxelBlock {
     let [width, height, depth] = block.dims().to_array().map(|dim| dim as usize);
     let mut corners: Option<(IVec3, IVec3)> = None;

@@ -129,7 +129,7 @@ mod tests {
             fade_limit in prop::sample::select(vec![0.0, Sight::FADED, 0.2]), spacing in 0.5..6.0,
         ) {
             let (snapshot, sight) = (snapshot(&states), Sight { free_space, fade_limit });
-            let has_worth = |i: usize| states[i].is_none() && i % 5 > 0;
+            let has_worth = |i: usize| states[i].is_none() && !i.is_multiple_of(5);
             let worth: Vec<f64> = (0..states.len()).map(|i| if has_worth(i) { 1.0 / i as f64 } else { 0.0 }).collect();
             let caster = || RayCaster::new(&snapshot, &cameras()[camera], spacing, sight).unwrap();
             check(caster, &snapshot, &worth, &look_at(DVec3::from_array(position), DVec3::ZERO))?;
@@ -145,7 +145,7 @@ mod tests {
             let pass = |i: usize| match states[i] {
                 None => 0.6,
                 Some(log_odds) if log_odds > 0.0 => 0.25,
-                Some(_) => if i % 5 == 0 { 0.95 } else { 1.0 },
+                Some(_) => if i.is_multiple_of(5) { 0.95 } else { 1.0 },
             };
             let passes: Vec<f32> = (0..states.len()).map(pass).collect();
             let worth: Vec<f64> = passes.iter().map(|&pass| if pass == 0.25 || pass == 1.0 { 0.0 } else { 1.0 }).collect();
