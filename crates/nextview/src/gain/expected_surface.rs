@@ -6,10 +6,11 @@ use crate::sensor::Intrinsics;
 use crate::visibility::{Paths, RayCaster, WorthCaster};
 use glam::Vec3;
 
-/// How many voxels of surface a view is expected to show that were not seen before, under a [`SurfacePrior`](crate::prior::SurfacePrior).
+/// How many voxels of surface a view is expected to show that were not seen before, under a
+/// [`SurfacePrior`](crate::prior::SurfacePrior).
 ///
-/// Rays go on behind unknown voxels as far as the prior lets them. Each voxel counts once for a view, with the probability that it is seen
-/// anew from there, as the ray shows it that comes to it best.
+/// Rays go on behind unknown voxels as far as the prior lets them. Each voxel counts once for a view, with the
+/// probability that it is seen anew from there, as the ray shows it that comes to it best.
 #[derive(Debug)]
 pub struct ExpectedSurface<'a> {
     estimate: &'a SurfaceEstimate,
@@ -28,27 +29,19 @@ const PASSES_BORDER: f32 = 0.95;
 const FADED: f32 = 0.03;
 
 impl<'a> ExpectedSurface<'a> {
-    /// The gain under an estimate for this snapshot. `ray_spacing` is the distance between neighbouring rays at the far side of the box, in voxels
-    /// of the snapshot, positive.
+    /// The gain under an estimate for this snapshot. `ray_spacing` is the distance between neighbouring rays at the
+    /// far side of the box, in voxels of the snapshot, positive.
     pub fn new(
         snapshot: &'a Snapshot,
         intrinsics: &Intrinsics,
         estimate: &'a SurfaceEstimate,
         ray_spacing: f64,
     ) -> Result<Self, Error> {
-        let occupancy = snapshot.occupancy();
-        let pass_measured =
-            |state: &Occupancy| if *state == Occupancy::Occupied { PASSES_OCCUPIED } else { 1.0 };
-        let mut passes: Vec<f32> = occupancy.iter().map(pass_measured).collect();
-        let mut is_item = vec![0.0; passes.len()];
-        for (i, &voxel) in estimate.voxels().iter().enumerate() {
-            let voxel = voxel as usize;
-            let is_free = occupancy[voxel] == Occupancy::Free;
-            passes[voxel] =
-                if is_free { PASSES_BORDER } else { (1.0 - estimate.stops(i)).clamp(1e-3, 0.999) };
-            is_item[voxel] = 1.0;
-        }
+        let passes = passes(snapshot, estimate);
         let caster = RayCaster::through(snapshot, intrinsics, ray_spacing, &passes, FADED)?;
+        // Every voxel of the estimate weakens rays, so that the caster numbers them all, and as the estimate does.
+        let mut is_item = vec![0.0; passes.len()];
+        estimate.voxels().iter().for_each(|&voxel| is_item[voxel as usize] = 1.0);
         let (lattice, block) = (snapshot.lattice(), snapshot.block());
         let center = |&voxel: &u32| lattice.center(block.key(voxel as usize)).as_vec3();
         let centers = estimate.voxels().iter().map(center).collect();
@@ -78,7 +71,8 @@ pub struct Eye<'a> {
 }
 
 impl Eye<'_> {
-    /// Tells all voxels of the estimate that rays of the view come to, by their place in the estimate, and how well it sees them; each once, in a fixed order.
+    /// Tells all voxels of the estimate that rays of the view come to, by their place in the estimate, and how well it
+    /// sees them; each once, in a fixed order.
     pub fn look(&mut self, world_from_camera: &Pose, mut visit: impl FnMut(usize, Sighting)) {
         let Self { gain, paths, visibility, seen } = self;
         gain.caster.cast(world_from_camera, paths, |item, value| {
@@ -97,10 +91,23 @@ impl Eye<'_> {
         }
     }
 
-    /// The number of voxels that the view is expected to show anew.
+    /// The number of voxels of surface that the view is expected to show anew.
     pub fn gain(&mut self, world_from_camera: &Pose) -> f64 {
         let (mut sum, estimate) = (0.0, self.gain.estimate);
         self.look(world_from_camera, |item, sighting| sum += estimate.shows(item, sighting) as f64);
         sum
     }
+}
+
+/// What passes through each voxel of the snapshot.
+fn passes(snapshot: &Snapshot, estimate: &SurfaceEstimate) -> Vec<f32> {
+    let occupancy = snapshot.occupancy();
+    let pass_measured = |state: &Occupancy| if *state == Occupancy::Occupied { PASSES_OCCUPIED } else { 1.0 };
+    let mut passes: Vec<f32> = occupancy.iter().map(pass_measured).collect();
+    for (i, &voxel) in estimate.voxels().iter().enumerate() {
+        let is_free = occupancy[voxel as usize] == Occupancy::Free;
+        passes[voxel as usize] =
+            if is_free { PASSES_BORDER } else { (1.0 - estimate.stops(i)).clamp(1e-3, 0.999) };
+    }
+    passes
 }

@@ -68,7 +68,7 @@ fn corner_strides(block: &VoxelBlock) -> [usize; 2] {
 }
 
 fn is_lower_side(corner: usize, row: usize, slice: usize) -> bool {
-    corner % row == 0 || corner % slice < row || corner < slice
+    corner.is_multiple_of(row) || corner % slice < row || corner < slice
 }
 
 #[cfg(test)]

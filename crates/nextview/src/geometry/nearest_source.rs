@@ -109,7 +109,7 @@ mod tests {
         #[test]
         fn finds_the_nearest(dims in prop::array::uniform3(1_u32..9), every in 1_usize..60, seed in 0_usize..1000) {
             let block = VoxelBlock::new(IVec3::splat(-3), UVec3::from_array(dims)).unwrap();
-            let is_source = |index: usize| (index * 7919 + seed) % 61 % every == 0;
+            let is_source = |index: usize| ((index * 7919 + seed) % 61).is_multiple_of(every);
             let sources: Vec<usize> = (0..block.n_voxels()).filter(|&i| is_source(i)).collect();
             let found = NearestSource::new(&block, is_source);
             for voxel in 0..block.n_voxels() {

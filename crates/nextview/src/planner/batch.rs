@@ -13,12 +13,12 @@ use serde::{Deserialize, Serialize};
 pub struct BatchConfig {
     /// Most views of a batch, at least 1. Default 5.
     pub n_views: usize,
-    /// Weight of the path against what the views show, 0..=1. Default 0: the path is short for the views, but no view is
-    /// left out to make it shorter.
+    /// Weight of the path against what the views show, 0..=1. Default 0: the path is short for the views, but no view
+    /// is left out to make it shorter.
     ///
-    /// Both are measured by the batch for theta = 0: a batch scores (1 - theta) times its worth as a share of that one's, less theta
-    /// times its path length as a share of that one's. So with 0.2, a view is left out that adds 1 % of the worth for more than
-    /// 4 % of the path.
+    /// Both are measured by the batch for theta = 0: a batch scores (1 - theta) times its worth as a share of that
+    /// one's, less theta times its path length as a share of that one's. So with 0.2, a view is left out that adds 1 %
+    /// of the worth for more than 4 % of the path.
     pub theta: f64,
     /// A view that would add less than this share, 0..=1, of all that is worth seeing is not added; if no view adds as
     /// much, the batch is the one that adds most. Default 0.01.
@@ -38,8 +38,8 @@ impl Default for BatchConfig {
 
 /// Chooses a few views that together show as much as possible of what is worth seeing, and a short tour through them.
 ///
-/// What a view shows is what a learned prior expects it to show anew, as for [`MostSurface`](super::MostSurface). The views are a [`best_coverage`]; with a weight
-/// on the path, a tour of large score is searched for.
+/// What a view shows is what a learned prior expects it to show anew, as for [`MostSurface`](super::MostSurface). The
+/// views are a [`best_coverage`]; with a weight on the path, a tour of large score is searched for.
 #[derive(Clone, Copy, Debug)]
 pub struct Batch {
     config: BatchConfig,

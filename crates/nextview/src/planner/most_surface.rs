@@ -11,9 +11,10 @@ use serde::{Deserialize, Serialize};
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct MostSurfaceConfig {
-    /// Distance between neighbouring planning rays at the far side of the box, in voxels, positive. Default 1. The voxels are those of the
-    /// snapshot or, if it has more than 72 along a side, larger ones. All views are looked at with rays three times as far apart first, and only the best
-    /// 40 with these.
+    /// Distance between neighbouring planning rays at the far side of the box, in voxels, positive. Default 1.
+    ///
+    /// The voxels are those of the snapshot or, if it has more than 72 along a side, larger ones. All views are looked at
+    /// with rays eight times as far apart first, the best 250 with three times as far, and only the best 40 with these.
     pub ray_spacing: f64,
     /// Weight of the movement cost against the gain, 0..=1; the paper's theta (section V.D). Default 0: moving is free.
     pub theta: f64,
@@ -26,15 +27,24 @@ impl Default for MostSurfaceConfig {
 }
 
 /// Rays of the first look are farther apart by this factor.
-const FIRST_LOOK: f64 = 3.0;
+const FIRST_LOOK: f64 = 8.0;
 
-/// Views that get a second look.
-const N_SHORTLISTED: usize = 40;
+/// Further looks: at how many of the best views so far, and by what factor rays are farther apart.
+const CLOSER_LOOKS: [(usize, f64); 2] = [(250, 3.0), (40, 1.0)];
 
 /// A view is expected to show something if it is this many voxels.
 const LEAST_GAIN: f64 = 0.5;
 
 /// Takes the view that is expected to show most surface that was not seen before: the gain [`ExpectedSurface`].
+///
+/// It tells an [`Outlook`] with each plan. What could be seen is what all views within reach show in the first look.
+///
+/// ```
+/// use nextview::planner::{MostSurface, MostSurfaceConfig};
+///
+/// let planner = MostSurface::new(MostSurfaceConfig { theta: 0.3, ..MostSurfaceConfig::default() });
+/// assert!(planner.is_ok());
+/// ```
 #[derive(Clone, Debug)]
 pub struct MostSurface {
     config: MostSurfaceConfig,
@@ -60,30 +70,77 @@ impl ViewPlanner for MostSurface {
         let snapshot = coarse_enough(situation.snapshot);
         let estimate = self.prior.estimate(&snapshot);
         let scene = Scene { situation, snapshot: &snapshot, estimate: &estimate };
-        let utility = Utility::new(situation, self.config.theta);
         let first = scene.survey(&situation.open_views(), FIRST_LOOK * self.config.ray_spacing);
-        let total: f64 = first.gains.iter().map(|(_, gain)| gain).sum();
-        let rate = |&(view, gain): &(usize, f64)| {
-            let local_share = utility::share(gain, total);
-            let score = utility.of(view, local_share);
-            (Choice { view, score, local_share, flow_share: 0.0, runner_up: None }, gain)
-        };
-        let mut rated: Vec<(Choice, f64)> = first.gains.iter().map(rate).collect();
-        rated.sort_by(|(a, _), (b, _)| b.score.total_cmp(&a.score).then(a.view.cmp(&b.view)));
-        rated.truncate(N_SHORTLISTED);
-        let shortlist: Vec<usize> = rated.iter().map(|(choice, _)| choice.view).collect();
-        let second = scene.survey(&shortlist, self.config.ray_spacing);
-        let rated: Vec<(Choice, f64)> =
-            second.gains.iter().map(rate).filter(|(_, gain)| *gain >= LEAST_GAIN).collect();
-        let choice = utility::best(rated.iter().map(|(choice, _)| *choice));
-        let gain = rated.iter().find(|(rated, _)| choice.is_some_and(|choice| choice.view == rated.view));
+        let mut rating = Rating::new(Utility::new(situation, self.config.theta), first.gains);
+        for (n_views, factor) in CLOSER_LOOKS {
+            rating.shortlist(n_views);
+            let closer = scene.survey(&rating.views(), factor * self.config.ray_spacing);
+            rating.look_closer(closer.gains);
+        }
+        let best = rating.best();
         let outlook = Outlook {
             n_seen: snapshot.count(Occupancy::Occupied),
-            n_expected: gain.map_or(0.0, |(_, gain)| *gain),
+            n_expected: best.map_or(0.0, |(_, gain)| gain),
             n_unseen: first.shown.iter().map(|&p| p as f64).sum(),
         };
-        Plan { choice, outlook: Some(outlook), ..Plan::default() }
+        Plan { choice: best.map(|(choice, _)| choice), outlook: Some(outlook), ..Plan::default() }
     }
+}
+
+/// Views, and what makes one better than another.
+struct Rating {
+    utility: Utility,
+    /// Views with what they are expected to show.
+    gains: Vec<(usize, f64)>,
+    /// What all views show, added up.
+    total: f64,
+}
+
+impl Rating {
+    fn new(utility: Utility, gains: Vec<(usize, f64)>) -> Self {
+        let total = sum(&gains);
+        Self { utility, gains, total }
+    }
+
+    /// Leaves the best so many.
+    fn shortlist(&mut self, n_views: usize) {
+        let score = |(view, gain): &(usize, f64)| self.rate(*view, *gain).score;
+        let mut gains = self.gains.clone();
+        gains.sort_by(|a, b| score(b).total_cmp(&score(a)).then(a.0.cmp(&b.0)));
+        gains.truncate(n_views);
+        self.gains = gains;
+    }
+
+    fn views(&self) -> Vec<usize> {
+        self.gains.iter().map(|(view, _)| *view).collect()
+    }
+
+    /// The gains of the same views with denser rays, which meet more voxels: all views would show as much more.
+    fn look_closer(&mut self, gains: Vec<(usize, f64)>) {
+        let before = sum(&self.gains);
+        if before > 0.0 {
+            self.total *= sum(&gains) / before;
+        }
+        self.gains = gains;
+    }
+
+    fn rate(&self, view: usize, gain: f64) -> Choice {
+        let local_share = utility::share(gain, self.total);
+        let score = self.utility.of(view, local_share);
+        Choice { view, score, local_share, flow_share: 0.0, runner_up: None }
+    }
+
+    /// The best of the views that show anything, and its gain.
+    fn best(&self) -> Option<(Choice, f64)> {
+        let worthwhile = self.gains.iter().filter(|(_, gain)| *gain >= LEAST_GAIN);
+        let choice = utility::best(worthwhile.map(|&(view, gain)| self.rate(view, gain)))?;
+        let (_, gain) = self.gains.iter().find(|(view, _)| *view == choice.view)?;
+        Some((choice, *gain))
+    }
+}
+
+fn sum(gains: &[(usize, f64)]) -> f64 {
+    gains.iter().map(|(_, gain)| gain).sum()
 }
 
 /// Where views are compared.
@@ -114,8 +171,7 @@ impl Scene<'_> {
                 (survey, eye)
             },
         );
-        let parts = parts.map(|(survey, _)| survey);
-        let mut all = parts.reduce(nothing, Survey::join);
+        let mut all = parts.map(|(survey, _)| survey).reduce(nothing, Survey::join);
         all.gains.sort_unstable_by_key(|(view, _)| *view);
         all
     }

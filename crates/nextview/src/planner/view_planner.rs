@@ -25,8 +25,8 @@ pub struct Situation<'a> {
     pub visited: &'a [usize],
     /// The optimal views (the paper's V_global) of the earlier plans, oldest first.
     pub history: &'a [Vec<u32>],
-    /// Voxel size in which the scan ends, metres: that of the snapshot, or finer. Distances between rays are in
-    /// voxels of this size, so that plans in coarser voxels have as many rays: ten coarse voxels may be wider than the box.
+    /// Voxel size in which the scan ends, metres: that of the snapshot, or finer. Distances between rays are in voxels
+    /// of this size, so that plans in coarser voxels have as many rays: ten coarse voxels may be wider than the box.
     pub finest_voxel_size: f64,
 }
 
@@ -88,7 +88,7 @@ impl Outlook {
 
     /// What the chosen view is expected to add, as a share of what was seen; infinite if nothing was.
     pub fn gain(&self) -> f64 {
-        self.n_expected / self.n_seen as f64
+        if self.n_seen > 0 { self.n_expected / self.n_seen as f64 } else { f64::INFINITY }
     }
 }
 
@@ -108,8 +108,8 @@ pub struct Itinerary {
 pub struct Leg {
     /// The view and why it was chosen.
     pub choice: Choice,
-    /// How many voxels it is expected to make newly occupied after those before it, up to a factor that is about the same for
-    /// all legs and plans; positive.
+    /// How many voxels it is expected to make newly occupied after those before it, up to a factor that is about the
+    /// same for all legs and plans; positive.
     pub expected: f64,
 }
 
@@ -138,4 +138,29 @@ pub struct FlowSummary {
     pub quality: f64,
     /// Number of views that carry flow.
     pub n_views: usize,
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn outlook(n_seen: usize, n_expected: f64, n_unseen: f64) -> Outlook {
+        Outlook { n_seen, n_expected, n_unseen }
+    }
+
+    #[test]
+    fn completeness_is_the_share_seen() {
+        assert_eq!(outlook(90, 0.0, 10.0).completeness(), 0.9);
+        assert_eq!(outlook(90, 0.0, 0.0).completeness(), 1.0);
+        assert_eq!(outlook(0, 0.0, 10.0).completeness(), 0.0);
+        assert_eq!(outlook(0, 0.0, 0.0).completeness(), 1.0, "nothing can be seen");
+    }
+
+    #[test]
+    fn gain_is_a_share_of_what_was_seen() {
+        assert_eq!(outlook(80, 20.0, 10.0).gain(), 0.25);
+        assert_eq!(outlook(80, 0.0, 10.0).gain(), 0.0);
+        assert_eq!(outlook(0, 20.0, 30.0).gain(), f64::INFINITY);
+        assert_eq!(outlook(0, 0.0, 0.0).gain(), f64::INFINITY, "a number, even of nothing");
+    }
 }

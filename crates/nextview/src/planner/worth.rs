@@ -6,8 +6,8 @@ use rayon::prelude::*;
 
 /// What each of the views shows: a set for every view, in the order given, whose items are voxels.
 ///
-/// A voxel's value is the probability that the view shows surface in it that was not seen before. `ray_spacing` is in voxels of the
-/// snapshot, or of one that is coarse enough for the prior, positive.
+/// A voxel's value is the probability that the view shows surface in it that was not seen before. `ray_spacing` is in
+/// voxels of the snapshot, or of one that is coarse enough for the prior, positive.
 ///
 /// The memory is 8 bytes for each voxel of each view.
 pub(super) fn worth(situation: &Situation<'_>, views: &[usize], ray_spacing: f64) -> SetValues {

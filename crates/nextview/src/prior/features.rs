@@ -9,18 +9,19 @@ const RADII: [i32; 5] = [1, 2, 4, 8, 16];
 /// Distances count up to here, voxels.
 const FARTHEST: f32 = 40.0;
 
-/// What is known around each voxel that may hold an unseen piece of surface: the unknown voxels, and the free ones that touch an unknown or
-/// an occupied voxel.
+/// What is known around each voxel that may hold an unseen piece of surface: the unknown voxels, and the free ones
+/// that touch an unknown or an occupied voxel.
 ///
-/// Free voxels take part since a voxel is free as soon as a ray passes it, and many that a first view grazes hold surface all the same:
-/// of what a second view sees anew, about two fifths.
+/// Free voxels take part since a voxel is free as soon as a ray passes it, and many that a first view grazes hold
+/// surface all the same: of what a second view sees anew, about two fifths.
 #[derive(Clone, Debug)]
 pub struct VoxelFeatures {
     /// Indices into the snapshot, increasing.
     pub voxels: Vec<u32>,
-    /// The features of each of these voxels: see [`NAMES`](Self::NAMES).
+    /// The features of each of these voxels; `docs/methods/most-surface.md` lists them.
     pub rows: Vec<[f32; VoxelFeatures::N]>,
-    /// Where free space lies around each voxel: the direction of the gradient of free voxels, of length 1, or 0 where there is none.
+    /// Where free space lies around each voxel: the direction of the gradient of free voxels, of length 1, or 0 where
+    /// there is none.
     pub normals: Vec<Vec3>,
 }
 
@@ -30,8 +31,9 @@ impl VoxelFeatures {
 
     /// The features of the snapshot's voxels.
     ///
-    /// Distances are in voxels and, where learning is to be helped by it, as logarithms; nothing depends on where the world's origin is, or on
-    /// how the world is turned about its z axis.
+    /// Distances are in voxels and, where learning is to be helped by it, as logarithms; nothing depends on where the
+    /// world's origin is, or changes when the world is turned by a quarter about its z axis. Only the voxel from which a
+    /// surface is continued may then be another, where several are equally near.
     pub fn new(snapshot: &Snapshot) -> Self {
         let surroundings = Surroundings::new(snapshot);
         let (block, occupancy) = (snapshot.block(), snapshot.occupancy());
@@ -117,7 +119,8 @@ impl Surroundings {
         (row.values, self.n_free.gradient(key, RADII[1]).normalize_or_zero())
     }
 
-    /// How much of the cubes around is occupied and free; surfaces grow with the square of the side.
+    /// How much of the cubes around is occupied and free; surfaces grow with the square of the side. Space outside the
+    /// block is free.
     fn shares(&self, key: VoxelKey, row: &mut Row) {
         for radius in RADII {
             let side = (2 * radius + 1) as f32;
@@ -126,7 +129,8 @@ impl Surroundings {
         }
     }
 
-    /// Where in the object and in the box the voxel is, and what is known at the places that symmetry would make its equals.
+    /// Where in the object and in the box the voxel is, and what is known at the places that symmetry would make its
+    /// equals.
     fn place(&self, key: VoxelKey, to_occupied: f32, to_free: f32, row: &mut Row) {
         let Extent { center, half } = &self.known;
         let (offset, radius) = (key.as_vec3() - center, half.length());
@@ -151,8 +155,8 @@ impl Surroundings {
         [log(occupied), log(free)]
     }
 
-    /// Where the voxel lies from the nearest surface: along its normal and across, at two scales; and how free and occupied space lie to
-    /// each other.
+    /// Where the voxel lies from the nearest surface: along its normal and across, at two scales; and how free and
+    /// occupied space lie to each other.
     fn continuation(&self, key: VoxelKey, voxel: usize, row: &mut Row) {
         let Nearest { squared, source } = self.occupied.of(voxel);
         let gradients = [(&self.n_free, RADII[2]), (&self.n_free, RADII[3]), (&self.n_occupied, RADII[3])]

@@ -1,8 +1,9 @@
 //! What unseen surfaces probably look like: a learned prior over the voxels that are not measured.
 //!
-//! Start with [`SurfacePrior`]: it tells, for every voxel in which an unseen piece of the object's surface may lie, how likely a
-//! ray ends there and how likely a camera that looks there sees a new piece of surface. Both are learned from simulated scans of random
-//! objects and a few meshes; the features they are learned on mean the same for any object, pose and voxel size.
+//! Start with [`SurfacePrior`]: it tells, for every voxel in which an unseen piece of the object's surface may lie,
+//! how likely a ray ends there and how likely a camera that looks there sees a new piece of surface. Both are learned
+//! from simulated scans of random objects and a few meshes; the features they are learned on mean the same for any
+//! object, pose and voxel size.
 
 mod coarse;
 mod features;

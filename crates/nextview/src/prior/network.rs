@@ -34,15 +34,23 @@ impl Network {
         2 * VoxelFeatures::N + FIRST + SECOND + (HIDDEN[1] + 1) * n_outputs
     }
 
-    /// The network that these numbers describe: mean and scale of the features, then the weights of each layer, for each input those to all
-    /// outputs, and last the biases. None unless there are [`n_numbers`](Self::n_numbers), all finite.
+    /// The network that these numbers describe: mean and scale of the features, then the weights of each layer, for
+    /// each input those to all outputs, and last the biases.
+    ///
+    /// None unless there are [`n_numbers`](Self::n_numbers), all finite, and at least one output.
     pub fn from_numbers(numbers: &[f32], n_outputs: usize) -> Option<Self> {
-        if numbers.len() != Self::n_numbers(n_outputs) || numbers.iter().any(|number| !number.is_finite()) {
+        let is_whole = n_outputs > 0 && numbers.len() == Self::n_numbers(n_outputs);
+        if !is_whole || numbers.iter().any(|number| !number.is_finite()) {
             return None;
         }
         let (mean, rest) = numbers.split_first_chunk()?;
         let (scale, weights) = rest.split_first_chunk()?;
         Some(Self { n_outputs, mean: *mean, scale: *scale, weights: weights.to_vec() })
+    }
+
+    /// Number of probabilities for each row.
+    pub fn n_outputs(&self) -> usize {
+        self.n_outputs
     }
 
     /// The numbers it is made from.
@@ -74,28 +82,31 @@ impl WithSimd for Forward<'_> {
         let Self { network, rows, out } = self;
         let n = network.n_outputs;
         for row in 0..rows.len() {
-            let hidden = network.hidden(&rows[row]);
-            let last = &network.weights[FIRST + SECOND..];
-            let out = &mut out[row * n..(row + 1) * n];
-            out.copy_from_slice(&last[HIDDEN[1] * n..]);
-            for input in 0..HIDDEN[1] {
-                for output in 0..n {
-                    out[output] += hidden[input] * last[input * n + output];
-                }
-            }
-            for logit in out {
-                *logit = 1.0 / (1.0 + (-*logit).exp());
-            }
+            network.forward(&rows[row], &mut out[row * n..(row + 1) * n]);
         }
     }
 }
 
+#[allow(clippy::needless_range_loop, reason = "iterators are not always inlined into vector instructions")]
 impl Network {
+    /// The probabilities of one row.
     #[inline(always)]
-    #[allow(
-        clippy::needless_range_loop,
-        reason = "iterators are not always inlined into vector instructions"
-    )]
+    fn forward(&self, row: &[f32; VoxelFeatures::N], out: &mut [f32]) {
+        let (hidden, last) = (self.hidden(row), &self.weights[FIRST + SECOND..]);
+        let n = self.n_outputs;
+        out.copy_from_slice(&last[HIDDEN[1] * n..]);
+        for input in 0..HIDDEN[1] {
+            for output in 0..n {
+                out[output] += hidden[input] * last[input * n + output];
+            }
+        }
+        for output in 0..n {
+            out[output] = 1.0 / (1.0 + (-out[output]).exp());
+        }
+    }
+
+    /// What the units of the second hidden layer give.
+    #[inline(always)]
     fn hidden(&self, row: &[f32; VoxelFeatures::N]) -> [f32; HIDDEN[1]] {
         let (first, second) = self.weights[..FIRST + SECOND].split_at(FIRST);
         let mut wide = [0.0; HIDDEN[0]];
@@ -110,15 +121,128 @@ impl Network {
         let mut narrow = [0.0; HIDDEN[1]];
         narrow.copy_from_slice(&second[HIDDEN[0] * HIDDEN[1]..]);
         for input in 0..HIDDEN[0] {
-            let value = if wide[input] > 0.0 { wide[input] } else { 0.0 };
-            let weights = &second[input * HIDDEN[1]..][..HIDDEN[1]];
+            let (value, weights) = (rectified(wide[input]), &second[input * HIDDEN[1]..][..HIDDEN[1]]);
             for unit in 0..HIDDEN[1] {
                 narrow[unit] += value * weights[unit];
             }
         }
         for unit in 0..HIDDEN[1] {
-            narrow[unit] = if narrow[unit] > 0.0 { narrow[unit] } else { 0.0 };
+            narrow[unit] = rectified(narrow[unit]);
         }
         narrow
+    }
+}
+
+#[inline(always)]
+fn rectified(value: f32) -> f32 {
+    if value > 0.0 { value } else { 0.0 }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geometry::random::Random;
+    use crate::visibility::archs;
+    use proptest::prelude::*;
+
+    const N: usize = VoxelFeatures::N;
+
+    fn numbers(n_outputs: usize, seed: u64) -> Vec<f32> {
+        let mut random = Random::new(seed, 0);
+        (0..Network::n_numbers(n_outputs)).map(|_| random.range(-1.0, 1.0) as f32).collect()
+    }
+
+    fn rows(n: usize, seed: u64) -> Vec<[f32; N]> {
+        let mut random = Random::new(seed, 1);
+        (0..n).map(|_| std::array::from_fn(|_| random.range(-2.0, 4.0) as f32)).collect()
+    }
+
+    /// A layer of the slow twin; takes its weights from the front of the numbers.
+    fn layer(numbers: &mut impl Iterator<Item = f64>, inputs: &[f64], n_outputs: usize) -> Vec<f64> {
+        let mut outputs = vec![0.0; n_outputs];
+        for input in inputs.iter().chain([&1.0]) {
+            outputs.iter_mut().for_each(|output| *output += input * numbers.next().unwrap());
+        }
+        outputs
+    }
+
+    fn slow_probabilities(numbers: &[f32], n_outputs: usize, row: &[f32; N]) -> Vec<f64> {
+        let (mean, scale) = (&numbers[..N], &numbers[N..2 * N]);
+        let mut weights = numbers[2 * N..].iter().map(|&number| number as f64);
+        let mut values: Vec<f64> =
+            (0..N).map(|i| (row[i] as f64 - mean[i] as f64) * scale[i] as f64).collect();
+        for n_units in Network::HIDDEN {
+            values = layer(&mut weights, &values, n_units);
+            values.iter_mut().for_each(|value| *value = value.max(0.0));
+        }
+        let logits = layer(&mut weights, &values, n_outputs);
+        assert_eq!(weights.next(), None, "all numbers are used");
+        logits.into_iter().map(|logit| 1.0 / (1.0 + (-logit).exp())).collect()
+    }
+
+    fn bits(values: &[f32]) -> Vec<u32> {
+        values.iter().map(|value| value.to_bits()).collect()
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig::with_cases(32))]
+
+        #[test]
+        fn computes_what_the_slow_twin_computes(seed: u64, n_outputs in prop::sample::select(vec![1, 3, 25]), n_rows in 0_usize..40) {
+            let (numbers, rows) = (numbers(n_outputs, seed), rows(n_rows, seed));
+            let found = Network::from_numbers(&numbers, n_outputs).unwrap().probabilities(&rows);
+            let expected: Vec<f64> =
+                rows.iter().flat_map(|row| slow_probabilities(&numbers, n_outputs, row)).collect();
+            prop_assert_eq!(found.len(), expected.len());
+            for (found, expected) in found.into_iter().zip(expected) {
+                // Logits are sums of up to some hundred, of which a rounding is a few millionths.
+                prop_assert!((0.0..=1.0).contains(&found) && (found as f64 - expected).abs() < 1e-4, "{found} {expected}");
+            }
+        }
+
+        #[test]
+        fn has_the_same_bits_with_all_instructions_and_threads(seed: u64, n_outputs in prop::sample::select(vec![1, 25])) {
+            let network = Network::from_numbers(&numbers(n_outputs, seed), n_outputs).unwrap();
+            let rows = rows(3 * CHUNK + 7, seed);
+            let found = bits(&network.probabilities(&rows));
+            for arch in archs() {
+                let mut out = vec![0.0; rows.len() * n_outputs];
+                arch.dispatch(Forward { network: &network, rows: &rows, out: &mut out });
+                prop_assert_eq!(&bits(&out), &found, "{:?}", arch);
+            }
+            for n_threads in [1, 3] {
+                let pool = rayon::ThreadPoolBuilder::new().num_threads(n_threads).build().unwrap();
+                prop_assert_eq!(&bits(&pool.install(|| network.probabilities(&rows))), &found);
+            }
+        }
+    }
+
+    #[test]
+    fn is_made_from_as_many_finite_numbers_as_it_has() {
+        for n_outputs in [1, 2, 25] {
+            let numbers = numbers(n_outputs, 3);
+            let network = Network::from_numbers(&numbers, n_outputs).unwrap();
+            assert_eq!(network.numbers(), numbers);
+            assert_eq!(network.probabilities(&rows(5, 0)).len(), 5 * n_outputs);
+            assert_eq!(Network::from_numbers(&numbers[1..], n_outputs), None);
+            assert_eq!(Network::from_numbers(&[&numbers[..], &[0.0]].concat(), n_outputs), None);
+            assert_eq!(Network::from_numbers(&numbers, n_outputs + 1), None);
+            for place in [0, N, 2 * N, numbers.len() - 1] {
+                for bad in [f32::NAN, f32::INFINITY, f32::NEG_INFINITY] {
+                    let mut numbers = numbers.clone();
+                    numbers[place] = bad;
+                    assert_eq!(Network::from_numbers(&numbers, n_outputs), None, "{bad} at {place}");
+                }
+            }
+        }
+        assert_eq!(Network::from_numbers(&[], 1), None);
+        assert_eq!(Network::from_numbers(&vec![0.0; Network::n_numbers(0)], 0), None, "no output");
+    }
+
+    #[test]
+    fn huge_weights_give_probabilities() {
+        let huge: Vec<f32> = numbers(25, 9).into_iter().map(|number| number * 1e6).collect();
+        let found = Network::from_numbers(&huge, 25).unwrap().probabilities(&rows(20, 9));
+        assert!(found.iter().all(|p| (0.0..=1.0).contains(p)));
     }
 }

@@ -69,21 +69,23 @@ impl Default for SurfacePrior {
 }
 
 impl SurfacePrior {
-    /// The prior of these two networks: whether rays stop in a voxel, with one output, and whether a view shows new surface in it, with an output for
-    /// each [`Sighting`].
+    /// The prior of these two networks: whether rays stop in a voxel, with one output, and whether a view shows new
+    /// surface in it, with an output for each [`Sighting`].
+    ///
+    /// Panics if a network has another number of outputs.
     pub fn new(stops: Network, shows: Network) -> Self {
+        let n_outputs = (stops.n_outputs(), shows.n_outputs());
+        assert_eq!(n_outputs, (1, Sighting::N), "outputs of the networks of a prior");
         Self { stops, shows }
     }
 
-    /// Reads what [`to_bytes`](Self::to_bytes) wrote; none if it is of another length or holds numbers that are not finite.
+    /// Reads what [`to_bytes`](Self::to_bytes) wrote; none if it is of another length or holds numbers that are not
+    /// finite.
     pub fn from_bytes(bytes: &[u8]) -> Option<Self> {
         let (numbers, rest) = bytes.as_chunks::<4>();
         let numbers: Vec<f32> = numbers.iter().map(|bytes| f32::from_le_bytes(*bytes)).collect();
         let (stops, shows) = numbers.split_at_checked(Network::n_numbers(1)).filter(|_| rest.is_empty())?;
-        Some(Self {
-            stops: Network::from_numbers(stops, 1)?,
-            shows: Network::from_numbers(shows, Sighting::N)?,
-        })
+        Some(Self::new(Network::from_numbers(stops, 1)?, Network::from_numbers(shows, Sighting::N)?))
     }
 
     /// The numbers of both networks, four bytes each, the least significant first.
@@ -130,5 +132,99 @@ impl SurfaceEstimate {
     /// The probability, 0..=1, that a view shows surface in the `i`-th voxel that was not seen before.
     pub fn shows(&self, i: usize, sighting: Sighting) -> f32 {
         self.shows[i * Sighting::N + sighting.index()]
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geometry::random::Random;
+    use crate::geometry::{Lattice, VoxelBlock};
+    use crate::map::LogOdds;
+    use glam::{IVec3, UVec3};
+
+    fn network(seed: u64, n_outputs: usize) -> Network {
+        let mut random = Random::new(seed, 0);
+        let numbers: Vec<f32> =
+            (0..Network::n_numbers(n_outputs)).map(|_| random.range(-0.5, 0.5) as f32).collect();
+        Network::from_numbers(&numbers, n_outputs).unwrap()
+    }
+
+    fn prior() -> SurfacePrior {
+        SurfacePrior::new(network(1, 1), network(2, Sighting::N))
+    }
+
+    #[test]
+    fn sightings_are_five_classes_of_visibility_times_five_of_facing() {
+        let below = |bound: f32| bound.next_down();
+        let visibilities =
+            [[0.0, below(0.12)], [0.12, below(0.3)], [0.3, below(0.6)], [0.6, below(0.9)], [0.9, 1.0]];
+        let facings =
+            [[-1.0, below(-0.5)], [-0.5, below(-0.15)], [-0.15, below(0.15)], [0.15, below(0.5)], [0.5, 1.0]];
+        let mut index = 0;
+        for visibilities in visibilities {
+            for facings in facings {
+                for (visibility, facing) in visibilities.into_iter().flat_map(|v| facings.map(|f| (v, f))) {
+                    assert_eq!(Sighting::new(visibility, facing).index(), index, "{visibility} {facing}");
+                }
+                index += 1;
+            }
+        }
+        assert_eq!(index, Sighting::N);
+    }
+
+    #[test]
+    fn without_a_direction_a_sighting_is_the_lowest_of_its_visibility() {
+        assert_eq!(Sighting::new(1.0, f32::NAN).index(), 20);
+    }
+
+    #[test]
+    #[should_panic(expected = "outputs of the networks of a prior")]
+    fn networks_change_no_places() {
+        SurfacePrior::new(network(1, Sighting::N), network(2, 1));
+    }
+
+    #[test]
+    fn bytes_say_it_all() {
+        let prior = prior();
+        let bytes = prior.to_bytes();
+        assert_eq!(bytes.len(), 4 * (Network::n_numbers(1) + Network::n_numbers(Sighting::N)));
+        assert_eq!(SurfacePrior::from_bytes(&bytes), Some(prior));
+        assert_eq!(SurfacePrior::default().to_bytes(), WEIGHTS);
+    }
+
+    #[test]
+    fn broken_bytes_are_no_prior() {
+        let bytes = prior().to_bytes();
+        for len in [0, 1, 4, 4 * Network::n_numbers(1), bytes.len() - 4, bytes.len() - 1] {
+            assert_eq!(SurfacePrior::from_bytes(&bytes[..len]), None, "{len} bytes");
+        }
+        for more in [1, 4] {
+            assert_eq!(SurfacePrior::from_bytes(&[&bytes[..], &vec![0; more]].concat()), None);
+        }
+        for place in [0, bytes.len() - 4] {
+            let mut bytes = bytes.clone();
+            bytes[place..place + 4].copy_from_slice(&f32::NAN.to_le_bytes());
+            assert_eq!(SurfacePrior::from_bytes(&bytes), None, "NaN at {place}");
+        }
+    }
+
+    #[test]
+    fn estimates_what_its_networks_make_of_the_features() {
+        let block = VoxelBlock::new(IVec3::splat(-3), UVec3::new(7, 5, 6)).unwrap();
+        let snapshot = Snapshot::from_fn(Lattice::new(0.01).unwrap(), block, |key| {
+            let kind = (key.x + 2 * key.y + 3 * key.z).rem_euclid(7);
+            [None, Some(0.85), Some(-0.4)].get(kind as usize).copied().flatten().map(LogOdds)
+        });
+        let (prior, features) = (prior(), VoxelFeatures::new(&snapshot));
+        let estimate = prior.estimate(&snapshot);
+        assert!(!estimate.is_empty());
+        assert_eq!((estimate.len(), estimate.voxels()), (features.voxels.len(), &features.voxels[..]));
+        let sighting = Sighting::new(0.7, 0.2);
+        for (i, row) in features.rows.iter().enumerate() {
+            assert_eq!(estimate.normal(i), features.normals[i]);
+            assert_eq!(estimate.stops(i), prior.stops.probabilities(&[*row])[0]);
+            assert_eq!(estimate.shows(i, sighting), prior.shows.probabilities(&[*row])[sighting.index()]);
+        }
     }
 }

@@ -4,8 +4,8 @@ use crate::geometry::{Aabb, Lattice, VoxelBlock};
 use crate::map::{Background, RayRule, SensorModel};
 use serde::{Deserialize, Serialize};
 
-/// Bytes per voxel of the box that a session and its planner hold at their peak: map, snapshot, nearest frontier voxels,
-/// weights, flow.
+/// Bytes per voxel of the box that a session and its planner hold at their peak: map, snapshot, nearest frontier
+/// voxels, weights, flow.
 const BYTES_PER_VOXEL: u64 = 200;
 
 /// What a [`Session`](super::Session) needs to know.
@@ -43,13 +43,15 @@ pub struct StopConfig {
     /// paper's eq. (9), where it is 0.5. Default: do not, since the share says how empty the box is rather than
     /// how completely the object was seen.
     pub entropy_share: Option<f64>,
-    /// Stop when this share, 0..=1, of the surface that can be seen is [estimated](crate::planner::Outlook::completeness) to have been seen. Default:
-    /// do not. Planners that expect nothing never stop so.
+    /// Stop when this share, 0..=1, of the surface that can be seen is
+    /// [estimated](crate::planner::Outlook::completeness) to have been seen. Default: do not. Planners that expect
+    /// nothing never stop so.
     pub completeness: Option<f64>,
-    /// Stop when the next view is expected to add less than this share, 0..=1, to what was seen so far. Default: do not.
-    /// Planners that expect nothing never stop so.
+    /// Stop when the next view is expected to add less than this share, 0..=1, to what was seen so far. Default: do
+    /// not. Planners that expect nothing never stop so.
     pub expected_gain: Option<f64>,
-    /// Stop rather than let the straight path through all views become longer than this, metres, positive. Default: do not.
+    /// Stop rather than let the straight path through all views become longer than this, metres, positive. Default: do
+    /// not.
     pub path_length: Option<f64>,
 }
 

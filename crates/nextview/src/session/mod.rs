@@ -64,7 +64,8 @@ pub struct Session {
     visited: Vec<usize>,
     /// V_global of every plan so far.
     history: Vec<Vec<u32>>,
-    pending: Option<NextView>,
+    /// What was decided since the last frame.
+    decision: Option<Decision>,
     course: Course,
 }
 
@@ -141,7 +142,7 @@ impl Session {
             n_taken: 0,
             visited: Vec::new(),
             history: Vec::new(),
-            pending: None,
+            decision: None,
             course: Course::default(),
         };
         session.locate();
@@ -155,7 +156,7 @@ impl Session {
         self.locate();
         let update = self.map.integrate(frame);
         self.refine_what_is_known();
-        let taken = self.pending.take();
+        let taken = self.decision.take().and_then(Decision::next_view);
         self.n_taken += taken.is_some() as usize;
         self.visited.extend(taken.and_then(|next| next.view));
         let is_planned = taken.is_some_and(|next| next.choice.is_some());
@@ -165,38 +166,9 @@ impl Session {
 
     /// Decides on the next view. Asked again before the next observation, the answer is the same.
     pub fn decide(&mut self) -> Decision {
-        if let Some(next) = self.pending {
-            return Decision::Move(next);
-        }
-        if let Some((view, world_from_camera)) = self.first_view() {
-            return self.go_to(view, world_from_camera, &Plan::default());
-        }
-        if self.n_taken >= self.config.stop.max_views {
-            return Decision::Stop(StopReason::ViewLimit);
-        }
-        if self.is_box_too_large {
-            return Decision::Stop(StopReason::BoxTooLarge);
-        }
-        loop {
-            let Some(snapshot) = self.map.planning_snapshot() else {
-                return Decision::Stop(StopReason::NoObject);
-            };
-            if self.is_converged(&snapshot) {
-                return Decision::Stop(StopReason::Converged);
-            }
-            let plan = self.plan(&snapshot);
-            if let Some(reason) = self.reason_to_stop(&plan) {
-                return Decision::Stop(reason);
-            }
-            if let Some(choice) = plan.choice {
-                self.course.depart(&snapshot);
-                return self.go_to(Some(choice.view), self.candidates.pose(choice.view), &plan);
-            }
-            if self.map.is_finest() {
-                return Decision::Stop(StopReason::NothingToGain);
-            }
-            self.map.refine(&self.frames); // what coarse voxels do not show, finer ones may
-        }
+        let decision = self.decision.unwrap_or_else(|| self.decide_anew());
+        self.decision = Some(decision);
+        decision
     }
 
     /// The map so far, in the finest voxels.
@@ -232,6 +204,38 @@ impl Session {
     /// The view candidates as they stand now.
     pub fn views(&self) -> &ViewSpace {
         &self.candidates
+    }
+
+    fn decide_anew(&mut self) -> Decision {
+        if let Some((view, world_from_camera)) = self.first_view() {
+            return go_to(view, world_from_camera, &Plan::default());
+        }
+        if self.n_taken >= self.config.stop.max_views {
+            return Decision::Stop(StopReason::ViewLimit);
+        }
+        if self.is_box_too_large {
+            return Decision::Stop(StopReason::BoxTooLarge);
+        }
+        loop {
+            let Some(snapshot) = self.map.planning_snapshot() else {
+                return Decision::Stop(StopReason::NoObject);
+            };
+            if self.is_converged(&snapshot) {
+                return Decision::Stop(StopReason::Converged);
+            }
+            let plan = self.plan(&snapshot);
+            if let Some(reason) = self.reason_to_stop(&plan) {
+                return Decision::Stop(reason);
+            }
+            if let Some(choice) = plan.choice {
+                self.course.depart(&snapshot);
+                return go_to(Some(choice.view), self.candidates.pose(choice.view), &plan);
+            }
+            if self.map.is_finest() {
+                return Decision::Stop(StopReason::NothingToGain);
+            }
+            self.map.refine(&self.frames); // what coarse voxels do not show, finer ones may
+        }
     }
 
     /// Number and pose of the first view, before it was taken.
@@ -290,11 +294,15 @@ impl Session {
         if outlook.zip(expected_gain).is_some_and(|(outlook, least)| outlook.gain() < least) {
             return Some(StopReason::LittleToGain);
         }
-        let next = self.candidates.pose(choice.view).translation();
-        let last =
-            self.frames.last().map_or(0.0, |frame| frame.world_from_camera().translation().distance(next));
-        let is_too_long = path_length.is_some_and(|limit| self.legs().sum::<f64>() + last > limit);
+        let is_too_long = path_length.is_some_and(|limit| self.path_length_with(choice.view) > limit);
         is_too_long.then_some(StopReason::PathLimit)
+    }
+
+    /// Length of the straight path through the places of all frames and on to a view, metres.
+    fn path_length_with(&self, view: usize) -> f64 {
+        let next = self.candidates.pose(view).translation();
+        let last = self.frames.last().map(|frame| frame.world_from_camera().translation().distance(next));
+        self.legs().sum::<f64>() + last.unwrap_or(0.0)
     }
 
     /// Straight distances between the places of the frames so far, metres.
@@ -322,13 +330,6 @@ impl Session {
         Situation { snapshot, frames, views, intrinsics, visited, history, finest_voxel_size }
     }
 
-    fn go_to(&mut self, view: Option<usize>, world_from_camera: Pose, plan: &Plan) -> Decision {
-        let next =
-            NextView { view, world_from_camera, choice: plan.choice, flow: plan.flow, outlook: plan.outlook };
-        self.pending = Some(next);
-        Decision::Move(next)
-    }
-
     fn report(&self, taken: Option<NextView>, voxel_size: f64, update: MapUpdate) -> StepReport {
         let frame = self.frames.last().expect("a report follows a frame");
         let Place { bounds, table } = self.map.place();
@@ -347,4 +348,18 @@ impl Session {
             map: self.snapshot().map_or_else(MapReport::default, |snapshot| MapReport::new(&snapshot)),
         }
     }
+}
+
+impl Decision {
+    fn next_view(self) -> Option<NextView> {
+        match self {
+            Self::Move(next) => Some(next),
+            Self::Stop(_) => None,
+        }
+    }
+}
+
+fn go_to(view: Option<usize>, world_from_camera: Pose, plan: &Plan) -> Decision {
+    let Plan { choice, flow, outlook, .. } = *plan;
+    Decision::Move(NextView { view, world_from_camera, choice, flow, outlook })
 }

@@ -18,3 +18,6 @@ pub use ray_caster::RayCaster;
 pub use ray_grid::{NO_VOXEL_MISSED, RayGrid};
 pub use sight::{FreeSpace, Sight};
 pub(crate) use worth_caster::WorthCaster;
+
+#[cfg(test)]
+pub(crate) use packet::tests::archs;

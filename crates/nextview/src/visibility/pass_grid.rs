@@ -62,8 +62,8 @@ impl PassGrid {
     }
 }
 
-/// The smallest block that holds all voxels that are not clear (the whole one if there are none): clear space around it neither weakens a
-/// ray nor ends it.
+/// The smallest block that holds all voxels that are not clear (the whole one if there are none): clear space around
+/// it neither weakens a ray nor ends it.
 fn without_margin(block: VoxelBlock, is_clear: impl Fn(usize) -> bool) -> VoxelBlock {
     let [width, height, depth] = block.dims().to_array().map(|dim| dim as usize);
     let mut corners: Option<(IVec3, IVec3)> = None;
@@ -78,4 +78,36 @@ fn without_margin(block: VoxelBlock, is_clear: impl Fn(usize) -> bool) -> VoxelB
     }
     let inner = corners.and_then(|(low, high)| VoxelBlock::new(low, (high - low + 1).as_uvec3()));
     inner.unwrap_or(block)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geometry::Lattice;
+    use glam::UVec3;
+    use proptest::prelude::*;
+
+    proptest! {
+        /// The slow twin: the corners of all voxels that are not clear, and every cell by its key.
+        #[test]
+        fn holds_the_passes_of_the_least_block(
+            dims in prop::array::uniform3(1_u32..7), min in prop::array::uniform3(-5..5),
+            clear_share in prop::sample::select(vec![0.0, 0.5, 0.95, 1.0]),
+            drawn in prop::collection::vec((0.0..1.0, 0.001_f32..0.999), 216),
+        ) {
+            let block = VoxelBlock::new(IVec3::from_array(min), UVec3::from_array(dims)).unwrap();
+            let snapshot = Snapshot::from_fn(Lattice::new(0.01).unwrap(), block, |_| None);
+            let passes: Vec<f32> =
+                drawn[..block.n_voxels()].iter().map(|&(p, pass)| if p < clear_share { 1.0 } else { pass }).collect();
+            let grid = PassGrid::of_passes(&snapshot, &passes);
+            let weakening = || (0..passes.len()).filter(|&voxel| passes[voxel] < 1.0).map(|voxel| block.key(voxel));
+            let corners = weakening().reduce(IVec3::min).zip(weakening().reduce(IVec3::max));
+            prop_assert_eq!((grid.block.min(), grid.block.max()), corners.unwrap_or((block.min(), block.max())));
+            for cell in 0..grid.padded.n_voxels() {
+                let key = grid.padded.key(cell);
+                let voxel = grid.block.index(key).and_then(|_| block.index(key));
+                prop_assert_eq!(grid.passes[cell], voxel.map_or(PassGrid::OUTSIDE, |voxel| passes[voxel]));
+            }
+        }
+    }
 }

@@ -292,6 +292,34 @@ mod tests {
         }
     }
 
+    proptest! {
+        /// The slow twin: the general walk and a product, from the first voxel on that weakens any ray.
+        #[test]
+        fn rays_go_through_what_passes_are_given(
+            origin in prop::array::uniform3(-30.0..30.0), direction in prop::array::uniform3(-1.0..1.0),
+            dims in prop::array::uniform3(1_u32..9), fade_limit in prop::sample::select(vec![0.0_f32, 0.03, 0.4]),
+            drawn in prop::collection::vec(prop_oneof![Just(1.0_f32), 0.001_f32..0.999], 512),
+        ) {
+            let (origin, direction) = (DVec3::from_array(origin), DVec3::from_array(direction));
+            let snapshot = snapshot(UVec3::from_array(dims), |i| [None, Some(0.85), Some(-0.4)][i % 3]);
+            let passes = &drawn[..snapshot.block().n_voxels()];
+            let caster = RayCaster::through(&snapshot, &Intrinsics::d435i(), 1.0, passes, fade_limit).unwrap();
+            let inner = caster.passes.block;
+            let (mut expected, mut visibility) = (Vec::new(), 1.0);
+            let mut walk = SegmentWalk::ray_within(origin, direction, inner.min(), inner.max());
+            while let Some(at) = walk.take() {
+                let voxel = snapshot.block().index(at.key()).unwrap();
+                expected.push(Crossing { voxel: voxel as u32, visibility });
+                visibility *= passes[voxel];
+                let mut next = at;
+                walk = if visibility < fade_limit { None } else { next.advance().map(|_| next) };
+            }
+            let end = if visibility < fade_limit { RayEnd::Faded } else { RayEnd::LeftBox };
+            let expected = (!expected.is_empty()).then_some((expected, end));
+            prop_assert_eq!(trace(&caster, origin, direction), expected);
+        }
+    }
+
     fn check_by_sampling(
         snapshot: &Snapshot,
         origin: DVec3,

@@ -7,7 +7,7 @@ use pulp::{Simd, WithSimd};
 
 /// Sends rays for planners that ask of a ray only which voxels of worth it crosses, and how well it sees them.
 ///
-/// It tells the same as [`RayCaster::cast`], in the same order, at half of the time: measured voxels are left out, and the
+/// It tells the same as [`RayCaster::cast`], in the same order, at half of the time: other voxels are left out, and the
 /// rays are walked side by side.
 #[derive(Debug)]
 pub(crate) struct WorthCaster<'a> {
@@ -21,7 +21,7 @@ pub(crate) struct WorthCaster<'a> {
 const NO_ITEM: u32 = u32::MAX;
 
 impl<'a> WorthCaster<'a> {
-    /// Numbers the voxels of positive worth as items, in the order of the voxels.
+    /// Numbers the voxels of positive worth, all of which must weaken a ray, as items, in the order of the voxels.
     pub fn new(caster: RayCaster<'a>, snapshot: &Snapshot, worth_of_voxel: &[f64]) -> Self {
         let mut items = vec![NO_ITEM; caster.passes.padded.n_voxels()];
         let mut worth = Vec::new();
@@ -128,29 +128,64 @@ mod tests {
             free_space in prop::sample::select(vec![FreeSpace::Clear, FreeSpace::Fades]),
             fade_limit in prop::sample::select(vec![0.0, Sight::FADED, 0.2]), spacing in 0.5..6.0,
         ) {
-            let block = VoxelBlock::new(IVec3::new(-5, -4, -6), UVec3::new(11, 9, 10)).unwrap();
-            let state = |key| states[block.index(key).unwrap()].map(LogOdds);
-            let snapshot = Snapshot::from_fn(Lattice::new(0.01).unwrap(), block, state);
-            let worth: Vec<f64> = (0..states.len()).map(|i| if i % 5 == 0 { 0.0 } else { 1.0 / i as f64 }).collect();
-            let item_of = |voxel: u32| {
-                let is_item = |&i: &usize| states[i].is_none() && worth[i] > 0.0;
-                is_item(&(voxel as usize)).then(|| (0..voxel as usize).filter(is_item).count())
-            };
-            let (pose, sight) = (look_at(DVec3::from_array(position), DVec3::ZERO), Sight { free_space, fade_limit });
-            for arch in archs() {
-                let mut caster = RayCaster::new(&snapshot, &cameras()[camera], spacing, sight).unwrap();
-                caster.arch = arch;
-                let mut expected = Vec::new();
-                caster.cast(&pose, |ray| expected.extend(ray.crossings.iter().filter_map(|crossing| {
-                    let quality = worth[crossing.voxel as usize] * crossing.visibility as f64;
-                    item_of(crossing.voxel).map(|item| (item, quality))
-                })));
-                let caster = WorthCaster::new(caster, &snapshot, &worth);
-                let mut found = Vec::new();
-                let sum = caster.cast(&pose, &mut caster.paths(), |item, quality| found.push((item, quality)));
-                prop_assert_eq!(&found, &expected);
-                prop_assert_eq!(sum, expected.iter().fold(0.0, |sum, (_, quality)| sum + quality));
-            }
+            let (snapshot, sight) = (snapshot(&states), Sight { free_space, fade_limit });
+            let has_worth = |i: usize| states[i].is_none() && !i.is_multiple_of(5);
+            let worth: Vec<f64> = (0..states.len()).map(|i| if has_worth(i) { 1.0 / i as f64 } else { 0.0 }).collect();
+            let caster = || RayCaster::new(&snapshot, &cameras()[camera], spacing, sight).unwrap();
+            check(caster, &snapshot, &worth, &look_at(DVec3::from_array(position), DVec3::ZERO))?;
         }
+
+        /// The same where what passes is given: rays then go through occupied voxels, and free ones may have worth.
+        #[test]
+        fn tells_what_single_rays_through_given_passes_tell(
+            states in states(), position in prop::array::uniform3(-0.4..0.4), camera in 0_usize..3,
+            fade_limit in prop::sample::select(vec![0.0_f32, 0.03]), spacing in 0.5..6.0,
+        ) {
+            let snapshot = snapshot(&states);
+            let pass = |i: usize| match states[i] {
+                None => 0.6,
+                Some(log_odds) if log_odds > 0.0 => 0.25,
+                Some(_) => if i.is_multiple_of(5) { 0.95 } else { 1.0 },
+            };
+            let passes: Vec<f32> = (0..states.len()).map(pass).collect();
+            let worth: Vec<f64> = passes.iter().map(|&pass| if pass == 0.25 || pass == 1.0 { 0.0 } else { 1.0 }).collect();
+            let caster = || RayCaster::through(&snapshot, &cameras()[camera], spacing, &passes, fade_limit).unwrap();
+            check(caster, &snapshot, &worth, &look_at(DVec3::from_array(position), DVec3::ZERO))?;
+        }
+    }
+
+    fn snapshot(states: &[Option<f32>]) -> Snapshot {
+        let block = VoxelBlock::new(IVec3::new(-5, -4, -6), UVec3::new(11, 9, 10)).unwrap();
+        let state = |key| states[block.index(key).unwrap()].map(LogOdds);
+        Snapshot::from_fn(Lattice::new(0.01).unwrap(), block, state)
+    }
+
+    /// Compares with the crossings of single rays, in order, whatever instructions the CPU has.
+    fn check<'a>(
+        caster: impl Fn() -> RayCaster<'a>,
+        snapshot: &Snapshot,
+        worth: &[f64],
+        pose: &Pose,
+    ) -> Result<(), TestCaseError> {
+        let item_of = |voxel: usize| {
+            (worth[voxel] > 0.0).then(|| worth[..voxel].iter().filter(|worth| **worth > 0.0).count())
+        };
+        for arch in archs() {
+            let mut caster = caster();
+            caster.arch = arch;
+            let mut expected = Vec::new();
+            caster.cast(pose, |ray| {
+                expected.extend(ray.crossings.iter().filter_map(|crossing| {
+                    let quality = worth[crossing.voxel as usize] * crossing.visibility as f64;
+                    item_of(crossing.voxel as usize).map(|item| (item, quality))
+                }))
+            });
+            let caster = WorthCaster::new(caster, snapshot, worth);
+            let mut found = Vec::new();
+            let sum = caster.cast(pose, &mut caster.paths(), |item, quality| found.push((item, quality)));
+            prop_assert_eq!(&found, &expected);
+            prop_assert_eq!(sum, expected.iter().fold(0.0, |sum, (_, quality)| sum + quality));
+        }
+        Ok(())
     }
 }

@@ -1,0 +1,8 @@
+//! The learned prior and what is planned with it against slow and obvious twins, whatever the weights are.
+
+#![allow(clippy::unwrap_used, reason = "clippy allows it in test functions, not in their helpers")]
+
+mod features;
+mod gain;
+mod made_up;
+mod planner;

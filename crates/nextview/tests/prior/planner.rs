@@ -1,0 +1,220 @@
+//! The planner against the gain of every single view, and what it expects against sums over all of them.
+
+use crate::made_up::{half_seen_ball, prior, random_snapshot, snapshot};
+use glam::{DVec3, IVec3, UVec3};
+use nextview::gain::ExpectedSurface;
+use nextview::geometry::VoxelBlock;
+use nextview::map::{Occupancy, Snapshot};
+use nextview::planner::{
+    Choice, MostSurface, MostSurfaceConfig, Outlook, Plan, RandomViews, Situation, ViewPlanner,
+};
+use nextview::prior::{SurfacePrior, coarse_enough};
+use nextview::sensor::Intrinsics;
+use nextview::view::{ViewSpace, generate};
+use proptest::prelude::*;
+
+fn views(n: usize) -> ViewSpace {
+    generate::shell(DVec3::ZERO, 0.08, n, 5).unwrap()
+}
+
+fn plan_with(planner: &dyn ViewPlanner, snapshot: &Snapshot, views: &ViewSpace, visited: &[usize]) -> Plan {
+    planner.plan(&Situation {
+        snapshot,
+        frames: &[],
+        views,
+        intrinsics: &Intrinsics::d435i(),
+        visited,
+        history: &[],
+        finest_voxel_size: snapshot.lattice().voxel_size(),
+    })
+}
+
+fn plan(
+    config: MostSurfaceConfig,
+    prior: &SurfacePrior,
+    snapshot: &Snapshot,
+    views: &ViewSpace,
+    visited: &[usize],
+) -> Plan {
+    plan_with(&MostSurface::with_prior(config, prior.clone()).unwrap(), snapshot, views, visited)
+}
+
+/// The plan, with every view looked at by itself. Distances are from the last view taken.
+fn slow_plan(
+    config: MostSurfaceConfig,
+    prior: &SurfacePrior,
+    snapshot: &Snapshot,
+    views: &ViewSpace,
+    visited: &[usize],
+) -> Plan {
+    let MostSurfaceConfig { ray_spacing, theta } = config;
+    let (snapshot, camera) = (coarse_enough(snapshot), Intrinsics::d435i());
+    let estimate = prior.estimate(&snapshot);
+    let gain = |view: usize, spacing: f64| {
+        let gain = ExpectedSurface::new(&snapshot, &camera, &estimate, spacing).unwrap();
+        gain.eye().gain(&views.pose(view))
+    };
+    let open: Vec<usize> = (0..views.len()).filter(|view| !visited.contains(view)).collect();
+    let first: Vec<f64> = (0..views.len()).map(|view| gain(view, 3.0 * ray_spacing)).collect();
+    let total: f64 = open.iter().map(|&view| first[view]).sum();
+    let distance = |view: usize| {
+        let place = |view: usize| views.pose(view).translation();
+        visited.last().map_or(0.0, |&last| place(view).distance(place(last)))
+    };
+    let way: f64 = open.iter().map(|&view| distance(view)).sum();
+    let share = |part: f64, all: f64| if all > 0.0 { part / all } else { 0.0 };
+    let score =
+        |view: usize, gain: f64| (1.0 - theta) * share(gain, total) - theta * share(distance(view), way);
+    // Sorting is stable: of equals the lower number stays before the higher.
+    let mut shortlist = open.clone();
+    shortlist.sort_by(|&a, &b| score(b, first[b]).total_cmp(&score(a, first[a])));
+    shortlist.truncate(40);
+    shortlist.sort_unstable();
+    let second = |view: usize| gain(view, ray_spacing);
+    let mut ranked: Vec<usize> = shortlist.into_iter().filter(|&view| second(view) >= 0.5).collect();
+    ranked.sort_by(|&a, &b| score(b, second(b)).total_cmp(&score(a, second(a))));
+    let choice = ranked.first().map(|&view| Choice {
+        view,
+        score: score(view, second(view)),
+        local_share: share(second(view), total),
+        flow_share: 0.0,
+        runner_up: ranked.get(1).copied(),
+    });
+    let mut shown = vec![0.0; estimate.len()];
+    for &view in &open {
+        let gain = ExpectedSurface::new(&snapshot, &camera, &estimate, 3.0 * ray_spacing).unwrap();
+        gain.eye().look(&views.pose(view), |item, sighting| {
+            shown[item] = estimate.shows(item, sighting).max(shown[item]);
+        });
+    }
+    let outlook = Outlook {
+        n_seen: snapshot.count(Occupancy::Occupied),
+        n_expected: ranked.first().map_or(0.0, |&view| second(view)),
+        n_unseen: shown.iter().map(|&p| p as f64).sum(),
+    };
+    Plan { choice, outlook: Some(outlook), ..Plan::default() }
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(12))]
+
+    /// Up to 40 candidates are all looked at twice.
+    #[test]
+    fn takes_the_best_of_all_views(
+        seed in 0..u64::MAX / 2, dims in prop::array::uniform3(2_u32..14), n_views in 1_usize..41,
+        theta in prop::sample::select(vec![0.0, 0.3, 1.0]), ray_spacing in 0.7..3.0,
+    ) {
+        let dims = UVec3::from_array(dims);
+        let snapshot = random_snapshot(-(dims / 2).as_ivec3(), dims, seed);
+        let (config, prior, views) = (MostSurfaceConfig { ray_spacing, theta }, prior(seed), views(n_views));
+        for visited in [&[][..], &[0]] {
+            let found = plan(config, &prior, &snapshot, &views, visited);
+            prop_assert_eq!(found, slow_plan(config, &prior, &snapshot, &views, visited));
+        }
+    }
+
+    /// Of more, the best 40 of the first look.
+    #[test]
+    fn takes_the_best_of_the_shortlist(seed in 0..u64::MAX / 2, theta in prop::sample::select(vec![0.0, 0.3, 1.0])) {
+        let config = MostSurfaceConfig { theta, ..MostSurfaceConfig::default() };
+        let (prior, snapshot, views) = (prior(seed), half_seen_ball(), views(90));
+        let found = plan(config, &prior, &snapshot, &views, &[3, 17]);
+        prop_assert_eq!(found, slow_plan(config, &prior, &snapshot, &views, &[3, 17]));
+    }
+}
+
+#[test]
+fn of_equal_views_the_first_is_taken() {
+    let poses = views(10).poses().to_vec();
+    let twice = ViewSpace::new([&poses[..], &poses[..]].concat()).unwrap();
+    let config = MostSurfaceConfig::default();
+    let choice = plan(config, &prior(2), &half_seen_ball(), &twice, &[]).choice.unwrap();
+    assert!(choice.view < 10);
+    assert_eq!(choice.runner_up, Some(choice.view + 10));
+}
+
+#[test]
+fn what_was_visited_is_not_chosen_again() {
+    let (config, views, mut visited) = (MostSurfaceConfig::default(), views(12), Vec::new());
+    while let Some(choice) = plan(config, &prior(3), &half_seen_ball(), &views, &visited).choice {
+        assert!(!visited.contains(&choice.view));
+        visited.push(choice.view);
+    }
+    assert_eq!(visited.len(), 12, "the map does not change, so every view goes on showing something");
+    let outlook = plan(config, &prior(3), &half_seen_ball(), &views, &visited).outlook.unwrap();
+    assert_eq!((outlook.n_expected, outlook.n_unseen), (0.0, 0.0));
+}
+
+#[test]
+fn where_only_the_way_counts_the_nearest_is_taken() {
+    let (views, config) = (views(90), MostSurfaceConfig { theta: 1.0, ..MostSurfaceConfig::default() });
+    let choice = plan(config, &prior(4), &half_seen_ball(), &views, &[7]).choice.unwrap();
+    let distance = |view: &usize| views.pose(*view).translation().distance(views.pose(7).translation());
+    let nearest = (0..90).filter(|&view| view != 7).min_by(|a, b| distance(a).total_cmp(&distance(b)));
+    assert_eq!(Some(choice.view), nearest);
+}
+
+#[test]
+fn where_nothing_is_to_be_seen_there_is_no_choice() {
+    let block = VoxelBlock::new(IVec3::splat(-4), UVec3::splat(8)).unwrap();
+    for (log_odds, n_seen) in [(-0.4, 0), (0.85, 512)] {
+        let known = snapshot(block, |_| Some(log_odds));
+        let plan = plan(MostSurfaceConfig::default(), &prior(5), &known, &views(50), &[]);
+        let outlook = Outlook { n_seen, n_expected: 0.0, n_unseen: 0.0 };
+        assert_eq!(plan, Plan { outlook: Some(outlook), ..Plan::default() });
+        assert_eq!(outlook.completeness(), 1.0);
+    }
+}
+
+#[test]
+fn threads_do_not_show() {
+    let config = MostSurfaceConfig { theta: 0.2, ..MostSurfaceConfig::default() };
+    let run = |n_threads| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(n_threads).build().unwrap();
+        pool.install(|| plan(config, &prior(6), &half_seen_ball(), &views(90), &[4]))
+    };
+    let one = run(1);
+    assert!(one.choice.is_some());
+    assert_eq!(one, run(2));
+    assert_eq!(one, run(4));
+}
+
+/// The size of what is planned in, and all distances between rays, are those of the coarse voxels.
+#[test]
+fn fine_maps_are_planned_in_coarse_voxels() {
+    let block = VoxelBlock::new(IVec3::new(-38, -4, -3), UVec3::new(77, 7, 8)).unwrap();
+    let fine = snapshot(block, |key| (key.y < 2).then_some(if key.y < 1 { -0.4 } else { 0.85 }));
+    let coarse = coarse_enough(&fine);
+    assert!(coarse.block().n_voxels() < block.n_voxels());
+    let (views, config) = (generate::shell(DVec3::ZERO, 0.4, 60, 5).unwrap(), MostSurfaceConfig::default());
+    let of_coarse = plan(config, &prior(7), &coarse, &views, &[1]);
+    assert!(of_coarse.choice.is_some());
+    assert_eq!(plan(config, &prior(7), &fine, &views, &[1]), of_coarse);
+}
+
+#[test]
+fn the_library_has_a_prior_of_its_own() {
+    let (config, snapshot, views) = (MostSurfaceConfig::default(), half_seen_ball(), views(30));
+    let own = plan_with(&MostSurface::new(config).unwrap(), &snapshot, &views, &[]);
+    assert_eq!(own, slow_plan(config, &SurfacePrior::default(), &snapshot, &views, &[]));
+    assert_eq!(plan_with(&RandomViews { seed: 1 }, &snapshot, &views, &[]).outlook, None);
+}
+
+#[test]
+fn bad_parameters_are_refused() {
+    let fault = |ray_spacing, theta| {
+        MostSurface::new(MostSurfaceConfig { ray_spacing, theta }).map(|_| ()).map_err(|e| e.to_string())
+    };
+    for bad in [-0.1, 1.1, f64::NAN] {
+        assert_eq!(fault(1.0, bad), Err(format!("theta is {bad}, expected a number in 0..=1")));
+    }
+    for bad in [0.0, -1.0, f64::NAN, f64::INFINITY] {
+        assert_eq!(
+            fault(bad, 0.0),
+            Err(format!("ray_spacing is {bad}, expected a positive number of voxels"))
+        );
+    }
+    for theta in [0.0, 1.0] {
+        assert_eq!(fault(0.5, theta), Ok(()));
+    }
+}

@@ -1,0 +1,276 @@
+//! When a session ends: by what its planner expects and by how far the camera goes; and what its reports say of both.
+
+#![allow(clippy::unwrap_used, reason = "clippy allows it in test functions, not in their helpers")]
+
+use glam::DVec3;
+use nextview::geometry::Aabb;
+use nextview::planner::{Choice, Itinerary, Leg, Outlook, Plan, RandomViews, Situation, ViewPlanner};
+use nextview::sensor::{DepthImage, Frame, Intrinsics};
+use nextview::session::{
+    Decision, MultiResolution, NextView, Session, SessionConfig, StepReport, StopConfig, StopReason,
+};
+use nextview::view::{ViewSpace, look_at};
+
+/// Distance between neighbouring views, metres; sums of it have no rounding.
+const STEP: f64 = 0.125;
+
+/// Goes from view to view and expects after each what it is told to; without more to tell, it expects and chooses nothing.
+struct Told(Vec<Outlook>);
+
+impl ViewPlanner for Told {
+    fn plan(&self, situation: &Situation<'_>) -> Plan {
+        let view = situation.visited.len();
+        let outlook = self.0.get(view - 1).copied();
+        Plan { choice: outlook.map(|_| choice(view)), outlook, ..Plan::default() }
+    }
+}
+
+fn choice(view: usize) -> Choice {
+    Choice { view, score: 1.0, local_share: 1.0, flow_share: 0.0, runner_up: None }
+}
+
+fn outlook(n_expected: f64, n_unseen: f64) -> Outlook {
+    Outlook { n_seen: 100, n_expected, n_unseen }
+}
+
+/// Views in a row that look across the box.
+fn views() -> ViewSpace {
+    let position = |i: usize| DVec3::new(i as f64 * STEP, -1.0, 0.0);
+    ViewSpace::new((0..12).map(|i| look_at(position(i), DVec3::X * position(i).x)).collect()).unwrap()
+}
+
+fn config(stop: StopConfig) -> SessionConfig {
+    SessionConfig { stop, ..SessionConfig::new(0.01, Aabb::cube(DVec3::ZERO, 0.05)) }
+}
+
+fn camera() -> Intrinsics {
+    Intrinsics::pinhole(32, 24, glam::DVec2::splat(60.0), glam::DVec2::new(15.5, 11.5)).unwrap()
+}
+
+fn session(planner: impl ViewPlanner + 'static, stop: StopConfig) -> Session {
+    Session::new(config(stop), camera(), views(), Box::new(planner)).unwrap()
+}
+
+/// A frame that shows a wall across the box, farther from each view than from the last.
+fn observe(session: &mut Session, view: usize) -> StepReport {
+    let image = DepthImage::from_metres(32, 24, vec![1.0 + 0.01 * view as f32; 32 * 24]).unwrap();
+    session.observe(&Frame::new(image, camera(), views().pose(view), 2.0).unwrap())
+}
+
+fn scan(session: &mut Session) -> (Vec<(NextView, StepReport)>, StopReason) {
+    let mut steps = Vec::new();
+    loop {
+        match session.decide() {
+            Decision::Move(next) => steps.push((next, observe(session, next.view.unwrap()))),
+            Decision::Stop(reason) => return (steps, reason),
+        }
+    }
+}
+
+/// How many views are taken, and why no more.
+fn check(planner: impl ViewPlanner + 'static, stop: StopConfig, n_views: usize, reason: StopReason) {
+    let mut session = session(planner, stop);
+    assert_eq!(scan(&mut session).1, reason, "{stop:?}");
+    assert_eq!(session.visited(), (0..n_views).collect::<Vec<_>>(), "{stop:?}");
+    assert_eq!(session.decide(), Decision::Stop(reason), "the answer stays the same");
+}
+
+#[test]
+fn stops_when_enough_is_estimated_to_have_been_seen() {
+    // Completeness 0.5, 0.8, 0.9, 1.
+    let told = || Told([100.0, 25.0, 100.0 / 9.0, 0.0].map(|n_unseen| outlook(1.0, n_unseen)).to_vec());
+    let stop = |share| StopConfig { completeness: Some(share), ..StopConfig::default() };
+    for (share, n_views) in [(0.0, 1), (0.5, 1), (0.51, 2), (0.8, 2), (0.85, 3), (0.95, 4), (1.0, 4)] {
+        check(told(), stop(share), n_views, StopReason::Complete);
+    }
+    check(told(), StopConfig::default(), 5, StopReason::NothingToGain);
+}
+
+#[test]
+fn without_a_next_view_a_scan_may_be_complete_or_not() {
+    struct Done;
+    impl ViewPlanner for Done {
+        fn plan(&self, _: &Situation<'_>) -> Plan {
+            Plan { outlook: Some(outlook(0.0, 25.0)), ..Plan::default() }
+        }
+    }
+    let stop = |share| StopConfig {
+        completeness: Some(share),
+        expected_gain: Some(1.0),
+        path_length: Some(1e-9),
+        ..StopConfig::default()
+    };
+    check(Done, stop(0.8), 1, StopReason::Complete);
+    check(Done, stop(0.81), 1, StopReason::NothingToGain);
+}
+
+#[test]
+fn stops_when_the_next_view_is_expected_to_add_little() {
+    let told = || Told([50.0, 10.0, 20.0, 5.0].map(|n_expected| outlook(n_expected, 100.0)).to_vec());
+    let stop = |share| StopConfig { expected_gain: Some(share), ..StopConfig::default() };
+    for (share, n_views) in [(1.0, 1), (0.51, 1), (0.5, 2), (0.11, 2), (0.1, 4), (0.051, 4)] {
+        check(told(), stop(share), n_views, StopReason::LittleToGain);
+    }
+    check(told(), stop(0.05), 5, StopReason::NothingToGain);
+    check(told(), stop(0.0), 5, StopReason::NothingToGain);
+}
+
+#[test]
+fn anything_is_much_where_nothing_was_seen() {
+    let nothing_seen = Outlook { n_seen: 0, n_expected: 0.6, n_unseen: 1.0 };
+    let stop = StopConfig { expected_gain: Some(1.0), ..StopConfig::default() };
+    check(Told(vec![nothing_seen; 3]), stop, 4, StopReason::NothingToGain);
+}
+
+#[test]
+fn stops_before_the_path_is_too_long() {
+    let told = || Told(vec![outlook(50.0, 100.0); 11]);
+    let stop = |steps: f64| StopConfig { path_length: Some(steps * STEP), ..StopConfig::default() };
+    for (steps, n_views) in [(0.001, 1), (0.999, 1), (1.0, 2), (3.5, 4), (4.0, 5)] {
+        check(told(), stop(steps), n_views, StopReason::PathLimit);
+    }
+    check(told(), stop(9.0), 10, StopReason::ViewLimit);
+    check(told(), stop(f64::INFINITY), 10, StopReason::ViewLimit);
+}
+
+#[test]
+fn of_several_rules_the_first_to_hold_ends_the_scan() {
+    let told = || Told((0..11).map(|i| outlook(50.0 - 5.0 * i as f64, 100.0 - 9.0 * i as f64)).collect());
+    let all = StopConfig {
+        max_views: 9,
+        completeness: Some(0.7),
+        expected_gain: Some(0.2),
+        path_length: Some(2.0 * STEP),
+        ..StopConfig::default()
+    };
+    check(told(), all, 3, StopReason::PathLimit);
+    check(told(), StopConfig { path_length: None, ..all }, 8, StopReason::Complete);
+    check(told(), StopConfig { path_length: None, completeness: None, ..all }, 8, StopReason::LittleToGain);
+    check(told(), StopConfig { max_views: 2, ..all }, 2, StopReason::ViewLimit);
+}
+
+#[test]
+fn planners_that_expect_nothing_never_stop_for_that() {
+    let stop = StopConfig { completeness: Some(0.0), expected_gain: Some(1.0), ..StopConfig::default() };
+    let mut session = session(RandomViews { seed: 3 }, stop);
+    let (steps, reason) = scan(&mut session);
+    assert_eq!((steps.len(), reason), (10, StopReason::ViewLimit));
+    assert!(steps.iter().all(|(next, report)| next.outlook.is_none() && report.outlook.is_none()));
+}
+
+#[test]
+fn coarse_voxels_do_not_end_a_scan_for_what_they_show() {
+    let stop = StopConfig { completeness: Some(0.0), expected_gain: Some(1.0), ..StopConfig::default() };
+    let rule = MultiResolution { coarsest_voxel_size: Some(0.02), q_thresh: 1e-9 };
+    let config = SessionConfig { multi_resolution: Some(rule), ..config(stop) };
+    let told = Told(vec![outlook(1.0, 0.0); 2]);
+    let mut session = Session::new(config, camera(), views(), Box::new(told)).unwrap();
+    let (steps, reason) = scan(&mut session);
+    assert!(steps.iter().all(|(_, report)| report.voxel_size > 0.01));
+    // Without a choice in coarse voxels the session goes over to the finest, of which this planner says nothing.
+    assert_eq!((steps.len(), reason), (3, StopReason::NothingToGain));
+}
+
+/// Goes to a far view first and, after another frame, to a nearer one.
+struct Nearer;
+
+impl ViewPlanner for Nearer {
+    fn plan(&self, situation: &Situation<'_>) -> Plan {
+        let view = if situation.frames.len() < 2 { 3 } else { 2 };
+        Plan { choice: Some(choice(view)), ..Plan::default() }
+    }
+}
+
+#[test]
+fn another_frame_may_let_a_scan_go_on() {
+    for (steps, goes_on) in [(2.0, true), (1.0, false)] {
+        let stop = StopConfig { path_length: Some(steps * STEP), ..StopConfig::default() };
+        let mut session = session(Nearer, stop);
+        assert!(matches!(session.decide(), Decision::Move(NextView { view: Some(0), .. })));
+        observe(&mut session, 0);
+        assert_eq!(session.decide(), Decision::Stop(StopReason::PathLimit));
+        observe(&mut session, 1);
+        assert_eq!(session.visited(), [0], "the frame after a stop was not asked for");
+        assert_eq!(matches!(session.decide(), Decision::Move(_)), goes_on);
+    }
+}
+
+/// Plans anew each time it is asked: to a far view first, then to near ones.
+struct Fickle;
+
+impl ViewPlanner for Fickle {
+    fn plan(&self, situation: &Situation<'_>) -> Plan {
+        let view = if situation.history.is_empty() { 9 } else { 1 };
+        Plan { choice: Some(choice(view)), ..Plan::default() }
+    }
+}
+
+/// Chooses a near and a far view at once, and near ones afterwards.
+struct Tour;
+
+impl ViewPlanner for Tour {
+    fn plan(&self, situation: &Situation<'_>) -> Plan {
+        let views = if situation.visited.len() == 1 { vec![1, 9] } else { vec![2, 3] };
+        let leg = |view: &usize| Leg { choice: choice(*view), expected: 1.0 };
+        let itinerary = Itinerary { legs: views.iter().map(leg).collect(), tolerance: f64::INFINITY };
+        Plan { choice: Some(choice(views[0])), itinerary: Some(itinerary), ..Plan::default() }
+    }
+}
+
+#[test]
+fn asked_again_a_stop_stays_a_stop() {
+    let stop = StopConfig { path_length: Some(4.0 * STEP), ..StopConfig::default() };
+    let planners: [fn() -> Box<dyn ViewPlanner>; 2] = [|| Box::new(Fickle), || Box::new(Tour)];
+    for planner in planners {
+        let mut session = Session::new(config(stop), camera(), views(), planner()).unwrap();
+        let reason = scan(&mut session).1;
+        assert_eq!(reason, StopReason::PathLimit);
+        for _ in 0..3 {
+            assert_eq!(session.decide(), Decision::Stop(reason));
+        }
+    }
+}
+
+#[test]
+fn reports_tell_what_was_expected_and_how_far_the_camera_went() {
+    let told = vec![outlook(50.0, 100.0), outlook(30.0, 60.0)];
+    let mut session = session(Told(told.clone()), StopConfig::default());
+    let (steps, _) = scan(&mut session);
+    let expected = [None, Some(told[0]), Some(told[1])];
+    assert_eq!(steps.iter().map(|(_, report)| report.outlook).collect::<Vec<_>>(), expected);
+    assert_eq!(steps.iter().map(|(next, _)| next.outlook).collect::<Vec<_>>(), expected);
+    assert_eq!(steps.iter().map(|(_, report)| report.travel).collect::<Vec<_>>(), [0.0, STEP, STEP]);
+    // A frame that was not asked for is expected by nobody, but the camera went there.
+    let report = observe(&mut session, 6);
+    assert_eq!((report.outlook, report.travel), (None, 4.0 * STEP));
+}
+
+#[test]
+fn bad_values_are_refused() {
+    let fault = |stop: StopConfig| {
+        let session = Session::new(config(stop), camera(), views(), Box::new(RandomViews { seed: 1 }));
+        assert_eq!(session.is_ok(), stop.check().is_ok());
+        stop.check().map_err(|error| error.to_string())
+    };
+    let good = StopConfig::default();
+    for bad in [-0.1, 1.1, f64::NAN, f64::INFINITY] {
+        let expected = |name| Err(format!("{name} is {bad}, expected a number in 0..=1"));
+        assert_eq!(fault(StopConfig { completeness: Some(bad), ..good }), expected("completeness"));
+        assert_eq!(fault(StopConfig { expected_gain: Some(bad), ..good }), expected("expected_gain"));
+        assert_eq!(fault(StopConfig { entropy_share: Some(bad), ..good }), expected("entropy_share"));
+    }
+    for bad in [0.0, -1.0, f64::NAN, f64::NEG_INFINITY] {
+        let expected = Err(format!("path_length is {bad}, expected a positive number of metres"));
+        assert_eq!(fault(StopConfig { path_length: Some(bad), ..good }), expected);
+    }
+    let refused = fault(StopConfig { max_views: 0, ..good });
+    assert_eq!(refused, Err("max_views is 0, expected at least 1".into()));
+    let edges = StopConfig {
+        max_views: 1,
+        entropy_share: Some(0.0),
+        completeness: Some(1.0),
+        expected_gain: Some(0.0),
+        path_length: Some(1e-9),
+    };
+    assert_eq!(fault(edges), Ok(()));
+}
