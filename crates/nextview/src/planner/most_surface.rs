@@ -108,6 +108,7 @@ impl Rating {
         let mut gains = self.gains.clone();
         gains.sort_by(|a, b| score(b).total_cmp(&score(a)).then(a.0.cmp(&b.0)));
         gains.truncate(n_views);
+        gains.sort_unstable_by_key(|(view, _)| *view);
         self.gains = gains;
     }
 
