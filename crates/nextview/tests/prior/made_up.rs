@@ -44,6 +44,19 @@ pub fn prior(seed: u64) -> SurfacePrior {
     SurfacePrior::new(network(seed, 1), network(seed + 1, Sighting::N))
 }
 
+/// A prior by which everything is as probable everywhere.
+pub fn even_prior(stops: f32, shows: f32) -> SurfacePrior {
+    SurfacePrior::new(even_network(stops, 1), even_network(shows, Sighting::N))
+}
+
+/// Only the last biases are not 0.
+fn even_network(probability: f32, n_outputs: usize) -> Network {
+    let mut numbers = vec![0.0; Network::n_numbers(n_outputs)];
+    let n_others = numbers.len() - n_outputs;
+    numbers[n_others..].fill((probability / (1.0 - probability)).ln());
+    Network::from_numbers(&numbers, n_outputs).unwrap()
+}
+
 fn network(seed: u64, n_outputs: usize) -> Network {
     let mut random = Random::new(seed, 2);
     let numbers: Vec<f32> =

@@ -1,6 +1,6 @@
 //! The planner against the gain of every single view, and what it expects against sums over all of them.
 
-use crate::made_up::{half_seen_ball, prior, random_snapshot, snapshot};
+use crate::made_up::{even_prior, half_seen_ball, prior, random_snapshot, snapshot};
 use glam::{DVec3, IVec3, UVec3};
 use nextview::gain::ExpectedSurface;
 use nextview::geometry::VoxelBlock;
@@ -10,7 +10,7 @@ use nextview::planner::{
 };
 use nextview::prior::{SurfacePrior, coarse_enough};
 use nextview::sensor::Intrinsics;
-use nextview::view::{ViewSpace, generate};
+use nextview::view::{ViewSpace, generate, look_at};
 use proptest::prelude::*;
 
 fn views(n: usize) -> ViewSpace {
@@ -169,6 +169,36 @@ fn where_only_the_way_counts_the_nearest_is_taken() {
     let distance = |view: &usize| views.pose(*view).translation().distance(views.pose(7).translation());
     let nearest = (0..90).filter(|&view| view != 7).min_by(|a, b| distance(a).total_cmp(&distance(b)));
     assert_eq!(Some(choice.view), nearest);
+}
+
+/// Of views in a row of which the nearest see nothing.
+#[test]
+fn of_views_of_no_use_forty_are_tried() {
+    let chosen = |n_blind: usize| {
+        let place = |i: usize| DVec3::X * (0.4 + 0.01 * i as f64);
+        let target = |i: usize| if i <= n_blind { DVec3::X } else { DVec3::ZERO };
+        let views = ViewSpace::new((0..50).map(|i| look_at(place(i), target(i))).collect()).unwrap();
+        let config = MostSurfaceConfig { theta: 1.0, ..MostSurfaceConfig::default() };
+        plan(config, &even_prior(0.1, 0.5), &half_seen_ball(), &views, &[0]).choice.map(|choice| choice.view)
+    };
+    assert_eq!(chosen(0), Some(1));
+    assert_eq!(chosen(39), Some(40));
+    assert_eq!(chosen(40), None);
+}
+
+#[test]
+fn half_a_voxel_is_the_least_that_is_worth_a_view() {
+    let block = VoxelBlock::new(IVec3::splat(-2), UVec3::splat(4)).unwrap();
+    let one_unknown = snapshot(block, |key| (key != IVec3::ZERO).then_some(0.85));
+    let views = ViewSpace::new(vec![look_at(DVec3::new(0.3, 0.2, 0.1), DVec3::splat(0.005))]).unwrap();
+    for (shows, is_chosen) in [(0.4, false), (0.6, true)] {
+        let plan = plan(MostSurfaceConfig::default(), &even_prior(0.5, shows), &one_unknown, &views, &[]);
+        let outlook = plan.outlook.unwrap();
+        assert_eq!((plan.choice.is_some(), outlook.n_seen), (is_chosen, 63));
+        assert!((outlook.n_unseen - shows as f64).abs() < 1e-6);
+        let expected = if is_chosen { shows as f64 } else { 0.0 };
+        assert!((outlook.n_expected - expected).abs() < 1e-6);
+    }
 }
 
 #[test]
