@@ -163,7 +163,7 @@ mod tests {
             )
         };
         let background_first = ["carve, gamma 0", "carve, gamma 0.5", "ignore, gamma 0", "ignore, gamma 0.5"];
-        let expected = background_first.map(|label| format!("a | max-flow, background {label} | 0 | 0"));
+        let expected = background_first.map(|label| format!("a | most-surface, background {label} | 0 | 0"));
         assert_eq!(ids(&spec("")), expected);
         let label = "label = \"{max_flow.gamma} {map.background} of {candidates}\"";
         let expected = ["0 carve", "0.5 carve", "0 ignore", "0.5 ignore"];

@@ -13,8 +13,9 @@ use serde::{Deserialize, Serialize};
 pub struct MostSurfaceConfig {
     /// Distance between neighbouring planning rays at the far side of the box, in voxels, positive. Default 1.
     ///
-    /// The voxels are those of the snapshot or, if it has more than 72 along a side, larger ones. All views are looked at
-    /// with rays eight times as far apart first, the best 250 with three times as far, and only the best 40 with these.
+    /// The voxels are those of the snapshot or, if it has more than 72 along a side, larger ones. More than
+    /// 250 views are looked at with rays eight times as far apart first, the best 250 of them with three times as far, and only the best 40
+    /// with these.
     pub ray_spacing: f64,
     /// Weight of the movement cost against the gain, 0..=1; the paper's theta (section V.D). Default 0: moving is free.
     pub theta: f64,
@@ -26,11 +27,9 @@ impl Default for MostSurfaceConfig {
     }
 }
 
-/// Rays of the first look are farther apart by this factor.
-const FIRST_LOOK: f64 = 8.0;
-
-/// Further looks: at how many of the best views so far, and by what factor rays are farther apart.
-const CLOSER_LOOKS: [(usize, f64); 2] = [(250, 3.0), (40, 1.0)];
+/// One look after the other: at how many of the best views so far, and by what factor rays are farther apart. Looks at more
+/// views than there are, but the closest of them, are left out: with few views and few rays, too little would be seen at all.
+const LOOKS: [(usize, f64); 3] = [(usize::MAX, 8.0), (250, 3.0), (40, 1.0)];
 
 /// A view is expected to show something if it is this many voxels.
 const LEAST_GAIN: f64 = 0.5;
@@ -70,9 +69,11 @@ impl ViewPlanner for MostSurface {
         let snapshot = coarse_enough(situation.snapshot);
         let estimate = self.prior.estimate(&snapshot);
         let scene = Scene { situation, snapshot: &snapshot, estimate: &estimate };
-        let first = scene.survey(&situation.open_views(), FIRST_LOOK * self.config.ray_spacing);
+        let open = situation.open_views();
+        let first_look = LOOKS.iter().rposition(|(n_views, _)| *n_views >= open.len()).unwrap_or(0);
+        let first = scene.survey(&open, LOOKS[first_look].1 * self.config.ray_spacing);
         let mut rating = Rating::new(Utility::new(situation, self.config.theta), first.gains);
-        for (n_views, factor) in CLOSER_LOOKS {
+        for &(n_views, factor) in &LOOKS[first_look + 1..] {
             rating.shortlist(n_views);
             let closer = scene.survey(&rating.views(), factor * self.config.ray_spacing);
             rating.look_closer(closer.gains);
