@@ -237,7 +237,7 @@ fn specifications_with_faults() {
         ("[[variant]]\nsweep.\"greedy.gamma\" = [0, 1]", &["variant 1: ", "`gamma`", "`theta`"]),
         ("[[variant]]\nlabel = \"{gamma}\"", &["{gamma} is no value"]),
         ("[[variant]]\nlabel = \"{views\"", &["without '}'"]),
-        ("[[variant]]\n[[variant]]", &["two variants are labelled \"max-flow\"", "hint: "]),
+        ("[[variant]]\n[[variant]]", &["two variants are labelled \"most-surface\"", "hint: "]),
         ("objects = [1]", &["object 1: ", "integer"]),
         ("objects = [\"a.ply\", { file = \"b.ply\", units = \"mm\" }]", &["object 2: ", "`units`", "`unit`"]),
         ("objects = [{ file = \"a.ply\", unit = \"cm\" }]", &["object 1: ", "`cm`", "`mm`"]),

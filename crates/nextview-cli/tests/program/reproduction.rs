@@ -67,6 +67,22 @@ fn reproduces_the_reported_coverage_of_a_mug() {
     check("ycb_025_mug", "meshes/ycb/ycb_025_mug.ply");
 }
 
+/// Of the table of docs/planner.md, a hollow object of the test half.
+#[test]
+fn reproduces_the_skill_of_the_default_planner() {
+    let Some(mesh) = data("reproduces_the_skill_of_the_default_planner", "meshes/ycb/ycb_024_bowl.ply")
+    else {
+        return;
+    };
+    let folder = Folder::new("reproduction-planner");
+    let args = ["--size-m=0.2", "--voxel-size-m=0.005", "--out=out", "--json"];
+    let scan = folder.json(&[["scan", mesh.to_str().unwrap()].as_slice(), &args].concat());
+    let skill = format!("{:.2}", scan["skill"].as_f64().unwrap());
+    let table = include_str!("../../../../docs/planner.md");
+    let row = table.lines().find(|line| line.starts_with("| ycb_024_bowl |")).unwrap();
+    assert_eq!(row.split('|').nth(2).unwrap().trim(), skill);
+}
+
 #[test]
 fn the_readme_says_what_the_report_says() {
     let report = include_str!("../../../../docs/reproduction/paper-1.md");

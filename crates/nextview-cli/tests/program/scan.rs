@@ -19,7 +19,7 @@ fn writes_all_that_the_issue_lists() {
     let folder = Folder::new("scan-files");
     let result = folder.json(&small(&["--views", "3", "--json"]));
     assert_eq!(result["object"], "mug");
-    assert_eq!(result["planner"], "max-flow");
+    assert_eq!(result["planner"], "most-surface");
     assert_eq!(result["profile"], "default");
     assert_eq!(result["seed"], 0);
     assert_eq!(result["views"], 3);
@@ -145,7 +145,7 @@ fn moving_may_cost() {
     let way = |planner: &str, theta: &str| {
         let args = ["--views", "3", "--planner", planner, "--theta", theta, "--baselines", "off", "--json"];
         let ids = folder.json(&small(&args))["view_ids"].clone();
-        assert_eq!(folder.text("out/config.toml").matches(&format!("theta = {theta}")).count(), 3);
+        assert_eq!(folder.text("out/config.toml").matches(&format!("theta = {theta}")).count(), 4);
         ids
     };
     for planner in ["max-flow", "local", "unobserved-voxel"] {
@@ -212,7 +212,7 @@ fn prints_a_line_per_view_and_a_summary() {
     let text = folder.ok(&small(&["--views", "2"]));
     let lines: Vec<&str> = text.lines().collect();
     assert!(lines[0].starts_with("mug: 158 x 106 x 125 mm, ") && lines[0].ends_with(" triangles"), "{text}");
-    assert_eq!(lines[1], "planner max-flow, profile default, 20 candidate views, voxels of 10 mm");
+    assert_eq!(lines[1], "planner most-surface, profile default, 20 candidate views, voxels of 10 mm");
     let head: Vec<&str> = lines[3].split_whitespace().collect();
     assert_eq!(head, ["step", "view", "seen", "surface", "new", "voxels", "planning", "path"]);
     assert!(lines[4].starts_with("   1       0  ") && lines[5].starts_with("   2  "));
@@ -232,7 +232,7 @@ fn an_object_from_a_file_keeps_its_size() {
         "{text}"
     );
     assert!(text.contains("--unit"), "{text}");
-    assert_eq!(folder.names("."), ["part.obj", "scan-part-max-flow/"], "the default folder");
+    assert_eq!(folder.names("."), ["part.obj", "scan-part-most-surface/"], "the default folder");
     let args = ["--candidates", "9", "--views", "1", "--size-m", "0.2", "--baselines", "off", "--out", "out"];
     let text = folder.ok(&[&["scan", "part.obj"], args.as_slice()].concat());
     assert!(text.starts_with("part: 200 x 160 x 120 mm, 4 triangles\nplanner"), "{text}");
