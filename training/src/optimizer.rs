@@ -177,25 +177,26 @@ mod tests {
         assert_eq!(network, train(&samples(40_000, 1), 2, 4, 1), "the same seed gives the same bits");
     }
 
-    /// The slow twin: differences of the loss.
+    /// The slow twin: differences of the loss, sample by sample. A unit may turn on or off between the two, so a few may differ.
     #[test]
     fn the_gradient_is_that_of_the_loss() {
-        let samples = samples(50, 3);
-        let mut learner = Learner::new(&samples, 2, &mut Random::new(4, 0));
-        samples.iter().for_each(|sample| learner.learn(sample));
-        let total = |numbers: &[f32]| {
-            let network = Network::from_numbers(numbers, 2).unwrap();
-            loss(&network, 2, &samples) * samples.len() as f64
-        };
-        for i in (FIRST..learner.numbers.len()).step_by(37) {
-            let moved = |by: f32| {
-                let mut numbers = learner.numbers.clone();
-                numbers[i] += by;
-                total(&numbers)
-            };
-            let slope = (moved(1e-2) - moved(-1e-2)) / 2e-2;
-            let gradient = learner.gradient[i] as f64;
-            assert!((slope - gradient).abs() < 0.05 * gradient.abs().max(1.0), "{i}: {slope} and {gradient}");
+        let (mut n_checked, mut n_wrong) = (0, 0);
+        for sample in samples(20, 3) {
+            let mut learner = Learner::new(&samples(50, 3), 2, &mut Random::new(4, 0));
+            learner.learn(&sample);
+            let loss_at = |numbers: &[f32]| loss(&Network::from_numbers(numbers, 2).unwrap(), 2, &[sample]);
+            for i in (FIRST..learner.numbers.len()).step_by(37) {
+                let moved = |by: f32| {
+                    let mut numbers = learner.numbers.clone();
+                    numbers[i] += by;
+                    loss_at(&numbers)
+                };
+                let slope = (moved(4e-3) - moved(-4e-3)) / 8e-3;
+                let gradient = learner.gradient[i] as f64;
+                n_checked += 1;
+                n_wrong += ((slope - gradient).abs() > 0.02 * gradient.abs() + 1e-3) as usize;
+            }
         }
+        assert!(n_checked > 500 && n_wrong * 20 < n_checked, "{n_wrong} of {n_checked}");
     }
 }
