@@ -61,6 +61,7 @@ impl VariantSpec {
         let template = self.label.clone().unwrap_or_else(|| default_label(&sweeps));
         let variant = |table: Table| {
             let config = load(table)?;
+            config.check_stop()?;
             let label = filled(&template, &config)?;
             let (seeds, first_views) = (seeds.clone(), first_views.clone());
             first_views.iter().try_for_each(|&view| check_first_view(&config, view))?;

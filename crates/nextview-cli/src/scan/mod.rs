@@ -42,6 +42,7 @@ pub(crate) fn default_dir(config: &ScanConfig) -> PathBuf {
 
 /// Scans the configured object and writes the results.
 pub(crate) fn scan(mut config: ScanConfig, output: &Output) -> Result<(), Failure> {
+    config.check_stop()?;
     let setting = Setting::new(&config)?;
     config.voxel_size_m = Some(setting.voxel_size);
     let folder = ResultFolder::begin(&output.dir)?;

@@ -53,7 +53,6 @@ impl Setting {
         tell: impl Fn(&Step) -> Result<(), Failure>,
     ) -> Result<FinishedScan, Failure> {
         config.check_views(self.views.len())?;
-        config.check_stop()?;
         let truth = truth.map(|truth| truth.visibility.clone());
         let planner = config.planner.build(config.planners(), config.seed, truth)?;
         let session_config = session_config(config, &self.scene, self.voxel_size);

@@ -237,6 +237,10 @@ fn specifications_with_faults() {
         ("[[variant]]\nsweep.\"greedy.gamma\" = [0, 1]", &["variant 1: ", "`gamma`", "`theta`"]),
         ("[[variant]]\nlabel = \"{gamma}\"", &["{gamma} is no value"]),
         ("[[variant]]\nlabel = \"{views\"", &["without '}'"]),
+        (
+            "[[variant]]\nscan.planner = \"local\"\nscan.stop.completeness = 0.9",
+            &["variant 1", "planner local cannot stop"],
+        ),
         ("[[variant]]\n[[variant]]", &["two variants are labelled \"most-surface\"", "hint: "]),
         ("objects = [1]", &["object 1: ", "integer"]),
         ("objects = [\"a.ply\", { file = \"b.ply\", units = \"mm\" }]", &["object 2: ", "`units`", "`unit`"]),
