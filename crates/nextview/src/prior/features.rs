@@ -13,7 +13,7 @@ const FARTHEST: f32 = 40.0;
 /// that touch an unknown or an occupied voxel.
 ///
 /// Free voxels take part since a voxel is free as soon as a ray passes it, and many that a first view grazes hold
-/// surface all the same: of what a second view sees anew, about two fifths.
+/// surface all the same.
 #[derive(Clone, Debug)]
 pub struct VoxelFeatures {
     /// Indices into the snapshot, increasing.
