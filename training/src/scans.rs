@@ -182,13 +182,13 @@ impl Scan {
     /// What a few views show of the voxels that their rays come to.
     fn sightings(&self, snapshot: &Snapshot, prior: &SurfacePrior, random: &mut Random) -> Vec<Observation> {
         let estimate = prior.estimate(snapshot);
-        let camera = self.scene.camera().without_background();
+        let camera = self.scene.camera();
         let gain = ExpectedSurface::new(snapshot, camera.intrinsics(), &estimate, 1.0);
         let gain = gain.expect("the spacing is positive");
         let (mut eye, mut all) = (gain.eye(), Vec::new());
         for _ in 0..4 {
             let pose = self.random_view(random);
-            let seen = self.object.seen_from(&camera, &pose).expect("candidates are in the room");
+            let seen = self.object.seen_from(camera, &pose).expect("candidates are in the room");
             eye.look(&pose, |item, sighting| {
                 let key = snapshot.block().key(estimate.voxels()[item] as usize);
                 let is_so = self.object.number(key).is_some_and(|number| seen[number]);

@@ -24,7 +24,7 @@ pub struct Step {
     /// Number of object voxels truly seen so far: those with a point of the true surface that a pixel measured, wherever
     /// noise and a wrong pose put that point in the map. All other measures are of what the frames claim.
     pub n_seen: usize,
-    /// Share, 0..=1, of the true surface with a measured point within 1, 2 and 5 mm.
+    /// Share, 0..=1, of the true surface with a measured point of the object within 1, 2 and 5 mm.
     pub surface_coverage: [f64; 3],
     /// Length of the straight path through all views so far, metres.
     pub path_length: f64,
@@ -55,8 +55,8 @@ pub fn run(
         let (capture, render_time) = timed(|| scene.camera().capture_with_truth(&next.world_from_camera));
         let capture = capture?;
         let (report, map_time) = timed(|| session.observe(&capture.frame));
-        seen.union_with(&object.seen_in(capture.truth()));
-        surface.add(&capture.frame);
+        seen.union_with(&object.seen_in(&capture.truth));
+        surface.add(&capture.of_object);
         let goes_on = on_step(Step {
             report,
             voxels: object.compare(&session.map().snapshot(object.block())),

@@ -136,18 +136,15 @@ pub struct TrueVisibility {
 }
 
 impl TrueVisibility {
-    /// Takes an image from every candidate. `progress` is told of every finished view, from several threads.
+    /// Takes an image of the object from every candidate. `progress` is told of every finished view, from several threads.
     pub fn new(
         camera: &SimulatedCamera,
         object: &ObjectVoxels,
         views: &ViewSpace,
         progress: impl Fn() + Sync,
     ) -> Result<Self, SimError> {
-        // Walls stand behind the object and hide none of it; but where there is noise, they decide what is an edge.
-        let camera =
-            if camera.noise().depth.is_none() { camera.without_background() } else { camera.clone() };
         let look = |pose| {
-            let seen = object.seen_from(&camera, pose)?;
+            let seen = object.seen_from(camera, pose)?;
             progress();
             Ok::<_, Error>(seen)
         };

@@ -94,16 +94,36 @@ fn the_same_view_gives_the_same_image_in_any_order_and_in_many_threads() {
 }
 
 #[test]
-fn the_truth_of_a_view_is_what_its_capture_measured() {
-    for setup in [Setup::new(d435i(POSE)), Setup::on_table(d435i(POSE))] {
-        let truth = setup.truth();
-        for view in (0..60).step_by(7) {
-            let capture = setup.scene.camera().capture_with_truth(&setup.views.pose(view)).unwrap();
-            assert_eq!(setup.object.seen_in(capture.truth()), *truth.seen(view));
-            assert_eq!(capture.truth().world_from_camera(), setup.views.pose(view));
-            assert_ne!(capture.frame.world_from_camera(), setup.views.pose(view));
+fn the_truth_of_a_view_is_what_its_capture_measured_of_the_object() {
+    for noise in [d435i(POSE), Noise::default()] {
+        for setup in [Setup::new(noise.clone()), Setup::on_table(noise.clone())] {
+            let truth = setup.truth();
+            for view in (0..60).step_by(7) {
+                let capture = setup.scene.camera().capture_with_truth(&setup.views.pose(view)).unwrap();
+                assert_eq!(setup.object.seen_in(&capture.truth), *truth.seen(view));
+                assert_eq!(capture.truth.world_from_camera(), setup.views.pose(view));
+                let is_exact = capture.frame.world_from_camera() == setup.views.pose(view);
+                assert_eq!(is_exact, noise.is_none());
+            }
         }
     }
+}
+
+/// The table is seen in all images, and lies in the object's lowest voxels.
+#[test]
+fn a_table_is_not_the_object() {
+    let setup = Setup::on_table(Noise::default());
+    let (mut n_of_table, floor) = (0, setup.scene.room().min.z);
+    for view in (0..60).step_by(7) {
+        let capture = setup.scene.camera().capture_with_truth(&setup.views.pose(view)).unwrap();
+        let number_in = |frame: &Frame| setup.object.seen_in(frame).count_ones(..);
+        n_of_table += number_in(&capture.frame) - number_in(&capture.of_object);
+        let all = setup.scene.room();
+        assert!(capture.frame.points_in(all).any(|point| point.z < floor + 1e-6));
+        assert!(capture.of_object.points_in(all).all(|point| point.z > floor + 1e-6));
+        assert_eq!(bits(&capture.of_object), bits(&capture.truth));
+    }
+    assert!(n_of_table > 0);
 }
 
 #[test]
@@ -123,8 +143,9 @@ fn a_wrong_pose_alone_leaves_the_image_and_what_was_seen() {
     let wrong = Setup::new(Noise { pose: POSE, ..Noise::default() });
     let pose = exact.views.pose(3);
     let capture = wrong.scene.camera().capture_with_truth(&pose).unwrap();
-    let frame = exact.scene.camera().capture(&pose).unwrap();
-    assert_eq!((capture.frame.image(), bits(capture.truth())), (frame.image(), bits(&frame)));
+    let expected = exact.scene.camera().capture_with_truth(&pose).unwrap();
+    assert_eq!(capture.frame.image(), expected.frame.image());
+    assert_eq!(bits(&capture.truth), bits(&expected.truth));
     let off = capture.frame.world_from_camera().translation().distance(pose.translation());
     assert!((1e-4..0.01).contains(&off), "{off}");
 }

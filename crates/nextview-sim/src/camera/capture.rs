@@ -4,48 +4,46 @@ use nextview::Error;
 use nextview::geometry::Pose;
 use nextview::sensor::{DepthImage, Frame};
 
-/// A frame, and what was truly measured for it.
+/// A frame, and what in it is the object.
 #[derive(Clone, Debug)]
 pub struct Capture {
     /// What the camera tells: all that a planner may know.
     pub frame: Frame,
-    /// None if the frame is the truth.
-    truth: Option<Frame>,
+    /// The same with those pixels alone in which the camera looks at the object; nothing comes back from the others.
+    pub of_object: Frame,
+    /// The exact depth of all pixels of the object that were measured, and the pose from which they were.
+    pub truth: Frame,
 }
 
 impl Capture {
     pub(super) fn new(camera: &SimulatedCamera, world_from_camera: &Pose) -> Result<Self, Error> {
-        let exact = camera.render_depth(world_from_camera)?;
-        if camera.noise.is_none() {
-            return Ok(Self { frame: frame(camera, exact, world_from_camera)?, truth: None });
-        }
-        let (measured, told) = match &camera.noise.depth {
-            None => (exact.clone(), exact),
+        let exact = camera.render(world_from_camera)?;
+        let (told, measured) = match &camera.noise.depth {
+            None => (exact.all, exact.object),
             Some(noise) => {
-                let readings = readings(camera, noise, &exact, world_from_camera);
+                let readings = readings(camera, noise, &exact.all, world_from_camera);
                 let mut random = camera.noise.random(world_from_camera, Use::Axial);
-                (readings.truly_measured(&exact), readings.told(noise, &exact, &mut random))
+                (readings.told(noise, &exact.all, &mut random), readings.truly_measured(&exact.object))
             }
         };
+        let of_object = told.iter().zip(&measured);
+        let of_object = of_object.map(|(told, truth)| if truth.is_infinite() { *truth } else { *told });
+        let of_object = of_object.collect();
         let mut random = camera.noise.random(world_from_camera, Use::Pose);
         let claimed = camera.noise.pose.claimed(world_from_camera, &mut random)?;
-        let truth = Some(frame(camera, measured, world_from_camera)?);
-        Ok(Self { frame: frame(camera, told, &claimed)?, truth })
-    }
-
-    /// The exact depth of all pixels that were measured, and the pose from which they were. Without noise, the frame.
-    pub fn truth(&self) -> &Frame {
-        self.truth.as_ref().unwrap_or(&self.frame)
+        Ok(Self {
+            frame: frame(camera, told, &claimed)?,
+            of_object: frame(camera, of_object, &claimed)?,
+            truth: frame(camera, measured, world_from_camera)?,
+        })
     }
 }
 
 /// The image of [`Capture::truth`] as plain numbers.
 pub(super) fn truly_measured(camera: &SimulatedCamera, world_from_camera: &Pose) -> Result<Vec<f32>, Error> {
-    let exact = camera.render_depth(world_from_camera)?;
-    Ok(match &camera.noise.depth {
-        None => exact,
-        Some(noise) => readings(camera, noise, &exact, world_from_camera).truly_measured(&exact),
-    })
+    let Some(noise) = &camera.noise.depth else { return camera.render_object(world_from_camera) };
+    let exact = camera.render(world_from_camera)?;
+    Ok(readings(camera, noise, &exact.all, world_from_camera).truly_measured(&exact.object))
 }
 
 fn readings(

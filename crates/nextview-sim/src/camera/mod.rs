@@ -21,6 +21,7 @@ use crate::SimError;
 use crate::mesh::TriangleMesh;
 use crate::noise::Noise;
 pub use capture::Capture;
+use chunk::Chunk;
 use draw_list::DrawList;
 use glam::DVec3;
 use nextview::Error;
@@ -104,11 +105,6 @@ impl SimulatedCamera {
         Ok(Self { noise, ..self })
     }
 
-    /// The same camera where nothing is behind the object.
-    pub fn without_background(&self) -> Self {
-        Self { background: Background::None, ..self.clone() }
-    }
-
     /// The mesh the camera looks at.
     pub fn mesh(&self) -> &Arc<TriangleMesh> {
         &self.mesh
@@ -131,7 +127,7 @@ impl SimulatedCamera {
         Ok(self.capture_with_truth(world_from_camera)?.frame)
     }
 
-    /// The same, with what was truly measured.
+    /// The same, with what in it is the object and what was truly measured.
     pub fn capture_with_truth(&self, world_from_camera: &Pose) -> Result<Capture, Error> {
         Capture::new(self, world_from_camera)
     }
@@ -139,10 +135,33 @@ impl SimulatedCamera {
     /// The exact image from a pose, without any noise, as plain numbers, row by row: depth in metres, infinite where
     /// nothing comes back, NaN where the lens model has no answer.
     pub fn render_depth(&self, world_from_camera: &Pose) -> Result<Vec<f32>, Error> {
-        let mut nearest = raster::nearest_surfaces(&self.samples, &self.list, world_from_camera);
+        Ok(self.render(world_from_camera)?.all)
+    }
+
+    fn render(&self, world_from_camera: &Pose) -> Result<Rendering, Error> {
+        let mut nearest = self.nearest_surfaces(world_from_camera)?;
+        let object = self.depth(&nearest);
         if let Background::Room(room) = &self.background {
-            room::add_walls(room, &self.samples, world_from_camera, &mut nearest)?;
+            room::add_walls(room, &self.samples, world_from_camera, &mut nearest);
         }
+        Ok(Rendering { all: self.depth(&nearest), object })
+    }
+
+    /// The exact image of the object alone.
+    fn render_object(&self, world_from_camera: &Pose) -> Result<Vec<f32>, Error> {
+        Ok(self.depth(&self.nearest_surfaces(world_from_camera)?))
+    }
+
+    /// The object at every sample, as 1 / depth.
+    fn nearest_surfaces(&self, world_from_camera: &Pose) -> Result<Vec<Chunk>, Error> {
+        if let Background::Room(room) = &self.background {
+            room::check_holds_camera(room, world_from_camera)?;
+        }
+        Ok(raster::nearest_surfaces(&self.samples, &self.list, world_from_camera))
+    }
+
+    /// Plain numbers of inverse depths.
+    fn depth(&self, nearest: &[Chunk]) -> Vec<f32> {
         let farthest = 1.0 / self.range;
         let mut depth = Vec::with_capacity(self.intrinsics.n_pixels());
         for row in nearest.chunks_exact(self.samples.chunks_in_row()) {
@@ -153,11 +172,11 @@ impl SimulatedCamera {
                 if inverse_depth < f64::INFINITY { depth } else { f32::NAN }
             }));
         }
-        Ok(depth)
+        depth
     }
 
-    /// The surface points that a [`capture`](Self::capture) from this pose would truly measure inside the box, in world
-    /// coordinates, row by row: those of [`Frame::points_in`] of [`Capture::truth`], in less time because the camera
+    /// The points of the object that a [`capture`](Self::capture) from this pose would truly measure inside the box, in
+    /// world coordinates, row by row: those of [`Frame::points_in`] of [`Capture::truth`], in less time because the camera
     /// knows every pixel's ray.
     ///
     /// Fails if there is a room and the camera stands outside.
@@ -174,4 +193,12 @@ impl SimulatedCamera {
             surface.map(move |(depth, ideal)| rotation * (ideal.extend(1.0) * depth as f64) + origin);
         Ok(points.filter(move |point| bounds.contains(*point)))
     }
+}
+
+/// Exact images from a pose, as [`SimulatedCamera::render_depth`] tells them.
+struct Rendering {
+    /// Of the object and the background.
+    all: Vec<f32>,
+    /// Of the object alone. As a room is convex and holds both the object and the camera, no wall hides any of it.
+    object: Vec<f32>,
 }

@@ -16,21 +16,22 @@ pub(super) fn check_holds_mesh(room: &Aabb, mesh: &Aabb) -> Result<(), SimError>
     Err(SimError::parameter("room", value, "a box that contains the whole mesh"))
 }
 
-/// Puts the walls at the samples where no surface is, as 1 / depth.
-pub(super) fn add_walls(
-    room: &Aabb,
-    samples: &Samples,
-    world_from_camera: &Pose,
-    nearest: &mut [Chunk],
-) -> Result<(), Error> {
-    let origin = world_from_camera.translation();
-    if !(origin.cmpgt(room.min).all() && origin.cmplt(room.max).all()) {
-        return Err(Error::InvalidParameter {
-            name: "camera position",
-            value: format!("{origin} m"),
-            expected: "a point inside the room",
-        });
+/// Fails if the camera is outside.
+pub(super) fn check_holds_camera(room: &Aabb, world_from_camera: &Pose) -> Result<(), Error> {
+    let position = world_from_camera.translation();
+    if position.cmpgt(room.min).all() && position.cmplt(room.max).all() {
+        return Ok(());
     }
+    Err(Error::InvalidParameter {
+        name: "camera position",
+        value: format!("{position} m"),
+        expected: "a point inside the room",
+    })
+}
+
+/// Puts the walls at the samples where no surface is, as 1 / depth. The camera must be inside.
+pub(super) fn add_walls(room: &Aabb, samples: &Samples, world_from_camera: &Pose, nearest: &mut [Chunk]) {
+    let origin = world_from_camera.translation();
     let rotation = world_from_camera.rotation_matrix();
     let (to_low, to_high) = (1.0 / (room.min - origin), 1.0 / (room.max - origin));
     let (x, y) = (samples.x().as_flattened(), samples.y().as_flattened());
@@ -40,7 +41,6 @@ pub(super) fn add_walls(
             *nearest = inverse_depth_of_wall(rotation * DVec3::new(x, y, 1.0), to_low, to_high);
         }
     }
-    Ok(())
 }
 
 /// 1 / depth at which a ray leaves the room: along each axis, its speed over the distance to the wall ahead.
