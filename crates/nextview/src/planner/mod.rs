@@ -11,6 +11,7 @@ mod greedy;
 mod max_flow;
 mod most_surface;
 mod random_views;
+mod second_view;
 mod survey;
 mod trade_off;
 mod utility;

@@ -1,5 +1,5 @@
 use super::utility::{self, Utility};
-use super::{Choice, Outlook, Plan, Situation, ViewPlanner};
+use super::{Choice, Outlook, Plan, Situation, ViewPlanner, second_view};
 use crate::Error;
 use crate::gain::{ExpectedSurface, Eye};
 use crate::map::{Occupancy, Snapshot};
@@ -72,7 +72,7 @@ impl ViewPlanner for MostSurface {
         let open = situation.open_views();
         let first_look = LOOKS.iter().rposition(|(n_views, _)| *n_views >= open.len()).unwrap_or(0);
         let first = scene.survey(&open, LOOKS[first_look].1 * self.config.ray_spacing);
-        let mut rating = Rating::new(Utility::new(situation, self.config.theta), first.gains);
+        let mut rating = Rating::new(&scene, self.config.theta, first.gains);
         for &(n_views, factor) in &LOOKS[first_look + 1..] {
             rating.shortlist(n_views);
             let closer = scene.survey(&rating.views(), factor * self.config.ray_spacing);
@@ -91,58 +91,69 @@ impl ViewPlanner for MostSurface {
 /// Views, and what makes one better than another.
 struct Rating {
     utility: Utility,
+    /// By view, what is added to its gain, in shares of the largest.
+    advantages: Vec<f64>,
     /// Views with what they are expected to show.
     gains: Vec<(usize, f64)>,
-    /// What all views show, added up.
+    /// What all views are worth, added up.
     total: f64,
 }
 
 impl Rating {
-    fn new(utility: Utility, gains: Vec<(usize, f64)>) -> Self {
-        let total = sum(&gains);
-        Self { utility, gains, total }
+    fn new(scene: &Scene<'_>, theta: f64, gains: Vec<(usize, f64)>) -> Self {
+        let utility = Utility::new(scene.situation, theta);
+        let advantages = second_view::advantages(scene.situation, scene.snapshot);
+        let rating = Self { utility, advantages, gains, total: 0.0 };
+        Self { total: rating.worth(), ..rating }
+    }
+
+    /// What the views are worth, added up.
+    fn worth(&self) -> f64 {
+        self.worths().map(|(_, _, worth)| worth).sum()
+    }
+
+    /// Views with their gains and what these are worth.
+    fn worths(&self) -> impl Iterator<Item = (usize, f64, f64)> {
+        let largest = self.gains.iter().fold(0.0, |largest: f64, (_, gain)| largest.max(*gain));
+        self.gains.iter().map(move |&(view, gain)| (view, gain, gain + self.advantages[view] * largest))
+    }
+
+    fn ranked(&self) -> impl Iterator<Item = (Choice, f64)> {
+        self.worths().map(|(view, gain, worth)| {
+            let local_share = utility::share(worth, self.total);
+            let score = self.utility.of(view, local_share);
+            (Choice { view, score, local_share, flow_share: 0.0, runner_up: None }, gain)
+        })
     }
 
     /// Leaves the best so many.
     fn shortlist(&mut self, n_views: usize) {
-        let score = |(view, gain): &(usize, f64)| self.rate(*view, *gain).score;
-        let mut gains = self.gains.clone();
-        gains.sort_by(|a, b| score(b).total_cmp(&score(a)).then(a.0.cmp(&b.0)));
-        gains.truncate(n_views);
-        gains.sort_unstable_by_key(|(view, _)| *view);
-        self.gains = gains;
+        let mut ranked: Vec<(Choice, f64)> = self.ranked().collect();
+        ranked.sort_by(|(a, _), (b, _)| b.score.total_cmp(&a.score).then(a.view.cmp(&b.view)));
+        ranked.truncate(n_views);
+        self.gains = ranked.into_iter().map(|(choice, gain)| (choice.view, gain)).collect();
+        self.gains.sort_unstable_by_key(|(view, _)| *view);
     }
 
     fn views(&self) -> Vec<usize> {
         self.gains.iter().map(|(view, _)| *view).collect()
     }
 
-    /// The gains of the same views with denser rays, which meet more voxels: all views would show as much more.
+    /// The gains of the same views with denser rays, which meet more voxels: all views would be worth as much more.
     fn look_closer(&mut self, gains: Vec<(usize, f64)>) {
-        let before = sum(&self.gains);
-        if before > 0.0 {
-            self.total *= sum(&gains) / before;
-        }
+        let before = self.worth();
         self.gains = gains;
-    }
-
-    fn rate(&self, view: usize, gain: f64) -> Choice {
-        let local_share = utility::share(gain, self.total);
-        let score = self.utility.of(view, local_share);
-        Choice { view, score, local_share, flow_share: 0.0, runner_up: None }
+        if before > 0.0 {
+            self.total *= self.worth() / before;
+        }
     }
 
     /// The best of the views that show anything, and its gain.
     fn best(&self) -> Option<(Choice, f64)> {
-        let worthwhile = self.gains.iter().filter(|(_, gain)| *gain >= LEAST_GAIN);
-        let choice = utility::best(worthwhile.map(|&(view, gain)| self.rate(view, gain)))?;
-        let (_, gain) = self.gains.iter().find(|(view, _)| *view == choice.view)?;
-        Some((choice, *gain))
+        let worthwhile = || self.ranked().filter(|(_, gain)| *gain >= LEAST_GAIN);
+        let choice = utility::best(worthwhile().map(|(choice, _)| choice))?;
+        worthwhile().find(|(other, _)| other.view == choice.view).map(|(_, gain)| (choice, gain))
     }
-}
-
-fn sum(gains: &[(usize, f64)]) -> f64 {
-    gains.iter().map(|(_, gain)| gain).sum()
 }
 
 /// Where views are compared.

@@ -3,7 +3,7 @@
 use crate::made_up::{even_prior, half_seen_ball, prior, random_snapshot, snapshot};
 use glam::{DVec3, IVec3, UVec3};
 use nextview::gain::ExpectedSurface;
-use nextview::geometry::VoxelBlock;
+use nextview::geometry::{Aabb, VoxelBlock};
 use nextview::map::{Occupancy, Snapshot};
 use nextview::planner::{
     Choice, MostSurface, MostSurfaceConfig, Outlook, Plan, RandomViews, Situation, ViewPlanner,
@@ -49,25 +49,32 @@ fn slow_plan(
 ) -> Plan {
     let MostSurfaceConfig { ray_spacing, theta } = config;
     let (snapshot, camera) = (coarse_enough(snapshot), Intrinsics::d435i());
+    let bounds = snapshot.lattice().bounds(&snapshot.block());
     let estimate = prior.estimate(&snapshot);
     let gain = |view: usize, spacing: f64| {
         let gain = ExpectedSurface::new(&snapshot, &camera, &estimate, spacing).unwrap();
         gain.eye().gain(&views.pose(view))
     };
     let open: Vec<usize> = (0..views.len()).filter(|view| !visited.contains(view)).collect();
-    let distance = |view: usize| {
-        let place = |view: usize| views.pose(view).translation();
-        visited.last().map_or(0.0, |&last| place(view).distance(place(last)))
-    };
+    let place = |view: usize| views.pose(view).translation();
+    let distance = |view: usize| visited.last().map_or(0.0, |&last| place(view).distance(place(last)));
     let way: f64 = open.iter().map(|&view| distance(view)).sum();
     let share = |part: f64, all: f64| if all > 0.0 { part / all } else { 0.0 };
-    let score = |view: usize, gain: f64, total: f64| {
-        (1.0 - theta) * share(gain, total) - theta * share(distance(view), way)
+    let worths = |views: &[usize], gains: &[f64]| -> Vec<f64> {
+        let largest = gains.iter().copied().fold(0.0, f64::max);
+        let worth = |(&view, gain): (&usize, &f64)| match visited {
+            [first] => gain + largest * advantage_of_second(bounds, place(*first), place(view)),
+            _ => *gain,
+        };
+        views.iter().zip(gains).map(worth).collect()
+    };
+    let score = |view: usize, worth: f64, total: f64| {
+        (1.0 - theta) * share(worth, total) - theta * share(distance(view), way)
     };
     // Sorting is stable: of equals the lower number stays before the higher.
-    let ranked = |views: &[usize], gains: &[f64], total: f64| {
+    let ranked = |views: &[usize], worths: &[f64], total: f64| {
         let mut order: Vec<usize> = (0..views.len()).collect();
-        let score = |&i: &usize| score(views[i], gains[i], total);
+        let score = |&i: &usize| score(views[i], worths[i], total);
         order.sort_by(|a, b| score(b).total_cmp(&score(a)));
         order
     };
@@ -81,24 +88,27 @@ fn slow_plan(
         _ => 8.0,
     };
     let mut gains = look(&looked_at, first_factor);
-    let mut total: f64 = gains.iter().sum();
+    let mut total: f64 = worths(&looked_at, &gains).iter().sum();
     for (n_views, factor) in [(250, 3.0), (40, 1.0)].into_iter().filter(|(n, _)| *n < open.len()) {
-        let mut best = ranked(&looked_at, &gains, total);
+        let before = worths(&looked_at, &gains);
+        let mut best = ranked(&looked_at, &before, total);
         best.truncate(n_views);
         best.sort_unstable();
-        let before: f64 = best.iter().map(|&i| gains[i]).sum();
         looked_at = best.iter().map(|&i| looked_at[i]).collect();
+        gains = best.iter().map(|&i| gains[i]).collect();
+        let before: f64 = worths(&looked_at, &gains).iter().sum();
         gains = look(&looked_at, factor);
         if before > 0.0 {
-            total *= gains.iter().sum::<f64>() / before;
+            total *= worths(&looked_at, &gains).iter().sum::<f64>() / before;
         }
     }
-    let order = ranked(&looked_at, &gains, total);
+    let worths = worths(&looked_at, &gains);
+    let order = ranked(&looked_at, &worths, total);
     let order: Vec<usize> = order.into_iter().filter(|&i| gains[i] >= 0.5).collect();
     let choice = order.first().map(|&i| Choice {
         view: looked_at[i],
-        score: score(looked_at[i], gains[i], total),
-        local_share: share(gains[i], total),
+        score: score(looked_at[i], worths[i], total),
+        local_share: share(worths[i], total),
         flow_share: 0.0,
         runner_up: order.get(1).map(|&i| looked_at[i]),
     });
@@ -117,6 +127,24 @@ fn slow_plan(
     Plan { choice, outlook: Some(outlook), ..Plan::default() }
 }
 
+/// What speaks for the second view besides its gain, in shares of the largest gain.
+fn advantage_of_second(bounds: Aabb, first: DVec3, second: DVec3) -> f64 {
+    let (center, size) = (bounds.center(), bounds.size());
+    let (first, second) = (first - center, second - center);
+    let faces = DVec3::new(size.y * size.z, size.x * size.z, size.x * size.y);
+    let outline = faces.dot(second.abs()) / (faces.length() * second.length());
+    -0.24 * first.angle_between(second).cos() + 0.61 * outline + 0.14 * second.length() / size.max_element()
+}
+
+/// The plans agree; scores as far as sums in another order do.
+fn assert_alike(found: &Plan, expected: &Plan) {
+    let numbers = |plan: &Plan| plan.choice.map_or([0.0; 2], |choice| [choice.score, choice.local_share]);
+    let close = numbers(found).iter().zip(numbers(expected)).all(|(a, b)| (a - b).abs() < 1e-12);
+    let views = |plan: &Plan| plan.choice.map(|choice| (choice.view, choice.runner_up));
+    assert!(close && views(found) == views(expected), "{found:?} instead of {expected:?}");
+    assert_eq!(found.outlook, expected.outlook);
+}
+
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(12))]
 
@@ -131,7 +159,7 @@ proptest! {
         let (config, prior, views) = (MostSurfaceConfig { ray_spacing, theta }, prior(seed), views(n_views));
         for visited in [&[][..], &[0]] {
             let found = plan(config, &prior, &snapshot, &views, visited);
-            prop_assert_eq!(found, slow_plan(config, &prior, &snapshot, &views, visited));
+            assert_alike(&found, &slow_plan(config, &prior, &snapshot, &views, visited));
         }
     }
 
@@ -140,8 +168,10 @@ proptest! {
     fn takes_the_best_of_the_shortlist(seed in 0..u64::MAX / 2, n_views in prop::sample::select(vec![90, 300]), theta in prop::sample::select(vec![0.0, 0.3, 1.0])) {
         let config = MostSurfaceConfig { theta, ..MostSurfaceConfig::default() };
         let (prior, snapshot, views) = (prior(seed), half_seen_ball(), views(n_views));
-        let found = plan(config, &prior, &snapshot, &views, &[3, 17]);
-        prop_assert_eq!(found, slow_plan(config, &prior, &snapshot, &views, &[3, 17]));
+        for visited in [&[3, 17][..], &[17]] {
+            let found = plan(config, &prior, &snapshot, &views, visited);
+            assert_alike(&found, &slow_plan(config, &prior, &snapshot, &views, visited));
+        }
     }
 }
 

@@ -1,0 +1,56 @@
+use super::Situation;
+use crate::geometry::Aabb;
+use crate::map::Snapshot;
+use glam::{DVec3, Vec3Swizzles};
+
+/// How much farther from the first view is worth: the cosine between the directions to both.
+const PER_COSINE: f64 = -0.24;
+
+/// How much more of the box's outline is worth.
+const PER_OUTLINE: f64 = 0.61;
+
+/// How much more distance is worth, in longest sides of the box.
+const PER_DISTANCE: f64 = 0.14;
+
+/// By view, what speaks for it as the second one besides the gain, in shares of the largest gain; zeros unless one view was
+/// taken. The box is that of the snapshot.
+///
+/// One view tells so little of what lies behind that the views of largest gain are often those whose gain is overestimated
+/// most. What views from there show of most objects is the better guide: much from the other side, from where the box looks
+/// large, and from farther away. A linear regression of true gains on objects for development: `docs/planner.md`.
+pub(super) fn advantages(situation: &Situation<'_>, snapshot: &Snapshot) -> Vec<f64> {
+    let n_taken = situation.frames.len().max(situation.visited.len());
+    let first = situation.camera_position().filter(|_| n_taken == 1);
+    let Some(first) = first else { return vec![0.0; situation.views.len()] };
+    let bounds = snapshot.lattice().bounds(&snapshot.block());
+    let toward = |camera: DVec3| (camera - bounds.center()).normalize_or_zero();
+    let advantage = |camera: DVec3| {
+        let distance = camera.distance(bounds.center()) / bounds.longest_side();
+        PER_COSINE * toward(camera).dot(toward(first))
+            + PER_OUTLINE * outline(&bounds, toward(camera))
+            + PER_DISTANCE * distance
+    };
+    situation.views.poses().iter().map(|pose| advantage(pose.translation())).collect()
+}
+
+/// The area of the box's outline as seen from far away in this direction, over the largest there is.
+fn outline(bounds: &Aabb, direction: DVec3) -> f64 {
+    let size = bounds.size();
+    let faces = size.yzx() * size.zxy();
+    faces.normalize().dot(direction.abs())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_outline_of_a_box_is_that_of_its_visible_faces() {
+        let bounds = Aabb { min: DVec3::ZERO, max: DVec3::new(1.0, 2.0, 3.0) };
+        let largest = DVec3::new(6.0, 3.0, 2.0).length();
+        for (direction, area) in [(DVec3::X, 6.0), (-DVec3::Y, 3.0), (DVec3::Z, 2.0)] {
+            assert!((outline(&bounds, direction) - area / largest).abs() < 1e-12);
+        }
+        assert!((outline(&bounds, DVec3::new(-6.0, 3.0, 2.0) / largest) - 1.0).abs() < 1e-12);
+    }
+}
