@@ -1,6 +1,6 @@
 //! The coverage curve of a scan beside those it is compared with.
 
-use super::plot::{Curve, Marker, Plot, legend_item};
+use super::plot::{Axis, Curve, Marker, Plot, legend_item};
 use super::{RandomCurve, ScanReport};
 
 /// The chart with its legend; a sentence if no coverage is known.
@@ -11,6 +11,7 @@ pub fn draw(report: &ScanReport) -> String {
     }
     let legend = legend(report, &curves);
     let plot = Plot {
+        x_axis: Axis::Views,
         y_label: "reachable coverage".to_owned(),
         y_range: [0.0, 1.0],
         size: [378.0, 130.0, 294.0],

@@ -1,4 +1,4 @@
-//! Curves over the number of views as an SVG drawing. Curves differ in dash and marker as well as in colour, which the style
+//! Curves over the number of views, or over a share, as an SVG drawing. Curves differ in dash and marker as well as in colour, which the style
 //! sheet gives their classes.
 
 use super::text::{escape, percent};
@@ -14,6 +14,7 @@ const LABEL_STEP: f64 = 17.0;
 /// Curves in one pair of axes. All values are shares.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Plot {
+    pub x_axis: Axis,
     /// What the curves show, for the axis.
     pub y_label: String,
     /// Lowest and highest value on the axis; tens of percent.
@@ -24,6 +25,15 @@ pub(crate) struct Plot {
     pub curves: Vec<Curve>,
 }
 
+/// What the values stand over.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Axis {
+    /// Numbers of views, from 1.
+    Views,
+    /// Whole percent of what has this name, 0 to 100.
+    Percent(&'static str),
+}
+
 /// One curve.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Curve {
@@ -32,9 +42,9 @@ pub(crate) struct Curve {
     /// Its name, also right of its end; an empty one is not shown.
     pub label: String,
     pub marker: Marker,
-    /// Number of the view, from 1, and value.
+    /// Place on the axis and value.
     pub points: Vec<(usize, f64)>,
-    /// Number of the view, lower and upper value of the area around the curve; may be empty.
+    /// Place on the axis, lower and upper value of the area around the curve; may be empty.
     pub band: Vec<(usize, f64, f64)>,
 }
 
@@ -69,15 +79,28 @@ impl Plot {
 
     fn description(&self) -> String {
         let part = |c: &Curve| {
-            let (view, value) = c.points.last().filter(|_| !c.label.is_empty())?;
-            Some(format!("{} reaches {} after {view} views", c.label, percent(*value)))
+            let (x, value) = c.points.last().filter(|_| !c.label.is_empty())?;
+            let place = match self.x_axis {
+                Axis::Views => format!("after {x} views"),
+                Axis::Percent(name) => format!("at {x} % {name}"),
+            };
+            Some(format!("{} reaches {} {place}", c.label, percent(*value)))
         };
         let parts: Vec<String> = self.curves.iter().filter_map(part).collect();
-        format!("{} over the number of views: {}.", self.y_label, parts.join("; "))
+        let over = match self.x_axis {
+            Axis::Views => "the number of views",
+            Axis::Percent(name) => name,
+        };
+        format!("{} over {over}: {}.", self.y_label, parts.join("; "))
     }
 
-    fn n_views(&self) -> usize {
-        self.curves.iter().flat_map(|c| &c.points).map(|p| p.0).max().unwrap_or(1).max(2)
+    /// Where the horizontal axis begins and ends.
+    fn x_range(&self) -> [usize; 2] {
+        let last = || self.curves.iter().flat_map(|c| &c.points).map(|p| p.0).max();
+        match self.x_axis {
+            Axis::Views => [1, last().unwrap_or(1).max(2)],
+            Axis::Percent(_) => [0, 100],
+        }
     }
 
     fn right(&self) -> f64 {
@@ -88,8 +111,9 @@ impl Plot {
         TOP + self.size[2]
     }
 
-    fn x(&self, view: usize) -> f64 {
-        LEFT + 8.0 + (self.size[0] - 16.0) * (view - 1) as f64 / (self.n_views() - 1) as f64
+    fn x(&self, place: usize) -> f64 {
+        let [low, high] = self.x_range();
+        LEFT + 8.0 + (self.size[0] - 16.0) * (place - low) as f64 / (high - low) as f64
     }
 
     fn y(&self, value: f64) -> f64 {
@@ -107,14 +131,19 @@ impl Plot {
             svg += &format!(r#"<path class="grid" d="M{LEFT} {y:.1}H{right}"/>"#);
             svg += &format!(r#"<text class="end" x="{}" y="{:.1}">{tick}</text>"#, LEFT - 7.0, y + 4.5);
         }
-        for view in view_ticks(self.n_views()) {
-            let x = self.x(view);
+        let (ticks, name) = match self.x_axis {
+            Axis::Views => (view_ticks(self.x_range()[1]), "views".to_owned()),
+            Axis::Percent(name) => ((0..=100).step_by(20).collect(), format!("{name}, %")),
+        };
+        for tick in ticks {
+            let x = self.x(tick);
             svg += &format!(r#"<path class="axis" d="M{x:.1} {bottom}v4"/>"#);
-            svg += &format!(r#"<text class="middle" x="{x:.1}" y="{}">{view}</text>"#, bottom + 19.0);
+            svg += &format!(r#"<text class="middle" x="{x:.1}" y="{}">{tick}</text>"#, bottom + 19.0);
         }
         let (middle_x, middle_y) = ((LEFT + right) / 2.0, (TOP + bottom) / 2.0);
         svg += &format!(r#"<path class="axis" d="M{LEFT} {TOP}V{bottom}H{right}"/>"#);
-        svg += &format!(r#"<text class="middle" x="{middle_x}" y="{}">views</text>"#, bottom + 38.0);
+        svg +=
+            &format!(r#"<text class="middle" x="{middle_x}" y="{}">{}</text>"#, bottom + 38.0, escape(&name));
         svg + &format!(
             r#"<text class="middle" transform="translate(14 {middle_y}) rotate(-90)">{}, %</text>"#,
             escape(&self.y_label)
@@ -122,7 +151,7 @@ impl Plot {
     }
 
     fn curve(&self, curve: &Curve) -> String {
-        let at = |&(view, value): &(usize, f64)| (self.x(view), self.y(value));
+        let at = |&(x, value): &(usize, f64)| (self.x(x), self.y(value));
         let line = polyline(curve.points.iter().map(at));
         let mut svg = format!(r#"<g class="{}"><path class="line" d="{line}"/>"#, curve.class);
         // More than about thirty markers would run into each other; the last point always has one.
@@ -130,7 +159,11 @@ impl Plot {
         for point in marked.filter(|_| curve.marker != Marker::None) {
             let (x, y) = at(point);
             let value = percent(point.1);
-            svg += &format!("<g><title>{}, view {}: {value}</title>", escape(&curve.label), point.0);
+            let place = match self.x_axis {
+                Axis::Views => format!("view {}", point.0),
+                Axis::Percent(_) => format!("{} %", point.0),
+            };
+            svg += &format!("<g><title>{}, {place}: {value}</title>", escape(&curve.label));
             svg += &format!("{}</g>", curve.marker.draw(x, y));
         }
         svg + "</g>"
@@ -140,8 +173,8 @@ impl Plot {
         if curve.band.is_empty() {
             return String::new();
         }
-        let high = curve.band.iter().map(|&(view, _, high)| (self.x(view), self.y(high)));
-        let low = curve.band.iter().rev().map(|&(view, low, _)| (self.x(view), self.y(low)));
+        let high = curve.band.iter().map(|&(x, _, high)| (self.x(x), self.y(high)));
+        let low = curve.band.iter().rev().map(|&(x, low, _)| (self.x(x), self.y(low)));
         format!(r#"<g class="{}"><path class="band" d="{}Z"/></g>"#, curve.class, polyline(high.chain(low)))
     }
 

@@ -4,7 +4,7 @@ use super::document::{Block, Cell, Column, Figure, Row, Section, Table};
 use super::measure::{Curve, Done};
 use super::statistics::{Interval, mean};
 use super::study::{Study, Variant};
-use crate::report::plot::{self, Marker, Plot, view_ticks};
+use crate::report::plot::{self, Axis, Marker, Plot, view_ticks};
 
 /// Most variants in one drawing: as many as there are styles.
 const MAX_IN_OVERVIEW: usize = 6;
@@ -54,7 +54,13 @@ fn figure(study: &Study<'_>, of: Curve, title: &str, text: &str) -> Option<Block
     let baselines = baselines(study, of);
     let n = lines.len();
     let range = range(lines.iter().chain(&baselines));
-    let axes = |curves, size| Plot { y_label: title.to_lowercase(), y_range: range, size, curves };
+    let axes = |curves, size| Plot {
+        x_axis: Axis::Views,
+        y_label: title.to_lowercase(),
+        y_range: range,
+        size,
+        curves,
+    };
     let overview = (n <= MAX_IN_OVERVIEW).then(|| {
         let curves = lines.iter().chain(&baselines);
         let curves: Vec<plot::Curve> = curves.map(|line| line.curve(n <= MAX_BANDS, &line.name)).collect();

@@ -138,6 +138,12 @@ pub(crate) const SURFACE: Measure = Measure {
     of: |run| run.measures.steps.last().map(|step| step.surface_2mm),
 };
 
+pub(crate) const SURFACE_5MM: Measure = Measure {
+    name: "surface within 5 mm, %",
+    of: |run| run.measures.steps.last().map(|step| step.surface_5mm),
+    ..SURFACE
+};
+
 pub(crate) const VIEWS_TO_95: Measure = Measure {
     name: "views to 95 %",
     factor: 1.0,

@@ -1,5 +1,6 @@
 //! What campaigns tell: the report of one, and the comparison of two. Both read `runs.jsonl` alone.
 
+mod calibration;
 mod campaign;
 mod compare;
 mod compare_text;
@@ -37,6 +38,7 @@ fn document(study: &Study<'_>) -> Document {
         Some(setup::section(study)),
         Some(figures::section(study)).filter(|section| !section.blocks.is_empty()),
         Some(summary::section(study)),
+        calibration::section(study),
         Some(object_table::section(study)),
         paper_tables::section(study),
     ];

@@ -2,7 +2,7 @@
 
 use super::document::{Block, Cell, Column, Row, Section, Table};
 use super::measure::{
-    MEMORY, Measure, PATH, PLAN_TIME, SEEN, SEEN_BEYOND_RANDOM, SKILL, SURFACE, VOXEL_COVERAGE,
+    MEMORY, Measure, PATH, PLAN_TIME, SEEN, SEEN_BEYOND_RANDOM, SKILL, SURFACE, SURFACE_5MM, VOXEL_COVERAGE,
 };
 use super::statistics::{Interval, mean, percentile};
 use super::study::{Study, Variant, differences};
@@ -58,7 +58,7 @@ fn table(
 }
 
 fn reached(study: &Study<'_>) -> Table {
-    let measures = [VOXEL_COVERAGE, SEEN, SKILL, SURFACE];
+    let measures = [VOXEL_COVERAGE, SEEN, SKILL, SURFACE, SURFACE_5MM];
     let mut head = vec!["objects"];
     head.extend(measures.map(|measure| measure.name));
     head.push("lowest skill");

@@ -13,9 +13,9 @@ use serde::{Deserialize, Serialize};
 pub struct MostSurfaceConfig {
     /// Distance between neighbouring planning rays at the far side of the box, in voxels, positive. Default 1.
     ///
-    /// The voxels are those of the snapshot or, if it has more than 72 along a side, larger ones. More than
-    /// 250 views are looked at with rays eight times as far apart first, the best 250 of them with three times as far, and only the best 40
-    /// with these.
+    /// The voxels are those of the snapshot or, if it has more than 72 along a side, larger ones. More than 1000 views are
+    /// looked at with rays sixteen times as far apart first, the best 1000 of them with eight times as far, the best 250 of
+    /// these with three times as far, and only the best 40 with these.
     pub ray_spacing: f64,
     /// Weight of the movement cost against the gain, 0..=1; the paper's theta (section V.D). Default 0: moving is free.
     pub theta: f64,
@@ -29,7 +29,7 @@ impl Default for MostSurfaceConfig {
 
 /// One look after the other: at how many of the best views so far, and by what factor rays are farther apart. Looks at more
 /// views than there are, but the closest of them, are left out: with few views and few rays, too little would be seen at all.
-const LOOKS: [(usize, f64); 3] = [(usize::MAX, 8.0), (250, 3.0), (40, 1.0)];
+const LOOKS: [(usize, f64); 4] = [(usize::MAX, 16.0), (1000, 8.0), (250, 3.0), (40, 1.0)];
 
 /// A view is expected to show something if it is this many voxels.
 const LEAST_GAIN: f64 = 0.5;
