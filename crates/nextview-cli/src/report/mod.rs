@@ -14,6 +14,7 @@ mod thumbnail;
 
 use glam::{DVec3, Vec3};
 use nextview::geometry::Pose;
+use nextview::planner::{Choice, Outlook};
 use nextview::sensor::{DepthImage, Intrinsics};
 
 /// The style of all pages.
@@ -65,6 +66,10 @@ pub struct Step {
     pub coverage: Option<f64>,
     /// Number of voxels that this view made occupied.
     pub new_voxels: usize,
+    /// Why it was chosen; none if the planner did not choose it.
+    pub choice: Option<Choice>,
+    /// What the planner expected of it, and of all views before it was taken; none for planners that do not tell.
+    pub outlook: Option<Outlook>,
     /// Time taken to choose this view, seconds.
     pub plan_time: f64,
     /// Length of the way from the view before, metres.

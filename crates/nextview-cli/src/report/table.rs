@@ -54,7 +54,10 @@ fn columns(report: &ScanReport) -> Vec<Column> {
         let cell = |r: &ScanReport, i, _: &Step| baseline(r.clairvoyant.as_ref(), i);
         columns.push(Column { name: "Clairvoyant", cell });
     }
-    columns.push(Column { name: "New voxels", cell: |_, _, s| count(s.new_voxels) });
+    columns.push(Column { name: "New voxels", cell: |_, _, s| new_voxels(s) });
+    if report.steps.iter().any(|s| s.outlook.is_some()) {
+        columns.push(Column { name: "Estimate before", cell: |_, _, s| estimate(s) });
+    }
     columns.push(Column { name: "Planning", cell: |_, _, s| seconds(s.plan_time) });
     columns.push(Column { name: "Path", cell: |_, _, s| metres(s.travel) });
     columns.push(Column { name: "Position, m", cell: |_, _, s| position(s) });
@@ -67,7 +70,7 @@ fn row(report: &ScanReport, columns: &[Column], i: usize, img: &str) -> String {
     let mut out = format!(
         r#"<tr><th scope="row"><i class="swatch" style="background:{color}"></i>{} <small>{}</small></th><td class="depth">{img}</td>"#,
         i + 1,
-        step.view.map_or("given pose".to_owned(), |view| format!("candidate {view}"))
+        candidate(step)
     );
     for Column { name, cell } in columns {
         let value = cell(report, i, step);
@@ -87,6 +90,25 @@ fn gained(report: &ScanReport, i: usize) -> String {
 
 fn baseline(coverage: Option<&Vec<f64>>, i: usize) -> String {
     percent(coverage.and_then(|c| c.get(i)).copied().unwrap_or(f64::NAN))
+}
+
+/// How many voxels the view made occupied, and how many the planner expected.
+fn new_voxels(step: &Step) -> String {
+    let expected = step.outlook.map_or(String::new(), |outlook| {
+        format!("<small>{} expected</small>", count(outlook.n_expected.round() as usize))
+    });
+    count(step.new_voxels) + &expected
+}
+
+fn estimate(step: &Step) -> String {
+    step.outlook.map_or("–".to_owned(), |outlook| percent(outlook.completeness()))
+}
+
+/// Which view it was, and which one it was preferred to.
+fn candidate(step: &Step) -> String {
+    let view = step.view.map_or("given pose".to_owned(), |view| format!("candidate {view}"));
+    let runner_up = step.choice.and_then(|choice| choice.runner_up);
+    view + &runner_up.map_or(String::new(), |view| format!(", next best {view}"))
 }
 
 fn position(step: &Step) -> String {

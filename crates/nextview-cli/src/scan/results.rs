@@ -105,6 +105,8 @@ impl Results<'_> {
                     .collect(),
                 coverage: outcome.reachable_coverage_curve.as_ref().map(|curve| curve[i]),
                 new_voxels: step.report.update.n_newly_occupied,
+                choice: step.report.choice,
+                outlook: step.report.outlook,
                 plan_time: step.plan_time.as_secs_f64(),
                 travel,
                 path: Vec::new(),

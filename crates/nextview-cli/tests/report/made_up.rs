@@ -2,6 +2,7 @@
 
 use glam::{DMat3, DQuat, DVec2, DVec3, IVec3, Vec3};
 use nextview::geometry::{Pose, sphere::fibonacci_hemisphere};
+use nextview::planner::{Choice, Outlook};
 use nextview::sensor::{DepthImage, Intrinsics};
 use nextview_cli::report::{RandomCurve, ScanReport, Step};
 use std::collections::HashSet;
@@ -108,6 +109,14 @@ fn step(
         points,
         coverage: None,
         new_voxels: n_new,
+        choice: before.map(|_| Choice {
+            view,
+            score: 0.01,
+            local_share: 0.01,
+            flow_share: 0.0,
+            runner_up: Some(view + 1),
+        }),
+        outlook: before.map(|_| Outlook { n_seen: 3000, n_expected: 1.1 * n_new as f64, n_unseen: 1000.0 }),
         plan_time: if before.is_none() { 0.0 } else { 0.03 + 0.0007 * (view % 17) as f64 },
         travel: path.windows(2).map(|w| w[0].distance(w[1])).sum(),
         path,
