@@ -85,11 +85,12 @@ fn slow_plan(
     let first_factor = match open.len() {
         0..=40 => 1.0,
         41..=250 => 3.0,
-        _ => 8.0,
+        251..=1000 => 8.0,
+        _ => 16.0,
     };
     let mut gains = look(&looked_at, first_factor);
     let mut total: f64 = worths(&looked_at, &gains).iter().sum();
-    for (n_views, factor) in [(250, 3.0), (40, 1.0)].into_iter().filter(|(n, _)| *n < open.len()) {
+    for (n_views, factor) in [(1000, 8.0), (250, 3.0), (40, 1.0)].into_iter().filter(|(n, _)| *n < open.len()) {
         let before = worths(&looked_at, &gains);
         let mut best = ranked(&looked_at, &before, total);
         best.truncate(n_views);
@@ -163,9 +164,10 @@ proptest! {
         }
     }
 
-    /// Of more, the best 40 of those before; of more than 250, the best 250 of the first look.
+    /// Of more, the best 40 of those before; of more than 250, the best 250 of those before; of more than 1000, the best 1000 of
+    /// the first look.
     #[test]
-    fn takes_the_best_of_the_shortlist(seed in 0..u64::MAX / 2, n_views in prop::sample::select(vec![90, 300]), theta in prop::sample::select(vec![0.0, 0.3, 1.0])) {
+    fn takes_the_best_of_the_shortlist(seed in 0..u64::MAX / 2, n_views in prop::sample::select(vec![90, 300, 1100]), theta in prop::sample::select(vec![0.0, 0.3, 1.0])) {
         let config = MostSurfaceConfig { theta, ..MostSurfaceConfig::default() };
         let (prior, snapshot, views) = (prior(seed), half_seen_ball(), views(n_views));
         for visited in [&[3, 17][..], &[17]] {
