@@ -3,7 +3,7 @@ use crate::network::Network;
 use crate::workload::{N_IMAGES, Set, Workload, intrinsics, ray_spacing_of_image_grid};
 use nextview::gain::object_probability;
 use nextview::map::{Snapshot, frontier};
-use nextview::planner::{MaxFlow, MaxFlowConfig, Situation, ViewPlanner};
+use nextview::planner::{MaxFlow, MaxFlowConfig, MostSurface, MostSurfaceConfig, Situation, ViewPlanner};
 use nextview::visibility::{FreeSpace, NO_VOXEL_MISSED};
 use std::hint::black_box;
 
@@ -35,9 +35,22 @@ pub(super) fn stages() -> Vec<Stage> {
     .map(|(name, set, size, ray_spacing)| {
         let free_space = if set == A { FreeSpace::Fades } else { FreeSpace::Clear };
         let config = MaxFlowConfig { ray_spacing, free_space, ..MaxFlowConfig::default() };
-        Stage::new(name, name_of(size), 1, move |w| decision(w.snapshot(set, size, 3), w, config))
+        Stage::new(name, name_of(size), 1, move |w| max_flow(w.snapshot(set, size, 3), w, config))
     });
-    rays.into_iter().chain(object).chain(flow).chain(decisions).collect()
+    // One image leaves most unknown, and rays long.
+    let most_surface =
+        [("decision; most-surface, second view", 1), ("decision; most-surface, fourth view", 3)].map(
+            |(name, n_images)| {
+                Stage::new(name, name_of(0.005), 1, move |workload| {
+                    let planner = MostSurface::new(MostSurfaceConfig::default());
+                    let planner = planner.expect("the defaults are sound");
+                    let visited = (0..n_images).collect();
+                    decision(workload.snapshot(B, 0.005, n_images), workload, planner, visited)
+                })
+            },
+        );
+    let stages = rays.into_iter().chain(object).chain(flow).chain(decisions);
+    stages.chain(most_surface).collect()
 }
 
 /// Rays of 5000 views through the map of set A, with the local gain and nothing else.
@@ -45,11 +58,20 @@ fn rays(workload: &Workload, voxel_size: f64) -> Work<'_> {
     let ray_spacing = ray_spacing_of_image_grid(voxel_size);
     let config =
         MaxFlowConfig { gamma: 0.0, ray_spacing, free_space: FreeSpace::Fades, ..Default::default() };
-    decision(workload.snapshot(Set::A, voxel_size, N_IMAGES), workload, config)
+    max_flow(workload.snapshot(Set::A, voxel_size, N_IMAGES), workload, config)
 }
 
-fn decision(snapshot: Snapshot, workload: &Workload, config: MaxFlowConfig) -> Work<'_> {
+fn max_flow(snapshot: Snapshot, workload: &Workload, config: MaxFlowConfig) -> Work<'_> {
     let planner = MaxFlow::new(config).expect("parameters are written in the source");
+    decision(snapshot, workload, planner, Vec::new())
+}
+
+fn decision(
+    snapshot: Snapshot,
+    workload: &Workload,
+    planner: impl ViewPlanner + 'static,
+    visited: Vec<usize>,
+) -> Work<'_> {
     let optics = intrinsics();
     Box::new(move || {
         let situation = Situation {
@@ -57,7 +79,7 @@ fn decision(snapshot: Snapshot, workload: &Workload, config: MaxFlowConfig) -> W
             frames: &[],
             views: &workload.views,
             intrinsics: &optics,
-            visited: &[],
+            visited: &visited,
             history: &[],
             finest_voxel_size: snapshot.lattice().voxel_size(),
         };

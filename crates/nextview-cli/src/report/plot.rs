@@ -91,7 +91,10 @@ impl Plot {
             Axis::Views => "the number of views",
             Axis::Percent(name) => name,
         };
-        format!("{} over {over}: {}.", self.y_label, parts.join("; "))
+        match parts.as_slice() {
+            [] => format!("{} over {over}", self.y_label),
+            _ => format!("{} over {over}: {}.", self.y_label, parts.join("; ")),
+        }
     }
 
     /// Where the horizontal axis begins and ends.

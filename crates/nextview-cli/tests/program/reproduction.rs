@@ -1,6 +1,7 @@
 //! The tables in docs/reproduction are what this program finds: a few of their runs, done again.
 
 use crate::common::{Folder, data};
+use std::collections::BTreeMap;
 
 /// A report, a column of its table of objects, and the configuration that the column stands for, over the paper's protocol.
 const COLUMNS: [(&str, &str, &str); 7] = [
@@ -81,6 +82,43 @@ fn reproduces_the_skill_of_the_default_planner() {
     let table = include_str!("../../../../docs/planner.md");
     let row = table.lines().find(|line| line.starts_with("| ycb_024_bowl |")).unwrap();
     assert_eq!(row.split('|').nth(2).unwrap().trim(), skill);
+}
+
+/// The cells of the first table of this head, by the name in the first cell.
+fn rows<'a>(text: &'a str, head: &str) -> BTreeMap<&'a str, Vec<&'a str>> {
+    let (_, table) = text.split_once(head).unwrap_or_else(|| panic!("no table {head}"));
+    let lines = table.lines().skip(2).take_while(|line| line.starts_with('|'));
+    let cells = |line: &'a str| line.split('|').map(str::trim).collect::<Vec<_>>();
+    lines.map(cells).map(|cells| (cells[1], cells[2..].to_vec())).collect()
+}
+
+/// README.md has numbers of docs/planner.md, and that those of the campaigns' reports.
+#[test]
+fn the_default_planner_is_said_to_be_what_was_measured() {
+    let all = rows(include_str!("../../../../docs/planner.md"), "| | 5 mm | lowest |");
+    let readme = rows(include_str!("../../../../README.md"), "| planner | voxels of 5 mm |");
+    assert!(all.len() == 16 && readme.len() == 5);
+    for (name, cells) in readme {
+        let name = name.replace(", as published", " as published");
+        let said = &all[name.as_str()];
+        assert_eq!(cells[..4], [said[0], said[2], said[4], said[8]], "{name}");
+    }
+    let reports = [
+        include_str!("../../../../docs/planner/5mm.md"),
+        include_str!("../../../../docs/planner/1cm.md"),
+        include_str!("../../../../docs/planner/5mm-table.md"),
+        include_str!("../../../../docs/planner/1cm-table.md"),
+        include_str!("../../../../docs/planner/5mm-noise.md"),
+    ];
+    for (i, report) in reports.into_iter().enumerate() {
+        let measured = rows(report, "| variant | objects | voxel coverage, % |");
+        for (name, cells) in all.iter().filter(|(_, cells)| !cells[2 * i].is_empty()) {
+            let measured = &measured[name];
+            let number = |cell: &'static str| cell.split(' ').next().unwrap().to_owned();
+            let said = [number(cells[2 * i]), number(cells[2 * i + 1])];
+            assert_eq!(said, [number(measured[3]), number(measured[6])], "{name}, report {i}");
+        }
+    }
 }
 
 #[test]

@@ -90,7 +90,8 @@ fn slow_plan(
     };
     let mut gains = look(&looked_at, first_factor);
     let mut total: f64 = worths(&looked_at, &gains).iter().sum();
-    for (n_views, factor) in [(1000, 8.0), (250, 3.0), (40, 1.0)].into_iter().filter(|(n, _)| *n < open.len()) {
+    for (n_views, factor) in [(1000, 8.0), (250, 3.0), (40, 1.0)].into_iter().filter(|(n, _)| *n < open.len())
+    {
         let before = worths(&looked_at, &gains);
         let mut best = ranked(&looked_at, &before, total);
         best.truncate(n_views);
