@@ -12,6 +12,9 @@ const PER_OUTLINE: f64 = 0.61;
 /// How much more distance is worth, in longest sides of the box.
 const PER_DISTANCE: f64 = 0.14;
 
+/// Distance that counts at most, in longest sides of the box: nothing was learned of views from farther away.
+const FARTHEST: f64 = 2.5;
+
 /// By view, what speaks for it as the second one besides the gain, in shares of the largest gain; zeros unless one view was
 /// taken. The box is that of the snapshot.
 ///
@@ -28,7 +31,7 @@ pub(super) fn advantages(situation: &Situation<'_>, snapshot: &Snapshot) -> Vec<
         let distance = camera.distance(bounds.center()) / bounds.longest_side();
         PER_COSINE * toward(camera).dot(toward(first))
             + PER_OUTLINE * outline(&bounds, toward(camera))
-            + PER_DISTANCE * distance
+            + PER_DISTANCE * distance.min(FARTHEST)
     };
     situation.views.poses().iter().map(|pose| advantage(pose.translation())).collect()
 }
@@ -43,6 +46,32 @@ fn outline(bounds: &Aabb, direction: DVec3) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::geometry::{Lattice, VoxelBlock};
+    use crate::sensor::Intrinsics;
+    use crate::view::{ViewSpace, look_at};
+    use glam::{IVec3, UVec3};
+
+    #[test]
+    fn far_away_is_worth_no_more() {
+        let lattice = Lattice::new(0.01).unwrap();
+        let block = VoxelBlock::new(IVec3::splat(-10), UVec3::splat(20)).unwrap();
+        let snapshot = Snapshot::from_fn(lattice, block, |_| None);
+        let poses = [-0.4, 0.4, 0.6, 50.0].map(|x| look_at(DVec3::new(x, 0.0, 0.0), DVec3::ZERO));
+        let views = ViewSpace::new(poses.to_vec()).unwrap();
+        let situation = Situation {
+            snapshot: &snapshot,
+            frames: &[],
+            views: &views,
+            intrinsics: &Intrinsics::d435i(),
+            visited: &[0],
+            history: &[],
+            finest_voxel_size: 0.01,
+        };
+        let [_, near, far, farther] = advantages(&situation, &snapshot)[..] else { panic!("four views") };
+        assert!(near < far && (far - farther).abs() < 1e-12, "{near} {far} {farther}");
+        let later = Situation { visited: &[0, 1], ..situation };
+        assert_eq!(advantages(&later, &snapshot), [0.0; 4]);
+    }
 
     #[test]
     fn the_outline_of_a_box_is_that_of_its_visible_faces() {

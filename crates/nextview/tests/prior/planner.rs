@@ -135,7 +135,9 @@ fn advantage_of_second(bounds: Aabb, first: DVec3, second: DVec3) -> f64 {
     let (first, second) = (first - center, second - center);
     let faces = DVec3::new(size.y * size.z, size.x * size.z, size.x * size.y);
     let outline = faces.dot(second.abs()) / (faces.length() * second.length());
-    -0.24 * first.angle_between(second).cos() + 0.61 * outline + 0.14 * second.length() / size.max_element()
+    -0.24 * first.angle_between(second).cos()
+        + 0.61 * outline
+        + 0.14 * (second.length() / size.max_element()).min(2.5)
 }
 
 /// The plans agree; scores as far as sums in another order do.
