@@ -96,7 +96,7 @@ fn the_same_view_gives_the_same_image_in_any_order_and_in_many_threads() {
 #[test]
 fn the_truth_of_a_view_is_what_its_capture_measured_of_the_object() {
     for noise in [d435i(POSE), Noise::default()] {
-        for setup in [Setup::new(noise.clone()), Setup::on_table(noise.clone())] {
+        for setup in [Setup::new(noise), Setup::on_table(noise)] {
             let truth = setup.truth();
             for view in (0..60).step_by(7) {
                 let capture = setup.scene.camera().capture_with_truth(&setup.views.pose(view)).unwrap();
