@@ -102,6 +102,8 @@ fn the_truth_of_a_view_is_what_its_capture_measured_of_the_object() {
                 let capture = setup.scene.camera().capture_with_truth(&setup.views.pose(view)).unwrap();
                 assert_eq!(setup.object.seen_in(&capture.truth), *truth.seen(view));
                 assert_eq!(capture.truth.world_from_camera(), setup.views.pose(view));
+                let frame = setup.scene.camera().capture(&setup.views.pose(view)).unwrap();
+                assert_eq!(bits(&frame), bits(&capture.frame));
                 let is_exact = capture.frame.world_from_camera() == setup.views.pose(view);
                 assert_eq!(is_exact, noise.is_none());
             }

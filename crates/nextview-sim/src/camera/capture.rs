@@ -18,19 +18,15 @@ pub struct Capture {
 impl Capture {
     pub(super) fn new(camera: &SimulatedCamera, world_from_camera: &Pose) -> Result<Self, Error> {
         let exact = camera.render(world_from_camera)?;
-        let (told, measured) = match &camera.noise.depth {
-            None => (exact.all, exact.object),
-            Some(noise) => {
-                let readings = readings(camera, noise, &exact.all, world_from_camera);
-                let mut random = camera.noise.random(world_from_camera, Use::Axial);
-                (readings.told(noise, &exact.all, &mut random), readings.truly_measured(&exact.object))
-            }
+        let (told, readings) = told(camera, exact.all, world_from_camera);
+        let measured = match readings {
+            None => exact.object,
+            Some(readings) => readings.truly_measured(&exact.object),
         };
         let of_object = told.iter().zip(&measured);
         let of_object = of_object.map(|(told, truth)| if truth.is_infinite() { *truth } else { *told });
         let of_object = of_object.collect();
-        let mut random = camera.noise.random(world_from_camera, Use::Pose);
-        let claimed = camera.noise.pose.claimed(world_from_camera, &mut random)?;
+        let claimed = claimed(camera, world_from_camera)?;
         Ok(Self {
             frame: frame(camera, told, &claimed)?,
             of_object: frame(camera, of_object, &claimed)?,
@@ -39,11 +35,32 @@ impl Capture {
     }
 }
 
+/// [`Capture::frame`] alone.
+pub(super) fn capture(camera: &SimulatedCamera, world_from_camera: &Pose) -> Result<Frame, Error> {
+    let exact = camera.render_depth(world_from_camera)?;
+    let (told, _) = told(camera, exact, world_from_camera);
+    frame(camera, told, &claimed(camera, world_from_camera)?)
+}
+
 /// The image of [`Capture::truth`] as plain numbers.
 pub(super) fn truly_measured(camera: &SimulatedCamera, world_from_camera: &Pose) -> Result<Vec<f32>, Error> {
     let Some(noise) = &camera.noise.depth else { return camera.render_object(world_from_camera) };
     let exact = camera.render(world_from_camera)?;
     Ok(readings(camera, noise, &exact.all, world_from_camera).truly_measured(&exact.object))
+}
+
+/// What the camera tells of an exact image, and which pixels it reads if it has noise.
+fn told(camera: &SimulatedCamera, exact: Vec<f32>, world_from_camera: &Pose) -> (Vec<f32>, Option<Readings>) {
+    let Some(noise) = &camera.noise.depth else { return (exact, None) };
+    let readings = readings(camera, noise, &exact, world_from_camera);
+    let mut random = camera.noise.random(world_from_camera, Use::Axial);
+    (readings.told(noise, &exact, &mut random), Some(readings))
+}
+
+/// The pose that the camera claims.
+fn claimed(camera: &SimulatedCamera, world_from_camera: &Pose) -> Result<Pose, Error> {
+    let mut random = camera.noise.random(world_from_camera, Use::Pose);
+    camera.noise.pose.claimed(world_from_camera, &mut random)
 }
 
 fn readings(

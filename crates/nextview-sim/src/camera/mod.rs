@@ -124,7 +124,7 @@ impl SimulatedCamera {
     ///
     /// Fails if there is a room and the camera stands outside.
     pub fn capture(&self, world_from_camera: &Pose) -> Result<Frame, Error> {
-        Ok(self.capture_with_truth(world_from_camera)?.frame)
+        capture::capture(self, world_from_camera)
     }
 
     /// The same, with what in it is the object and what was truly measured.
@@ -135,16 +135,24 @@ impl SimulatedCamera {
     /// The exact image from a pose, without any noise, as plain numbers, row by row: depth in metres, infinite where
     /// nothing comes back, NaN where the lens model has no answer.
     pub fn render_depth(&self, world_from_camera: &Pose) -> Result<Vec<f32>, Error> {
-        Ok(self.render(world_from_camera)?.all)
+        let mut nearest = self.nearest_surfaces(world_from_camera)?;
+        self.add_background(world_from_camera, &mut nearest);
+        Ok(self.depth(&nearest))
     }
 
+    /// The exact images with and without the background.
     fn render(&self, world_from_camera: &Pose) -> Result<Rendering, Error> {
         let mut nearest = self.nearest_surfaces(world_from_camera)?;
         let object = self.depth(&nearest);
-        if let Background::Room(room) = &self.background {
-            room::add_walls(room, &self.samples, world_from_camera, &mut nearest);
-        }
+        self.add_background(world_from_camera, &mut nearest);
         Ok(Rendering { all: self.depth(&nearest), object })
+    }
+
+    /// Puts the background where no surface is.
+    fn add_background(&self, world_from_camera: &Pose, nearest: &mut [Chunk]) {
+        if let Background::Room(room) = &self.background {
+            room::add_walls(room, &self.samples, world_from_camera, nearest);
+        }
     }
 
     /// The exact image of the object alone.
