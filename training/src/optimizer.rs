@@ -177,7 +177,7 @@ mod tests {
         assert_eq!(network, train(&samples(40_000, 1), 2, 4, 1), "the same seed gives the same bits");
     }
 
-    /// The slow twin: differences of the loss, sample by sample. A unit may turn on or off between the two, so a few may differ.
+    /// The slow twin: differences of the loss, sample by sample. A unit may turn on or off between the two, so one in a hundred may differ.
     #[test]
     fn the_gradient_is_that_of_the_loss() {
         let (mut n_checked, mut n_wrong) = (0, 0);
@@ -197,6 +197,6 @@ mod tests {
                 n_wrong += ((slope - gradient).abs() > 0.02 * gradient.abs() + 1e-3) as usize;
             }
         }
-        assert!(n_checked > 500 && n_wrong * 20 < n_checked, "{n_wrong} of {n_checked}");
+        assert!(n_checked > 500 && n_wrong * 100 < n_checked, "{n_wrong} of {n_checked}");
     }
 }

@@ -2,7 +2,8 @@
 
 #![allow(clippy::unwrap_used, reason = "helpers of tests")]
 
-use nextview::geometry::Lattice;
+use glam::DVec3;
+use nextview::geometry::{Aabb, Lattice};
 use nextview::planner::{MaxFlow, MaxFlowConfig};
 use nextview::sensor::{Depth, Frame, Intrinsics};
 use nextview::session::{Session, SessionConfig, StopConfig};
@@ -126,6 +127,22 @@ fn a_table_is_not_the_object() {
         assert_eq!(bits(&capture.of_object), bits(&capture.truth));
     }
     assert!(n_of_table > 0);
+}
+
+/// Pixels move sideways, and some at the object's edge show what is behind it.
+#[test]
+fn nothing_behind_the_object_is_taken_for_it() {
+    let setup = Setup::on_table(d435i(PoseError::default()));
+    let bounds = setup.scene.camera().mesh().bounds();
+    let near = Aabb { min: bounds.min - 0.02, max: bounds.max + 0.02 };
+    for view in (0..60).step_by(7) {
+        let capture = setup.scene.camera().capture_with_truth(&setup.views.pose(view)).unwrap();
+        let of_object: Vec<DVec3> = capture.of_object.points_in(setup.scene.room()).collect();
+        assert!(of_object.len() > 1000);
+        for point in of_object {
+            assert!(near.contains(point), "{point} in view {view}");
+        }
+    }
 }
 
 #[test]

@@ -19,13 +19,13 @@ impl Capture {
     pub(super) fn new(camera: &SimulatedCamera, world_from_camera: &Pose) -> Result<Self, Error> {
         let exact = camera.render(world_from_camera)?;
         let (told, readings) = told(camera, exact.all, world_from_camera);
-        let measured = match readings {
-            None => exact.object,
-            Some(readings) => readings.truly_measured(&exact.object),
+        let (shown, measured) = match readings {
+            None => (exact.object.clone(), exact.object),
+            Some(readings) => (readings.shown(&exact.object), readings.truly_measured(&exact.object)),
         };
-        let of_object = told.iter().zip(&measured);
-        let of_object = of_object.map(|(told, truth)| if truth.is_infinite() { *truth } else { *told });
-        let of_object = of_object.collect();
+        let of_object = told.iter().zip(shown);
+        let of_object =
+            of_object.map(|(&told, shown)| if shown.is_infinite() { shown } else { told }).collect();
         let claimed = claimed(camera, world_from_camera)?;
         Ok(Self {
             frame: frame(camera, told, &claimed)?,

@@ -34,6 +34,11 @@ impl Readings {
         measured
     }
 
+    /// An exact image as it is read, without any error along the axis: every pixel shows the depth of the one it was read from.
+    pub fn shown(&self, exact: &[f32]) -> Vec<f32> {
+        self.0.iter().map(|reading| reading.map_or(f32::NAN, |pixel| exact[pixel as usize])).collect()
+    }
+
     /// The image that the camera tells.
     pub fn told(&self, noise: &DepthNoise, exact: &[f32], random: &mut Random) -> Vec<f32> {
         let told = |&reading: &Option<u32>| match reading {

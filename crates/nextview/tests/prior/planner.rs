@@ -140,8 +140,11 @@ fn advantage_of_second(bounds: Aabb, first: DVec3, second: DVec3) -> f64 {
         + 0.14 * (second.length() / size.max_element()).min(2.5)
 }
 
-/// The plans agree; scores as far as sums in another order do.
-fn assert_alike(found: &Plan, expected: &Plan) {
+/// The plans agree; those of a second view as far as its advantage can be computed in another order.
+fn assert_alike(found: &Plan, expected: &Plan, visited: &[usize]) {
+    if visited.len() != 1 {
+        return assert_eq!(found, expected);
+    }
     let numbers = |plan: &Plan| plan.choice.map_or([0.0; 2], |choice| [choice.score, choice.local_share]);
     let close = numbers(found).iter().zip(numbers(expected)).all(|(a, b)| (a - b).abs() < 1e-12);
     let views = |plan: &Plan| plan.choice.map(|choice| (choice.view, choice.runner_up));
@@ -163,7 +166,7 @@ proptest! {
         let (config, prior, views) = (MostSurfaceConfig { ray_spacing, theta }, prior(seed), views(n_views));
         for visited in [&[][..], &[0]] {
             let found = plan(config, &prior, &snapshot, &views, visited);
-            assert_alike(&found, &slow_plan(config, &prior, &snapshot, &views, visited));
+            assert_alike(&found, &slow_plan(config, &prior, &snapshot, &views, visited), visited);
         }
     }
 
@@ -175,7 +178,7 @@ proptest! {
         let (prior, snapshot, views) = (prior(seed), half_seen_ball(), views(n_views));
         for visited in [&[3, 17][..], &[17]] {
             let found = plan(config, &prior, &snapshot, &views, visited);
-            assert_alike(&found, &slow_plan(config, &prior, &snapshot, &views, visited));
+            assert_alike(&found, &slow_plan(config, &prior, &snapshot, &views, visited), visited);
         }
     }
 }
