@@ -1,0 +1,211 @@
+"""Trains NBV-Net on a data set of `nextview dataset nbv-net`, and converts weights. docs/methods/nbv-net.md has the commands.
+
+The network is the published one (Mendoza et al. 2020) but for its last layer, which is not rectified: softmax follows. Tensors have the
+published names, so that weights of the published program can be converted.
+"""
+
+import argparse
+import csv
+import sys
+import time
+from pathlib import Path
+
+import numpy as np
+import torch
+from safetensors.torch import load_file, save_file
+from torch import nn
+from torch.nn.functional import cross_entropy, dropout, max_pool3d, relu
+
+N_VIEWS = 14
+CHANNELS = [1, 10, 12, 8]
+UNITS = [512, 1500, 500, 100, 50, N_VIEWS]
+
+# The byte of a grid that stands for probability 1.
+MAX_BYTE = 254
+
+# Of ten objects, the last digit of whose numbers is this, none is trained on.
+VALIDATION, TEST = 8, 9
+
+
+class NbvNet(nn.Module):
+    def __init__(self, drop):
+        super().__init__()
+        self.drop = drop
+        for i, (n_in, n_out) in enumerate(zip(CHANNELS, CHANNELS[1:]), 1):
+            setattr(self, f"conv{i}", nn.Conv3d(n_in, n_out, 3, padding=1))
+        for i, (n_in, n_out) in enumerate(zip(UNITS, UNITS[1:]), 1):
+            setattr(self, f"fc{i}", nn.Linear(n_in, n_out))
+
+    def forward(self, grids):
+        """Logits of grids, which are bytes."""
+        x = grids.unsqueeze(1).float() / MAX_BYTE
+        for i in range(1, len(CHANNELS)):
+            x = max_pool3d(relu(getattr(self, f"conv{i}")(x)), 2)
+        x = x.flatten(1)
+        for i in range(1, len(UNITS) - 1):
+            x = dropout(relu(getattr(self, f"fc{i}")(x)), self.drop, self.training)
+        return getattr(self, f"fc{len(UNITS) - 1}")(x)
+
+
+class Samples:
+    """Records as tensors."""
+
+    def __init__(self, records):
+        self.grids = torch.from_numpy(np.ascontiguousarray(records["grid"]))
+        self.labels = torch.from_numpy(records["label"].astype(np.int64))
+        self.n_views = torch.from_numpy(records["n_views"].astype(np.int64))
+        gains = torch.from_numpy(records["gains"].astype(np.float32))
+        # What each view would show, as a share of what the best of the 14 would.
+        self.shares = gains / gains.amax(1, keepdim=True)
+
+    def __len__(self):
+        return len(self.labels)
+
+
+def load(folder):
+    """The records of a data set, in the order of the objects."""
+    files = sorted(Path(folder).glob("objects-*.npy"))
+    if not files:
+        sys.exit(f"error: {folder}: no objects-*.npy\nhint: nextview dataset nbv-net --out {folder}")
+    return np.concatenate([np.load(file) for file in files])
+
+
+def batches(order, size):
+    return (order[i : i + size] for i in range(0, len(order), size))
+
+
+def logits(model, grids):
+    model.eval()
+    with torch.no_grad():
+        return torch.cat([model(part) for part in grids.split(256)])
+
+
+def judge(model, samples):
+    """Cross entropy, share of samples with the right view first, and mean share of the best gain."""
+    found = logits(model, samples.grids)
+    return cross_entropy(found, samples.labels).item(), *score(found.argmax(1), samples)
+
+
+def score(views, samples):
+    right = (views == samples.labels).float().mean().item()
+    return right, samples.shares.gather(1, views[:, None]).mean().item()
+
+
+def train(args):
+    torch.manual_seed(args.seed)
+    torch.set_num_threads(args.threads)
+    torch.use_deterministic_algorithms(True)
+    records = load(args.data)
+    digit = records["object"] % 10
+    parts = [Samples(records[part]) for part in (digit < VALIDATION, digit == VALIDATION, digit == TEST)]
+    learned, validation, test = parts
+    print("samples: {} to learn from, {} to validate with, {} to test with".format(*map(len, parts)))
+    if not all(map(len, parts)):
+        sys.exit("error: too few objects to learn from and to judge by\nhint: --objects 100 is enough for a try")
+    # With the channels of a cell beside each other, convolutions take half the time.
+    model = NbvNet(args.dropout).to(memory_format=torch.channels_last_3d)
+    best, best_state = -1.0, None
+    optimizer = torch.optim.Adam(model.parameters())
+    n_steps = args.epochs * -(-len(learned) // args.batch)
+    schedule = torch.optim.lr_scheduler.OneCycleLR(optimizer, args.step, n_steps)
+    start = time.monotonic()
+    with open(args.out.with_suffix(".csv"), "w", newline="") as file:
+        curve = csv.writer(file, lineterminator="\n")
+        curve.writerow(["epoch", "training_loss", "validation_loss", "validation_top1", "validation_gain"])
+        for epoch in range(1, args.epochs + 1):
+            loss = learn(model, learned, optimizer, schedule, args.batch)
+            judged = judge(model, validation)
+            curve.writerow([epoch, *(f"{value:.4f}" for value in (loss, *judged))])
+            file.flush()
+            text = f"loss {loss:.3f}; validation: loss {judged[0]:.3f}, top-1 {judged[1]:.3f}, gain {judged[2]:.3f}"
+            print(f"epoch {epoch}: {text} ({time.monotonic() - start:.0f} s)", flush=True)
+            if judged[1] > best:
+                best, best_state = judged[1], {name: value.clone() for name, value in model.state_dict().items()}
+    model.load_state_dict(best_state)
+    write(model, args.out, best, validation, test, args)
+
+
+def learn(model, samples, optimizer, schedule, size):
+    """One epoch; gives the mean loss."""
+    model.train()
+    total = 0.0
+    for part in batches(torch.randperm(len(samples)), size):
+        optimizer.zero_grad()
+        loss = cross_entropy(model(samples.grids[part]), samples.labels[part])
+        loss.backward()
+        optimizer.step()
+        schedule.step()
+        total += loss.item() * len(part)
+    return total / len(samples)
+
+
+def write(model, path, best, validation, test, args):
+    """Writes the weights, halved in precision if they are as good then, and tells how good they are on the objects of the test."""
+    whole = {name: value.clone() for name, value in model.state_dict().items()}
+    model.load_state_dict({name: value.half().float() for name, value in whole.items()})
+    is_half = judge(model, validation)[1] >= best - 0.002
+    if not is_half:
+        model.load_state_dict(whole)
+    found = logits(model, test.grids).argmax(1)
+    print("\non objects held out       top-1   gain / best of 14")
+    rows = [("NBV-Net", score(found, test)), ("the labels", score(test.labels, test)), ("random", (1 / N_VIEWS, test.shares.mean().item()))]
+    for n in range(1, int(test.n_views.max()) + 1):
+        part = test.n_views == n
+        right = (found == test.labels)[part].float().mean().item()
+        rows.append((f"NBV-Net after {n}", (right, test.shares.gather(1, found[:, None])[part].mean().item())))
+    for name, (right, gain) in rows:
+        print(f"{name:24}  {right:.3f}   {gain:.3f}")
+    tensors = {name: value.half() if is_half else value for name, value in model.state_dict().items()}
+    tensors = {name: value.contiguous() for name, value in tensors.items()}
+    right, gain = score(found, test)
+    card = {"network": "NBV-Net", "data": f"nextview dataset nbv-net, {args.data.name}", "seed": str(args.seed)}
+    save_file(tensors, path, card | {"test_top1": f"{right:.4f}", "test_gain": f"{gain:.4f}"})
+    print(f"\nwritten: {path} ({'half' if is_half else 'single'} precision)")
+
+
+def reference(args):
+    """Writes the logits of the first grids of a data set, by which the Rust code is checked: 14 numbers each, single precision."""
+    model = NbvNet(0.0)
+    model.load_state_dict({name: value.float() for name, value in load_file(args.weights).items()})
+    found = logits(model, Samples(load(args.data)[: args.n]).grids)
+    args.out.write_bytes(found.numpy().astype("<f4").tobytes())
+    print(f"written: {args.out}, {len(found)} x {N_VIEWS} numbers")
+
+
+def convert(args):
+    """Writes weights that the published program saved (torch.save of the state_dict) as safetensors."""
+    tensors = torch.load(args.weights, map_location="cpu", weights_only=True)
+    NbvNet(0.0).load_state_dict(tensors)
+    save_file({name: value.float().contiguous() for name, value in tensors.items()}, args.out)
+    print(f"written: {args.out}")
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    commands = parser.add_subparsers(required=True)
+    command = commands.add_parser("train", help="learn weights from a data set")
+    command.set_defaults(run=train)
+    command.add_argument("data", type=Path, help="folder of the data set")
+    command.add_argument("out", type=Path, help="file for the weights (.safetensors); beside it, the learning curve (.csv)")
+    command.add_argument("--epochs", type=int, default=30)
+    command.add_argument("--batch", type=int, default=64)
+    command.add_argument("--step", type=float, default=1e-3, help="length of the longest steps (Adam, one cycle)")
+    command.add_argument("--dropout", type=float, default=0.2, help="share of the units that are left out")
+    command.add_argument("--seed", type=int, default=0)
+    command.add_argument("--threads", type=int, default=2, help="another number may round in another order")
+    command = commands.add_parser("reference", help="write what the framework gives for the first grids of a data set")
+    command.set_defaults(run=reference)
+    command.add_argument("data", type=Path)
+    command.add_argument("weights", type=Path, help="a .safetensors file")
+    command.add_argument("out", type=Path)
+    command.add_argument("--n", type=int, default=100)
+    command = commands.add_parser("convert", help="make safetensors of weights that the published program saved (.pth)")
+    command.set_defaults(run=convert)
+    command.add_argument("weights", type=Path, help="a .pth file")
+    command.add_argument("out", type=Path, help="a .safetensors file")
+    args = parser.parse_args()
+    args.run(args)
+
+
+if __name__ == "__main__":
+    main()
