@@ -1,5 +1,7 @@
 //! What the planner makes of the network's answer.
 
+#![allow(clippy::unwrap_used, reason = "helpers of tests")]
+
 use glam::{DVec3, IVec3, UVec3};
 use nextview::geometry::random::Random;
 use nextview::geometry::{Lattice, VoxelBlock};

@@ -29,8 +29,8 @@ pub(super) struct NbvNetArgs {
     /// Folder for the data set
     #[arg(long, value_name = "DIR")]
     out: PathBuf,
-    /// Number of objects, each of which gives up to eight examples of 33 kB
-    #[arg(long, value_name = "N", default_value = "2400", value_parser = clap::value_parser!(u32).range(1..=1_000_000), allow_negative_numbers = true)]
+    /// Number of objects, each of which gives up to eight examples of 33 kB: 2 GB by default
+    #[arg(long, value_name = "N", default_value = "8000", value_parser = clap::value_parser!(u32).range(1..=1_000_000), allow_negative_numbers = true)]
     objects: u32,
     /// Which objects, and how they are looked at
     #[arg(long, value_name = "S", default_value = "0", value_parser = clap::value_parser!(u32), allow_negative_numbers = true)]
