@@ -223,7 +223,7 @@ def main():
     command.add_argument("--step", type=float, default=1e-3, help="length of the longest steps (Adam, one cycle)")
     command.add_argument("--dropout", type=float, default=0.1, help="share of the units that are left out")
     command.add_argument("--seed", type=int, default=0)
-    command.add_argument("--threads", type=int, default=2, help="another number may round in another order")
+    command.add_argument("--threads", type=int, default=1, help="another number may round in another order; more than there are idle cores cost time")
     command = commands.add_parser("reference", help="write what the framework gives for the first grids of a data set")
     command.set_defaults(run=reference)
     command.add_argument("data", type=Path)
