@@ -11,25 +11,25 @@ use serde::{Deserialize, Serialize};
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct MostSurfaceConfig {
-    /// Distance between neighbouring planning rays at the far side of the box, in voxels, positive. Default 1.
+    /// How many planning rays side by side cover the longest side of the box, at its far side; 1..=1000. Default 32.
     ///
-    /// The voxels are those of the snapshot or, if it has more than 72 along a side, larger ones. More than 1000 views are
-    /// looked at with rays sixteen times as far apart first, the best 1000 of them with eight times as far, the best 250 of
-    /// these with three times as far, and only the best 40 with these.
-    pub ray_spacing: f64,
+    /// More than 1000 views are looked at with an eighth as many first, the best 1000 of them with a quarter, the best 250 of
+    /// these with half as many, and only the best 40 with all of them. So what a decision costs hardly depends on the voxel
+    /// size.
+    pub rays_across: f64,
     /// Weight of the movement cost against the gain, 0..=1; the paper's theta (section V.D). Default 0: moving is free.
     pub theta: f64,
 }
 
 impl Default for MostSurfaceConfig {
     fn default() -> Self {
-        Self { ray_spacing: 1.0, theta: 0.0 }
+        Self { rays_across: 32.0, theta: 0.0 }
     }
 }
 
 /// One look after the other: at how many of the best views so far, and by what factor rays are farther apart. Looks at more
 /// views than there are, but the closest of them, are left out: with few views and few rays, too little would be seen at all.
-const LOOKS: [(usize, f64); 4] = [(usize::MAX, 16.0), (1000, 8.0), (250, 3.0), (40, 1.0)];
+const LOOKS: [(usize, f64); 4] = [(usize::MAX, 8.0), (1000, 4.0), (250, 2.0), (40, 1.0)];
 
 /// A view is expected to show something if it is this many voxels.
 const LEAST_GAIN: f64 = 0.5;
@@ -59,7 +59,7 @@ impl MostSurface {
     /// A planner with checked parameters and a prior of your own.
     pub fn with_prior(config: MostSurfaceConfig, prior: SurfacePrior) -> Result<Self, Error> {
         utility::check_theta(config.theta)?;
-        utility::check_ray_spacing(config.ray_spacing)?;
+        check_rays_across(config.rays_across)?;
         Ok(Self { config, prior })
     }
 }
@@ -70,12 +70,13 @@ impl ViewPlanner for MostSurface {
         let estimate = self.prior.estimate(&snapshot);
         let scene = Scene { situation, snapshot: &snapshot, estimate: &estimate };
         let open = situation.open_views();
+        let ray_spacing = snapshot.block().dims().max_element() as f64 / self.config.rays_across;
         let first_look = LOOKS.iter().rposition(|(n_views, _)| *n_views >= open.len()).unwrap_or(0);
-        let first = scene.survey(&open, LOOKS[first_look].1 * self.config.ray_spacing);
+        let first = scene.survey(&open, LOOKS[first_look].1 * ray_spacing);
         let mut rating = Rating::new(&scene, self.config.theta, first.gains);
         for &(n_views, factor) in &LOOKS[first_look + 1..] {
             rating.shortlist(n_views);
-            let closer = scene.survey(&rating.views(), factor * self.config.ray_spacing);
+            let closer = scene.survey(&rating.views(), factor * ray_spacing);
             rating.look_closer(closer.gains);
         }
         let best = rating.best();
@@ -86,6 +87,13 @@ impl ViewPlanner for MostSurface {
         };
         Plan { choice: best.map(|(choice, _)| choice), outlook: Some(outlook), ..Plan::default() }
     }
+}
+
+fn check_rays_across(rays_across: f64) -> Result<(), Error> {
+    if (1.0..=1000.0).contains(&rays_across) {
+        return Ok(());
+    }
+    Err(Error::invalid("rays_across", rays_across, "a number in 1..=1000"))
 }
 
 /// Views, and what makes one better than another.
@@ -175,7 +183,7 @@ impl Scene<'_> {
     /// Looks from these views with rays so many voxels apart.
     fn survey(&self, views: &[usize], ray_spacing: f64) -> Survey {
         let gain = ExpectedSurface::new(self.snapshot, self.situation.intrinsics, self.estimate, ray_spacing);
-        let gain = gain.expect("the constructor checked the ray spacing");
+        let gain = gain.expect("the constructor checked the number of rays");
         let nothing = || Survey { gains: Vec::new(), shown: vec![0.0; self.estimate.len()] };
         let parts = views.par_iter().fold(
             || (nothing(), gain.eye()),

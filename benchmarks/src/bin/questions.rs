@@ -1,0 +1,298 @@
+//! Asks of the planner most-surface what no setting of it can be asked: other probabilities, other counts, look-ahead.
+//!
+//!     cargo run --release -p nextview-benchmarks --bin questions -- MESH ...
+//!
+//! Each variant takes ten views of each mesh (longest side 0.2 m, 5 mm voxels, 1000 candidates all around, no noise) and gets a
+//! line with its mean skill and its lowest. The first variant is the plain one, which has neither most-surface's rule for the
+//! second view nor its shortlists, so that one thing changes at a time.
+
+use glam::IVec3;
+use nextview::geometry::{Lattice, Pose};
+use nextview::map::{LogOdds, Occupancy, Snapshot};
+use nextview::planner::{Choice, Plan, Situation, ViewPlanner};
+use nextview::prior::{Sighting, SurfaceEstimate, SurfacePrior};
+use nextview::sensor::Intrinsics;
+use nextview::session::{Session, SessionConfig};
+use nextview::view::{ViewSpace, generate};
+use nextview::visibility::{FreeSpace, RayCaster, RayEnd, Sight};
+use nextview_sim::baseline::{RandomCurve, clairvoyant_curve, extended, skill};
+use nextview_sim::mesh::{self, Unit};
+use nextview_sim::run;
+use nextview_sim::scene::Scene;
+use nextview_sim::truth::{ObjectVoxels, TrueVisibility};
+use rayon::prelude::*;
+use std::error::Error;
+use std::ops::ControlFlow;
+use std::path::Path;
+
+const N_VIEWS: usize = 10;
+const N_CANDIDATES: usize = 1000;
+const VOXEL_SIZE: f64 = 0.005;
+const RAY_SPACING: f64 = 2.0;
+
+/// Visibility below which a ray ends.
+const FADED: f32 = 0.03;
+
+/// Views of largest gain for which a partner is sought.
+const N_FIRST: usize = 30;
+
+/// Rounds of mean-field updates; what changes after them is below a thousandth.
+const N_ROUNDS: usize = 30;
+
+type Outcome<T> = Result<T, Box<dyn Error>>;
+
+#[derive(Clone, Copy)]
+struct Variant {
+    name: &'static str,
+    belief: Belief,
+    counts: Counts,
+    looks_ahead: bool,
+}
+
+/// What is believed of unknown voxels.
+#[derive(Clone, Copy)]
+enum Belief {
+    /// The library's prior.
+    Learned,
+    /// The same, but a voxel whose neighbours in the Markov random field are likelier to stop rays than by themselves is
+    /// likelier to, too: by so much in log-odds.
+    LearnedField(f32),
+    /// A Markov random field without learning: the log-odds that a voxel is solid are so many times how many more of
+    /// its six neighbours are.
+    Field(f32),
+}
+
+#[derive(Clone, Copy)]
+enum Counts {
+    OncePerView,
+    OncePerRay,
+}
+
+const PLAIN: Variant =
+    Variant { name: "plain", belief: Belief::Learned, counts: Counts::OncePerView, looks_ahead: false };
+
+const VARIANTS: [Variant; 8] = [
+    PLAIN,
+    Variant { name: "counts once per ray", counts: Counts::OncePerRay, ..PLAIN },
+    Variant { name: "best pair of views", looks_ahead: true, ..PLAIN },
+    Variant { name: "learned, field 0.5", belief: Belief::LearnedField(0.5), ..PLAIN },
+    Variant { name: "learned, field 2", belief: Belief::LearnedField(2.0), ..PLAIN },
+    Variant { name: "field alone, 0.2", belief: Belief::Field(0.2), ..PLAIN },
+    Variant { name: "field alone, 0.4", belief: Belief::Field(0.4), ..PLAIN },
+    Variant { name: "field alone, 0.8", belief: Belief::Field(0.8), ..PLAIN },
+];
+
+fn main() -> Outcome<()> {
+    let mut skills = vec![Vec::new(); VARIANTS.len()];
+    for path in std::env::args().skip(1) {
+        let object = Object::load(Path::new(&path))?;
+        for (variant, skills) in VARIANTS.into_iter().zip(&mut skills) {
+            skills.extend(object.skill(variant)?);
+        }
+        eprintln!("{path}: {:.2?}", skills.iter().filter_map(|skills| skills.last()).collect::<Vec<_>>());
+    }
+    for (variant, skills) in VARIANTS.iter().zip(&skills) {
+        let mean = skills.iter().sum::<f64>() / skills.len() as f64;
+        let lowest = skills.iter().copied().fold(f64::INFINITY, f64::min);
+        println!("{:<20} mean {mean:5.2}, lowest {lowest:5.2}, {} objects", variant.name, skills.len());
+    }
+    Ok(())
+}
+
+struct Object {
+    scene: Scene,
+    views: ViewSpace,
+    voxels: ObjectVoxels,
+    truth: TrueVisibility,
+}
+
+impl Object {
+    fn load(path: &Path) -> Outcome<Self> {
+        let (mesh, _) = mesh::load(path)?.to_metres(Unit::LongestSide(0.2))?;
+        let scene = Scene::new(mesh, Intrinsics::d435i())?;
+        let views = generate::shell(scene.center(), scene.size(), N_CANDIDATES, 0)?;
+        let lattice = Lattice::new(VOXEL_SIZE)?;
+        let block = lattice.block_inside(&scene.planning_box(VOXEL_SIZE)).ok_or("no voxels")?;
+        let voxels = ObjectVoxels::new(scene.camera(), lattice, block);
+        let truth = TrueVisibility::new(scene.camera(), &voxels, &views, || {})?;
+        Ok(Self { scene, views, voxels, truth })
+    }
+
+    fn skill(&self, variant: Variant) -> Outcome<Option<f64>> {
+        let config = SessionConfig::new(VOXEL_SIZE, self.scene.planning_box(VOXEL_SIZE));
+        let planner = Box::new(VariantPlanner { variant, prior: SurfacePrior::default() });
+        let mut session = Session::new(config, Intrinsics::d435i(), self.views.clone(), planner)?;
+        let mut n_seen = Vec::new();
+        run::run(&mut session, &self.scene, &self.voxels, |step| {
+            n_seen.push(step.n_seen as f64 / self.truth.n_reachable() as f64);
+            ControlFlow::Continue(())
+        })?;
+        let random = RandomCurve::new(&self.truth, 0, N_VIEWS).mean;
+        Ok(skill(&extended(n_seen, N_VIEWS), &random, &clairvoyant_curve(&self.truth, 0, N_VIEWS)))
+    }
+}
+
+struct VariantPlanner {
+    variant: Variant,
+    prior: SurfacePrior,
+}
+
+impl ViewPlanner for VariantPlanner {
+    fn plan(&self, situation: &Situation<'_>) -> Plan {
+        let scene = Beliefs::new(self.variant.belief, &self.prior, situation.snapshot);
+        let sight = Sight { free_space: FreeSpace::Fades, fade_limit: FADED };
+        let caster = RayCaster::new(&scene.passes, situation.intrinsics, RAY_SPACING, sight);
+        let caster = caster.expect("the spacing is positive");
+        let open = situation.open_views();
+        let looks: Vec<Look> = open
+            .par_iter()
+            .map(|&view| scene.look(&caster, &situation.views.pose(view), self.variant.counts))
+            .collect();
+        let mut worths: Vec<f64> = looks.iter().map(|look| look.gain).collect();
+        if self.variant.looks_ahead {
+            add_partners(&mut worths, &looks, scene.estimate.len());
+        }
+        let best = (0..open.len()).max_by(|&a, &b| worths[a].total_cmp(&worths[b]).then(b.cmp(&a)));
+        let choice = best.filter(|&best| looks[best].gain > 0.0).map(|best| Choice {
+            view: open[best],
+            score: worths[best],
+            local_share: 0.0,
+            flow_share: 0.0,
+            runner_up: None,
+        });
+        Plan { choice, ..Plan::default() }
+    }
+}
+
+/// Adds to the views of largest gain what the best other view shows besides; all others are worth nothing.
+fn add_partners(worths: &mut [f64], looks: &[Look], n_items: usize) {
+    let mut order: Vec<usize> = (0..looks.len()).collect();
+    order.sort_by(|&a, &b| looks[b].gain.total_cmp(&looks[a].gain).then(a.cmp(&b)));
+    order.truncate(N_FIRST);
+    worths.fill(0.0);
+    for first in order {
+        let mut shown = vec![0.0; n_items];
+        looks[first].shows.iter().for_each(|&(item, p)| shown[item as usize] = p);
+        let besides = |look: &Look| -> f64 {
+            look.shows.iter().map(|&(item, p)| (p - shown[item as usize]).max(0.0) as f64).sum()
+        };
+        worths[first] = looks[first].gain + looks.par_iter().map(besides).reduce(|| 0.0, f64::max);
+    }
+}
+
+/// What is believed in a situation.
+struct Beliefs {
+    estimate: SurfaceEstimate,
+    belief: Belief,
+    /// By voxel of the estimate, the probability that a ray ends there.
+    stops: Vec<f32>,
+    /// The same as probabilities of a map, for the ray caster.
+    passes: Snapshot,
+    /// By voxel of the snapshot.
+    item_of: Vec<Option<u32>>,
+}
+
+/// What a view shows.
+struct Look {
+    gain: f64,
+    /// Voxels of the estimate with the probability that they are shown.
+    shows: Vec<(u32, f32)>,
+}
+
+impl Beliefs {
+    fn new(belief: Belief, prior: &SurfacePrior, snapshot: &Snapshot) -> Self {
+        let estimate = prior.estimate(snapshot);
+        let mut item_of = vec![None; snapshot.occupancy().len()];
+        estimate.voxels().iter().enumerate().for_each(|(i, &voxel)| item_of[voxel as usize] = Some(i as u32));
+        let learned: Vec<f32> = (0..estimate.len()).map(|i| estimate.stops(i)).collect();
+        let stops = match belief {
+            Belief::Learned => learned,
+            Belief::LearnedField(coupling) => mean_field(snapshot, &estimate, &item_of, &learned, coupling),
+            Belief::Field(coupling) => {
+                mean_field(snapshot, &estimate, &item_of, &vec![0.5; learned.len()], 2.0 * coupling)
+            }
+        };
+        let block = snapshot.block();
+        let passes = Snapshot::from_fn(snapshot.lattice(), block, |key| {
+            let voxel = block.index(key)?;
+            let p = match (item_of[voxel], snapshot.occupancy()[voxel]) {
+                (Some(item), _) => stops[item as usize].clamp(1e-3, 0.999),
+                (None, Occupancy::Occupied) => 0.999,
+                (None, _) => 1e-4,
+            };
+            Some(LogOdds(logit(p)))
+        });
+        Self { estimate, belief, stops, passes, item_of }
+    }
+
+    fn look(&self, caster: &RayCaster<'_>, pose: &Pose, counts: Counts) -> Look {
+        let (mut best, mut seen, mut gain) = (vec![0.0_f32; self.estimate.len()], Vec::new(), 0.0);
+        caster.cast(pose, |ray| {
+            let last = if let RayEnd::Occupied(last) = ray.end { Some(last) } else { None };
+            for crossing in ray.crossings.iter().copied().chain(last) {
+                let Some(item) = self.item_of[crossing.voxel as usize] else { continue };
+                let best = &mut best[item as usize];
+                if *best == 0.0 {
+                    seen.push(item);
+                }
+                *best = best.max(crossing.visibility);
+                if let Counts::OncePerRay = counts {
+                    gain += self.shows(item, crossing.visibility, pose) as f64;
+                }
+            }
+        });
+        let shows: Vec<(u32, f32)> =
+            seen.into_iter().map(|item| (item, self.shows(item, best[item as usize], pose))).collect();
+        if let Counts::OncePerView = counts {
+            gain = shows.iter().map(|(_, p)| *p as f64).sum();
+        }
+        Look { gain, shows }
+    }
+
+    fn shows(&self, item: u32, visibility: f32, pose: &Pose) -> f32 {
+        let i = item as usize;
+        if let Belief::Field(_) = self.belief {
+            return visibility * self.stops[i];
+        }
+        let (lattice, block) = (self.passes.lattice(), self.passes.block());
+        let center = lattice.center(block.key(self.estimate.voxels()[i] as usize));
+        let toward = (pose.translation() - center).as_vec3().normalize();
+        self.estimate.shows(i, Sighting::new(visibility, toward.dot(self.estimate.normal(i))))
+    }
+}
+
+/// The mean-field solution of a Markov random field over unknown voxels, six neighbours each: the log-odds of a voxel are
+/// those it has by itself, plus the coupling times how much more its neighbours are believed to be solid than they are by
+/// themselves. Occupied neighbours are solid for sure, free ones are not; by themselves both would be as likely as this voxel.
+fn mean_field(
+    snapshot: &Snapshot,
+    estimate: &SurfaceEstimate,
+    item_of: &[Option<u32>],
+    alone: &[f32],
+    coupling: f32,
+) -> Vec<f32> {
+    let block = snapshot.block();
+    let mut belief = alone.to_vec();
+    for _ in 0..N_ROUNDS {
+        let update = |(i, &voxel): (usize, &u32)| {
+            let key = block.key(voxel as usize);
+            let excess = |step: IVec3| match block.index(key + step) {
+                None => 0.0,
+                Some(other) => match (item_of[other], snapshot.occupancy()[other]) {
+                    (Some(other), _) => belief[other as usize] - alone[other as usize],
+                    (None, Occupancy::Occupied) => 1.0 - alone[i],
+                    (None, _) => -alone[i],
+                },
+            };
+            let steps = [IVec3::X, IVec3::Y, IVec3::Z];
+            let sum: f32 = steps.into_iter().flat_map(|step| [excess(step), excess(-step)]).sum();
+            1.0 / (1.0 + (-(logit(alone[i].clamp(1e-4, 0.9999)) + coupling * sum)).exp())
+        };
+        belief = estimate.voxels().par_iter().enumerate().map(update).collect();
+    }
+    belief
+}
+
+fn logit(p: f32) -> f32 {
+    (p / (1.0 - p)).ln()
+}
