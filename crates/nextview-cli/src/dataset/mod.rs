@@ -103,4 +103,25 @@ mod tests {
             eprintln!("SKIPPED {name}: {} of 100 grids come out otherwise on this machine", 100 - n_compared);
         }
     }
+
+    /// On objects of another seed than it learned from.
+    #[test]
+    fn the_network_names_better_views_than_chance() {
+        let samples = samples(0..20, 1, || ()).unwrap();
+        let network = Network::default();
+        let (mut named, mut mean) = (0.0, 0.0);
+        for sample in &samples {
+            let logits = network.logits(&Grid::from_bytes(&sample.grid).unwrap());
+            let view = (0..logits.len()).max_by(|&a, &b| logits[a].total_cmp(&logits[b])).unwrap();
+            let best = f64::from(*sample.gains.iter().max().unwrap());
+            named += f64::from(sample.gains[view]) / best;
+            mean +=
+                sample.gains.iter().map(|&gain| f64::from(gain)).sum::<f64>() / best / logits.len() as f64;
+        }
+        let (named, mean) = (named / samples.len() as f64, mean / samples.len() as f64);
+        assert!(
+            samples.len() > 100 && named > 0.65 && mean < 0.5,
+            "{named} of the best gain, by chance {mean}"
+        );
+    }
 }
