@@ -5,6 +5,7 @@
 
 mod bench;
 pub mod commands;
+mod dataset;
 mod failure;
 mod files;
 pub mod report;

@@ -74,7 +74,10 @@ impl Spec {
         }
         let tables = spec.variant.iter_mut().flat_map(|variant| [&mut variant.scan, &mut variant.sweep]);
         for table in std::iter::once(&mut spec.scan).chain(tables) {
-            table.get_mut("view_space").map_or(Ok(()), |value| resolve_views(value, folder))?;
+            let is_file = |name: &str| ViewSpaceName(name.to_owned()).rule().is_none();
+            table.get_mut("view_space").map_or(Ok(()), |value| resolve(value, folder, is_file))?;
+            let weights = table.get_mut("nbv_net").and_then(|value| value.get_mut("weights"));
+            weights.map_or(Ok(()), |value| resolve(value, folder, |_| true))?;
         }
         Ok(spec)
     }
@@ -100,11 +103,15 @@ fn resolved(
     Ok(lists.concat())
 }
 
-/// Makes whole the paths of view files, of which a sweep has several.
-fn resolve_views(value: &mut toml::Value, folder: &Path) -> Result<(), Failure> {
+/// Makes whole the paths of files, of which a sweep has several.
+fn resolve(
+    value: &mut toml::Value,
+    folder: &Path,
+    is_file: impl Fn(&str) -> bool + Copy,
+) -> Result<(), Failure> {
     match value {
-        toml::Value::Array(values) => values.iter_mut().try_for_each(|value| resolve_views(value, folder)),
-        toml::Value::String(name) if ViewSpaceName(name.clone()).rule().is_none() => {
+        toml::Value::Array(values) => values.iter_mut().try_for_each(|value| resolve(value, folder, is_file)),
+        toml::Value::String(name) if is_file(name) => {
             *name = whole_path(&folder.join(&*name))?;
             Ok(())
         }

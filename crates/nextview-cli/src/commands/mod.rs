@@ -3,6 +3,7 @@
 mod batch;
 mod bench;
 mod compare;
+mod dataset;
 mod map;
 mod plan;
 mod report;
@@ -21,7 +22,7 @@ use clap::{Parser, Subcommand};
 /// `nextview scan` scans a simulated object from the first view to the last and writes the map, the cloud, the mesh
 /// and a report. `nextview bench` scans many objects with many planners, `nextview report` and `nextview compare` tell
 /// what came of it. `nextview plan` gives the next view, or the next few, for a map that you have, `nextview map` looks into maps, `nextview
-/// views` makes the poses to choose from.
+/// views` makes the poses to choose from, `nextview dataset` examples for learned planners.
 #[derive(Debug, Parser)]
 #[command(name = "nextview", version, max_term_width = 100, after_help = EXAMPLES)]
 pub struct Cli {
@@ -42,6 +43,7 @@ Examples:
   nextview map info map.ot                   what a map knows
   nextview views > views.csv                 poses to choose from
   nextview plan --map map.ot --views views.csv
+  nextview dataset nbv-net --out nbv-data    examples for NBV-Net to learn from
 
 Conventions: metres, world frame right-handed with z up, camera frame x right, y down, z forward.
 Data goes to stdout, messages to stderr.
@@ -57,6 +59,8 @@ enum Command {
     Views(views::ViewsArgs),
     #[command(subcommand)]
     Map(map::MapCommand),
+    #[command(subcommand)]
+    Dataset(dataset::DatasetCommand),
 }
 
 impl Cli {
@@ -72,6 +76,7 @@ impl Cli {
             Command::Plan(args) => args.run(),
             Command::Views(args) => args.run(),
             Command::Map(command) => command.run(),
+            Command::Dataset(command) => command.run(),
             Command::Report(args) => args.run(),
             Command::Compare(args) => args.run(),
         }

@@ -1,10 +1,10 @@
 use super::batch::BatchAnswer;
 use super::{map, values};
-use crate::scan::{PlannerConfigs, PlannerName};
+use crate::scan::{NbvNetConfig, PlannerConfigs, PlannerName};
 use crate::{Failure, files, stdout};
 use clap::Args;
 use nextview::geometry::Aabb;
-use nextview::map::{OccupancyMap, SensorModel};
+use nextview::map::{Occupancy, OccupancyMap, SensorModel, Snapshot};
 use nextview::planner::{Batch, BatchConfig, GreedyConfig, MaxFlowConfig, MostSurfaceConfig, Situation};
 use nextview::sensor::Intrinsics;
 use nextview::session::SessionConfig;
@@ -110,6 +110,7 @@ impl PlanArgs {
                 n_views: self.batch.map_or(default.n_views, |n| n as usize),
                 ..default
             },
+            nbv_net: NbvNetConfig::default(),
         }
     }
 
@@ -120,6 +121,9 @@ impl PlanArgs {
     }
 
     fn next(&self, situation: &Situation<'_>) -> Result<String, Failure> {
+        if self.planner == PlannerName::NbvNet {
+            check_shows_object(situation.snapshot)?;
+        }
         let plan = self.planner.without_truth(self.configs(), self.seed)?.plan(situation);
         let views = situation.views;
         let pose = plan.choice.map(|choice| views.pose(choice.view));
@@ -144,6 +148,18 @@ impl PlanArgs {
         })?;
         Ok(Aabb::cube(bounds.center(), 0.55 * bounds.longest_side() + 2.0 * lattice.voxel_size()))
     }
+}
+
+/// Fails if the box, which is NBV-Net's grid, shows nothing of an object: the network would name a view all the same.
+fn check_shows_object(snapshot: &Snapshot) -> Result<(), Failure> {
+    if snapshot.count(Occupancy::Occupied) > 0 {
+        return Ok(());
+    }
+    let bounds = snapshot.lattice().bounds(&snapshot.block());
+    let place = format!("from {:.3} to {:.3} m", bounds.min, bounds.max);
+    let failure =
+        Failure::data(format!("the object is outside NBV-Net's grid: no occupied voxel in the box {place}"));
+    Err(failure.with_hint("pass the cube it lies in as --box cx,cy,cz,half"))
 }
 
 impl Answer {

@@ -1,5 +1,5 @@
 use super::noise::NoiseConfig;
-use super::{PlannerConfigs, PlannerName};
+use super::{NbvNetConfig, PlannerConfigs, PlannerName};
 use crate::Failure;
 use crate::commands::Rule;
 use clap::ValueEnum;
@@ -76,6 +76,9 @@ pub(crate) struct ScanConfig {
     /// Campaigns before there were batches do not tell.
     #[serde(default)]
     pub batch: BatchConfig,
+    /// Campaigns before there was NBV-Net do not tell.
+    #[serde(default)]
+    pub nbv_net: NbvNetConfig,
     pub stop: StopConfig,
     pub camera: Intrinsics,
     #[serde(default)]
@@ -238,6 +241,7 @@ impl ScanConfig {
             max_flow: MaxFlowConfig::default(),
             greedy: GreedyConfig::default(),
             batch: BatchConfig::default(),
+            nbv_net: NbvNetConfig::default(),
             most_surface: MostSurfaceConfig::default(),
             stop: StopConfig::default(),
             camera: Intrinsics::d435i(),
@@ -309,6 +313,7 @@ impl ScanConfig {
             max_flow: neutral.max_flow,
             greedy: neutral.greedy,
             batch: neutral.batch,
+            nbv_net: neutral.nbv_net,
             most_surface: neutral.most_surface,
             stop: neutral.stop,
             multi_resolution: neutral.multi_resolution,
@@ -324,6 +329,7 @@ impl ScanConfig {
             max_flow: self.max_flow,
             greedy: self.greedy,
             batch: self.batch,
+            nbv_net: self.nbv_net.clone(),
         }
     }
 
@@ -361,7 +367,7 @@ impl ScanConfig {
         Greedy::<Apora>::new(self.greedy)?; // the parameters are checked alike for every gain
         MostSurface::new(self.most_surface)?;
         Batch::new(self.batch)?;
-        Ok(())
+        self.nbv_net.weights.as_ref().map_or(Ok(()), |_| self.nbv_net.planner().map(drop))
     }
 
     /// Fails if the planner does not estimate what the scan is to stop by.
@@ -462,6 +468,7 @@ mod tests {
             ("[noise.depth]\nedge_loss = 2\n", "edge_loss is 2"),
             ("[batch]\nn_views = 0\n", "n_views is 0"),
             ("[batch]\nleast_share = 2\n", "least_share is 2"),
+            ("[nbv_net]\nweights = 'no-such-file'\n", "no-such-file: cannot be read"),
         ] {
             let error = load(text).unwrap_err();
             assert!(error.contains(".toml: ") && error.contains(expected), "{error}");

@@ -16,13 +16,13 @@ pub(crate) use config::{BoxRule, Profile, ScanConfig, TableRule, UnitName, ViewS
 pub(crate) use noise::NoiseModel;
 pub(crate) use object::short_name;
 pub(crate) use outcome::milliseconds;
-pub(crate) use planner_name::{PlannerConfigs, PlannerName};
+pub(crate) use planner_name::{NbvNetConfig, PlannerConfigs, PlannerName};
+pub(crate) use progress::Progress;
 pub(crate) use setting::{FinishedScan, Setting};
 
 use crate::files::ResultFolder;
 use crate::{Failure, stdout};
 use outcome::Outcome;
-use progress::Progress;
 use results::Results;
 use std::path::PathBuf;
 

@@ -8,10 +8,12 @@ use nextview::planner::{
     Batch, BatchConfig, Greedy, GreedyConfig, MaxFlow, MaxFlowConfig, MostSurface, MostSurfaceConfig,
     RandomViews, ViewPlanner,
 };
+use nextview_nbv_net::{NbvNet, Network};
 use nextview_sim::baseline::Clairvoyant;
 use nextview_sim::truth::TrueVisibility;
 use serde::{Deserialize, Serialize};
 use std::fmt;
+use std::path::PathBuf;
 use std::sync::Arc;
 
 /// A planner, by the name users give it.
@@ -42,6 +44,8 @@ pub(crate) enum PlannerName {
     Krainin,
     /// Shares of surface and occlusion plane, Vasquez-Gomez et al. 2014
     AreaFactor,
+    /// NBV-Net, Mendoza et al. 2020: the one of 14 views that a network has learned to name
+    NbvNet,
     /// Several views at once that together show most, and the shortest tour through them
     Batch,
     /// A random view: the baseline
@@ -50,14 +54,39 @@ pub(crate) enum PlannerName {
     Clairvoyant,
 }
 
+/// Parameters of NBV-Net.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub(crate) struct NbvNetConfig {
+    /// A safetensors file; by default the library's own weights.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub weights: Option<PathBuf>,
+}
+
 /// The parameters of all planners.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Debug, Default)]
 pub(crate) struct PlannerConfigs {
     pub most_surface: MostSurfaceConfig,
     pub max_flow: MaxFlowConfig,
     /// Of all planners that are named after a gain.
     pub greedy: GreedyConfig,
     pub batch: BatchConfig,
+    pub nbv_net: NbvNetConfig,
+}
+
+impl NbvNetConfig {
+    /// The planner; fails if the weights cannot be read.
+    pub fn planner(&self) -> Result<NbvNet, Failure> {
+        let Some(path) = &self.weights else { return Ok(NbvNet::default()) };
+        let file =
+            std::fs::read(path).map_err(|e| Failure::data(format!("cannot be read: {e}")).in_file(path))?;
+        let network = Network::from_safetensors(&file).map_err(|e| {
+            Failure::data(e)
+                .in_file(path)
+                .with_hint("training/nbv_net.py trains such weights and converts published ones")
+        })?;
+        Ok(NbvNet::new(network))
+    }
 }
 
 impl fmt::Display for PlannerName {
@@ -83,7 +112,7 @@ impl PlannerName {
 
     /// The planner, where nothing but the map is known.
     pub fn without_truth(self, configs: PlannerConfigs, seed: u64) -> Result<Box<dyn ViewPlanner>, Failure> {
-        let PlannerConfigs { most_surface, max_flow, greedy, batch } = configs;
+        let PlannerConfigs { most_surface, max_flow, greedy, batch, nbv_net } = configs;
         match self {
             Self::MostSurface => Ok(Box::new(MostSurface::new(most_surface)?)),
             Self::MaxFlow => Ok(Box::new(MaxFlow::new(max_flow)?)),
@@ -100,6 +129,7 @@ impl PlannerName {
             Self::AverageEntropy => by_gain::<AverageEntropy>(greedy),
             Self::Krainin => by_gain::<Krainin>(greedy),
             Self::AreaFactor => by_gain::<AreaFactor>(greedy),
+            Self::NbvNet => Ok(Box::new(nbv_net.planner()?)),
             Self::Batch => Ok(Box::new(Batch::new(batch)?)),
             Self::Random => Ok(Box::new(RandomViews { seed })),
             Self::Clairvoyant => Err(Failure::usage(

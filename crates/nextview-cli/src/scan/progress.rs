@@ -3,7 +3,7 @@ use indicatif::{ProgressBar, ProgressStyle};
 use std::time::Duration;
 
 /// A bar on stderr that shows how far the work is; nothing where stderr is no terminal. It disappears when dropped.
-pub(super) struct Progress(ProgressBar);
+pub(crate) struct Progress(ProgressBar);
 
 impl Progress {
     pub fn new(work: &'static str, n: usize) -> Self {

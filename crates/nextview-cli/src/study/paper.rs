@@ -18,6 +18,7 @@ pub(crate) fn method(planner: PlannerName) -> Option<&'static str> {
     match planner {
         PlannerName::Apora => Some("APORA"),
         PlannerName::Rse => Some("RSE"),
+        PlannerName::NbvNet => Some("NBV-Net"),
         PlannerName::MaxFlow => Some("Ours"),
         _ => None,
     }

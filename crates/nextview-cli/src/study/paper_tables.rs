@@ -236,7 +236,7 @@ fn method(planner: PlannerName) -> String {
 }
 
 /// Where the configuration has the parameters of planners.
-const PLANNER_KEYS: [&str; 4] = ["most_surface", "max_flow", "greedy", "batch"];
+const PLANNER_KEYS: [&str; 5] = ["most_surface", "max_flow", "greedy", "batch", "nbv_net"];
 
 /// Where it has those of this planner, if there are any.
 fn planner_key(planner: PlannerName) -> &'static str {
@@ -244,6 +244,7 @@ fn planner_key(planner: PlannerName) -> &'static str {
         PlannerName::MaxFlow | PlannerName::Local => "max_flow",
         PlannerName::MostSurface => "most_surface",
         PlannerName::Batch => "batch",
+        PlannerName::NbvNet => "nbv_net",
         _ => "greedy",
     }
 }

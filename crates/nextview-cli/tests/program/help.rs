@@ -54,6 +54,12 @@ fn of_report_and_compare() {
 }
 
 #[test]
+fn of_dataset() {
+    check(&["dataset"]);
+    check(&["dataset", "nbv-net"]);
+}
+
+#[test]
 fn names_all_built_in_objects() {
     let help = Folder::new("help-objects").ok(&["scan", "--help"]);
     let words: Vec<&str> = help.split(|c: char| !c.is_alphanumeric() && c != '-').collect();

@@ -10,6 +10,8 @@ mod campaigns;
 #[cfg(test)]
 mod common;
 #[cfg(test)]
+mod dataset;
+#[cfg(test)]
 mod determinism;
 #[cfg(test)]
 mod help;

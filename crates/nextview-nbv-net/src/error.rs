@@ -1,0 +1,68 @@
+/// What can be wrong with a file of weights.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum WeightsError {
+    /// It is no safetensors file, or a damaged one.
+    #[error("{place}: {problem}")]
+    Format {
+        /// Where: a byte offset or a part of the file.
+        place: String,
+        /// What is wrong there and what would be right.
+        problem: String,
+    },
+    /// A tensor of the network is not there.
+    #[error("there is no tensor {name}, expected {expected}")]
+    Missing {
+        /// Its name.
+        name: String,
+        /// The shape it should have.
+        expected: Shape,
+    },
+    /// A tensor that the network does not have.
+    #[error(
+        "there is a tensor {name}, expected those of NBV-Net alone: conv1 to conv3 and fc1 to fc5, weight and bias"
+    )]
+    Unknown {
+        /// Its name.
+        name: String,
+    },
+    /// A tensor has another shape.
+    #[error("the tensor {name} has the shape {found}, expected {expected}")]
+    WrongShape {
+        /// Its name.
+        name: String,
+        /// The shape in the file.
+        found: Shape,
+        /// The shape it should have.
+        expected: Shape,
+    },
+    /// A tensor's numbers are of a kind that is not read.
+    #[error("the tensor {name} is of type {found}, expected F32 or F16")]
+    WrongType {
+        /// Its name.
+        name: String,
+        /// Its type in the file.
+        found: String,
+    },
+    /// A weight is NaN or infinite.
+    #[error("number {index} (counted from 0) of the tensor {name} is {value}, expected finite numbers")]
+    NotFinite {
+        /// Name of the tensor.
+        name: String,
+        /// Which of its numbers, counted from 0.
+        index: usize,
+        /// The number.
+        value: f32,
+    },
+}
+
+/// Lengths of a tensor's axes.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Shape(pub Vec<usize>);
+
+impl std::fmt::Display for Shape {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let axes: Vec<String> = self.0.iter().map(usize::to_string).collect();
+        write!(f, "[{}]", axes.join(", "))
+    }
+}

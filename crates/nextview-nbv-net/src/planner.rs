@@ -1,0 +1,60 @@
+use crate::grid::Grid;
+use crate::network::Network;
+use crate::views::{self, N_VIEWS};
+use nextview::planner::{Choice, Plan, Situation, ViewPlanner};
+
+/// Takes the view that NBV-Net names.
+///
+/// Each of its 14 [`views`] stands for the view candidate nearest to it (of several the first), visited or not; it passes over
+/// views that stand for a visited one. So it takes 14 candidates at most, however many there are, and then none.
+#[derive(Clone, Debug, Default)]
+pub struct NbvNet {
+    network: Network,
+}
+
+impl NbvNet {
+    /// A planner with weights of your own.
+    pub fn new(network: Network) -> Self {
+        Self { network }
+    }
+}
+
+impl ViewPlanner for NbvNet {
+    fn plan(&self, situation: &Situation<'_>) -> Plan {
+        let stand_ins = stand_ins(situation);
+        let logits = self.network.logits(&Grid::new(situation.snapshot));
+        let mut ranked: Vec<usize> = (0..N_VIEWS).collect();
+        ranked.sort_by(|&a, &b| logits[b].total_cmp(&logits[a]).then(a.cmp(&b)));
+        let probability = probabilities(&logits);
+        let is_open = |candidate: &usize| !situation.visited.contains(candidate);
+        let mut open = ranked.iter().filter_map(|&view| Some((stand_ins[view].filter(is_open)?, view)));
+        let choice = open.next().map(|(candidate, view)| Choice {
+            view: candidate,
+            score: probability[view],
+            local_share: 0.0,
+            flow_share: 0.0,
+            runner_up: open.map(|(other, _)| other).find(|&other| other != candidate),
+        });
+        Plan { choice, ..Plan::default() }
+    }
+}
+
+/// The candidate within reach that is nearest to each view; none if there is no candidate within reach.
+fn stand_ins(situation: &Situation<'_>) -> [Option<usize>; N_VIEWS] {
+    let Situation { snapshot, views, .. } = situation;
+    let bounds = snapshot.lattice().bounds(&snapshot.block());
+    views::positions(&bounds).map(|position| {
+        let candidates = (0..views.len()).filter(|&view| views.is_within_reach(view));
+        let distances =
+            candidates.map(|view| (views.pose(view).translation().distance_squared(position), view));
+        distances.min_by(|(a, _), (b, _)| a.total_cmp(b)).map(|(_, view)| view)
+    })
+}
+
+/// What the network holds each view's chance to be the best one for.
+fn probabilities(logits: &[f32; N_VIEWS]) -> [f64; N_VIEWS] {
+    let largest = logits.iter().fold(f32::NEG_INFINITY, |a, &b| a.max(b));
+    let odds = logits.map(|logit| f64::from(logit - largest).exp());
+    let total: f64 = odds.iter().sum();
+    odds.map(|odds| odds / total)
+}
