@@ -62,8 +62,7 @@ pub(super) struct ScanArgs {
     /// Standard deviation of the rotation that each image claims, about each axis, in degrees [default: 0]
     #[arg(long, value_name = "DEG", value_parser = values::not_negative, allow_negative_numbers = true)]
     pose_error_deg: Option<f64>,
-    /// Whether each image is aligned to what was measured before, which corrects wrong poses [default: off, for simulated
-    /// poses are right unless they are made wrong]
+    /// Whether each image is aligned to what was measured before, which corrects wrong poses [default: off]
     #[arg(long, value_enum, value_name = "on|off", hide_possible_values = true)]
     register: Option<Switch>,
     /// Least share, 0 to 1, of known surface in what the next view shows, so that its image can be aligned [default: 0]

@@ -72,3 +72,70 @@ impl NormalEquations {
 fn dot(a: &[f64; 6], b: &[f64; 6]) -> f64 {
     a.iter().zip(b).map(|(x, y)| x * y).sum()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geometry::random::Random;
+
+    /// Points of a surface through which planes with these normals go, moved from there.
+    fn pairs(motion: &Pose, point_and_normal: impl Fn(&mut Random) -> (DVec3, DVec3)) -> Vec<Pair> {
+        let mut random = Random::new(1, 0);
+        let mut pair = || {
+            let (known, normal) = point_and_normal(&mut random);
+            Pair { point: motion.transform_point(known), known, normal }
+        };
+        (0..200).map(|_| pair()).collect()
+    }
+
+    fn motion(size: f64) -> Pose {
+        let turn = DQuat::from_scaled_axis(size * DVec3::new(1.0, -2.0, 3.0));
+        Pose::new(turn, size * DVec3::new(0.3, 0.2, -0.1)).unwrap()
+    }
+
+    #[test]
+    fn a_small_motion_is_undone_but_for_its_square() {
+        for size in [1e-3, 1e-4] {
+            let pairs = pairs(&motion(size), |random| {
+                (DVec3::new(3.0, 1.0, 2.0) + random.in_cube(), random.in_cube().normalize())
+            });
+            let equations = NormalEquations::new(&pairs, 1.0).unwrap();
+            let (step, moved) = equations.step();
+            let rest = step * motion(size);
+            let error = rest.transform_point(DVec3::new(3.0, 1.0, 2.0)).distance(DVec3::new(3.0, 1.0, 2.0));
+            assert!(error < 30.0 * size * size && moved > size, "{error}");
+            assert!(equations.stiffness() > 0.1, "{equations:?}");
+        }
+    }
+
+    #[test]
+    fn what_slides_has_no_stiffness_and_is_not_moved_along() {
+        let plane = |random: &mut Random| (random.in_cube().with_z(0.0), DVec3::Z);
+        let ball = |random: &mut Random| {
+            let normal = random.in_cube().normalize();
+            (normal + DVec3::X, normal)
+        };
+        let of_plane = NormalEquations::new(&pairs(&motion(1e-3), plane), 1.0).unwrap();
+        let of_ball = NormalEquations::new(&pairs(&motion(1e-3), ball), 1.0).unwrap();
+        assert!(of_plane.stiffness() < 1e-12 && of_ball.stiffness() < 1e-4, "{of_ball:?}");
+        let shift = of_plane.step().0.translation();
+        assert!(shift.truncate().length() < 1e-4, "up and down alone: {shift}");
+    }
+
+    #[test]
+    fn nothing_and_a_single_point_are_no_problem() {
+        assert!(NormalEquations::new(&[], 1.0).is_none());
+        let lone = pairs(&Pose::IDENTITY, |_| (DVec3::X, DVec3::Z));
+        assert!(NormalEquations::new(&lone, 1.0).is_none());
+    }
+
+    #[test]
+    fn large_residuals_count_less() {
+        let near = pairs(&motion(1e-4), |random| (random.in_cube(), random.in_cube().normalize()));
+        let mut all = near.clone();
+        all.extend(near.iter().take(40).map(|pair| Pair { known: pair.known + DVec3::Y, ..*pair }));
+        let step = |pairs: &[Pair], scale| NormalEquations::new(pairs, scale).unwrap().step().0.translation();
+        let expected = step(&near, 0.01);
+        assert!(step(&all, 0.01).distance(expected) < 1e-4 && step(&all, 1e3).distance(expected) > 1e-2);
+    }
+}
