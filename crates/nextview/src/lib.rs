@@ -3,9 +3,8 @@
 //!
 //! Start with [`session::Session`]: it takes depth frames and gives camera poses. The modules are layers, and each
 //! imports only from those before it: [`geometry`], [`flow`] -> [`sensor`] -> [`map`] -> [`view`], [`model`], [`prior`],
-//! [`registration`] ->
-//! [`visibility`] -> [`gain`] -> [`planner`] -> [`session`]. Afterwards, [`model`] makes a surface of the frames. The
-//! library computes: it opens no file, prints nothing, reads no clock and holds no global state.
+//! [`registration`] -> [`visibility`] -> [`gain`] -> [`planner`] -> [`session`]. Afterwards, [`model`] makes a surface of
+//! the frames. The library computes: it opens no file, prints nothing, reads no clock and holds no global state.
 #![doc = include_str!("../../../docs/conventions.md")]
 
 mod error;

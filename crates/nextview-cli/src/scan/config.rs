@@ -479,7 +479,7 @@ mod tests {
             ("[registration]\nspacing_mm = 0\n", "spacing_mm is 0"),
             ("[registration]\nposition_uncertainty_mm = -1\n", "position_uncertainty_mm is -1"),
             ("[registration]\nrotation_uncertainty_deg = 181\n", "rotation_uncertainty_deg is 181"),
-            ("[registration]\nmin_overlap = 2\n", "min_overlap is 2"),
+            ("[registration]\nmin_overlap = 2\n", "registration.min_overlap is 2"),
             ("[batch]\nn_views = 0\n", "n_views is 0"),
             ("[batch]\nleast_share = 2\n", "least_share is 2"),
         ] {

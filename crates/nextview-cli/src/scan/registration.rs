@@ -52,29 +52,22 @@ impl RegistrationConfig {
 
     /// Fails on the first value out of its range, of a registration that is off as well.
     pub fn check(&self) -> Result<(), Failure> {
-        let length = "at least 0.1 mm";
-        let lengths = [
-            ("spacing_mm", self.spacing_mm, 0.1, f64::MAX, length),
-            (
-                "position_uncertainty_mm",
-                self.position_uncertainty_mm,
-                f64::MIN_POSITIVE,
-                f64::MAX,
-                "a positive number",
-            ),
+        let positive = f64::MIN_POSITIVE..=f64::MAX;
+        let ranges = [
+            ("spacing_mm", self.spacing_mm, 0.1..=f64::MAX, "at least 0.1"),
+            ("position_uncertainty_mm", self.position_uncertainty_mm, positive, "a positive number"),
             (
                 "rotation_uncertainty_deg",
                 self.rotation_uncertainty_deg,
-                f64::MIN_POSITIVE,
-                180.0,
+                f64::MIN_POSITIVE..=180.0,
                 "above 0 and up to 180",
             ),
-            ("min_overlap", self.min_overlap, 0.0, 1.0, "0 to 1"),
-            ("min_stiffness", self.min_stiffness, 0.0, 1.0, "0 to 1"),
+            ("min_overlap", self.min_overlap, 0.0..=1.0, "0 to 1"),
+            ("min_stiffness", self.min_stiffness, 0.0..=1.0, "0 to 1"),
         ];
-        match lengths.iter().find(|(_, value, low, high, _)| !(*low..=*high).contains(value)) {
-            Some((name, value, _, _, expected)) => {
-                Err(Failure::data(format!("{name} is {value}, expected {expected}")))
+        match ranges.iter().find(|(_, value, range, _)| !range.contains(value)) {
+            Some((name, value, _, expected)) => {
+                Err(Failure::data(format!("registration.{name} is {value}, expected {expected}")))
             }
             None => Ok(()),
         }

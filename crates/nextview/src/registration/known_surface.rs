@@ -131,7 +131,7 @@ impl Pool {
     }
 
     fn mean(&self) -> SurfacePoint {
-        // Normals of one side are less than a right angle apart, or nearly so: their sum does not vanish.
+        // The sum does not vanish: normals of one side all have their largest part along the same axis, with the same sign.
         SurfacePoint { position: self.position / self.n, normal: self.normal.normalize() }
     }
 }
