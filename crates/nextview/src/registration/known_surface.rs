@@ -13,6 +13,27 @@ use rustc_hash::FxHashMap;
 ///
 /// Points are pooled in cells, those of different sides apart, so that the two sides of a thin wall stay two surfaces. Its
 /// state depends on the frames and their order alone, not on the number of threads.
+///
+/// ```
+/// use glam::{DQuat, DVec2, DVec3};
+/// use nextview::geometry::{Aabb, Pose};
+/// use nextview::registration::{KnownSurface, RegistrationConfig};
+/// use nextview::sensor::{DepthImage, Frame, Intrinsics};
+///
+/// // A pyramid whose tip is 0.4 m in front of the camera.
+/// let camera = Intrinsics::pinhole(160, 120, DVec2::splat(150.0), DVec2::new(79.5, 59.5)).unwrap();
+/// let ideal = |i: usize| camera.deproject(DVec2::new((i % 160) as f64, (i / 160) as f64)).unwrap();
+/// let depth = (0..160 * 120).map(|i| (0.4 / (1.0 - ideal(i).abs().max_element())) as f32).collect();
+/// let image = DepthImage::from_metres(160, 120, depth).unwrap();
+/// let frame = Frame::new(image, camera, Pose::IDENTITY, 1.0).unwrap();
+///
+/// let bounds = Aabb::cube(DVec3::new(0.0, 0.0, 0.45), 0.1);
+/// let mut known = KnownSurface::new(RegistrationConfig::default()).unwrap();
+/// known.add(&frame, bounds);
+/// let wrong = Pose::new(DQuat::from_rotation_z(0.02), DVec3::new(0.01, 0.0, -0.005)).unwrap();
+/// let found = known.register(&frame.with_pose(wrong), bounds);
+/// assert!(found.is_accepted() && found.world_from_camera.translation().length() < 1e-3);
+/// ```
 #[derive(Clone, Debug)]
 pub struct KnownSurface {
     config: RegistrationConfig,
