@@ -176,14 +176,20 @@ fn what_moves_farther_than_poses_can_be_wrong_is_refused() {
     assert!(known.register(&frames[0], bounds).moved < 0.001, "the right pose stays");
 }
 
+const NOISE: Noise = Noise {
+    seed: 3,
+    depth: Some(DepthNoise::d435i()),
+    pose: PoseError { translation_sigma: 0.01, rotation_sigma: 0.017 },
+    first_pose_is_right: true,
+};
+
 /// Whole scans with random views.
-fn scan(registration: Option<RegistrationConfig>, min_overlap: f64, n_threads: usize) -> Vec<Step> {
-    let noise = Noise {
-        seed: 3,
-        depth: Some(DepthNoise::d435i()),
-        pose: PoseError { translation_sigma: 0.01, rotation_sigma: 0.017 },
-        first_pose_is_right: true,
-    };
+fn scan(
+    noise: Noise,
+    registration: Option<RegistrationConfig>,
+    min_overlap: f64,
+    n_threads: usize,
+) -> Vec<Step> {
     let scene = Scene::new(nextview_sim::builtin::by_name("teapot").unwrap(), Intrinsics::d435i()).unwrap();
     let scene = scene.with_noise(noise).unwrap();
     let views: ViewSpace = generate::fibonacci_sphere(scene.center(), 4.0 * scene.size(), 60).unwrap();
@@ -215,8 +221,8 @@ fn scan(registration: Option<RegistrationConfig>, min_overlap: f64, n_threads: u
 
 #[test]
 fn registration_makes_up_for_wrong_poses() {
-    let without = scan(None, 0.5, 2);
-    let with = scan(Some(RegistrationConfig::default()), 0.5, 2);
+    let without = scan(NOISE, None, 0.5, 2);
+    let with = scan(NOISE, Some(RegistrationConfig::default()), 0.5, 2);
     assert!(without.iter().all(|step| step.report.registration.is_none()));
     assert!([&without, &with].iter().all(|steps| steps[0].misplacement < 1e-12), "the first pose is right");
     assert!(with[0].report.registration.is_none(), "the first frame has nothing to be aligned to");
@@ -233,10 +239,20 @@ fn registration_makes_up_for_wrong_poses() {
     );
 }
 
+/// A frame that fits no better elsewhere is built upon, as are those that were aligned.
+#[test]
+fn right_poses_stay_and_later_frames_overlap_with_theirs() {
+    let steps = scan(Noise::default(), Some(RegistrationConfig::default()), 0.3, 2);
+    let found = steps.iter().filter_map(|step| step.report.registration).collect::<Vec<_>>();
+    let of = |verdict| found.iter().filter(|found| found.verdict == verdict).count();
+    assert!(of(Verdict::NoBetter) >= 1 && of(Verdict::LittleOverlap) <= 1, "{found:?}");
+    assert!(steps.iter().all(|step| step.misplacement < 0.001));
+}
+
 #[test]
 fn a_scan_is_the_same_in_one_thread_and_in_many() {
     let reports = |n_threads| {
-        let steps = scan(Some(RegistrationConfig::default()), 0.3, n_threads);
+        let steps = scan(NOISE, Some(RegistrationConfig::default()), 0.3, n_threads);
         steps.into_iter().map(|step| step.report).collect::<Vec<_>>()
     };
     assert_eq!(reports(1), reports(3));

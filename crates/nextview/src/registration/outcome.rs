@@ -39,7 +39,7 @@ pub enum Verdict {
     Sliding,
     /// No: it moves or turns the camera farther than the given pose may be wrong.
     TooFar,
-    /// No: the frame fits no better than in the given pose.
+    /// No: the frame fits no better than in the given pose, which is right.
     NoBetter,
 }
 
@@ -47,5 +47,10 @@ impl Registration {
     /// Whether the alignment was accepted.
     pub fn is_accepted(&self) -> bool {
         self.verdict == Verdict::Aligned
+    }
+
+    /// Whether the frame in its final pose lies on the known surface: it was aligned, or fits as well as it was.
+    pub fn fits(&self) -> bool {
+        matches!(self.verdict, Verdict::Aligned | Verdict::NoBetter)
     }
 }

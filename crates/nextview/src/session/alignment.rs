@@ -20,10 +20,10 @@ impl Alignment {
         Some(known.register(frame, bounds?))
     }
 
-    /// Takes in a frame in its final pose, unless it could not be aligned: what it shows may lie anywhere.
+    /// Takes in a frame in its final pose, unless it does not fit: what it shows may lie anywhere.
     pub fn remember(&mut self, frame: &Frame, bounds: Option<Aabb>, registration: Option<Registration>) {
         if let (Some(known), Some(bounds)) = (&mut self.known, bounds)
-            && registration.is_none_or(|registration| registration.is_accepted())
+            && registration.is_none_or(|registration| registration.fits())
         {
             known.add(frame, bounds);
         }
