@@ -6,6 +6,7 @@ use crate::surface::SurfaceCoverage;
 use crate::truth::{ObjectVoxels, VoxelScore};
 use fixedbitset::FixedBitSet;
 use glam::DVec3;
+use nextview::geometry::Pose;
 use nextview::sensor::Frame;
 use nextview::session::{Decision, Session, StepReport, StopReason};
 use std::ops::ControlFlow;
@@ -16,7 +17,7 @@ use std::time::{Duration, Instant};
 pub struct Step {
     /// What the session tells.
     pub report: StepReport,
-    /// What the camera told.
+    /// What the camera told, with the pose in which the session mapped it.
     pub frame: Frame,
     /// The map in the finest voxels against the object voxels, in the block of those: object voxels outside the
     /// session's box do not count as covered, and what is occupied outside the block is not counted at all.
@@ -26,6 +27,9 @@ pub struct Step {
     pub n_seen: usize,
     /// Share, 0..=1, of the true surface with a measured point of the object within 1, 2 and 5 mm.
     pub surface_coverage: [f64; 3],
+    /// How far the points of the object are from where they are, for the pose in which the frame was mapped: root mean square
+    /// over those that a pixel measured, metres; 0 if there are none. The error of the depth is not in it.
+    pub misplacement: f64,
     /// Length of the straight path through all views so far, metres.
     pub path_length: f64,
     /// Time to decide on this view.
@@ -54,24 +58,41 @@ pub fn run(
         };
         let (capture, render_time) = timed(|| scene.camera().capture_with_truth(&next.world_from_camera));
         let capture = capture?;
-        let (report, map_time) = timed(|| session.observe(&capture.frame));
+        let claims_right_pose = scene.camera().noise().first_pose_is_right && path.end.is_none();
+        let frame = match claims_right_pose {
+            true => capture.frame.with_pose(next.world_from_camera),
+            false => capture.frame,
+        };
+        let (report, map_time) = timed(|| session.observe(&frame));
         seen.union_with(&object.seen_in(&capture.truth));
-        surface.add(&capture.of_object);
+        let mapped_from = report.world_from_camera; // registration may correct the pose that the camera claims
+        surface.add(&capture.of_object.with_pose(mapped_from));
         let goes_on = on_step(Step {
             report,
             voxels: object.compare(&session.map().snapshot(object.block())),
             n_seen: seen.count_ones(..),
+            misplacement: misplacement(&capture.truth, &mapped_from),
             surface_coverage: [0.001, 0.002, 0.005].map(|distance| surface.share_within(distance)),
             path_length: path.extend_to(next.world_from_camera.translation()),
             plan_time,
             map_time,
             render_time,
-            frame: capture.frame,
+            frame: frame.with_pose(mapped_from),
         });
         if let ControlFlow::Break(reason) = goes_on {
             return Ok(reason);
         }
     }
+}
+
+/// Root mean square distance between the points of a frame in its own pose and in another, metres.
+fn misplacement(truth: &Frame, mapped_from: &Pose) -> f64 {
+    let motion = *mapped_from * truth.world_from_camera().inverse();
+    let (mut n, mut sum) = (0, 0.0);
+    for point in (0..truth.image().height()).flat_map(|v| truth.row_ray_ends(v)).filter(|(_, hit)| *hit) {
+        (n, sum) = (n + 1, sum + motion.transform_point(point.0).distance_squared(point.0));
+    }
+    if n > 0 { (sum / n as f64).sqrt() } else { 0.0 }
 }
 
 /// The length of a path that grows.

@@ -63,7 +63,7 @@ impl Setup {
 }
 
 fn d435i(pose: PoseError) -> Noise {
-    Noise { seed: 7, depth: Some(DepthNoise::d435i()), pose }
+    Noise { seed: 7, depth: Some(DepthNoise::d435i()), pose, ..Noise::default() }
 }
 
 const POSE: PoseError = PoseError { translation_sigma: 0.002, rotation_sigma: 0.003 };

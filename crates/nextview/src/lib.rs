@@ -2,9 +2,9 @@
 //! completely in as few views as possible?
 //!
 //! Start with [`session::Session`]: it takes depth frames and gives camera poses. The modules are layers, and each
-//! imports only from those before it: [`geometry`], [`flow`] -> [`sensor`] -> [`map`] -> [`view`], [`model`], [`prior`] ->
-//! [`visibility`] -> [`gain`] -> [`planner`] -> [`session`]. Afterwards, [`model`] makes a surface of the frames. The
-//! library computes: it opens no file, prints nothing, reads no clock and holds no global state.
+//! imports only from those before it: [`geometry`], [`flow`] -> [`sensor`] -> [`map`] -> [`view`], [`model`], [`prior`],
+//! [`registration`] -> [`visibility`] -> [`gain`] -> [`planner`] -> [`session`]. Afterwards, [`model`] makes a surface of
+//! the frames. The library computes: it opens no file, prints nothing, reads no clock and holds no global state.
 #![doc = include_str!("../../../docs/conventions.md")]
 
 mod error;
@@ -15,6 +15,7 @@ pub mod map;
 pub mod model;
 pub mod planner;
 pub mod prior;
+pub mod registration;
 pub mod sensor;
 pub mod session;
 pub mod view;

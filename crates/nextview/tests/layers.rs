@@ -11,7 +11,7 @@ const LAYERS: [&[&str]; 9] = [
     &["geometry", "flow"],
     &["sensor"],
     &["map"],
-    &["view", "model", "prior"],
+    &["view", "model", "prior", "registration"],
     &["visibility"],
     &["gain"],
     &["planner"],

@@ -4,6 +4,7 @@ use super::campaign::Run;
 use super::{Host, Measures, RunRecord, RunResult, StepMeasures};
 use crate::Failure;
 use crate::scan::{Baselines, FinishedScan, ScanConfig, Setting, Truth, memory, milliseconds};
+use nextview_sim::noise::PoseError;
 use nextview_sim::run::Step;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
@@ -61,7 +62,7 @@ fn measures(setting: &Setting, scan: &FinishedScan, baselines: Option<&Baselines
         n_object_voxels: setting.object_voxels.len(),
         n_reachable: baselines.map(Baselines::n_reachable),
         stop_reason: scan.stop_reason,
-        steps: scan.steps.iter().map(|step| step_measures(step, baselines)).collect(),
+        steps: scan.steps.iter().map(|step| step_measures(step, setting, baselines)).collect(),
         random_curve: baselines.map(|b| b.random.mean.clone()),
         clairvoyant_curve: baselines.map(|b| b.clairvoyant.clone()),
         skill: baselines.and_then(|b| b.skill(&scan.steps)),
@@ -69,7 +70,8 @@ fn measures(setting: &Setting, scan: &FinishedScan, baselines: Option<&Baselines
     }
 }
 
-fn step_measures(step: &Step, baselines: Option<&Baselines>) -> StepMeasures {
+fn step_measures(step: &Step, setting: &Setting, baselines: Option<&Baselines>) -> StepMeasures {
+    let is_pose_wrong = setting.scene.camera().noise().pose != PoseError::default();
     let [surface_1mm, surface_2mm, surface_5mm] = step.surface_coverage;
     StepMeasures {
         view: step.report.view,
@@ -82,6 +84,9 @@ fn step_measures(step: &Step, baselines: Option<&Baselines>) -> StepMeasures {
         surface_1mm,
         surface_2mm,
         surface_5mm,
+        misplaced_mm: is_pose_wrong.then_some(1e3 * step.misplacement),
+        registration: step.report.registration.map(|found| found.verdict),
+        overlap: step.report.registration.map(|found| found.overlap),
         entropy_nats: step.report.map.entropy,
         entropy_share: step.report.map.entropy_share,
         path_length_m: step.path_length,

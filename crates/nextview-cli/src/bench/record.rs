@@ -1,6 +1,7 @@
 //! What is kept of a run of a campaign: a line of `runs.jsonl`.
 
 use crate::scan::ScanConfig;
+use nextview::registration::Verdict;
 use nextview::session::StopReason;
 use serde::{Deserialize, Serialize};
 
@@ -91,6 +92,15 @@ pub(crate) struct StepMeasures {
     pub surface_1mm: f64,
     pub surface_2mm: f64,
     pub surface_5mm: f64,
+    /// How far the image's points are from where they are, for its pose: root mean square; none where poses are right, and in
+    /// campaigns of old.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub misplaced_mm: Option<f64>,
+    /// What came of aligning the image, and the share of its points on the known surface; none without registration.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub registration: Option<Verdict>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub overlap: Option<f64>,
     /// Entropy in the box at the finest voxel size.
     pub entropy_nats: f64,
     /// The same over that of an unknown box.

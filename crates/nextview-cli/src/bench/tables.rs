@@ -11,7 +11,7 @@ use toml::Value;
 
 /// Writes every table as CSV and as Parquet.
 pub(super) fn write(dir: &Path, records: &[RunRecord]) -> Result<(), Failure> {
-    let tables = [("runs", runs(records)?), ("steps", steps(records)), ("times", times(records))];
+    let tables = [("runs", runs(records)?), ("steps", steps(records)?), ("times", times(records))];
     for (name, table) in tables {
         files::write(&dir.join(format!("{name}.csv")), |w| table.write_csv(w))?;
         files::write(&dir.join(format!("{name}.parquet")), |w| table.write_parquet(w))?;
@@ -42,12 +42,14 @@ fn runs(records: &[RunRecord]) -> Result<Table, Failure> {
 }
 
 /// A row per view of every run that is done.
-fn steps(records: &[RunRecord]) -> Table {
+fn steps(records: &[RunRecord]) -> Result<Table, Failure> {
     let mut table = step_identity(records);
     table.count("view", all_steps(records).map(|(.., step)| step.view));
     table.float("voxel_size_m", all_steps(records).map(|(.., step)| step.voxel_size_m));
     step_columns(&mut table, || all_steps(records).map(|(.., step)| Some(step)));
-    table
+    let verdicts = all_steps(records).map(|(.., step)| step.registration.as_ref().map(name_of).transpose());
+    table.push("registration", Column::Text(verdicts.collect::<Result<_, _>>()?));
+    Ok(table)
 }
 
 /// The same rows with what differs from run to run of the same thing.
@@ -74,6 +76,8 @@ fn step_columns<'a, I: Iterator<Item = Option<&'a StepMeasures>>>(table: &mut Ta
     table.float("surface_1mm", steps().map(|s| Some(s?.surface_1mm)));
     table.float("surface_2mm", steps().map(|s| Some(s?.surface_2mm)));
     table.float("surface_5mm", steps().map(|s| Some(s?.surface_5mm)));
+    table.float("misplaced_mm", steps().map(|s| s?.misplaced_mm));
+    table.float("overlap", steps().map(|s| s?.overlap));
     table.float("entropy_nats", steps().map(|s| Some(s?.entropy_nats)));
     table.float("entropy_share", steps().map(|s| Some(s?.entropy_share)));
     table.float("path_length_m", steps().map(|s| Some(s?.path_length_m)));

@@ -62,6 +62,12 @@ pub(super) struct ScanArgs {
     /// Standard deviation of the rotation that each image claims, about each axis, in degrees [default: 0]
     #[arg(long, value_name = "DEG", value_parser = values::not_negative, allow_negative_numbers = true)]
     pose_error_deg: Option<f64>,
+    /// Whether each image is aligned to what was measured before, which corrects wrong poses [default: off]
+    #[arg(long, value_enum, value_name = "on|off", hide_possible_values = true)]
+    register: Option<Switch>,
+    /// Least share, 0 to 1, of known surface in what the next view shows, so that its image can be aligned [default: 0]
+    #[arg(long, value_name = "SHARE", value_parser = values::share, allow_negative_numbers = true)]
+    min_overlap: Option<f64>,
     /// Where candidates are: shell (the paper's), sphere, hemisphere, or a CSV file of poses [default: shell]
     #[arg(long, value_name = "RULE|FILE")]
     view_space: Option<String>,
@@ -129,6 +135,8 @@ impl ScanArgs {
         set(&mut config.noise.model, self.noise);
         set(&mut config.noise.pose_error_mm, self.pose_error_mm);
         set(&mut config.noise.pose_error_deg, self.pose_error_deg);
+        set(&mut config.registration.enabled, self.register.map(|switch| switch == Switch::On));
+        config.min_overlap = self.min_overlap.or(config.min_overlap);
         set(&mut config.baselines, self.baselines.map(|switch| switch == Switch::On));
         config.noise.check()?;
         config.stop.completeness = self.complete.or(config.stop.completeness);

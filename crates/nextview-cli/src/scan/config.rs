@@ -1,4 +1,5 @@
 use super::noise::NoiseConfig;
+use super::registration::RegistrationConfig;
 use super::{NbvNetConfig, PlannerConfigs, PlannerName};
 use crate::Failure;
 use crate::commands::Rule;
@@ -60,6 +61,9 @@ pub(crate) struct ScanConfig {
     /// Length that the object's longest side is scaled to.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub size_m: Option<f64>,
+    /// Least overlap of the next view with what is known.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub min_overlap: Option<f64>,
     /// Whether to compute the random and clairvoyant curves.
     pub baselines: bool,
     /// Most memory that the planning box may need.
@@ -67,6 +71,9 @@ pub(crate) struct ScanConfig {
     pub map: MapConfig,
     pub multi_resolution: MultiResolutionConfig,
     pub object_box: ObjectBoxConfig,
+    /// Campaigns before there was registration do not tell.
+    #[serde(default, skip_serializing_if = "RegistrationConfig::is_default")]
+    pub registration: RegistrationConfig,
     /// Campaigns before there was this planner do not tell.
     #[serde(default)]
     pub most_surface: MostSurfaceConfig,
@@ -233,11 +240,13 @@ impl ScanConfig {
             view_seed: None,
             unit: UnitName::Auto,
             size_m: None,
+            min_overlap: None,
             baselines: true,
             memory_limit_mb: 4096,
             map: MapConfig::default(),
             multi_resolution: MultiResolutionConfig::default(),
             object_box: ObjectBoxConfig::default(),
+            registration: RegistrationConfig::default(),
             max_flow: MaxFlowConfig::default(),
             greedy: GreedyConfig::default(),
             batch: BatchConfig::default(),
@@ -308,6 +317,7 @@ impl ScanConfig {
             first_view: 0,
             seed: neutral.seed,
             view_seed: Some(self.view_seed()),
+            min_overlap: None,
             baselines: self.needs_truth(),
             map: neutral.map,
             max_flow: neutral.max_flow,
@@ -317,6 +327,7 @@ impl ScanConfig {
             most_surface: neutral.most_surface,
             stop: neutral.stop,
             multi_resolution: neutral.multi_resolution,
+            registration: neutral.registration,
             object_box: ObjectBoxConfig { rule: neutral.object_box.rule, ..self.object_box },
             ..self.clone()
         }
@@ -363,6 +374,10 @@ impl ScanConfig {
         }
         self.map.sensor_model.check()?;
         self.noise.check()?;
+        self.registration.check()?;
+        if let Some(share) = self.min_overlap.filter(|share| !(0.0..=1.0).contains(share)) {
+            return Err(Failure::data(format!("min_overlap is {share}, expected a number in 0..=1")));
+        }
         MaxFlow::new(self.max_flow)?;
         Greedy::<Apora>::new(self.greedy)?; // the parameters are checked alike for every gain
         MostSurface::new(self.most_surface)?;
@@ -466,6 +481,11 @@ mod tests {
             ("[greedy]\ntheta = -1\n", "theta is -1"),
             ("[noise]\npose_error_mm = -1\n", "pose_error_mm is -1, expected 0 to 1000"),
             ("[noise.depth]\nedge_loss = 2\n", "edge_loss is 2"),
+            ("min_overlap = 2\n", "min_overlap is 2"),
+            ("[registration]\nspacing_mm = 0\n", "spacing_mm is 0"),
+            ("[registration]\nposition_uncertainty_mm = -1\n", "position_uncertainty_mm is -1"),
+            ("[registration]\nrotation_uncertainty_deg = 181\n", "rotation_uncertainty_deg is 181"),
+            ("[registration]\nmin_overlap = 2\n", "registration.min_overlap is 2"),
             ("[batch]\nn_views = 0\n", "n_views is 0"),
             ("[batch]\nleast_share = 2\n", "least_share is 2"),
             ("[nbv_net]\nweights = 'no-such-file'\n", "no-such-file: cannot be read"),

@@ -8,6 +8,7 @@ mod object;
 mod outcome;
 mod planner_name;
 mod progress;
+mod registration;
 mod results;
 mod setting;
 

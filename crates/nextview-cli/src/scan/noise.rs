@@ -13,6 +13,9 @@ pub(crate) struct NoiseConfig {
     pub pose_error_mm: f64,
     /// Standard deviation about each axis of the rotation that a frame claims.
     pub pose_error_deg: f64,
+    /// Whether the first frame claims the right pose all the same, so that all errors are relative to it.
+    #[serde(skip_serializing_if = "std::ops::Not::not")]
+    pub first_pose_is_right: bool,
     /// Of the model, unless it is none.
     pub depth: DepthNoise,
 }
@@ -33,12 +36,18 @@ impl NoiseConfig {
     pub fn noise(&self) -> Noise {
         Noise {
             seed: self.seed,
+            first_pose_is_right: self.first_pose_is_right,
             depth: (self.model != NoiseModel::None).then_some(self.depth),
             pose: PoseError {
                 translation_sigma: self.pose_error_mm / 1e3,
                 rotation_sigma: self.pose_error_deg.to_radians(),
             },
         }
+    }
+
+    /// Whether frames claim wrong poses.
+    pub fn is_pose_wrong(&self) -> bool {
+        self.pose_error_mm > 0.0 || self.pose_error_deg > 0.0
     }
 
     /// Fails on the first parameter out of its range, of a model that is off as well.

@@ -1,6 +1,7 @@
 //! The files of a finished scan.
 
 use super::outcome::{Outcome, milliseconds, stop_phrase};
+use super::registration::RegistrationLine;
 use super::{FinishedScan, ScanConfig};
 use crate::Failure;
 use crate::files::ResultFolder;
@@ -39,7 +40,9 @@ impl Results<'_> {
     fn write_steps(&self, mut writer: impl Write) -> Result<(), Failure> {
         for (i, step) in self.scan.steps.iter().enumerate() {
             let line = StepLine {
-                report: &step.report,
+                report: StepReport { registration: None, ..step.report },
+                registration: step.report.registration.map(RegistrationLine::from),
+                misplaced_mm: self.config.noise.is_pose_wrong().then_some(1e3 * step.misplacement),
                 voxel_coverage: step.voxels.coverage(),
                 false_voxels: step.voxels.n_false,
                 surface_coverage_1mm: step.surface_coverage[0],
@@ -137,9 +140,15 @@ impl Results<'_> {
 
 /// One line of `steps.jsonl`.
 #[derive(Serialize)]
-struct StepLine<'a> {
+struct StepLine {
+    /// Without its registration, which is told in the file's units.
     #[serde(flatten)]
-    report: &'a StepReport,
+    report: StepReport,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    registration: Option<RegistrationLine>,
+    /// Of a camera whose poses are wrong.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    misplaced_mm: Option<f64>,
     voxel_coverage: f64,
     false_voxels: usize,
     surface_coverage_1mm: f64,

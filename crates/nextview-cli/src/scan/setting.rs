@@ -2,6 +2,7 @@ use super::object::Object;
 use super::{BoxRule, ScanConfig, TableRule, Truth};
 use crate::{Failure, files};
 use nextview::geometry::{Aabb, Lattice, VoxelBlock};
+use nextview::planner::MinOverlap;
 use nextview::session::{ObjectBox, Session, SessionConfig, StopReason, Table, Views};
 use nextview::view::ViewSpace;
 use nextview_sim::run::{self, Step};
@@ -54,7 +55,10 @@ impl Setting {
     ) -> Result<FinishedScan, Failure> {
         config.check_views(self.views.len())?;
         let truth = truth.map(|truth| truth.visibility.clone());
-        let planner = config.planner.build(config.planners(), config.seed, truth)?;
+        let mut planner = config.planner.build(config.planners(), config.seed, truth)?;
+        if let Some(share) = config.min_overlap {
+            planner = Box::new(MinOverlap::new(share, planner)?);
+        }
         let session_config = session_config(config, &self.scene, self.voxel_size);
         let mut session = Session::new(session_config, config.camera, self.session_views(config), planner)?;
         let (steps, stop_reason) = self.run(&mut session, config.stop.time_s, tell)?;
@@ -122,6 +126,7 @@ fn session_config(config: &ScanConfig, scene: &Scene, voxel_size: f64) -> Sessio
         sensor_model: config.map.sensor_model,
         rays: config.map.rays,
         background: config.map.background,
+        registration: config.registration.rule(),
         stop,
         memory_limit_mb: config.memory_limit_mb,
         ..SessionConfig::new(voxel_size, known)

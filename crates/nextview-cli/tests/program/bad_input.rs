@@ -106,6 +106,8 @@ fn objects_of_the_wrong_size() {
     folder.refused(&["scan", "either.ply"], DATA, &["either.ply: ", "--unit m, --unit mm"]);
     folder.refused(&["scan", "--pose-error-mm", "2000"], USAGE, &["pose_error_mm is 2000", "0 to 1000"]);
     folder.refused(&["scan", "--pose-error-deg", "-1"], USAGE, &["--pose-error-deg", "-1 is negative"]);
+    folder.refused(&["scan", "--min-overlap", "1.5"], USAGE, &["--min-overlap", "1.5 is not in 0 to 1"]);
+    folder.refused(&["scan", "--register", "maybe"], USAGE, &["--register", "maybe"]);
     folder.refused(&["scan", "--size-m", "100"], USAGE, &["100 m", "10 m"]);
     folder.refused(&["scan", "--size-m", "1e-6"], USAGE, &["0.000001 m", "0.0001 m"]);
 }

@@ -191,6 +191,42 @@ fn planning_may_know_less_and_begin_coarser() {
 }
 
 #[test]
+fn wrong_poses_are_corrected_on_request() {
+    let folder = Folder::new("scan-register");
+    let scan = |options: &[&str]| -> Vec<Value> {
+        let args = ["--views", "3", "--baselines", "off", "--pose-error-mm", "10", "--pose-error-deg", "1"];
+        folder.ok(&small(&[&args, options].concat()));
+        folder.text("out/steps.jsonl").lines().map(|line| serde_json::from_str(line).unwrap()).collect()
+    };
+    let plain = scan(&[]);
+    assert!(plain.iter().all(|step| step.get("registration").is_none() && step["misplaced_mm"].is_f64()));
+    let config = folder.text("out/config.toml");
+    assert!(!config.contains("registration") && !config.contains("min_overlap"), "{config}");
+
+    let steps = scan(&["--register", "on", "--min-overlap", "0.5"]);
+    assert!(steps[0].get("registration").is_none(), "there is nothing to align the first image to");
+    for found in steps[1..].iter().map(|step| &step["registration"]) {
+        assert_eq!(found["accepted"] == true, found["verdict"] == "aligned", "{found}");
+        for key in
+            ["residual_before_mm", "residual_after_mm", "overlap", "moved_mm", "turned_deg", "stiffness"]
+        {
+            assert!(found[key].as_f64().is_some_and(|value| value >= 0.0), "{key}: {found}");
+        }
+    }
+    let config = folder.text("out/config.toml");
+    assert!(
+        config.contains("min_overlap = 0.5\n") && config.contains("[registration]\nenabled = true\n"),
+        "{config}"
+    );
+    let again = folder.text("out/steps.jsonl");
+    folder.ok(&["scan", "--config", "out/config.toml", "--out", "again"]);
+    let without_times = |text: &str| -> Vec<Value> {
+        text.lines().map(|line| timeless(serde_json::from_str(line).unwrap())).collect()
+    };
+    assert_eq!(without_times(&folder.text("again/steps.jsonl")), without_times(&again));
+}
+
+#[test]
 fn tells_why_it_stopped() {
     let folder = Folder::new("scan-stops");
     let nothing = folder.json(&small(&["--views", "20", "--planner", "clairvoyant", "--json"]));

@@ -31,6 +31,9 @@ pub struct Noise {
     pub depth: Option<DepthNoise>,
     /// Errors of the pose that a frame claims.
     pub pose: PoseError,
+    /// Whether the first frame of a [scan](crate::run) claims the right pose all the same: the world is then where the first
+    /// frame says it is, and the errors of all others are relative to it.
+    pub first_pose_is_right: bool,
 }
 
 /// Each use of chance in a frame has a stream of its own, so that one does not shift another.

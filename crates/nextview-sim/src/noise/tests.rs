@@ -142,7 +142,7 @@ fn the_truth_is_exact_where_something_was_read() {
 #[test]
 fn pose_errors_have_their_sigmas_and_are_of_the_frame() {
     let pose = PoseError { translation_sigma: 0.01, rotation_sigma: 0.02 };
-    let noise = Noise { seed: 5, depth: None, pose };
+    let noise = Noise { seed: 5, depth: None, pose, ..Noise::default() };
     let errors: Vec<(DVec3, DVec3)> = (0..4000)
         .map(|i| {
             let at = DVec3::new(i as f64, 0.5, -1.0);

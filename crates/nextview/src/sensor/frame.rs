@@ -32,6 +32,11 @@ impl Frame {
         Ok(Self { image, intrinsics, world_from_camera, range })
     }
 
+    /// The same frame, as if taken from here.
+    pub fn with_pose(self, world_from_camera: Pose) -> Self {
+        Self { world_from_camera, ..self }
+    }
+
     /// The depth image.
     pub fn image(&self) -> &DepthImage {
         &self.image

@@ -2,6 +2,7 @@ use super::{MultiResolution, ObjectBox, Table, Views};
 use crate::Error;
 use crate::geometry::{Aabb, Lattice, VoxelBlock};
 use crate::map::{Background, RayRule, SensorModel};
+use crate::registration::RegistrationConfig;
 use serde::{Deserialize, Serialize};
 
 /// Bytes per voxel of the box that a session and its planner hold at their peak: map, snapshot, nearest frontier
@@ -27,6 +28,8 @@ pub struct SessionConfig {
     pub rays: RayRule,
     /// What rays past the object do. Default: they carve free space.
     pub background: Background,
+    /// Whether frames are aligned to what was measured before, and how. Default: no, poses are right as given.
+    pub registration: Option<RegistrationConfig>,
     /// When to stop.
     pub stop: StopConfig,
     /// Most memory the box may need, MB. Default 4096.
@@ -104,6 +107,7 @@ impl SessionConfig {
             sensor_model: SensorModel::default(),
             rays: RayRule::default(),
             background: Background::default(),
+            registration: None,
             stop: StopConfig::default(),
             memory_limit_mb: 4096,
         }
@@ -123,6 +127,7 @@ impl SessionConfig {
         self.multi_resolution.map_or(Ok(()), |rule| rule.check(self.voxel_size))?;
         self.sensor_model.check()?;
         self.table.check()?;
+        self.registration.map_or(Ok(()), |registration| registration.check())?;
         match self.object_box {
             ObjectBox::Known(bounds) => self.block(&bounds).map(|_| ()),
             ObjectBox::Growing => Ok(()),

@@ -1,5 +1,6 @@
 //! A scan in progress: two verbs, [`observe`](Session::observe) and [`decide`](Session::decide).
 
+mod alignment;
 mod config;
 mod course;
 mod object_box;
@@ -21,8 +22,10 @@ use crate::Error;
 use crate::geometry::{Aabb, Pose};
 use crate::map::{MapUpdate, OccupancyMap, Snapshot};
 use crate::planner::{Choice, FlowSummary, Outlook, Plan, Situation, ViewPlanner};
+use crate::registration::{KnownSurface, Registration};
 use crate::sensor::{Frame, Intrinsics};
 use crate::view::ViewSpace;
+use alignment::Alignment;
 use course::Course;
 use object_box::{Location, Locator};
 use scan_map::{MapRules, Place, ScanMap};
@@ -56,6 +59,7 @@ pub struct Session {
     planner: Box<dyn ViewPlanner>,
     locator: Locator,
     map: ScanMap,
+    alignment: Alignment,
     /// The box that was found is larger than the memory limit allows, and was not gone over to.
     is_box_too_large: bool,
     frames: Vec<Frame>,
@@ -132,6 +136,7 @@ impl Session {
         let mut session = Self {
             locator: Locator::new(&config),
             map: ScanMap::new(MapRules { voxel_size, sensor_model, rays, background }, Place::default()),
+            alignment: Alignment::new(config.registration.map(KnownSurface::new).transpose()?),
             candidates: views.candidates(&Location::default()),
             config,
             intrinsics,
@@ -149,11 +154,16 @@ impl Session {
         Ok(session)
     }
 
-    /// Writes a frame into the map, keeps it, and, if a view was decided on, counts it as taken.
+    /// Writes a frame into the map, keeps it, and, if a view was decided on, counts it as taken. With registration, all that
+    /// is done with the corrected pose.
     pub fn observe(&mut self, frame: &Frame) -> StepReport {
         let planned_in = self.map.planning_voxel_size();
-        self.frames.push(frame.clone());
+        let registration = self.alignment.register(frame, self.bounds());
+        let pose = registration.map_or(frame.world_from_camera(), |found| found.world_from_camera);
+        self.frames.push(frame.clone().with_pose(pose));
         self.locate();
+        let (bounds, frame) = (self.bounds(), self.frames.last().expect("a frame was added"));
+        self.alignment.remember(frame, bounds, registration);
         let update = self.map.integrate(frame);
         self.refine_what_is_known();
         let taken = self.decision.take().and_then(Decision::next_view);
@@ -161,7 +171,7 @@ impl Session {
         self.visited.extend(taken.and_then(|next| next.view));
         let is_planned = taken.is_some_and(|next| next.choice.is_some());
         let voxel_size = if is_planned { planned_in } else { self.map.planning_voxel_size() };
-        self.report(taken, voxel_size, update)
+        self.report(taken, voxel_size, update, registration)
     }
 
     /// Decides on the next view. Asked again before the next observation, the answer is the same.
@@ -330,13 +340,20 @@ impl Session {
         Situation { snapshot, frames, views, intrinsics, visited, history, finest_voxel_size }
     }
 
-    fn report(&self, taken: Option<NextView>, voxel_size: f64, update: MapUpdate) -> StepReport {
+    fn report(
+        &self,
+        taken: Option<NextView>,
+        voxel_size: f64,
+        update: MapUpdate,
+        registration: Option<Registration>,
+    ) -> StepReport {
         let frame = self.frames.last().expect("a report follows a frame");
         let Place { bounds, table } = self.map.place();
         StepReport {
             step: self.n_taken,
             view: taken.and_then(|next| next.view),
             world_from_camera: frame.world_from_camera(),
+            registration,
             choice: taken.and_then(|next| next.choice),
             flow: taken.and_then(|next| next.flow),
             outlook: taken.and_then(|next| next.outlook),

@@ -1,6 +1,7 @@
 use crate::geometry::{Aabb, Plane, Pose};
 use crate::map::{MapUpdate, Occupancy, Snapshot};
 use crate::planner::{Choice, FlowSummary, Outlook};
+use crate::registration::Registration;
 use serde::{Deserialize, Serialize};
 
 /// Everything worth telling about one step: the choice of a view and what looking from there changed.
@@ -10,8 +11,11 @@ pub struct StepReport {
     pub step: usize,
     /// Number of the view; none if it was no candidate: a first view without a number, or a frame that was not asked for.
     pub view: Option<usize>,
-    /// Where the camera stood.
+    /// Where the camera stood, as the map has it: with registration, the corrected pose.
     pub world_from_camera: Pose,
+    /// What came of aligning the frame; none without registration, and for the first frame that shows the object.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub registration: Option<Registration>,
     /// Why the view was chosen; none for the first.
     pub choice: Option<Choice>,
     /// The flow behind the choice, for planners that solve one.

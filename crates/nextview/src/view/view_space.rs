@@ -48,6 +48,15 @@ impl ViewSpace {
         self
     }
 
+    /// The same candidates, of which only those stay within reach that are named by number.
+    pub(crate) fn only(mut self, is_left: impl Fn(usize) -> bool) -> Self {
+        self.within_reach
+            .iter_mut()
+            .enumerate()
+            .for_each(|(view, within_reach)| *within_reach &= is_left(view));
+        self
+    }
+
     /// Whether the camera can go to candidate `view`, which must be below [`len`](Self::len).
     pub fn is_within_reach(&self, view: usize) -> bool {
         self.within_reach[view]

@@ -1,0 +1,259 @@
+//! Frames of simulated objects in wrong poses: are the right ones found, and are those refused that cannot be?
+
+#![allow(clippy::unwrap_used, reason = "helpers of tests")]
+
+use glam::{DQuat, DVec2, DVec3};
+use nextview::geometry::random::Random;
+use nextview::geometry::{Aabb, Pose};
+use nextview::planner::{MinOverlap, RandomViews, ViewPlanner};
+use nextview::registration::{KnownSurface, Registration, RegistrationConfig, Verdict};
+use nextview::sensor::{Frame, Intrinsics};
+use nextview::session::{Session, SessionConfig, StopConfig};
+use nextview::view::{ViewSpace, generate, look_at};
+use nextview_sim::camera::{Background, SimulatedCamera};
+use nextview_sim::mesh::TriangleMesh;
+use nextview_sim::noise::{DepthNoise, Noise, PoseError};
+use nextview_sim::random_object::random_object;
+use nextview_sim::run::{self, Step};
+use nextview_sim::scene::Scene;
+use nextview_sim::truth::ObjectVoxels;
+use std::ops::ControlFlow;
+
+const VOXEL_SIZE: f64 = 0.005;
+
+fn known_from(frames: &[Frame], bounds: Aabb) -> KnownSurface {
+    let mut known = KnownSurface::new(RegistrationConfig::default()).unwrap();
+    frames.iter().for_each(|frame| known.add(frame, bounds));
+    known
+}
+
+/// The frame with a pose that is off by up to so much along and about each axis, metres and radians.
+fn displaced(frame: &Frame, shift: f64, turn: f64, random: &mut Random) -> Frame {
+    let pose = frame.world_from_camera();
+    let turn = DQuat::from_scaled_axis(turn * random.in_cube());
+    let wrong = Pose::new(pose.rotation() * turn, pose.translation() + shift * random.in_cube()).unwrap();
+    frame.clone().with_pose(wrong)
+}
+
+/// How far a pose puts the places around a point from where another does, metres and radians.
+fn error(pose: &Pose, truth: &Pose, at: DVec3) -> (f64, f64) {
+    let motion = *pose * truth.inverse();
+    (motion.transform_point(at).distance(at), 2.0 * motion.rotation().xyz().length().min(1.0).asin())
+}
+
+/// A random object, 0.2 m long, in a room.
+fn scene(seed: u64, depth: Option<DepthNoise>) -> Scene {
+    let mesh = random_object(seed);
+    let mesh = mesh.scaled(0.2 / mesh.bounds().longest_side()).unwrap();
+    let scene = Scene::new(mesh, Intrinsics::d435i()).unwrap();
+    scene.with_noise(Noise { seed, depth, ..Noise::default() }).unwrap()
+}
+
+/// Looks at random objects from a dozen places all around, and again from others in poses that are wrong by centimetres and
+/// degrees. Most objects hold a frame in place, some are so round that the guard refuses.
+fn check_recovers(depth: Option<DepthNoise>) {
+    let (mut n_accepted, mut n_right, mut n_better) = (0, 0, 0);
+    for seed in 0..12 {
+        let scene = scene(seed, depth);
+        let views = generate::fibonacci_sphere(scene.center(), 4.0 * scene.size(), 15).unwrap();
+        let capture = |view: usize| scene.camera().capture(&views.pose(view)).unwrap();
+        let bounds = scene.planning_box(VOXEL_SIZE);
+        let known = known_from(&(0..12).map(capture).collect::<Vec<_>>(), bounds);
+        let mut random = Random::new(seed, 0);
+        for frame in (12..15).map(capture) {
+            let (truth, wrong) = (frame.world_from_camera(), displaced(&frame, 0.02, 0.03, &mut random));
+            let found = known.register(&wrong, bounds);
+            if !found.is_accepted() {
+                assert_eq!(found.world_from_camera, wrong.world_from_camera(), "the given pose stays");
+                continue;
+            }
+            let [before, after] = [wrong.world_from_camera(), found.world_from_camera]
+                .map(|pose| error(&pose, &truth, scene.center()));
+            n_accepted += 1;
+            n_right += (after.0 < 0.002 && after.1 < 0.02) as usize;
+            n_better += (after.0 < before.0) as usize;
+            assert!(found.residual_after < found.residual_before && found.overlap > 0.3, "{found:?}");
+        }
+    }
+    println!("{n_accepted} of 36 accepted, {n_right} right, {n_better} better");
+    assert!(n_accepted >= 20 && n_better == n_accepted && n_right * 10 >= n_accepted * 9);
+}
+
+#[test]
+fn wrong_poses_are_found_out() {
+    check_recovers(None);
+}
+
+#[test]
+fn wrong_poses_are_found_out_in_spite_of_noise() {
+    check_recovers(Some(DepthNoise::d435i()));
+}
+
+/// What a small camera at `eye` sees of a mesh at the origin.
+fn look(mesh: &TriangleMesh, eye: DVec3) -> Frame {
+    let camera = Intrinsics::pinhole(320, 240, DVec2::splat(320.0), DVec2::new(159.5, 119.5)).unwrap();
+    let camera = SimulatedCamera::new(mesh.clone().into(), camera, Background::None, 3.0).unwrap();
+    camera.capture(&look_at(eye, DVec3::ZERO)).unwrap()
+}
+
+/// A plate of 1 m at z = 0.
+fn plate() -> TriangleMesh {
+    let corners = [(-0.5, -0.5), (0.5, -0.5), (0.5, 0.5), (-0.5, 0.5)];
+    let corners = corners.map(|(x, y)| DVec3::new(x, y, 0.0)).to_vec();
+    TriangleMesh::new(corners, vec![[0, 1, 2], [0, 2, 3]]).unwrap()
+}
+
+/// A ball of 8 cm, of many small triangles.
+fn ball() -> TriangleMesh {
+    let (n, m) = (90_u32, 180_u32);
+    let corner = |i: u32| {
+        let (polar, azimuth) = (
+            (i / m) as f64 / n as f64 * std::f64::consts::PI,
+            (i % m) as f64 / m as f64 * std::f64::consts::TAU,
+        );
+        0.08 * DVec3::new(polar.sin() * azimuth.cos(), polar.sin() * azimuth.sin(), polar.cos())
+    };
+    let square = |i: u32| {
+        let next = i / m * m + (i + 1) % m;
+        [[i, i + m, next], [next, i + m, next + m]]
+    };
+    TriangleMesh::new((0..(n + 1) * m).map(corner).collect(), (0..n * m).flat_map(square).collect()).unwrap()
+}
+
+fn register(known: &[Frame], frame: &Frame) -> Registration {
+    let bounds = Aabb::cube(DVec3::ZERO, 0.15);
+    known_from(known, bounds).register(frame, bounds)
+}
+
+#[test]
+fn a_frame_that_could_slide_stays_where_it_is() {
+    for mesh in [plate(), ball()] {
+        let known = look(&mesh, DVec3::new(0.1, 0.2, 0.5));
+        let mut random = Random::new(1, 0);
+        for _ in 0..5 {
+            let wrong = displaced(&known, 0.01, 0.02, &mut random);
+            let found = register(std::slice::from_ref(&known), &wrong);
+            assert_eq!(found.verdict, Verdict::Sliding, "{found:?}");
+            assert_eq!(found.world_from_camera, wrong.world_from_camera());
+            assert!(found.stiffness < 0.002 && found.overlap > 0.5, "{found:?}");
+        }
+    }
+}
+
+#[test]
+fn without_overlap_the_frame_stays_where_it_is() {
+    let scene = scene(3, None);
+    let bounds = scene.planning_box(VOXEL_SIZE);
+    let capture =
+        |eye: DVec3| scene.camera().capture(&look_at(scene.center() + eye, scene.center())).unwrap();
+    let known = known_from(&[capture(DVec3::new(0.4, 0.0, 0.05))], bounds);
+    let other_side = capture(DVec3::new(-0.4, 0.0, 0.05));
+    assert_eq!(known.register(&other_side, bounds).verdict, Verdict::LittleOverlap);
+    let nothing = look(&plate(), DVec3::new(0.0, 0.0, 0.5));
+    let found = known.register(&nothing, Aabb::cube(DVec3::splat(5.0), 0.1));
+    assert_eq!((found.verdict, found.overlap, found.moved), (Verdict::LittleOverlap, 0.0, 0.0));
+    let empty = KnownSurface::new(RegistrationConfig::default()).unwrap();
+    assert_eq!(empty.register(&other_side, bounds).verdict, Verdict::LittleOverlap);
+}
+
+#[test]
+fn what_moves_farther_than_poses_can_be_wrong_is_refused() {
+    let scene = scene(3, None);
+    let bounds = scene.planning_box(VOXEL_SIZE);
+    let views = generate::fibonacci_sphere(scene.center(), 4.0 * scene.size(), 12).unwrap();
+    let frames: Vec<Frame> = views.poses().iter().map(|pose| scene.camera().capture(pose).unwrap()).collect();
+    let sure = RegistrationConfig { position_uncertainty: 0.004, ..RegistrationConfig::default() };
+    let mut known = KnownSurface::new(sure).unwrap();
+    frames.iter().for_each(|frame| known.add(frame, bounds));
+    let shifted = |shift: f64| {
+        let pose = frames[0].world_from_camera();
+        let wrong = Pose::new(pose.rotation(), pose.translation() + DVec3::X * shift).unwrap();
+        known.register(&frames[0].clone().with_pose(wrong), bounds)
+    };
+    assert_eq!(shifted(0.003).verdict, Verdict::Aligned);
+    let far = shifted(0.007);
+    assert!(far.verdict == Verdict::TooFar && far.moved > 0.004, "{far:?}");
+    assert!(known.register(&frames[0], bounds).moved < 0.001, "the right pose stays");
+}
+
+const NOISE: Noise = Noise {
+    seed: 3,
+    depth: Some(DepthNoise::d435i()),
+    pose: PoseError { translation_sigma: 0.01, rotation_sigma: 0.017 },
+    first_pose_is_right: true,
+};
+
+/// Whole scans with random views.
+fn scan(
+    noise: Noise,
+    registration: Option<RegistrationConfig>,
+    min_overlap: f64,
+    n_threads: usize,
+) -> Vec<Step> {
+    let scene = Scene::new(nextview_sim::builtin::by_name("teapot").unwrap(), Intrinsics::d435i()).unwrap();
+    let scene = scene.with_noise(noise).unwrap();
+    let views: ViewSpace = generate::fibonacci_sphere(scene.center(), 4.0 * scene.size(), 60).unwrap();
+    let bounds = scene.planning_box(VOXEL_SIZE);
+    let stop = StopConfig { max_views: 8, ..StopConfig::default() };
+    let config = SessionConfig { registration, stop, ..SessionConfig::new(VOXEL_SIZE, bounds) };
+    let planner: Box<dyn ViewPlanner> =
+        Box::new(MinOverlap::new(min_overlap, Box::new(RandomViews { seed: 1 })).unwrap());
+    let object = {
+        let lattice = nextview::geometry::Lattice::new(VOXEL_SIZE).unwrap();
+        ObjectVoxels::new(scene.camera(), lattice, lattice.block_inside(&bounds).unwrap())
+    };
+    let mut session = Session::new(config, Intrinsics::d435i(), views, planner).unwrap();
+    let mut steps = Vec::new();
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(n_threads).build().unwrap();
+    pool.install(|| {
+        run::run(&mut session, &scene, &object, |step| {
+            steps.push(step);
+            ControlFlow::Continue(())
+        })
+    })
+    .unwrap();
+    for (step, frame) in steps.iter().zip(session.frames()) {
+        assert_eq!(frame.world_from_camera(), step.report.world_from_camera, "planned with as mapped");
+        assert_eq!(step.frame.world_from_camera(), step.report.world_from_camera);
+    }
+    steps
+}
+
+#[test]
+fn registration_makes_up_for_wrong_poses() {
+    let without = scan(NOISE, None, 0.5, 2);
+    let with = scan(NOISE, Some(RegistrationConfig::default()), 0.5, 2);
+    assert!(without.iter().all(|step| step.report.registration.is_none()));
+    assert!([&without, &with].iter().all(|steps| steps[0].misplacement < 1e-12), "the first pose is right");
+    assert!(with[0].report.registration.is_none(), "the first frame has nothing to be aligned to");
+    let accepted = |step: &&Step| step.report.registration.is_some_and(|found| found.is_accepted());
+    let n_accepted = with.iter().filter(accepted).count();
+    let worst = with.iter().filter(accepted).map(|step| step.misplacement).fold(0.0, f64::max);
+    let mean = |steps: &[Step]| steps.iter().map(|step| step.misplacement).sum::<f64>() / steps.len() as f64;
+    println!("{n_accepted} accepted, worst {worst:.4}; mean {:.4} and {:.4} m", mean(&with), mean(&without));
+    assert!(n_accepted >= 5 && worst < 0.003 && 4.0 * mean(&with) < mean(&without));
+    let [with, without] = [with, without].map(|steps| steps.last().unwrap().voxels);
+    assert!(
+        with.coverage() > without.coverage() && 2 * with.n_false < without.n_false,
+        "{with:?} {without:?}"
+    );
+}
+
+/// A frame that fits no better elsewhere is built upon, as are those that were aligned.
+#[test]
+fn right_poses_stay_and_later_frames_overlap_with_theirs() {
+    let steps = scan(Noise::default(), Some(RegistrationConfig::default()), 0.3, 2);
+    let found = steps.iter().filter_map(|step| step.report.registration).collect::<Vec<_>>();
+    let of = |verdict| found.iter().filter(|found| found.verdict == verdict).count();
+    assert!(of(Verdict::NoBetter) >= 1 && of(Verdict::LittleOverlap) <= 1, "{found:?}");
+    assert!(steps.iter().all(|step| step.misplacement < 0.001));
+}
+
+#[test]
+fn a_scan_is_the_same_in_one_thread_and_in_many() {
+    let reports = |n_threads| {
+        let steps = scan(NOISE, Some(RegistrationConfig::default()), 0.3, n_threads);
+        steps.into_iter().map(|step| step.report).collect::<Vec<_>>()
+    };
+    assert_eq!(reports(1), reports(3));
+}

@@ -1,0 +1,201 @@
+use super::{Plan, Situation, ViewPlanner};
+use crate::Error;
+use crate::map::Occupancy;
+use crate::visibility::{FreeSpace, Ray, RayCaster, RayEnd, Sight};
+use rayon::prelude::*;
+
+/// Leaves another planner only those views that overlap with what is known, so that their frames can be
+/// [aligned](crate::registration) to it.
+///
+/// The overlap of a view is the share of known surface in what it shows: of the rays that end at an occupied voxel or meet an
+/// unknown one before, those that meet none. Where no view within reach overlaps enough, those that overlap most are left;
+/// while nothing is occupied, all.
+///
+/// The other planner's [`Outlook`](super::Outlook) then counts only what the views left show.
+///
+/// ```
+/// use nextview::planner::{MinOverlap, RandomViews};
+///
+/// assert!(MinOverlap::new(0.4, Box::new(RandomViews { seed: 1 })).is_ok());
+/// assert!(MinOverlap::new(40.0, Box::new(RandomViews { seed: 1 })).is_err());
+/// ```
+pub struct MinOverlap {
+    share: f64,
+    planner: Box<dyn ViewPlanner>,
+}
+
+/// Distance between neighbouring rays at the far side of the box, in voxels of the finest size: some hundred rays a view.
+const RAY_SPACING: f64 = 4.0;
+
+/// Rays that a view sends, by what they would show.
+#[derive(Clone, Copy, Debug, Default)]
+struct Tally {
+    n_known: usize,
+    n_unknown: usize,
+}
+
+impl MinOverlap {
+    /// A planner that keeps views of at least this overlap, 0..=1, for another one to choose from.
+    pub fn new(share: f64, planner: Box<dyn ViewPlanner>) -> Result<Self, Error> {
+        if (0.0..=1.0).contains(&share) {
+            return Ok(Self { share, planner });
+        }
+        Err(Error::invalid("min_overlap", share, "a number in 0..=1"))
+    }
+}
+
+impl ViewPlanner for MinOverlap {
+    fn plan(&self, situation: &Situation<'_>) -> Plan {
+        let open = situation.open_views();
+        let overlaps = overlaps(situation, &open);
+        let most = overlaps.iter().copied().fold(0.0, f64::max);
+        let mut is_left = vec![false; situation.views.len()];
+        for (view, overlap) in open.into_iter().zip(overlaps) {
+            is_left[view] = overlap >= self.share.min(most);
+        }
+        let views = situation.views.clone().only(|view| is_left[view]);
+        self.planner.plan(&Situation { views: &views, ..*situation })
+    }
+}
+
+/// The overlap of each of the views, 0..=1; 0 where they show nothing.
+fn overlaps(situation: &Situation<'_>, views: &[usize]) -> Vec<f64> {
+    let Situation { snapshot, intrinsics, .. } = *situation;
+    let spacing = situation.in_snapshot_voxels(RAY_SPACING);
+    let caster = RayCaster::new(snapshot, intrinsics, spacing, Sight::endless(FreeSpace::Clear))
+        .expect("the spacing is positive");
+    let overlap = |&view: &usize| {
+        let mut tally = Tally::default();
+        caster.cast(&situation.views.pose(view), |ray| tally.add(&ray, snapshot.occupancy()));
+        tally.overlap()
+    };
+    views.par_iter().map(overlap).collect()
+}
+
+impl Tally {
+    fn add(&mut self, ray: &Ray<'_>, occupancy: &[Occupancy]) {
+        let is_unknown = |voxel: u32| occupancy[voxel as usize] == Occupancy::Unknown;
+        if ray.crossings.iter().any(|crossing| is_unknown(crossing.voxel)) {
+            self.n_unknown += 1;
+        } else if matches!(ray.end, RayEnd::Occupied(_)) {
+            self.n_known += 1;
+        }
+    }
+
+    fn overlap(self) -> f64 {
+        self.n_known as f64 / (self.n_known + self.n_unknown).max(1) as f64
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geometry::{Lattice, VoxelBlock};
+    use crate::map::{LogOdds, Snapshot};
+    use crate::planner::RandomViews;
+    use crate::sensor::Intrinsics;
+    use crate::view::{ViewSpace, generate};
+    use glam::{DVec3, IVec3, UVec3};
+
+    /// A plate across the box at x = 0, in front of which (+x) all is free and behind which all is unknown.
+    fn plate() -> Snapshot {
+        let block = VoxelBlock::new(IVec3::splat(-8), UVec3::splat(16)).unwrap();
+        Snapshot::from_fn(Lattice::new(0.01).unwrap(), block, |key| match key.x {
+            0 => Some(LogOdds(0.85)),
+            1.. => Some(LogOdds(-0.4)),
+            _ => None,
+        })
+    }
+
+    fn unknown() -> Snapshot {
+        let block = VoxelBlock::new(IVec3::splat(-8), UVec3::splat(16)).unwrap();
+        Snapshot::from_fn(Lattice::new(0.01).unwrap(), block, |_| None)
+    }
+
+    struct Setup {
+        snapshot: Snapshot,
+        views: ViewSpace,
+        intrinsics: Intrinsics,
+    }
+
+    impl Setup {
+        fn new(snapshot: Snapshot) -> Self {
+            let views = generate::fibonacci_sphere(DVec3::ZERO, 0.4, 60).unwrap();
+            Self { snapshot, views, intrinsics: Intrinsics::d435i() }
+        }
+
+        fn situation<'a>(&'a self, visited: &'a [usize]) -> Situation<'a> {
+            let Self { snapshot, views, intrinsics } = self;
+            Situation {
+                snapshot,
+                frames: &[],
+                views,
+                intrinsics,
+                visited,
+                history: &[],
+                finest_voxel_size: 0.01,
+            }
+        }
+    }
+
+    /// The views that random planners of many seeds choose.
+    fn choices(share: f64, situation: &Situation<'_>) -> Vec<usize> {
+        let planner = |seed| MinOverlap::new(share, Box::new(RandomViews { seed })).unwrap();
+        let choice = |seed| planner(seed).plan(situation).choice;
+        let mut views: Vec<usize> = (0..1000).filter_map(|seed| Some(choice(seed)?.view)).collect();
+        views.sort_unstable();
+        views.dedup();
+        views
+    }
+
+    /// The views that may be chosen and overlap so much.
+    fn expected(situation: &Situation<'_>, is_enough: impl Fn(f64) -> bool) -> Vec<usize> {
+        let open = situation.open_views();
+        let overlaps = overlaps(situation, &open);
+        open.into_iter()
+            .zip(overlaps)
+            .filter(|(_, overlap)| is_enough(*overlap))
+            .map(|(view, _)| view)
+            .collect()
+    }
+
+    #[test]
+    fn what_is_seen_from_the_known_side_overlaps() {
+        let setup = Setup::new(plate());
+        let all: Vec<usize> = (0..60).collect();
+        for (view, overlap) in overlaps(&setup.situation(&[]), &all).into_iter().enumerate() {
+            let position = setup.views.pose(view).translation();
+            let is_fine = match position.x {
+                x if x > 0.38 => overlap > 0.9,
+                x if x < 0.0 => overlap < 0.3, // the plate's edge is seen
+                _ => (0.0..=1.0).contains(&overlap),
+            };
+            assert!(is_fine, "{overlap} from {position}");
+        }
+    }
+
+    #[test]
+    fn only_views_that_overlap_are_left() {
+        let setup = Setup::new(plate());
+        let situation = setup.situation(&[0, 7]);
+        for share in [0.0, 0.3, 0.8, 1.0] {
+            assert_eq!(choices(share, &situation), expected(&situation, |overlap| overlap >= share));
+        }
+    }
+
+    #[test]
+    fn where_none_overlaps_enough_those_that_overlap_most_are_left() {
+        let mut setup = Setup::new(plate());
+        setup.views = setup.views.restricted(|position| position.x < 0.1);
+        let situation = setup.situation(&[]);
+        let most = overlaps(&situation, &situation.open_views()).into_iter().fold(0.0, f64::max);
+        assert!((0.1..1.0).contains(&most), "{most}");
+        assert_eq!(choices(1.0, &situation), expected(&situation, |overlap| overlap == most));
+    }
+
+    #[test]
+    fn while_nothing_is_occupied_all_views_are_left() {
+        let setup = Setup::new(unknown());
+        assert_eq!(choices(1.0, &setup.situation(&[])), (0..60).collect::<Vec<_>>());
+    }
+}

@@ -1,0 +1,86 @@
+use super::normal_equations::NormalEquations;
+use super::point_tree::PointTree;
+use super::surface_points::SurfacePoint;
+use crate::geometry::Pose;
+use glam::DVec3;
+use rayon::prelude::*;
+
+/// A point of the frame beside the plane of the known surface that it belongs to.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Pair {
+    /// The frame's point, world coordinates.
+    pub point: DVec3,
+    /// The known point.
+    pub known: DVec3,
+    /// The mean of both normals, of unit length: on a curved surface, the line between both points is at right angles to
+    /// it and not to either normal (Rusinkiewicz 2019).
+    pub normal: DVec3,
+}
+
+/// Cosine between the normals of a pair, at least: 45 degrees. The other side of a thin wall is nothing to align with.
+const LEAST_AGREEMENT: f64 = 0.7;
+
+/// The weight of a pair falls to a quarter where the residual is this share of the reach, as in KISS-ICP (Vizzo et al. 2023).
+const SCALE: f64 = 1.0 / 3.0;
+
+/// The reach after a step, as a share of that before.
+const NARROWING: f64 = 0.7;
+
+/// Steps after which the alignment is taken as it is: by then at most a few points still change their partners to and fro.
+const MAX_STEPS: usize = 30;
+
+/// A step that moves points by less than this share of the reach is the last.
+const SMALL_STEP: f64 = 5e-3;
+
+/// How far correspondences are searched for, metres.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Reach {
+    /// At first.
+    pub first: f64,
+    /// In the end.
+    pub last: f64,
+}
+
+impl Pair {
+    /// Distance of the point from the plane, metres, positive in front.
+    pub fn residual(&self) -> f64 {
+        self.normal.dot(self.point - self.known)
+    }
+
+    /// How much the pair counts, 0..=1: the weight of Geman & McClure 1987.
+    pub fn weight(&self, scale: f64) -> f64 {
+        1.0 / (1.0 + (self.residual() / scale).powi(2)).powi(2)
+    }
+}
+
+/// Where the points (in the camera frame) lie on the known surface, seen from a given pose that is roughly right; and
+/// the number of steps.
+///
+/// Iterative closest points (Besl & McKay 1992) with the distance from the tangent plane (Chen & Medioni 1992).
+pub(super) fn align(points: &[SurfacePoint], known: &PointTree, given: Pose, reach: Reach) -> (Pose, usize) {
+    let (mut pose, mut distance) = (given, reach.first);
+    for n_steps in 1..=MAX_STEPS {
+        let pairs = pairs(points, known, &pose, distance);
+        let Some(equations) = NormalEquations::new(&pairs, SCALE * distance) else {
+            return (pose, n_steps);
+        };
+        let (motion, size) = equations.step();
+        pose = motion * pose;
+        if distance <= reach.last && size < SMALL_STEP * reach.last {
+            return (pose, n_steps);
+        }
+        distance = (NARROWING * distance).max(reach.last);
+    }
+    (pose, MAX_STEPS)
+}
+
+/// The points with the nearest known ones that face the same way and are within `reach` metres, in the order of the points.
+pub(super) fn pairs(points: &[SurfacePoint], known: &PointTree, pose: &Pose, reach: f64) -> Vec<Pair> {
+    let pair = |point: &SurfacePoint| {
+        let SurfacePoint { position, normal } = point.moved(pose);
+        let nearest = known.nearest(position, reach, |known| known.normal.dot(normal) >= LEAST_AGREEMENT)?;
+        let normal = (normal + nearest.normal).normalize();
+        Some(Pair { point: position, known: nearest.position, normal })
+    };
+    points.par_iter().map(pair).collect::<Vec<_>>().into_iter().flatten().collect()
+}

@@ -1,0 +1,184 @@
+use super::icp::{Pair, Reach, align, pairs};
+use super::normal_equations::NormalEquations;
+use super::point_tree::PointTree;
+use super::surface_points::{SurfacePoint, surface_points};
+use super::{Registration, RegistrationConfig, Verdict};
+use crate::Error;
+use crate::geometry::{Aabb, Lattice, Pose};
+use crate::sensor::Frame;
+use glam::{DVec3, IVec3};
+use rustc_hash::FxHashMap;
+
+/// The surface that the frames so far have shown: what a new frame is aligned to.
+///
+/// Points are pooled in cells, those of different sides apart, so that the two sides of a thin wall stay two surfaces. Its
+/// state depends on the frames and their order alone, not on the number of threads.
+///
+/// ```
+/// use glam::{DQuat, DVec2, DVec3};
+/// use nextview::geometry::{Aabb, Pose};
+/// use nextview::registration::{KnownSurface, RegistrationConfig};
+/// use nextview::sensor::{DepthImage, Frame, Intrinsics};
+///
+/// // A pyramid whose tip is 0.4 m in front of the camera.
+/// let camera = Intrinsics::pinhole(160, 120, DVec2::splat(150.0), DVec2::new(79.5, 59.5)).unwrap();
+/// let ideal = |i: usize| camera.deproject(DVec2::new((i % 160) as f64, (i / 160) as f64)).unwrap();
+/// let depth = (0..160 * 120).map(|i| (0.4 / (1.0 - ideal(i).abs().max_element())) as f32).collect();
+/// let image = DepthImage::from_metres(160, 120, depth).unwrap();
+/// let frame = Frame::new(image, camera, Pose::IDENTITY, 1.0).unwrap();
+///
+/// let bounds = Aabb::cube(DVec3::new(0.0, 0.0, 0.45), 0.1);
+/// let mut known = KnownSurface::new(RegistrationConfig::default()).unwrap();
+/// known.add(&frame, bounds);
+/// let wrong = Pose::new(DQuat::from_rotation_z(0.02), DVec3::new(0.01, 0.0, -0.005)).unwrap();
+/// let found = known.register(&frame.with_pose(wrong), bounds);
+/// assert!(found.is_accepted() && found.world_from_camera.translation().length() < 1e-3);
+/// ```
+#[derive(Clone, Debug)]
+pub struct KnownSurface {
+    config: RegistrationConfig,
+    lattice: Lattice,
+    slots: FxHashMap<(IVec3, u8), usize>,
+    /// In the order in which the cells were first met.
+    pools: Vec<Pool>,
+    tree: PointTree,
+}
+
+/// Sums over points.
+#[derive(Clone, Copy, Debug, Default)]
+struct Pool {
+    n: f64,
+    position: DVec3,
+    normal: DVec3,
+}
+
+/// The reach of correspondences in the end, in cells: twice as far as neighbouring known points are from each other.
+const REACH_IN_CELLS: f64 = 2.0;
+
+/// Fewer points on the known surface are no overlap, whatever their share.
+const LEAST_PAIRS: usize = 50;
+
+impl KnownSurface {
+    /// Nothing is known yet; fails on a configuration out of range.
+    pub fn new(config: RegistrationConfig) -> Result<Self, Error> {
+        config.check()?;
+        let lattice = Lattice::new(config.spacing)?;
+        let (slots, pools, tree) = Default::default();
+        Ok(Self { config, lattice, slots, pools, tree })
+    }
+
+    /// Number of points known.
+    pub fn n_points(&self) -> usize {
+        self.pools.len()
+    }
+
+    /// Takes in what a frame shows in and around a box (world coordinates, finite).
+    pub fn add(&mut self, frame: &Frame, bounds: Aabb) {
+        let pose = frame.world_from_camera();
+        for point in surface_points(frame, self.around(bounds), self.config.spacing) {
+            let point = point.moved(&pose);
+            let key = (self.lattice.key(point.position), side(point.normal));
+            let slot = *self.slots.entry(key).or_insert(self.pools.len());
+            if slot == self.pools.len() {
+                self.pools.push(Pool::default());
+            }
+            self.pools[slot].add(&point);
+        }
+        let points: Vec<SurfacePoint> = self.pools.iter().map(Pool::mean).collect();
+        self.tree = PointTree::new(&points);
+    }
+
+    /// Aligns what a frame shows in and around a box (world coordinates, finite) to what is known.
+    pub fn register(&self, frame: &Frame, bounds: Aabb) -> Registration {
+        let points = surface_points(frame, self.around(bounds), self.config.spacing);
+        let given = frame.world_from_camera();
+        let reach = self.reach();
+        let (aligned, n_iterations) = align(&points, &self.tree, given, reach);
+        let pairs = pairs(&points, &self.tree, &aligned, reach.last);
+        let motion = aligned * given.inverse();
+        let [residual_before, residual_after] =
+            [motion.inverse(), Pose::IDENTITY].map(|to| residual(&pairs, &to));
+        let found = Registration {
+            world_from_camera: aligned,
+            verdict: Verdict::Aligned,
+            residual_before,
+            residual_after,
+            overlap: pairs.len() as f64 / points.len().max(1) as f64,
+            moved: aligned.translation().distance(given.translation()),
+            turned: angle(&motion),
+            stiffness: NormalEquations::new(&pairs, reach.last)
+                .map_or(0.0, |equations| equations.stiffness()),
+            n_iterations,
+        };
+        let verdict = self.judged(&found, &points, &given, pairs.len());
+        let world_from_camera = if verdict == Verdict::Aligned { aligned } else { given };
+        Registration { world_from_camera, verdict, ..found }
+    }
+
+    /// The first reason to refuse an alignment, if there is one.
+    fn judged(&self, found: &Registration, points: &[SurfacePoint], given: &Pose, n_pairs: usize) -> Verdict {
+        let config = &self.config;
+        let misfit = |pose: &Pose| misfit(points, &self.tree, pose, self.reach().last);
+        if found.overlap < config.min_overlap || n_pairs < LEAST_PAIRS {
+            Verdict::LittleOverlap
+        } else if found.stiffness < config.min_stiffness {
+            Verdict::Sliding
+        } else if found.moved > config.position_uncertainty || found.turned > config.rotation_uncertainty {
+            Verdict::TooFar
+        } else if misfit(&found.world_from_camera) >= misfit(given) {
+            Verdict::NoBetter
+        } else {
+            Verdict::Aligned
+        }
+    }
+
+    fn reach(&self) -> Reach {
+        let last = REACH_IN_CELLS * self.config.spacing;
+        Reach { first: self.config.position_uncertainty.max(last), last }
+    }
+
+    /// A frame in a wrong pose shows the box's surface beside the box.
+    fn around(&self, bounds: Aabb) -> Aabb {
+        let margin = self.config.position_uncertainty;
+        Aabb { min: bounds.min - margin, max: bounds.max + margin }
+    }
+}
+
+impl Pool {
+    fn add(&mut self, point: &SurfacePoint) {
+        self.n += 1.0;
+        self.position += point.position;
+        self.normal += point.normal;
+    }
+
+    fn mean(&self) -> SurfacePoint {
+        // The sum does not vanish: normals of one side all have their largest part along the same axis, with the same sign.
+        SurfacePoint { position: self.position / self.n, normal: self.normal.normalize() }
+    }
+}
+
+/// Which of six sides a surface faces: the axis nearest to its normal, and the sign.
+fn side(normal: DVec3) -> u8 {
+    let axis = normal.abs().max_position();
+    2 * axis as u8 + (normal[axis] < 0.0) as u8
+}
+
+/// Root mean square of the residuals after another motion, metres.
+fn residual(pairs: &[Pair], motion: &Pose) -> f64 {
+    let moved = |pair: &Pair| Pair { point: motion.transform_point(pair.point), ..*pair };
+    let sum = pairs.iter().fold(0.0, |sum, pair| sum + moved(pair).residual().powi(2));
+    (sum / pairs.len().max(1) as f64).sqrt()
+}
+
+/// How badly the points lie on the known surface: the sum of squared residuals, in which a point without correspondence
+/// counts as one at `reach`.
+fn misfit(points: &[SurfacePoint], known: &PointTree, pose: &Pose, reach: f64) -> f64 {
+    let pairs = pairs(points, known, pose, reach);
+    let n_alone = (points.len() - pairs.len()) as f64;
+    n_alone * reach * reach + pairs.iter().map(|pair| pair.residual().powi(2)).sum::<f64>()
+}
+
+/// The angle that a motion turns by, radians.
+fn angle(motion: &Pose) -> f64 {
+    2.0 * motion.rotation().xyz().length().atan2(motion.rotation().w.abs())
+}

@@ -1,0 +1,56 @@
+use crate::geometry::Pose;
+use serde::{Deserialize, Serialize};
+
+/// What came of the alignment of a frame.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Registration {
+    /// Where the camera stood: corrected if the alignment was accepted, else as given.
+    pub world_from_camera: Pose,
+    /// Whether the alignment was accepted, or why not.
+    pub verdict: Verdict,
+    /// Of the points that lie on the known surface after the alignment, the root mean square of their distances, metres, to
+    /// the tangent planes there: in the given pose. Zero if there are none.
+    pub residual_before: f64,
+    /// The same after the alignment.
+    pub residual_after: f64,
+    /// Share, 0..=1, of the frame's points that lie on the known surface after the alignment.
+    pub overlap: f64,
+    /// How far the alignment moves the camera, metres.
+    pub moved: f64,
+    /// How far it turns the camera, radians.
+    pub turned: f64,
+    /// How well the surface holds the frame in place, 0..=1: the smallest eigenvalue of the mean of the squared derivatives
+    /// of the residuals, where turns are measured at the points' root mean square distance from their middle. It is 0 where
+    /// the frame can slide: along a plane, around a ball or a cylinder.
+    pub stiffness: f64,
+    /// Number of steps.
+    pub n_iterations: usize,
+}
+
+/// Whether an alignment was accepted.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Verdict {
+    /// Yes.
+    Aligned,
+    /// No: too few of the frame's points lie on the known surface.
+    LittleOverlap,
+    /// No: the surface does not hold the frame in place, such as a plane or a ball.
+    Sliding,
+    /// No: it moves or turns the camera farther than the given pose may be wrong.
+    TooFar,
+    /// No: the frame fits no better than in the given pose, which is right.
+    NoBetter,
+}
+
+impl Registration {
+    /// Whether the alignment was accepted.
+    pub fn is_accepted(&self) -> bool {
+        self.verdict == Verdict::Aligned
+    }
+
+    /// Whether the frame in its final pose lies on the known surface: it was aligned, or fits as well as it was.
+    pub fn fits(&self) -> bool {
+        matches!(self.verdict, Verdict::Aligned | Verdict::NoBetter)
+    }
+}

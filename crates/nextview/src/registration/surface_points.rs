@@ -1,0 +1,160 @@
+use super::eigen::Eigen;
+use crate::geometry::{Aabb, Lattice, Pose};
+use crate::sensor::Frame;
+use glam::{DMat3, DVec3, IVec3};
+use rustc_hash::FxHashMap;
+use std::ops::Add;
+
+/// A point on a surface.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct SurfacePoint {
+    /// Metres.
+    pub position: DVec3,
+    /// Of unit length, out of the surface.
+    pub normal: DVec3,
+}
+
+impl SurfacePoint {
+    /// The same point in another frame.
+    pub fn moved(&self, pose: &Pose) -> Self {
+        Self { position: pose.transform_point(self.position), normal: pose.rotation() * self.normal }
+    }
+}
+
+/// Fewer pixels around a point tell no normal.
+const LEAST_PIXELS: f64 = 8.0;
+
+/// Largest variance across the plane through the pixels around a point, as a share of the second largest variance along it.
+/// Of a full disc the latter is a quarter of the squared radius, so the disc may be half as thick as it is wide: what is
+/// thicker is an edge or a wire, of which a plane says little.
+const MOST_THICKNESS: f64 = 0.2;
+
+/// Surfaces seen at a flatter angle than this cosine are left out, as for the distance field: half a pixel beside the ray
+/// is more than two along it.
+const LEAST_COSINE: f64 = 0.2;
+
+/// The measured points in the box (world coordinates, finite) with their normals, in the camera frame: the mean of the
+/// pixels in each cell with edges of `spacing` metres (a valid voxel size), in the order in which the cells were first met.
+///
+/// The normal is that of the plane through the pixels of the cell and the 26 around it (principal components, Hoppe et al.
+/// 1992), since the noise of neighbouring pixels is often as large as what lies between them.
+pub(super) fn surface_points(frame: &Frame, bounds: Aabb, spacing: f64) -> Vec<SurfacePoint> {
+    let camera_from_world = frame.world_from_camera().inverse();
+    let lattice = Lattice::new(spacing).expect("the configuration was checked");
+    let mut cells = Cells::default();
+    for point in frame.points_in(bounds) {
+        let point = camera_from_world.transform_point(point);
+        cells.add(lattice.key(point), point);
+    }
+    cells.moments.iter().filter_map(|(key, moments)| cells.surface_point(*key, moments)).collect()
+}
+
+/// Points pooled in cells.
+#[derive(Default)]
+struct Cells {
+    slots: FxHashMap<IVec3, usize>,
+    moments: Vec<(IVec3, Moments)>,
+}
+
+/// Sums over points.
+#[derive(Clone, Copy)]
+struct Moments {
+    n: f64,
+    sum: DVec3,
+    /// Of the outer products.
+    squares: DMat3,
+}
+
+impl Cells {
+    fn add(&mut self, key: IVec3, point: DVec3) {
+        let slot = *self.slots.entry(key).or_insert(self.moments.len());
+        if slot == self.moments.len() {
+            self.moments.push((key, Moments::NONE));
+        }
+        let squares = DMat3::from_cols(point * point.x, point * point.y, point * point.z);
+        self.moments[slot].1 = self.moments[slot].1 + Moments { n: 1.0, sum: point, squares };
+    }
+
+    fn surface_point(&self, key: IVec3, moments: &Moments) -> Option<SurfacePoint> {
+        let at = |offset: IVec3| self.slots.get(&(key + offset)).map(|slot| self.moments[*slot].1);
+        let around = neighborhood().filter_map(at).fold(Moments::NONE, Moments::add);
+        let position = moments.sum / moments.n;
+        let normal = around.normal()?;
+        let cosine = -normal.dot(position) / position.length();
+        (cosine.abs() >= LEAST_COSINE).then(|| SurfacePoint { position, normal: normal * cosine.signum() })
+    }
+}
+
+impl Add for Moments {
+    type Output = Self;
+
+    fn add(self, other: Self) -> Self {
+        Self { n: self.n + other.n, sum: self.sum + other.sum, squares: self.squares + other.squares }
+    }
+}
+
+impl Moments {
+    const NONE: Self = Self { n: 0.0, sum: DVec3::ZERO, squares: DMat3::ZERO };
+
+    /// The normal, of either sign, of the plane of least squared distances; none if the points are too few or no plane.
+    fn normal(&self) -> Option<DVec3> {
+        if self.n < LEAST_PIXELS {
+            return None;
+        }
+        let mean = self.sum / self.n;
+        let outer = DMat3::from_cols(mean * mean.x, mean * mean.y, mean * mean.z);
+        let eigen = Eigen::of((self.squares * (1.0 / self.n) - outer).to_cols_array_2d());
+        let across = eigen.smallest();
+        let along = (0..3).filter(|i| *i != across).map(|i| eigen.values[i]).fold(f64::INFINITY, f64::min);
+        let normal = DVec3::from_array(eigen.vectors[across]);
+        (along > 0.0 && eigen.values[across] <= MOST_THICKNESS * along).then_some(normal)
+    }
+}
+
+fn neighborhood() -> impl Iterator<Item = IVec3> {
+    (0..27).map(|i| IVec3::new(i % 3, i / 3 % 3, i / 9) - 1)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::sensor::{DepthImage, Intrinsics};
+    use crate::view::look_at;
+    use glam::DVec2;
+
+    /// What a camera at `eye` sees of a ball at the origin.
+    fn ball(eye: DVec3, radius: f64) -> Frame {
+        let camera = Intrinsics::pinhole(160, 120, DVec2::splat(150.0), DVec2::new(79.5, 59.5)).unwrap();
+        let pose = look_at(eye, DVec3::ZERO);
+        let depth = (0..160 * 120).map(|i| {
+            let ideal = camera.deproject(DVec2::new((i % 160) as f64, (i / 160) as f64)).unwrap();
+            let ray = pose.rotation() * ideal.extend(1.0);
+            let (a, b) = (ray.length_squared(), ray.dot(eye));
+            let root = b * b - a * (eye.length_squared() - radius * radius);
+            if root > 0.0 { ((-b - root.sqrt()) / a) as f32 } else { f32::INFINITY }
+        });
+        let image = DepthImage::from_metres(160, 120, depth.collect()).unwrap();
+        Frame::new(image, camera, pose, 2.0).unwrap()
+    }
+
+    #[test]
+    fn normals_of_a_ball_point_outwards() {
+        let frame = ball(DVec3::new(0.3, -0.2, 0.3), 0.1);
+        let points = surface_points(&frame, Aabb::cube(DVec3::ZERO, 0.2), 0.01);
+        assert!(points.len() > 100, "{}", points.len());
+        for point in points.iter().map(|point| point.moved(&frame.world_from_camera())) {
+            assert!((point.position.length() - 0.1).abs() < 0.001, "{point:?}");
+            assert!(point.normal.dot(point.position.normalize()) > 0.97, "{point:?}");
+        }
+    }
+
+    #[test]
+    fn what_is_outside_the_box_is_left_out() {
+        let frame = ball(DVec3::new(0.3, -0.2, 0.3), 0.1);
+        let upper = Aabb { min: DVec3::new(-0.2, -0.2, 0.0), max: DVec3::splat(0.2) };
+        let points = surface_points(&frame, upper, 0.01);
+        let lowest = points.iter().map(|point| point.moved(&frame.world_from_camera()).position.z);
+        assert!(!points.is_empty() && lowest.fold(f64::INFINITY, f64::min) > -1e-9);
+        assert!(surface_points(&frame, Aabb::cube(DVec3::ONE, 0.1), 0.01).is_empty());
+    }
+}
