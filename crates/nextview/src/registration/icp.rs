@@ -1,21 +1,9 @@
 use super::normal_equations::NormalEquations;
+use super::pair::Pair;
 use super::point_tree::PointTree;
 use super::surface_points::SurfacePoint;
 use crate::geometry::Pose;
-use glam::DVec3;
 use rayon::prelude::*;
-
-/// A point of the frame beside the plane of the known surface that it belongs to.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Pair {
-    /// The frame's point, world coordinates.
-    pub point: DVec3,
-    /// The known point.
-    pub known: DVec3,
-    /// The mean of both normals, of unit length: on a curved surface, the line between both points is at right angles to
-    /// it and not to either normal (Rusinkiewicz 2019).
-    pub normal: DVec3,
-}
 
 /// Cosine between the normals of a pair, at least: 45 degrees. The other side of a thin wall is nothing to align with.
 const LEAST_AGREEMENT: f64 = 0.7;
@@ -39,18 +27,6 @@ pub(super) struct Reach {
     pub first: f64,
     /// In the end.
     pub last: f64,
-}
-
-impl Pair {
-    /// Distance of the point from the plane, metres, positive in front.
-    pub fn residual(&self) -> f64 {
-        self.normal.dot(self.point - self.known)
-    }
-
-    /// How much the pair counts, 0..=1: the weight of Geman & McClure 1987.
-    pub fn weight(&self, scale: f64) -> f64 {
-        1.0 / (1.0 + (self.residual() / scale).powi(2)).powi(2)
-    }
 }
 
 /// Where the points (in the camera frame) lie on the known surface, seen from a given pose that is roughly right; and

@@ -1,5 +1,6 @@
-use super::icp::{Pair, Reach, align, pairs};
+use super::icp::{Reach, align, pairs};
 use super::normal_equations::NormalEquations;
+use super::pair::Pair;
 use super::point_tree::PointTree;
 use super::surface_points::{SurfacePoint, surface_points};
 use super::{Registration, RegistrationConfig, Verdict};

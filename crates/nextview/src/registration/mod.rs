@@ -11,6 +11,7 @@ mod icp;
 mod known_surface;
 mod normal_equations;
 mod outcome;
+mod pair;
 mod point_tree;
 mod surface_points;
 

@@ -1,5 +1,5 @@
 use super::eigen::Eigen;
-use super::icp::Pair;
+use super::pair::Pair;
 use crate::geometry::Pose;
 use glam::{DQuat, DVec3};
 
