@@ -36,7 +36,7 @@ const FADED: f32 = 0.03;
 /// Views of largest gain for which a partner is sought.
 const N_FIRST: usize = 30;
 
-/// Rounds of mean-field updates; what changes after them is below a thousandth.
+/// Rounds of mean-field updates: a belief reaches as many voxels far.
 const N_ROUNDS: usize = 30;
 
 type Outcome<T> = Result<T, Box<dyn Error>>;

@@ -4,7 +4,6 @@ use super::campaign::Run;
 use super::{Host, Measures, RunRecord, RunResult, StepMeasures};
 use crate::Failure;
 use crate::scan::{Baselines, FinishedScan, ScanConfig, Setting, Truth, memory, milliseconds};
-use nextview_sim::noise::PoseError;
 use nextview_sim::run::Step;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
@@ -53,16 +52,22 @@ fn measure(
     let growth = before.zip(after).map(|(before, after)| (after - before).max(0.0));
     Ok(Measures {
         extra_memory_mb: growth.map(|mb| (10.0 * mb).round() / 10.0),
-        ..measures(setting, &scan, baselines.as_ref())
+        ..measures(config, setting, &scan, baselines.as_ref())
     })
 }
 
-fn measures(setting: &Setting, scan: &FinishedScan, baselines: Option<&Baselines>) -> Measures {
+fn measures(
+    config: &ScanConfig,
+    setting: &Setting,
+    scan: &FinishedScan,
+    baselines: Option<&Baselines>,
+) -> Measures {
+    let is_pose_wrong = config.noise.is_pose_wrong();
     Measures {
         n_object_voxels: setting.object_voxels.len(),
         n_reachable: baselines.map(Baselines::n_reachable),
         stop_reason: scan.stop_reason,
-        steps: scan.steps.iter().map(|step| step_measures(step, setting, baselines)).collect(),
+        steps: scan.steps.iter().map(|step| step_measures(step, is_pose_wrong, baselines)).collect(),
         random_curve: baselines.map(|b| b.random.mean.clone()),
         clairvoyant_curve: baselines.map(|b| b.clairvoyant.clone()),
         skill: baselines.and_then(|b| b.skill(&scan.steps)),
@@ -70,8 +75,7 @@ fn measures(setting: &Setting, scan: &FinishedScan, baselines: Option<&Baselines
     }
 }
 
-fn step_measures(step: &Step, setting: &Setting, baselines: Option<&Baselines>) -> StepMeasures {
-    let is_pose_wrong = setting.scene.camera().noise().pose != PoseError::default();
+fn step_measures(step: &Step, is_pose_wrong: bool, baselines: Option<&Baselines>) -> StepMeasures {
     let [surface_1mm, surface_2mm, surface_5mm] = step.surface_coverage;
     StepMeasures {
         view: step.report.view,

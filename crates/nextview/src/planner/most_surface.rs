@@ -14,8 +14,8 @@ pub struct MostSurfaceConfig {
     /// How many planning rays side by side cover the longest side of the box, at its far side; 1..=1000. Default 32.
     ///
     /// More than 1000 views are looked at with an eighth as many first, the best 1000 of them with a quarter, the best 250 of
-    /// these with half as many, and only the best 40 with all of them. So what a decision costs hardly depends on the voxel
-    /// size.
+    /// these with half as many, and only the best 40 with all of them. So there are as many rays in fine voxels as in coarse
+    /// ones.
     pub rays_across: f64,
     /// Weight of the movement cost against the gain, 0..=1; the paper's theta (section V.D). Default 0: moving is free.
     pub theta: f64,
