@@ -52,7 +52,7 @@ pub(crate) fn read(folder: &Path, options: &ReadOptions) -> Result<Recording, Re
             depth: DepthSource::Png { path, unit: depth_unit },
         });
     }
-    skipped.extend(images.into_iter().map(|(number, _)| Skipped {
+    skipped.extend(images.into_keys().map(|number| Skipped {
         what: format!("the image of frame {number}"),
         why: "poses.csv has no row of that frame".into(),
     }));

@@ -1,5 +1,6 @@
 use crate::RecordingError;
 use crate::depth_png;
+use crate::mcap::{self, Place};
 use nextview::geometry::Pose;
 use nextview::sensor::{Depth, DepthImage, Frame, Intrinsics};
 use std::path::PathBuf;
@@ -7,7 +8,7 @@ use std::path::PathBuf;
 /// A recorded look of a depth camera. Its image stays in its file until it is [loaded](Self::load).
 #[derive(Debug)]
 pub struct RecordedFrame {
-    /// What people would call it: `frame 12`, or the name of its file.
+    /// What people would call it: `frame 12`, the name of its file, or the number and topic of its message.
     pub name: String,
     /// When it was taken, seconds, if the recording tells.
     pub timestamp_s: Option<f64>,
@@ -22,6 +23,8 @@ pub struct RecordedFrame {
 pub(crate) enum DepthSource {
     /// In a PNG file of units of so many metres.
     Png { path: PathBuf, unit: f64 },
+    /// In a message of an MCAP file.
+    Message { path: PathBuf, place: Place },
 }
 
 /// A frame needs a depth up to which pixels without return are free. Recorded images have no such pixels: that nothing
@@ -33,6 +36,11 @@ impl RecordedFrame {
     pub fn load(&self) -> Result<Frame, RecordingError> {
         let image = match &self.depth {
             DepthSource::Png { path, unit } => depth_png::read(path, &self.intrinsics, *unit)?,
+            DepthSource::Message { path, place } => {
+                let image = mcap::depth(path, *place, &self.intrinsics);
+                let named = |error: RecordingError| RecordingError::format(&self.name, error.to_string());
+                image.map_err(|error| named(error).in_file(path))?
+            }
         };
         Ok(Frame::new(image, self.intrinsics, self.world_from_camera, RANGE)?)
     }

@@ -8,6 +8,7 @@ mod error;
 mod folder;
 mod frame;
 mod lens;
+mod mcap;
 mod recording;
 mod rigid;
 mod text;

@@ -1,5 +1,5 @@
 use crate::frame::uselessness;
-use crate::{RecordedFrame, RecordingError, folder, tum};
+use crate::{RecordedFrame, RecordingError, folder, mcap, tum};
 use nextview::sensor::Intrinsics;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
@@ -10,6 +10,18 @@ use std::path::Path;
 ///
 /// Opening reads every image once and keeps none, so that whatever is wrong is told at once: what contradicts itself is an
 /// error, what only lacks its counterpart or shows nothing is [left out](Self::skipped).
+///
+/// ```no_run
+/// use nextview_recording::{ReadOptions, Recording};
+///
+/// let recording = Recording::open("kitchen.mcap".as_ref(), &ReadOptions::default())?;
+/// for frame in &recording.frames {
+///     println!("{} at {}", frame.name, frame.world_from_camera.translation());
+///     let frame = frame.load()?; // what a session observes
+///     assert_eq!(frame.intrinsics(), &recording.intrinsics);
+/// }
+/// # Ok::<(), nextview_recording::RecordingError>(())
+/// ```
 #[derive(Debug)]
 pub struct Recording {
     /// The camera's optics.
@@ -39,13 +51,19 @@ pub struct ReadOptions {
     /// `world_from_camera`, or else the only such set of columns.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub pose_columns: Option<String>,
+    /// Of MCAP: the topic of the depth images, needed if there are several.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub depth_topic: Option<String>,
+    /// Of MCAP: the topic of the camera's poses, needed if there are several.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub pose_topic: Option<String>,
     /// Of TUM and MCAP: how far apart in time, seconds, an image and its pose may be. Default 0.02.
     pub pose_tolerance_s: f64,
 }
 
 impl Default for ReadOptions {
     fn default() -> Self {
-        Self { pose_columns: None, pose_tolerance_s: 0.02 }
+        Self { pose_columns: None, depth_topic: None, pose_topic: None, pose_tolerance_s: 0.02 }
     }
 }
 
@@ -68,18 +86,19 @@ impl fmt::Display for Skipped {
 }
 
 impl Recording {
-    /// Reads a recording: a folder with `poses.csv`, `intrinsics.txt` and `depth/`, or a folder with `depth.txt`,
-    /// `groundtruth.txt` and `intrinsics.txt` (TUM RGB-D).
+    /// Reads a recording: a folder with `poses.csv`, `intrinsics.txt` and `depth/`, a folder with `depth.txt`,
+    /// `groundtruth.txt` and `intrinsics.txt` (TUM RGB-D), or an MCAP file with ROS 2 messages.
     pub fn open(path: &Path, options: &ReadOptions) -> Result<Self, RecordingError> {
         options.check()?;
         let is_there = |name: &str| path.join(name).exists();
         let recording = match path.metadata() {
             Err(error) => Err(error.into()),
+            Ok(what) if what.is_file() => mcap::read(path, options),
             Ok(_) if is_there("poses.csv") => folder::read(path, options),
             Ok(_) if is_there("depth.txt") || is_there("groundtruth.txt") => tum::read(path, options),
             Ok(_) => Err(RecordingError::Content(
                 "is no recording, expected a folder with poses.csv, intrinsics.txt and depth/, or a folder of TUM RGB-D with \
-                 depth.txt, groundtruth.txt and intrinsics.txt"
+                 depth.txt, groundtruth.txt and intrinsics.txt, or an .mcap file"
                     .into(),
             )),
         };

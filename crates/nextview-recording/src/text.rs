@@ -16,10 +16,10 @@ pub(crate) struct Line<'a> {
 
 /// Reads a file of UTF-8 text.
 pub(crate) fn read(path: &Path) -> Result<String, RecordingError> {
-    Ok(String::from_utf8(std::fs::read(path)?).map_err(|error| {
+    String::from_utf8(std::fs::read(path)?).map_err(|error| {
         let offset = error.utf8_error().valid_up_to();
         RecordingError::format(format!("byte {offset}"), "is no text (UTF-8)")
-    })?)
+    })
 }
 
 /// The lines that count: empty ones and those that start with `#` do not.

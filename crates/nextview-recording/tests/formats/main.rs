@@ -9,3 +9,5 @@ mod faults;
 mod made_up;
 #[cfg(test)]
 mod maps;
+#[cfg(test)]
+mod mcap;

@@ -1,10 +1,11 @@
 //! Whatever the form, the map is the same.
 
 use crate::made_up::{Folder, MadeUp};
+use crate::mcap::{Form, bytes};
 use glam::IVec3;
 use nextview::geometry::Lattice;
 use nextview::map::{Integration, LogOdds, OccupancyMap, SensorModel};
-use nextview_recording::Recording;
+use nextview_recording::{ReadOptions, Recording};
 
 fn map(recording: &Recording) -> Vec<(IVec3, LogOdds)> {
     let mut map = OccupancyMap::new(Lattice::new(0.02).unwrap(), SensorModel::default()).unwrap();
@@ -17,7 +18,7 @@ fn map(recording: &Recording) -> Vec<(IVec3, LogOdds)> {
 #[test]
 fn all_forms_give_the_same_map() {
     let made_up = MadeUp::new(6);
-    let (ours, tum) = (Folder::new("maps-folder"), Folder::new("maps-tum"));
+    let [ours, tum, bag] = ["folder", "tum", "mcap"].map(|form| Folder::new(&format!("maps-{form}")));
     made_up.write_folder(&ours);
     made_up.write_tum(&tum);
     let ours = ours.open().unwrap();
@@ -34,4 +35,10 @@ fn all_forms_give_the_same_map() {
         ("depth/1305031102.2000.png", Some(1305031102.2))
     );
     assert_eq!(map(&tum), expected);
+    for form in Form::ALL {
+        bag.write("bag.mcap", bytes(&made_up, form));
+        let recording = Recording::open(&bag.0.join("bag.mcap"), &ReadOptions::default()).unwrap();
+        assert_eq!(recording.frames[2].name, "message 3 of /camera/depth/image_rect_raw");
+        assert_eq!(map(&recording), expected, "{form:?}");
+    }
 }
