@@ -1,4 +1,4 @@
-//! A simulated scan from the first view to the last, measured at every step.
+//! A scan from the first view to the last, measured at every step.
 
 use crate::SimError;
 use crate::scene::Scene;
@@ -7,17 +7,32 @@ use crate::truth::{ObjectVoxels, VoxelScore};
 use fixedbitset::FixedBitSet;
 use glam::DVec3;
 use nextview::sensor::Frame;
-use nextview::session::{Decision, Session, StepReport, StopReason};
+use nextview::session::{Decision, NextView, Session, StepReport, StopReason};
 use std::ops::ControlFlow;
 use std::time::{Duration, Instant};
 
-/// Everything measured at one step of a simulated scan.
+/// Everything about one step of a scan, with what is measured of it: the truth, in a simulation.
 #[derive(Clone, Debug)]
-pub struct Step {
+pub struct Step<M = Measures> {
     /// What the session tells.
     pub report: StepReport,
     /// What the camera told.
     pub frame: Frame,
+    /// How that compares with the truth.
+    pub measures: M,
+    /// Length of the straight path through all views so far, metres.
+    pub path_length: f64,
+    /// Time to decide on this view.
+    pub plan_time: Duration,
+    /// Time to write its frame into the map.
+    pub map_time: Duration,
+    /// Time to take its frame: to render it, in a simulation.
+    pub capture_time: Duration,
+}
+
+/// What was scanned so far, compared with the true object.
+#[derive(Clone, Copy, Debug)]
+pub struct Measures {
     /// The map in the finest voxels against the object voxels, in the block of those: object voxels outside the
     /// session's box do not count as covered, and what is occupied outside the block is not counted at all.
     pub voxels: VoxelScore,
@@ -26,25 +41,49 @@ pub struct Step {
     pub n_seen: usize,
     /// Share, 0..=1, of the true surface with a measured point of the object within 1, 2 and 5 mm.
     pub surface_coverage: [f64; 3],
-    /// Length of the straight path through all views so far, metres.
-    pub path_length: f64,
-    /// Time to decide on this view.
-    pub plan_time: Duration,
-    /// Time to write its frame into the map.
-    pub map_time: Duration,
-    /// Time to render its depth image.
-    pub render_time: Duration,
 }
 
-/// Runs a session until it stops; every step is handed out as soon as it is done, and may end the run.
+impl<M> Step<M> {
+    /// The same step with other measures.
+    pub fn map<N>(self, change: impl FnOnce(M) -> N) -> Step<N> {
+        let Self { report, frame, measures, path_length, plan_time, map_time, capture_time } = self;
+        Step { measures: change(measures), report, frame, path_length, plan_time, map_time, capture_time }
+    }
+}
+
+/// Runs a session in a simulation until it stops; every step is handed out as soon as it is done, and may end the run.
 pub fn run(
     session: &mut Session,
     scene: &Scene,
     object: &ObjectVoxels,
-    mut on_step: impl FnMut(Step) -> ControlFlow<StopReason>,
+    on_step: impl FnMut(Step) -> ControlFlow<StopReason>,
 ) -> Result<StopReason, SimError> {
     let mut surface = SurfaceCoverage::new(scene.camera().mesh());
     let mut seen = FixedBitSet::with_capacity(object.len());
+    let capture = |next: &NextView| {
+        let capture = scene.camera().capture_with_truth(&next.world_from_camera)?;
+        Ok((capture.frame, (capture.truth, capture.of_object)))
+    };
+    let measure = |session: &Session, _: &Frame, (truth, of_object): (Frame, Frame)| {
+        seen.union_with(&object.seen_in(&truth));
+        surface.add(&of_object);
+        Measures {
+            voxels: object.compare(&session.map().snapshot(object.block())),
+            n_seen: seen.count_ones(..),
+            surface_coverage: surface.shares(),
+        }
+    };
+    run_with(session, capture, measure, on_step)
+}
+
+/// The same wherever the frames come from: `capture` takes the frame of a view, with whatever `measure` needs besides to say
+/// how the session stands after it.
+pub fn run_with<T, M, E>(
+    session: &mut Session,
+    mut capture: impl FnMut(&NextView) -> Result<(Frame, T), E>,
+    mut measure: impl FnMut(&Session, &Frame, T) -> M,
+    mut on_step: impl FnMut(Step<M>) -> ControlFlow<StopReason>,
+) -> Result<StopReason, E> {
     let mut path = Path::default();
     loop {
         let (decision, plan_time) = timed(|| session.decide());
@@ -52,21 +91,17 @@ pub fn run(
             Decision::Move(next) => next,
             Decision::Stop(reason) => return Ok(reason),
         };
-        let (capture, render_time) = timed(|| scene.camera().capture_with_truth(&next.world_from_camera));
-        let capture = capture?;
-        let (report, map_time) = timed(|| session.observe(&capture.frame));
-        seen.union_with(&object.seen_in(&capture.truth));
-        surface.add(&capture.of_object);
+        let (taken, capture_time) = timed(|| capture(&next));
+        let (frame, known) = taken?;
+        let (report, map_time) = timed(|| session.observe(&frame));
         let goes_on = on_step(Step {
             report,
-            voxels: object.compare(&session.map().snapshot(object.block())),
-            n_seen: seen.count_ones(..),
-            surface_coverage: [0.001, 0.002, 0.005].map(|distance| surface.share_within(distance)),
+            measures: measure(session, &frame, known),
             path_length: path.extend_to(next.world_from_camera.translation()),
             plan_time,
             map_time,
-            render_time,
-            frame: capture.frame,
+            capture_time,
+            frame,
         });
         if let ControlFlow::Break(reason) = goes_on {
             return Ok(reason);

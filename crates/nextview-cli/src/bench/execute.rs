@@ -64,19 +64,20 @@ fn measures(setting: &Setting, scan: &FinishedScan, baselines: Option<&Baselines
         steps: scan.steps.iter().map(|step| step_measures(step, baselines)).collect(),
         random_curve: baselines.map(|b| b.random.mean.clone()),
         clairvoyant_curve: baselines.map(|b| b.clairvoyant.clone()),
-        skill: baselines.and_then(|b| b.skill(&scan.steps)),
+        skill: baselines.and_then(|b| b.skill(scan.steps.iter().map(|step| &step.measures))),
         extra_memory_mb: None,
     }
 }
 
 fn step_measures(step: &Step, baselines: Option<&Baselines>) -> StepMeasures {
-    let [surface_1mm, surface_2mm, surface_5mm] = step.surface_coverage;
+    let truth = &step.measures;
+    let [surface_1mm, surface_2mm, surface_5mm] = truth.surface_coverage;
     StepMeasures {
         view: step.report.view,
         voxel_size_m: step.report.voxel_size,
-        voxel_coverage: step.voxels.coverage(),
-        false_voxels: step.voxels.n_false,
-        seen: baselines.map(|b| b.reachable_coverage(step)),
+        voxel_coverage: truth.voxels.coverage(),
+        false_voxels: truth.voxels.n_false,
+        seen: baselines.map(|b| b.reachable_coverage(truth)),
         estimated_seen_before: step.report.outlook.map(|outlook| outlook.completeness()),
         expected_new_voxels: step.report.outlook.map(|outlook| outlook.n_expected),
         surface_1mm,
@@ -87,7 +88,7 @@ fn step_measures(step: &Step, baselines: Option<&Baselines>) -> StepMeasures {
         path_length_m: step.path_length,
         plan_time_ms: milliseconds(step.plan_time),
         map_time_ms: milliseconds(step.map_time),
-        render_time_ms: milliseconds(step.render_time),
+        render_time_ms: milliseconds(step.capture_time),
     }
 }
 

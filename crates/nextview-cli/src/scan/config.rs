@@ -1,4 +1,5 @@
 use super::noise::NoiseConfig;
+use super::recorded::RecordingConfig;
 use super::{PlannerConfigs, PlannerName};
 use crate::Failure;
 use crate::commands::Rule;
@@ -36,7 +37,7 @@ impl fmt::Display for Profile {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct ScanConfig {
-    /// A mesh file or `builtin:NAME`.
+    /// A mesh file or `builtin:NAME`; with a recording, where its frames are.
     pub object: String,
     pub profile: Profile,
     pub planner: PlannerName,
@@ -80,6 +81,9 @@ pub(crate) struct ScanConfig {
     pub camera: Intrinsics,
     #[serde(default)]
     pub noise: NoiseConfig,
+    /// The frames are recorded; without it, they are simulated.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub recording: Option<RecordingConfig>,
 }
 
 /// How scans are written into the map.
@@ -242,6 +246,7 @@ impl ScanConfig {
             stop: StopConfig::default(),
             camera: Intrinsics::d435i(),
             noise: NoiseConfig::default(),
+            recording: None,
         };
         match profile {
             Profile::Default => config,
@@ -356,12 +361,18 @@ impl ScanConfig {
             return Err(Failure::data(format!("q_thresh is {q_thresh}, expected a number in 0..=1")));
         }
         self.map.sensor_model.check()?;
-        self.noise.check()?;
+        self.check_given()?;
         MaxFlow::new(self.max_flow)?;
         Greedy::<Apora>::new(self.greedy)?; // the parameters are checked alike for every gain
         MostSurface::new(self.most_surface)?;
         Batch::new(self.batch)?;
         Ok(())
+    }
+
+    /// Fails on values that options may have put out of range.
+    pub fn check_given(&self) -> Result<(), Failure> {
+        self.noise.check()?;
+        self.recording.as_ref().map_or(Ok(()), |recording| recording.check(self))
     }
 
     /// Fails if the planner does not estimate what the scan is to stop by.
