@@ -135,7 +135,7 @@ impl Scan {
         let views = ViewSpace::new(poses.copied().collect()).expect("some are above the table");
         let lattice = Lattice::new(voxel_size).expect("a length");
         let block = lattice.block_inside(&scene.planning_box(voxel_size)).expect("larger than a voxel");
-        let object = ObjectVoxels::new(scene.camera(), lattice, block);
+        let object = ObjectVoxels::new(scene.camera().mesh(), lattice, block);
         Self { scene, views, voxel_size, has_table, object }
     }
 

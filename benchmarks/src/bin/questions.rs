@@ -113,7 +113,7 @@ impl Object {
         let views = generate::shell(scene.center(), scene.size(), N_CANDIDATES, 0)?;
         let lattice = Lattice::new(VOXEL_SIZE)?;
         let block = lattice.block_inside(&scene.planning_box(VOXEL_SIZE)).ok_or("no voxels")?;
-        let voxels = ObjectVoxels::new(scene.camera(), lattice, block);
+        let voxels = ObjectVoxels::new(scene.camera().mesh(), lattice, block);
         let truth = TrueVisibility::new(scene.camera(), &voxels, &views, || {})?;
         Ok(Self { scene, views, voxels, truth })
     }
@@ -124,7 +124,7 @@ impl Object {
         let mut session = Session::new(config, Intrinsics::d435i(), self.views.clone(), planner)?;
         let mut n_seen = Vec::new();
         run::run(&mut session, &self.scene, &self.voxels, |step| {
-            n_seen.push(step.n_seen as f64 / self.truth.n_reachable() as f64);
+            n_seen.push(step.measures.n_seen as f64 / self.truth.n_reachable() as f64);
             ControlFlow::Continue(())
         })?;
         let random = RandomCurve::new(&self.truth, 0, N_VIEWS).mean;

@@ -1,3 +1,4 @@
+use nextview_recording::RecordingError;
 use nextview_sim::SimError;
 use std::fmt;
 use std::path::Path;
@@ -88,6 +89,12 @@ impl From<SimError> for Failure {
             SimError::Parameter(error) => error.into(),
             error => Self::data(error),
         }
+    }
+}
+
+impl From<RecordingError> for Failure {
+    fn from(error: RecordingError) -> Self {
+        Self::data(error)
     }
 }
 

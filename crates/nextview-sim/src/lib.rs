@@ -4,6 +4,7 @@
 //! Start with [`scene::Scene`] and [`run::run`]. Nothing here plans, except [`baseline::Clairvoyant`], which may
 //! look at the truth.
 
+pub mod accuracy;
 pub mod baseline;
 pub mod builtin;
 pub mod camera;

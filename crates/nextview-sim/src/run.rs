@@ -1,4 +1,4 @@
-//! A simulated scan from the first view to the last, measured at every step.
+//! A scan from the first view to the last, measured at every step.
 
 use crate::SimError;
 use crate::scene::Scene;
@@ -8,17 +8,32 @@ use fixedbitset::FixedBitSet;
 use glam::DVec3;
 use nextview::geometry::Pose;
 use nextview::sensor::Frame;
-use nextview::session::{Decision, Session, StepReport, StopReason};
+use nextview::session::{Decision, NextView, Session, StepReport, StopReason};
 use std::ops::ControlFlow;
 use std::time::{Duration, Instant};
 
-/// Everything measured at one step of a simulated scan.
+/// Everything about one step of a scan, with what is measured of it: the truth, in a simulation.
 #[derive(Clone, Debug)]
-pub struct Step {
+pub struct Step<M = Measures> {
     /// What the session tells.
     pub report: StepReport,
     /// What the camera told, with the pose in which the session mapped it.
     pub frame: Frame,
+    /// How that compares with the truth.
+    pub measures: M,
+    /// Length of the straight path through all views so far, metres.
+    pub path_length: f64,
+    /// Time to decide on this view.
+    pub plan_time: Duration,
+    /// Time to write its frame into the map.
+    pub map_time: Duration,
+    /// Time to take its frame: to render it, in a simulation.
+    pub capture_time: Duration,
+}
+
+/// What was scanned so far, compared with the true object.
+#[derive(Clone, Copy, Debug)]
+pub struct Measures {
     /// The map in the finest voxels against the object voxels, in the block of those: object voxels outside the
     /// session's box do not count as covered, and what is occupied outside the block is not counted at all.
     pub voxels: VoxelScore,
@@ -28,27 +43,61 @@ pub struct Step {
     /// Share, 0..=1, of the true surface with a measured point of the object within 1, 2 and 5 mm.
     pub surface_coverage: [f64; 3],
     /// How far the points of the object are from where they are, for the pose in which the frame was mapped: root mean square
-    /// over those that a pixel measured, metres; 0 if there are none. The error of the depth is not in it.
-    pub misplacement: f64,
-    /// Length of the straight path through all views so far, metres.
-    pub path_length: f64,
-    /// Time to decide on this view.
-    pub plan_time: Duration,
-    /// Time to write its frame into the map.
-    pub map_time: Duration,
-    /// Time to render its depth image.
-    pub render_time: Duration,
+    /// over those that a pixel measured, metres; 0 if there are none. The error of the depth is not in it. None where the
+    /// true poses are not known.
+    pub misplacement: Option<f64>,
 }
 
-/// Runs a session until it stops; every step is handed out as soon as it is done, and may end the run.
+impl<M> Step<M> {
+    /// The same step with other measures.
+    pub fn map<N>(self, change: impl FnOnce(M) -> N) -> Step<N> {
+        let Self { report, frame, measures, path_length, plan_time, map_time, capture_time } = self;
+        Step { measures: change(measures), report, frame, path_length, plan_time, map_time, capture_time }
+    }
+}
+
+/// Runs a session in a simulation until it stops; every step is handed out as soon as it is done, and may end the run.
 pub fn run(
     session: &mut Session,
     scene: &Scene,
     object: &ObjectVoxels,
-    mut on_step: impl FnMut(Step) -> ControlFlow<StopReason>,
+    on_step: impl FnMut(Step) -> ControlFlow<StopReason>,
 ) -> Result<StopReason, SimError> {
     let mut surface = SurfaceCoverage::new(scene.camera().mesh());
     let mut seen = FixedBitSet::with_capacity(object.len());
+    let mut is_first = true;
+    let capture = |next: &NextView| {
+        let capture = scene.camera().capture_with_truth(&next.world_from_camera)?;
+        let claims_right_pose = is_first && scene.camera().noise().first_pose_is_right;
+        is_first = false;
+        let frame = match claims_right_pose {
+            true => capture.frame.with_pose(next.world_from_camera),
+            false => capture.frame,
+        };
+        Ok((frame, (capture.truth, capture.of_object)))
+    };
+    let measure = |session: &Session, frame: &Frame, (truth, of_object): (Frame, Frame)| {
+        let mapped_from = frame.world_from_camera();
+        seen.union_with(&object.seen_in(&truth));
+        surface.add(&of_object.with_pose(mapped_from));
+        Measures {
+            voxels: object.compare(&session.map().snapshot(object.block())),
+            n_seen: seen.count_ones(..),
+            surface_coverage: surface.shares(),
+            misplacement: Some(misplacement(&truth, &mapped_from)),
+        }
+    };
+    run_with(session, capture, measure, on_step)
+}
+
+/// The same wherever the frames come from: `capture` takes the frame of a view, with whatever `measure` needs besides that
+/// frame, in the pose in which it was mapped, to say how the session stands after it.
+pub fn run_with<T, M, E>(
+    session: &mut Session,
+    mut capture: impl FnMut(&NextView) -> Result<(Frame, T), E>,
+    mut measure: impl FnMut(&Session, &Frame, T) -> M,
+    mut on_step: impl FnMut(Step<M>) -> ControlFlow<StopReason>,
+) -> Result<StopReason, E> {
     let mut path = Path::default();
     loop {
         let (decision, plan_time) = timed(|| session.decide());
@@ -56,28 +105,18 @@ pub fn run(
             Decision::Move(next) => next,
             Decision::Stop(reason) => return Ok(reason),
         };
-        let (capture, render_time) = timed(|| scene.camera().capture_with_truth(&next.world_from_camera));
-        let capture = capture?;
-        let claims_right_pose = scene.camera().noise().first_pose_is_right && path.end.is_none();
-        let frame = match claims_right_pose {
-            true => capture.frame.with_pose(next.world_from_camera),
-            false => capture.frame,
-        };
+        let (taken, capture_time) = timed(|| capture(&next));
+        let (frame, known) = taken?;
         let (report, map_time) = timed(|| session.observe(&frame));
-        seen.union_with(&object.seen_in(&capture.truth));
-        let mapped_from = report.world_from_camera; // registration may correct the pose that the camera claims
-        surface.add(&capture.of_object.with_pose(mapped_from));
+        let frame = frame.with_pose(report.world_from_camera); // registration may correct the pose that the camera claims
         let goes_on = on_step(Step {
             report,
-            voxels: object.compare(&session.map().snapshot(object.block())),
-            n_seen: seen.count_ones(..),
-            misplacement: misplacement(&capture.truth, &mapped_from),
-            surface_coverage: [0.001, 0.002, 0.005].map(|distance| surface.share_within(distance)),
+            measures: measure(session, &frame, known),
             path_length: path.extend_to(next.world_from_camera.translation()),
             plan_time,
             map_time,
-            render_time,
-            frame: frame.with_pose(mapped_from),
+            capture_time,
+            frame,
         });
         if let ControlFlow::Break(reason) = goes_on {
             return Ok(reason);

@@ -2,6 +2,7 @@
 
 use crate::mesh::{TriangleMesh, sample_surface};
 use crate::truth::SEED;
+use fixedbitset::FixedBitSet;
 use glam::{DVec3, IVec3};
 use nextview::geometry::Aabb;
 use nextview::sensor::Frame;
@@ -58,11 +59,23 @@ impl SurfaceCoverage {
         }
     }
 
-    /// The share, 0..=1, of samples with a measured point within `distance` metres, which must be at most 0.005.
-    pub fn share_within(&self, distance: f64) -> f64 {
+    /// The samples, by number, with a measured point within `distance` metres, which must be at most 0.005.
+    pub fn within(&self, distance: f64) -> FixedBitSet {
         assert!(distance <= FAR, "distances above {FAR} m are not kept");
-        let within = self.nearest_sq.iter().filter(|&&d| d <= distance * distance).count();
-        within as f64 / self.samples.len() as f64
+        let mut within = FixedBitSet::with_capacity(self.samples.len());
+        let near = self.nearest_sq.iter().enumerate().filter(|&(_, &d)| d <= distance * distance);
+        near.for_each(|(sample, _)| within.insert(sample));
+        within
+    }
+
+    /// The share, 0..=1, of these samples.
+    pub fn share_within(&self, distance: f64) -> f64 {
+        self.within(distance).count_ones(..) as f64 / self.samples.len() as f64
+    }
+
+    /// The shares within 1, 2 and 5 mm.
+    pub fn shares(&self) -> [f64; 3] {
+        [0.001, 0.002, 0.005].map(|distance| self.share_within(distance))
     }
 }
 

@@ -2,7 +2,7 @@
 
 use crate::SimError;
 use crate::camera::SimulatedCamera;
-use crate::mesh::sample_surface;
+use crate::mesh::{TriangleMesh, sample_surface};
 use fixedbitset::FixedBitSet;
 use glam::DVec3;
 use nextview::Error;
@@ -34,13 +34,12 @@ pub struct ObjectVoxels {
 const NO_OBJECT: u32 = u32::MAX;
 
 impl ObjectVoxels {
-    /// The object voxels of the camera's mesh within the block.
-    pub fn new(camera: &SimulatedCamera, lattice: Lattice, block: VoxelBlock) -> Self {
+    /// The object voxels of a mesh within the block.
+    pub fn new(mesh: &TriangleMesh, lattice: Lattice, block: VoxelBlock) -> Self {
         let face = lattice.voxel_size() * lattice.voxel_size();
-        let n_samples =
-            (camera.mesh().area() / face * SAMPLES_PER_FACE).clamp(20_000.0, MAX_SAMPLES) as usize;
+        let n_samples = (mesh.area() / face * SAMPLES_PER_FACE).clamp(20_000.0, MAX_SAMPLES) as usize;
         let mut number = vec![NO_OBJECT; block.n_voxels()];
-        for point in sample_surface(camera.mesh(), n_samples, SEED) {
+        for point in sample_surface(mesh, n_samples, SEED) {
             if let Some(index) = block.index(lattice.key(point)) {
                 number[index] = 0;
             }
@@ -149,13 +148,17 @@ impl TrueVisibility {
             Ok::<_, Error>(seen)
         };
         let seen: Vec<FixedBitSet> = views.poses().par_iter().map(look).collect::<Result<_, _>>()?;
-        let mut reachable = FixedBitSet::with_capacity(object.len());
+        let what =
+            "no view candidate sees the object: is it beyond the camera's range, or are the views elsewhere?";
+        Self::of_seen(seen).ok_or_else(|| SimError::format("views", what))
+    }
+
+    /// From what each view sees of the object, in whatever parts that is counted, of which there are as many for every view;
+    /// none if no view sees any.
+    pub fn of_seen(seen: Vec<FixedBitSet>) -> Option<Self> {
+        let mut reachable = FixedBitSet::new();
         seen.iter().for_each(|seen| reachable.union_with(seen));
-        if reachable.is_clear() {
-            let what = "no view candidate sees the object: is it beyond the camera's range, or are the views elsewhere?";
-            return Err(SimError::format("views", what));
-        }
-        Ok(Self { seen, reachable })
+        (!reachable.is_clear()).then_some(Self { seen, reachable })
     }
 
     /// Number of views.

@@ -34,7 +34,7 @@ impl Setup {
         let views = generate::shell(scene.center(), scene.size(), 150, 1).unwrap();
         let lattice = Lattice::new(VOXEL_SIZE).unwrap();
         let block = lattice.block_inside(&scene.planning_box(VOXEL_SIZE)).unwrap();
-        let object = ObjectVoxels::new(scene.camera(), lattice, block);
+        let object = ObjectVoxels::new(scene.camera().mesh(), lattice, block);
         let truth = Arc::new(TrueVisibility::new(scene.camera(), &object, &views, || {}).unwrap());
         Self { scene, views, object, truth }
     }
@@ -56,7 +56,7 @@ impl Setup {
     }
 
     fn curve(&self, steps: &[Step]) -> Vec<f64> {
-        let share = |step: &Step| step.n_seen as f64 / self.truth.n_reachable() as f64;
+        let share = |step: &Step| step.measures.n_seen as f64 / self.truth.n_reachable() as f64;
         extended(steps.iter().map(share).collect(), 10)
     }
 
@@ -99,9 +99,12 @@ fn what_a_scan_sees_is_what_the_truth_says_of_its_views() {
     assert_eq!(setup.curve(&steps), setup.truth.coverage_curve(&views));
     assert_eq!(reason, StopReason::ViewLimit);
     let last = steps.last().unwrap();
-    assert!(last.surface_coverage.is_sorted(), "a wider tolerance covers more");
-    assert!(last.voxels.n_true <= last.n_seen, "a voxel is occupied only where something was seen");
-    assert!(last.voxels.n_true > last.n_seen / 2, "and most of what was seen is occupied");
+    assert!(last.measures.surface_coverage.is_sorted(), "a wider tolerance covers more");
+    assert!(
+        last.measures.voxels.n_true <= last.measures.n_seen,
+        "a voxel is occupied only where something was seen"
+    );
+    assert!(last.measures.voxels.n_true > last.measures.n_seen / 2, "and most of what was seen is occupied");
     let straight: f64 = views
         .windows(2)
         .map(|w| setup.views.pose(w[0]).translation().distance(setup.views.pose(w[1]).translation()))
@@ -120,7 +123,7 @@ fn each_stop_reason_is_reached() {
     let everything = SessionConfig { stop: stop(1000, None), ..setup.config() };
     let (steps, reason) = setup.run(Box::new(Clairvoyant::new(setup.truth.clone())), everything);
     assert_eq!(reason, StopReason::NothingToGain);
-    assert_eq!(steps.last().unwrap().n_seen, setup.truth.n_reachable());
+    assert_eq!(steps.last().unwrap().measures.n_seen, setup.truth.n_reachable());
 }
 
 /// A batch planner that counts how often it is asked.

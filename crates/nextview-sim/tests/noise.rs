@@ -38,7 +38,7 @@ impl Setup {
         let views = generate::hemisphere(scene.center(), 4.0 * scene.size(), 60).unwrap();
         let lattice = Lattice::new(VOXEL_SIZE).unwrap();
         let block = lattice.block_inside(&scene.planning_box(VOXEL_SIZE)).unwrap();
-        let object = ObjectVoxels::new(scene.camera(), lattice, block);
+        let object = ObjectVoxels::new(scene.camera().mesh(), lattice, block);
         Self { scene, views, object }
     }
 
@@ -176,9 +176,12 @@ fn planning_covers_the_object_in_spite_of_noise() {
         let setup = Setup::new(noise);
         let steps = setup.scan();
         let last = steps.last().unwrap();
-        let seen = last.n_seen as f64 / setup.truth().n_reachable() as f64;
-        println!("{seen:.3} of the reachable, {:?}, surface {:.3?}", last.voxels, last.surface_coverage);
-        (seen, last.voxels)
+        let seen = last.measures.n_seen as f64 / setup.truth().n_reachable() as f64;
+        println!(
+            "{seen:.3} of the reachable, {:?}, surface {:.3?}",
+            last.measures.voxels, last.measures.surface_coverage
+        );
+        (seen, last.measures.voxels)
     };
     let (exact, _) = scan(Noise::default());
     let (noisy, voxels) = scan(d435i(POSE));

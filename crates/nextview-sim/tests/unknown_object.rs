@@ -36,7 +36,7 @@ impl Setup {
         let views = ViewSpace::new(above.take(150).copied().collect()).unwrap();
         let lattice = Lattice::new(VOXEL_SIZE).unwrap();
         let block = lattice.block_inside(&scene.planning_box(VOXEL_SIZE)).unwrap();
-        let object = ObjectVoxels::new(scene.camera(), lattice, block);
+        let object = ObjectVoxels::new(scene.camera().mesh(), lattice, block);
         let n_reachable = TrueVisibility::new(scene.camera(), &object, &views, || {}).unwrap().n_reachable();
         Self { scene, views, object, n_reachable }
     }
@@ -81,7 +81,7 @@ impl Setup {
     }
 
     fn seen(&self, steps: &[Step]) -> f64 {
-        steps.last().unwrap().n_seen as f64 / self.n_reachable as f64
+        steps.last().unwrap().measures.n_seen as f64 / self.n_reachable as f64
     }
 }
 

@@ -12,7 +12,7 @@ use nextview::gain::{
 use nextview::geometry::{Lattice, VoxelBlock};
 use nextview::map::{LogOdds, Snapshot, entropy, frontier};
 use nextview::planner::{
-    Greedy, GreedyConfig, MaxFlow, MaxFlowConfig, Plan, RandomViews, Situation, ViewPlanner,
+    Greedy, GreedyConfig, InOrder, MaxFlow, MaxFlowConfig, Plan, RandomViews, Situation, ViewPlanner,
 };
 use nextview::sensor::{DepthImage, Frame, Intrinsics};
 use nextview::view::{ViewSpace, generate, look_at};
@@ -328,47 +328,45 @@ fn refuses_parameters_out_of_range() {
 
 #[test]
 fn random_views_are_distinct_seeded_and_spread() {
-    let (snapshot, views, intrinsics) = (&unknown(), &views(), &Intrinsics::d435i());
-    let sequence = |seed| {
-        let mut visited = vec![0];
-        while let Some(choice) = (RandomViews { seed })
-            .plan(&Situation {
-                snapshot,
-                frames: &[],
-                views,
-                intrinsics,
-                visited: &visited,
-                history: &[],
-                finest_voxel_size: snapshot.lattice().voxel_size(),
-            })
-            .choice
-        {
-            visited.push(choice.view);
-        }
-        visited
-    };
-    let first = sequence(1);
-    assert_eq!(first, sequence(1));
-    assert_ne!(first, sequence(2));
+    let random = |seed| sequence(RandomViews { seed }, 0);
+    let first = random(1);
+    assert_eq!(first, random(1));
+    assert_ne!(first, random(2));
     let mut sorted = first.clone();
     sorted.sort_unstable();
     assert_eq!(sorted, (0..60).collect::<Vec<_>>());
     // Second views over many seeds fall on all candidates about equally.
     let mut counts = [0; 60];
-    (0..5900).for_each(|seed| counts[sequence_start(seed)] += 1);
+    (0..5900).for_each(|seed| counts[next(&RandomViews { seed }, &[0]).unwrap()] += 1);
     assert!(counts[1..].iter().all(|&n| (60..150).contains(&n)), "{counts:?}");
 }
 
-fn sequence_start(seed: u64) -> usize {
+#[test]
+fn in_order_begins_anew_after_the_last_view() {
+    assert_eq!(sequence(InOrder, 0), (0..60).collect::<Vec<_>>());
+    assert_eq!(sequence(InOrder, 57), [57, 58, 59].into_iter().chain(0..57).collect::<Vec<_>>());
+    assert_eq!(next(&InOrder, &[]), Some(0));
+}
+
+/// The views that a planner takes one after the other until there is none left.
+fn sequence(planner: impl ViewPlanner, first: usize) -> Vec<usize> {
+    let mut visited = vec![first];
+    while let Some(view) = next(&planner, &visited) {
+        visited.push(view);
+    }
+    visited
+}
+
+fn next(planner: &impl ViewPlanner, visited: &[usize]) -> Option<usize> {
     let (snapshot, views, intrinsics) = (&unknown(), &views(), &Intrinsics::d435i());
     let situation = Situation {
         snapshot,
         frames: &[],
         views,
         intrinsics,
-        visited: &[0],
+        visited,
         history: &[],
         finest_voxel_size: snapshot.lattice().voxel_size(),
     };
-    RandomViews { seed }.plan(&situation).choice.unwrap().view
+    planner.plan(&situation).choice.map(|choice| choice.view)
 }

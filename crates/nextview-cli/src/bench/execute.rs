@@ -70,25 +70,26 @@ fn measures(
         steps: scan.steps.iter().map(|step| step_measures(step, is_pose_wrong, baselines)).collect(),
         random_curve: baselines.map(|b| b.random.mean.clone()),
         clairvoyant_curve: baselines.map(|b| b.clairvoyant.clone()),
-        skill: baselines.and_then(|b| b.skill(&scan.steps)),
+        skill: baselines.and_then(|b| b.skill(scan.steps.iter().map(|step| &step.measures))),
         extra_memory_mb: None,
     }
 }
 
 fn step_measures(step: &Step, is_pose_wrong: bool, baselines: Option<&Baselines>) -> StepMeasures {
-    let [surface_1mm, surface_2mm, surface_5mm] = step.surface_coverage;
+    let truth = &step.measures;
+    let [surface_1mm, surface_2mm, surface_5mm] = truth.surface_coverage;
     StepMeasures {
         view: step.report.view,
         voxel_size_m: step.report.voxel_size,
-        voxel_coverage: step.voxels.coverage(),
-        false_voxels: step.voxels.n_false,
-        seen: baselines.map(|b| b.reachable_coverage(step)),
+        voxel_coverage: truth.voxels.coverage(),
+        false_voxels: truth.voxels.n_false,
+        seen: baselines.map(|b| b.reachable_coverage(truth)),
         estimated_seen_before: step.report.outlook.map(|outlook| outlook.completeness()),
         expected_new_voxels: step.report.outlook.map(|outlook| outlook.n_expected),
         surface_1mm,
         surface_2mm,
         surface_5mm,
-        misplaced_mm: is_pose_wrong.then_some(1e3 * step.misplacement),
+        misplaced_mm: truth.misplacement.filter(|_| is_pose_wrong).map(|m| 1e3 * m),
         registration: step.report.registration.map(|found| found.verdict),
         overlap: step.report.registration.map(|found| found.overlap),
         entropy_nats: step.report.map.entropy,
@@ -96,7 +97,7 @@ fn step_measures(step: &Step, is_pose_wrong: bool, baselines: Option<&Baselines>
         path_length_m: step.path_length,
         plan_time_ms: milliseconds(step.plan_time),
         map_time_ms: milliseconds(step.map_time),
-        render_time_ms: milliseconds(step.render_time),
+        render_time_ms: milliseconds(step.capture_time),
     }
 }
 

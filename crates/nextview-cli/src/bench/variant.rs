@@ -90,6 +90,11 @@ fn load(mut table: Table) -> Result<ScanConfig, Failure> {
             "`{key}` is not for [scan], `scan` or `sweep`: `{by}` decides it"
         )));
     }
+    if table.contains_key("recording") {
+        return Err(Failure::data(
+            "`recording` is for `nextview scan` alone: a campaign simulates its objects",
+        ));
+    }
     table.entry("view_seed").or_insert(Value::Integer(0));
     ScanConfig::from_table(table)
 }

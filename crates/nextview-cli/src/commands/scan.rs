@@ -1,9 +1,11 @@
 use super::values;
 use crate::Failure;
 use crate::scan::{
-    self, BoxRule, NoiseModel, Output, PlannerName, Profile, ScanConfig, TableRule, UnitName, ViewSpaceName,
+    self, BoxRule, NoiseModel, Output, PlannerName, Profile, RecordingConfig, ScanConfig, TableRule,
+    UnitName, ViewSpaceName,
 };
 use clap::{Args, ValueEnum};
+use nextview_recording::ReadOptions;
 use std::path::PathBuf;
 
 /// Scan an object from the first view to the last, and write map, cloud, mesh and report.
@@ -11,12 +13,20 @@ use std::path::PathBuf;
 /// The object is a mesh that a simulated depth camera looks at; the planner knows only the box it lies in (or not even
 /// that) and what the camera saw. Because the truth is known, the scan is measured: against random views and against a clairvoyant planner
 /// that knows the object (skill 0 and 1).
+///
+/// With --frames, a camera's recorded images take its place: the candidates are the recorded poses, and the box grows from the first
+/// image on unless --box-m states it. The scan is measured if --truth says what the object looks like.
 #[derive(Debug, Args)]
 #[command(after_help = EXAMPLES)]
 pub(super) struct ScanArgs {
     /// A mesh file (.ply, .obj, .stl, .off, .gltf, .glb) or builtin:NAME (teapot, mug, bracket, torus-knot, random-SEED
     /// such as random-17) [default: builtin:teapot]
     model: Option<String>,
+    /// Recorded frames instead of a simulation: a folder with poses.csv, intrinsics.txt and depth/, one of TUM RGB-D, or an .mcap file of ROS 2
+    #[arg(long, value_name = "PATH", conflicts_with_all = ["model", "candidates", "view_space", "object_box", "noise", "pose_error_mm", "pose_error_deg", "size_m"])]
+    frames: Option<String>,
+    #[command(flatten)]
+    recording: RecordingArgs,
     /// How to choose the next view [default: most-surface; profile paper: max-flow]
     #[arg(long, value_enum)]
     planner: Option<PlannerName>,
@@ -38,10 +48,11 @@ pub(super) struct ScanArgs {
     /// Number of view candidates [default: 1000; profile paper: 5000]
     #[arg(long, value_name = "N", value_parser = values::count, allow_negative_numbers = true)]
     candidates: Option<usize>,
-    /// Number of the candidate to begin with [default: 0]
+    /// Number of the candidate, or recorded frame, to begin with [default: 0]
     #[arg(long, value_name = "I", value_parser = values::count, allow_negative_numbers = true)]
     first_view: Option<usize>,
-    /// Edge of a voxel in metres [default: about a fortieth of the object; profile paper: 0.01]
+    /// Edge of a voxel in metres [default: about a fortieth of the object, 0.005 for recordings whose box grows; profile paper:
+    /// 0.01]
     #[arg(long, value_name = "M", value_parser = values::positive, allow_negative_numbers = true)]
     voxel_size_m: Option<f64>,
     /// Whether planning begins in coarse voxels and halves them as the map becomes known [default: off]
@@ -83,7 +94,7 @@ pub(super) struct ScanArgs {
     /// Scale the object so that its longest side has this length in metres
     #[arg(long, value_name = "M", value_parser = values::positive, allow_negative_numbers = true)]
     size_m: Option<f64>,
-    /// Whether to compute the random and clairvoyant curves and the skill [default: on]
+    /// Whether to compute the random and clairvoyant curves and the skill, where the truth is known [default: on]
     #[arg(long, value_enum, value_name = "on|off", hide_possible_values = true)]
     baselines: Option<Switch>,
     /// Configuration to start from, such as the config.toml of an earlier scan; options given here override it
@@ -97,12 +108,30 @@ pub(super) struct ScanArgs {
     json: bool,
 }
 
+/// What only recordings need.
+#[derive(Debug, Args)]
+struct RecordingArgs {
+    /// With --frames: what the names of the pose columns in poses.csv begin with [default: world_from_camera, or the only set]
+    #[arg(long, value_name = "NAME")]
+    pose_columns: Option<String>,
+    /// With --frames: the box that the object lies in, in metres, by its lowest and its highest corner [default: it grows]
+    #[arg(long, value_name = "X0,Y0,Z0,X1,Y1,Z1", value_parser = values::corners, allow_hyphen_values = true)]
+    box_m: Option<[f64; 6]>,
+    /// With --frames: mesh of the true object, to measure the scan by
+    #[arg(long, value_name = "MESH")]
+    truth: Option<String>,
+    /// With --truth: file of the 4 x 4 matrix, row by row and in metres, that takes points of the recording to the mesh
+    #[arg(long, value_name = "FILE")]
+    truth_from_world: Option<String>,
+}
+
 const EXAMPLES: &str = "\
 Examples:
   nextview scan                                             the built-in teapot
   nextview scan part.stl --unit mm --views 15 --out part    your own mesh
   nextview scan bunny.ply --profile paper --json            the paper's protocol, as JSON
   nextview scan --config part/config.toml                   the same scan again
+  nextview scan --frames recorded/ --truth part.stl         recorded frames, measured
 
 The folder holds config.toml (everything that decides the scan), steps.jsonl (a line per view),
 views.csv (poses), map.ot and map.bt (OctoMap), cloud.ply, mesh.ply and report.html.";
@@ -117,7 +146,11 @@ enum Switch {
 impl ScanArgs {
     pub fn run(self) -> Result<(), Failure> {
         let mut config = ScanConfig::load(self.profile, self.config.as_deref())?;
-        set(&mut config.object, self.model);
+        if self.model.is_some() {
+            config.recording = None;
+        }
+        set(&mut config.object, self.model.or(self.frames.clone()));
+        self.recording.set(&mut config, self.frames.is_some())?;
         set(&mut config.planner, self.planner);
         set(&mut config.most_surface.theta, self.theta);
         set(&mut config.max_flow.theta, self.theta);
@@ -138,14 +171,44 @@ impl ScanArgs {
         set(&mut config.registration.enabled, self.register.map(|switch| switch == Switch::On));
         config.min_overlap = self.min_overlap.or(config.min_overlap);
         set(&mut config.baselines, self.baselines.map(|switch| switch == Switch::On));
-        config.noise.check()?;
         config.stop.completeness = self.complete.or(config.stop.completeness);
         config.stop.path_length_m = self.max_path_m.or(config.stop.path_length_m);
         config.stop.time_s = self.max_time_s.or(config.stop.time_s);
         config.voxel_size_m = self.voxel_size_m.or(config.voxel_size_m);
         config.size_m = self.size_m.or(config.size_m);
+        config.check_given()?;
         let dir = self.out.unwrap_or_else(|| scan::default_dir(&config));
         scan::scan(config, &Output { dir, json: self.json })
+    }
+}
+
+impl RecordingArgs {
+    /// Overrides what the configuration says of its recording; fails if there is none.
+    fn set(self, config: &mut ScanConfig, is_recorded: bool) -> Result<(), Failure> {
+        let options = [
+            ("pose-columns", self.pose_columns.is_some()),
+            ("box-m", self.box_m.is_some()),
+            ("truth", self.truth.is_some()),
+        ];
+        let options = options.into_iter().chain([("truth-from-world", self.truth_from_world.is_some())]);
+        let recording = match config.recording.take() {
+            Some(recording) => recording,
+            None if is_recorded => RecordingConfig::default(),
+            None => {
+                let given = options.filter(|(_, is_given)| *is_given).map(|(name, _)| name).next();
+                return given.map_or(Ok(()), |name| Err(Failure::usage(format!("--{name} needs --frames"))));
+            }
+        };
+        config.recording = Some(RecordingConfig {
+            box_m: self.box_m.or(recording.box_m),
+            truth: self.truth.or(recording.truth),
+            truth_from_world: self.truth_from_world.or(recording.truth_from_world),
+            read: ReadOptions {
+                pose_columns: self.pose_columns.or(recording.read.pose_columns),
+                ..recording.read
+            },
+        });
+        Ok(())
     }
 }
 

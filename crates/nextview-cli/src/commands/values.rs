@@ -47,6 +47,11 @@ pub(super) fn cube(text: &str) -> Result<Aabb, String> {
     Ok(Aabb::cube(DVec3::new(x, y, z), half))
 }
 
+/// A box, `x0,y0,z0,x1,y1,z1`: its lowest and its highest corner.
+pub(super) fn corners(text: &str) -> Result<[f64; 6], String> {
+    numbers::<6>(text, "x0,y0,z0,x1,y1,z1")
+}
+
 fn number(text: &str) -> Result<f64, String> {
     let value: f64 = text.trim().parse().map_err(|_| format!("'{text}' is not a number"))?;
     if value.is_finite() { Ok(value) } else { Err(format!("{text} is not finite")) }

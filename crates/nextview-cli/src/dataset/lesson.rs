@@ -104,7 +104,7 @@ impl<'a> Scan<'a> {
     fn new(scene: &'a Scene, voxel_size: f64, background: Background) -> Result<Self, SimError> {
         let lattice = Lattice::new(voxel_size)?;
         let block = lattice.block_inside(&scene.planning_box(voxel_size)).expect("the box holds many voxels");
-        let truth = ObjectVoxels::new(scene.camera(), lattice, block);
+        let truth = ObjectVoxels::new(scene.camera().mesh(), lattice, block);
         let views = views::poses(&lattice.bounds(&block));
         let mut seen = [const { FixedBitSet::new() }; views::N_VIEWS];
         for (seen, pose) in seen.iter_mut().zip(&views) {

@@ -1,7 +1,7 @@
 use super::{ScanConfig, Setting};
 use crate::Failure;
 use nextview_sim::baseline::{RandomCurve, clairvoyant_curve, extended, skill};
-use nextview_sim::run::Step;
+use nextview_sim::run::Measures;
 use nextview_sim::truth::TrueVisibility;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
@@ -52,14 +52,14 @@ impl Baselines {
         self.truth.n_reachable()
     }
 
-    /// Share of the reachable object voxels seen up to this step.
-    pub fn reachable_coverage(&self, step: &Step) -> f64 {
-        step.n_seen as f64 / self.n_reachable() as f64
+    /// Share of the reachable object voxels seen up to a step.
+    pub fn reachable_coverage(&self, measures: &Measures) -> f64 {
+        measures.n_seen as f64 / self.n_reachable() as f64
     }
 
     /// Area under the curve of the steps from random (0) to clairvoyant (1).
-    pub fn skill(&self, steps: &[Step]) -> Option<f64> {
-        let curve = steps.iter().map(|step| self.reachable_coverage(step)).collect();
+    pub fn skill<'a>(&self, steps: impl Iterator<Item = &'a Measures>) -> Option<f64> {
+        let curve = steps.map(|measures| self.reachable_coverage(measures)).collect();
         skill(&extended(curve, self.random.mean.len()), &self.random.mean, &self.clairvoyant)
     }
 }

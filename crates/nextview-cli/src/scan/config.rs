@@ -1,4 +1,5 @@
 use super::noise::NoiseConfig;
+use super::recorded::RecordingConfig;
 use super::registration::RegistrationConfig;
 use super::{NbvNetConfig, PlannerConfigs, PlannerName};
 use crate::Failure;
@@ -7,15 +8,18 @@ use clap::ValueEnum;
 use nextview::gain::Apora;
 use nextview::map::{Background, RayRule, SensorModel};
 use nextview::planner::{
-    Batch, BatchConfig, Greedy, GreedyConfig, MaxFlow, MaxFlowConfig, MostSurface, MostSurfaceConfig,
+    Batch, BatchConfig, Greedy, GreedyConfig, MaxFlow, MaxFlowConfig, MinOverlap, MostSurface,
+    MostSurfaceConfig, ViewPlanner,
 };
 use nextview::sensor::Intrinsics;
 use nextview::session::MultiResolution;
 use nextview::visibility::FreeSpace;
 use nextview_sim::mesh::Unit;
+use nextview_sim::truth::TrueVisibility;
 use serde::{Deserialize, Serialize};
 use std::fmt;
 use std::path::Path;
+use std::sync::Arc;
 
 /// A named set of defaults.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum, Serialize, Deserialize)]
@@ -37,7 +41,7 @@ impl fmt::Display for Profile {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct ScanConfig {
-    /// A mesh file or `builtin:NAME`.
+    /// A mesh file or `builtin:NAME`; with a recording, where its frames are.
     pub object: String,
     pub profile: Profile,
     pub planner: PlannerName,
@@ -90,6 +94,9 @@ pub(crate) struct ScanConfig {
     pub camera: Intrinsics,
     #[serde(default)]
     pub noise: NoiseConfig,
+    /// The frames are recorded; without it, they are simulated.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub recording: Option<RecordingConfig>,
 }
 
 /// How scans are written into the map.
@@ -255,6 +262,7 @@ impl ScanConfig {
             stop: StopConfig::default(),
             camera: Intrinsics::d435i(),
             noise: NoiseConfig::default(),
+            recording: None,
         };
         match profile {
             Profile::Default => config,
@@ -333,14 +341,19 @@ impl ScanConfig {
         }
     }
 
-    /// The parameters of all planners.
-    pub fn planners(&self) -> PlannerConfigs {
-        PlannerConfigs {
+    /// The planner, which is told the truth if it is known.
+    pub fn build_planner(&self, truth: Option<Arc<TrueVisibility>>) -> Result<Box<dyn ViewPlanner>, Failure> {
+        let configs = PlannerConfigs {
             most_surface: self.most_surface,
             max_flow: self.max_flow,
             greedy: self.greedy,
             batch: self.batch,
             nbv_net: self.nbv_net.clone(),
+        };
+        let planner = self.planner.build(configs, self.seed, truth)?;
+        match self.min_overlap {
+            Some(share) => Ok(Box::new(MinOverlap::new(share, planner)?)),
+            None => Ok(planner),
         }
     }
 
@@ -373,8 +386,7 @@ impl ScanConfig {
             return Err(Failure::data(format!("q_thresh is {q_thresh}, expected a number in 0..=1")));
         }
         self.map.sensor_model.check()?;
-        self.noise.check()?;
-        self.registration.check()?;
+        self.check_given()?;
         if let Some(share) = self.min_overlap.filter(|share| !(0.0..=1.0).contains(share)) {
             return Err(Failure::data(format!("min_overlap is {share}, expected a number in 0..=1")));
         }
@@ -383,6 +395,13 @@ impl ScanConfig {
         MostSurface::new(self.most_surface)?;
         Batch::new(self.batch)?;
         self.nbv_net.weights.as_ref().map_or(Ok(()), |_| self.nbv_net.planner().map(drop))
+    }
+
+    /// Fails on values that options may have put out of range.
+    pub fn check_given(&self) -> Result<(), Failure> {
+        self.noise.check()?;
+        self.registration.check()?;
+        self.recording.as_ref().map_or(Ok(()), |recording| recording.check(self))
     }
 
     /// Fails if the planner does not estimate what the scan is to stop by.

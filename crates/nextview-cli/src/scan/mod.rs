@@ -1,25 +1,29 @@
-//! `nextview scan`: one simulated scan from the configuration to the folder of results.
+//! `nextview scan`: one scan, simulated or of recorded frames, from the configuration to the folder of results.
 
 mod baselines;
 mod config;
+mod finished;
 pub(crate) mod memory;
 mod noise;
 mod object;
 mod outcome;
 mod planner_name;
 mod progress;
+mod recorded;
 mod registration;
 mod results;
 mod setting;
 
 pub(crate) use baselines::{Baselines, Truth};
 pub(crate) use config::{BoxRule, Profile, ScanConfig, TableRule, UnitName, ViewSpaceName, merged};
+pub(crate) use finished::FinishedScan;
 pub(crate) use noise::NoiseModel;
 pub(crate) use object::short_name;
 pub(crate) use outcome::milliseconds;
 pub(crate) use planner_name::{NbvNetConfig, PlannerConfigs, PlannerName};
 pub(crate) use progress::Progress;
-pub(crate) use setting::{FinishedScan, Setting};
+pub(crate) use recorded::RecordingConfig;
+pub(crate) use setting::Setting;
 
 use crate::files::ResultFolder;
 use crate::{Failure, stdout};
@@ -42,28 +46,55 @@ pub(crate) fn default_dir(config: &ScanConfig) -> PathBuf {
 }
 
 /// Scans the configured object and writes the results.
-pub(crate) fn scan(mut config: ScanConfig, output: &Output) -> Result<(), Failure> {
+pub(crate) fn scan(config: ScanConfig, output: &Output) -> Result<(), Failure> {
     config.check_stop()?;
+    match config.recording.clone() {
+        Some(recording) => recorded::scan(config, &recording, output),
+        None => simulated(config, output),
+    }
+}
+
+fn simulated(mut config: ScanConfig, output: &Output) -> Result<(), Failure> {
     let setting = Setting::new(&config)?;
     config.voxel_size_m = Some(setting.voxel_size);
     let folder = ResultFolder::begin(&output.dir)?;
-    if output.json {
-        setting.object.note.iter().for_each(|note| eprintln!("{note}"));
-    } else {
-        stdout::print(outcome::heading(&config, &setting))?;
-    }
+    output.begin(&config, &setting.object.to_string(), &setting.object.note, setting.views.len())?;
     let truth = config.needs_truth().then(|| truth(&setting)).transpose()?;
     let baselines = truth.as_ref().map(|truth| Baselines::new(truth, &config));
     let progress = Progress::new("scanning", config.views);
     let scan = setting.scan(&config, truth.as_ref(), |step| {
         progress.step();
-        let line = || outcome::step_line(step, baselines.as_ref());
+        let line = || outcome::step_line(step, Some(&step.measures), baselines.as_ref());
         if output.json { Ok(()) } else { progress.print(&line()) }
     })?;
     drop(progress);
-    let outcome = Outcome::new(&config, &setting, &scan, baselines);
+    let scan = scan.told();
+    let outcome = Outcome::new(&config, &scan, baselines);
     Results { config: &config, scan: &scan, outcome: &outcome }.write(folder)?;
-    stdout::print(if output.json { outcome.to_json()? } else { outcome.to_text(&output.dir) })
+    output.end(&outcome)
+}
+
+impl Output {
+    /// Tells what is scanned and how; notes go before the table, or to stderr where stdout is JSON.
+    fn begin<'a>(
+        &self,
+        config: &ScanConfig,
+        what: &str,
+        notes: impl IntoIterator<Item = &'a String>,
+        n_views: usize,
+    ) -> Result<(), Failure> {
+        let notes = notes.into_iter().map(|note| format!("{note}\n")).collect::<String>();
+        if self.json {
+            eprint!("{notes}");
+            return Ok(());
+        }
+        stdout::print(outcome::heading(config, &format!("{what}\n{notes}"), n_views))
+    }
+
+    /// Tells what came of it.
+    fn end(&self, outcome: &Outcome) -> Result<(), Failure> {
+        stdout::print(if self.json { outcome.to_json()? } else { outcome.to_text(&self.dir) })
+    }
 }
 
 fn truth(setting: &Setting) -> Result<Truth, Failure> {

@@ -16,6 +16,15 @@ pub(crate) struct Object {
     pub note: Option<String>,
 }
 
+impl fmt::Display for Object {
+    /// Name, size and number of triangles.
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let size = self.mesh.bounds().size() * 1e3;
+        let n = self.mesh.triangles().len();
+        write!(f, "{}: {:.0} x {:.0} x {:.0} mm, {n} triangles", self.name, size.x, size.y, size.z)
+    }
+}
+
 impl Object {
     pub fn load(config: &ScanConfig) -> Result<Self, Failure> {
         match config.object.strip_prefix("builtin:") {
@@ -69,7 +78,7 @@ impl Object {
                 );
                 Err(self.wrong_size(problem, config))
             }
-            None => Ok(self.suitable_voxel_size()),
+            None => Ok(suitable_voxel_size(longest)),
         }
     }
 
@@ -80,17 +89,17 @@ impl Object {
             None => Failure::data(problem).in_file(Path::new(&config.object)),
         }
     }
+}
 
-    /// About a fortieth of the object's longest side: 1, 2 or 5 times a power of ten, the nearest in ratio.
-    fn suitable_voxel_size(&self) -> f64 {
-        let wanted = self.mesh.bounds().longest_side() / 40.0;
-        let power = 10_f64.powf(wanted.log10().floor());
-        let steps = [1.0, 2.0, 5.0, 10.0].map(|step| step * power);
-        let ratio = |step: &f64| (step / wanted).ln().abs();
-        let nearest = steps.into_iter().min_by(|a, b| ratio(a).total_cmp(&ratio(b)));
-        // Through text, so that 0.005 is the number a user would write.
-        format!("{:.0e}", nearest.unwrap_or(wanted)).parse().unwrap_or(wanted)
-    }
+/// About a fortieth of an object's longest side, metres: 1, 2 or 5 times a power of ten, the nearest in ratio.
+pub(super) fn suitable_voxel_size(longest_side: f64) -> f64 {
+    let wanted = longest_side / 40.0;
+    let power = 10_f64.powf(wanted.log10().floor());
+    let steps = [1.0, 2.0, 5.0, 10.0].map(|step| step * power);
+    let ratio = |step: &f64| (step / wanted).ln().abs();
+    let nearest = steps.into_iter().min_by(|a, b| ratio(a).total_cmp(&ratio(b)));
+    // Through text, so that 0.005 is the number a user would write.
+    format!("{:.0e}", nearest.unwrap_or(wanted)).parse().unwrap_or(wanted)
 }
 
 fn read(path: &Path) -> Result<FileMesh, Failure> {

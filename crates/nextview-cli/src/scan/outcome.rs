@@ -1,9 +1,11 @@
 use super::baselines::Baselines;
+use super::finished::Measured;
 use super::memory;
-use super::{BoxRule, FinishedScan, PlannerName, Profile, ScanConfig, Setting, TableRule};
+use super::recorded::RecordedOutcome;
+use super::{BoxRule, FinishedScan, PlannerName, Profile, ScanConfig, TableRule, short_name};
 use crate::Failure;
 use nextview::session::StopReason;
-use nextview_sim::run::Step;
+use nextview_sim::run::{Measures, Step};
 use serde::Serialize;
 use std::path::Path;
 use std::time::Duration;
@@ -22,14 +24,15 @@ pub(super) struct Outcome {
     pub n_candidates: usize,
     /// Numbers of the views, in order; none for a first view that is no candidate.
     pub view_ids: Vec<Option<usize>>,
-    /// Object voxels that are occupied in the map, over object voxels, after each view.
-    pub voxel_coverage: Vec<f64>,
+    /// Object voxels that are occupied in the map, over object voxels, after each view; this and the next four none where
+    /// the truth is not known.
+    pub voxel_coverage: Option<Vec<f64>>,
     /// Occupied voxels that are no object voxels, after each view.
-    pub false_voxels: Vec<usize>,
+    pub false_voxels: Option<Vec<usize>>,
     /// Share of the true surface with a measured point within 1, 2, 5 mm, after each view.
-    pub surface_coverage_1mm: Vec<f64>,
-    pub surface_coverage_2mm: Vec<f64>,
-    pub surface_coverage_5mm: Vec<f64>,
+    pub surface_coverage_1mm: Option<Vec<f64>>,
+    pub surface_coverage_2mm: Option<Vec<f64>>,
+    pub surface_coverage_5mm: Option<Vec<f64>>,
     /// Object voxels seen, over those that any candidate sees, at the end and after each view; none without baselines.
     pub reachable_coverage: Option<f64>,
     pub reachable_coverage_curve: Option<Vec<f64>>,
@@ -43,9 +46,13 @@ pub(super) struct Outcome {
     pub path_length_m: f64,
     pub plan_time_ms: Vec<f64>,
     pub map_time_ms: Vec<f64>,
+    /// Time to render or to load the frames.
     pub render_time_ms: Vec<f64>,
     pub baseline_time_ms: Option<f64>,
     pub peak_memory_mb: Option<f64>,
+    /// Of recordings only.
+    #[serde(flatten)]
+    pub recorded: Option<RecordedOutcome>,
     /// Kept for the report, not printed.
     #[serde(skip)]
     pub baselines: Option<Baselines>,
@@ -55,42 +62,44 @@ pub(super) struct Outcome {
 }
 
 impl Outcome {
-    pub fn new(
-        config: &ScanConfig,
-        setting: &Setting,
-        scan: &FinishedScan,
-        baselines: Option<Baselines>,
-    ) -> Self {
+    pub fn new(config: &ScanConfig, scan: &FinishedScan<Measured>, baselines: Option<Baselines>) -> Self {
         let steps = &scan.steps;
+        let truths: Option<Vec<&Measures>> = steps.iter().map(|step| step.measures.truth.as_ref()).collect();
+        let known = baselines.as_ref().zip(truths.as_ref());
         let curve: Option<Vec<f64>> =
-            baselines.as_ref().map(|b| steps.iter().map(|step| b.reachable_coverage(step)).collect());
+            known.map(|(b, truths)| truths.iter().map(|truth| b.reachable_coverage(truth)).collect());
+        let surface_coverage =
+            |i: usize| truths.as_ref().map(|truths| truths.iter().map(|t| t.surface_coverage[i]).collect());
         Self {
-            object: setting.object.name.clone(),
+            object: short_name(&config.object),
             planner: config.planner,
             profile: config.profile,
             seed: config.seed,
             views: steps.len(),
             stop_reason: scan.stop_reason,
             voxel_size_m: config.voxel_size_m.unwrap_or_default(),
-            n_candidates: setting.views.len(),
+            n_candidates: scan.session.views().len(),
             view_ids: steps.iter().map(|s| s.report.view).collect(),
-            voxel_coverage: steps.iter().map(|s| s.voxels.coverage()).collect(),
-            false_voxels: steps.iter().map(|s| s.voxels.n_false).collect(),
-            surface_coverage_1mm: steps.iter().map(|s| s.surface_coverage[0]).collect(),
-            surface_coverage_2mm: steps.iter().map(|s| s.surface_coverage[1]).collect(),
-            surface_coverage_5mm: steps.iter().map(|s| s.surface_coverage[2]).collect(),
+            voxel_coverage: truths
+                .as_ref()
+                .map(|truths| truths.iter().map(|t| t.voxels.coverage()).collect()),
+            false_voxels: truths.as_ref().map(|truths| truths.iter().map(|t| t.voxels.n_false).collect()),
+            surface_coverage_1mm: surface_coverage(0),
+            surface_coverage_2mm: surface_coverage(1),
+            surface_coverage_5mm: surface_coverage(2),
             reachable_coverage: curve.as_ref().and_then(|curve| curve.last().copied()),
             reachable_coverage_curve: curve,
             random_curve: baselines.as_ref().map(|b| b.random.mean.clone()),
             clairvoyant_curve: baselines.as_ref().map(|b| b.clairvoyant.clone()),
-            skill: baselines.as_ref().and_then(|b| b.skill(steps)),
+            skill: known.and_then(|(b, truths)| b.skill(truths.iter().copied())),
             entropy_nats: steps.iter().map(|s| s.report.map.entropy).collect(),
             path_length_m: steps.last().map_or(0.0, |s| s.path_length),
             plan_time_ms: steps.iter().map(|s| milliseconds(s.plan_time)).collect(),
             map_time_ms: steps.iter().map(|s| milliseconds(s.map_time)).collect(),
-            render_time_ms: steps.iter().map(|s| milliseconds(s.render_time)).collect(),
+            render_time_ms: steps.iter().map(|s| milliseconds(s.capture_time)).collect(),
             baseline_time_ms: baselines.as_ref().map(|b| milliseconds(b.time)),
             peak_memory_mb: memory::peak_mb(),
+            recorded: None,
             baselines,
             found: found(config, steps.last()),
         }
@@ -114,10 +123,13 @@ impl Outcome {
         if let Some(skill) = self.skill {
             rows.push(("skill", format!("{skill:.2}  (0 = random views, 1 = knows the object)")));
         }
-        rows.push(("voxel coverage", last(&self.voxel_coverage)));
-        rows.push(("false voxels", self.false_voxels.last().copied().unwrap_or_default().to_string()));
-        rows.push(("surface within 2 mm", last(&self.surface_coverage_2mm)));
-        rows.push(("surface within 5 mm", last(&self.surface_coverage_5mm)));
+        let share = |label, curve: &Option<Vec<f64>>| curve.as_ref().map(|curve| (label, last(curve)));
+        rows.extend(share("voxel coverage", &self.voxel_coverage));
+        let false_voxels = self.false_voxels.iter().map(|n| n.last().copied().unwrap_or_default());
+        rows.extend(false_voxels.map(|n| ("false voxels", n.to_string())));
+        rows.extend(share("surface within 2 mm", &self.surface_coverage_2mm));
+        rows.extend(share("surface within 5 mm", &self.surface_coverage_5mm));
+        rows.extend(self.recorded.iter().flat_map(RecordedOutcome::rows));
         rows.extend(self.found.iter().cloned());
         rows.push(("path length", format!("{:.2} m", self.path_length_m)));
         rows.push((
@@ -148,7 +160,7 @@ impl Outcome {
 }
 
 /// Where the object and its table are, if the scan had to find out.
-fn found(config: &ScanConfig, last: Option<&Step>) -> Vec<(&'static str, String)> {
+fn found<M>(config: &ScanConfig, last: Option<&Step<M>>) -> Vec<(&'static str, String)> {
     let (bounds, table) = last.map_or((None, None), |step| (step.report.bounds, step.report.table));
     let mut rows = Vec::new();
     if config.object_box.rule == BoxRule::Grows {
@@ -169,43 +181,30 @@ fn found(config: &ScanConfig, last: Option<&Step>) -> Vec<(&'static str, String)
 }
 
 /// What is scanned and how, and the head of the table of steps.
-pub(super) fn heading(config: &ScanConfig, setting: &Setting) -> String {
-    let Setting { object, views, .. } = setting;
-    let size = object.mesh.bounds().size() * 1e3;
+pub(super) fn heading(config: &ScanConfig, what: &str, n_views: usize) -> String {
     // To a nanometre, so that 5 mm do not read 5.000000000000001.
     let voxel_mm = (config.voxel_size_m.unwrap_or_default() * 1e9).round() / 1e6;
-    let note = object.note.as_ref().map(|note| format!("{note}\n")).unwrap_or_default();
     format!(
-        "{}: {:.0} x {:.0} x {:.0} mm, {} triangles\n{note}\
-         planner {}, profile {}, {} candidate views, voxels of {voxel_mm} mm\n\n\
+        "{what}planner {}, profile {}, {n_views} candidate views, voxels of {voxel_mm} mm\n\n\
          {:>4}  {:>6}  {:>9}  {:>9}  {:>10}  {:>10}  {:>7}\n",
-        object.name,
-        size.x,
-        size.y,
-        size.z,
-        object.mesh.triangles().len(),
-        config.planner,
-        config.profile,
-        views.len(),
-        "step",
-        "view",
-        "seen",
-        "surface",
-        "new voxels",
-        "planning",
-        "path"
+        config.planner, config.profile, "step", "view", "seen", "surface", "new voxels", "planning", "path"
     )
 }
 
-/// The line of a step in the table.
-pub(super) fn step_line(step: &Step, baselines: Option<&Baselines>) -> String {
-    let seen = baselines.map_or("-".to_owned(), |b| format!("{:.1} %", 100.0 * b.reachable_coverage(step)));
+/// The line of a step in the table, as far as the truth is known.
+pub(super) fn step_line<M>(
+    step: &Step<M>,
+    truth: Option<&Measures>,
+    baselines: Option<&Baselines>,
+) -> String {
+    let percent =
+        |share: Option<f64>| share.map_or("-".to_owned(), |share| format!("{:.1} %", 100.0 * share));
     format!(
-        "{:>4}  {:>6}  {:>9}  {:>7.1} %  {:>10}  {:>7.1} ms  {:>5.2} m\n",
+        "{:>4}  {:>6}  {:>9}  {:>9}  {:>10}  {:>7.1} ms  {:>5.2} m\n",
         step.report.step,
         step.report.view.map_or("-".to_owned(), |view| view.to_string()),
-        seen,
-        100.0 * step.surface_coverage[1],
+        percent(baselines.zip(truth).map(|(baselines, truth)| baselines.reachable_coverage(truth))),
+        percent(truth.map(|truth| truth.surface_coverage[1])),
         step.report.update.n_newly_occupied,
         milliseconds(step.plan_time),
         step.path_length,

@@ -5,8 +5,8 @@ use nextview::gain::{
     RearSideEntropy, RearSideVoxel, UnobservedVoxel,
 };
 use nextview::planner::{
-    Batch, BatchConfig, Greedy, GreedyConfig, MaxFlow, MaxFlowConfig, MostSurface, MostSurfaceConfig,
-    RandomViews, ViewPlanner,
+    Batch, BatchConfig, Greedy, GreedyConfig, InOrder, MaxFlow, MaxFlowConfig, MostSurface,
+    MostSurfaceConfig, RandomViews, ViewPlanner,
 };
 use nextview_nbv_net::{NbvNet, Network};
 use nextview_sim::baseline::Clairvoyant;
@@ -48,9 +48,11 @@ pub(crate) enum PlannerName {
     NbvNet,
     /// Several views at once that together show most, and the shortest tour through them
     Batch,
+    /// The views in the order of their numbers: that of a recording
+    InOrder,
     /// A random view: the baseline
     Random,
-    /// Knows the object: the upper bound, in simulation only
+    /// Knows the object: the upper bound, where the truth is known
     Clairvoyant,
 }
 
@@ -131,6 +133,7 @@ impl PlannerName {
             Self::AreaFactor => by_gain::<AreaFactor>(greedy),
             Self::NbvNet => Ok(Box::new(nbv_net.planner()?)),
             Self::Batch => Ok(Box::new(Batch::new(batch)?)),
+            Self::InOrder => Ok(Box::new(InOrder)),
             Self::Random => Ok(Box::new(RandomViews { seed })),
             Self::Clairvoyant => Err(Failure::usage(
                 "the clairvoyant planner needs the true object, which only a simulation knows",

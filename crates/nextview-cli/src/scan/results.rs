@@ -1,8 +1,10 @@
 //! The files of a finished scan.
 
+use super::ScanConfig;
+use super::finished::{FinishedScan, Measured};
 use super::outcome::{Outcome, milliseconds, stop_phrase};
+use super::recorded::AccuracyMm;
 use super::registration::RegistrationLine;
-use super::{FinishedScan, ScanConfig};
 use crate::Failure;
 use crate::files::ResultFolder;
 use crate::report::{self, ScanReport};
@@ -17,7 +19,7 @@ use std::io::Write;
 /// What is written.
 pub(super) struct Results<'a> {
     pub config: &'a ScanConfig,
-    pub scan: &'a FinishedScan,
+    pub scan: &'a FinishedScan<Measured>,
     pub outcome: &'a Outcome,
 }
 
@@ -38,17 +40,25 @@ impl Results<'_> {
     }
 
     fn write_steps(&self, mut writer: impl Write) -> Result<(), Failure> {
+        let is_pose_wrong = self.config.noise.is_pose_wrong();
         for (i, step) in self.scan.steps.iter().enumerate() {
+            let Measured { truth, accuracy } = step.measures;
+            let surface_coverage = |i: usize| truth.map(|truth| truth.surface_coverage[i]);
             let line = StepLine {
                 report: StepReport { registration: None, ..step.report },
                 registration: step.report.registration.map(RegistrationLine::from),
-                misplaced_mm: self.config.noise.is_pose_wrong().then_some(1e3 * step.misplacement),
-                voxel_coverage: step.voxels.coverage(),
-                false_voxels: step.voxels.n_false,
-                surface_coverage_1mm: step.surface_coverage[0],
-                surface_coverage_2mm: step.surface_coverage[1],
-                surface_coverage_5mm: step.surface_coverage[2],
+                misplaced_mm: truth
+                    .and_then(|truth| truth.misplacement)
+                    .filter(|_| is_pose_wrong)
+                    .map(|m| 1e3 * m),
+                voxel_coverage: truth.map(|truth| truth.voxels.coverage()),
+                false_voxels: truth.map(|truth| truth.voxels.n_false),
+                surface_coverage_1mm: surface_coverage(0),
+                surface_coverage_2mm: surface_coverage(1),
+                surface_coverage_5mm: surface_coverage(2),
                 reachable_coverage: self.outcome.reachable_coverage_curve.as_ref().map(|curve| curve[i]),
+                frame: self.outcome.recorded.as_ref().map(|recorded| recorded.frames[i].as_str()),
+                accuracy: accuracy.map(AccuracyMm::from),
                 path_length_m: step.path_length,
                 plan_time_ms: milliseconds(step.plan_time),
                 map_time_ms: milliseconds(step.map_time),
@@ -140,7 +150,7 @@ impl Results<'_> {
 
 /// One line of `steps.jsonl`.
 #[derive(Serialize)]
-struct StepLine {
+struct StepLine<'a> {
     /// Without its registration, which is told in the file's units.
     #[serde(flatten)]
     report: StepReport,
@@ -149,12 +159,17 @@ struct StepLine {
     /// Of a camera whose poses are wrong.
     #[serde(skip_serializing_if = "Option::is_none")]
     misplaced_mm: Option<f64>,
-    voxel_coverage: f64,
-    false_voxels: usize,
-    surface_coverage_1mm: f64,
-    surface_coverage_2mm: f64,
-    surface_coverage_5mm: f64,
+    voxel_coverage: Option<f64>,
+    false_voxels: Option<usize>,
+    surface_coverage_1mm: Option<f64>,
+    surface_coverage_2mm: Option<f64>,
+    surface_coverage_5mm: Option<f64>,
     reachable_coverage: Option<f64>,
+    /// Of recordings only, as the accuracy.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    frame: Option<&'a str>,
+    #[serde(flatten)]
+    accuracy: Option<AccuracyMm>,
     path_length_m: f64,
     plan_time_ms: f64,
     map_time_ms: f64,

@@ -1,16 +1,14 @@
+use super::finished::{FinishedScan, collect};
 use super::object::Object;
 use super::{BoxRule, ScanConfig, TableRule, Truth};
 use crate::{Failure, files};
 use nextview::geometry::{Aabb, Lattice, VoxelBlock};
-use nextview::planner::MinOverlap;
-use nextview::session::{ObjectBox, Session, SessionConfig, StopReason, Table, Views};
+use nextview::session::{ObjectBox, Session, SessionConfig, Table, Views};
 use nextview::view::ViewSpace;
 use nextview_sim::run::{self, Step};
 use nextview_sim::scene::Scene;
 use nextview_sim::truth::ObjectVoxels;
-use std::ops::ControlFlow;
 use std::path::Path;
-use std::time::Instant;
 
 /// An object before the camera, and the places from which it can be looked at: what scans of it by different planners
 /// share.
@@ -23,15 +21,6 @@ pub(crate) struct Setting {
     pub object_voxels: ObjectVoxels,
 }
 
-/// A scan that is over.
-pub(crate) struct FinishedScan {
-    pub session: Session,
-    /// The box around the object.
-    pub bounds: Aabb,
-    pub steps: Vec<Step>,
-    pub stop_reason: StopReason,
-}
-
 impl Setting {
     /// Loads the object; fails if it cannot be scanned as configured.
     pub fn new(config: &ScanConfig) -> Result<Self, Failure> {
@@ -41,8 +30,8 @@ impl Setting {
         let views = view_space(config, &scene)?;
         config.check_views(views.len())?;
         let block =
-            voxel_block(&session_config(config, &scene, voxel_size), &scene.planning_box(voxel_size))?;
-        let object_voxels = ObjectVoxels::new(scene.camera(), Lattice::new(voxel_size)?, block);
+            voxel_block(&simulated_session(config, &scene, voxel_size), &scene.planning_box(voxel_size))?;
+        let object_voxels = ObjectVoxels::new(scene.camera().mesh(), Lattice::new(voxel_size)?, block);
         Ok(Self { object, scene, views, voxel_size, object_voxels })
     }
 
@@ -55,13 +44,12 @@ impl Setting {
     ) -> Result<FinishedScan, Failure> {
         config.check_views(self.views.len())?;
         let truth = truth.map(|truth| truth.visibility.clone());
-        let mut planner = config.planner.build(config.planners(), config.seed, truth)?;
-        if let Some(share) = config.min_overlap {
-            planner = Box::new(MinOverlap::new(share, planner)?);
-        }
-        let session_config = session_config(config, &self.scene, self.voxel_size);
+        let planner = config.build_planner(truth)?;
+        let session_config = simulated_session(config, &self.scene, self.voxel_size);
         let mut session = Session::new(session_config, config.camera, self.session_views(config), planner)?;
-        let (steps, stop_reason) = self.run(&mut session, config.stop.time_s, tell)?;
+        let (steps, stop_reason) = collect(config.stop.time_s, tell, |on_step| {
+            run::run(&mut session, &self.scene, &self.object_voxels, on_step)
+        })?;
         let bounds = session.bounds().unwrap_or_else(|| self.scene.planning_box(self.voxel_size));
         Ok(FinishedScan { session, bounds, steps, stop_reason })
     }
@@ -76,31 +64,10 @@ impl Setting {
         let unit = self.views.around(-center / size, 1.0 / size);
         Views::Following { first: self.views.pose(config.first_view), unit }
     }
-
-    /// Runs the session to its end and collects its steps.
-    fn run(
-        &self,
-        session: &mut Session,
-        time_limit_s: Option<f64>,
-        tell: impl Fn(&Step) -> Result<(), Failure>,
-    ) -> Result<(Vec<Step>, StopReason), Failure> {
-        let mut steps: Vec<Step> = Vec::new();
-        let mut told = Ok(());
-        let start = Instant::now();
-        let stop_reason = run::run(session, &self.scene, &self.object_voxels, |step| {
-            if told.is_ok() {
-                told = tell(&step);
-            }
-            steps.push(step);
-            let is_over = time_limit_s.is_some_and(|limit| start.elapsed().as_secs_f64() >= limit);
-            if is_over { ControlFlow::Break(StopReason::TimeLimit) } else { ControlFlow::Continue(()) }
-        })?;
-        told.map(|()| (steps, stop_reason))
-    }
 }
 
 /// The voxels to plan in, if they are not too many.
-fn voxel_block(config: &SessionConfig, bounds: &Aabb) -> Result<VoxelBlock, Failure> {
+pub(super) fn voxel_block(config: &SessionConfig, bounds: &Aabb) -> Result<VoxelBlock, Failure> {
     config.block(bounds).map_err(|error| match error {
         nextview::Error::TooLarge { .. } => Failure::from(error)
             .with_hint("use a larger --voxel-size-m, or allow more with memory_limit_mb in --config"),
@@ -108,28 +75,38 @@ fn voxel_block(config: &SessionConfig, bounds: &Aabb) -> Result<VoxelBlock, Fail
     })
 }
 
-fn session_config(config: &ScanConfig, scene: &Scene, voxel_size: f64) -> SessionConfig {
-    let stop = config.stop.rules(config.views);
-    let known = scene.planning_box(voxel_size);
+fn simulated_session(config: &ScanConfig, scene: &Scene, voxel_size: f64) -> SessionConfig {
+    let object_box = match config.object_box.rule {
+        BoxRule::Known => ObjectBox::Known(scene.planning_box(voxel_size)),
+        BoxRule::Grows => ObjectBox::Growing,
+    };
+    let table = match config.object_box.table {
+        TableRule::None => Table::None,
+        TableRule::Known => Table::AtHeight(scene.room().min.z),
+        TableRule::Fit => Table::Fitted,
+    };
+    session_config(config, voxel_size, object_box, table)
+}
+
+/// What the session is told, of an object in this box on this table.
+pub(super) fn session_config(
+    config: &ScanConfig,
+    voxel_size: f64,
+    object_box: ObjectBox,
+    table: Table,
+) -> SessionConfig {
     SessionConfig {
+        voxel_size,
         multi_resolution: config.multi_resolution.rule(),
-        object_box: match config.object_box.rule {
-            BoxRule::Known => ObjectBox::Known(known),
-            BoxRule::Grows => ObjectBox::Growing,
-        },
-        table: match config.object_box.table {
-            TableRule::None => Table::None,
-            TableRule::Known => Table::AtHeight(scene.room().min.z),
-            TableRule::Fit => Table::Fitted,
-        },
+        object_box,
+        table,
         first_view: config.first_view,
         sensor_model: config.map.sensor_model,
         rays: config.map.rays,
         background: config.map.background,
         registration: config.registration.rule(),
-        stop,
+        stop: config.stop.rules(config.views),
         memory_limit_mb: config.memory_limit_mb,
-        ..SessionConfig::new(voxel_size, known)
     }
 }
 

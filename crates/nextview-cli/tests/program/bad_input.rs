@@ -1,6 +1,8 @@
 //! Whatever is wrong is said at once, on stderr, with place and remedy; nothing else happens.
 
 use crate::common::{Folder, Run, small};
+use crate::recording::{SCAN, png, write_recording};
+use png::BitDepth;
 use std::time::{Duration, Instant};
 
 /// A fault is found before the work, which takes longer than this.
@@ -266,6 +268,72 @@ fn specifications_with_faults() {
     folder.refused(&["bench"], USAGE, &["no specification", "hint: ", "--list"]);
     folder.refused(&["bench", "--resume", "--out", "none"], DATA, &["none/spec.toml: cannot be read"]);
     folder.refused(&["bench", "paper-1", "--jobs", "0"], USAGE, &["--jobs", "1..=1024"]);
+}
+
+#[test]
+fn recordings_with_faults() {
+    let folder = Folder::new("bad-recordings");
+    write_recording(&folder, 3);
+    let with = |name: &str, content: Vec<u8>, parts: &[&str]| {
+        let before = folder.bytes(name);
+        folder.write(name, content);
+        folder.refused(&SCAN, DATA, &[parts, &[&*format!("{name}: ")]].concat());
+        folder.write(name, before);
+    };
+    let text = |name: &str, from: &str, to: &str, parts: &[&str]| {
+        with(name, folder.text(name).replacen(from, to, 1).into(), parts);
+    };
+    let image = |bits, byte| png(160, 120, bits, &vec![byte; 160 * 120 * bits as usize / 8]);
+    with("rec/depth/001.png", image(BitDepth::Eight, 9), &["8 bits without colour", "16 bits"]);
+    with("rec/depth/001.png", folder.bytes("rec/depth/001.png")[..999].to_vec(), &["no whole PNG image"]);
+    text("rec/intrinsics.txt", "cx 79.5", "cx 790", &["principal point", "790"]);
+    text("rec/poses.csv", "\n1,", "\n0,", &["line 3: frame 0 is in line 2 already"]);
+    let poses = folder.bytes("rec/poses.csv");
+    with("rec/poses.csv", poses[..poses.len() - 50].to_vec(), &["line 4: ", "columns, expected 13"]);
+    folder.refused(&["scan", "--frames", "missing"], DATA, &["missing: cannot be read"]);
+    folder.refused(&["scan", "--frames", "."], DATA, &["is no recording", "poses.csv"]);
+}
+
+#[test]
+fn questions_that_recordings_cannot_answer() {
+    let folder = Folder::new("bad-recorded-options");
+    write_recording(&folder, 3);
+    let refused = |args: &[&str], parts: &[&str]| {
+        folder.refused(&[&SCAN, args].concat(), USAGE, parts);
+    };
+    for option in
+        ["builtin:mug", "--candidates=9", "--view-space=sphere", "--box=grows", "--noise=d435i", "--size-m=1"]
+    {
+        refused(&[option], &["--frames <PATH>", "cannot be used with"]);
+    }
+    refused(&["--table", "known"], &["table is for simulations", "hint: --table fit"]);
+    refused(&["--views", "4"], &["--views is 4, expected 1 to 3"]);
+    refused(&["--views", "2", "--first-view", "3"], &["--first-view is 3, expected 0 to 2"]);
+    refused(&["--views", "2", "--planner", "clairvoyant"], &["true object", "hint: --truth"]);
+    refused(
+        &["--views", "2", "--box-m", "0,0,0,1,1,0"],
+        &["box_m is [0, 0, 0] to [1, 1, 0]", "lowest first"],
+    );
+    refused(&["--views", "2", "--box-m", "0,0,0,1,1"], &["--box-m", "5 numbers, expected 6"]);
+    refused(&["--views", "2", "--truth-from-world", "t.txt"], &["truth_from_world needs truth"]);
+    for option in ["--pose-columns=x", "--box-m=0,0,0,1,1,1", "--truth=a.ply", "--truth-from-world=t.txt"] {
+        folder.refused(&["scan", option], USAGE, &["needs --frames"]);
+    }
+    let bad_data = |args: &[&str], parts: &[&str]| {
+        folder.refused(&[&SCAN[..], &["--views=2", "--json"], args].concat(), DATA, parts);
+    };
+    folder.write("t.txt", "1 0 0 0\n0 1 0 0\n0 0 2 0\n0 0 0 1\n");
+    bad_data(
+        &["--truth", "mug.obj", "--unit", "m", "--truth-from-world", "t.txt"],
+        &["t.txt: the rotation is not rigid"],
+    );
+    bad_data(&["--truth", "missing.obj"], &["missing.obj: cannot be read"]);
+    folder.write("far.obj", "v 9 9 9\nv 9.1 9 9\nv 9 9.1 9\nf 1 2 3\n");
+    bad_data(&["--truth", "far.obj", "--unit", "m"], &["do not belong together", "hint: --truth-from-world"]);
+    folder.write("c.toml", "object = \"rec\"\ncandidates = 7\n[recording]\n");
+    folder.refused(&["scan", "--config", "c.toml"], DATA, &["c.toml: candidates is for simulations"]);
+    folder.write("c.toml", "name = \"x\"\n[scan.recording]\n");
+    folder.refused(&["bench", "c.toml"], DATA, &["`recording` is for `nextview scan` alone"]);
 }
 
 #[test]

@@ -21,6 +21,10 @@ mod interrupt;
 #[cfg(test)]
 mod map_and_views;
 #[cfg(test)]
+mod recorded;
+#[cfg(test)]
+mod recording;
+#[cfg(test)]
 mod reproduction;
 #[cfg(test)]
 mod scan;

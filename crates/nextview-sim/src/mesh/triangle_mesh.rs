@@ -1,6 +1,6 @@
 use crate::SimError;
 use glam::DVec3;
-use nextview::geometry::Aabb;
+use nextview::geometry::{Aabb, Pose};
 
 /// A surface made of triangles, in metres.
 ///
@@ -87,6 +87,11 @@ impl TriangleMesh {
     /// The mesh moved by an offset in metres. Fails if that breaks the rules of [`new`](Self::new).
     pub fn translated(&self, offset: DVec3) -> Result<Self, SimError> {
         self.moved(|vertex| vertex + offset)
+    }
+
+    /// The mesh seen from another frame. Fails if that breaks the rules of [`new`](Self::new).
+    pub fn transformed(&self, target_from_mesh: &Pose) -> Result<Self, SimError> {
+        self.moved(|vertex| target_from_mesh.transform_point(vertex))
     }
 
     fn moved(&self, transform: impl Fn(DVec3) -> DVec3) -> Result<Self, SimError> {

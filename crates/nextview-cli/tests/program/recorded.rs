@@ -1,0 +1,156 @@
+//! Scans of recorded frames. Here the recordings are simulated; those of real cameras are tested where they are read.
+
+use crate::common::{Folder, data, timeless};
+use crate::recording::{SCAN, write_recording};
+use serde_json::Value;
+
+fn scan<'a>(args: &[&'a str]) -> Vec<&'a str> {
+    [&SCAN, args].concat()
+}
+
+fn numbers(value: &Value) -> Vec<f64> {
+    value.as_array().unwrap().iter().map(|v| v.as_f64().unwrap()).collect()
+}
+
+#[test]
+fn plans_over_the_recorded_views() {
+    let folder = Folder::new("recorded");
+    write_recording(&folder, 12);
+    let result = folder.json(&scan(&["--views", "5", "--json"]));
+    assert_eq!((&result["object"], &result["planner"]), (&"rec".into(), &"most-surface".into()));
+    assert_eq!((&result["n_candidates"], &result["views"]), (&12.into(), &5.into()));
+    for key in ["voxel_coverage", "surface_coverage_2mm", "reachable_coverage", "skill", "random_curve"] {
+        assert!(result[key].is_null(), "{key} needs the truth");
+    }
+    assert_eq!(result["frames"][0], "frame 0");
+    assert_eq!((&result["blind_frames"], &result["skipped"]), (&Value::Array(vec![]), &Value::Array(vec![])));
+
+    assert_eq!(
+        folder.names("out"),
+        [
+            "cloud.ply",
+            "config.toml",
+            "map.bt",
+            "map.ot",
+            "mesh.ply",
+            "report.html",
+            "steps.jsonl",
+            "views.csv"
+        ]
+    );
+    let steps: Vec<Value> =
+        folder.text("out/steps.jsonl").lines().map(|line| serde_json::from_str(line).unwrap()).collect();
+    let mut views: Vec<u64> = steps.iter().map(|step| step["view"].as_u64().unwrap()).collect();
+    views.sort_unstable();
+    views.dedup();
+    assert!(views.len() == 5 && views[0] == 0, "distinct views, the first one first");
+    let map = folder.json(&["map", "info", "out/map.ot", "--json"]);
+    assert!(map["occupied_voxels"].as_u64().unwrap() > 300);
+
+    let again = folder.json(&["scan", "--config", "out/config.toml", "--out", "again", "--json"]);
+    assert_eq!(timeless(again), timeless(result));
+    for file in ["config.toml", "map.ot", "cloud.ply", "mesh.ply", "views.csv"] {
+        assert_eq!(folder.bytes(&format!("again/{file}")), folder.bytes(&format!("out/{file}")), "{file}");
+    }
+}
+
+#[test]
+fn the_order_may_be_the_recorded_one_or_random() {
+    let folder = Folder::new("recorded-order");
+    write_recording(&folder, 6);
+    let views =
+        |args: &[&str]| numbers(&folder.json(&scan(&[args, &["--views=5", "--json"]].concat()))["view_ids"]);
+    assert_eq!(views(&["--planner", "in-order"]), [0.0, 1.0, 2.0, 3.0, 4.0]);
+    assert_eq!(views(&["--planner", "in-order", "--first-view", "4"]), [4.0, 5.0, 0.0, 1.0, 2.0]);
+    let random = views(&["--planner", "random", "--seed", "3"]);
+    assert_eq!(random, views(&["--planner", "random", "--seed", "3"]));
+    assert_ne!(random, views(&["--planner", "random", "--seed", "4"]));
+}
+
+#[test]
+fn the_truth_measures_the_scan() {
+    let folder = Folder::new("recorded-truth");
+    write_recording(&folder, 12);
+    let options = ["--views", "4", "--truth", "mug.obj", "--unit", "m", "--json"];
+    let there = folder.json(&scan(&options));
+    for key in ["voxel_coverage", "surface_coverage_1mm", "surface_coverage_5mm", "reachable_coverage_curve"]
+    {
+        let curve = numbers(&there[key]);
+        assert!(curve.len() == 4 && curve.is_sorted() && curve[0] > 0.1, "{key}: {curve:?}");
+    }
+    let accuracy = there["accuracy"].as_array().unwrap();
+    let millimetres = |key: &str| accuracy[3][key].as_f64().unwrap();
+    let [median, mean, p95] = ["accuracy_median_mm", "accuracy_mean_mm", "accuracy_p95_mm"].map(millimetres);
+    assert!(
+        median < 0.4 && mean < 0.5 && p95 < 1.0,
+        "depth is rounded to a millimetre: {median} {mean} {p95}"
+    );
+    assert!(there["skill"].is_f64());
+    let steps = folder.text("out/steps.jsonl");
+    assert!(steps.contains("\"frame\":\"frame 0\"") && steps.contains("\"accuracy_p95_mm\":"), "{steps}");
+
+    // The same mesh elsewhere, and where that is.
+    folder.write("moved.txt", "0 -1 0 0.3\n1 0 0 -0.2\n0 0 1 0.1\n0 0 0 1\n");
+    let moved = ["--views=4", "--truth=moved.obj", "--truth-from-world=moved.txt", "--unit=m", "--json"];
+    let moved = folder.json(&scan(&moved));
+    let [a, b] = [&there, &moved].map(|result| numbers(&result["surface_coverage_2mm"])[3]);
+    assert!((a - b).abs() < 0.02, "{a} {b}");
+
+    let clairvoyant = folder.json(&scan(&[&options[..], &["--planner", "clairvoyant"]].concat()));
+    assert_eq!(clairvoyant["skill"], 1.0);
+}
+
+#[test]
+fn what_is_left_out_is_told() {
+    let folder = Folder::new("recorded-skips");
+    write_recording(&folder, 4);
+    std::fs::remove_file(folder.path("rec/depth/002.png")).unwrap();
+    let text = folder.ok(&scan(&["--views", "2", "--planner", "in-order"]));
+    let head = "rec: 3 recorded frames of 160 x 120 pixels\nskipped: the pose of frame 2 (poses.csv, line 4) is left out: ";
+    assert!(text.starts_with(head), "{text}");
+    assert!(text.contains("\nleft out               1 (see above)\n"), "{text}");
+    let run = folder.run(&scan(&["--views", "2", "--json"]));
+    assert!(run.code == Some(0) && run.stderr.starts_with("skipped: the pose of frame 2"), "{}", run.stderr);
+    let result: Value = serde_json::from_str(&run.stdout).unwrap();
+    assert!(result["skipped"][0].as_str().unwrap().contains("depth/ has no image of that number"));
+}
+
+#[test]
+fn frames_that_show_nothing_in_the_box_are_told() {
+    let folder = Folder::new("recorded-blind");
+    write_recording(&folder, 4);
+    let text = folder.ok(&scan(&["--views", "2", "--planner", "in-order", "--box-m=5,5,5,5.2,5.2,5.2"]));
+    assert!(text.contains("\nnothing in the box     frame 0, frame 1\n"), "{text}");
+}
+
+#[test]
+fn equal_scans_give_equal_bytes_for_any_number_of_threads() {
+    let folder = Folder::new("recorded-threads");
+    write_recording(&folder, 8);
+    let run = |threads: &str| {
+        let args = ["--views", "3", "--truth", "mug.obj", "--unit", "m", "--json", "--threads", threads];
+        let result = timeless(folder.json(&scan(&args))).to_string();
+        (result, ["map.ot", "cloud.ply", "mesh.ply"].map(|file| folder.bytes(&format!("out/{file}"))))
+    };
+    let one = run("1");
+    assert!(run("2") == one && run("4") == one);
+}
+
+#[test]
+fn a_real_bunny_is_measured() {
+    let test = "a_real_bunny_is_measured";
+    let Some(frames) = data(test, "rgbd/bunny_primesense") else { return };
+    let Some(mesh) = data(test, "meshes/stanford/bunny.ply") else { return };
+    let folder = Folder::new("recorded-bunny");
+    let transform = frames.join("T_mesh_world.txt");
+    let [frames, mesh, transform] = [&frames, &mesh, &transform].map(|path| path.to_str().unwrap());
+    let args =
+        ["scan", "--frames", frames, "--pose-columns", "given", "--truth", mesh, "--unit", "m", "--json"];
+    let args = [&args[..], &["--truth-from-world", transform, "--views", "4", "--out", "out"]].concat();
+    let run = folder.run(&args);
+    assert!(run.stderr.starts_with("note: the rotations in poses.csv have scale or shear"), "{}", run.stderr);
+    let result: Value = serde_json::from_str(&run.stdout).unwrap();
+    let coverage = numbers(&result["surface_coverage_2mm"]);
+    assert!(coverage[3] > 0.4, "{coverage:?}");
+    assert!(result["accuracy"][3]["accuracy_median_mm"].as_f64().unwrap() < 1.2, "{}", result["accuracy"][3]);
+}

@@ -1,0 +1,44 @@
+use std::path::{Path, PathBuf};
+
+/// What can be wrong with a recording.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum RecordingError {
+    /// Something is wrong with this file or folder; the source says what.
+    #[error("{}: {error}", path.display())]
+    InFile {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong with it.
+        #[source]
+        error: Box<RecordingError>,
+    },
+    /// It cannot be opened or read.
+    #[error("cannot be read: {0}")]
+    Io(#[from] std::io::Error),
+    /// A place in it is broken.
+    #[error("{place}: {problem}")]
+    Format {
+        /// Where: a line, a byte offset, or a message.
+        place: String,
+        /// What is wrong there, the value, and what would be right.
+        problem: String,
+    },
+    /// It is broken, or does not fit the rest, as a whole.
+    #[error("{0}")]
+    Content(String),
+    /// A value is out of the library's range.
+    #[error(transparent)]
+    Value(#[from] nextview::Error),
+}
+
+impl RecordingError {
+    pub(crate) fn format(place: impl Into<String>, problem: impl Into<String>) -> Self {
+        Self::Format { place: place.into(), problem: problem.into() }
+    }
+
+    /// The same, said of this file.
+    pub(crate) fn in_file(self, path: &Path) -> Self {
+        Self::InFile { path: path.to_owned(), error: Box::new(self) }
+    }
+}

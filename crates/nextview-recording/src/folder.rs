@@ -1,0 +1,241 @@
+//! Our own form: `intrinsics.txt`, `poses.csv`, and images by number in `depth/`.
+
+use crate::frame::DepthSource;
+use crate::lens::{self, Lens};
+use crate::recording::{ReadOptions, Recording, Skipped};
+use crate::rigid::{self, Rigid};
+use crate::text::{self, Line};
+use crate::trajectory::Stamped;
+use crate::{RecordedFrame, RecordingError};
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+
+/// Metres per unit of depth unless intrinsics.txt tells.
+const DEPTH_UNIT: f64 = 0.001;
+
+/// What the twelve columns of a pose end in, row by row.
+const ENTRIES: [&str; 12] =
+    ["_00", "_01", "_02", "_03", "_10", "_11", "_12", "_13", "_20", "_21", "_22", "_23"];
+
+/// What the names of the pose columns begin with.
+const POSE: &str = "world_from_camera";
+
+/// What rotations may be off without a word: rounding in files that carry few digits.
+const NOTED: f64 = 1e-3;
+
+/// A row of poses.csv.
+struct Row {
+    line: usize,
+    timestamp_s: Option<f64>,
+    rigid: Rigid,
+}
+
+pub(crate) fn read(folder: &Path, options: &ReadOptions) -> Result<Recording, RecordingError> {
+    let Lens { intrinsics, depth_unit } = lens::read(&folder.join("intrinsics.txt"), DEPTH_UNIT)?;
+    let path = folder.join("poses.csv");
+    let rows =
+        text::read(&path).and_then(|text| rows(&text, options)).map_err(|error| error.in_file(&path))?;
+    let notes = note(&rows).into_iter().collect();
+    let mut images = images(&folder.join("depth"))?;
+    let (mut frames, mut skipped) = (Vec::new(), Vec::new());
+    for (number, row) in rows {
+        let Some(path) = images.remove(&number) else {
+            let what = format!("the pose of frame {number} (poses.csv, line {})", row.line);
+            skipped.push(Skipped { what, why: "depth/ has no image of that number".into() });
+            continue;
+        };
+        frames.push(RecordedFrame {
+            name: format!("frame {number}"),
+            timestamp_s: row.timestamp_s,
+            world_from_camera: row.rigid.pose,
+            intrinsics,
+            depth: DepthSource::Png { path, unit: depth_unit },
+        });
+    }
+    skipped.extend(images.into_keys().map(|number| Skipped {
+        what: format!("the image of frame {number}"),
+        why: "poses.csv has no row of that frame".into(),
+    }));
+    Ok(Recording { intrinsics, frames, skipped, notes })
+}
+
+/// A word about rotations that were none.
+fn note(rows: &BTreeMap<u32, Row>) -> Option<String> {
+    let worst = rows.values().map(|row| row.rigid.error).fold(0.0, f64::max);
+    (worst > NOTED).then(|| {
+        format!("the rotations in poses.csv have scale or shear of up to {:.1} %; the nearest ones without are used", 1e2 * worst)
+    })
+}
+
+/// The images by number. Files that are no PNG do not count.
+fn images(folder: &Path) -> Result<BTreeMap<u32, PathBuf>, RecordingError> {
+    let list = || {
+        let entries = std::fs::read_dir(folder)?.collect::<Result<Vec<_>, _>>()?;
+        Ok::<_, RecordingError>(entries.into_iter().map(|entry| entry.path()).collect::<Vec<PathBuf>>())
+    };
+    let mut paths = list().map_err(|error| error.in_file(folder))?;
+    paths.sort();
+    let mut images: BTreeMap<u32, PathBuf> = BTreeMap::new();
+    for path in paths.into_iter().filter(|path| path.extension().is_some_and(|extension| extension == "png"))
+    {
+        let stem = path.file_stem().unwrap_or_default().to_string_lossy();
+        let number = stem.parse().map_err(|_| {
+            let problem = "is no number of a frame, expected names such as 000.png and 001.png";
+            RecordingError::Content(problem.into()).in_file(&path)
+        })?;
+        if let Some(other) = images.get(&number) {
+            let problem = format!("frame {number} has another image, {}", other.display());
+            return Err(RecordingError::Content(problem).in_file(&path));
+        }
+        images.insert(number, path);
+    }
+    Ok(images)
+}
+
+/// The rows of poses.csv by number of the frame.
+fn rows(text: &str, options: &ReadOptions) -> Result<BTreeMap<u32, Row>, RecordingError> {
+    let mut lines = text::lines(text);
+    let header = lines.next().ok_or_else(|| RecordingError::Content("is empty, expected a header".into()))?;
+    let columns = Columns::new(&header, options)?;
+    let mut rows: BTreeMap<u32, Row> = BTreeMap::new();
+    let mut times = Vec::new();
+    for line in lines {
+        let (number, row) = columns.row(&line)?;
+        if let Some(other) = rows.get(&number) {
+            return Err(line.error(format!("frame {number} is in line {} already", other.line)));
+        }
+        times.extend(row.timestamp_s.map(|time| Stamped { time, place: line.place(), value: () }));
+        rows.insert(number, row);
+    }
+    if rows.is_empty() {
+        return Err(RecordingError::Content("holds no pose, expected a row for every frame".into()));
+    }
+    Stamped::sorted(times)?;
+    Ok(rows)
+}
+
+/// Which column holds what.
+struct Columns {
+    n_columns: usize,
+    frame: usize,
+    timestamp: Option<usize>,
+    pose: [usize; 12],
+}
+
+impl Columns {
+    fn new(header: &Line<'_>, options: &ReadOptions) -> Result<Self, RecordingError> {
+        let names = header.fields();
+        let find = |name: &str| names.iter().position(|field| *field == name);
+        let prefix = pose_prefix(&names, options).map_err(|problem| header.error(problem))?;
+        let column = |entry: &str| {
+            let name = format!("{prefix}{entry}");
+            find(&name).ok_or_else(|| header.error(format!("there is no column {name}")))
+        };
+        let mut pose = [0; 12];
+        for (place, entry) in pose.iter_mut().zip(ENTRIES) {
+            *place = column(entry)?;
+        }
+        let frame = find("frame").ok_or_else(|| header.error("there is no column frame"))?;
+        Ok(Self { n_columns: names.len(), frame, timestamp: find("timestamp_s"), pose })
+    }
+
+    fn row(&self, line: &Line<'_>) -> Result<(u32, Row), RecordingError> {
+        let fields = line.fields();
+        if fields.len() != self.n_columns {
+            return Err(line.error(format!("{} columns, expected {}", fields.len(), self.n_columns)));
+        }
+        let number = line.value("frame", fields[self.frame])?;
+        let timestamp_s =
+            self.timestamp.map(|column| line.value("timestamp_s", fields[column])).transpose()?;
+        let mut matrix = [0.0; 12];
+        for (entry, &column) in matrix.iter_mut().zip(&self.pose) {
+            *entry = line.value(format!("column {}", column + 1), fields[column])?;
+        }
+        let rigid =
+            rigid::from_rows(matrix).map_err(|problem| line.error(format!("frame {number}: {problem}")))?;
+        Ok((number, Row { line: line.number, timestamp_s, rigid }))
+    }
+}
+
+/// What the names of the pose columns begin with: what was asked for, or ours, or else the only choice.
+fn pose_prefix(names: &[&str], options: &ReadOptions) -> Result<String, String> {
+    let complete =
+        |prefix: &&str| ENTRIES.iter().all(|entry| names.contains(&format!("{prefix}{entry}").as_str()));
+    let prefixes: Vec<&str> =
+        names.iter().filter_map(|name| name.strip_suffix(ENTRIES[0])).filter(complete).collect();
+    let wanted = options.pose_columns.as_deref();
+    match (wanted.or_else(|| prefixes.contains(&POSE).then_some(POSE)), prefixes.as_slice()) {
+        (Some(prefix), _) if prefixes.contains(&prefix) => Ok(prefix.to_owned()),
+        (None, [prefix]) => Ok((*prefix).to_owned()),
+        (_, []) => Err(format!("there are no pose columns, expected {POSE}_00 to {POSE}_23, row by row")),
+        (Some(prefix), others) => {
+            Err(format!("there are no pose columns {prefix}_00 to {prefix}_23, but {}", others.join(", ")))
+        }
+        (None, several) => {
+            Err(format!("there are several sets of pose columns, {}: choose one by name", several.join(", ")))
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const POSE_ROW: &str = "1,0,0,0.1,0,1,0,0.2,0,0,1,0.3";
+
+    fn header(prefix: &str) -> String {
+        ENTRIES.map(|entry| format!("{prefix}{entry}")).join(",")
+    }
+
+    fn read(text: &str, wanted: Option<&str>) -> Result<Vec<u32>, String> {
+        let options = ReadOptions { pose_columns: wanted.map(str::to_owned), ..ReadOptions::default() };
+        rows(text, &options).map(|rows| rows.into_keys().collect()).map_err(|error| error.to_string())
+    }
+
+    #[test]
+    fn rows_are_sorted_and_columns_found_by_name() {
+        let text = format!("note,frame,{}\nx,7,{POSE_ROW}\n\n# no\ny,3,{POSE_ROW}\n", header("given"));
+        assert_eq!(read(&text, None), Ok(vec![3, 7]));
+        let both = format!("frame,{},{}\n3,{POSE_ROW},{POSE_ROW}\n", header("given"), header("refined"));
+        assert!(
+            read(&both, None)
+                .unwrap_err()
+                .contains("line 1: there are several sets of pose columns, given, refined")
+        );
+        assert_eq!(read(&both, Some("refined")), Ok(vec![3]));
+        assert!(
+            read(&both, Some("best"))
+                .unwrap_err()
+                .contains("no pose columns best_00 to best_23, but given, refined")
+        );
+        let ours = both.replace("given", POSE);
+        assert_eq!(read(&ours, None), Ok(vec![3]));
+    }
+
+    #[test]
+    fn faults_name_the_lines() {
+        let head = format!("frame,timestamp_s,{}\n", header(POSE));
+        let row = |frame: &str, time: &str| format!("{frame},{time},{POSE_ROW}\n");
+        for (rows, expected) in [
+            (String::new(), "holds no pose"),
+            (row("1", "0.1") + &row("1", "0.2"), "line 3: frame 1 is in line 2 already"),
+            (row("1", "0.1") + &row("2", "0.1"), "line 3: has the timestamp 0.1 of line 2 again"),
+            (row("1", "nan"), "line 2: the timestamp is NaN"),
+            (row("-1", "0.1"), "line 2: frame is '-1', expected a whole number"),
+            (row("1", "0.1").replace("0.2", "x"), "line 2: column 10 is 'x', expected a number"),
+            (row("1", "0.1").replace(",0.3", ""), "line 2: 13 columns, expected 14"),
+            (row("1", "0.1").replace("0.3", "300"), "line 2: frame 1: the position is 300 m from the origin"),
+            (row("1", "0.1").replace("0.1,0,1,", "0.1,0,2,"), "line 2: frame 1: the rotation is not rigid"),
+        ] {
+            let error = read(&format!("{head}{rows}"), None).unwrap_err();
+            assert!(error.contains(expected), "{rows}: {error}");
+        }
+        assert!(read("", None).unwrap_err().contains("is empty"));
+        assert!(
+            read("frame,x\n", None)
+                .unwrap_err()
+                .contains("line 1: there are no pose columns, expected world_from")
+        );
+        assert!(read(&header(POSE), None).unwrap_err().contains("line 1: there is no column frame"));
+    }
+}

@@ -1,0 +1,61 @@
+use crate::RecordingError;
+use crate::depth_png;
+use crate::mcap::{self, Place};
+use nextview::geometry::Pose;
+use nextview::sensor::{Depth, DepthImage, Frame, Intrinsics};
+use std::path::PathBuf;
+
+/// A recorded look of a depth camera. Its image stays in its file until it is [loaded](Self::load).
+#[derive(Debug)]
+pub struct RecordedFrame {
+    /// What people would call it: `frame 12`, the name of its file, or the number and topic of its message.
+    pub name: String,
+    /// When it was taken, seconds, if the recording tells.
+    pub timestamp_s: Option<f64>,
+    /// Where the camera stood: rigid, at most 100 m from the origin.
+    pub world_from_camera: Pose,
+    pub(crate) intrinsics: Intrinsics,
+    pub(crate) depth: DepthSource,
+}
+
+/// Where the depth of a frame is.
+#[derive(Debug)]
+pub(crate) enum DepthSource {
+    /// In a PNG file of units of so many metres.
+    Png { path: PathBuf, unit: f64 },
+    /// In a message of an MCAP file.
+    Message { path: PathBuf, place: Place },
+}
+
+/// A frame needs a depth up to which pixels without return are free. Recorded images have no such pixels: that nothing
+/// came back is told nowhere, and a missing pixel says nothing.
+const RANGE: f64 = 10.0;
+
+impl RecordedFrame {
+    /// Reads the image. What was checked when the recording was opened fails only if a file has changed since.
+    pub fn load(&self) -> Result<Frame, RecordingError> {
+        let image = match &self.depth {
+            DepthSource::Png { path, unit } => depth_png::read(path, &self.intrinsics, *unit)?,
+            DepthSource::Message { path, place } => {
+                let image = mcap::depth(path, *place, &self.intrinsics);
+                let named = |error: RecordingError| RecordingError::format(&self.name, error.to_string());
+                image.map_err(|error| named(error).in_file(path))?
+            }
+        };
+        Ok(Frame::new(image, self.intrinsics, self.world_from_camera, RANGE)?)
+    }
+}
+
+/// Why an image is of no use; none if it shows something.
+pub(crate) fn uselessness(image: &DepthImage) -> Option<String> {
+    let pixels = (0..image.height()).flat_map(|v| (0..image.width()).map(move |u| image.get(u, v)));
+    let mut pixels = pixels.peekable();
+    let first = *pixels.peek()?;
+    if pixels.any(|pixel| pixel != first) {
+        return None;
+    }
+    Some(match first {
+        Depth::Surface(depth) => format!("every pixel has the depth {depth} m"),
+        _ => "no pixel has a depth".to_owned(),
+    })
+}

@@ -1,0 +1,21 @@
+//! Recorded depth images with camera poses, from files.
+//!
+//! Start with [`Recording::open`]: it recognises a folder of our own simple form, a folder of the TUM RGB-D benchmark, and
+//! an `.mcap` file with ROS 2 messages. `docs/recorded.md` describes all three. Nothing here plans or maps.
+
+mod depth_png;
+mod error;
+mod folder;
+mod frame;
+mod lens;
+mod mcap;
+mod recording;
+mod rigid;
+mod text;
+mod trajectory;
+mod tum;
+
+pub use error::RecordingError;
+pub use frame::RecordedFrame;
+pub use recording::{ReadOptions, Recording, Skipped};
+pub use rigid::read_transform;

@@ -1,0 +1,39 @@
+use crate::RecordingError;
+
+/// Reads bytes from front to back and never past the end.
+#[derive(Clone, Debug)]
+pub(super) struct Cursor<'a> {
+    bytes: &'a [u8],
+    at: usize,
+}
+
+impl<'a> Cursor<'a> {
+    pub fn new(bytes: &'a [u8]) -> Self {
+        Self { bytes, at: 0 }
+    }
+
+    /// How many bytes were read.
+    pub fn at(&self) -> usize {
+        self.at
+    }
+
+    /// What is left.
+    pub fn rest(&self) -> &'a [u8] {
+        &self.bytes[self.at..]
+    }
+
+    /// The next `n` bytes.
+    pub fn take(&mut self, n: usize) -> Result<&'a [u8], RecordingError> {
+        let Some(taken) = self.rest().get(..n) else {
+            let problem = format!("{n} bytes expected, but only {} are left", self.rest().len());
+            return Err(RecordingError::format(format!("byte {}", self.at), problem));
+        };
+        self.at += n;
+        Ok(taken)
+    }
+
+    /// The next `N` bytes.
+    pub fn array<const N: usize>(&mut self) -> Result<[u8; N], RecordingError> {
+        Ok(self.take(N)?.try_into().expect("as many were taken"))
+    }
+}

@@ -1,0 +1,198 @@
+//! The container: records in a file, one after the other, most of them in compressed chunks (mcap.dev/spec).
+//!
+//! A reader of our own: the crate `mcap` takes 26 s of CPU time to build with its dependencies, decompresses with C code, and
+//! wants the whole file in memory; we need four kinds of records.
+
+use super::chunk;
+use super::cursor::Cursor;
+use crate::RecordingError;
+use std::fs::File;
+use std::io::{BufReader, ErrorKind, Read, Seek, SeekFrom};
+use std::path::Path;
+
+const MAGIC: [u8; 8] = *b"\x89MCAP0\r\n";
+
+/// Where a record is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Place {
+    /// Byte in the file at which it, or the chunk that holds it, begins.
+    byte: u64,
+    /// Byte among the chunk's records, if there is a chunk.
+    in_chunk: Option<usize>,
+}
+
+/// The records that say something of messages.
+#[derive(Debug)]
+pub(super) enum Record<'a> {
+    Schema { id: u16, name: &'a str },
+    Channel { id: u16, schema: u16, topic: &'a str, encoding: &'a str },
+    Message { channel: u16, data: &'a [u8] },
+}
+
+/// An open file, read from record to record.
+struct Records {
+    file: BufReader<File>,
+    /// Where the next record begins, and the size of the file.
+    byte: u64,
+    size: u64,
+}
+
+/// What a record's first byte says.
+mod opcode {
+    pub const SCHEMA: u8 = 0x03;
+    pub const CHANNEL: u8 = 0x04;
+    pub const MESSAGE: u8 = 0x05;
+    pub const CHUNK: u8 = 0x06;
+    pub const DATA_END: u8 = 0x0f;
+}
+
+/// Shows every schema, channel and message, in the order of the file, until the end of its data.
+pub(super) fn walk(
+    path: &Path,
+    mut visit: impl FnMut(Place, Record<'_>) -> Result<(), RecordingError>,
+) -> Result<(), RecordingError> {
+    let mut records = Records::open(path)?;
+    loop {
+        let byte = records.byte;
+        let (opcode, content) = records.next()?;
+        let in_record = |error| at(byte, error);
+        match opcode {
+            opcode::DATA_END => return Ok(()),
+            opcode::CHUNK => {
+                let plain = chunk::records(&content).map_err(in_record)?;
+                let mut cursor = Cursor::new(&plain);
+                while !cursor.rest().is_empty() {
+                    let place = Place { byte, in_chunk: Some(cursor.at()) };
+                    let (opcode, content) = next_in_chunk(&mut cursor).map_err(in_record)?;
+                    show(place, opcode, content, &mut visit).map_err(in_record)?;
+                }
+            }
+            opcode => {
+                show(Place { byte, in_chunk: None }, opcode, &content, &mut visit).map_err(in_record)?;
+            }
+        }
+    }
+}
+
+/// The data of the message that [`walk`] found there.
+pub(super) fn message(path: &Path, place: Place) -> Result<Vec<u8>, RecordingError> {
+    let mut records = Records::open(path)?;
+    records.byte = place.byte;
+    records.file.seek(SeekFrom::Start(place.byte))?;
+    let (opcode, content) = records.next()?;
+    let read = || match (opcode, place.in_chunk) {
+        (opcode::CHUNK, Some(offset)) => {
+            let plain = chunk::records(&content)?;
+            let mut cursor = Cursor::new(&plain);
+            cursor.take(offset)?;
+            let (opcode, content) = next_in_chunk(&mut cursor)?;
+            data(opcode, content)
+        }
+        (opcode, _) => data(opcode, &content),
+    };
+    read().map_err(|error| at(place.byte, error))
+}
+
+fn data(opcode: u8, content: &[u8]) -> Result<Vec<u8>, RecordingError> {
+    match parse(opcode, content)? {
+        Some(Record::Message { data, .. }) => Ok(data.to_vec()),
+        _ => Err(RecordingError::Content("there is no message any more".into())),
+    }
+}
+
+fn show(
+    place: Place,
+    opcode: u8,
+    content: &[u8],
+    visit: &mut impl FnMut(Place, Record<'_>) -> Result<(), RecordingError>,
+) -> Result<(), RecordingError> {
+    parse(opcode, content)?.map_or(Ok(()), |record| visit(place, record))
+}
+
+/// A record; none of a kind that does not matter here.
+fn parse(opcode: u8, content: &[u8]) -> Result<Option<Record<'_>>, RecordingError> {
+    let mut cursor = Cursor::new(content);
+    Ok(Some(match opcode {
+        opcode::SCHEMA => Record::Schema { id: short(&mut cursor)?, name: text(&mut cursor)? },
+        opcode::CHANNEL => Record::Channel {
+            id: short(&mut cursor)?,
+            schema: short(&mut cursor)?,
+            topic: text(&mut cursor)?,
+            encoding: text(&mut cursor)?,
+        },
+        opcode::MESSAGE => {
+            let channel = short(&mut cursor)?;
+            cursor.take(4 + 8 + 8)?; // number, and times of logging and publishing
+            Record::Message { channel, data: cursor.rest() }
+        }
+        _ => return Ok(None),
+    }))
+}
+
+fn next_in_chunk<'a>(cursor: &mut Cursor<'a>) -> Result<(u8, &'a [u8]), RecordingError> {
+    let [opcode] = cursor.array()?;
+    let length = u64::from_le_bytes(cursor.array()?);
+    Ok((opcode, cursor.take(usize::try_from(length).unwrap_or(usize::MAX))?))
+}
+
+fn short(cursor: &mut Cursor<'_>) -> Result<u16, RecordingError> {
+    Ok(u16::from_le_bytes(cursor.array()?))
+}
+
+/// A text after its length.
+pub(super) fn text<'a>(cursor: &mut Cursor<'a>) -> Result<&'a str, RecordingError> {
+    let length = u32::from_le_bytes(cursor.array()?);
+    str::from_utf8(cursor.take(length as usize)?)
+        .map_err(|_| RecordingError::Content("a name is no text (UTF-8)".into()))
+}
+
+impl Records {
+    fn open(path: &Path) -> Result<Self, RecordingError> {
+        let file = File::open(path)?;
+        let size = file.metadata()?.len();
+        let mut records = Self { file: BufReader::new(file), byte: MAGIC.len() as u64, size };
+        let mut magic = [0; MAGIC.len()];
+        match records.file.read_exact(&mut magic) {
+            Ok(()) if magic == MAGIC => Ok(records),
+            Err(error) if error.kind() != ErrorKind::UnexpectedEof => Err(error.into()),
+            _ => Err(RecordingError::Content("is no MCAP file: it does not begin with its mark".into())),
+        }
+    }
+
+    /// Kind and content of the next record.
+    fn next(&mut self) -> Result<(u8, Vec<u8>), RecordingError> {
+        const HEAD: u64 = 9;
+        let left = self.size.saturating_sub(self.byte);
+        let mut head = [0; HEAD as usize];
+        if left < HEAD {
+            return Err(self.cut());
+        }
+        self.file.read_exact(&mut head)?;
+        let [opcode, length @ ..] = head;
+        let length = u64::from_le_bytes(length);
+        if length > left - HEAD {
+            return Err(self.cut());
+        }
+        // No more than the file holds, whatever the record says.
+        let mut content = vec![0; length as usize];
+        self.file.read_exact(&mut content)?;
+        self.byte += HEAD + length;
+        Ok((opcode, content))
+    }
+
+    fn cut(&self) -> RecordingError {
+        let problem = format!(
+            "the file ends amid a record after {} bytes: was the recorder stopped, or the file not copied whole? \
+             `mcap recover` keeps what is whole",
+            self.size
+        );
+        RecordingError::format(format!("byte {}", self.byte), problem)
+    }
+}
+
+fn at(byte: u64, error: RecordingError) -> RecordingError {
+    match error {
+        error @ RecordingError::Io(_) => error,
+        error => RecordingError::format(format!("record at byte {byte}"), error.to_string()),
+    }
+}

@@ -1,0 +1,57 @@
+//! Text files: lines that count, numbers in them, and errors that name the line.
+
+use crate::RecordingError;
+use std::fmt::Display;
+use std::path::Path;
+use std::str::FromStr;
+
+/// A line that is neither empty nor a comment.
+#[derive(Clone, Copy)]
+pub(crate) struct Line<'a> {
+    /// Counted from 1.
+    pub number: usize,
+    /// Without white space at the ends.
+    pub text: &'a str,
+}
+
+/// Reads a file of UTF-8 text.
+pub(crate) fn read(path: &Path) -> Result<String, RecordingError> {
+    String::from_utf8(std::fs::read(path)?).map_err(|error| {
+        let offset = error.utf8_error().valid_up_to();
+        RecordingError::format(format!("byte {offset}"), "is no text (UTF-8)")
+    })
+}
+
+/// The lines that count: empty ones and those that start with `#` do not.
+pub(crate) fn lines(text: &str) -> impl Iterator<Item = Line<'_>> {
+    let lines = text.lines().enumerate().map(|(i, text)| Line { number: i + 1, text: text.trim() });
+    lines.filter(|line| !line.text.is_empty() && !line.text.starts_with('#'))
+}
+
+impl<'a> Line<'a> {
+    /// An error about this line.
+    pub fn error(&self, problem: impl Into<String>) -> RecordingError {
+        RecordingError::format(self.place(), problem)
+    }
+
+    /// Where it is.
+    pub fn place(&self) -> String {
+        format!("line {}", self.number)
+    }
+
+    /// The words between white space.
+    pub fn words(&self) -> Vec<&'a str> {
+        self.text.split_whitespace().collect()
+    }
+
+    /// The fields between commas.
+    pub fn fields(&self) -> Vec<&'a str> {
+        self.text.split(',').map(str::trim).collect()
+    }
+
+    /// The value that a field of this name holds.
+    pub fn value<T: FromStr>(&self, name: impl Display, text: &str) -> Result<T, RecordingError> {
+        let kind = if T::from_str("0.5").is_ok() { "a number" } else { "a whole number from 0 on" };
+        text.parse().map_err(|_| self.error(format!("{name} is '{text}', expected {kind}")))
+    }
+}

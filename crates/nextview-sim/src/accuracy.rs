@@ -1,0 +1,169 @@
+//! How accurately the true surface was measured.
+
+use crate::mesh::TriangleMesh;
+use glam::DVec3;
+use nextview::geometry::Aabb;
+
+/// How far measured points are from the true surface, metres.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Accuracy {
+    /// Mean distance.
+    pub mean: f64,
+    /// Half of the points are nearer.
+    pub median: f64,
+    /// 95 % of the points are nearer.
+    pub p95: f64,
+}
+
+impl Accuracy {
+    /// Of the points with these distances; none without points.
+    pub fn of(distances: &[f64]) -> Option<Self> {
+        let mut sorted = distances.to_vec();
+        sorted.sort_by(f64::total_cmp);
+        let quantile = |q: f64| sorted.get((q * (sorted.len() as f64 - 1.0)).round() as usize).copied();
+        let mean = sorted.iter().sum::<f64>() / sorted.len() as f64;
+        Some(Self { mean, median: quantile(0.5)?, p95: quantile(0.95)? })
+    }
+}
+
+/// Tells the distance of any point from a surface: a tree of boxes around the triangles.
+#[derive(Clone, Debug)]
+pub struct SurfaceDistance {
+    /// The corners of the triangles in the order of the tree.
+    triangles: Vec<[DVec3; 3]>,
+    root: Node,
+}
+
+#[derive(Clone, Debug)]
+struct Node {
+    bounds: Aabb,
+    content: Content,
+}
+
+#[derive(Clone, Debug)]
+enum Content {
+    /// From one triangle up to another.
+    Leaf {
+        start: usize,
+        end: usize,
+    },
+    Halves(Box<[Node; 2]>),
+}
+
+/// A box of fewer triangles is not divided further.
+const LEAF: usize = 8;
+
+impl SurfaceDistance {
+    /// The tree of a mesh.
+    pub fn new(mesh: &TriangleMesh) -> Self {
+        let mut triangles: Vec<[DVec3; 3]> = (0..mesh.triangles().len()).map(|i| mesh.corners(i)).collect();
+        let root = Node::new(&mut triangles, 0);
+        Self { triangles, root }
+    }
+
+    /// The distance of a finite point from the nearest point of the surface, metres.
+    pub fn at(&self, point: DVec3) -> f64 {
+        let mut nearest_sq = f64::INFINITY;
+        self.search(&self.root, point, &mut nearest_sq);
+        nearest_sq.sqrt()
+    }
+
+    fn search(&self, node: &Node, point: DVec3, nearest_sq: &mut f64) {
+        match &node.content {
+            Content::Leaf { start, end } => {
+                for triangle in &self.triangles[*start..*end] {
+                    let dist_sq = nearest_point(*triangle, point).distance_squared(point);
+                    *nearest_sq = nearest_sq.min(dist_sq);
+                }
+            }
+            Content::Halves(halves) => {
+                let [a, b] = halves.each_ref().map(|half| (half, half.distance_sq(point)));
+                for (half, dist_sq) in if a.1 <= b.1 { [a, b] } else { [b, a] } {
+                    if dist_sq < *nearest_sq {
+                        self.search(half, point, nearest_sq);
+                    }
+                }
+            }
+        }
+    }
+}
+
+impl Node {
+    /// Divides the triangles, of which there is at least one and the first has the number `start`, at the middle one along the
+    /// longest side of their box.
+    fn new(triangles: &mut [[DVec3; 3]], start: usize) -> Self {
+        let bounds = Aabb::around(triangles.iter().copied().flatten()).expect("a mesh has triangles");
+        let n = triangles.len();
+        if n < LEAF {
+            return Self { bounds, content: Content::Leaf { start, end: start + n } };
+        }
+        let axis = bounds.size().max_position();
+        let along = |t: &[DVec3; 3]| t[0][axis] + t[1][axis] + t[2][axis];
+        triangles.select_nth_unstable_by(n / 2, |a, b| along(a).total_cmp(&along(b)));
+        let (low, high) = triangles.split_at_mut(n / 2);
+        let halves = [Self::new(low, start), Self::new(high, start + n / 2)];
+        Self { bounds, content: Content::Halves(Box::new(halves)) }
+    }
+
+    fn distance_sq(&self, point: DVec3) -> f64 {
+        point.clamp(self.bounds.min, self.bounds.max).distance_squared(point)
+    }
+}
+
+/// The point of a triangle nearest to another point: that of its plane if it lies inside, or else of the nearest edge.
+fn nearest_point([a, b, c]: [DVec3; 3], point: DVec3) -> DVec3 {
+    let normal = (b - a).cross(c - a);
+    let is_inside = |from: DVec3, to: DVec3| (to - from).cross(point - from).dot(normal) >= 0.0;
+    if is_inside(a, b) && is_inside(b, c) && is_inside(c, a) {
+        return point - normal * ((point - a).dot(normal) / normal.length_squared());
+    }
+    let on_edges = [(a, b), (b, c), (c, a)].map(|(from, to)| {
+        let edge = to - from;
+        let share = (point - from).dot(edge) / edge.length_squared();
+        from + edge * share.clamp(0.0, 1.0)
+    });
+    let distance = |p: &DVec3| p.distance_squared(point);
+    on_edges.into_iter().reduce(|p, q| if distance(&q) < distance(&p) { q } else { p }).unwrap_or(a)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::builtin;
+    use nextview::geometry::random::Random;
+    use proptest::prelude::*;
+
+    #[test]
+    fn the_tree_finds_what_asking_every_triangle_finds() {
+        let mesh = builtin::by_name("bracket").unwrap();
+        let distance = SurfaceDistance::new(&mesh);
+        let mut random = Random::new(1, 0);
+        for _ in 0..300 {
+            let point = random.in_cube() * 0.2;
+            let of_triangle = |i| nearest_point(mesh.corners(i), point).distance(point);
+            let expected = (0..mesh.triangles().len()).map(of_triangle).fold(f64::INFINITY, f64::min);
+            assert!((distance.at(point) - expected).abs() < 1e-12, "{point}");
+        }
+    }
+
+    proptest! {
+        /// No point of a fine net over the triangle is nearer, and one is hardly farther.
+        #[test]
+        fn the_nearest_point_is_nearest(corners in prop::array::uniform9(-1.0..1.0), p in prop::array::uniform3(-2.0..2.0)) {
+            let [a, b, c] = [0, 3, 6].map(|i| DVec3::new(corners[i], corners[i + 1], corners[i + 2]));
+            prop_assume!((b - a).cross(c - a).length() > 1e-3);
+            let point = DVec3::from_array(p);
+            let found = nearest_point([a, b, c], point).distance(point);
+            let net = (0..=60).flat_map(|i| (0..=60 - i).map(move |j| (i as f64 / 60.0, j as f64 / 60.0)));
+            let nearest = net.map(|(u, v)| (a + (b - a) * u + (c - a) * v).distance(point)).fold(9.0, f64::min);
+            prop_assert!(found <= nearest + 1e-12 && nearest <= found + 0.06, "{found} {nearest}");
+        }
+    }
+
+    #[test]
+    fn accuracy_is_mean_median_and_95_percent() {
+        let distances: Vec<f64> = (0..=100).rev().map(|mm| mm as f64).collect();
+        assert_eq!(Accuracy::of(&distances), Some(Accuracy { mean: 50.0, median: 50.0, p95: 95.0 }));
+        assert_eq!(Accuracy::of(&[]), None);
+    }
+}
