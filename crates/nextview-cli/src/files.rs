@@ -1,6 +1,7 @@
 //! Files that are never half written: each is written beside its place and then renamed.
 
 use crate::Failure;
+use std::borrow::Cow;
 use std::fs::{self, File};
 use std::io::{self, BufReader, BufWriter, Write};
 use std::path::{Path, PathBuf};
@@ -56,8 +57,22 @@ fn fill(
     writer.into_inner().map_err(|e| e.into_error().into())
 }
 
-/// A folder of results that appears as a whole or not at all. Until then its files are kept in memory, so that a scan
-/// that is interrupted leaves nothing on the disk.
+/// Removes what writing into this folder has left unfinished; nobody must be writing into it.
+pub(crate) fn remove_unfinished(folder: &Path) -> io::Result<()> {
+    let prefix = format!(".{}.", name_of(folder));
+    for entry in fs::read_dir(folder)? {
+        let entry = entry?;
+        let name = entry.file_name();
+        let is_unfinished =
+            name.to_str().is_some_and(|name| name.starts_with(&prefix) && name.ends_with(".partial"));
+        if is_unfinished && entry.file_type()?.is_dir() {
+            fs::remove_dir_all(entry.path())?;
+        }
+    }
+    Ok(())
+}
+
+/// A folder of results that appears as a whole or not at all. Until then its files are kept in memory.
 #[derive(Debug)]
 pub(crate) struct ResultFolder {
     target: PathBuf,
@@ -138,8 +153,11 @@ fn nearest_existing(path: &Path) -> &Path {
 
 /// The name under which something is written until it is whole.
 fn unfinished(path: &Path) -> String {
-    let name = path.file_name().unwrap_or_default().to_string_lossy();
-    format!(".{name}.{}.partial", std::process::id())
+    format!(".{}.{}.partial", name_of(path), std::process::id())
+}
+
+fn name_of(path: &Path) -> Cow<'_, str> {
+    path.file_name().unwrap_or_default().to_string_lossy()
 }
 
 #[cfg(test)]

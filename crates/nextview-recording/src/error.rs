@@ -16,6 +16,9 @@ pub enum RecordingError {
     /// It cannot be opened or read.
     #[error("cannot be read: {0}")]
     Io(#[from] std::io::Error),
+    /// It cannot be written.
+    #[error("cannot be written: {0}")]
+    Unwritable(#[source] std::io::Error),
     /// A place in it is broken.
     #[error("{place}: {problem}")]
     Format {

@@ -36,6 +36,8 @@ pub(crate) fn read(folder: &Path, options: &ReadOptions) -> Result<Recording, Re
     let rows =
         text::read(&path).and_then(|text| rows(&text, options)).map_err(|error| error.in_file(&path))?;
     let notes = note(&rows).into_iter().collect();
+    let masks = folder.join("mask");
+    let mut masks = masks.exists().then(|| images(&masks)).transpose()?;
     let mut images = images(&folder.join("depth"))?;
     let (mut frames, mut skipped) = (Vec::new(), Vec::new());
     for (number, row) in rows {
@@ -44,12 +46,18 @@ pub(crate) fn read(folder: &Path, options: &ReadOptions) -> Result<Recording, Re
             skipped.push(Skipped { what, why: "depth/ has no image of that number".into() });
             continue;
         };
+        let name = format!("frame {number}");
+        let mask = masks.as_mut().map(|masks| masks.remove(&number));
+        if mask == Some(None) {
+            skipped.push(Skipped { what: name, why: "mask/ has no image of that number".into() });
+            continue;
+        }
         frames.push(RecordedFrame {
-            name: format!("frame {number}"),
+            name,
             timestamp_s: row.timestamp_s,
             world_from_camera: row.rigid.pose,
             intrinsics,
-            depth: DepthSource::Png { path, unit: depth_unit },
+            depth: DepthSource::Png { path, unit: depth_unit, mask: mask.flatten() },
         });
     }
     skipped.extend(images.into_keys().map(|number| Skipped {

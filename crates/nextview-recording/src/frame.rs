@@ -21,21 +21,23 @@ pub struct RecordedFrame {
 /// Where the depth of a frame is.
 #[derive(Debug)]
 pub(crate) enum DepthSource {
-    /// In a PNG file of units of so many metres.
-    Png { path: PathBuf, unit: f64 },
+    /// In a PNG file of units of so many metres; where the mask's pixels are 0, there is nothing of the object.
+    Png { path: PathBuf, unit: f64, mask: Option<PathBuf> },
     /// In a message of an MCAP file.
     Message { path: PathBuf, place: Place },
 }
 
-/// A frame needs a depth up to which pixels without return are free. Recorded images have no such pixels: that nothing
-/// came back is told nowhere, and a missing pixel says nothing.
+/// A frame needs a depth up to which pixels without return are free. Recorded images have no such pixels but beside their
+/// masks: that nothing came back is told nowhere, and a missing pixel says nothing.
 const RANGE: f64 = 10.0;
 
 impl RecordedFrame {
     /// Reads the image. What was checked when the recording was opened fails only if a file has changed since.
     pub fn load(&self) -> Result<Frame, RecordingError> {
         let image = match &self.depth {
-            DepthSource::Png { path, unit } => depth_png::read(path, &self.intrinsics, *unit)?,
+            DepthSource::Png { path, unit, mask } => {
+                depth_png::read(path, &self.intrinsics, *unit, mask.as_deref())?
+            }
             DepthSource::Message { path, place } => {
                 let image = mcap::depth(path, *place, &self.intrinsics);
                 let named = |error: RecordingError| RecordingError::format(&self.name, error.to_string());

@@ -2,11 +2,13 @@
 //!
 //! Start with [`Recording::open`]: it recognises a folder of our own simple form, a folder of the TUM RGB-D benchmark, and
 //! an `.mcap` file with ROS 2 messages. `docs/recorded.md` describes all three. Nothing here plans or maps.
+//! [`Journal`] keeps the frames of a scan that is under way.
 
 mod depth_png;
 mod error;
 mod folder;
 mod frame;
+mod journal;
 mod lens;
 mod mcap;
 mod recording;
@@ -17,5 +19,6 @@ mod tum;
 
 pub use error::RecordingError;
 pub use frame::RecordedFrame;
+pub use journal::{Damage, Journal, Kept, KeptFrame};
 pub use recording::{ReadOptions, Recording, Skipped};
 pub use rigid::read_transform;

@@ -33,7 +33,7 @@ pub(crate) fn read(folder: &Path, options: &ReadOptions) -> Result<Recording, Re
                 timestamp_s: Some(time),
                 world_from_camera,
                 intrinsics,
-                depth: DepthSource::Png { path, unit: depth_unit },
+                depth: DepthSource::Png { path, unit: depth_unit, mask: None },
             }),
         }
     }

@@ -9,6 +9,7 @@ pub mod baseline;
 pub mod builtin;
 pub mod camera;
 mod error;
+pub mod gauge;
 pub mod mesh;
 pub mod noise;
 pub mod random_object;

@@ -1,12 +1,10 @@
 //! A scan from the first view to the last, measured at every step.
 
 use crate::SimError;
+use crate::gauge::{Gauge, Measures, RunCamera};
 use crate::scene::Scene;
-use crate::surface::SurfaceCoverage;
-use crate::truth::{ObjectVoxels, VoxelScore};
-use fixedbitset::FixedBitSet;
+use crate::truth::ObjectVoxels;
 use glam::DVec3;
-use nextview::geometry::Pose;
 use nextview::sensor::Frame;
 use nextview::session::{Decision, NextView, Session, StepReport, StopReason};
 use std::ops::ControlFlow;
@@ -31,23 +29,6 @@ pub struct Step<M = Measures> {
     pub capture_time: Duration,
 }
 
-/// What was scanned so far, compared with the true object.
-#[derive(Clone, Copy, Debug)]
-pub struct Measures {
-    /// The map in the finest voxels against the object voxels, in the block of those: object voxels outside the
-    /// session's box do not count as covered, and what is occupied outside the block is not counted at all.
-    pub voxels: VoxelScore,
-    /// Number of object voxels truly seen so far: those with a point of the true surface that a pixel measured, wherever
-    /// noise and a wrong pose put that point in the map. All other measures are of what the frames claim.
-    pub n_seen: usize,
-    /// Share, 0..=1, of the true surface with a measured point of the object within 1, 2 and 5 mm.
-    pub surface_coverage: [f64; 3],
-    /// How far the points of the object are from where they are, for the pose in which the frame was mapped: root mean square
-    /// over those that a pixel measured, metres; 0 if there are none. The error of the depth is not in it. None where the
-    /// true poses are not known.
-    pub misplacement: Option<f64>,
-}
-
 impl<M> Step<M> {
     /// The same step with other measures.
     pub fn map<N>(self, change: impl FnOnce(M) -> N) -> Step<N> {
@@ -63,30 +44,9 @@ pub fn run(
     object: &ObjectVoxels,
     on_step: impl FnMut(Step) -> ControlFlow<StopReason>,
 ) -> Result<StopReason, SimError> {
-    let mut surface = SurfaceCoverage::new(scene.camera().mesh());
-    let mut seen = FixedBitSet::with_capacity(object.len());
-    let mut is_first = true;
-    let capture = |next: &NextView| {
-        let capture = scene.camera().capture_with_truth(&next.world_from_camera)?;
-        let claims_right_pose = is_first && scene.camera().noise().first_pose_is_right;
-        is_first = false;
-        let frame = match claims_right_pose {
-            true => capture.frame.with_pose(next.world_from_camera),
-            false => capture.frame,
-        };
-        Ok((frame, (capture.truth, capture.of_object)))
-    };
-    let measure = |session: &Session, frame: &Frame, (truth, of_object): (Frame, Frame)| {
-        let mapped_from = frame.world_from_camera();
-        seen.union_with(&object.seen_in(&truth));
-        surface.add(&of_object.with_pose(mapped_from));
-        Measures {
-            voxels: object.compare(&session.map().snapshot(object.block())),
-            n_seen: seen.count_ones(..),
-            surface_coverage: surface.shares(),
-            misplacement: Some(misplacement(&truth, &mapped_from)),
-        }
-    };
+    let (mut camera, mut gauge) = (RunCamera::new(scene), Gauge::new(scene, object));
+    let capture = |next: &NextView| camera.capture(next);
+    let measure = |session: &Session, frame: &Frame, truth| gauge.measure(session, frame, truth);
     run_with(session, capture, measure, on_step)
 }
 
@@ -122,16 +82,6 @@ pub fn run_with<T, M, E>(
             return Ok(reason);
         }
     }
-}
-
-/// Root mean square distance between the points of a frame in its own pose and in another, metres.
-fn misplacement(truth: &Frame, mapped_from: &Pose) -> f64 {
-    let motion = *mapped_from * truth.world_from_camera().inverse();
-    let (mut n, mut sum) = (0, 0.0);
-    for point in (0..truth.image().height()).flat_map(|v| truth.row_ray_ends(v)).filter(|(_, hit)| *hit) {
-        (n, sum) = (n + 1, sum + motion.transform_point(point.0).distance_squared(point.0));
-    }
-    if n > 0 { (sum / n as f64).sqrt() } else { 0.0 }
 }
 
 /// The length of a path that grows.

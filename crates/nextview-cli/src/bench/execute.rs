@@ -46,7 +46,7 @@ fn measure(
     is_alone: bool,
 ) -> Result<Measures, Failure> {
     let before = if is_alone { memory::forget_peak().and_then(|()| memory::now_mb()) } else { None };
-    let scan = setting.scan(config, truth, |_| Ok(()))?;
+    let scan = setting.scan(config, truth, |_, frame| Ok(frame), |_| Ok(()))?;
     let after = before.and_then(|_| memory::peak_mb());
     let baselines = truth.map(|truth| Baselines::new(truth, config));
     let growth = before.zip(after).map(|(before, after)| (after - before).max(0.0));

@@ -14,9 +14,11 @@ use std::path::PathBuf;
 /// that) and what the camera saw. Because the truth is known, the scan is measured: against random views and against a clairvoyant planner
 /// that knows the object (skill 0 and 1).
 ///
+/// Every frame is on the disk before it counts: a scan that was interrupted, however, goes on with --resume.
+///
 /// With --frames, a camera's recorded images take its place: the candidates are the recorded poses, and the box grows from the first
 /// image on unless --box-m states it. The scan is measured if --truth says what the object looks like.
-#[derive(Debug, Args)]
+#[derive(Debug, Default, PartialEq, Args)]
 #[command(after_help = EXAMPLES)]
 pub(super) struct ScanArgs {
     /// A mesh file (.ply, .obj, .stl, .off, .gltf, .glb) or builtin:NAME (teapot, mug, bracket, torus-knot, random-SEED
@@ -103,13 +105,16 @@ pub(super) struct ScanArgs {
     /// Folder for the results [default: scan-OBJECT-PLANNER]
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
+    /// Go on with the scan in this folder, which was interrupted; no other option but --json can be given with it
+    #[arg(long, value_name = "DIR")]
+    resume: Option<PathBuf>,
     /// Print one JSON object instead of text
     #[arg(long)]
     json: bool,
 }
 
 /// What only recordings need.
-#[derive(Debug, Args)]
+#[derive(Debug, Default, PartialEq, Args)]
 struct RecordingArgs {
     /// With --frames: what the names of the pose columns in poses.csv begin with [default: world_from_camera, or the only set]
     #[arg(long, value_name = "NAME")]
@@ -117,6 +122,10 @@ struct RecordingArgs {
     /// With --frames: the box that the object lies in, in metres, by its lowest and its highest corner [default: it grows]
     #[arg(long, value_name = "X0,Y0,Z0,X1,Y1,Z1", value_parser = values::corners, allow_hyphen_values = true)]
     box_m: Option<[f64; 6]>,
+    /// With --frames: height of the table that the object stands on, z in metres; what is below it, or less than 2 mm above,
+    /// is not the object [default: no table]
+    #[arg(long, value_name = "Z", value_parser = values::number, allow_negative_numbers = true)]
+    table_z_m: Option<f64>,
     /// With --frames: mesh of the true object, to measure the scan by
     #[arg(long, value_name = "MESH")]
     truth: Option<String>,
@@ -132,6 +141,7 @@ Examples:
   nextview scan bunny.ply --profile paper --json            the paper's protocol, as JSON
   nextview scan --config part/config.toml                   the same scan again
   nextview scan --frames recorded/ --truth part.stl         recorded frames, measured
+  nextview scan --resume part                               go on after an interruption
 
 The folder holds config.toml (everything that decides the scan), steps.jsonl (a line per view),
 views.csv (poses), map.ot and map.bt (OctoMap), cloud.ply, mesh.ply and report.html.";
@@ -145,6 +155,21 @@ enum Switch {
 
 impl ScanArgs {
     pub fn run(self) -> Result<(), Failure> {
+        match &self.resume {
+            None => self.begin(),
+            Some(dir) => {
+                let alone = Self { resume: self.resume.clone(), json: self.json, ..Self::default() };
+                if self != alone {
+                    return Err(Failure::usage(
+                        "--resume goes on with a scan as it was begun; leave out all else but --json",
+                    ));
+                }
+                scan::resume(&Output { dir: dir.clone(), json: self.json })
+            }
+        }
+    }
+
+    fn begin(self) -> Result<(), Failure> {
         let mut config = ScanConfig::load(self.profile, self.config.as_deref())?;
         if self.model.is_some() {
             config.recording = None;
@@ -188,19 +213,22 @@ impl RecordingArgs {
         let options = [
             ("pose-columns", self.pose_columns.is_some()),
             ("box-m", self.box_m.is_some()),
+            ("table-z-m", self.table_z_m.is_some()),
             ("truth", self.truth.is_some()),
+            ("truth-from-world", self.truth_from_world.is_some()),
         ];
-        let options = options.into_iter().chain([("truth-from-world", self.truth_from_world.is_some())]);
         let recording = match config.recording.take() {
             Some(recording) => recording,
             None if is_recorded => RecordingConfig::default(),
             None => {
-                let given = options.filter(|(_, is_given)| *is_given).map(|(name, _)| name).next();
-                return given.map_or(Ok(()), |name| Err(Failure::usage(format!("--{name} needs --frames"))));
+                let given = options.into_iter().find(|(_, is_given)| *is_given);
+                return given
+                    .map_or(Ok(()), |(name, _)| Err(Failure::usage(format!("--{name} needs --frames"))));
             }
         };
         config.recording = Some(RecordingConfig {
             box_m: self.box_m.or(recording.box_m),
+            table_z_m: self.table_z_m.or(recording.table_z_m),
             truth: self.truth.or(recording.truth),
             truth_from_world: self.truth_from_world.or(recording.truth_from_world),
             read: ReadOptions {

@@ -3,6 +3,12 @@
 use glam::DVec3;
 use nextview::geometry::Aabb;
 
+/// A finite number.
+pub(super) fn number(text: &str) -> Result<f64, String> {
+    let value: f64 = text.trim().parse().map_err(|_| format!("'{text}' is not a number"))?;
+    if value.is_finite() { Ok(value) } else { Err(format!("{text} is not finite")) }
+}
+
 /// A positive, finite number.
 pub(super) fn positive(text: &str) -> Result<f64, String> {
     let value = number(text)?;
@@ -50,11 +56,6 @@ pub(super) fn cube(text: &str) -> Result<Aabb, String> {
 /// A box, `x0,y0,z0,x1,y1,z1`: its lowest and its highest corner.
 pub(super) fn corners(text: &str) -> Result<[f64; 6], String> {
     numbers::<6>(text, "x0,y0,z0,x1,y1,z1")
-}
-
-fn number(text: &str) -> Result<f64, String> {
-    let value: f64 = text.trim().parse().map_err(|_| format!("'{text}' is not a number"))?;
-    if value.is_finite() { Ok(value) } else { Err(format!("{text} is not finite")) }
 }
 
 fn numbers<const N: usize>(text: &str, form: &str) -> Result<[f64; N], String> {

@@ -1,7 +1,7 @@
 use super::{ScanConfig, Setting};
 use crate::Failure;
 use nextview_sim::baseline::{RandomCurve, clairvoyant_curve, extended, skill};
-use nextview_sim::run::Measures;
+use nextview_sim::gauge::Measures;
 use nextview_sim::truth::TrueVisibility;
 use std::sync::Arc;
 use std::time::{Duration, Instant};

@@ -2,7 +2,8 @@ use crate::Failure;
 use nextview::geometry::Aabb;
 use nextview::session::{Session, StopReason};
 use nextview_sim::accuracy::Accuracy;
-use nextview_sim::run::{Measures, Step};
+use nextview_sim::gauge::Measures;
+use nextview_sim::run::Step;
 use std::ops::ControlFlow;
 use std::time::Instant;
 
@@ -40,10 +41,10 @@ impl FinishedScan {
 }
 
 /// Collects the steps of a run, which is told what to do with each, and ends it when the time is over.
-pub(super) fn collect<M, E: Into<Failure>>(
+pub(super) fn collect<M>(
     time_limit_s: Option<f64>,
     tell: impl Fn(&Step<M>) -> Result<(), Failure>,
-    run: impl FnOnce(&mut dyn FnMut(Step<M>) -> ControlFlow<StopReason>) -> Result<StopReason, E>,
+    run: impl FnOnce(&mut dyn FnMut(Step<M>) -> ControlFlow<StopReason>) -> Result<StopReason, Failure>,
 ) -> Result<(Vec<Step<M>>, StopReason), Failure> {
     let mut steps = Vec::new();
     let mut told = Ok(());
@@ -56,6 +57,6 @@ pub(super) fn collect<M, E: Into<Failure>>(
         let is_over = time_limit_s.is_some_and(|limit| start.elapsed().as_secs_f64() >= limit);
         if is_over { ControlFlow::Break(StopReason::TimeLimit) } else { ControlFlow::Continue(()) }
     });
-    let stop_reason = stop_reason.map_err(E::into)?;
+    let stop_reason = stop_reason?;
     told.map(|()| (steps, stop_reason))
 }

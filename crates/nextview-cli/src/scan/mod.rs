@@ -3,6 +3,7 @@
 mod baselines;
 mod config;
 mod finished;
+mod keeper;
 pub(crate) mod memory;
 mod noise;
 mod object;
@@ -27,6 +28,8 @@ pub(crate) use setting::Setting;
 
 use crate::files::ResultFolder;
 use crate::{Failure, stdout};
+use keeper::{FrameKeeper, Interrupted};
+use nextview_sim::run::Step;
 use outcome::Outcome;
 use results::Results;
 use std::path::PathBuf;
@@ -48,29 +51,44 @@ pub(crate) fn default_dir(config: &ScanConfig) -> PathBuf {
 /// Scans the configured object and writes the results.
 pub(crate) fn scan(config: ScanConfig, output: &Output) -> Result<(), Failure> {
     config.check_stop()?;
+    run(config, None, output)
+}
+
+/// Goes on with a scan whose folder is named, and writes its results as if it had not been interrupted.
+pub(crate) fn resume(output: &Output) -> Result<(), Failure> {
+    let Interrupted { config, keeper, notes } = Interrupted::open(&output.dir)?;
+    notes.iter().for_each(|note| eprintln!("{note}"));
+    run(config, Some(keeper), output)
+}
+
+/// The keeper is that of an interrupted scan.
+fn run(config: ScanConfig, keeper: Option<FrameKeeper>, output: &Output) -> Result<(), Failure> {
     match config.recording.clone() {
-        Some(recording) => recorded::scan(config, &recording, output),
-        None => simulated(config, output),
+        Some(recording) => recorded::scan(config, &recording, keeper, output),
+        None => simulated(config, keeper, output),
     }
 }
 
-fn simulated(mut config: ScanConfig, output: &Output) -> Result<(), Failure> {
+fn simulated(mut config: ScanConfig, keeper: Option<FrameKeeper>, output: &Output) -> Result<(), Failure> {
     let setting = Setting::new(&config)?;
     config.voxel_size_m = Some(setting.voxel_size);
     let folder = ResultFolder::begin(&output.dir)?;
     output.begin(&config, &setting.object.to_string(), &setting.object.note, setting.views.len())?;
     let truth = config.needs_truth().then(|| truth(&setting)).transpose()?;
     let baselines = truth.as_ref().map(|truth| Baselines::new(truth, &config));
+    let mut keeper = keeper.map_or_else(|| FrameKeeper::begin(&config, &output.dir), Ok)?;
     let progress = Progress::new("scanning", config.views);
-    let scan = setting.scan(&config, truth.as_ref(), |step| {
+    let tell = |step: &Step| {
         progress.step();
         let line = || outcome::step_line(step, Some(&step.measures), baselines.as_ref());
         if output.json { Ok(()) } else { progress.print(&line()) }
-    })?;
+    };
+    let scan = setting.scan(&config, truth.as_ref(), |next, frame| keeper.keep(next, frame), tell)?;
     drop(progress);
     let scan = scan.told();
     let outcome = Outcome::new(&config, &scan, baselines);
     Results { config: &config, scan: &scan, outcome: &outcome }.write(folder)?;
+    keeper.finish()?;
     output.end(&outcome)
 }
 

@@ -3,9 +3,11 @@ use super::object::Object;
 use super::{BoxRule, ScanConfig, TableRule, Truth};
 use crate::{Failure, files};
 use nextview::geometry::{Aabb, Lattice, VoxelBlock};
-use nextview::session::{ObjectBox, Session, SessionConfig, Table, Views};
+use nextview::sensor::Frame;
+use nextview::session::{NextView, ObjectBox, Session, SessionConfig, Table, Views};
 use nextview::view::ViewSpace;
-use nextview_sim::run::{self, Step};
+use nextview_sim::gauge::{Gauge, RunCamera};
+use nextview_sim::run::{Step, run_with};
 use nextview_sim::scene::Scene;
 use nextview_sim::truth::ObjectVoxels;
 use std::path::Path;
@@ -35,11 +37,13 @@ impl Setting {
         Ok(Self { object, scene, views, voxel_size, object_voxels })
     }
 
-    /// Scans the object from the first view to the last. The truth is for the clairvoyant planner only.
+    /// Scans the object from the first view to the last. The truth is for the clairvoyant planner only; every frame counts as
+    /// `keep` gives it back.
     pub fn scan(
         &self,
         config: &ScanConfig,
         truth: Option<&Truth>,
+        mut keep: impl FnMut(&NextView, Frame) -> Result<Frame, Failure>,
         tell: impl Fn(&Step) -> Result<(), Failure>,
     ) -> Result<FinishedScan, Failure> {
         config.check_views(self.views.len())?;
@@ -47,9 +51,15 @@ impl Setting {
         let planner = config.build_planner(truth)?;
         let session_config = simulated_session(config, &self.scene, self.voxel_size);
         let mut session = Session::new(session_config, config.camera, self.session_views(config), planner)?;
-        let (steps, stop_reason) = collect(config.stop.time_s, tell, |on_step| {
-            run::run(&mut session, &self.scene, &self.object_voxels, on_step)
-        })?;
+        let mut camera = RunCamera::new(&self.scene);
+        let mut gauge = Gauge::new(&self.scene, &self.object_voxels);
+        let capture = |next: &NextView| {
+            let (frame, shown) = camera.capture(next)?;
+            Ok((keep(next, frame)?, shown))
+        };
+        let measure = |session: &Session, frame: &Frame, shown| gauge.measure(session, frame, shown);
+        let (steps, stop_reason) =
+            collect(config.stop.time_s, tell, |on_step| run_with(&mut session, capture, measure, on_step))?;
         let bounds = session.bounds().unwrap_or_else(|| self.scene.planning_box(self.voxel_size));
         Ok(FinishedScan { session, bounds, steps, stop_reason })
     }

@@ -27,4 +27,7 @@ mod recording;
 #[cfg(test)]
 mod reproduction;
 #[cfg(test)]
+#[cfg(unix)]
+mod resume;
+#[cfg(test)]
 mod scan;

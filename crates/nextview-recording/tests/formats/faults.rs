@@ -1,6 +1,7 @@
 //! What is wrong with a recording is told: an error with its place, or something left out with a reason.
 
 use crate::made_up::{Folder, MadeUp, png};
+use nextview::sensor::Depth;
 use png::{BitDepth, ColorType};
 use std::fs;
 
@@ -153,4 +154,28 @@ fn files_that_are_missing_cut_or_strange() {
         }),
         &["groundtruth.txt: line 3: the position is 900 m from the origin", "is it in millimetres?"],
     );
+}
+
+#[test]
+fn masks_make_what_they_leave_out_free() {
+    let mask = |value: u8| {
+        let half: Vec<u8> = (0..60 * 80).map(|i| if i % 80 < 40 { 0 } else { value }).collect();
+        png(80, 60, ColorType::Grayscale, BitDepth::Eight, &half)
+    };
+    let folder = Folder::new("faults-masks");
+    MadeUp::new(2).write_folder(&folder);
+    let plain = folder.open().unwrap().frames[0].load().unwrap();
+    fs::create_dir_all(folder.0.join("mask")).unwrap();
+    folder.write("mask/000.png", mask(255));
+    let masked = folder.open().unwrap();
+    let skipped: Vec<String> = masked.skipped.iter().map(|skipped| skipped.to_string()).collect();
+    assert_eq!(skipped, ["frame 1 is left out: mask/ has no image of that number"]);
+    let masked = masked.frames[0].load().unwrap();
+    for v in 0..60 {
+        (0..40).for_each(|u| assert_eq!(masked.image().get(u, v), Depth::Beyond));
+        (40..80).for_each(|u| assert_eq!(masked.image().get(u, v), plain.image().get(u, v)));
+    }
+    folder.write("mask/001.png", png(80, 60, ColorType::Grayscale, BitDepth::Sixteen, &[1; 80 * 60 * 2]));
+    let error = folder.open().unwrap_err().to_string();
+    assert!(error.ends_with("mask/001.png: is a PNG image of 16 bits without colour, expected a mask: 8 bits a pixel without colour"), "{error}");
 }

@@ -6,6 +6,8 @@ mod data;
 #[cfg(test)]
 mod faults;
 #[cfg(test)]
+mod journal;
+#[cfg(test)]
 mod made_up;
 #[cfg(test)]
 mod maps;

@@ -12,6 +12,9 @@ pub(crate) struct RecordingConfig {
     /// The box that the object lies in, by its lowest and its highest corner; without it, the box grows.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub box_m: Option<[f64; 6]>,
+    /// Height of the table that the object stands on; without it, there is none, or one is found.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub table_z_m: Option<f64>,
     /// A mesh of the true object, in the unit of the scan's `unit`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub truth: Option<String>,
@@ -37,6 +40,13 @@ impl RecordingConfig {
             let problem = "expected finite corners, the lowest first";
             return Err(Failure::usage(format!("box_m is {min} to {max}, {problem}")));
         }
+        if let Some(z) = self.table_z_m.filter(|z| !z.is_finite()) {
+            return Err(Failure::usage(format!("table_z_m is {z}, expected a finite number of metres")));
+        }
+        if self.table_z_m.is_some() && config.object_box.table != TableRule::None {
+            return Err(Failure::usage("table_z_m states the table, so that there is none to be found")
+                .with_hint("leave out one of --table-z-m and --table"));
+        }
         if self.truth.is_none() && self.truth_from_world.is_some() {
             return Err(Failure::usage("truth_from_world needs truth, the mesh that it leads to"));
         }
@@ -52,7 +62,7 @@ impl RecordingConfig {
         let told = untold.into_iter().find(|(_, is_neutral)| !is_neutral);
         told.map_or(Ok(()), |(name, _)| {
             let hint = match name {
-                "table" => "--table fit finds the table in the first image",
+                "table" => "--table-z-m states its height, --table fit finds it in the first image",
                 _ => "recorded frames are as they are; leave it out",
             };
             Err(Failure::usage(format!("{name} is for simulations, not for recorded frames")).with_hint(hint))

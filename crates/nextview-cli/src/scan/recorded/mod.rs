@@ -8,6 +8,7 @@ pub(crate) use config::RecordingConfig;
 pub(super) use outcome::{AccuracyMm, RecordedOutcome};
 
 use super::finished::{Measured, collect};
+use super::keeper::FrameKeeper;
 use super::object::suitable_voxel_size;
 use super::outcome::{Outcome, step_line};
 use super::progress::Progress;
@@ -31,6 +32,7 @@ const VOXEL_SIZE: f64 = 0.005;
 pub(super) fn scan(
     mut config: ScanConfig,
     recording_config: &RecordingConfig,
+    keeper: Option<FrameKeeper>,
     output: &Output,
 ) -> Result<(), Failure> {
     let recording = Recording::open(Path::new(&config.object), &recording_config.read)?;
@@ -48,38 +50,44 @@ pub(super) fn scan(
     let visibility = shown.map(|shown| shown.visibility);
     let planner = config.build_planner(visibility)?;
     let session = Session::new(session_config, config.camera, views(&recording)?, planner)?;
+    let mut keeper = keeper.map_or_else(|| FrameKeeper::begin(&config, &output.dir), Ok)?;
     let progress = Progress::new("scanning", config.views);
-    let scan = run(session, &recording, truth.as_ref(), config.stop.time_s, |step| {
+    let scan = run(session, &recording, &mut keeper, truth.as_ref(), config.stop.time_s, |step| {
         progress.step();
         let line = || step_line(step, step.measures.truth.as_ref(), baselines.as_ref());
         if output.json { Ok(()) } else { progress.print(&line()) }
     })?;
     drop(progress);
+    let Some(scan) = scan else {
+        keeper.finish()?;
+        return Err(no_object());
+    };
     let mut outcome = Outcome::new(&config, &scan, baselines);
     outcome.recorded = Some(RecordedOutcome::new(&recording, &scan));
     Results { config: &config, scan: &scan, outcome: &outcome }.write(folder)?;
+    keeper.finish()?;
     output.end(&outcome)
 }
 
-/// Runs the session to its end over the recorded frames.
+/// Runs the session to its end over the recorded frames; none if they show no object.
 fn run(
     mut session: Session,
     recording: &Recording,
+    keeper: &mut FrameKeeper,
     truth: Option<&TrueShape>,
     time_limit_s: Option<f64>,
     tell: impl Fn(&Step<Measured>) -> Result<(), Failure>,
-) -> Result<FinishedScan<Measured>, Failure> {
+) -> Result<Option<FinishedScan<Measured>>, Failure> {
     let mut gauge = truth.map(TrueShape::gauge);
     let (steps, stop_reason) = collect(time_limit_s, tell, |on_step| {
-        let load = |next: &NextView| load(recording, next).map(|frame| (frame, ()));
+        let load = |next: &NextView| Ok((keeper.keep(next, load(recording, next)?)?, ()));
         let measure = |session: &Session, frame: &Frame, ()| match &mut gauge {
             Some(gauge) => gauge.measure(session, frame),
             None => Measured::default(),
         };
         run_with(&mut session, load, measure, on_step)
     })?;
-    let bounds = session.bounds().ok_or_else(no_object)?;
-    Ok(FinishedScan { session, bounds, steps, stop_reason })
+    Ok(session.bounds().map(|bounds| FinishedScan { session, bounds, steps, stop_reason }))
 }
 
 /// Writes into the configuration what the recording decides, and tells what follows for the session.
@@ -94,8 +102,9 @@ fn resolve(
     let suitable = bounds.map_or(VOXEL_SIZE, |bounds| suitable_voxel_size(bounds.longest_side()));
     let voxel_size = *config.voxel_size_m.get_or_insert(suitable);
     config.object_box.rule = if bounds.is_some() { BoxRule::Known } else { BoxRule::Grows };
-    let table = match config.object_box.table {
-        TableRule::Fit => Table::Fitted,
+    let table = match (recording_config.table_z_m, config.object_box.table) {
+        (Some(z), _) => Table::AtHeight(z),
+        (None, TableRule::Fit) => Table::Fitted,
         _ => Table::None,
     };
     let object_box = bounds.map_or(ObjectBox::Growing, ObjectBox::Known);

@@ -1,0 +1,99 @@
+//! A simulated scan beside the truth.
+
+use crate::SimError;
+use crate::scene::Scene;
+use crate::surface::SurfaceCoverage;
+use crate::truth::{ObjectVoxels, VoxelScore};
+use fixedbitset::FixedBitSet;
+use nextview::geometry::Pose;
+use nextview::sensor::Frame;
+use nextview::session::{NextView, Session};
+
+/// What was scanned so far, compared with the true object.
+#[derive(Clone, Copy, Debug)]
+pub struct Measures {
+    /// The map in the finest voxels against the object voxels, in the block of those: object voxels outside the
+    /// session's box do not count as covered, and what is occupied outside the block is not counted at all.
+    pub voxels: VoxelScore,
+    /// Number of object voxels truly seen so far: those with a point of the true surface that a pixel measured, wherever
+    /// noise and a wrong pose put that point in the map. All other measures are of what the frames claim.
+    pub n_seen: usize,
+    /// Share, 0..=1, of the true surface with a measured point of the object within 1, 2 and 5 mm.
+    pub surface_coverage: [f64; 3],
+    /// How far the points of the object are from where they are, for the pose in which the frame was mapped: root mean square
+    /// over those that a pixel measured, metres; 0 if there are none. The error of the depth is not in it. None where the
+    /// true poses are not known.
+    pub misplacement: Option<f64>,
+}
+
+/// The camera of a whole run.
+pub struct RunCamera<'a> {
+    scene: &'a Scene,
+    is_first: bool,
+}
+
+/// What a frame truly shows.
+pub struct Shown {
+    /// Without noise, from where the camera truly stood.
+    truth: Frame,
+    /// The pixels that noise left of the object.
+    of_object: Frame,
+}
+
+/// Measures a run, frame by frame.
+pub struct Gauge<'a> {
+    object: &'a ObjectVoxels,
+    surface: SurfaceCoverage,
+    seen: FixedBitSet,
+}
+
+impl<'a> RunCamera<'a> {
+    /// Before the first frame.
+    pub fn new(scene: &'a Scene) -> Self {
+        Self { scene, is_first: true }
+    }
+
+    /// Takes the frame of a view.
+    pub fn capture(&mut self, next: &NextView) -> Result<(Frame, Shown), SimError> {
+        let camera = self.scene.camera();
+        let capture = camera.capture_with_truth(&next.world_from_camera)?;
+        let claims_right_pose = std::mem::take(&mut self.is_first) && camera.noise().first_pose_is_right;
+        let frame = match claims_right_pose {
+            true => capture.frame.with_pose(next.world_from_camera),
+            false => capture.frame,
+        };
+        Ok((frame, Shown { truth: capture.truth, of_object: capture.of_object }))
+    }
+}
+
+impl<'a> Gauge<'a> {
+    /// Nothing is scanned yet.
+    pub fn new(scene: &Scene, object: &'a ObjectVoxels) -> Self {
+        let surface = SurfaceCoverage::new(scene.camera().mesh());
+        Self { object, surface, seen: FixedBitSet::with_capacity(object.len()) }
+    }
+
+    /// How the session stands after this frame, which has the pose in which it was mapped.
+    pub fn measure(&mut self, session: &Session, frame: &Frame, shown: Shown) -> Measures {
+        let Shown { truth, of_object } = shown;
+        let mapped_from = frame.world_from_camera();
+        self.seen.union_with(&self.object.seen_in(&truth));
+        self.surface.add(&of_object.with_pose(mapped_from));
+        Measures {
+            voxels: self.object.compare(&session.map().snapshot(self.object.block())),
+            n_seen: self.seen.count_ones(..),
+            surface_coverage: self.surface.shares(),
+            misplacement: Some(misplacement(&truth, &mapped_from)),
+        }
+    }
+}
+
+/// Root mean square distance between the points of a frame in its own pose and in another, metres.
+fn misplacement(truth: &Frame, mapped_from: &Pose) -> f64 {
+    let motion = *mapped_from * truth.world_from_camera().inverse();
+    let (mut n, mut sum) = (0, 0.0);
+    for point in (0..truth.image().height()).flat_map(|v| truth.row_ray_ends(v)).filter(|(_, hit)| *hit) {
+        (n, sum) = (n + 1, sum + motion.transform_point(point.0).distance_squared(point.0));
+    }
+    if n > 0 { (sum / n as f64).sqrt() } else { 0.0 }
+}
