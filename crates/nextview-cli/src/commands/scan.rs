@@ -14,7 +14,7 @@ use std::path::PathBuf;
 /// that) and what the camera saw. Because the truth is known, the scan is measured: against random views and against a clairvoyant planner
 /// that knows the object (skill 0 and 1).
 ///
-/// Every frame is on the disk before it counts: a scan that was interrupted, however, goes on with --resume.
+/// Every frame is on the disk before it counts: however it was interrupted, a scan goes on with --resume.
 ///
 /// With --frames, a camera's recorded images take its place: the candidates are the recorded poses, and the box grows from the first
 /// image on unless --box-m states it. The scan is measured if --truth says what the object looks like.

@@ -9,10 +9,14 @@ use std::path::{Path, PathBuf};
 /// The frames of a scan on the disk, so that the scan can go on after it was interrupted.
 pub(super) struct FrameKeeper {
     dir: PathBuf,
+    /// The topmost folder that was not there before the scan.
+    created: Option<PathBuf>,
     journal: Journal,
     /// Those of before the interruption that the scan has not come to again.
     kept: VecDeque<KeptFrame>,
     n_taken: usize,
+    /// Number of frames that would be lost with the journal.
+    n_needed: usize,
 }
 
 /// A scan that was interrupted.
@@ -44,7 +48,7 @@ impl Interrupted {
             damage.map(|damage| damage_note(&path, &damage)),
             Some(format!("note: goes on after {}", n_frames(n))),
         ];
-        let keeper = FrameKeeper { dir: dir.to_owned(), journal, kept: frames.into(), n_taken: 0 };
+        let keeper = FrameKeeper::new(dir, None, journal, frames);
         Ok(Self { config, keeper, notes: notes.into_iter().flatten().collect() })
     }
 }
@@ -63,20 +67,24 @@ impl FrameKeeper {
             return Err(Failure::data(problem).in_file(dir).with_hint(hint));
         }
         let heading = toml::to_string(config).map_err(Failure::data)?;
+        let created = dir.ancestors().take_while(|dir| !dir.exists()).last().map(Path::to_owned);
         std::fs::create_dir_all(dir).map_err(|e| Failure::from(e).while_writing(dir))?;
         let journal = Journal::create(&path, &heading)?;
-        Ok(Self { dir: dir.to_owned(), journal, kept: VecDeque::new(), n_taken: 0 })
+        Ok(Self::new(dir, created, journal, Vec::new()))
+    }
+
+    fn new(dir: &Path, created: Option<PathBuf>, journal: Journal, kept: Vec<KeptFrame>) -> Self {
+        let n_needed = kept.len();
+        Self { dir: dir.to_owned(), created, journal, kept: kept.into(), n_taken: 0, n_needed }
     }
 
     /// The frame as it counts: that of the journal where the scan was there before, or else this one, once it is on the disk.
     pub fn keep(&mut self, next: &NextView, frame: Frame) -> Result<Frame, Failure> {
         self.n_taken += 1;
         let Some(kept) = self.kept.pop_front() else {
-            return self
-                .journal
-                .keep(next.view, &frame)
-                .map(|()| frame)
-                .map_err(|error| self.not_kept(error.into()));
+            self.journal.keep(next.view, &frame).map_err(|error| self.not_kept(error.into()))?;
+            self.n_needed += 1;
+            return Ok(frame);
         };
         if kept.view == next.view {
             return Ok(kept.frame);
@@ -95,15 +103,29 @@ impl FrameKeeper {
     }
 
     /// The results are on the disk, or there will be none: the frames are needed no longer.
-    pub fn finish(self) -> Result<(), Failure> {
-        let path = self.dir.join(NAME);
-        drop(self.journal);
-        std::fs::remove_file(&path).map_err(|e| Failure::from(e).while_writing(&path))
+    pub fn finish(mut self) {
+        self.n_needed = 0;
     }
 
     fn not_kept(&self, failure: Failure) -> Failure {
-        let before = n_frames(self.n_taken - 1);
-        failure.with_hint(format!("is the disk full? --resume {} goes on after {before}", self.dir.display()))
+        let hint = match self.n_needed {
+            0 => "is the disk full?".to_owned(),
+            n => format!("is the disk full? --resume {} goes on after {}", self.dir.display(), n_frames(n)),
+        };
+        failure.with_hint(hint)
+    }
+}
+
+impl Drop for FrameKeeper {
+    /// Without frames the journal is of no use, nor is a folder that holds nothing else.
+    fn drop(&mut self) {
+        if self.n_needed > 0 {
+            return;
+        }
+        let _ = std::fs::remove_file(self.dir.join(NAME));
+        let Some(topmost) = &self.created else { return };
+        let empty = self.dir.ancestors().take_while(|dir| dir.starts_with(topmost));
+        empty.for_each(|dir| _ = std::fs::remove_dir(dir));
     }
 }
 

@@ -306,7 +306,11 @@ fn questions_that_recordings_cannot_answer() {
     {
         refused(&[option], &["--frames <PATH>", "cannot be used with"]);
     }
-    refused(&["--table", "known"], &["table is for simulations", "hint: --table fit"]);
+    refused(&["--table", "known"], &["table is for simulations", "hint: --table-z-m states its height"]);
+    refused(
+        &["--table", "fit", "--table-z-m", "0"],
+        &["table_z_m states the table", "hint: leave out one of"],
+    );
     refused(&["--views", "4"], &["--views is 4, expected 1 to 3"]);
     refused(&["--views", "2", "--first-view", "3"], &["--first-view is 3, expected 0 to 2"]);
     refused(&["--views", "2", "--planner", "clairvoyant"], &["true object", "hint: --truth"]);

@@ -55,6 +55,21 @@ fn plans_over_the_recorded_views() {
 }
 
 #[test]
+fn what_is_below_the_stated_table_is_not_the_object() {
+    let folder = Folder::new("recorded-table");
+    write_recording(&folder, 12);
+    let lowest = |args: &[&str]| {
+        folder.ok(&scan(&[&["--views", "8"], args].concat()));
+        let steps = folder.text("out/steps.jsonl");
+        let last: Value = serde_json::from_str(steps.lines().last().unwrap()).unwrap();
+        last["bounds"]["min"][2].as_f64().unwrap()
+    };
+    let whole = lowest(&[]);
+    let cut = lowest(&["--table-z-m", "0.03"]);
+    assert!(whole < 0.0 && (0.03..0.035).contains(&cut), "{whole} {cut}");
+}
+
+#[test]
 fn the_order_may_be_the_recorded_one_or_random() {
     let folder = Folder::new("recorded-order");
     write_recording(&folder, 6);

@@ -1,6 +1,7 @@
 //! Scans that are interrupted, and go on.
 
 use crate::common::{Folder, Run};
+use crate::recording::{self, write_recording};
 use nextview::geometry::random::Random;
 use nextview_recording::Journal;
 use std::fs;
@@ -111,6 +112,18 @@ fn interrupted(folder: &Folder, scan: &[&str], n_frames: usize) {
     (0..3 + n_frames).for_each(|_| drop(lines.next().unwrap().unwrap()));
     child.kill().unwrap();
     child.wait().unwrap();
+}
+
+#[test]
+fn so_do_scans_of_recorded_frames() {
+    let folder = folder("resume-recorded");
+    write_recording(&folder, 12);
+    let scan = [&recording::SCAN[..5], &["--views", "10", "--out"]].concat();
+    folder.ok(&[&scan[..], &["whole"]].concat());
+    interrupted(&folder, &[&scan[..], &["out"]].concat(), 4);
+    let resumed = folder.run(&["scan", "--resume", "out"]);
+    assert_eq!(resumed.code, Some(0), "{}", resumed.stderr);
+    assert!(results(&folder, "out") == results(&folder, "whole"));
 }
 
 #[test]

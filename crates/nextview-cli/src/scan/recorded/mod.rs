@@ -59,13 +59,13 @@ pub(super) fn scan(
     })?;
     drop(progress);
     let Some(scan) = scan else {
-        keeper.finish()?;
+        keeper.finish();
         return Err(no_object());
     };
     let mut outcome = Outcome::new(&config, &scan, baselines);
     outcome.recorded = Some(RecordedOutcome::new(&recording, &scan));
     Results { config: &config, scan: &scan, outcome: &outcome }.write(folder)?;
-    keeper.finish()?;
+    keeper.finish();
     output.end(&outcome)
 }
 
