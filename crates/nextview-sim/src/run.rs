@@ -5,6 +5,7 @@ use crate::gauge::{Gauge, Measures, RunCamera};
 use crate::scene::Scene;
 use crate::truth::ObjectVoxels;
 use glam::DVec3;
+use nextview::motion::Way;
 use nextview::sensor::Frame;
 use nextview::session::{Decision, NextView, Session, StepReport, StopReason};
 use std::ops::ControlFlow;
@@ -21,6 +22,8 @@ pub struct Step<M = Measures> {
     pub measures: M,
     /// Length of the straight path through all views so far, metres.
     pub path_length: f64,
+    /// The way from the view before, as a robot would go.
+    pub way: Way,
     /// Time to decide on this view.
     pub plan_time: Duration,
     /// Time to write its frame into the map.
@@ -32,8 +35,17 @@ pub struct Step<M = Measures> {
 impl<M> Step<M> {
     /// The same step with other measures.
     pub fn map<N>(self, change: impl FnOnce(M) -> N) -> Step<N> {
-        let Self { report, frame, measures, path_length, plan_time, map_time, capture_time } = self;
-        Step { measures: change(measures), report, frame, path_length, plan_time, map_time, capture_time }
+        let Self { report, frame, measures, path_length, way, plan_time, map_time, capture_time } = self;
+        Step {
+            measures: change(measures),
+            report,
+            frame,
+            path_length,
+            way,
+            plan_time,
+            map_time,
+            capture_time,
+        }
     }
 }
 
@@ -65,6 +77,7 @@ pub fn run_with<T, M, E>(
             Decision::Move(next) => next,
             Decision::Stop(reason) => return Ok(reason),
         };
+        let way = session.way_to(&next.world_from_camera);
         let (taken, capture_time) = timed(|| capture(&next));
         let (frame, known) = taken?;
         let (report, map_time) = timed(|| session.observe(&frame));
@@ -73,6 +86,7 @@ pub fn run_with<T, M, E>(
             report,
             measures: measure(session, &frame, known),
             path_length: path.extend_to(next.world_from_camera.translation()),
+            way,
             plan_time,
             map_time,
             capture_time,

@@ -10,7 +10,7 @@ use nextview::sensor::{DepthImage, Frame, Intrinsics};
 use nextview::session::{
     Decision, MultiResolution, ObjectBox, Session, SessionConfig, StopConfig, StopReason, Table, Views,
 };
-use nextview::view::{ViewSpace, generate, look_at};
+use nextview::view::{Reach, ViewSpace, generate, look_at};
 use nextview_sim::builtin;
 use nextview_sim::run::{self, Step};
 use nextview_sim::scene::Scene;
@@ -57,7 +57,11 @@ impl Setup {
     /// Candidates that move along, from this first view on.
     fn following(&self, first: Pose) -> Views {
         let (center, size) = (self.scene.center(), self.scene.size());
-        Views::Following { first, unit: self.views.around(-center / size, 1.0 / size) }
+        Views::Following {
+            first,
+            unit: self.views.around(-center / size, 1.0 / size),
+            reach: Reach::default(),
+        }
     }
 
     fn first(&self) -> Pose {

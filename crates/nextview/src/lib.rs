@@ -3,8 +3,8 @@
 //!
 //! Start with [`session::Session`]: it takes depth frames and gives camera poses. The modules are layers, and each
 //! imports only from those before it: [`geometry`], [`flow`] -> [`sensor`] -> [`map`] -> [`view`], [`model`], [`prior`],
-//! [`registration`] -> [`visibility`] -> [`gain`] -> [`planner`] -> [`session`]. Afterwards, [`model`] makes a surface of
-//! the frames. The library computes: it opens no file, prints nothing, reads no clock and holds no global state.
+//! [`registration`] -> [`visibility`], [`motion`] -> [`gain`] -> [`planner`] -> [`session`]. Afterwards, [`model`] makes a surface
+//! of the frames. The library computes: it opens no file, prints nothing, reads no clock and holds no global state.
 #![doc = include_str!("../../../docs/conventions.md")]
 
 mod error;
@@ -13,6 +13,7 @@ pub mod gain;
 pub mod geometry;
 pub mod map;
 pub mod model;
+pub mod motion;
 pub mod planner;
 pub mod prior;
 pub mod registration;

@@ -12,7 +12,7 @@ const LAYERS: [&[&str]; 9] = [
     &["sensor"],
     &["map"],
     &["view", "model", "prior", "registration"],
-    &["visibility"],
+    &["visibility", "motion"],
     &["gain"],
     &["planner"],
     &["session"],

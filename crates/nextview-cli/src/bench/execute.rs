@@ -3,7 +3,7 @@
 use super::campaign::Run;
 use super::{Host, Measures, RunRecord, RunResult, StepMeasures};
 use crate::Failure;
-use crate::scan::{Baselines, FinishedScan, ScanConfig, Setting, Truth, memory, milliseconds};
+use crate::scan::{Baselines, FinishedScan, ScanConfig, Setting, Truth, memory, milliseconds, ways_so_far};
 use nextview_sim::run::Step;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
@@ -63,11 +63,12 @@ fn measures(
     baselines: Option<&Baselines>,
 ) -> Measures {
     let is_pose_wrong = config.noise.is_pose_wrong();
+    let steps = scan.steps.iter().zip(ways_so_far(&scan.steps));
     Measures {
         n_object_voxels: setting.object_voxels.len(),
         n_reachable: baselines.map(Baselines::n_reachable),
         stop_reason: scan.stop_reason,
-        steps: scan.steps.iter().map(|step| step_measures(step, is_pose_wrong, baselines)).collect(),
+        steps: steps.map(|(step, way)| step_measures(step, way, is_pose_wrong, baselines)).collect(),
         random_curve: baselines.map(|b| b.random.mean.clone()),
         clairvoyant_curve: baselines.map(|b| b.clairvoyant.clone()),
         skill: baselines.and_then(|b| b.skill(scan.steps.iter().map(|step| &step.measures))),
@@ -75,7 +76,12 @@ fn measures(
     }
 }
 
-fn step_measures(step: &Step, is_pose_wrong: bool, baselines: Option<&Baselines>) -> StepMeasures {
+fn step_measures(
+    step: &Step,
+    [way_m, move_time_s]: [f64; 2],
+    is_pose_wrong: bool,
+    baselines: Option<&Baselines>,
+) -> StepMeasures {
     let truth = &step.measures;
     let [surface_1mm, surface_2mm, surface_5mm] = truth.surface_coverage;
     StepMeasures {
@@ -95,6 +101,8 @@ fn step_measures(step: &Step, is_pose_wrong: bool, baselines: Option<&Baselines>
         entropy_nats: step.report.map.entropy,
         entropy_share: step.report.map.entropy_share,
         path_length_m: step.path_length,
+        way_m: Some(way_m),
+        move_time_s: Some(move_time_s),
         plan_time_ms: milliseconds(step.plan_time),
         map_time_ms: milliseconds(step.map_time),
         render_time_ms: milliseconds(step.capture_time),

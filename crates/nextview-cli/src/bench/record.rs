@@ -107,6 +107,11 @@ pub(crate) struct StepMeasures {
     pub entropy_share: f64,
     /// Length of the path so far.
     pub path_length_m: f64,
+    /// Length of the ways so far around the object, and the time that they take; none in campaigns of old.
+    #[serde(default)]
+    pub way_m: Option<f64>,
+    #[serde(default)]
+    pub move_time_s: Option<f64>,
     pub plan_time_ms: f64,
     pub map_time_ms: f64,
     pub render_time_ms: f64,

@@ -81,6 +81,8 @@ fn step_columns<'a, I: Iterator<Item = Option<&'a StepMeasures>>>(table: &mut Ta
     table.float("entropy_nats", steps().map(|s| Some(s?.entropy_nats)));
     table.float("entropy_share", steps().map(|s| Some(s?.entropy_share)));
     table.float("path_length_m", steps().map(|s| Some(s?.path_length_m)));
+    table.float("way_m", steps().map(|s| s?.way_m));
+    table.float("move_time_s", steps().map(|s| s?.move_time_s));
 }
 
 /// The columns that tell a run from all others.

@@ -84,6 +84,9 @@ pub(super) struct ScanArgs {
     /// Where candidates are: shell (the paper's), sphere, hemisphere, or a CSV file of poses [default: shell]
     #[arg(long, value_name = "RULE|FILE")]
     view_space: Option<String>,
+    /// Where a robot stands and how far it reaches, in metres; other candidates are dropped [default: everywhere]
+    #[arg(long, value_name = "X,Y,Z,R", value_parser = values::sphere, allow_hyphen_values = true)]
+    reach: Option<[f64; 4]>,
     /// Seed of the random shell and the random planner [default: 0]
     #[arg(long, value_name = "S", value_parser = values::seed, allow_negative_numbers = true)]
     seed: Option<u64>,
@@ -144,7 +147,8 @@ Examples:
   nextview scan --resume part                               go on after an interruption
 
 The folder holds config.toml (everything that decides the scan), steps.jsonl (a line per view),
-views.csv (poses), map.ot and map.bt (OctoMap), cloud.ply, mesh.ply and report.html.";
+views.csv (poses), waypoints.csv (the ways between them), map.ot and map.bt (OctoMap), cloud.ply,
+mesh.ply and report.html.";
 
 /// On or off.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
@@ -185,6 +189,7 @@ impl ScanArgs {
         set(&mut config.candidates, self.candidates);
         set(&mut config.first_view, self.first_view);
         set(&mut config.view_space, self.view_space.map(ViewSpaceName));
+        self.reach.into_iter().for_each(|sphere| config.reach.set_sphere(sphere));
         set(&mut config.seed, self.seed);
         set(&mut config.unit, self.unit);
         set(&mut config.multi_resolution.enabled, self.multi_resolution.map(|switch| switch == Switch::On));

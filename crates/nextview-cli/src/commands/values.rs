@@ -53,6 +53,15 @@ pub(super) fn cube(text: &str) -> Result<Aabb, String> {
     Ok(Aabb::cube(DVec3::new(x, y, z), half))
 }
 
+/// A sphere, `x,y,z,r`: its centre and its radius.
+pub(super) fn sphere(text: &str) -> Result<[f64; 4], String> {
+    let sphere = numbers::<4>(text, "x,y,z,r")?;
+    match sphere[3] {
+        radius if radius > 0.0 => Ok(sphere),
+        radius => Err(format!("the radius is {radius}, expected a positive number of metres")),
+    }
+}
+
 /// A box, `x0,y0,z0,x1,y1,z1`: its lowest and its highest corner.
 pub(super) fn corners(text: &str) -> Result<[f64; 6], String> {
     numbers::<6>(text, "x0,y0,z0,x1,y1,z1")

@@ -1,4 +1,6 @@
+use super::motion::MotionConfig;
 use super::noise::NoiseConfig;
+use super::reach::ReachConfig;
 use super::recorded::RecordingConfig;
 use super::registration::RegistrationConfig;
 use super::{NbvNetConfig, PlannerConfigs, PlannerName};
@@ -75,6 +77,11 @@ pub(crate) struct ScanConfig {
     pub map: MapConfig,
     pub multi_resolution: MultiResolutionConfig,
     pub object_box: ObjectBoxConfig,
+    #[serde(default, skip_serializing_if = "ReachConfig::is_default")]
+    pub reach: ReachConfig,
+    /// Campaigns before there were ways do not tell.
+    #[serde(default)]
+    pub motion: MotionConfig,
     /// Campaigns before there was registration do not tell.
     #[serde(default, skip_serializing_if = "RegistrationConfig::is_default")]
     pub registration: RegistrationConfig,
@@ -253,6 +260,8 @@ impl ScanConfig {
             map: MapConfig::default(),
             multi_resolution: MultiResolutionConfig::default(),
             object_box: ObjectBoxConfig::default(),
+            reach: ReachConfig::default(),
+            motion: MotionConfig::default(),
             registration: RegistrationConfig::default(),
             max_flow: MaxFlowConfig::default(),
             greedy: GreedyConfig::default(),
@@ -336,6 +345,7 @@ impl ScanConfig {
             stop: neutral.stop,
             multi_resolution: neutral.multi_resolution,
             registration: neutral.registration,
+            motion: neutral.motion,
             object_box: ObjectBoxConfig { rule: neutral.object_box.rule, ..self.object_box },
             ..self.clone()
         }
@@ -401,6 +411,8 @@ impl ScanConfig {
     pub fn check_given(&self) -> Result<(), Failure> {
         self.noise.check()?;
         self.registration.check()?;
+        self.motion.check()?;
+        self.reach.check()?;
         self.recording.as_ref().map_or(Ok(()), |recording| recording.check(self))
     }
 
@@ -421,7 +433,11 @@ impl ScanConfig {
     pub fn check_views(&self, n_views: usize) -> Result<(), Failure> {
         if self.first_view >= n_views {
             let (first, last) = (self.first_view, n_views - 1);
-            return Err(Failure::usage(format!("--first-view is {first}, expected 0 to {last}")));
+            let failure = Failure::usage(format!("--first-view is {first}, expected 0 to {last}"));
+            return Err(match self.reach.is_default() {
+                true => failure,
+                false => failure.with_hint("only candidates within reach count; they are numbered anew"),
+            });
         }
         if self.views == 0 || self.views > n_views {
             return Err(Failure::usage(format!(
@@ -500,6 +516,15 @@ mod tests {
             ("[greedy]\ntheta = -1\n", "theta is -1"),
             ("[noise]\npose_error_mm = -1\n", "pose_error_mm is -1, expected 0 to 1000"),
             ("[noise.depth]\nedge_loss = 2\n", "edge_loss is 2"),
+            ("[motion]\nspeed_m_per_s = 0\n", "motion.speed_m_per_s is 0, expected 0.001 to 100"),
+            ("[motion]\nacceleration_m_per_s2 = nan\n", "motion.acceleration_m_per_s2 is NaN"),
+            ("[motion]\nclearance_m = -1\n", "motion.clearance_m is -1, expected a number from 0 on"),
+            ("[motion]\nsensing_time_s = inf\n", "motion.sensing_time_s is inf"),
+            ("[reach]\nmax_radius_m = 1\n", "reach.base_m and reach.max_radius_m need each other"),
+            ("[reach]\nmin_radius_m = 1\n", "reach.min_radius_m needs reach.base_m"),
+            ("[reach]\nbase_m = [0, 0, 0]\nmax_radius_m = -1\n", "reach: reach is 0 to -1 m, expected"),
+            ("[reach]\nallowed_boxes_m = [[0, 0, 0, 1, 1, -1]]\n", "the lowest first"),
+            ("[reach]\nforbidden_boxes_m = [[0, 0]]\n", "invalid length 2"),
             ("min_overlap = 2\n", "min_overlap is 2"),
             ("[registration]\nspacing_mm = 0\n", "spacing_mm is 0"),
             ("[registration]\nposition_uncertainty_mm = -1\n", "position_uncertainty_mm is -1"),

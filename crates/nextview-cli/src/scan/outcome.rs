@@ -2,6 +2,7 @@ use super::baselines::Baselines;
 use super::finished::Measured;
 use super::memory;
 use super::recorded::RecordedOutcome;
+use super::ways_so_far;
 use super::{BoxRule, FinishedScan, PlannerName, Profile, ScanConfig, TableRule, short_name};
 use crate::Failure;
 use nextview::session::StopReason;
@@ -45,6 +46,9 @@ pub(super) struct Outcome {
     /// Map entropy in the box, nats, after each view.
     pub entropy_nats: Vec<f64>,
     pub path_length_m: f64,
+    /// Length of all ways around the object, and the time that they take.
+    pub way_m: f64,
+    pub move_time_s: f64,
     pub plan_time_ms: Vec<f64>,
     pub map_time_ms: Vec<f64>,
     /// Time to render or to load the frames.
@@ -69,6 +73,7 @@ impl Outcome {
         let known = baselines.as_ref().zip(truths.as_ref());
         let curve: Option<Vec<f64>> =
             known.map(|(b, truths)| truths.iter().map(|truth| b.reachable_coverage(truth)).collect());
+        let [way_m, move_time_s] = ways_so_far(steps).last().unwrap_or_default();
         let surface_coverage =
             |i: usize| truths.as_ref().map(|truths| truths.iter().map(|t| t.surface_coverage[i]).collect());
         Self {
@@ -95,6 +100,8 @@ impl Outcome {
             skill: known.and_then(|(b, truths)| b.skill(truths.iter().copied())),
             entropy_nats: steps.iter().map(|s| s.report.map.entropy).collect(),
             path_length_m: steps.last().map_or(0.0, |s| s.path_length),
+            way_m,
+            move_time_s,
             plan_time_ms: steps.iter().map(|s| milliseconds(s.plan_time)).collect(),
             map_time_ms: steps.iter().map(|s| milliseconds(s.map_time)).collect(),
             render_time_ms: steps.iter().map(|s| milliseconds(s.capture_time)).collect(),
@@ -133,6 +140,7 @@ impl Outcome {
         rows.extend(self.recorded.iter().flat_map(RecordedOutcome::rows));
         rows.extend(self.found.iter().cloned());
         rows.push(("path length", format!("{:.2} m", self.path_length_m)));
+        rows.push(("way around the object", format!("{:.2} m in {:.1} s", self.way_m, self.move_time_s)));
         rows.push((
             "planning time",
             format!("{:.1} ms a view (median)", median(&self.plan_time_ms[1.min(self.views)..])),

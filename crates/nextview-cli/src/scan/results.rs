@@ -1,16 +1,17 @@
 //! The files of a finished scan.
 
-use super::ScanConfig;
 use super::finished::{FinishedScan, Measured};
 use super::outcome::{Outcome, milliseconds, stop_phrase};
 use super::recorded::AccuracyMm;
 use super::registration::RegistrationLine;
+use super::{ScanConfig, ways_so_far};
 use crate::Failure;
 use crate::files::ResultFolder;
 use crate::report::{self, ScanReport};
 use glam::DVec3;
-use nextview::geometry::Lattice;
+use nextview::geometry::{Lattice, Pose};
 use nextview::model::{DistanceField, downsample, write_mesh, write_points};
+use nextview::motion::{Way, Waypoint};
 use nextview::session::StepReport;
 use rustc_hash::FxHashSet;
 use serde::Serialize;
@@ -30,6 +31,7 @@ impl Results<'_> {
         folder.add("config.toml", |w| Ok(w.write_all(config.as_bytes())?))?;
         folder.add("steps.jsonl", |w| self.write_steps(w))?;
         folder.add("views.csv", |w| self.write_views(w))?;
+        folder.add("waypoints.csv", |w| self.write_waypoints(w))?;
         let octree = self.scan.session.map().to_octree()?.pruned();
         folder.add("map.ot", |w| Ok(octree.write_ot(w)?))?;
         folder.add("map.bt", |w| Ok(octree.write_bt(w)?))?;
@@ -41,7 +43,8 @@ impl Results<'_> {
 
     fn write_steps(&self, mut writer: impl Write) -> Result<(), Failure> {
         let is_pose_wrong = self.config.noise.is_pose_wrong();
-        for (i, step) in self.scan.steps.iter().enumerate() {
+        let ways = ways_so_far(&self.scan.steps);
+        for (i, (step, [way_m, move_time_s])) in self.scan.steps.iter().zip(ways).enumerate() {
             let Measured { truth, accuracy } = step.measures;
             let surface_coverage = |i: usize| truth.map(|truth| truth.surface_coverage[i]);
             let line = StepLine {
@@ -60,6 +63,8 @@ impl Results<'_> {
                 frame: self.outcome.recorded.as_ref().map(|recorded| recorded.frames[i].as_str()),
                 accuracy: accuracy.map(AccuracyMm::from),
                 path_length_m: step.path_length,
+                way_m,
+                move_time_s,
                 plan_time_ms: milliseconds(step.plan_time),
                 map_time_ms: milliseconds(step.map_time),
             };
@@ -73,9 +78,19 @@ impl Results<'_> {
         writeln!(writer, "step,view,x_m,y_m,z_m,qx,qy,qz,qw")?;
         for StepReport { step, view, world_from_camera, .. } in self.scan.steps.iter().map(|step| step.report)
         {
-            let (t, q) = (world_from_camera.translation(), world_from_camera.rotation());
             let view = view.map(|view| view.to_string()).unwrap_or_default();
-            writeln!(writer, "{step},{view},{},{},{},{},{},{},{}", t.x, t.y, t.z, q.x, q.y, q.z, q.w)?;
+            writeln!(writer, "{step},{view},{}", numbers(&world_from_camera))?;
+        }
+        Ok(())
+    }
+
+    /// The way to each view, from the view before, with times since the camera set off there.
+    fn write_waypoints(&self, mut writer: impl Write) -> Result<(), Failure> {
+        writeln!(writer, "step,time_s,x_m,y_m,z_m,qx,qy,qz,qw")?;
+        for step in &self.scan.steps {
+            for Waypoint { time, world_from_camera } in step.way.waypoints() {
+                writeln!(writer, "{},{time},{}", step.report.step, numbers(world_from_camera))?;
+            }
         }
         Ok(())
     }
@@ -122,7 +137,7 @@ impl Results<'_> {
                 outlook: step.report.outlook,
                 plan_time: step.plan_time.as_secs_f64(),
                 travel,
-                path: Vec::new(),
+                path: way_points(&step.way),
             }
         });
         ScanReport {
@@ -148,6 +163,18 @@ impl Results<'_> {
     }
 }
 
+/// Position and quaternion, with commas.
+fn numbers(world_from_camera: &Pose) -> String {
+    let (t, q) = (world_from_camera.translation(), world_from_camera.rotation());
+    format!("{},{},{},{},{},{},{}", t.x, t.y, t.z, q.x, q.y, q.z, q.w)
+}
+
+/// Where the way goes; nothing if it goes nowhere.
+fn way_points(way: &Way) -> Vec<DVec3> {
+    let points = way.waypoints().iter().map(|point| point.world_from_camera.translation());
+    if way.length() > 0.0 { points.collect() } else { Vec::new() }
+}
+
 /// One line of `steps.jsonl`.
 #[derive(Serialize)]
 struct StepLine<'a> {
@@ -171,6 +198,9 @@ struct StepLine<'a> {
     #[serde(flatten)]
     accuracy: Option<AccuracyMm>,
     path_length_m: f64,
+    /// Of all ways so far.
+    way_m: f64,
+    move_time_s: f64,
     plan_time_ms: f64,
     map_time_ms: f64,
 }

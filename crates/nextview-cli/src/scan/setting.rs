@@ -21,6 +21,8 @@ pub(crate) struct Setting {
     /// The configured voxel size, or else one that suits the object.
     pub voxel_size: f64,
     pub object_voxels: ObjectVoxels,
+    /// How many candidates were left within reach, where that was asked for.
+    pub reach_note: Option<String>,
 }
 
 impl Setting {
@@ -29,12 +31,12 @@ impl Setting {
         let object = Object::load(config)?;
         let voxel_size = object.voxel_size(config)?;
         let scene = object.scene(config)?.with_noise(config.noise.noise())?;
-        let views = view_space(config, &scene)?;
+        let (views, reach_note) = config.reach.views(view_space(config, &scene)?)?;
         config.check_views(views.len())?;
         let block =
             voxel_block(&simulated_session(config, &scene, voxel_size), &scene.planning_box(voxel_size))?;
         let object_voxels = ObjectVoxels::new(scene.camera().mesh(), Lattice::new(voxel_size)?, block);
-        Ok(Self { object, scene, views, voxel_size, object_voxels })
+        Ok(Self { object, scene, views, voxel_size, object_voxels, reach_note })
     }
 
     /// Scans the object from the first view to the last. The truth is for the clairvoyant planner only; every frame counts as
@@ -72,7 +74,7 @@ impl Setting {
         }
         let (center, size) = (self.scene.center(), self.scene.size());
         let unit = self.views.around(-center / size, 1.0 / size);
-        Views::Following { first: self.views.pose(config.first_view), unit }
+        Views::Following { first: self.views.pose(config.first_view), unit, reach: config.reach.rule() }
     }
 }
 
@@ -115,6 +117,7 @@ pub(super) fn session_config(
         rays: config.map.rays,
         background: config.map.background,
         registration: config.registration.rule(),
+        motion: config.motion.rule(),
         stop: config.stop.rules(config.views),
         memory_limit_mb: config.memory_limit_mb,
     }

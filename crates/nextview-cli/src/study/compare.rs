@@ -161,6 +161,8 @@ fn timeless(run: &RunRecord) -> RunResult {
         measures.extra_memory_mb = None;
         for step in &mut measures.steps {
             (step.plan_time_ms, step.map_time_ms, step.render_time_ms) = (0.0, 0.0, 0.0);
+            // Campaigns of old have none.
+            (step.way_m, step.move_time_s) = (None, None);
         }
     }
     result

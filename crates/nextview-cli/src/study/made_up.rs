@@ -104,6 +104,8 @@ fn step(view: usize, rate: f64) -> StepMeasures {
         entropy_nats: 5000.0 * (1.0 - 0.7 * seen),
         entropy_share: 1.0 - 0.7 * seen,
         path_length_m: 0.45 * (view - 1) as f64,
+        way_m: Some(0.5 * (view - 1) as f64),
+        move_time_s: Some((2.5 - rate) * (view - 1) as f64),
         plan_time_ms: if view == 1 { 0.0 } else { 40.0 * rate + view as f64 },
         map_time_ms: 5.0,
         render_time_ms: 9.0,

@@ -4,12 +4,6 @@ use super::statistics::percentile;
 use crate::bench::{Measures, RunRecord};
 use crate::scan::ScanConfig;
 
-/// Speed of the simulated robot of table VI along its path, metres a second.
-pub(crate) const ROBOT_SPEED: f64 = 0.1;
-
-/// Time that the simulated robot of table VI takes to stop and sense, seconds a view.
-pub(crate) const SENSING_TIME: f64 = 2.0;
-
 /// A number that a run has, or a mean over runs.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Measure {
@@ -87,12 +81,20 @@ impl<'a> Done<'a> {
         self.measures.steps.iter().skip(1).map(|step| step.plan_time_ms)
     }
 
-    /// Seconds that planning, moving and sensing take with a simulated robot.
-    fn running_time(&self) -> f64 {
-        let steps = &self.measures.steps;
-        let path = steps.last().map_or(0.0, |step| step.path_length_m);
-        let planning: f64 = self.plan_times().sum::<f64>() / 1e3;
-        planning + path / ROBOT_SPEED + SENSING_TIME * steps.len() as f64
+    /// Seconds for all decisions and for writing the images into the map.
+    fn planning_time(&self) -> f64 {
+        let mapping = self.measures.steps.iter().map(|step| step.map_time_ms);
+        self.plan_times().chain(mapping).sum::<f64>() / 1e3
+    }
+
+    /// Seconds that a simulated robot is on the way; none in campaigns of old.
+    fn moving_time(&self) -> Option<f64> {
+        self.measures.steps.last()?.move_time_s
+    }
+
+    /// Seconds that it stands at views.
+    fn sensing_time(&self) -> f64 {
+        self.config.motion.sensing_time_s * self.measures.steps.len() as f64
     }
 }
 
@@ -186,10 +188,27 @@ pub(crate) const MEMORY: Measure = Measure {
     of: |run| run.measures.extra_memory_mb,
 };
 
-pub(crate) const RUNNING_TIME: Measure = Measure {
-    name: "running time, minutes (simulated)",
-    factor: 1.0 / 60.0,
+pub(crate) const PLANNING: Measure = Measure {
+    name: "planning, s",
+    factor: 1.0,
     decimals: 2,
     better: Better::Lower,
-    of: |run| Some(run.running_time()),
+    of: |run| run.moving_time().map(|_| run.planning_time()),
+};
+
+pub(crate) const MOVING: Measure =
+    Measure { name: "moving, s", decimals: 1, of: |run| run.moving_time(), ..PLANNING };
+
+pub(crate) const SENSING: Measure = Measure {
+    name: "sensing, s",
+    decimals: 1,
+    of: |run| run.moving_time().map(|_| run.sensing_time()),
+    ..PLANNING
+};
+
+pub(crate) const RUNNING_TIME: Measure = Measure {
+    name: "total, minutes",
+    factor: 1.0 / 60.0,
+    of: |run| Some(run.planning_time() + run.moving_time()? + run.sensing_time()),
+    ..PLANNING
 };

@@ -14,6 +14,7 @@ mod measure;
 mod object_table;
 mod paper;
 mod paper_tables;
+mod running_time;
 mod setup;
 mod statistics;
 #[expect(clippy::module_inception, reason = "the study is what this module is about")]

@@ -4,11 +4,9 @@
 //! parameters of its axes.
 
 use super::document::{Block, Cell, Column, Row, Section, Table};
-use super::measure::{
-    COMPUTING_TIME, MEMORY, Measure, PATH, ROBOT_SPEED, RUNNING_TIME, SENSING_TIME, VOXEL_COVERAGE,
-};
-use super::paper;
+use super::measure::{COMPUTING_TIME, MEMORY, Measure, PATH, VOXEL_COVERAGE};
 use super::study::{Study, Variant};
+use super::{paper, running_time};
 use crate::scan::PlannerName;
 use serde_json::Value;
 
@@ -16,18 +14,15 @@ use serde_json::Value;
 pub(crate) fn section(study: &Study<'_>) -> Option<Section> {
     let mut blocks = vec![by_method(study, "II", "Computational efficiency", &[MEMORY_II, TIME])];
     blocks.extend(PARAMETER_TABLES.map(|definition| definition.fill(study)));
-    let running_time = by_method(study, "VI", "Total running time", &[RUNNING]);
+    let running_time = running_time::table(study);
+    let running_time_note = running_time.as_ref().map(|_| running_time::NOTE).unwrap_or_default();
     blocks.insert(4, running_time);
     let mut blocks: Vec<Block> = blocks.into_iter().flatten().map(Block::Table).collect();
     if blocks.is_empty() {
         return None;
     }
-    let note = format!(
-        "In brackets or below a value: what the paper published. Its times are of its own computer (Intel Xeon E5-2640), and its \
-         running times of a real robot; ours are simulated: planning as measured, a straight path at {ROBOT_SPEED} m/s, and \
-         {SENSING_TIME} s a view for stopping and sensing."
-    );
-    blocks.insert(0, Block::Text(note));
+    let note = "In brackets or below a value: what the paper published. Its times are of its own computer (Intel Xeon E5-2640).";
+    blocks.insert(0, Block::Text(format!("{note} {running_time_note}").trim_end().to_owned()));
     Some(Section { title: "The paper's tables".to_owned(), blocks })
 }
 
@@ -38,7 +33,6 @@ const COVERAGE: Published = (VOXEL_COVERAGE, "coverage");
 const TIME: Published = (COMPUTING_TIME, "time");
 const MEMORY_II: Published = (MEMORY, "memory");
 const MOVEMENT: Published = (PATH, "movement");
-const RUNNING: Published = (RUNNING_TIME, "minutes");
 
 /// The measures over an axis, a row for each measure and each value of the other axis.
 struct Definition {

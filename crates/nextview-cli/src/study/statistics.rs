@@ -47,6 +47,13 @@ pub(crate) fn mean(values: &[f64]) -> Option<f64> {
     (!values.is_empty()).then(|| values.iter().sum::<f64>() / values.len() as f64)
 }
 
+/// The standard deviation of the population that the values are drawn from; none of fewer than two.
+pub(crate) fn deviation(values: &[f64]) -> Option<f64> {
+    let mean = mean(values).filter(|_| values.len() > 1)?;
+    let sum: f64 = values.iter().map(|value| (value - mean).powi(2)).sum();
+    Some((sum / (values.len() - 1) as f64).sqrt())
+}
+
 /// The value below which this share (0..=1) of the values lies, linear between neighbours; none of nothing.
 pub(crate) fn percentile(values: &[f64], share: f64) -> Option<f64> {
     let mut sorted = values.to_vec();
@@ -68,6 +75,7 @@ mod tests {
     fn known_values() {
         assert_eq!(mean(&[]), None);
         assert_eq!(mean(&[1.0, 2.0, 6.0]), Some(3.0));
+        assert_eq!((deviation(&[1.0]), deviation(&[1.0, 2.0, 3.0])), (None, Some(1.0)));
         assert_eq!(percentile(&[], 0.5), None);
         assert_eq!(percentile(&[3.0, 1.0, 2.0], 0.5), Some(2.0));
         assert_eq!(percentile(&[4.0, 1.0, 2.0, 3.0], 0.5), Some(2.5));

@@ -168,6 +168,18 @@ fn resolutions_thresholds_and_movement_have_their_tables() {
 }
 
 #[test]
+fn campaigns_without_ways_have_no_running_times() {
+    let old = changed(&varied(), |run| {
+        if let RunResult::Done(measures) = &mut run.result {
+            measures.steps.iter_mut().for_each(|step| (step.way_m, step.move_time_s) = (None, None));
+        }
+    });
+    let [_, markdown] = report(&old);
+    assert!(markdown.contains("Table II.") && !markdown.contains("Table VI") && !markdown.contains("robot"));
+    assert!(compare(&varied(), &old).is_identical(), "all that both measured is the same");
+}
+
+#[test]
 fn all_runs_failed_is_still_a_report() {
     let mut campaign = campaign(&["a", "b"], 2);
     for run in &mut campaign.runs {

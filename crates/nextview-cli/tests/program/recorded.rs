@@ -35,7 +35,8 @@ fn plans_over_the_recorded_views() {
             "mesh.ply",
             "report.html",
             "steps.jsonl",
-            "views.csv"
+            "views.csv",
+            "waypoints.csv"
         ]
     );
     let steps: Vec<Value> =

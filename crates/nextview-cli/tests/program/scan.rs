@@ -2,8 +2,17 @@ use crate::common::{Folder, small, timeless};
 use nextview_sim::mesh;
 use serde_json::Value;
 
-const FILES: [&str; 8] =
-    ["cloud.ply", "config.toml", "map.bt", "map.ot", "mesh.ply", "report.html", "steps.jsonl", "views.csv"];
+const FILES: [&str; 9] = [
+    "cloud.ply",
+    "config.toml",
+    "map.bt",
+    "map.ot",
+    "mesh.ply",
+    "report.html",
+    "steps.jsonl",
+    "views.csv",
+    "waypoints.csv",
+];
 
 fn numbers(value: &Value) -> Vec<f64> {
     value.as_array().unwrap().iter().map(|v| v.as_f64().unwrap()).collect()

@@ -2,6 +2,7 @@ use super::{MultiResolution, ObjectBox, Table, Views};
 use crate::Error;
 use crate::geometry::{Aabb, Lattice, VoxelBlock};
 use crate::map::{Background, RayRule, SensorModel};
+use crate::motion::MotionConfig;
 use crate::registration::RegistrationConfig;
 use serde::{Deserialize, Serialize};
 
@@ -30,6 +31,8 @@ pub struct SessionConfig {
     pub background: Background,
     /// Whether frames are aligned to what was measured before, and how. Default: no, poses are right as given.
     pub registration: Option<RegistrationConfig>,
+    /// How the camera moves. Default: see there.
+    pub motion: MotionConfig,
     /// When to stop.
     pub stop: StopConfig,
     /// Most memory the box may need, MB. Default 4096.
@@ -108,6 +111,7 @@ impl SessionConfig {
             rays: RayRule::default(),
             background: Background::default(),
             registration: None,
+            motion: MotionConfig::default(),
             stop: StopConfig::default(),
             memory_limit_mb: 4096,
         }
@@ -123,6 +127,8 @@ impl SessionConfig {
             ));
         }
         self.stop.check()?;
+        self.motion.check()?;
+        views.check()?;
         Lattice::new(self.voxel_size)?;
         self.multi_resolution.map_or(Ok(()), |rule| rule.check(self.voxel_size))?;
         self.sensor_model.check()?;

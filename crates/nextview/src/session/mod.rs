@@ -21,6 +21,7 @@ pub use views::Views;
 use crate::Error;
 use crate::geometry::{Aabb, Pose};
 use crate::map::{MapUpdate, OccupancyMap, Snapshot};
+use crate::motion::{Surroundings, Way};
 use crate::planner::{Choice, FlowSummary, Outlook, Plan, Situation, ViewPlanner};
 use crate::registration::{KnownSurface, Registration};
 use crate::sensor::{Frame, Intrinsics};
@@ -179,6 +180,16 @@ impl Session {
         let decision = self.decision.unwrap_or_else(|| self.decide_anew());
         self.decision = Some(decision);
         decision
+    }
+
+    /// The way from where the last frame was taken to a view, such as the next one: around the ball around what is known of
+    /// the object, and above its table. Before the first frame, the camera is there already.
+    pub fn way_to(&self, world_from_camera: &Pose) -> Way {
+        let Some(last) = self.frames.last() else { return Way::at(*world_from_camera) };
+        let Place { bounds: object, table } = self.map.place();
+        let surroundings = Surroundings { object, floor: table.map(|table| table.floor()) };
+        let way = Way::new(&last.world_from_camera(), world_from_camera, &surroundings, &self.config.motion);
+        way.expect("the configuration was checked, a box that is planned in is finite, and so are cameras' distances")
     }
 
     /// The map so far, in the finest voxels.

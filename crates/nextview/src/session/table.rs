@@ -64,6 +64,11 @@ impl KnownTable {
         Self { plane, top: plane.raised(tolerance) }
     }
 
+    /// The plane below which no camera can stand.
+    pub fn floor(&self) -> Plane {
+        self.top.raised(CLEARANCE)
+    }
+
     /// Whether a camera at this position is clear of the table.
     pub fn is_clear(&self, position: DVec3) -> bool {
         self.top.height(position) >= CLEARANCE

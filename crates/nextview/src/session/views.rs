@@ -1,6 +1,7 @@
 use super::object_box::Location;
+use crate::Error;
 use crate::geometry::Pose;
-use crate::view::ViewSpace;
+use crate::view::{Reach, ViewSpace};
 
 /// Where the camera could go.
 #[derive(Clone, Debug)]
@@ -17,6 +18,9 @@ pub enum Views {
         /// direction and relative distance, and stays taken once it was, although the candidate may have moved a
         /// little since.
         unit: ViewSpace,
+        /// Candidates that have moved out of it are out of reach. Of fixed ones,
+        /// [`restricted`](ViewSpace::restricted) does the same.
+        reach: Reach,
     },
 }
 
@@ -27,11 +31,20 @@ impl From<ViewSpace> for Views {
 }
 
 impl Views {
+    pub(super) fn check(&self) -> Result<(), Error> {
+        match self {
+            Self::Fixed(_) => Ok(()),
+            Self::Following { reach, .. } => reach.check(),
+        }
+    }
+
     /// The candidates for an object that is there; the unit candidates themselves while it is nowhere.
     pub(super) fn candidates(&self, location: &Location) -> ViewSpace {
         let views = match (self, location.object) {
             (Self::Fixed(views), _) => views.clone(),
-            (Self::Following { unit, .. }, Some((center, size))) => unit.around(center, size),
+            (Self::Following { unit, reach, .. }, Some((center, size))) => {
+                unit.around(center, size).restricted(|position| reach.contains(position))
+            }
             (Self::Following { unit, .. }, None) => unit.clone(),
         };
         let is_clear = |position| location.place.table.is_none_or(|table| table.is_clear(position));

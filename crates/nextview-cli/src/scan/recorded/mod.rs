@@ -35,13 +35,17 @@ pub(super) fn scan(
     keeper: Option<FrameKeeper>,
     output: &Output,
 ) -> Result<(), Failure> {
-    let recording = Recording::open(Path::new(&config.object), &recording_config.read)?;
+    let mut recording = Recording::open(Path::new(&config.object), &recording_config.read)?;
+    let n_recorded = recording.frames.len();
+    recording.frames =
+        config.reach.filter(recording.frames, |frame| frame.world_from_camera.translation())?;
     let session_config = resolve(&mut config, recording_config, &recording)?;
     let truth = TrueShape::load(&config, recording_config, &session_config)?;
     check_planner(&config, truth.as_ref())?;
     let folder = ResultFolder::begin(&output.dir)?;
-    let notes =
-        notes(&recording).chain(truth.iter().flat_map(|truth| truth.note.clone())).collect::<Vec<_>>();
+    let reach_note = config.reach.note(recording.frames.len(), n_recorded);
+    let truth_note = truth.iter().flat_map(|truth| truth.note.clone());
+    let notes = notes(&recording).chain(truth_note).chain(reach_note).collect::<Vec<_>>();
     output.begin(&config, &describe(&config, &recording), &notes, recording.frames.len())?;
 
     let needed = truth.as_ref().filter(|_| config.needs_truth());

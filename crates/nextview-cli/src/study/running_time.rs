@@ -1,0 +1,41 @@
+//! Table VI in the paper's shape: what a scan would take a robot.
+
+use super::document::{Cell, Column, Row, Table};
+use super::measure::{MOVING, Measure, PLANNING, RUNNING_TIME, SENSING};
+use super::paper;
+use super::statistics::deviation;
+use super::study::{Study, Variant};
+
+/// The parts and their sum.
+const PARTS: [Measure; 4] = [PLANNING, MOVING, SENSING, RUNNING_TIME];
+
+/// What the table needs to be said of it.
+pub(crate) const NOTE: &str = "Running times are those of a simulated robot, mean and standard deviation over objects: planning, with the \
+     updates of the map, as measured; moving around the object's ball and sensing at each view with the limits of [motion]. The \
+     paper's are of a real robot.";
+
+/// The table, a row for each variant; none if the campaign is from before there were ways.
+pub(crate) fn table(study: &Study<'_>) -> Option<Table> {
+    let variants = study.variants.iter().filter(|variant| !variant.values(&RUNNING_TIME).is_empty());
+    let rows: Vec<Row> = variants.map(row).collect();
+    let head = PARTS.map(|part| Column::number(part.name));
+    (!rows.is_empty()).then(|| Table {
+        caption: "Table VI. Total running time".to_owned(),
+        head: std::iter::once(Column::text("method")).chain(head).collect(),
+        rows,
+    })
+}
+
+fn row(variant: &Variant<'_>) -> Row {
+    let mut cells = PARTS.map(|part| Cell::from(with_spread(variant, &part)));
+    let published =
+        paper::method(variant.planner).and_then(|method| paper::number("VI", "", method, "minutes"));
+    cells[PARTS.len() - 1].note = published.map(|value| format!("paper {value}")).unwrap_or_default();
+    Row::new(std::iter::once(variant.name.into()).chain(cells).collect())
+}
+
+fn with_spread(variant: &Variant<'_>, measure: &Measure) -> String {
+    let values = variant.values(measure);
+    let mean = variant.mean(measure).map_or_else(|| "–".to_owned(), |mean| measure.show(mean));
+    deviation(&values).map_or(mean.clone(), |spread| format!("{mean} ± {}", measure.show(spread)))
+}

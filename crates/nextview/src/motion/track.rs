@@ -1,0 +1,152 @@
+use super::{MotionConfig, Profile, Waypoint};
+use crate::geometry::Pose;
+use crate::view::{MAX_TURN, Route};
+use glam::{DQuat, DVec3};
+use std::iter::once;
+
+/// Turning by a radian takes as long as a way of this length, metres: around the object at this distance, the camera moves and
+/// turns alike. At the default speed it is 57 degrees a second.
+const LEVER: f64 = 0.25;
+
+/// Waypoints are no further apart than this, seconds, unless a straight line has [`MOST_POINTS`] of them.
+const INTERVAL: f64 = 0.1;
+const MOST_POINTS: f64 = 100.0;
+
+/// Corners nearer to each other than this are one, metres: the direction between them would be rounding.
+const SAME: f64 = 1e-9;
+
+/// Where a way goes and how the camera turns on it.
+pub(super) struct Track {
+    /// At least two.
+    corners: Vec<Corner>,
+    /// Middle of the ball that the camera looks at.
+    middle: Option<DVec3>,
+    /// Radius of the arc, metres.
+    radius: f64,
+    /// What is still to be turned at the end, and its angle.
+    rest: DQuat,
+    rest_angle: f64,
+}
+
+struct Corner {
+    position: DVec3,
+    /// Length of the way so far, metres.
+    length: f64,
+    /// The camera's rotation if it only followed the middle, and by how much it has turned so far, radians.
+    rotation: DQuat,
+    turn: f64,
+}
+
+impl Track {
+    pub fn new(from: &Pose, to: &Pose, route: &Route, middle: Option<DVec3>) -> Self {
+        let (start, end) = (from.translation(), to.translation());
+        let first = Corner { position: start, length: 0.0, rotation: from.rotation(), turn: 0.0 };
+        let mut track = Self {
+            corners: vec![first],
+            middle,
+            radius: route.radius,
+            rest: DQuat::IDENTITY,
+            rest_angle: 0.0,
+        };
+        let between = route.corners.iter().copied().filter(|corner| corner.distance(end) > SAME);
+        for position in between.chain(once(end)) {
+            track.go_on(position, position == end);
+        }
+        track.rest = track.end().rotation.conjugate() * to.rotation();
+        track.rest_angle = angle(track.rest);
+        track
+    }
+
+    /// Length of the whole way, metres.
+    pub fn length(&self) -> f64 {
+        self.end().length
+    }
+
+    /// Adds poses with times to that of the start.
+    pub fn add_waypoints(&self, config: &MotionConfig, waypoints: &mut Vec<Waypoint>) {
+        let stops: Vec<usize> = (1..self.corners.len() - 1).filter(|&i| self.is_stop(i)).collect();
+        let last = self.corners.len() - 1;
+        let starts = once(0).chain(stops.iter().copied());
+        for (start, end) in starts.zip(stops.iter().copied().chain(once(last))) {
+            let time = waypoints.last().map_or(0.0, |last| last.time);
+            self.add_piece(&self.corners[start..=end], time, config, waypoints);
+        }
+    }
+
+    fn end(&self) -> &Corner {
+        self.corners.last().expect("a track has a first corner")
+    }
+
+    fn go_on(&mut self, position: DVec3, is_end: bool) {
+        let last = self.end();
+        let distance = last.position.distance(position);
+        if distance <= SAME && !is_end {
+            return;
+        }
+        let following = self.following(last.position, position);
+        let rotation = (following * last.rotation).normalize();
+        let (length, turn) = (last.length + distance, last.turn + angle(following));
+        self.corners.push(Corner { position, length, rotation, turn });
+    }
+
+    /// The smallest turn that takes the direction of the middle, seen from one position, to that from another.
+    fn following(&self, before: DVec3, now: DVec3) -> DQuat {
+        let direction = |from: DVec3| self.middle.and_then(|middle| (middle - from).try_normalize());
+        match (direction(before), direction(now)) {
+            (Some(before), Some(now)) => DQuat::from_rotation_arc(before, now),
+            _ => DQuat::IDENTITY,
+        }
+    }
+
+    /// Whether the way bends too much at a corner between the ends for going on.
+    fn is_stop(&self, corner: usize) -> bool {
+        let [before, here, after] = [corner - 1, corner, corner + 1].map(|i| self.corners[i].position);
+        (here - before).angle_between(after - here) > MAX_TURN + 1e-6
+    }
+
+    /// Adds the waypoints of a part of the way, from rest to rest, but its first.
+    fn add_piece(&self, corners: &[Corner], start: f64, config: &MotionConfig, to: &mut Vec<Waypoint>) {
+        let (first, last) = (&corners[0], &corners[corners.len() - 1]);
+        let length = last.length - first.length;
+        let share = if self.length() > 0.0 { length / self.length() } else { 1.0 };
+        // Longer than the way itself if turning takes longer.
+        let effort = length.max(LEVER * (last.turn - first.turn + share * self.rest_angle));
+        if effort == 0.0 {
+            return;
+        }
+        let on_arc = (config.acceleration * self.radius).sqrt();
+        let speed = if corners.len() > 2 { config.speed.min(on_arc) } else { config.speed };
+        let profile = Profile::new(effort, speed, config.acceleration);
+        let mut begin = 0.0;
+        for leg in corners.windows(2) {
+            let share = if length > 0.0 { (leg[1].length - first.length) / length } else { 1.0 };
+            let end = profile.time_at(share * effort);
+            let n = ((end - begin) / INTERVAL).ceil().clamp(1.0, MOST_POINTS);
+            for i in 1..=n as usize {
+                let time = begin + (end - begin) * i as f64 / n;
+                let share = profile.distance_at(time) / effort;
+                let of_all =
+                    if self.length() > 0.0 { (first.length + share * length) / self.length() } else { share };
+                to.push(self.waypoint(start + time, leg, of_all));
+            }
+            begin = end;
+        }
+    }
+
+    /// The pose on a straight leg after this share of the whole way.
+    fn waypoint(&self, time: f64, leg: &[Corner], share: f64) -> Waypoint {
+        let (from, to) = (&leg[0], &leg[1]);
+        let distance = share * self.length() - from.length;
+        let t = if to.length > from.length { distance / (to.length - from.length) } else { 1.0 };
+        let position = from.position.lerp(to.position, t.clamp(0.0, 1.0));
+        let rotation = self.following(from.position, position) * from.rotation;
+        let turned = (rotation * DQuat::IDENTITY.slerp(self.rest, share)).normalize();
+        let world_from_camera = Pose::new(turned, position).expect("between two poses");
+        Waypoint { time, world_from_camera }
+    }
+}
+
+/// By how much a rotation turns, radians, 0 to pi.
+fn angle(rotation: DQuat) -> f64 {
+    2.0 * rotation.xyz().length().atan2(rotation.w.abs())
+}

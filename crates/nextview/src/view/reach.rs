@@ -1,0 +1,105 @@
+use crate::Error;
+use crate::geometry::Aabb;
+use glam::DVec3;
+
+/// Where a robot can hold the camera, as far as positions tell. By default, everywhere.
+///
+/// ```
+/// use glam::DVec3;
+/// use nextview::view::{Reach, ReachSphere, generate};
+///
+/// let arm = ReachSphere { base: DVec3::new(0.0, -0.5, 0.0), min_radius: 0.2, max_radius: 0.7 };
+/// let reach = Reach { sphere: Some(arm), ..Reach::default() };
+/// let views = generate::hemisphere(DVec3::ZERO, 0.3, 100).unwrap().restricted(|position| reach.contains(position));
+/// assert!((0..100).any(|view| views.is_within_reach(view)));
+/// assert!(!reach.contains(DVec3::new(0.0, 0.3, 0.0)));
+/// ```
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Reach {
+    /// How far the robot's arm reaches; none if that does not matter.
+    pub sphere: Option<ReachSphere>,
+    /// The camera must be in one of these boxes, metres; everywhere if there are none.
+    pub allowed: Vec<Aabb>,
+    /// The camera must be in none of these, metres.
+    pub forbidden: Vec<Aabb>,
+}
+
+/// What is between two spheres around the base of an arm.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ReachSphere {
+    /// Where the arm stands, metres.
+    pub base: DVec3,
+    /// How near the camera can come to it, metres, at least 0.
+    pub min_radius: f64,
+    /// How far away the camera can be, metres, above `min_radius`.
+    pub max_radius: f64,
+}
+
+impl Reach {
+    /// Fails on the first value out of range.
+    pub fn check(&self) -> Result<(), Error> {
+        if let Some(ReachSphere { base, min_radius, max_radius }) = self.sphere {
+            if !base.is_finite() {
+                return Err(Error::invalid("base", base, "a finite position"));
+            }
+            if !(min_radius >= 0.0 && min_radius < max_radius && max_radius.is_finite()) {
+                let radii = format!("{min_radius} to {max_radius} m");
+                return Err(Error::invalid("reach", radii, "from 0 or more to more than that, finite"));
+            }
+        }
+        let is_box = |Aabb { min, max }: &Aabb| min.is_finite() && max.is_finite() && min.cmple(*max).all();
+        match self.allowed.iter().chain(&self.forbidden).find(|bounds| !is_box(bounds)) {
+            Some(Aabb { min, max }) => {
+                let corners = format!("{min} to {max}");
+                Err(Error::invalid("box", corners, "finite corners, the lowest first"))
+            }
+            None => Ok(()),
+        }
+    }
+
+    /// Whether the camera can be at this position.
+    pub fn contains(&self, position: DVec3) -> bool {
+        let is_in = |bounds: &Aabb| bounds.contains(position);
+        let is_allowed = self.allowed.is_empty() || self.allowed.iter().any(is_in);
+        let is_reached = self.sphere.is_none_or(|sphere| {
+            let distance = position.distance(sphere.base);
+            distance >= sphere.min_radius && distance <= sphere.max_radius
+        });
+        is_allowed && is_reached && !self.forbidden.iter().any(is_in)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn arm(min_radius: f64, max_radius: f64) -> Reach {
+        let sphere = ReachSphere { base: DVec3::X, min_radius, max_radius };
+        Reach { sphere: Some(sphere), ..Reach::default() }
+    }
+
+    #[test]
+    fn all_conditions_must_hold() {
+        let at = |x: f64| DVec3::new(x, 0.0, 0.0);
+        assert!(Reach::default().contains(at(1e9)));
+        let reach = Reach {
+            allowed: vec![Aabb::cube(at(1.0), 0.5), Aabb::cube(at(3.0), 0.5)],
+            forbidden: vec![Aabb::cube(at(3.4), 0.2)],
+            ..arm(0.25, 2.3)
+        };
+        let reached = [0.6, 1.0, 1.4, 2.0, 2.9, 3.25, 3.4].map(|x| reach.contains(at(x)));
+        assert_eq!(reached, [true, false, true, false, true, false, false]);
+    }
+
+    #[test]
+    fn refuses_what_is_no_sphere_and_no_box() {
+        assert!(arm(0.0, 1.0).check().is_ok() && Reach::default().check().is_ok());
+        for reach in [arm(1.0, 1.0), arm(-1.0, 1.0), arm(0.0, f64::INFINITY), arm(f64::NAN, 1.0)] {
+            assert!(reach.check().unwrap_err().to_string().starts_with("reach is "));
+        }
+        let turned = Aabb { min: DVec3::ONE, max: DVec3::ZERO };
+        assert!(Reach { allowed: vec![turned], ..Reach::default() }.check().is_err());
+        let endless = Aabb::EVERYWHERE;
+        assert!(Reach { forbidden: vec![endless], ..Reach::default() }.check().is_err());
+    }
+}
