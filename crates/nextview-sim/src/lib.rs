@@ -11,6 +11,7 @@ pub mod camera;
 mod error;
 pub mod mesh;
 pub mod noise;
+pub mod quality;
 pub mod random_object;
 pub mod run;
 pub mod scene;

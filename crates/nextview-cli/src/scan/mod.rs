@@ -4,11 +4,13 @@ mod baselines;
 mod config;
 mod finished;
 pub(crate) mod memory;
+mod model;
 mod noise;
 mod object;
 mod outcome;
 mod planner_name;
 mod progress;
+mod quality;
 mod recorded;
 mod registration;
 mod results;
@@ -22,12 +24,15 @@ pub(crate) use object::short_name;
 pub(crate) use outcome::milliseconds;
 pub(crate) use planner_name::{NbvNetConfig, PlannerConfigs, PlannerName};
 pub(crate) use progress::Progress;
+pub(crate) use quality::QualityMm;
 pub(crate) use recorded::RecordingConfig;
 pub(crate) use setting::Setting;
 
 use crate::files::ResultFolder;
 use crate::{Failure, stdout};
+use model::FinalModel;
 use outcome::Outcome;
+use quality::ModelQuality;
 use results::Results;
 use std::path::PathBuf;
 
@@ -69,8 +74,10 @@ fn simulated(mut config: ScanConfig, output: &Output) -> Result<(), Failure> {
     })?;
     drop(progress);
     let scan = scan.told();
-    let outcome = Outcome::new(&config, &scan, baselines);
-    Results { config: &config, scan: &scan, outcome: &outcome }.write(folder)?;
+    let mut outcome = Outcome::new(&config, &scan, baselines);
+    let model = FinalModel::new(&scan, |_| Ok(None))?;
+    outcome.model = ModelQuality::new(&model, &scan, &setting.true_surface);
+    Results { config: &config, scan: &scan, outcome: &outcome, model: &model }.write(folder)?;
     output.end(&outcome)
 }
 

@@ -5,6 +5,7 @@ use crate::{Failure, files};
 use nextview::geometry::{Aabb, Lattice, VoxelBlock};
 use nextview::session::{ObjectBox, Session, SessionConfig, Table, Views};
 use nextview::view::ViewSpace;
+use nextview_sim::quality::TrueSurface;
 use nextview_sim::run::{self, Step};
 use nextview_sim::scene::Scene;
 use nextview_sim::truth::ObjectVoxels;
@@ -19,6 +20,8 @@ pub(crate) struct Setting {
     /// The configured voxel size, or else one that suits the object.
     pub voxel_size: f64,
     pub object_voxels: ObjectVoxels,
+    /// What final models are measured against.
+    pub true_surface: TrueSurface,
 }
 
 impl Setting {
@@ -31,8 +34,10 @@ impl Setting {
         config.check_views(views.len())?;
         let block =
             voxel_block(&simulated_session(config, &scene, voxel_size), &scene.planning_box(voxel_size))?;
-        let object_voxels = ObjectVoxels::new(scene.camera().mesh(), Lattice::new(voxel_size)?, block);
-        Ok(Self { object, scene, views, voxel_size, object_voxels })
+        let mesh = scene.camera().mesh();
+        let object_voxels = ObjectVoxels::new(mesh, Lattice::new(voxel_size)?, block);
+        let true_surface = TrueSurface::new(mesh);
+        Ok(Self { object, scene, views, voxel_size, object_voxels, true_surface })
     }
 
     /// Scans the object from the first view to the last. The truth is for the clairvoyant planner only.
