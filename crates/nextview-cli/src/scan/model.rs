@@ -24,7 +24,9 @@ impl FinalModel {
         let cloud = cloud(scan, color)?;
         let mesh = field(scan)?.surface();
         let mut vertices = mesh.points();
-        take_colors(&mut vertices, &cloud, scan.detail())?;
+        if cloud.iter().any(|point| point.color.is_some()) {
+            take_colors(&mut vertices, &cloud, scan.detail())?;
+        }
         Ok(Self { cloud, mesh, vertices })
     }
 }

@@ -21,6 +21,8 @@ mod interrupt;
 #[cfg(test)]
 mod map_and_views;
 #[cfg(test)]
+mod ply;
+#[cfg(test)]
 mod recorded;
 #[cfg(test)]
 mod recording;

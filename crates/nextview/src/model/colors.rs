@@ -1,15 +1,16 @@
 use super::CloudPoint;
 use crate::Error;
 use crate::geometry::Lattice;
-use glam::IVec3;
+use glam::{DVec3, IVec3};
 use rustc_hash::FxHashMap;
 
-/// How far colours are taken from, in cells: a surface through points lies within that of them.
-const REACH: i32 = 2;
+/// How far colours are taken from, in cells. Where a distance field guesses between silhouettes, its surface was seen to be
+/// up to 2.7 of its voxels from the nearest point.
+const REACH: i32 = 4;
 
-/// Gives every point, such as a vertex of a mesh, the colour of the nearest point of a cloud that has one; none where there
-/// is none in the cubes with edges of `cell` metres (at least 0.0001) up to two cubes away. The cloud is thinned by cubes of
-/// that size, as by [`downsample`](super::downsample); of several coloured points in a cube, the last counts.
+/// Gives every point, such as a vertex of a mesh, the colour of the nearest point of a cloud that has one; none where that is
+/// farther than four times `cell` metres (at least 0.0001). The cloud is thinned by cubes with edges of that length, as by
+/// [`downsample`](super::downsample); of several coloured points in a cube, the last counts.
 ///
 /// ```
 /// use glam::DVec3;
@@ -26,26 +27,34 @@ pub fn take_colors(points: &mut [CloudPoint], cloud: &[CloudPoint], cell: f64) -
     let cells: FxHashMap<IVec3, &CloudPoint> =
         colored.map(|point| (lattice.key(point.position), point)).collect();
     for point in points {
-        let key = lattice.key(point.position);
-        let near = around().filter_map(|offset| cells.get(&(key + offset)));
-        let distance = |other: &CloudPoint| other.position.distance_squared(point.position);
-        let nearest = near.min_by(|a, b| distance(a).total_cmp(&distance(b)));
-        point.color = nearest.and_then(|nearest| nearest.color);
+        let colored = (1..=REACH).find_map(|reach| {
+            let (nearest, distance) = nearest_in(&cells, lattice.key(point.position), reach, point.position)?;
+            // A nearer one may lie outside of the cells that were asked.
+            (distance <= reach as f64 * cell).then_some(nearest)
+        });
+        point.color = colored.and_then(|colored| colored.color);
     }
     Ok(())
 }
 
-/// The offsets of a cell's surroundings, itself included.
-fn around() -> impl Iterator<Item = IVec3> {
-    let side = || -REACH..=REACH;
-    side().flat_map(move |z| side().flat_map(move |y| side().map(move |x| IVec3::new(x, y, z))))
+/// The nearest point in the cells up to `reach` cells away, and how far it is.
+fn nearest_in<'a>(
+    cells: &FxHashMap<IVec3, &'a CloudPoint>,
+    key: IVec3,
+    reach: i32,
+    to: DVec3,
+) -> Option<(&'a CloudPoint, f64)> {
+    let side = || -reach..=reach;
+    let offsets = side().flat_map(|z| side().flat_map(move |y| side().map(move |x| IVec3::new(x, y, z))));
+    let near = offsets.filter_map(|offset| cells.get(&(key + offset)));
+    let near = near.map(|point| (*point, point.position.distance(to)));
+    near.min_by(|a, b| a.1.total_cmp(&b.1))
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::geometry::random::Random;
-    use glam::DVec3;
 
     /// The slow twin: all points.
     #[test]
@@ -64,7 +73,7 @@ mod tests {
             let colored = cloud.iter().filter(|other| other.color.is_some());
             let distance = |other: &&CloudPoint| other.position.distance(point.position);
             let nearest = colored.min_by(|a, b| distance(a).total_cmp(&distance(b))).unwrap();
-            assert!(distance(&nearest) < 0.6, "dense enough");
+            assert!(distance(&nearest) < 1.2, "dense enough");
             assert_eq!(point.color, nearest.color);
         }
     }
