@@ -3,7 +3,9 @@
 use super::FinishedScan;
 use crate::Failure;
 use nextview::geometry::Lattice;
-use nextview::model::{CloudPoint, DistanceField, SurfaceMesh, downsample, frame_points, take_colors};
+use nextview::model::{
+    CloudPoint, DistanceField, SurfaceMesh, downsample, fit_normals, frame_points, take_colors,
+};
 use nextview::sensor::ColorImage;
 use nextview_sim::run::Step;
 
@@ -57,7 +59,8 @@ fn cloud<M>(
     let points = scan.steps.iter().map_while(|step| {
         points_of(step).map_err(|failure| loaded = Err(failure)).ok() // ends at the first failure
     });
-    let cloud = downsample(points.flatten(), scan.detail())?;
+    let mut cloud = downsample(points.flatten(), scan.detail())?;
+    fit_normals(&mut cloud, scan.detail())?;
     loaded.map(|()| cloud)
 }
 
