@@ -86,18 +86,14 @@ fn step_columns<'a, I: Iterator<Item = Option<&'a StepMeasures>>>(table: &mut Ta
 
 /// Of the final cloud.
 fn quality_columns(table: &mut Table, records: &[RunRecord]) {
-    let columns: [(&str, fn(QualityMm) -> f64); 7] = [
-        ("cloud_accuracy_mean_mm", |cloud| cloud.accuracy_mean_mm),
-        ("cloud_accuracy_median_mm", |cloud| cloud.accuracy_median_mm),
-        ("cloud_accuracy_p95_mm", |cloud| cloud.accuracy_p95_mm),
-        ("cloud_completeness_1mm", |cloud| cloud.completeness_1mm),
-        ("cloud_completeness_2mm", |cloud| cloud.completeness_2mm),
-        ("cloud_completeness_5mm", |cloud| cloud.completeness_5mm),
-        ("cloud_completeness_mean_mm", |cloud| cloud.completeness_mean_mm),
-    ];
-    for (name, of) in columns {
-        table.float(name, records.iter().map(|record| record.measures()?.cloud.map(of)));
-    }
+    let cloud = |of: fn(QualityMm) -> f64| records.iter().map(move |record| record.measures()?.cloud.map(of));
+    table.float("cloud_accuracy_mean_mm", cloud(|cloud| cloud.accuracy_mean_mm));
+    table.float("cloud_accuracy_median_mm", cloud(|cloud| cloud.accuracy_median_mm));
+    table.float("cloud_accuracy_p95_mm", cloud(|cloud| cloud.accuracy_p95_mm));
+    table.float("cloud_completeness_1mm", cloud(|cloud| cloud.completeness_1mm));
+    table.float("cloud_completeness_2mm", cloud(|cloud| cloud.completeness_2mm));
+    table.float("cloud_completeness_5mm", cloud(|cloud| cloud.completeness_5mm));
+    table.float("cloud_completeness_mean_mm", cloud(|cloud| cloud.completeness_mean_mm));
 }
 
 /// The columns that tell a run from all others.
