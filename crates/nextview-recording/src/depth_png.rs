@@ -78,7 +78,8 @@ pub(crate) fn check_size(width: u32, height: u32, intrinsics: &Intrinsics) -> Re
     )))
 }
 
-fn broken(error: DecodingError) -> RecordingError {
+/// What a decoder says of a file that is damaged or no PNG.
+pub(crate) fn broken(error: DecodingError) -> RecordingError {
     match error {
         DecodingError::IoError(error) if error.kind() != std::io::ErrorKind::UnexpectedEof => error.into(),
         error => RecordingError::Content(format!("is no whole PNG image: {error}")),

@@ -1,4 +1,4 @@
-//! Our own form: `intrinsics.txt`, `poses.csv`, and images by number in `depth/`.
+//! Our own form: `intrinsics.txt`, `poses.csv`, and images by number in `depth/` and, where there is colour, in `color/`.
 
 use crate::frame::DepthSource;
 use crate::lens::{self, Lens};
@@ -12,6 +12,9 @@ use std::path::{Path, PathBuf};
 
 /// Metres per unit of depth unless intrinsics.txt tells.
 const DEPTH_UNIT: f64 = 0.001;
+
+/// What the names of colour images end in.
+const COLOR_EXTENSIONS: [&str; 3] = ["png", "jpg", "jpeg"];
 
 /// What the twelve columns of a pose end in, row by row.
 const ENTRIES: [&str; 12] =
@@ -36,9 +39,13 @@ pub(crate) fn read(folder: &Path, options: &ReadOptions) -> Result<Recording, Re
     let rows =
         text::read(&path).and_then(|text| rows(&text, options)).map_err(|error| error.in_file(&path))?;
     let notes = note(&rows).into_iter().collect();
+    let mut images = images(&folder.join("depth"), &["png"])?;
     let masks = folder.join("mask");
-    let mut masks = masks.exists().then(|| images(&masks)).transpose()?;
-    let mut images = images(&folder.join("depth"))?;
+    let mut masks = masks.is_dir().then(|| self::images(&masks, &["png"])).transpose()?;
+    let mut colors = match folder.join("color") {
+        folder if folder.is_dir() => self::images(&folder, &COLOR_EXTENSIONS)?,
+        _ => BTreeMap::new(),
+    };
     let (mut frames, mut skipped) = (Vec::new(), Vec::new());
     for (number, row) in rows {
         let Some(path) = images.remove(&number) else {
@@ -58,6 +65,7 @@ pub(crate) fn read(folder: &Path, options: &ReadOptions) -> Result<Recording, Re
             world_from_camera: row.rigid.pose,
             intrinsics,
             depth: DepthSource::Png { path, unit: depth_unit, mask: mask.flatten() },
+            color: colors.remove(&number),
         });
     }
     skipped.extend(images.into_keys().map(|number| Skipped {
@@ -75,8 +83,8 @@ fn note(rows: &BTreeMap<u32, Row>) -> Option<String> {
     })
 }
 
-/// The images by number. Files that are no PNG do not count.
-fn images(folder: &Path) -> Result<BTreeMap<u32, PathBuf>, RecordingError> {
+/// The images by number. Files with other extensions do not count.
+fn images(folder: &Path, extensions: &[&str]) -> Result<BTreeMap<u32, PathBuf>, RecordingError> {
     let list = || {
         let entries = std::fs::read_dir(folder)?.collect::<Result<Vec<_>, _>>()?;
         Ok::<_, RecordingError>(entries.into_iter().map(|entry| entry.path()).collect::<Vec<PathBuf>>())
@@ -84,12 +92,15 @@ fn images(folder: &Path) -> Result<BTreeMap<u32, PathBuf>, RecordingError> {
     let mut paths = list().map_err(|error| error.in_file(folder))?;
     paths.sort();
     let mut images: BTreeMap<u32, PathBuf> = BTreeMap::new();
-    for path in paths.into_iter().filter(|path| path.extension().is_some_and(|extension| extension == "png"))
-    {
+    let is_image =
+        |path: &PathBuf| extensions.iter().any(|known| path.extension().is_some_and(|e| e == *known));
+    for path in paths.into_iter().filter(is_image) {
         let stem = path.file_stem().unwrap_or_default().to_string_lossy();
         let number = stem.parse().map_err(|_| {
-            let problem = "is no number of a frame, expected names such as 000.png and 001.png";
-            RecordingError::Content(problem.into()).in_file(&path)
+            let example = extensions[0];
+            let problem =
+                format!("is no number of a frame, expected names such as 000.{example} and 001.{example}");
+            RecordingError::Content(problem).in_file(&path)
         })?;
         if let Some(other) = images.get(&number) {
             let problem = format!("frame {number} has another image, {}", other.display());

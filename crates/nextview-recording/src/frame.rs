@@ -1,8 +1,9 @@
 use crate::RecordingError;
+use crate::color_file;
 use crate::depth_png;
 use crate::mcap::{self, Place};
 use nextview::geometry::Pose;
-use nextview::sensor::{Depth, DepthImage, Frame, Intrinsics};
+use nextview::sensor::{ColorImage, Depth, DepthImage, Frame, Intrinsics};
 use std::path::PathBuf;
 
 /// A recorded look of a depth camera. Its image stays in its file until it is [loaded](Self::load).
@@ -16,6 +17,8 @@ pub struct RecordedFrame {
     pub world_from_camera: Pose,
     pub(crate) intrinsics: Intrinsics,
     pub(crate) depth: DepthSource,
+    /// The file of its colour image.
+    pub(crate) color: Option<PathBuf>,
 }
 
 /// Where the depth of a frame is.
@@ -45,6 +48,17 @@ impl RecordedFrame {
             }
         };
         Ok(Frame::new(image, self.intrinsics, self.world_from_camera, RANGE)?)
+    }
+
+    /// Whether there is a colour image.
+    pub fn has_color(&self) -> bool {
+        self.color.is_some()
+    }
+
+    /// Reads the colour image, of the size of the depth image; none if there is none. As for the depth, what was checked when
+    /// the recording was opened fails only if a file has changed since.
+    pub fn load_color(&self) -> Result<Option<ColorImage>, RecordingError> {
+        self.color.as_ref().map(|path| color_file::read(path, &self.intrinsics)).transpose()
     }
 }
 

@@ -1,9 +1,10 @@
-//! Recorded depth images with camera poses, from files.
+//! Recorded depth images with camera poses, and with colour where there is some, from files.
 //!
 //! Start with [`Recording::open`]: it recognises a folder of our own simple form, a folder of the TUM RGB-D benchmark, and
 //! an `.mcap` file with ROS 2 messages. `docs/recorded.md` describes all three. Nothing here plans or maps.
 //! [`Journal`] keeps the frames of a scan that is under way.
 
+mod color_file;
 mod depth_png;
 mod error;
 mod folder;

@@ -57,7 +57,7 @@ pub struct ReadOptions {
     /// Of MCAP: the topic of the camera's poses, needed if there are several.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub pose_topic: Option<String>,
-    /// Of TUM and MCAP: how far apart in time, seconds, an image and its pose may be. Default 0.02.
+    /// Of TUM and MCAP: how far apart in time, seconds, an image and its pose may be, and of TUM its colour. Default 0.02.
     pub pose_tolerance_s: f64,
 }
 
@@ -107,10 +107,11 @@ impl Recording {
             RecordingError::InFile { .. } => error,
             error => error.in_file(path),
         });
-        recording?.without_useless_frames().map_err(|error| match error {
+        let recording = recording?.without_useless_frames().map_err(|error| match error {
             RecordingError::Content(_) => error.in_file(path),
             error => error,
-        })
+        })?;
+        recording.with_checked_colors()
     }
 
     /// Reads all images and leaves out those that show nothing.
@@ -129,5 +130,16 @@ impl Recording {
             return Err(RecordingError::Content(format!("holds no usable frame{first}")));
         }
         Ok(Self { frames: kept, ..self })
+    }
+
+    /// Reads all colour images, and notes where some frames lack one.
+    fn with_checked_colors(mut self) -> Result<Self, RecordingError> {
+        self.frames.par_iter().try_for_each(|frame| frame.load_color().map(drop))?;
+        let n_colored = self.frames.iter().filter(|frame| frame.has_color()).count();
+        if n_colored > 0 && n_colored < self.frames.len() {
+            let n_frames = self.frames.len();
+            self.notes.push(format!("{} of {n_frames} frames have no colour image", n_frames - n_colored));
+        }
+        Ok(self)
     }
 }

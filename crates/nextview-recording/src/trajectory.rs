@@ -31,6 +31,14 @@ impl<T> Stamped<T> {
     }
 }
 
+/// Of entries that are sorted by time, the nearest, the earlier of two.
+pub(crate) fn nearest<T>(entries: &[Stamped<T>], time: f64) -> Option<&Stamped<T>> {
+    let later = entries.partition_point(|entry| entry.time < time);
+    let around = [later.checked_sub(1), Some(later)].into_iter().flatten().filter_map(|i| entries.get(i));
+    let distance = |entry: &&Stamped<T>| (entry.time - time).abs();
+    around.min_by(|a, b| distance(a).total_cmp(&distance(b)))
+}
+
 /// Where the camera was over time.
 pub(crate) struct Trajectory {
     poses: Vec<Stamped<Pose>>,
@@ -45,13 +53,8 @@ impl Trajectory {
 
     /// The pose nearest in time, the earlier of two; or why there is none.
     pub fn at(&self, time: f64) -> Result<Pose, String> {
-        let later = self.poses.partition_point(|pose| pose.time < time);
-        let around =
-            [later.checked_sub(1), Some(later)].into_iter().flatten().filter_map(|i| self.poses.get(i));
-        let distance = |pose: &&Stamped<Pose>| (pose.time - time).abs();
-        let nearest = around.min_by(|a, b| distance(a).total_cmp(&distance(b)));
-        let nearest = nearest.ok_or("there is no pose")?;
-        let apart = distance(&nearest);
+        let nearest = nearest(&self.poses, time).ok_or("there is no pose")?;
+        let apart = (nearest.time - time).abs();
         if apart <= self.tolerance {
             return Ok(nearest.value);
         }

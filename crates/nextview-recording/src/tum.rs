@@ -4,7 +4,7 @@ use crate::frame::DepthSource;
 use crate::lens::{self, Lens};
 use crate::recording::{ReadOptions, Recording, Skipped};
 use crate::text::{self, Line};
-use crate::trajectory::{Stamped, Trajectory};
+use crate::trajectory::{Stamped, Trajectory, nearest};
 use crate::{RecordedFrame, RecordingError, rigid};
 use glam::{DQuat, DVec3};
 use nextview::geometry::Pose;
@@ -17,6 +17,15 @@ pub(crate) fn read(folder: &Path, options: &ReadOptions) -> Result<Recording, Re
     let Lens { intrinsics, depth_unit } = lens::read(&folder.join("intrinsics.txt"), DEPTH_UNIT)?;
     let poses = list(&folder.join("groundtruth.txt"), pose)?;
     let images = list(&folder.join("depth.txt"), image)?;
+    let colors = match folder.join("rgb.txt") {
+        path if path.exists() => list(&path, image)?,
+        _ => Vec::new(),
+    };
+    let color = |time: f64| {
+        let near =
+            nearest(&colors, time).filter(|color| (color.time - time).abs() <= options.pose_tolerance_s);
+        near.map(|color| folder.join(&color.value)).filter(|path| path.is_file())
+    };
     let trajectory = Trajectory::new(poses, options.pose_tolerance_s);
     let (mut frames, mut skipped) = (Vec::new(), Vec::new());
     for Stamped { time, place, value: file } in images {
@@ -34,6 +43,7 @@ pub(crate) fn read(folder: &Path, options: &ReadOptions) -> Result<Recording, Re
                 world_from_camera,
                 intrinsics,
                 depth: DepthSource::Png { path, unit: depth_unit, mask: None },
+                color: color(time),
             }),
         }
     }

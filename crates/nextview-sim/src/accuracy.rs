@@ -4,7 +4,7 @@ use crate::mesh::TriangleMesh;
 use glam::DVec3;
 use nextview::geometry::Aabb;
 
-/// How far measured points are from the true surface, metres.
+/// How far points are from the true surface, metres.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Accuracy {
     /// Mean distance.
@@ -26,7 +26,7 @@ impl Accuracy {
     }
 }
 
-/// Tells the distance of any point from a surface: a tree of boxes around the triangles.
+/// Tells the distance of any point from a surface, or from a cloud of points: a tree of boxes around the triangles.
 #[derive(Clone, Debug)]
 pub struct SurfaceDistance {
     /// The corners of the triangles in the order of the tree.
@@ -56,7 +56,15 @@ const LEAF: usize = 8;
 impl SurfaceDistance {
     /// The tree of a mesh.
     pub fn new(mesh: &TriangleMesh) -> Self {
-        let mut triangles: Vec<[DVec3; 3]> = (0..mesh.triangles().len()).map(|i| mesh.corners(i)).collect();
+        Self::of((0..mesh.triangles().len()).map(|i| mesh.corners(i)).collect())
+    }
+
+    /// The tree of a cloud of finite points, each a triangle without size; none without points.
+    pub fn to_points(points: &[DVec3]) -> Option<Self> {
+        (!points.is_empty()).then(|| Self::of(points.iter().map(|&point| [point; 3]).collect()))
+    }
+
+    fn of(mut triangles: Vec<[DVec3; 3]>) -> Self {
         let root = Node::new(&mut triangles, 0);
         Self { triangles, root }
     }
@@ -92,7 +100,7 @@ impl Node {
     /// Divides the triangles, of which there is at least one and the first has the number `start`, at the middle one along the
     /// longest side of their box.
     fn new(triangles: &mut [[DVec3; 3]], start: usize) -> Self {
-        let bounds = Aabb::around(triangles.iter().copied().flatten()).expect("a mesh has triangles");
+        let bounds = Aabb::around(triangles.iter().copied().flatten()).expect("there are triangles");
         let n = triangles.len();
         if n < LEAF {
             return Self { bounds, content: Content::Leaf { start, end: start + n } };
@@ -110,9 +118,13 @@ impl Node {
     }
 }
 
-/// The point of a triangle nearest to another point: that of its plane if it lies inside, or else of the nearest edge.
+/// The point of a triangle nearest to another point: that of its plane if it lies inside, or else of the nearest edge. The
+/// triangle may be without size.
 fn nearest_point([a, b, c]: [DVec3; 3], point: DVec3) -> DVec3 {
     let normal = (b - a).cross(c - a);
+    if a == b && b == c {
+        return a;
+    }
     let is_inside = |from: DVec3, to: DVec3| (to - from).cross(point - from).dot(normal) >= 0.0;
     if is_inside(a, b) && is_inside(b, c) && is_inside(c, a) {
         return point - normal * ((point - a).dot(normal) / normal.length_squared());
@@ -158,6 +170,20 @@ mod tests {
             let nearest = net.map(|(u, v)| (a + (b - a) * u + (c - a) * v).distance(point)).fold(9.0, f64::min);
             prop_assert!(found <= nearest + 1e-12 && nearest <= found + 0.06, "{found} {nearest}");
         }
+    }
+
+    #[test]
+    fn a_cloud_is_as_far_as_its_nearest_point() {
+        let mut random = Random::new(2, 0);
+        let mut points: Vec<DVec3> = (0..300).map(|_| random.in_cube()).collect();
+        points.extend([points[0]; 20]); // equal ones are no trouble
+        let distance = SurfaceDistance::to_points(&points).unwrap();
+        for _ in 0..200 {
+            let from = random.in_cube() * 1.5;
+            let expected = points.iter().map(|point| point.distance(from)).fold(f64::INFINITY, f64::min);
+            assert_eq!(distance.at(from), expected);
+        }
+        assert!(SurfaceDistance::to_points(&[]).is_none());
     }
 
     #[test]

@@ -12,6 +12,7 @@ mod error;
 pub mod gauge;
 pub mod mesh;
 pub mod noise;
+pub mod quality;
 pub mod random_object;
 pub mod run;
 pub mod scene;

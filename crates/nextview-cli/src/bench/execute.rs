@@ -51,6 +51,7 @@ fn measure(
     let baselines = truth.map(|truth| Baselines::new(truth, config));
     let growth = before.zip(after).map(|(before, after)| (after - before).max(0.0));
     Ok(Measures {
+        cloud: scan.quality(&scan.plain_cloud()?, &setting.true_surface),
         extra_memory_mb: growth.map(|mb| (10.0 * mb).round() / 10.0),
         ..measures(config, setting, &scan, baselines.as_ref())
     })
@@ -72,6 +73,7 @@ fn measures(
         random_curve: baselines.map(|b| b.random.mean.clone()),
         clairvoyant_curve: baselines.map(|b| b.clairvoyant.clone()),
         skill: baselines.and_then(|b| b.skill(scan.steps.iter().map(|step| &step.measures))),
+        cloud: None,
         extra_memory_mb: None,
     }
 }

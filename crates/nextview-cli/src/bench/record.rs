@@ -1,6 +1,6 @@
 //! What is kept of a run of a campaign: a line of `runs.jsonl`.
 
-use crate::scan::ScanConfig;
+use crate::scan::{QualityMm, ScanConfig};
 use nextview::registration::Verdict;
 use nextview::session::StopReason;
 use serde::{Deserialize, Serialize};
@@ -62,6 +62,9 @@ pub(crate) struct Measures {
     pub clairvoyant_curve: Option<Vec<f64>>,
     /// Area under the curve of `seen` from random (0) to clairvoyant (1).
     pub skill: Option<f64>,
+    /// Quality of the final cloud; none where it holds nothing of the object, and in campaigns of old.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub cloud: Option<QualityMm>,
     /// Growth of the process's peak memory in the run; none where runs took place beside each other or the system does
     /// not tell.
     pub extra_memory_mb: Option<f64>,

@@ -2,7 +2,7 @@
 
 use super::table::{Column, Table};
 use super::{Measures, RunRecord, RunResult, StepMeasures};
-use crate::scan::ScanConfig;
+use crate::scan::{QualityMm, ScanConfig};
 use crate::{Failure, files};
 use serde::Serialize;
 use std::collections::BTreeMap;
@@ -34,6 +34,7 @@ fn runs(records: &[RunRecord]) -> Result<Table, Failure> {
     table.push("stop_reason", Column::Text(stop_reasons.map(Option::transpose).collect::<Result<_, _>>()?));
     table.count("n_views", measures().map(|m| Some(m?.steps.len())));
     step_columns(&mut table, last);
+    quality_columns(&mut table, records);
     table.float("skill", measures().map(|m| m?.skill));
     for (name, share) in [("views_to_90", 0.90), ("views_to_95", 0.95), ("views_to_99", 0.99)] {
         table.count(name, measures().map(|m| views_to(m?, share)));
@@ -83,6 +84,18 @@ fn step_columns<'a, I: Iterator<Item = Option<&'a StepMeasures>>>(table: &mut Ta
     table.float("path_length_m", steps().map(|s| Some(s?.path_length_m)));
     table.float("way_m", steps().map(|s| s?.way_m));
     table.float("move_time_s", steps().map(|s| s?.move_time_s));
+}
+
+/// Of the final cloud.
+fn quality_columns(table: &mut Table, records: &[RunRecord]) {
+    let cloud = |of: fn(QualityMm) -> f64| records.iter().map(move |record| record.measures()?.cloud.map(of));
+    table.float("cloud_accuracy_mean_mm", cloud(|cloud| cloud.accuracy_mean_mm));
+    table.float("cloud_accuracy_median_mm", cloud(|cloud| cloud.accuracy_median_mm));
+    table.float("cloud_accuracy_p95_mm", cloud(|cloud| cloud.accuracy_p95_mm));
+    table.float("cloud_completeness_1mm", cloud(|cloud| cloud.completeness_1mm));
+    table.float("cloud_completeness_2mm", cloud(|cloud| cloud.completeness_2mm));
+    table.float("cloud_completeness_5mm", cloud(|cloud| cloud.completeness_5mm));
+    table.float("cloud_completeness_mean_mm", cloud(|cloud| cloud.completeness_mean_mm));
 }
 
 /// The columns that tell a run from all others.

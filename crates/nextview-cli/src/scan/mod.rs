@@ -5,12 +5,14 @@ mod config;
 mod finished;
 mod keeper;
 pub(crate) mod memory;
+mod model;
 mod motion;
 mod noise;
 mod object;
 mod outcome;
 mod planner_name;
 mod progress;
+mod quality;
 mod reach;
 mod recorded;
 mod registration;
@@ -26,14 +28,17 @@ pub(crate) use object::short_name;
 pub(crate) use outcome::milliseconds;
 pub(crate) use planner_name::{NbvNetConfig, PlannerConfigs, PlannerName};
 pub(crate) use progress::Progress;
+pub(crate) use quality::QualityMm;
 pub(crate) use recorded::RecordingConfig;
 pub(crate) use setting::Setting;
 
 use crate::files::ResultFolder;
 use crate::{Failure, stdout};
 use keeper::{FrameKeeper, Interrupted};
+use model::FinalModel;
 use nextview_sim::run::Step;
 use outcome::Outcome;
+use quality::ModelQuality;
 use results::Results;
 use std::path::PathBuf;
 
@@ -90,8 +95,10 @@ fn simulated(mut config: ScanConfig, keeper: Option<FrameKeeper>, output: &Outpu
     let scan = setting.scan(&config, truth.as_ref(), |next, frame| keeper.keep(next, frame), tell)?;
     drop(progress);
     let scan = scan.told();
-    let outcome = Outcome::new(&config, &scan, baselines);
-    Results { config: &config, scan: &scan, outcome: &outcome }.write(folder)?;
+    let mut outcome = Outcome::new(&config, &scan, baselines);
+    let model = FinalModel::new(&scan, |_| Ok(None))?;
+    outcome.model = ModelQuality::new(&model, &scan, &setting.true_surface);
+    Results { config: &config, scan: &scan, outcome: &outcome, model: &model }.write(folder)?;
     keeper.finish();
     output.end(&outcome)
 }

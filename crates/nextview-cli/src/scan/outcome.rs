@@ -1,6 +1,7 @@
 use super::baselines::Baselines;
 use super::finished::Measured;
 use super::memory;
+use super::quality::{ModelQuality, QualityMm};
 use super::recorded::RecordedOutcome;
 use super::ways_so_far;
 use super::{BoxRule, FinishedScan, PlannerName, Profile, ScanConfig, TableRule, short_name};
@@ -55,6 +56,9 @@ pub(super) struct Outcome {
     pub render_time_ms: Vec<f64>,
     pub baseline_time_ms: Option<f64>,
     pub peak_memory_mb: Option<f64>,
+    /// Of the final cloud and mesh; none where the truth is not known.
+    #[serde(flatten)]
+    pub model: ModelQuality,
     /// Of recordings only.
     #[serde(flatten)]
     pub recorded: Option<RecordedOutcome>,
@@ -107,6 +111,7 @@ impl Outcome {
             render_time_ms: steps.iter().map(|s| milliseconds(s.capture_time)).collect(),
             baseline_time_ms: baselines.as_ref().map(|b| milliseconds(b.time)),
             peak_memory_mb: memory::peak_mb(),
+            model: ModelQuality::default(),
             recorded: None,
             baselines,
             found: found(config, steps.last()),
@@ -137,6 +142,9 @@ impl Outcome {
         rows.extend(false_voxels.map(|n| ("false voxels", n.to_string())));
         rows.extend(share("surface within 2 mm", &self.surface_coverage_2mm));
         rows.extend(share("surface within 5 mm", &self.surface_coverage_5mm));
+        let phrase = |label, quality: Option<QualityMm>| quality.map(|quality| (label, quality.phrase()));
+        rows.extend(phrase("cloud", self.model.cloud));
+        rows.extend(phrase("mesh", self.model.mesh));
         rows.extend(self.recorded.iter().flat_map(RecordedOutcome::rows));
         rows.extend(self.found.iter().cloned());
         rows.push(("path length", format!("{:.2} m", self.path_length_m)));

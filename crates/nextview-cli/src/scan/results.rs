@@ -1,6 +1,7 @@
 //! The files of a finished scan.
 
 use super::finished::{FinishedScan, Measured};
+use super::model::FinalModel;
 use super::outcome::{Outcome, milliseconds, stop_phrase};
 use super::recorded::AccuracyMm;
 use super::registration::RegistrationLine;
@@ -9,8 +10,8 @@ use crate::Failure;
 use crate::files::ResultFolder;
 use crate::report::{self, ScanReport};
 use glam::DVec3;
-use nextview::geometry::{Lattice, Pose};
-use nextview::model::{DistanceField, downsample, write_mesh, write_points};
+use nextview::geometry::Pose;
+use nextview::model::{write_cloud, write_mesh};
 use nextview::motion::{Way, Waypoint};
 use nextview::session::StepReport;
 use rustc_hash::FxHashSet;
@@ -22,6 +23,7 @@ pub(super) struct Results<'a> {
     pub config: &'a ScanConfig,
     pub scan: &'a FinishedScan<Measured>,
     pub outcome: &'a Outcome,
+    pub model: &'a FinalModel,
 }
 
 impl Results<'_> {
@@ -35,8 +37,9 @@ impl Results<'_> {
         let octree = self.scan.session.map().to_octree()?.pruned();
         folder.add("map.ot", |w| Ok(octree.write_ot(w)?))?;
         folder.add("map.bt", |w| Ok(octree.write_bt(w)?))?;
-        folder.add("cloud.ply", |w| Ok(write_points(w, &self.cloud()?)?))?;
-        folder.add("mesh.ply", |w| Ok(write_mesh(w, &self.field()?.surface())?))?;
+        let FinalModel { cloud, mesh, vertices } = self.model;
+        folder.add("cloud.ply", |w| Ok(write_cloud(w, cloud)?))?;
+        folder.add("mesh.ply", |w| Ok(write_mesh(w, vertices, &mesh.triangles)?))?;
         folder.add("report.html", |w| Ok(w.write_all(report::render(&self.report(&config)).as_bytes())?))?;
         folder.publish()
     }
@@ -95,33 +98,13 @@ impl Results<'_> {
         Ok(())
     }
 
-    /// Size of the cells in which points and mesh are told apart: a quarter of a voxel, since the map's voxels are larger
-    /// than what the camera resolves, but no more than 128 along the box, so that the mesh takes a second or two.
-    fn detail(&self) -> f64 {
-        let voxel_size = self.scan.session.map().lattice().voxel_size();
-        (0.25 * voxel_size).max(self.scan.bounds.longest_side() / 128.0)
-    }
-
-    fn cloud(&self) -> Result<Vec<DVec3>, Failure> {
-        let points = self.scan.steps.iter().flat_map(|step| step.frame.points_in(self.scan.bounds));
-        Ok(downsample(points, self.detail())?)
-    }
-
-    fn field(&self) -> Result<DistanceField, Failure> {
-        let lattice = Lattice::new(self.detail())?;
-        let block = lattice.block_inside(&self.scan.bounds).expect("the box holds many cells of 1/128 of it");
-        let mut field = DistanceField::new(lattice, block, 2.0 * self.detail())?;
-        self.scan.steps.iter().for_each(|step| field.integrate(&step.frame));
-        Ok(field)
-    }
-
     fn report(&self, config: &str) -> ScanReport {
         let outcome = self.outcome;
         let mut known = FxHashSet::default();
         let mut path_before = 0.0;
         let steps = self.scan.steps.iter().enumerate().map(|(i, step)| {
             let travel = step.path_length - std::mem::replace(&mut path_before, step.path_length);
-            let cell = |point: &DVec3| (*point / self.detail()).floor().as_ivec3();
+            let cell = |point: &DVec3| (*point / self.scan.detail()).floor().as_ivec3();
             let points = step.frame.points_in(self.scan.bounds);
             report::Step {
                 view: step.report.view,

@@ -7,6 +7,7 @@ use nextview::sensor::Frame;
 use nextview::session::{NextView, ObjectBox, Session, SessionConfig, Table, Views};
 use nextview::view::ViewSpace;
 use nextview_sim::gauge::{Gauge, RunCamera};
+use nextview_sim::quality::TrueSurface;
 use nextview_sim::run::{Step, run_with};
 use nextview_sim::scene::Scene;
 use nextview_sim::truth::ObjectVoxels;
@@ -21,6 +22,8 @@ pub(crate) struct Setting {
     /// The configured voxel size, or else one that suits the object.
     pub voxel_size: f64,
     pub object_voxels: ObjectVoxels,
+    /// What final models are measured against.
+    pub true_surface: TrueSurface,
     /// How many candidates were left within reach, where that was asked for.
     pub reach_note: Option<String>,
 }
@@ -35,8 +38,10 @@ impl Setting {
         config.check_views(views.len())?;
         let block =
             voxel_block(&simulated_session(config, &scene, voxel_size), &scene.planning_box(voxel_size))?;
-        let object_voxels = ObjectVoxels::new(scene.camera().mesh(), Lattice::new(voxel_size)?, block);
-        Ok(Self { object, scene, views, voxel_size, object_voxels, reach_note })
+        let mesh = scene.camera().mesh();
+        let object_voxels = ObjectVoxels::new(mesh, Lattice::new(voxel_size)?, block);
+        let true_surface = TrueSurface::new(mesh);
+        Ok(Self { object, scene, views, voxel_size, object_voxels, true_surface, reach_note })
     }
 
     /// Scans the object from the first view to the last. The truth is for the clairvoyant planner only; every frame counts as

@@ -2,7 +2,7 @@
 
 use super::campaign::{Campaign, key};
 use crate::bench::{Host, Measures, RunRecord, RunResult, StepMeasures};
-use crate::scan::{PlannerName, Profile, ScanConfig};
+use crate::scan::{PlannerName, Profile, QualityMm, ScanConfig};
 use nextview::session::StopReason;
 use std::path::PathBuf;
 
@@ -66,6 +66,15 @@ fn run(variant: &str, (data_set, object): (&str, &str), rank: usize, object_idx:
         random_curve: Some((1..=config.views).map(|view| saturating(0.32, view)).collect()),
         clairvoyant_curve: Some((1..=config.views).map(|view| saturating(0.8, view)).collect()),
         skill: Some((rate - 0.32) / 0.48),
+        cloud: Some(QualityMm {
+            accuracy_mean_mm: 0.9 - rate,
+            accuracy_median_mm: 0.7 - rate,
+            accuracy_p95_mm: 2.0 - rate,
+            completeness_1mm: 0.5 + 0.5 * rate,
+            completeness_2mm: 0.6 + 0.5 * rate,
+            completeness_5mm: 0.7 + 0.4 * rate,
+            completeness_mean_mm: 1.5 - rate,
+        }),
         extra_memory_mb: Some(12.5 + rank as f64),
     };
     RunRecord {

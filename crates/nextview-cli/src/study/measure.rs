@@ -146,6 +146,21 @@ pub(crate) const SURFACE_5MM: Measure = Measure {
     ..SURFACE
 };
 
+/// Of the final cloud, as the next.
+pub(crate) const ACCURACY: Measure = Measure {
+    name: "accuracy of the cloud, mm",
+    factor: 1.0,
+    decimals: 2,
+    better: Better::Lower,
+    of: |run| run.measures.cloud.map(|cloud| cloud.accuracy_mean_mm),
+};
+
+pub(crate) const COMPLETENESS: Measure = Measure {
+    name: "completeness of the cloud within 2 mm, %",
+    of: |run| run.measures.cloud.map(|cloud| cloud.completeness_2mm),
+    ..SURFACE
+};
+
 pub(crate) const VIEWS_TO_95: Measure = Measure {
     name: "views to 95 %",
     factor: 1.0,

@@ -2,7 +2,8 @@
 
 use super::document::{Block, Cell, Column, Row, Section, Table};
 use super::measure::{
-    MEMORY, Measure, PATH, PLAN_TIME, SEEN, SEEN_BEYOND_RANDOM, SKILL, SURFACE, SURFACE_5MM, VOXEL_COVERAGE,
+    ACCURACY, COMPLETENESS, MEMORY, Measure, PATH, PLAN_TIME, SEEN, SEEN_BEYOND_RANDOM, SKILL, SURFACE,
+    SURFACE_5MM, VOXEL_COVERAGE,
 };
 use super::statistics::{Interval, mean, percentile};
 use super::study::{Study, Variant, differences};
@@ -58,13 +59,17 @@ fn table(
 }
 
 fn reached(study: &Study<'_>) -> Table {
-    let measures = [VOXEL_COVERAGE, SEEN, SKILL, SURFACE, SURFACE_5MM];
+    let mut measures = vec![VOXEL_COVERAGE, SEEN, SKILL, SURFACE, SURFACE_5MM];
+    // Campaigns of old did not measure it.
+    if study.variants.iter().any(|variant| variant.mean(&ACCURACY).is_some()) {
+        measures.extend([ACCURACY, COMPLETENESS]);
+    }
     let mut head = vec!["objects"];
-    head.extend(measures.map(|measure| measure.name));
+    head.extend(measures.iter().map(|measure| measure.name));
     head.push("lowest skill");
     table(study, "What was reached with the last view", &head, |variant| {
         let mut cells = vec![variant.n_objects().to_string().into()];
-        cells.extend(measures.map(|measure| with_interval(&variant.values(&measure), &measure)));
+        cells.extend(measures.iter().map(|measure| with_interval(&variant.values(measure), measure)));
         cells.push(lowest_skill(study, variant));
         cells
     })

@@ -180,6 +180,21 @@ fn campaigns_without_ways_have_no_running_times() {
 }
 
 #[test]
+fn campaigns_of_old_have_no_cloud() {
+    let mut old = varied();
+    for run in &mut old.runs {
+        if let RunResult::Done(measures) = &mut run.result {
+            measures.cloud = None;
+        }
+        let line = serde_json::to_string(run).unwrap();
+        assert!(!line.contains("cloud") && serde_json::from_str::<RunRecord>(&line).unwrap() == *run);
+    }
+    let [now, then] = [varied(), old].map(|campaign| report(&campaign)[1].clone());
+    let column = "accuracy of the cloud, mm";
+    assert!(now.contains(column) && !then.contains(column));
+}
+
+#[test]
 fn all_runs_failed_is_still_a_report() {
     let mut campaign = campaign(&["a", "b"], 2);
     for run in &mut campaign.runs {

@@ -117,6 +117,14 @@ fn tables_hold_every_run_and_view() {
             "object,data_set,variant,seed,first_view,config.baselines,config.batch.least_share,"
         )
     );
+    for column in ["cloud_accuracy_mean_mm", "cloud_completeness_2mm"] {
+        let at = runs.lines().next().unwrap().split(',').position(|name| name == column).unwrap();
+        let columns_after = runs.lines().next().unwrap().split(',').count() - at;
+        // From the end, since labels hold commas.
+        let values = runs.lines().skip(1).map(|line| line.rsplit(',').nth(columns_after - 1).unwrap());
+        let values: Vec<f64> = values.map(|value| value.parse().unwrap()).collect();
+        assert!(values.iter().all(|value| (1e-6..2.0).contains(value)), "{column}: {values:?}");
+    }
     assert_eq!(folder.text("bench-tiny/runs.jsonl").lines().count(), N_RUNS);
     assert_eq!(folder.names("bench-tiny"), FILES);
 }

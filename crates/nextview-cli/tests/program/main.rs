@@ -23,6 +23,8 @@ mod map_and_views;
 #[cfg(test)]
 mod motion;
 #[cfg(test)]
+mod ply;
+#[cfg(test)]
 mod recorded;
 #[cfg(test)]
 mod recording;

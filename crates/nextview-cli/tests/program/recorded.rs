@@ -1,7 +1,9 @@
 //! Scans of recorded frames. Here the recordings are simulated; those of real cameras are tested where they are read.
 
 use crate::common::{Folder, data, timeless};
-use crate::recording::{SCAN, write_recording};
+use crate::ply::Vertices;
+use crate::recording::{SCAN, color_at, write_colors, write_recording};
+use glam::DVec3;
 use serde_json::Value;
 
 fn scan<'a>(args: &[&'a str]) -> Vec<&'a str> {
@@ -19,7 +21,16 @@ fn plans_over_the_recorded_views() {
     let result = folder.json(&scan(&["--views", "5", "--json"]));
     assert_eq!((&result["object"], &result["planner"]), (&"rec".into(), &"most-surface".into()));
     assert_eq!((&result["n_candidates"], &result["views"]), (&12.into(), &5.into()));
-    for key in ["voxel_coverage", "surface_coverage_2mm", "reachable_coverage", "skill", "random_curve"] {
+    let with_truth = [
+        "voxel_coverage",
+        "surface_coverage_2mm",
+        "reachable_coverage",
+        "skill",
+        "random_curve",
+        "cloud",
+        "mesh",
+    ];
+    for key in with_truth {
         assert!(result[key].is_null(), "{key} needs the truth");
     }
     assert_eq!(result["frames"][0], "frame 0");
@@ -102,6 +113,10 @@ fn the_truth_measures_the_scan() {
         "depth is rounded to a millimetre: {median} {mean} {p95}"
     );
     assert!(there["skill"].is_f64());
+    for model in ["cloud", "mesh"] {
+        let of = |key: &str| there[model][key].as_f64().unwrap();
+        assert!(of("accuracy_mean_mm") < 0.6 && of("completeness_5mm") > 0.5, "{}", there[model]);
+    }
     let steps = folder.text("out/steps.jsonl");
     assert!(steps.contains("\"frame\":\"frame 0\"") && steps.contains("\"accuracy_p95_mm\":"), "{steps}");
 
@@ -114,6 +129,38 @@ fn the_truth_measures_the_scan() {
 
     let clairvoyant = folder.json(&scan(&[&options[..], &["--planner", "clairvoyant"]].concat()));
     assert_eq!(clairvoyant["skill"], 1.0);
+}
+
+#[test]
+fn colour_is_in_cloud_and_mesh() {
+    let folder = Folder::new("recorded-color");
+    write_recording(&folder, 4);
+    let scan = || {
+        folder.json(&scan(&["--views", "3", "--planner", "in-order", "--json"]));
+        ["cloud.ply", "mesh.ply"].map(|file| Vertices::read(&folder.bytes(&format!("out/{file}"))))
+    };
+    let plain = scan();
+    write_colors(&folder, 4);
+    let colored = scan();
+    for (plain, colored) in plain.iter().zip(&colored) {
+        assert!(plain.colors.is_empty() && colored.columns[6..] == ["red", "green", "blue"]);
+        assert!(plain.positions == colored.positions && plain.normals == colored.normals);
+    }
+    // Colour tells where a point is; that of a vertex is of the point next to it, 4 cells of 2.5 mm away at most.
+    for (file, most_off) in [(&colored[0], 1), (&colored[1], 6)] {
+        for ((position, normal), color) in file.positions.iter().zip(&file.normals).zip(&file.colors) {
+            let expected = color_at(DVec3::from_array(position.map(f64::from)));
+            let off = expected.iter().zip(color).map(|(a, b)| a.abs_diff(*b)).max().unwrap();
+            assert!(off <= most_off || *color == [0; 3] && *normal == [0.0; 3], "{off} at {position:?}");
+        }
+    }
+    folder.write("rec/color/001.png", [0; 9]);
+    let run = folder.run(&SCAN);
+    assert!(
+        run.code == Some(1) && run.stderr.contains("rec/color/001.png: is no whole PNG"),
+        "{}",
+        run.stderr
+    );
 }
 
 #[test]
@@ -169,4 +216,9 @@ fn a_real_bunny_is_measured() {
     let coverage = numbers(&result["surface_coverage_2mm"]);
     assert!(coverage[3] > 0.4, "{coverage:?}");
     assert!(result["accuracy"][3]["accuracy_median_mm"].as_f64().unwrap() < 1.2, "{}", result["accuracy"][3]);
+    assert!(result["cloud"]["accuracy_median_mm"].as_f64().unwrap() < 1.5, "{}", result["cloud"]);
+    let colors = Vertices::read(&folder.bytes("out/cloud.ply")).colors;
+    assert!(
+        colors.iter().filter(|color| color.iter().all(|value| *value > 100)).count() > 9 * colors.len() / 10
+    );
 }

@@ -4,6 +4,7 @@ use crate::common::Folder;
 use glam::{DVec2, DVec3};
 use nextview::sensor::{Depth, Intrinsics};
 use nextview::view::generate;
+use nextview_recording::{ReadOptions, Recording};
 use nextview_sim::mesh::TriangleMesh;
 use nextview_sim::{builtin, scene::Scene};
 
@@ -36,6 +37,37 @@ pub fn write_recording(folder: &Folder, n: usize) {
         poses += &format!("{i},{}\n", row.join(","));
     }
     folder.write("rec/poses.csv", poses);
+}
+
+/// Adds colour images that show where in the world everything is.
+pub fn write_colors(folder: &Folder, n: usize) {
+    let recording = Recording::open(&folder.path("rec"), &ReadOptions::default()).unwrap();
+    for (i, frame) in recording.frames.iter().enumerate().take(n) {
+        let frame = frame.load().unwrap();
+        let pixels = (0..120).flat_map(|v| (0..160).map(move |u| (u, v)));
+        let colors = pixels.map(|(u, v)| match frame.image().get(u, v) {
+            Depth::Surface(depth) => {
+                let ideal = frame.intrinsics().deproject(DVec2::new(u as f64, v as f64)).unwrap();
+                color_at(frame.world_from_camera().transform_point(ideal.extend(1.0) * depth as f64))
+            }
+            _ => [0; 3],
+        });
+        let bytes: Vec<u8> = colors.flatten().collect();
+        folder.write(&format!("rec/color/{i:03}.png"), color_png(160, 120, &bytes));
+    }
+}
+
+/// The colour that stands for a place: a step is 2 mm.
+pub fn color_at(place: DVec3) -> [u8; 3] {
+    (place * 500.0 + 128.0).to_array().map(|value| value.round().clamp(0.0, 255.0) as u8)
+}
+
+fn color_png(width: u32, height: u32, bytes: &[u8]) -> Vec<u8> {
+    let mut file = Vec::new();
+    let mut encoder = png::Encoder::new(&mut file, width, height);
+    encoder.set_color(png::ColorType::Rgb);
+    encoder.write_header().unwrap().write_image_data(bytes).unwrap();
+    file
 }
 
 /// A PNG image without colour.

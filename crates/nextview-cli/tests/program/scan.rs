@@ -1,4 +1,5 @@
 use crate::common::{Folder, small, timeless};
+use crate::ply::Vertices;
 use nextview_sim::mesh;
 use serde_json::Value;
 
@@ -49,6 +50,7 @@ fn writes_all_that_the_issue_lists() {
     assert_eq!(folder.text("out/views.csv").lines().count(), 4);
     check_maps(&folder);
     check_models(&folder);
+    check_quality(&result);
     assert!(folder.text("out/report.html").contains("<title>mug"));
 }
 
@@ -76,11 +78,41 @@ fn check_maps(folder: &Folder) {
 fn check_models(folder: &Folder) {
     let mesh = mesh::load(&folder.path("out/mesh.ply")).unwrap();
     assert!((0.1..0.25).contains(&mesh.longest_side()), "a mug in metres: {}", mesh.longest_side());
-    let cloud = folder.bytes("out/cloud.ply");
-    let header = String::from_utf8_lossy(&cloud[..200]).into_owned();
-    let (_, after) = header.split_once("element vertex ").unwrap();
-    let n_points: usize = after.lines().next().unwrap().parse().unwrap();
-    assert!(header.starts_with("ply\n") && (1_000..100_000).contains(&n_points), "{header}");
+    for file in ["cloud.ply", "mesh.ply"] {
+        let vertices = Vertices::read(&folder.bytes(&format!("out/{file}")));
+        assert_eq!(vertices.columns, ["x", "y", "z", "nx", "ny", "nz"], "a simulated camera sees no colour");
+        let n_points = vertices.positions.len();
+        assert!((1_000..100_000).contains(&n_points), "{file}: {n_points}");
+        let length = |n: &[f32; 3]| n.iter().map(|x| x * x).sum::<f32>().sqrt();
+        let [none, unit] =
+            [0.0, 1.0].map(|l| vertices.normals.iter().filter(|n| (length(n) - l).abs() < 1e-5).count());
+        assert!(none + unit == n_points && unit as f64 > 0.9 * n_points as f64, "{file}: {none}, {unit}");
+    }
+}
+
+fn check_quality(result: &Value) {
+    for model in ["cloud", "mesh"] {
+        let of = |key: &str| result[model][key].as_f64().unwrap();
+        let [mean, median, p95] = ["accuracy_mean_mm", "accuracy_median_mm", "accuracy_p95_mm"].map(of);
+        assert!(mean < 0.6 && median < 0.4 && median < p95 && p95 < 3.0, "{model}: {mean} {median} {p95}");
+        let complete = ["completeness_1mm", "completeness_2mm", "completeness_5mm"].map(of);
+        assert!(is_coverage(&complete) && complete[2] > 0.4, "{model}: {complete:?}");
+        assert!((0.0..50.0).contains(&of("completeness_mean_mm")));
+    }
+}
+
+#[test]
+fn wrong_poses_show_in_the_final_model() {
+    let folder = Folder::new("scan-quality");
+    let accuracy = |args: &[&str]| {
+        let args = [&["--views", "3", "--baselines", "off", "--json"], args].concat();
+        folder.json(&small(&args))["cloud"]["accuracy_mean_mm"].as_f64().unwrap()
+    };
+    let [right, wrong] = [accuracy(&[]), accuracy(&["--pose-error-mm", "10"])];
+    assert!(right < 0.1 && (2.0..20.0).contains(&wrong), "{right} {wrong}");
+    // The cloud holds the table's points, but they count for nothing.
+    let on_table = accuracy(&["--table", "known"]);
+    assert!(on_table < 0.1, "{on_table}");
 }
 
 #[test]

@@ -45,6 +45,7 @@ pub(crate) fn read(path: &Path, options: &ReadOptions) -> Result<Recording, Reco
                 world_from_camera,
                 intrinsics,
                 depth: DepthSource::Message { path: path.to_owned(), place },
+                color: None,
             }),
         }
     }

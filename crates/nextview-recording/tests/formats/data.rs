@@ -1,6 +1,7 @@
 //! Recordings of real cameras, where there are any.
 
 use nextview::geometry::Aabb;
+use nextview::sensor::Depth;
 use nextview_recording::{ReadOptions, Recording, read_transform};
 use nextview_sim::mesh::{self, Unit};
 use nextview_sim::surface::SurfaceCoverage;
@@ -32,6 +33,17 @@ fn a_primesense_looks_at_the_bunny() {
     let recording = Recording::open(&path, &options).unwrap();
     assert_eq!((recording.frames.len(), recording.skipped.len()), (36, 0));
     assert!(recording.notes[0].contains("scale or shear of up to 0.7 %"), "{:?}", recording.notes);
+
+    // Colour shows the white bunny: bright, and hardly coloured.
+    let color = recording.frames[7].load_color().unwrap().unwrap();
+    let image = recording.frames[7].load().unwrap().image().clone();
+    let pixels = (0..480).flat_map(|v| (0..640).map(move |u| (u, v)));
+    let on_it = pixels.filter(|&(u, v)| matches!(image.get(u, v), Depth::Surface(_)));
+    let colors: Vec<[f64; 3]> = on_it.map(|(u, v)| color.get(u, v).map(f64::from)).collect();
+    let [red, green, blue] =
+        [0, 1, 2].map(|i| colors.iter().map(|c| c[i]).sum::<f64>() / colors.len() as f64);
+    println!("mean colour of the bunny: {red:.0} {green:.0} {blue:.0}");
+    assert!([red, green, blue].iter().all(|value| *value > 100.0 && (value - green).abs() < 40.0));
 
     // The true shape, seen from the world of the recording, lies where the points are.
     let truth_from_world = read_transform(&path.join("T_mesh_world.txt")).unwrap();

@@ -17,7 +17,7 @@ impl Folder {
     pub fn new(name: &str) -> Self {
         let path = Path::new(env!("CARGO_TARGET_TMPDIR")).join(name);
         let _ = fs::remove_dir_all(&path);
-        fs::create_dir_all(path.join("depth")).unwrap();
+        ["depth", "color", "rgb"].iter().for_each(|images| fs::create_dir_all(path.join(images)).unwrap());
         Self(path)
     }
 

@@ -2,11 +2,15 @@
 
 // `cfg(test)` lets Clippy know that the `unwrap`s of helpers, too, are those of a test.
 #[cfg(test)]
+mod color;
+#[cfg(test)]
 mod data;
 #[cfg(test)]
 mod faults;
 #[cfg(test)]
 mod journal;
+#[cfg(test)]
+mod jpeg;
 #[cfg(test)]
 mod made_up;
 #[cfg(test)]

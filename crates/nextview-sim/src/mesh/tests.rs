@@ -229,6 +229,21 @@ proptest! {
 
 /// The meshes of the test data, if present: faces as their manifest states.
 #[test]
+fn a_mesh_of_ours_reads_back_with_normals_and_colours_passed_over() {
+    let mesh = crate::builtin::by_name("mug").unwrap();
+    let (vertices, triangles) = (mesh.vertices().to_vec(), mesh.triangles().to_vec());
+    let ours = nextview::model::SurfaceMesh { vertices, triangles };
+    let mut points = ours.points();
+    points.iter_mut().enumerate().for_each(|(i, point)| point.color = Some([i as u8, 2, 3]));
+    let mut bytes = Vec::new();
+    nextview::model::write_mesh(&mut bytes, &points, &ours.triangles).unwrap();
+    let folder = Folder::new("ours");
+    let (read, _) = load(&folder.write("mesh.ply", bytes)).unwrap().to_metres(Unit::Metres).unwrap();
+    let singles: Vec<_> = ours.vertices.iter().map(|vertex| vertex.as_vec3().as_dvec3()).collect();
+    assert!(read.vertices() == singles && read.triangles() == ours.triangles);
+}
+
+#[test]
 fn loads_the_meshes_of_the_test_data() {
     let default = concat!(env!("CARGO_MANIFEST_DIR"), "/../../../shared/data");
     let data = PathBuf::from(std::env::var("NEXTVIEW_DATA").unwrap_or(default.into())).join("meshes");

@@ -5,7 +5,9 @@
 
 mod aabb;
 mod box_count;
+mod eigen;
 mod lattice;
+mod moments;
 mod nearest_source;
 mod plane;
 mod plane_fit;
@@ -17,7 +19,9 @@ mod traversal;
 
 pub use aabb::Aabb;
 pub(crate) use box_count::BoxCount;
+pub(crate) use eigen::Eigen;
 pub use lattice::{Lattice, VoxelBlock, VoxelKey};
+pub(crate) use moments::Moments;
 pub(crate) use nearest_source::{Nearest, NearestSource};
 pub use plane::Plane;
 pub use plane_fit::{PlaneFit, fit_ground};

@@ -1,14 +1,6 @@
+use super::SurfaceMesh;
 use crate::geometry::{Lattice, VoxelBlock};
 use glam::{DVec3, IVec3};
-
-/// A surface made of triangles, in metres and world coordinates.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct SurfaceMesh {
-    /// The vertices.
-    pub vertices: Vec<DVec3>,
-    /// Three indices into the vertices each, counter-clockwise as seen from outside.
-    pub triangles: Vec<[u32; 3]>,
-}
 
 /// The surface where a signed distance is zero (naive surface nets, after Gibson 1998). `distance` gives it at the
 /// centre of a voxel of the block, by the voxel's index, in any unit, positive outside; none where it is not known.

@@ -6,7 +6,6 @@
 //! registration), for a robot knows roughly where it is. The formulas are in `docs/methods/registration.md`.
 
 mod config;
-mod eigen;
 mod icp;
 mod known_surface;
 mod normal_equations;

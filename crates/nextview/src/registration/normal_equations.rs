@@ -1,6 +1,5 @@
-use super::eigen::Eigen;
 use super::pair::Pair;
-use crate::geometry::Pose;
+use crate::geometry::{Eigen, Pose};
 use glam::{DQuat, DVec3};
 
 /// The least-squares problem of one step: how to move the points so that they come closest to the planes.

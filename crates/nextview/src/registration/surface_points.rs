@@ -1,7 +1,6 @@
-use super::eigen::Eigen;
-use crate::geometry::{Aabb, Lattice, Pose};
+use crate::geometry::{Aabb, Lattice, Moments, Pose};
 use crate::sensor::Frame;
-use glam::{DMat3, DVec3, IVec3};
+use glam::{DVec3, IVec3};
 use rustc_hash::FxHashMap;
 use std::ops::Add;
 
@@ -23,11 +22,6 @@ impl SurfacePoint {
 
 /// Fewer pixels around a point tell no normal.
 const LEAST_PIXELS: f64 = 8.0;
-
-/// Largest variance across the plane through the pixels around a point, as a share of the second largest variance along it.
-/// Of a full disc the latter is a quarter of the squared radius, so the disc may be half as thick as it is wide: what is
-/// thicker is an edge or a wire, of which a plane says little.
-const MOST_THICKNESS: f64 = 0.2;
 
 /// Surfaces seen at a flatter angle than this cosine are left out, as for the distance field: half a pixel beside the ray
 /// is more than two along it.
@@ -56,58 +50,22 @@ struct Cells {
     moments: Vec<(IVec3, Moments)>,
 }
 
-/// Sums over points.
-#[derive(Clone, Copy)]
-struct Moments {
-    n: f64,
-    sum: DVec3,
-    /// Of the outer products.
-    squares: DMat3,
-}
-
 impl Cells {
     fn add(&mut self, key: IVec3, point: DVec3) {
         let slot = *self.slots.entry(key).or_insert(self.moments.len());
         if slot == self.moments.len() {
             self.moments.push((key, Moments::NONE));
         }
-        let squares = DMat3::from_cols(point * point.x, point * point.y, point * point.z);
-        self.moments[slot].1 = self.moments[slot].1 + Moments { n: 1.0, sum: point, squares };
+        self.moments[slot].1 = self.moments[slot].1 + Moments::of(point);
     }
 
     fn surface_point(&self, key: IVec3, moments: &Moments) -> Option<SurfacePoint> {
         let at = |offset: IVec3| self.slots.get(&(key + offset)).map(|slot| self.moments[*slot].1);
         let around = neighborhood().filter_map(at).fold(Moments::NONE, Moments::add);
         let position = moments.sum / moments.n;
-        let normal = around.normal()?;
+        let normal = around.normal().filter(|_| around.n >= LEAST_PIXELS)?;
         let cosine = -normal.dot(position) / position.length();
         (cosine.abs() >= LEAST_COSINE).then(|| SurfacePoint { position, normal: normal * cosine.signum() })
-    }
-}
-
-impl Add for Moments {
-    type Output = Self;
-
-    fn add(self, other: Self) -> Self {
-        Self { n: self.n + other.n, sum: self.sum + other.sum, squares: self.squares + other.squares }
-    }
-}
-
-impl Moments {
-    const NONE: Self = Self { n: 0.0, sum: DVec3::ZERO, squares: DMat3::ZERO };
-
-    /// The normal, of either sign, of the plane of least squared distances; none if the points are too few or no plane.
-    fn normal(&self) -> Option<DVec3> {
-        if self.n < LEAST_PIXELS {
-            return None;
-        }
-        let mean = self.sum / self.n;
-        let outer = DMat3::from_cols(mean * mean.x, mean * mean.y, mean * mean.z);
-        let eigen = Eigen::of((self.squares * (1.0 / self.n) - outer).to_cols_array_2d());
-        let across = eigen.smallest();
-        let along = (0..3).filter(|i| *i != across).map(|i| eigen.values[i]).fold(f64::INFINITY, f64::min);
-        let normal = DVec3::from_array(eigen.vectors[across]);
-        (along > 0.0 && eigen.values[across] <= MOST_THICKNESS * along).then_some(normal)
     }
 }
 

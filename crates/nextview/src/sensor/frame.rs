@@ -76,6 +76,11 @@ impl Frame {
 
     /// Those of image row `v`, from left to right.
     pub fn row_points_in(&self, v: u32, bounds: Aabb) -> impl Iterator<Item = DVec3> + '_ {
+        self.row_pixels_in(v, bounds).map(|(_, point)| point)
+    }
+
+    /// The same with the column of each point's pixel.
+    pub(crate) fn row_pixels_in(&self, v: u32, bounds: Aabb) -> impl Iterator<Item = (u32, DVec3)> + '_ {
         // Most pixels show the background; their depth alone tells, before the lens is undone.
         let camera_from_world = self.world_from_camera.inverse();
         let corner_depths = bounds.corners().map(|corner| camera_from_world.transform_point(corner).z as f32);
@@ -84,7 +89,8 @@ impl Frame {
         let rotation = self.world_from_camera.rotation_matrix();
         (0..self.image.width()).filter_map(move |u| match self.image.get(u, v) {
             Depth::Surface(depth) if (nearest..=farthest).contains(&depth) => {
-                self.at(&rotation, u, v, depth as f64).filter(|point| bounds.contains(*point))
+                let point = self.at(&rotation, u, v, depth as f64);
+                point.filter(|point| bounds.contains(*point)).map(|point| (u, point))
             }
             _ => None,
         })

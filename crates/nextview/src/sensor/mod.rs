@@ -1,13 +1,16 @@
-//! Depth cameras: intrinsics with lens distortion, depth images, and frames (image, intrinsics and pose).
+//! Depth cameras: intrinsics with lens distortion, depth images, frames (image, intrinsics and pose), and colour images
+//! beside them.
 //!
 //! Start with [`Frame`]: it is all a planner learns from a camera. Nothing here talks to a device.
 
+mod color_image;
 mod depth_image;
 mod distortion;
 mod frame;
 mod intrinsics;
 mod lens_lanes;
 
+pub use color_image::ColorImage;
 pub use depth_image::{Depth, DepthImage};
 pub use distortion::Distortion;
 pub use frame::Frame;

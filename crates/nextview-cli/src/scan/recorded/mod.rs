@@ -9,18 +9,20 @@ pub(super) use outcome::{AccuracyMm, RecordedOutcome};
 
 use super::finished::{Measured, collect};
 use super::keeper::FrameKeeper;
+use super::model::FinalModel;
 use super::object::suitable_voxel_size;
 use super::outcome::{Outcome, step_line};
 use super::progress::Progress;
+use super::quality::ModelQuality;
 use super::results::Results;
 use super::setting::{session_config, voxel_block};
 use super::{Baselines, BoxRule, FinishedScan, Output, PlannerName, ScanConfig, TableRule, short_name};
 use crate::Failure;
 use crate::files::ResultFolder;
-use nextview::sensor::Frame;
+use nextview::sensor::{ColorImage, Frame};
 use nextview::session::{NextView, ObjectBox, Session, SessionConfig, Table};
 use nextview::view::ViewSpace;
-use nextview_recording::{Recording, RecordingError};
+use nextview_recording::{RecordedFrame, Recording, RecordingError};
 use nextview_sim::run::{Step, run_with};
 use std::path::Path;
 use truth::TrueShape;
@@ -68,7 +70,11 @@ pub(super) fn scan(
     };
     let mut outcome = Outcome::new(&config, &scan, baselines);
     outcome.recorded = Some(RecordedOutcome::new(&recording, &scan));
-    Results { config: &config, scan: &scan, outcome: &outcome }.write(folder)?;
+    let model = FinalModel::new(&scan, |step| color(&recording, step))?;
+    if let Some(truth) = &truth {
+        outcome.model = ModelQuality::new(&model, &scan, &truth.surface);
+    }
+    Results { config: &config, scan: &scan, outcome: &outcome, model: &model }.write(folder)?;
     keeper.finish();
     output.end(&outcome)
 }
@@ -145,6 +151,12 @@ fn views(recording: &Recording) -> Result<ViewSpace, Failure> {
 fn load(recording: &Recording, next: &NextView) -> Result<Frame, RecordingError> {
     let view = next.view.expect("all views are fixed candidates, the first one, too");
     recording.frames[view].load()
+}
+
+/// The colour image that belongs to a step's frame.
+fn color<M>(recording: &Recording, step: &Step<M>) -> Result<Option<ColorImage>, Failure> {
+    let view = step.report.view.map(|view| &recording.frames[view]);
+    Ok(view.map_or(Ok(None), RecordedFrame::load_color)?)
 }
 
 fn no_object() -> Failure {

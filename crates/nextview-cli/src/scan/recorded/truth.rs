@@ -8,9 +8,10 @@ use nextview::geometry::{Aabb, Lattice};
 use nextview::sensor::Frame;
 use nextview::session::{Session, SessionConfig};
 use nextview_recording::{Recording, RecordingError, read_transform};
-use nextview_sim::accuracy::{Accuracy, SurfaceDistance};
+use nextview_sim::accuracy::Accuracy;
 use nextview_sim::gauge::Measures;
 use nextview_sim::mesh::{self, TriangleMesh, UnitSource};
+use nextview_sim::quality::TrueSurface;
 use nextview_sim::surface::SurfaceCoverage;
 use nextview_sim::truth::{ObjectVoxels, TrueVisibility};
 use rayon::prelude::*;
@@ -24,7 +25,8 @@ const SEEN: f64 = 0.002;
 /// The true object in the world of the recording.
 pub(super) struct TrueShape {
     mesh: TriangleMesh,
-    distance: SurfaceDistance,
+    /// What points and the final model are measured against.
+    pub surface: TrueSurface,
     voxels: ObjectVoxels,
     /// How the file's numbers became metres, where that was not stated.
     pub note: Option<String>,
@@ -49,7 +51,7 @@ impl TrueShape {
         let half = 0.55 * mesh.bounds().longest_side() + 2.0 * session.voxel_size;
         let block = voxel_block(session, &Aabb::cube(mesh.bounds().center(), half))?;
         let voxels = ObjectVoxels::new(&mesh, Lattice::new(session.voxel_size)?, block);
-        Ok(Some(Self { distance: SurfaceDistance::new(&mesh), voxels, mesh, note }))
+        Ok(Some(Self { surface: TrueSurface::new(&mesh), voxels, mesh, note }))
     }
 
     /// What every frame shows of the surface.
@@ -91,7 +93,7 @@ impl Gauge<'_> {
         let Self { truth, surface, distances } = self;
         let points: Vec<DVec3> =
             session.bounds().into_iter().flat_map(|bounds| frame.points_in(bounds)).collect();
-        distances.par_extend(points.par_iter().map(|point| truth.distance.at(*point)));
+        distances.par_extend(points.par_iter().map(|point| truth.surface.distance().at(*point)));
         surface.add(frame);
         let measures = Measures {
             voxels: truth.voxels.compare(&session.map().snapshot(truth.voxels.block())),

@@ -1,6 +1,6 @@
 /// Eigenvalues and eigenvectors of a symmetric matrix.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Eigen<const N: usize> {
+pub(crate) struct Eigen<const N: usize> {
     /// In no order.
     pub values: [f64; N],
     /// By eigenvalue, of unit length and orthogonal.
