@@ -76,29 +76,15 @@ fn check_size(frame: &Frame, color: &ColorImage) -> Result<(), Error> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::sensor::{DepthImage, Intrinsics};
+    use crate::sensor::made_up::ball;
     use crate::view::look_at;
-    use glam::DVec2;
 
-    /// What a camera at `eye` sees of a ball at the origin.
-    fn ball(eye: DVec3, radius: f64) -> Frame {
-        let camera = Intrinsics::pinhole(160, 120, DVec2::splat(150.0), DVec2::new(79.5, 59.5)).unwrap();
-        let pose = look_at(eye, DVec3::ZERO);
-        let depth = (0..160 * 120).map(|i| {
-            let ideal = camera.deproject(DVec2::new((i % 160) as f64, (i / 160) as f64)).unwrap();
-            let ray = pose.rotation() * ideal.extend(1.0);
-            let (a, b) = (ray.length_squared(), ray.dot(eye));
-            let root = b * b - a * (eye.length_squared() - radius * radius);
-            if root > 0.0 { ((-b - root.sqrt()) / a) as f32 } else { f32::INFINITY }
-        });
-        let image = DepthImage::from_metres(160, 120, depth.collect()).unwrap();
-        Frame::new(image, camera, pose, 2.0).unwrap()
-    }
+    use glam::DVec2;
 
     #[test]
     fn normals_of_a_ball_are_radial_and_face_the_camera() {
         let eye = DVec3::new(0.3, -0.2, 0.3);
-        let frame = ball(eye, 0.1);
+        let frame = ball(look_at(eye, DVec3::ZERO), 0.1);
         let bounds = Aabb::cube(DVec3::ZERO, 0.2);
         let points = frame_points(&frame, None, bounds).unwrap();
         let positions: Vec<DVec3> = points.iter().map(|point| point.position).collect();
@@ -115,7 +101,7 @@ mod tests {
 
     #[test]
     fn colours_are_those_of_the_pixels() {
-        let frame = ball(DVec3::Z * 0.4, 0.1);
+        let frame = ball(look_at(DVec3::Z * 0.4, DVec3::ZERO), 0.1);
         let pixels = (0..160 * 120).map(|i| [(i % 160) as u8, (i / 160) as u8, 7]).collect();
         let color = ColorImage::new(160, 120, pixels).unwrap();
         for point in frame_points(&frame, Some(&color), Aabb::cube(DVec3::ZERO, 0.2)).unwrap() {

@@ -72,16 +72,8 @@ impl TangentPlane {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::geometry::Pose;
-    use crate::sensor::{DepthImage, Intrinsics};
 
-    fn frame(width: u32, height: u32, depth: impl Fn(u32, u32) -> f32) -> Frame {
-        let focal = DVec2::splat(50.0);
-        let camera = Intrinsics::pinhole(width, height, focal, DVec2::new(10.0, 8.0)).unwrap();
-        let depth = (0..width * height).map(|i| depth(i % width, i / width)).collect();
-        Frame::new(DepthImage::from_metres(width, height, depth).unwrap(), camera, Pose::IDENTITY, 2.0)
-            .unwrap()
-    }
+    use crate::sensor::made_up::of_depth as frame;
 
     #[test]
     fn unmeasured_pixels_and_lone_ones_have_no_plane() {

@@ -76,28 +76,12 @@ fn neighborhood() -> impl Iterator<Item = IVec3> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::sensor::{DepthImage, Intrinsics};
+    use crate::sensor::made_up::ball;
     use crate::view::look_at;
-    use glam::DVec2;
-
-    /// What a camera at `eye` sees of a ball at the origin.
-    fn ball(eye: DVec3, radius: f64) -> Frame {
-        let camera = Intrinsics::pinhole(160, 120, DVec2::splat(150.0), DVec2::new(79.5, 59.5)).unwrap();
-        let pose = look_at(eye, DVec3::ZERO);
-        let depth = (0..160 * 120).map(|i| {
-            let ideal = camera.deproject(DVec2::new((i % 160) as f64, (i / 160) as f64)).unwrap();
-            let ray = pose.rotation() * ideal.extend(1.0);
-            let (a, b) = (ray.length_squared(), ray.dot(eye));
-            let root = b * b - a * (eye.length_squared() - radius * radius);
-            if root > 0.0 { ((-b - root.sqrt()) / a) as f32 } else { f32::INFINITY }
-        });
-        let image = DepthImage::from_metres(160, 120, depth.collect()).unwrap();
-        Frame::new(image, camera, pose, 2.0).unwrap()
-    }
 
     #[test]
     fn normals_of_a_ball_point_outwards() {
-        let frame = ball(DVec3::new(0.3, -0.2, 0.3), 0.1);
+        let frame = ball(look_at(DVec3::new(0.3, -0.2, 0.3), DVec3::ZERO), 0.1);
         let points = surface_points(&frame, Aabb::cube(DVec3::ZERO, 0.2), 0.01);
         assert!(points.len() > 100, "{}", points.len());
         for point in points.iter().map(|point| point.moved(&frame.world_from_camera())) {
@@ -108,7 +92,7 @@ mod tests {
 
     #[test]
     fn what_is_outside_the_box_is_left_out() {
-        let frame = ball(DVec3::new(0.3, -0.2, 0.3), 0.1);
+        let frame = ball(look_at(DVec3::new(0.3, -0.2, 0.3), DVec3::ZERO), 0.1);
         let upper = Aabb { min: DVec3::new(-0.2, -0.2, 0.0), max: DVec3::splat(0.2) };
         let points = surface_points(&frame, upper, 0.01);
         let lowest = points.iter().map(|point| point.moved(&frame.world_from_camera()).position.z);

@@ -9,6 +9,8 @@ mod distortion;
 mod frame;
 mod intrinsics;
 mod lens_lanes;
+#[cfg(test)]
+pub(crate) mod made_up;
 
 pub use color_image::ColorImage;
 pub use depth_image::{Depth, DepthImage};
