@@ -12,6 +12,7 @@ use nextview::session::{
 };
 use nextview::view::{Reach, ViewSpace, generate, look_at};
 use nextview_sim::builtin;
+use nextview_sim::noise::{DepthNoise, Noise, PoseError};
 use nextview_sim::run::{self, Step};
 use nextview_sim::scene::Scene;
 use nextview_sim::truth::{ObjectVoxels, TrueVisibility};
@@ -235,4 +236,25 @@ fn values_out_of_range_are_named() {
     assert!(
         error(SessionConfig { voxel_size: 0.0, ..setup.growing(Table::None) }).contains("voxel_size is 0")
     );
+}
+
+/// Poses that are wrong by more than the 2 mm up to which points are the table's. Taken for the object, the table would make the
+/// box four times as large.
+#[test]
+fn wrong_poses_do_not_make_the_table_a_part_of_the_object() {
+    for name in ["teapot", "mug"] {
+        let mut setup = Setup::new(name, true);
+        let pose = PoseError { translation_sigma: 0.005, rotation_sigma: 0.5_f64.to_radians() };
+        let noise = Noise { seed: 1, depth: Some(DepthNoise::d435i()), pose, first_pose_is_right: false };
+        setup.scene = setup.scene.with_noise(noise).unwrap();
+        let floor = setup.scene.room().min.z;
+        for table in [Table::AtHeight(floor), Table::Fitted] {
+            let mut session = setup.session(setup.growing(table), setup.following(setup.first()));
+            setup.run(&mut session);
+            let found = session.bounds().unwrap().longest_side();
+            let known = setup.scene.planning_box(VOXEL_SIZE).longest_side();
+            println!("{name}, {table:?}: {found:.3} m, {known:.3} m");
+            assert!(found < 1.3 * known, "{name}, {table:?}: {found} m, known {known} m");
+        }
+    }
 }

@@ -79,7 +79,9 @@ impl Setting {
         }
         let (center, size) = (self.scene.center(), self.scene.size());
         let unit = self.views.around(-center / size, 1.0 / size);
-        Views::Following { first: self.views.pose(config.first_view), unit, reach: config.reach.rule() }
+        // The box may grow by what is not there, when poses are wrong, and candidates with it.
+        let reach = config.reach.rule().within(self.scene.room());
+        Views::Following { first: self.views.pose(config.first_view), unit, reach }
     }
 }
 

@@ -352,3 +352,27 @@ fn a_closed_stdout_is_no_failure() {
     assert!(child.wait().unwrap().success());
     assert_eq!(folder.names("out"), FILES);
 }
+
+/// Poses so wrong that the table seems to be a part of the object: the box grows by it.
+#[test]
+fn a_box_that_grows_too_far_ends_no_scan() {
+    let folder = Folder::new("grown-too-far");
+    let args = [
+        "--table",
+        "known",
+        "--box",
+        "grows",
+        "--noise",
+        "d435i",
+        "--pose-error-mm",
+        "10",
+        "--pose-error-deg",
+        "1",
+    ];
+    let scan = [
+        &["scan", "builtin:mug", "--candidates", "200", "--views", "6", "--baselines", "off", "--json"],
+        &args[..],
+    ];
+    let result = folder.json(&scan.concat());
+    assert!(result["views"].as_u64().unwrap() >= 2, "{result}");
+}

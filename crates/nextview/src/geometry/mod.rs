@@ -24,7 +24,7 @@ pub use lattice::{Lattice, VoxelBlock, VoxelKey};
 pub(crate) use moments::Moments;
 pub(crate) use nearest_source::{Nearest, NearestSource};
 pub use plane::Plane;
-pub use plane_fit::{PlaneFit, fit_ground};
+pub use plane_fit::{PlaneFit, fit_ground, fit_ground_near};
 pub use pose::Pose;
 pub(crate) use segment_fan::SegmentFan;
 pub use traversal::SegmentWalk;

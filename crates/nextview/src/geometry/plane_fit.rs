@@ -11,6 +11,10 @@ const CLOSE_DISTANCE: f64 = 0.002;
 const N_TRIED: usize = 4000;
 /// Triples drawn. A plane that holds a twentieth of the points is then found with 92 %, one that holds a tenth surely.
 const N_DRAWS: usize = 20_000;
+/// The same where most points are known to be of the plane: a plane that holds a third of them is found surely.
+const N_DRAWS_NEAR: usize = 300;
+/// Cosine of 3 degrees.
+const ALIKE: f64 = 0.998_629_534_754_573_9;
 /// Share of the points that a plane must hold.
 const LEAST_SHARE: f64 = 0.05;
 /// Cosine of the largest tilt, 30 degrees.
@@ -30,8 +34,20 @@ pub struct PlaneFit {
 ///
 /// RANSAC (Fischler & Bolles 1981) with fixed draws, then least squares over the points within 5 and then 2 mm.
 pub fn fit_ground(points: &[DVec3], viewpoint: DVec3) -> Option<PlaneFit> {
+    fit(points, viewpoint, N_DRAWS)
+}
+
+/// The same of the points at most `distance` metres from a plane that is roughly it; none if it leans against that by more than
+/// 3 degrees.
+pub fn fit_ground_near(rough: Plane, distance: f64, points: &[DVec3], viewpoint: DVec3) -> Option<PlaneFit> {
+    let near: Vec<DVec3> = inliers(points, rough, distance).collect();
+    let found = fit(&near, viewpoint, N_DRAWS_NEAR)?;
+    (found.plane.normal().dot(rough.normal()) >= ALIKE).then_some(found)
+}
+
+fn fit(points: &[DVec3], viewpoint: DVec3, n_draws: usize) -> Option<PlaneFit> {
     let tried: Vec<DVec3> = points.iter().step_by(points.len().div_ceil(N_TRIED).max(1)).copied().collect();
-    let (n, plane) = fullest_plane(&tried, viewpoint)?;
+    let (n, plane) = fullest_plane(&tried, viewpoint, n_draws)?;
     if (n as f64) < LEAST_SHARE * tried.len() as f64 {
         return None;
     }
@@ -42,13 +58,13 @@ pub fn fit_ground(points: &[DVec3], viewpoint: DVec3) -> Option<PlaneFit> {
 }
 
 /// Of the planes through three drawn points, the one with most points near, and how many.
-fn fullest_plane(points: &[DVec3], viewpoint: DVec3) -> Option<(usize, Plane)> {
+fn fullest_plane(points: &[DVec3], viewpoint: DVec3, n_draws: usize) -> Option<(usize, Plane)> {
     if points.len() < 3 {
         return None;
     }
     let mut random = Random::new(0, 0);
     let mut draw = || points[random.index(points.len())];
-    let triples = (0..N_DRAWS).map(|_| [draw(), draw(), draw()]);
+    let triples = (0..n_draws).map(|_| [draw(), draw(), draw()]);
     let planes = triples.filter_map(|triple| ground_through(triple, viewpoint));
     let counted = planes.map(|plane| (inliers(points, plane, INLIER_DISTANCE).count(), plane));
     counted.reduce(|best, next| if next.0 > best.0 { next } else { best })
@@ -137,7 +153,7 @@ mod tests {
                     }
                 }
             }
-            assert_eq!(fullest_plane(&points, EYE).unwrap().0, most, "seed {seed}");
+            assert_eq!(fullest_plane(&points, EYE, N_DRAWS).unwrap().0, most, "seed {seed}");
         }
     }
 }

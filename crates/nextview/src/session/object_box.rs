@@ -1,5 +1,6 @@
 use super::object_points::ObjectPoints;
 use super::scan_map::Place;
+use super::table::ShownTable;
 use super::{SessionConfig, Table};
 use crate::geometry::Aabb;
 use crate::sensor::Frame;
@@ -16,7 +17,7 @@ pub enum ObjectBox {
     /// into the middle half of the image counts as twice as far), and whatever later frames show that hangs together with
     /// it. The box is the cube around the middle of the points seen so far, a tenth wider than their longest side and
     /// two voxels more on each side, rounded to whole voxels; so it grows as more is seen (the dynamic box of Daudelin & Campbell 2017). What the object
-    /// touches belongs to it, unless it is a [`Table`].
+    /// touches belongs to it, unless it is a [`Table`], which may be 25 mm and 3 degrees off in a frame whose pose is wrong.
     Growing,
 }
 
@@ -54,7 +55,9 @@ impl Locator {
         let (object, bounds) = match self.object_box {
             ObjectBox::Known(bounds) => (Some(bounds), Some(bounds)),
             ObjectBox::Growing => {
-                frames.last().into_iter().for_each(|frame| self.points.add(frame, table));
+                if let Some(frame) = frames.last() {
+                    self.points.add(frame, table.map(|table| ShownTable::new(table, frame)));
+                }
                 let object = self.points.bounds();
                 (object, object.map(|object| self.with_margin(object)))
             }

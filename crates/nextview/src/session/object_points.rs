@@ -1,6 +1,6 @@
 //! Which measured points are the object, where nothing is known of its size and place.
 
-use super::table::KnownTable;
+use super::table::ShownTable;
 use crate::geometry::{Aabb, Lattice};
 use crate::sensor::Frame;
 use glam::{DVec2, DVec3, IVec3};
@@ -47,7 +47,7 @@ impl ObjectPoints {
     }
 
     /// Adds the points of a frame.
-    pub fn add(&mut self, frame: &Frame, table: Option<KnownTable>) {
+    pub fn add(&mut self, frame: &Frame, table: Option<ShownTable>) {
         let points: Vec<DVec3> = surface_points(frame, table).collect();
         for &point in &points {
             let cell = self.cells.entry(self.lattice.key(point)).or_insert(Aabb { min: point, max: point });
@@ -113,10 +113,10 @@ impl ObjectPoints {
 }
 
 /// The points of a frame that are not the table's.
-fn surface_points(frame: &Frame, table: Option<KnownTable>) -> impl Iterator<Item = DVec3> + '_ {
+fn surface_points(frame: &Frame, table: Option<ShownTable>) -> impl Iterator<Item = DVec3> + '_ {
     let ends = (0..frame.image().height()).flat_map(|v| frame.row_ray_ends(v));
     let points = ends.filter(|(_, hit)| *hit).map(|(point, _)| point);
-    points.filter(move |point| table.is_none_or(|table| table.top.height(*point) > 0.0))
+    points.filter(move |point| table.is_none_or(|table| table.is_below(*point)))
 }
 
 fn is_in_the_middle(frame: &Frame, point_in_camera: DVec3) -> bool {
@@ -156,7 +156,9 @@ mod tests {
 
     fn bounds(frames: &[Frame], table: Table) -> Option<Aabb> {
         let mut points = ObjectPoints::new(VOXEL_SIZE);
-        frames.iter().for_each(|frame| points.add(frame, table.find(frames)));
+        frames.iter().for_each(|frame| {
+            points.add(frame, table.find(frames).map(|table| ShownTable::new(table, frame)))
+        });
         points.bounds()
     }
 

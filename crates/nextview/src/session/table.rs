@@ -1,5 +1,5 @@
 use crate::Error;
-use crate::geometry::{Aabb, Plane, fit_ground};
+use crate::geometry::{Aabb, Plane, PlaneFit, fit_ground, fit_ground_near};
 use crate::sensor::Frame;
 use glam::{DVec2, DVec3};
 use serde::{Deserialize, Serialize};
@@ -27,8 +27,14 @@ const TOLERANCE: f64 = 0.002;
 /// A fitted table's points may lie this many times their own deviation above it, if that is more.
 const DEVIATIONS: f64 = 3.0;
 
+/// The same for what hangs together with the object: hardly any point of the table may bridge to the next.
+const DEVIATIONS_SHOWN: f64 = 5.0;
+
 /// How far above a table's points a camera can stand, metres: most of the height of a small camera.
 const CLEARANCE: f64 = 0.02;
+
+/// How far a wrong pose may put the points of a table beside it, metres: a degree at half a metre, and a centimetre and a half.
+const POSE_ERROR: f64 = 0.025;
 
 /// A table that was found.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -37,6 +43,39 @@ pub(super) struct KnownTable {
     pub plane: Plane,
     /// The plane above which points are no longer its own.
     pub top: Plane,
+}
+
+/// A known table as one frame shows it: where a pose is wrong, the table's points are not where the table is, and far away they
+/// are noisier than near.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct ShownTable {
+    camera: DVec3,
+    plane: Plane,
+    /// Up to this high above it are points of the table, metres.
+    tolerance: f64,
+    /// And up to the squared distance from the camera times this, per metre.
+    per_distance_sq: f64,
+}
+
+impl ShownTable {
+    /// As the frame shows it, or, if it does not, as it is known.
+    pub fn new(known: KnownTable, frame: &Frame) -> Self {
+        let camera = frame.world_from_camera().translation();
+        let points = points(frame);
+        let Some(fit) = fit_ground_near(known.plane, POSE_ERROR, &points, camera) else {
+            return Self { camera, plane: known.top, tolerance: 0.0, per_distance_sq: 0.0 };
+        };
+        let of_table = points.iter().filter(|point| fit.plane.height(**point).abs() <= TOLERANCE);
+        let (n, sum) = of_table.fold((0, 0.0), |(n, sum), p| (n + 1, sum + p.distance_squared(camera)));
+        let per_distance_sq = if n > 0 { DEVIATIONS_SHOWN * fit.deviation * n as f64 / sum } else { 0.0 };
+        Self { camera, plane: fit.plane, tolerance: TOLERANCE, per_distance_sq }
+    }
+
+    /// Whether a point of the frame is above the table.
+    pub fn is_below(&self, point: DVec3) -> bool {
+        let noise = self.per_distance_sq * point.distance_squared(self.camera);
+        self.plane.height(point) > self.tolerance.max(noise)
+    }
 }
 
 impl Table {
@@ -64,6 +103,10 @@ impl KnownTable {
         Self { plane, top: plane.raised(tolerance) }
     }
 
+    fn fitted(fit: PlaneFit) -> Self {
+        Self::new(fit.plane, TOLERANCE.max(DEVIATIONS * fit.deviation))
+    }
+
     /// The plane below which no camera can stand.
     pub fn floor(&self) -> Plane {
         self.top.raised(CLEARANCE)
@@ -86,11 +129,12 @@ impl KnownTable {
 }
 
 fn fit(frame: &Frame) -> Option<KnownTable> {
-    let rows = 0..frame.image().height();
-    let ends = rows.flat_map(|v| frame.row_ray_ends(v));
-    let points: Vec<DVec3> = ends.filter(|(_, hit)| *hit).map(|(point, _)| point).collect();
-    let fit = fit_ground(&points, frame.world_from_camera().translation())?;
-    Some(KnownTable::new(fit.plane, TOLERANCE.max(DEVIATIONS * fit.deviation)))
+    fit_ground(&points(frame), frame.world_from_camera().translation()).map(KnownTable::fitted)
+}
+
+fn points(frame: &Frame) -> Vec<DVec3> {
+    let ends = (0..frame.image().height()).flat_map(|v| frame.row_ray_ends(v));
+    ends.filter(|(_, hit)| *hit).map(|(point, _)| point).collect()
 }
 
 #[cfg(test)]

@@ -57,6 +57,18 @@ impl Reach {
         }
     }
 
+    /// The same, but nowhere outside of this box.
+    pub fn within(mut self, bounds: Aabb) -> Self {
+        if self.allowed.is_empty() {
+            self.allowed.push(bounds);
+        }
+        for Aabb { min, max } in &mut self.allowed {
+            // A box that is all outside becomes a part of the border.
+            (*min, *max) = (min.clamp(bounds.min, bounds.max), max.clamp(bounds.min, bounds.max));
+        }
+        self
+    }
+
     /// Whether the camera can be at this position.
     pub fn contains(&self, position: DVec3) -> bool {
         let is_in = |bounds: &Aabb| bounds.contains(position);
@@ -72,6 +84,19 @@ impl Reach {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn within_a_box_is_where_both_are() {
+        let cube = |x: f64| Aabb::cube(DVec3::X * x, 1.0);
+        let of = |allowed: &[Aabb], x: f64| {
+            let reach = Reach { allowed: allowed.to_vec(), ..arm(0.0, 10.0) }.within(cube(0.0));
+            reach.check().unwrap();
+            reach.contains(DVec3::X * x)
+        };
+        assert!(of(&[], 0.5) && !of(&[], 1.5));
+        assert!(of(&[cube(0.7)], 0.5) && !of(&[cube(0.7)], -0.5) && !of(&[cube(0.7)], 1.5));
+        assert!(!of(&[cube(5.0)], 0.5) && !of(&[cube(5.0)], 5.0));
+    }
 
     fn arm(min_radius: f64, max_radius: f64) -> Reach {
         let sphere = ReachSphere { base: DVec3::X, min_radius, max_radius };
