@@ -92,8 +92,8 @@ impl<'a> Gauge<'a> {
 fn misplacement(truth: &Frame, mapped_from: &Pose) -> f64 {
     let motion = *mapped_from * truth.world_from_camera().inverse();
     let (mut n, mut sum) = (0, 0.0);
-    for point in (0..truth.image().height()).flat_map(|v| truth.row_ray_ends(v)).filter(|(_, hit)| *hit) {
-        (n, sum) = (n + 1, sum + motion.transform_point(point.0).distance_squared(point.0));
+    for point in truth.points() {
+        (n, sum) = (n + 1, sum + motion.transform_point(point).distance_squared(point));
     }
     if n > 0 { (sum / n as f64).sqrt() } else { 0.0 }
 }

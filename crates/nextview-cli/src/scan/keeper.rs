@@ -54,22 +54,26 @@ impl Interrupted {
 }
 
 impl FrameKeeper {
-    /// Begins a scan; fails if the folder holds an interrupted one, which would be lost.
-    pub fn begin(config: &ScanConfig, dir: &Path) -> Result<Self, Failure> {
+    /// Fails if the folder holds an interrupted scan, which would be lost.
+    pub fn check_free(dir: &Path) -> Result<(), Failure> {
         let path = dir.join(NAME);
-        if path.exists() {
-            let problem = "holds an interrupted scan";
-            let hint = format!(
-                "--resume {0} goes on with it; pass another --out, or remove {1}",
-                dir.display(),
-                path.display()
-            );
-            return Err(Failure::data(problem).in_file(dir).with_hint(hint));
+        if !path.exists() {
+            return Ok(());
         }
+        let hint = format!(
+            "--resume {0} goes on with it; pass another --out, or remove {1}",
+            dir.display(),
+            path.display()
+        );
+        Err(Failure::data("holds an interrupted scan").in_file(dir).with_hint(hint))
+    }
+
+    /// Begins a scan in a folder that is free.
+    pub fn begin(config: &ScanConfig, dir: &Path) -> Result<Self, Failure> {
         let heading = toml::to_string(config).map_err(Failure::data)?;
         let created = dir.ancestors().take_while(|dir| !dir.exists()).last().map(Path::to_owned);
         std::fs::create_dir_all(dir).map_err(|e| Failure::from(e).while_writing(dir))?;
-        let journal = Journal::create(&path, &heading)?;
+        let journal = Journal::create(&dir.join(NAME), &heading)?;
         Ok(Self::new(dir, created, journal, Vec::new()))
     }
 

@@ -59,6 +59,7 @@ pub(crate) fn default_dir(config: &ScanConfig) -> PathBuf {
 /// Scans the configured object and writes the results.
 pub(crate) fn scan(config: ScanConfig, output: &Output) -> Result<(), Failure> {
     config.check_stop()?;
+    FrameKeeper::check_free(&output.dir)?;
     run(config, None, output)
 }
 

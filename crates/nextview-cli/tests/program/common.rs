@@ -9,6 +9,19 @@ use std::process::{Command, Stdio};
 pub const SMALL: [&str; 7] =
     ["scan", "builtin:mug", "--candidates", "20", "--voxel-size-m", "0.01", "--out=out"];
 
+/// What a scan leaves in its folder.
+pub const RESULT_FILES: [&str; 9] = [
+    "cloud.ply",
+    "config.toml",
+    "map.bt",
+    "map.ot",
+    "mesh.ply",
+    "report.html",
+    "steps.jsonl",
+    "views.csv",
+    "waypoints.csv",
+];
+
 /// A fresh folder, removed at the end unless the test fails.
 pub struct Folder(PathBuf);
 

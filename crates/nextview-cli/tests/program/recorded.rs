@@ -1,6 +1,6 @@
 //! Scans of recorded frames. Here the recordings are simulated; those of real cameras are tested where they are read.
 
-use crate::common::{Folder, data, timeless};
+use crate::common::{Folder, RESULT_FILES, data, timeless};
 use crate::ply::Vertices;
 use crate::recording::{SCAN, color_at, write_colors, write_recording};
 use glam::DVec3;
@@ -36,20 +36,7 @@ fn plans_over_the_recorded_views() {
     assert_eq!(result["frames"][0], "frame 0");
     assert_eq!((&result["blind_frames"], &result["skipped"]), (&Value::Array(vec![]), &Value::Array(vec![])));
 
-    assert_eq!(
-        folder.names("out"),
-        [
-            "cloud.ply",
-            "config.toml",
-            "map.bt",
-            "map.ot",
-            "mesh.ply",
-            "report.html",
-            "steps.jsonl",
-            "views.csv",
-            "waypoints.csv"
-        ]
-    );
+    assert_eq!(folder.names("out"), RESULT_FILES);
     let steps: Vec<Value> =
         folder.text("out/steps.jsonl").lines().map(|line| serde_json::from_str(line).unwrap()).collect();
     let mut views: Vec<u64> = steps.iter().map(|step| step["view"].as_u64().unwrap()).collect();

@@ -133,6 +133,7 @@ fn an_interrupted_scan_is_not_overwritten() {
     let journal = folder.bytes("out/scan.journal");
     let again = folder.run(&SCAN);
     assert_eq!(again.code, Some(1));
+    assert_eq!(again.stdout, "", "told before anything is computed");
     assert!(again.stderr.contains("out: holds an interrupted scan"), "{}", again.stderr);
     assert!(again.stderr.contains("--resume out goes on with it"), "{}", again.stderr);
     assert_eq!(folder.bytes("out/scan.journal"), journal);

@@ -1,19 +1,7 @@
-use crate::common::{Folder, small, timeless};
+use crate::common::{Folder, RESULT_FILES, small, timeless};
 use crate::ply::Vertices;
 use nextview_sim::mesh;
 use serde_json::Value;
-
-const FILES: [&str; 9] = [
-    "cloud.ply",
-    "config.toml",
-    "map.bt",
-    "map.ot",
-    "mesh.ply",
-    "report.html",
-    "steps.jsonl",
-    "views.csv",
-    "waypoints.csv",
-];
 
 fn numbers(value: &Value) -> Vec<f64> {
     value.as_array().unwrap().iter().map(|v| v.as_f64().unwrap()).collect()
@@ -45,7 +33,7 @@ fn writes_all_that_the_issue_lists() {
     assert!(!cfg!(target_os = "linux") || result["peak_memory_mb"].as_f64().unwrap() > 1.0);
 
     assert_eq!(folder.names("."), ["out/"]);
-    assert_eq!(folder.names("out"), FILES);
+    assert_eq!(folder.names("out"), RESULT_FILES);
     check_steps(&folder.text("out/steps.jsonl"), &result);
     assert_eq!(folder.text("out/views.csv").lines().count(), 4);
     check_maps(&folder);
@@ -127,7 +115,7 @@ fn results_feed_the_next_scan() {
     let same_views = folder.json(&small(&args));
     assert_eq!(same_views["n_candidates"], 3);
     assert_eq!(numbers(&same_views["voxel_coverage"])[0], numbers(&first["voxel_coverage"])[0]);
-    assert_eq!(folder.names("out"), FILES, "results are replaced");
+    assert_eq!(folder.names("out"), RESULT_FILES, "results are replaced");
     assert!(folder.text("out/config.toml").contains("view_space = \"out/views.csv\""));
 }
 
@@ -335,10 +323,10 @@ fn a_new_folder_may_lie_in_new_folders_and_keeps_what_is_not_its_own() {
     assert_eq!((folder.names("a"), folder.names("a/b")), (vec!["b/".to_owned()], vec!["c/".to_owned()]));
     folder.write("a/b/notes.txt", "mine");
     into("a/b");
-    assert_eq!(folder.names("a/b").len(), 2 + FILES.len());
+    assert_eq!(folder.names("a/b").len(), 2 + RESULT_FILES.len());
     assert_eq!(folder.text("a/b/notes.txt"), "mine");
     into(".");
-    assert_eq!(folder.names(".").len(), 1 + FILES.len());
+    assert_eq!(folder.names(".").len(), 1 + RESULT_FILES.len());
 }
 
 /// A reader that wants no more than the first lines does not cost the results.
@@ -350,7 +338,7 @@ fn a_closed_stdout_is_no_failure() {
     let mut child = command.stdout(std::process::Stdio::piped()).spawn().unwrap();
     drop(child.stdout.take());
     assert!(child.wait().unwrap().success());
-    assert_eq!(folder.names("out"), FILES);
+    assert_eq!(folder.names("out"), RESULT_FILES);
 }
 
 /// Poses so wrong that the table seems to be a part of the object: the box grows by it.

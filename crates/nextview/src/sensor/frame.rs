@@ -69,6 +69,12 @@ impl Frame {
         })
     }
 
+    /// All measured surface points, in world coordinates, row by row.
+    pub fn points(&self) -> impl Iterator<Item = DVec3> + '_ {
+        let ends = (0..self.image.height()).flat_map(|v| self.row_ray_ends(v));
+        ends.filter(|(_, hit)| *hit).map(|(point, _)| point)
+    }
+
     /// The measured surface points inside the box, which must be finite, in world coordinates, row by row.
     pub fn points_in(&self, bounds: Aabb) -> impl Iterator<Item = DVec3> + '_ {
         (0..self.image.height()).flat_map(move |v| self.row_points_in(v, bounds))

@@ -114,9 +114,7 @@ impl ObjectPoints {
 
 /// The points of a frame that are not the table's.
 fn surface_points(frame: &Frame, table: Option<ShownTable>) -> impl Iterator<Item = DVec3> + '_ {
-    let ends = (0..frame.image().height()).flat_map(|v| frame.row_ray_ends(v));
-    let points = ends.filter(|(_, hit)| *hit).map(|(point, _)| point);
-    points.filter(move |point| table.is_none_or(|table| table.is_below(*point)))
+    frame.points().filter(move |point| table.is_none_or(|table| table.is_below(*point)))
 }
 
 fn is_in_the_middle(frame: &Frame, point_in_camera: DVec3) -> bool {

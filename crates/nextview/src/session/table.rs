@@ -50,10 +50,9 @@ pub(super) struct KnownTable {
 #[derive(Clone, Copy, Debug)]
 pub(super) struct ShownTable {
     camera: DVec3,
-    plane: Plane,
-    /// Up to this high above it are points of the table, metres.
-    tolerance: f64,
-    /// And up to the squared distance from the camera times this, per metre.
+    /// Up to here are points of the table.
+    top: Plane,
+    /// And up to the squared distance from the camera times this above `top`, less [`TOLERANCE`], per metre.
     per_distance_sq: f64,
 }
 
@@ -61,20 +60,20 @@ impl ShownTable {
     /// As the frame shows it, or, if it does not, as it is known.
     pub fn new(known: KnownTable, frame: &Frame) -> Self {
         let camera = frame.world_from_camera().translation();
-        let points = points(frame);
+        let points: Vec<DVec3> = frame.points().collect();
         let Some(fit) = fit_ground_near(known.plane, POSE_ERROR, &points, camera) else {
-            return Self { camera, plane: known.top, tolerance: 0.0, per_distance_sq: 0.0 };
+            return Self { camera, top: known.top, per_distance_sq: 0.0 };
         };
         let of_table = points.iter().filter(|point| fit.plane.height(**point).abs() <= TOLERANCE);
         let (n, sum) = of_table.fold((0, 0.0), |(n, sum), p| (n + 1, sum + p.distance_squared(camera)));
         let per_distance_sq = if n > 0 { DEVIATIONS_SHOWN * fit.deviation * n as f64 / sum } else { 0.0 };
-        Self { camera, plane: fit.plane, tolerance: TOLERANCE, per_distance_sq }
+        Self { camera, top: fit.plane.raised(TOLERANCE), per_distance_sq }
     }
 
     /// Whether a point of the frame is above the table.
     pub fn is_below(&self, point: DVec3) -> bool {
         let noise = self.per_distance_sq * point.distance_squared(self.camera);
-        self.plane.height(point) > self.tolerance.max(noise)
+        self.top.height(point) > (noise - TOLERANCE).max(0.0)
     }
 }
 
@@ -129,12 +128,8 @@ impl KnownTable {
 }
 
 fn fit(frame: &Frame) -> Option<KnownTable> {
-    fit_ground(&points(frame), frame.world_from_camera().translation()).map(KnownTable::fitted)
-}
-
-fn points(frame: &Frame) -> Vec<DVec3> {
-    let ends = (0..frame.image().height()).flat_map(|v| frame.row_ray_ends(v));
-    ends.filter(|(_, hit)| *hit).map(|(point, _)| point).collect()
+    let points: Vec<DVec3> = frame.points().collect();
+    fit_ground(&points, frame.world_from_camera().translation()).map(KnownTable::fitted)
 }
 
 #[cfg(test)]
