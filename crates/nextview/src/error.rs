@@ -1,6 +1,7 @@
-/// What can be wrong with the input of the library.
+/// Errors in the input of the library.
 ///
-/// "Nothing there" is never an error (it is an `Option` or an enum), and a broken invariant of ours is a panic.
+/// "Nothing there" is never an error (it is an `Option` or an enum), and a broken invariant of ours is a
+/// panic.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum Error {
@@ -11,7 +12,7 @@ pub enum Error {
         name: &'static str,
         /// The value given.
         value: String,
-        /// What would be right.
+        /// The accepted values.
         expected: &'static str,
     },
     /// A depth image's buffer does not fit its width and height.
@@ -27,9 +28,9 @@ pub enum Error {
     /// The work would need more memory than allowed.
     #[error("{what} would need {needed_mb} MB, more than the limit of {limit_mb} MB")]
     TooLarge {
-        /// What would be stored.
+        /// The data that would be stored.
         what: String,
-        /// Estimated need.
+        /// Estimated memory.
         needed_mb: u64,
         /// The stated limit.
         limit_mb: u64,
@@ -37,9 +38,9 @@ pub enum Error {
     /// A file's content is broken.
     #[error("{place}: {problem}")]
     Format {
-        /// Where: line, byte offset or field.
+        /// The line, byte offset or field.
         place: String,
-        /// What is wrong there and what would be right.
+        /// The fault, and the content expected.
         problem: String,
     },
     /// Reading or writing failed.

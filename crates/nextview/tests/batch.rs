@@ -3,13 +3,15 @@
 #![allow(clippy::unwrap_used, reason = "helpers of tests")]
 
 use glam::{DVec3, IVec3, UVec3};
+use nextview::Cancel;
 use nextview::gain::ExpectedSurface;
 use nextview::geometry::{Lattice, VoxelBlock};
 use nextview::map::{LogOdds, Snapshot};
+use nextview::motion::{KeepOut, tour_length};
 use nextview::planner::{Batch, BatchConfig, BatchPlan, Situation, ViewPlanner};
 use nextview::prior::SurfacePrior;
 use nextview::sensor::Intrinsics;
-use nextview::view::{KeepOut, ViewSpace, generate, tour_length};
+use nextview::view::{ViewSpace, generate};
 
 const N_VIEWS: usize = 14;
 const VISITED: [usize; 2] = [3, 9];
@@ -40,29 +42,29 @@ fn with_situation<T>(snapshot: &Snapshot, views: &ViewSpace, use_it: impl FnOnce
         views,
         intrinsics: &Intrinsics::d435i(),
         visited: &VISITED,
-        history: &[],
         finest_voxel_size: snapshot.lattice().voxel_size(),
+        cancel: &Cancel::default(),
     })
 }
 
 fn plan(config: BatchConfig) -> BatchPlan {
     let planner = Batch::new(config).unwrap();
-    with_situation(&half_seen_ball(), &views(), |situation| planner.plan_batch(situation))
+    with_situation(&half_seen_ball(), &views(), |situation| planner.plan_batch(situation).unwrap())
 }
 
 /// For every view the value of each voxel: the probability that it shows new surface.
 fn values(snapshot: &Snapshot, views: &ViewSpace) -> Vec<Vec<f64>> {
-    let estimate = SurfacePrior::default().estimate(snapshot);
+    let estimate = SurfacePrior::default().estimate(snapshot, &Cancel::default()).unwrap();
     let gain = ExpectedSurface::new(snapshot, &Intrinsics::d435i(), &estimate, 2.0).unwrap();
     let look = |view: usize| {
         let mut value = vec![0.0; estimate.len()];
-        gain.eye().look(&views.pose(view), |i, sighting| value[i] = estimate.shows(i, sighting) as f64);
+        gain.evaluator().survey(&views.pose(view), |i, class| value[i] = estimate.shows(i, class) as f64);
         value
     };
     (0..views.len()).map(look).collect()
 }
 
-fn worth(values: &[Vec<f64>], views: &[usize]) -> f64 {
+fn value_of(values: &[Vec<f64>], views: &[usize]) -> f64 {
     let best = |voxel: usize| views.iter().map(|&view| values[view][voxel]).fold(0.0, f64::max);
     (0..values[0].len()).map(best).sum()
 }
@@ -87,20 +89,20 @@ fn a_batch_is_the_best_of_all_choices_on_the_shortest_tour() {
     let (snapshot, space) = (half_seen_ball(), views());
     let values = values(&snapshot, &space);
     let open: Vec<usize> = (0..N_VIEWS).filter(|view| !VISITED.contains(view)).collect();
-    let total = worth(&values, &open);
+    let total = value_of(&values, &open);
     for n_views in 1..=4 {
         let plan = plan(BatchConfig { n_views, least_share: 0.0, ..BatchConfig::default() });
         let views = numbers(&plan);
         let choices = (0_u32..1 << open.len()).filter(|choice| choice.count_ones() as usize == n_views);
         let chosen = |choice: u32| (0..open.len()).filter(move |i| choice >> i & 1 == 1);
         let best = choices
-            .map(|choice| worth(&values, &chosen(choice).map(|i| open[i]).collect::<Vec<_>>()))
+            .map(|choice| value_of(&values, &chosen(choice).map(|i| open[i]).collect::<Vec<_>>()))
             .fold(0.0, f64::max);
         assert!(close(plan.share * total, best), "{n_views} views: {} of {best}", plan.share * total);
-        assert!(close(plan.share, worth(&values, &views) / total) && close(plan.share_bound, plan.share));
+        assert!(close(plan.share, value_of(&values, &views) / total) && close(plan.share_bound, plan.share));
         assert!(close(plan.path_length, path_length(&views)));
         for (i, view) in plan.views.iter().enumerate() {
-            let new = worth(&values, &views[..=i]) - worth(&values, &views[..i]);
+            let new = value_of(&values, &views[..=i]) - value_of(&values, &views[..i]);
             assert!((view.gain - new).abs() < 1e-5 * total && close(view.share, view.gain / total));
         }
         let mut reversed = views.clone();
@@ -133,34 +135,35 @@ fn a_weight_on_the_path_makes_it_shorter() {
         assert!(score(plan, theta) >= score(&free, theta) - 1e-9, "theta {theta}");
     }
     assert!(plans[1].path_length < free.path_length && plans[1].share > 0.5 * free.share, "{plans:#?}");
-    // Only the way counts: the nearest view that is worth anything.
+    // Only the path counts: the nearest view of any value.
     let values = values(&half_seen_ball(), &views());
     let open: Vec<usize> = (0..N_VIEWS).filter(|view| !VISITED.contains(view)).collect();
-    let least = 0.01 * worth(&values, &open);
-    let worthy = open.into_iter().filter(|&view| worth(&values, &[view]) >= least);
-    let nearest = worthy.min_by(|&a, &b| path_length(&[a]).total_cmp(&path_length(&[b]))).unwrap();
+    let least = 0.01 * value_of(&values, &open);
+    let valuable = open.into_iter().filter(|&view| value_of(&values, &[view]) >= least);
+    let nearest = valuable.min_by(|&a, &b| path_length(&[a]).total_cmp(&path_length(&[b]))).unwrap();
     assert_eq!(numbers(&plans[4]), [nearest]);
 }
 
 #[test]
 fn a_plan_is_the_first_view_and_an_itinerary() {
     let (snapshot, space) = (half_seen_ball(), views());
-    let planner = Batch::new(BatchConfig { n_views: 3, tolerance: 0.25, ..BatchConfig::default() }).unwrap();
-    let plan = with_situation(&snapshot, &space, |situation| planner.plan(situation));
+    let mut planner =
+        Batch::new(BatchConfig { n_views: 3, tolerance: 0.25, ..BatchConfig::default() }).unwrap();
+    let plan = with_situation(&snapshot, &space, |situation| planner.plan(situation).unwrap());
     let itinerary = plan.itinerary.unwrap();
     assert_eq!((itinerary.legs.len(), itinerary.tolerance), (3, 0.25));
-    assert_eq!(plan.choice, Some(itinerary.legs[0].choice));
-    assert!(itinerary.legs.iter().all(|leg| leg.expected > 0.0 && leg.choice.local_share > 0.0));
+    assert_eq!(plan.choice.as_ref(), Some(&itinerary.legs[0].choice));
+    assert!(itinerary.legs.iter().all(|leg| leg.expected > 0.0 && leg.choice.score > 0.0));
 }
 
 #[test]
-fn nothing_worth_seeing_is_no_batch() {
+fn nothing_to_see_is_no_batch() {
     let block = VoxelBlock::new(IVec3::splat(-4), UVec3::splat(8)).unwrap();
     let known = Snapshot::from_fn(Lattice::new(0.02).unwrap(), block, |_| Some(LogOdds(-1.0)));
     for theta in [0.0, 0.5] {
-        let planner = Batch::new(BatchConfig { theta, ..BatchConfig::default() }).unwrap();
+        let mut planner = Batch::new(BatchConfig { theta, ..BatchConfig::default() }).unwrap();
         let (batch, plan) = with_situation(&known, &views(), |situation| {
-            (planner.plan_batch(situation), planner.plan(situation))
+            (planner.plan_batch(situation).unwrap(), planner.plan(situation).unwrap())
         });
         assert_eq!((batch, plan.choice), (BatchPlan::default(), None));
     }

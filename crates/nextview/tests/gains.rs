@@ -1,9 +1,10 @@
-//! The literature's gains: single rays worked out by hand, and whole views against the definitions written out over the
-//! voxels of the general walk.
+//! The literature's gains: single rays worked out by hand, and whole views against the definitions written
+//! out over the voxels of the general walk.
 
 #![allow(clippy::unwrap_used, reason = "helpers of tests")]
 
 use glam::{DVec2, DVec3, IVec3, UVec3};
+use nextview::Cancel;
 use nextview::gain::{
     Apora, AreaFactor, AverageEntropy, InformationGain, Krainin, OcclusionAware, ProximityCount,
     RearSideEntropy, RearSideVoxel, UnobservedVoxel,
@@ -43,7 +44,9 @@ fn of_row<G: InformationGain>(text: &str) -> f64 {
     let snapshot = row(text);
     let voxels: Vec<usize> = (0..text.len()).collect();
     let mut tally = G::Tally::default();
-    with_ray(&snapshot, &voxels, |ray| G::new(&snapshot, &[]).add(ray, &mut tally));
+    with_ray(&snapshot, &voxels, |ray| {
+        G::new(&snapshot, &[], &Cancel::default()).unwrap().add(ray, &mut tally)
+    });
     G::total(&tally)
 }
 
@@ -114,7 +117,8 @@ fn krainin_and_average_entropy_take_rays_that_end_occupied() {
 
 #[test]
 fn apora_hides_by_its_own_probability() {
-    // The second voxel is the frontier, unknown between free and occupied: P(obj) = 1, in full behind free space.
+    // The second voxel is the frontier, unknown between free and occupied: P(obj) = 1, in full behind free
+    // space.
     near(of_row::<Apora>(".?#??"), LN_2);
     near(of_row::<Apora>("...?#"), LN_2);
     // The frontier is voxel 5, which the ray does not reach. Voxels 0 and 1 are at d = 5 and 4: P(obj) is
@@ -130,7 +134,7 @@ fn apora_hides_by_its_own_probability() {
 fn area_factor_weighs_what_rays_meet_first() {
     // Voxel 2 is occplane: its neighbour 1 is free. Voxel 5 is unmarked: its neighbours are not.
     let snapshot = row("..?#???");
-    let gain = AreaFactor::new(&snapshot, &[]);
+    let gain = AreaFactor::new(&snapshot, &[], &Cancel::default()).unwrap();
     let total = |rays: &[&[usize]]| {
         let mut tally = Default::default();
         rays.iter().for_each(|voxels| with_ray(&snapshot, voxels, |ray| gain.add(ray, &mut tally)));
@@ -140,7 +144,8 @@ fn area_factor_weighs_what_rays_meet_first() {
         (&[0, 3], &[0, 1, 2], &[5, 6], &[0, 1]);
     near(total(&[]), 0.0);
     near(total(&[nothing, nothing]), 0.0);
-    // One in five occupied, four occplane: both factors at their peak; a ray that meets nothing changes no share.
+    // One in five occupied, four occplane: both factors at their peak; a ray that meets nothing changes no
+    // share.
     near(total(&[occupied, occplane, occplane, occplane, occplane, nothing]), 2.0);
     // All occupied is 0 + 0, since f(1, 0.2) = f(0, 0.8) = 0.
     near(total(&[occupied]), 0.0);
@@ -148,7 +153,8 @@ fn area_factor_weighs_what_rays_meet_first() {
     near(total(&[occplane, unmarked]), 0.683_593_75);
 }
 
-/// A camera of one pixel at `x` on the axis of the row, which looks at its other end and measures a surface at `surface`.
+/// A camera of one pixel at `x` on the axis of the row, which looks at its other end and measures a surface
+/// at `surface`.
 fn look_along_row(x: f64, surface: f64) -> Frame {
     let on_axis = |x: f64| DVec3::new(x, 0.005, 0.005);
     let camera = Intrinsics::pinhole(1, 1, DVec2::ONE, DVec2::ZERO).unwrap();
@@ -161,7 +167,7 @@ fn proximity_count_falls_behind_the_surface() {
     let snapshot = row("#??.?#");
     let of_frames = |frames: &[Frame]| {
         let mut tally = 0;
-        let gain = ProximityCount::new(&snapshot, frames);
+        let gain = ProximityCount::new(&snapshot, frames, &Cancel::default()).unwrap();
         with_ray(&snapshot, &[1, 2, 3, 4], |ray| gain.add(ray, &mut tally));
         tally
     };
@@ -179,7 +185,7 @@ fn proximity_count_falls_behind_the_surface() {
 #[test]
 fn proximity_count_ends_at_d_max() {
     let snapshot = row(&"?".repeat(70));
-    let gain = ProximityCount::new(&snapshot, &[look_along_row(-0.2, 0.005)]);
+    let gain = ProximityCount::new(&snapshot, &[look_along_row(-0.2, 0.005)], &Cancel::default()).unwrap();
     let of_voxel = |voxel: usize| {
         let mut tally = 0;
         with_ray(&snapshot, &[voxel], |ray| gain.add(ray, &mut tally));
@@ -189,7 +195,8 @@ fn proximity_count_ends_at_d_max() {
     assert!((0..70).map(of_voxel).eq(expected));
 }
 
-/// Three small depth images around the origin: surfaces within the box and around it, and pixels that tell nothing.
+/// Three small depth images around the origin: surfaces within the box and around it, and pixels that tell
+/// nothing.
 fn frames(seed: u64) -> Vec<Frame> {
     let mut random = Random::new(seed, 0);
     let camera = Intrinsics::pinhole(8, 6, DVec2::splat(20.0), DVec2::new(3.7, 2.7)).unwrap();
@@ -263,9 +270,9 @@ impl Definitions<'_> {
         self.ends_occupied(ray) && ray.len() > 1 && self.is(ray[ray.len() - 2], Occupancy::Unknown)
     }
 
-    fn sum(&self, counts: impl Fn(&Walked, usize) -> bool, worth: impl Fn(&Walked, usize) -> f64) -> f64 {
+    fn sum(&self, counts: impl Fn(&Walked, usize) -> bool, value: impl Fn(&Walked, usize) -> f64) -> f64 {
         let of_ray =
-            |ray: &Walked| -> f64 { (0..ray.len()).filter(|&i| counts(ray, i)).map(|i| worth(ray, i)).sum() };
+            |ray: &Walked| -> f64 { (0..ray.len()).filter(|&i| counts(ray, i)).map(|i| value(ray, i)).sum() };
         self.rays.iter().map(of_ray).sum()
     }
 
@@ -379,7 +386,7 @@ impl Definitions<'_> {
 
 fn cast<G: InformationGain>(snapshot: &Snapshot, frames: &[Frame], pose: &Pose) -> f64 {
     let caster = RayCaster::new(snapshot, &Intrinsics::d435i(), SPACING, G::SIGHT).unwrap();
-    let (gain, mut tally) = (G::new(snapshot, frames), G::Tally::default());
+    let (gain, mut tally) = (G::new(snapshot, frames, &Cancel::default()).unwrap(), G::Tally::default());
     caster.cast(pose, |ray| gain.add(&ray, &mut tally));
     G::total(&tally)
 }
@@ -388,7 +395,7 @@ proptest! {
     #![proptest_config(ProptestConfig::with_cases(96))]
 
     #[test]
-    fn views_are_worth_what_the_definitions_say(
+    fn gains_of_views_are_those_of_the_definitions(
         states in prop::collection::vec(0_u8..20, 7 * 8 * 6), n_unknown in 0_u8..20, n_occupied in 0_u8..3,
         x in -0.4..0.4, y in -0.4..0.4, z in 0.15..0.4, seed in any::<u64>(),
     ) {

@@ -247,8 +247,8 @@ fn two_scans() -> [(DVec3, Vec<DVec3>); 2] {
         .map(|o| (o, facing(o)))
 }
 
-/// The same scans make the same map: voxel for voxel, but for rays that pass an edge so closely that OctoMap's
-/// single-precision ends decide on which side.
+/// The same scans make the same map: voxel for voxel, but for rays that pass an edge so closely that
+/// OctoMap's single-precision ends decide on which side.
 #[test]
 fn scans_are_integrated_as_by_octomap() {
     let test = "scans_are_integrated_as_by_octomap";

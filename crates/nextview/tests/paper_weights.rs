@@ -1,4 +1,5 @@
-//! Frontier and object probability against those that the paper's authors' code computes on their recorded maps.
+//! Frontier and object probability against those that the paper's authors' code computes on their recorded
+//! maps.
 
 #![allow(clippy::unwrap_used, reason = "helpers of tests")]
 
@@ -7,6 +8,7 @@ mod common;
 use common::data_folder;
 use flate2::read::GzDecoder;
 use glam::IVec3;
+use nextview::Cancel;
 use nextview::gain::object_probability;
 use nextview::geometry::{Lattice, VoxelBlock};
 use nextview::map::{LogOdds, OccupancyMap, Octree, SensorModel, Snapshot, frontier};
@@ -54,7 +56,7 @@ fn check(test: &str, name: &str, n_frontier: usize, n_weighted: usize) {
     let expected: Vec<usize> = (0..golden.len()).filter(|&i| golden[i].is_frontier).collect();
     assert_eq!(found, expected);
     assert_eq!(found.len(), n_frontier);
-    let weights = object_probability(&snapshot, &found);
+    let weights = object_probability(&snapshot, &found, &Cancel::default()).unwrap();
     let mut largest = 0.0_f64;
     for (weight, golden) in weights.iter().zip(&golden) {
         largest = largest.max((weight - golden.weight).abs());
@@ -88,7 +90,9 @@ fn from_the_recorded_map() {
     let snapshot = map.snapshot(block);
     let found = frontier(&snapshot);
     assert_eq!(found.len(), 450);
-    for (weight, golden) in object_probability(&snapshot, &found).iter().zip(&golden) {
+    for (weight, golden) in
+        object_probability(&snapshot, &found, &Cancel::default()).unwrap().iter().zip(&golden)
+    {
         assert!((weight - golden.weight).abs() < 1e-6);
     }
 }

@@ -1,9 +1,10 @@
-//! The max-flow planner against the paper's equations written out naively: all rays in a list, all sums by hand; and the
-//! greedy planners against the gains of single views.
+//! The max-flow planner against the paper's equations written out naively: all rays in a list, all sums by
+//! hand; and the greedy planners against the gains of single views.
 
 #![allow(clippy::unwrap_used, reason = "helpers of tests")]
 
 use glam::{DVec2, DVec3, IVec3, UVec3};
+use nextview::Cancel;
 use nextview::flow::{BestSets, fewest_sets};
 use nextview::gain::{
     Apora, AreaFactor, AverageEntropy, InformationGain, Krainin, OcclusionAware, ProximityCount,
@@ -36,7 +37,8 @@ fn half_seen_ball() -> Snapshot {
 /// An image of the ball from +x.
 fn frame_of_ball() -> Frame {
     let camera = Intrinsics::pinhole(64, 48, DVec2::splat(120.0), DVec2::new(31.5, 23.5)).unwrap();
-    // Where a ray (x, y, 1) t from 0.4 m away meets a ball of 46 mm: the smaller solution of a quadratic equation.
+    // Where a ray (x, y, 1) t from 0.4 m away meets a ball of 46 mm: the smaller solution of a quadratic
+    // equation.
     let depth = |pixel: u32| {
         let pixel = DVec2::new((pixel % 64) as f64, (pixel / 64) as f64);
         let direction_sq = camera.deproject(pixel).unwrap().extend(1.0).length_squared();
@@ -56,17 +58,26 @@ fn views() -> ViewSpace {
     generate::shell(DVec3::ZERO, 0.08, 60, 5).unwrap()
 }
 
-fn plan(config: MaxFlowConfig, snapshot: &Snapshot, visited: &[usize], history: &[Vec<u32>]) -> Plan {
-    let (views, intrinsics) = (&views(), &Intrinsics::d435i());
-    MaxFlow::new(config).unwrap().plan(&Situation {
+fn plan(planner: &mut dyn ViewPlanner, snapshot: &Snapshot, visited: &[usize]) -> Plan {
+    let plan = planner.plan(&Situation {
         snapshot,
         frames: &[],
-        views,
-        intrinsics,
+        views: &views(),
+        intrinsics: &Intrinsics::d435i(),
         visited,
-        history,
         finest_voxel_size: snapshot.lattice().voxel_size(),
-    })
+        cancel: &Cancel::default(),
+    });
+    plan.unwrap()
+}
+
+fn max_flow(config: MaxFlowConfig) -> MaxFlow {
+    MaxFlow::new(config).unwrap()
+}
+
+/// A quantity of the explanation of a plan's choice.
+fn explained(plan: &Plan, name: &str) -> Option<f64> {
+    plan.choice.as_ref()?.explanation.as_ref()?.get(name)
 }
 
 /// Eqs. (1) to (7) as they stand: the score of every view, and V_global.
@@ -77,7 +88,8 @@ fn by_the_equations(
     history: &[Vec<u32>],
 ) -> (Vec<f64>, Vec<u32>) {
     let views = views();
-    let object = object_probability(snapshot, &frontier(snapshot));
+    let cancel = &Cancel::default();
+    let object = object_probability(snapshot, &frontier(snapshot), cancel).unwrap();
     let caster =
         RayCaster::new(snapshot, &Intrinsics::d435i(), config.ray_spacing, config.free_space).unwrap();
     let mut edges: Vec<(usize, usize, f64)> = Vec::new(); // view, voxel, quality
@@ -98,7 +110,7 @@ fn by_the_equations(
         let largest = offers.clone().map(|edge| edge.2).fold(0.0, f64::max);
         offers.filter(|edge| edge.2 == largest).for_each(|edge| best.offer(voxel, edge.0 as u32, edge.2));
     }
-    let optimal = fewest_sets(best.candidates());
+    let optimal = fewest_sets(best.candidates(), cancel).unwrap();
     let mut flow = vec![0.0; views.len()];
     let history = if config.uses_history { history } else { &[] };
     let plans: Vec<&Vec<u32>> = history.iter().chain([&optimal]).collect();
@@ -116,22 +128,25 @@ fn by_the_equations(
 #[test]
 fn plans_as_the_equations_say() {
     let snapshot = half_seen_ball();
-    let visited = [3, 17];
-    let history = [vec![1, 2, 40], vec![2, 9]];
     for (free_space, uses_history) in
         [(FreeSpace::Clear, true), (FreeSpace::Fades, true), (FreeSpace::Clear, false)]
     {
         for gamma in [0.25, 0.5, 1.0] {
             let config = MaxFlowConfig { gamma, uses_history, ray_spacing: 1.5, free_space, theta: 0.0 };
-            let plan = plan(config, &snapshot, &visited, &history);
-            let (scores, optimal) = by_the_equations(config, &snapshot, &visited, &history);
-            assert_eq!(plan.optimal_views, optimal);
-            let open = (0..60).filter(|view| !visited.contains(view));
-            let best = open.max_by(|&a, &b| scores[a].total_cmp(&scores[b]).then(b.cmp(&a))).unwrap();
-            let choice = plan.choice.unwrap();
-            assert_eq!(choice.view, best);
-            assert!((choice.score - scores[best]).abs() < 1e-12);
-            assert!(scores[choice.runner_up.unwrap()] <= choice.score);
+            let (mut planner, mut history) = (max_flow(config), Vec::new());
+            for visited in [&[3][..], &[3, 17], &[3, 17, 40]] {
+                let (scores, optimal) = by_the_equations(config, &snapshot, visited, &history);
+                let plan = plan(&mut planner, &snapshot, visited);
+                assert_eq!(explained(&plan, "flow_views"), Some(optimal.len() as f64));
+                history.push(optimal);
+                assert_eq!(planner.history(), history);
+                let open = (0..60).filter(|view| !visited.contains(view));
+                let best = open.max_by(|&a, &b| scores[a].total_cmp(&scores[b]).then(b.cmp(&a))).unwrap();
+                let choice = plan.choice.unwrap();
+                assert_eq!(choice.view, best);
+                assert!((choice.score - scores[best]).abs() < 1e-12);
+                assert!(scores[choice.runner_up.unwrap()] <= choice.score);
+            }
         }
     }
 }
@@ -139,49 +154,58 @@ fn plans_as_the_equations_say() {
 #[test]
 fn without_history_all_optimal_views_weigh_the_same() {
     let snapshot = half_seen_ball();
-    let of = |uses_history, history: &[Vec<u32>]| {
-        plan(MaxFlowConfig { uses_history, gamma: 1.0, ..MaxFlowConfig::default() }, &snapshot, &[], history)
-    };
-    let bare = of(false, &[]);
-    let flow_share = 1.0 / bare.flow.unwrap().n_views as f64;
-    let choice = bare.choice.unwrap();
-    assert_eq!((choice.view, choice.flow_share), (bare.optimal_views[0] as usize, flow_share));
+    let planner =
+        |uses_history| max_flow(MaxFlowConfig { uses_history, gamma: 1.0, ..MaxFlowConfig::default() });
+    let mut first = planner(false);
+    let bare = plan(&mut first, &snapshot, &[]);
+    let optimal = &first.history()[0];
+    assert_eq!(bare.choice.as_ref().unwrap().view, optimal[0] as usize);
+    assert_eq!(explained(&bare, "flow_share"), Some(1.0 / optimal.len() as f64));
     // Earlier plans favour another one of the optimal views, if they count.
-    let favourite = *bare.optimal_views.last().unwrap();
-    let history = [vec![favourite], vec![favourite]];
-    assert_eq!(of(false, &history), bare);
-    assert_eq!(of(true, &history).choice.unwrap().view, favourite as usize);
+    let favourite = *optimal.last().unwrap() as usize;
+    let others: Vec<usize> = (0..60).filter(|view| *view != favourite).collect();
+    let after_others = |uses_history| {
+        let mut planner = planner(uses_history);
+        (0..2).for_each(|_| _ = plan(&mut planner, &snapshot, &others));
+        plan(&mut planner, &snapshot, &[])
+    };
+    assert_eq!(after_others(false), bare);
+    assert_eq!(after_others(true).choice.unwrap().view, favourite);
 }
 
 #[test]
 fn looks_at_the_side_not_seen() {
     for gamma in [0.0, 0.5] {
-        let plan = plan(MaxFlowConfig { gamma, ..MaxFlowConfig::default() }, &half_seen_ball(), &[], &[]);
+        let mut planner = max_flow(MaxFlowConfig { gamma, ..MaxFlowConfig::default() });
+        let plan = plan(&mut planner, &half_seen_ball(), &[]);
+        assert_eq!(explained(&plan, "flow_views").is_some(), gamma > 0.0);
         let position = views().pose(plan.choice.unwrap().view).translation();
-        // A view from the side sees the rim of what was measured and beyond; one from the front sees nothing new.
+        // A view from the side sees the rim of what was measured and beyond; one from the front sees nothing
+        // new.
         assert!(
             position.normalize().x < 0.7,
             "gamma {gamma}: the ball was seen from +x, the next view is {position}"
         );
-        assert_eq!(plan.flow.is_some(), gamma > 0.0);
     }
 }
 
 #[test]
 fn of_an_unknown_box_every_voxel_is_served_best_by_its_first_crossing() {
-    let plan = plan(MaxFlowConfig { ray_spacing: 0.5, ..MaxFlowConfig::default() }, &unknown(), &[], &[]);
-    let flow = plan.flow.unwrap();
-    assert!(flow.n_views < 60 && flow.n_views > 1);
-    assert!(flow.quality <= flow.n_voxels as f64 * std::f64::consts::LN_2);
+    let mut planner = max_flow(MaxFlowConfig { ray_spacing: 0.5, ..MaxFlowConfig::default() });
+    let plan = plan(&mut planner, &unknown(), &[]);
+    let [n_views, n_voxels, quality] =
+        ["flow_views", "flow_voxels", "flow_quality_nats"].map(|name| explained(&plan, name).unwrap());
+    assert!((2.0..60.0).contains(&n_views));
+    assert!(quality <= n_voxels * std::f64::consts::LN_2);
 }
 
 #[test]
 fn stops_when_everything_is_known_or_visited() {
     let block = VoxelBlock::new(IVec3::splat(-4), UVec3::splat(8)).unwrap();
     let known = Snapshot::from_fn(Lattice::new(0.02).unwrap(), block, |_| Some(LogOdds(-1.0)));
-    assert_eq!(plan(MaxFlowConfig::default(), &known, &[], &[]).choice, None);
+    assert_eq!(plan(&mut max_flow(MaxFlowConfig::default()), &known, &[]).choice, None);
     let all: Vec<usize> = (0..60).collect();
-    assert_eq!(plan(MaxFlowConfig::default(), &unknown(), &all, &[]).choice, None);
+    assert_eq!(plan(&mut max_flow(MaxFlowConfig::default()), &unknown(), &all).choice, None);
 }
 
 #[test]
@@ -189,7 +213,10 @@ fn threads_do_not_show() {
     let snapshot = half_seen_ball();
     let run = |threads| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-        pool.install(|| plan(MaxFlowConfig::default(), &snapshot, &[4], &[vec![1, 2]]))
+        pool.install(|| {
+            let mut planner = max_flow(MaxFlowConfig::default());
+            [&[4][..], &[4, 7]].map(|visited| plan(&mut planner, &snapshot, visited))
+        })
     };
     let one = run(1);
     assert_eq!(one, run(2));
@@ -199,7 +226,7 @@ fn threads_do_not_show() {
 /// The gain of every view, each looked at by itself.
 fn gains<G: InformationGain>(snapshot: &Snapshot, ray_spacing: f64) -> Vec<f64> {
     let caster = RayCaster::new(snapshot, &Intrinsics::d435i(), ray_spacing, G::SIGHT).unwrap();
-    let (gain, views) = (G::new(snapshot, &[frame_of_ball()]), views());
+    let (gain, views) = (G::new(snapshot, &[frame_of_ball()], &Cancel::default()).unwrap(), views());
     let of_view = |view: usize| {
         let mut tally = G::Tally::default();
         caster.cast(&views.pose(view), |ray| gain.add(&ray, &mut tally));
@@ -217,14 +244,14 @@ fn greedy<G: InformationGain>(config: GreedyConfig, snapshot: &Snapshot, visited
         views,
         intrinsics,
         visited,
-        history: &[],
         finest_voxel_size: snapshot.lattice().voxel_size(),
+        cancel: &Cancel::default(),
     };
-    Greedy::<G>::new(config).unwrap().plan(&situation)
+    Greedy::<G>::new(config).unwrap().plan(&situation).unwrap()
 }
 
-/// Each view's share, less theta times its share of the distances from where the camera is, as section V.D says; the
-/// visited ones take no part.
+/// Each view's share, less theta times its share of the distances from where the camera is, as section V.D
+/// says; the visited ones take no part.
 fn utilities(theta: f64, shares: &[f64], visited: &[usize], here: DVec3) -> Vec<f64> {
     let views = views();
     let place = |view: usize| views.pose(view).translation();
@@ -249,7 +276,8 @@ fn greedy_takes_the_view_of_largest_utility<G: InformationGain>() {
         // Two views of equal utility may differ by rounding.
         assert!((choice.score - scores[best]).abs() < 1e-12, "{choice:?} {best}");
         assert!((scores[choice.view] - scores[best]).abs() < 1e-12);
-        assert!((choice.local_share - shares[choice.view]).abs() < 1e-12);
+        let local_share = choice.explanation.unwrap().get("local_share").unwrap();
+        assert!((local_share - shares[choice.view]).abs() < 1e-12);
     }
 }
 
@@ -306,11 +334,11 @@ fn max_flow_pays_for_moving() {
     let (scores, _) = by_the_equations(config(0.3), &snapshot, &visited, &[]);
     let here = views().pose(visited[visited.len() - 1]).translation(); // without frames, the last view
     let scores = utilities(0.3, &scores, &visited, here);
-    let choice = plan(config(0.3), &snapshot, &visited, &[]).choice.unwrap();
+    let choice = plan(&mut max_flow(config(0.3)), &snapshot, &visited).choice.unwrap();
     let best = (0..60).filter(|view| !visited.contains(view)).map(|view| scores[view]);
     assert!((choice.score - best.fold(f64::NEG_INFINITY, f64::max)).abs() < 1e-12);
     // With theta = 1 only the way counts: the nearest view that gains anything.
-    let nearest = plan(config(1.0), &snapshot, &visited, &[]).choice.unwrap();
+    let nearest = plan(&mut max_flow(config(1.0)), &snapshot, &visited).choice.unwrap();
     let distance = |view: usize| views().pose(view).translation().distance(views().pose(17).translation());
     assert!(distance(nearest.view) < distance(choice.view) || nearest.view == choice.view);
 }
@@ -337,7 +365,7 @@ fn random_views_are_distinct_seeded_and_spread() {
     assert_eq!(sorted, (0..60).collect::<Vec<_>>());
     // Second views over many seeds fall on all candidates about equally.
     let mut counts = [0; 60];
-    (0..5900).for_each(|seed| counts[next(&RandomViews { seed }, &[0]).unwrap()] += 1);
+    (0..5900).for_each(|seed| counts[next(&mut RandomViews { seed }, &[0]).unwrap()] += 1);
     assert!(counts[1..].iter().all(|&n| (60..150).contains(&n)), "{counts:?}");
 }
 
@@ -345,28 +373,18 @@ fn random_views_are_distinct_seeded_and_spread() {
 fn in_order_begins_anew_after_the_last_view() {
     assert_eq!(sequence(InOrder, 0), (0..60).collect::<Vec<_>>());
     assert_eq!(sequence(InOrder, 57), [57, 58, 59].into_iter().chain(0..57).collect::<Vec<_>>());
-    assert_eq!(next(&InOrder, &[]), Some(0));
+    assert_eq!(next(&mut InOrder, &[]), Some(0));
 }
 
 /// The views that a planner takes one after the other until there is none left.
-fn sequence(planner: impl ViewPlanner, first: usize) -> Vec<usize> {
+fn sequence(mut planner: impl ViewPlanner, first: usize) -> Vec<usize> {
     let mut visited = vec![first];
-    while let Some(view) = next(&planner, &visited) {
+    while let Some(view) = next(&mut planner, &visited) {
         visited.push(view);
     }
     visited
 }
 
-fn next(planner: &impl ViewPlanner, visited: &[usize]) -> Option<usize> {
-    let (snapshot, views, intrinsics) = (&unknown(), &views(), &Intrinsics::d435i());
-    let situation = Situation {
-        snapshot,
-        frames: &[],
-        views,
-        intrinsics,
-        visited,
-        history: &[],
-        finest_voxel_size: snapshot.lattice().voxel_size(),
-    };
-    planner.plan(&situation).choice.map(|choice| choice.view)
+fn next(planner: &mut dyn ViewPlanner, visited: &[usize]) -> Option<usize> {
+    plan(planner, &unknown(), visited).choice.map(|choice| choice.view)
 }

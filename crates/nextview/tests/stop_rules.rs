@@ -1,32 +1,35 @@
-//! When a session ends: by what its planner expects and by how far the camera goes; and what its reports say of both.
+//! When a session ends: by what its planner expects and by how far the camera goes; and what its reports say
+//! of both.
 
 #![allow(clippy::unwrap_used, reason = "clippy allows it in test functions, not in their helpers")]
 
 use glam::DVec3;
+use nextview::Cancelled;
 use nextview::geometry::Aabb;
 use nextview::planner::{Choice, Itinerary, Leg, Outlook, Plan, RandomViews, Situation, ViewPlanner};
 use nextview::sensor::{DepthImage, Frame, Intrinsics};
 use nextview::session::{
-    Decision, MultiResolution, NextView, Session, SessionConfig, StepReport, StopConfig, StopReason,
+    Decision, MultiResolutionConfig, NextView, Session, SessionConfig, StepReport, StopConfig, StopReason,
 };
 use nextview::view::{ViewSpace, look_at};
 
 /// Distance between neighbouring views, metres; sums of it have no rounding.
 const STEP: f64 = 0.125;
 
-/// Goes from view to view and expects after each what it is told to; without more to tell, it expects and chooses nothing.
+/// Goes from view to view and expects after each what it is told to; without more to tell, it expects and
+/// chooses nothing.
 struct Told(Vec<Outlook>);
 
 impl ViewPlanner for Told {
-    fn plan(&self, situation: &Situation<'_>) -> Plan {
+    fn plan(&mut self, situation: &Situation<'_>) -> Result<Plan, Cancelled> {
         let view = situation.visited.len();
         let outlook = self.0.get(view - 1).copied();
-        Plan { choice: outlook.map(|_| choice(view)), outlook, ..Plan::default() }
+        Ok(Plan { choice: outlook.map(|_| choice(view)), outlook, ..Plan::default() })
     }
 }
 
 fn choice(view: usize) -> Choice {
-    Choice { view, score: 1.0, local_share: 1.0, flow_share: 0.0, runner_up: None }
+    Choice::new(view, 1.0)
 }
 
 fn outlook(n_expected: f64, n_unseen: f64) -> Outlook {
@@ -61,7 +64,10 @@ fn scan(session: &mut Session) -> (Vec<(NextView, StepReport)>, StopReason) {
     let mut steps = Vec::new();
     loop {
         match session.decide() {
-            Decision::Move(next) => steps.push((next, observe(session, next.view.unwrap()))),
+            Decision::Move(next) => {
+                let report = observe(session, next.view.unwrap());
+                steps.push((next, report));
+            }
             Decision::Stop(reason) => return (steps, reason),
         }
     }
@@ -90,8 +96,8 @@ fn stops_when_enough_is_estimated_to_have_been_seen() {
 fn without_a_next_view_a_scan_may_be_complete_or_not() {
     struct Done;
     impl ViewPlanner for Done {
-        fn plan(&self, _: &Situation<'_>) -> Plan {
-            Plan { outlook: Some(outlook(0.0, 25.0)), ..Plan::default() }
+        fn plan(&mut self, _: &Situation<'_>) -> Result<Plan, Cancelled> {
+            Ok(Plan { outlook: Some(outlook(0.0, 25.0)), ..Plan::default() })
         }
     }
     let stop = |share| StopConfig {
@@ -137,7 +143,6 @@ fn stops_before_the_path_is_too_long() {
 fn of_several_rules_the_first_to_hold_ends_the_scan() {
     let told = || Told((0..11).map(|i| outlook(50.0 - 5.0 * i as f64, 100.0 - 9.0 * i as f64)).collect());
     let all = StopConfig {
-        max_views: 9,
         completeness: Some(0.7),
         expected_gain: Some(0.2),
         path_length: Some(2.0 * STEP),
@@ -146,7 +151,6 @@ fn of_several_rules_the_first_to_hold_ends_the_scan() {
     check(told(), all, 3, StopReason::PathLimit);
     check(told(), StopConfig { path_length: None, ..all }, 8, StopReason::Complete);
     check(told(), StopConfig { path_length: None, completeness: None, ..all }, 8, StopReason::LittleToGain);
-    check(told(), StopConfig { max_views: 2, ..all }, 2, StopReason::ViewLimit);
 }
 
 #[test]
@@ -161,13 +165,14 @@ fn planners_that_expect_nothing_never_stop_for_that() {
 #[test]
 fn coarse_voxels_do_not_end_a_scan_for_what_they_show() {
     let stop = StopConfig { completeness: Some(0.0), expected_gain: Some(1.0), ..StopConfig::default() };
-    let rule = MultiResolution { coarsest_voxel_size: Some(0.02), q_thresh: 1e-9 };
-    let config = SessionConfig { multi_resolution: Some(rule), ..config(stop) };
+    let rule = MultiResolutionConfig { enabled: true, coarsest_voxel_size: Some(0.02), q_thresh: 1e-9 };
+    let config = SessionConfig { multi_resolution: rule, ..config(stop) };
     let told = Told(vec![outlook(1.0, 0.0); 2]);
     let mut session = Session::new(config, camera(), views(), Box::new(told)).unwrap();
     let (steps, reason) = scan(&mut session);
     assert!(steps.iter().all(|(_, report)| report.voxel_size > 0.01));
-    // Without a choice in coarse voxels the session goes over to the finest, of which this planner says nothing.
+    // Without a choice in coarse voxels the session goes over to the finest, of which this planner says
+    // nothing.
     assert_eq!((steps.len(), reason), (3, StopReason::NothingToGain));
 }
 
@@ -175,9 +180,9 @@ fn coarse_voxels_do_not_end_a_scan_for_what_they_show() {
 struct Nearer;
 
 impl ViewPlanner for Nearer {
-    fn plan(&self, situation: &Situation<'_>) -> Plan {
+    fn plan(&mut self, situation: &Situation<'_>) -> Result<Plan, Cancelled> {
         let view = if situation.frames.len() < 2 { 3 } else { 2 };
-        Plan { choice: Some(choice(view)), ..Plan::default() }
+        Ok(Plan { choice: Some(choice(view)), ..Plan::default() })
     }
 }
 
@@ -196,12 +201,15 @@ fn another_frame_may_let_a_scan_go_on() {
 }
 
 /// Plans anew each time it is asked: to a far view first, then to near ones.
-struct Fickle;
+struct Fickle {
+    n_plans: usize,
+}
 
 impl ViewPlanner for Fickle {
-    fn plan(&self, situation: &Situation<'_>) -> Plan {
-        let view = if situation.history.is_empty() { 9 } else { 1 };
-        Plan { choice: Some(choice(view)), ..Plan::default() }
+    fn plan(&mut self, _: &Situation<'_>) -> Result<Plan, Cancelled> {
+        self.n_plans += 1;
+        let view = if self.n_plans == 1 { 9 } else { 1 };
+        Ok(Plan { choice: Some(choice(view)), ..Plan::default() })
     }
 }
 
@@ -209,18 +217,18 @@ impl ViewPlanner for Fickle {
 struct Tour;
 
 impl ViewPlanner for Tour {
-    fn plan(&self, situation: &Situation<'_>) -> Plan {
+    fn plan(&mut self, situation: &Situation<'_>) -> Result<Plan, Cancelled> {
         let views = if situation.visited.len() == 1 { vec![1, 9] } else { vec![2, 3] };
         let leg = |view: &usize| Leg { choice: choice(*view), expected: 1.0 };
         let itinerary = Itinerary { legs: views.iter().map(leg).collect(), tolerance: f64::INFINITY };
-        Plan { choice: Some(choice(views[0])), itinerary: Some(itinerary), ..Plan::default() }
+        Ok(Plan { choice: Some(choice(views[0])), itinerary: Some(itinerary), ..Plan::default() })
     }
 }
 
 #[test]
 fn asked_again_a_stop_stays_a_stop() {
     let stop = StopConfig { path_length: Some(4.0 * STEP), ..StopConfig::default() };
-    let planners: [fn() -> Box<dyn ViewPlanner>; 2] = [|| Box::new(Fickle), || Box::new(Tour)];
+    let planners: [fn() -> Box<dyn ViewPlanner>; 2] = [|| Box::new(Fickle { n_plans: 0 }), || Box::new(Tour)];
     for planner in planners {
         let mut session = Session::new(config(stop), camera(), views(), planner()).unwrap();
         let reason = scan(&mut session).1;
@@ -260,13 +268,12 @@ fn bad_values_are_refused() {
         assert_eq!(fault(StopConfig { entropy_share: Some(bad), ..good }), expected("entropy_share"));
     }
     for bad in [0.0, -1.0, f64::NAN, f64::NEG_INFINITY] {
-        let expected = Err(format!("path_length is {bad}, expected a positive number of metres"));
+        let expected = Err(format!("path_length_m is {bad}, expected a positive number of metres"));
         assert_eq!(fault(StopConfig { path_length: Some(bad), ..good }), expected);
     }
-    let refused = fault(StopConfig { max_views: 0, ..good });
-    assert_eq!(refused, Err("max_views is 0, expected at least 1".into()));
+    let none = SessionConfig { max_views: 0, ..config(good) };
+    assert_eq!(none.check().unwrap_err().to_string(), "max_views is 0, expected at least 1");
     let edges = StopConfig {
-        max_views: 1,
         entropy_share: Some(0.0),
         completeness: Some(1.0),
         expected_gain: Some(0.0),

@@ -4,8 +4,8 @@
 
 use glam::{DVec2, DVec3};
 use nextview::geometry::{Aabb, Lattice, Pose, sphere};
-use nextview::model::{DistanceField, SurfaceMesh};
 use nextview::sensor::{DepthImage, Distortion, Frame, Intrinsics};
+use nextview::surface::{DistanceField, SurfaceMesh};
 use nextview::view::look_at;
 use std::collections::BTreeMap;
 

@@ -1,13 +1,18 @@
 use super::Incidence;
+use crate::{Cancel, Cancelled};
+
+/// Items processed between two checks for cancellation.
+const CHUNK: usize = 1 << 16;
 
 /// The best quality offered for each item, and the sets that offered it.
 ///
-/// The optimal flow of the paper's eq. (3), found without a network. Only the edges from the source are bounded
-/// there, so no item stands in another's way: each goes to a channel of largest quality, and on to any set of that
-/// channel. A channel is therefore not stored, only offered: once for each item on it and each set that holds it.
-/// What is left to choose is which of the equally good sets, and [`fewest_sets`](super::fewest_sets) does that.
+/// The optimal flow of the paper's eq. (3), found without a network. Only the edges from the source have a
+/// capacity, so items do not compete: each takes a channel of largest quality and continues to any set of
+/// that channel. A channel is therefore offered, not stored: once for each item on it and each set that holds
+/// it. The choice among equally good sets remains; [`fewest_sets`](super::fewest_sets) makes it.
 ///
 /// ```
+/// use nextview::Cancel;
 /// use nextview::flow::{BestSets, fewest_sets};
 ///
 /// let mut best = BestSets::new(2, 10);
@@ -17,11 +22,12 @@ use super::Incidence;
 /// best.offer(1, 6, 0.2);
 /// assert_eq!(best.quality(0), Some(0.5));
 /// assert_eq!(best.sets(0).collect::<Vec<_>>(), [4, 6]);
-/// assert_eq!(fewest_sets(best.candidates()), [6]);
+/// assert_eq!(fewest_sets(best.candidates(), &Cancel::default()), Ok(vec![6]));
 /// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct BestSets {
-    /// 0 where nothing was offered. Apart from the sets, because nearly every offer needs only this compare.
+    /// 0 where nothing was offered. Stored apart from the sets, because nearly every offer needs only this
+    /// comparison.
     quality: Vec<f64>,
     candidates: Incidence,
 }
@@ -32,32 +38,39 @@ impl BestSets {
         Self { quality: vec![0.0; n_items], candidates: Incidence::new(n_items, n_sets) }
     }
 
-    /// Offers to serve an item from a set at some quality. Not positive or not a number is no offer.
+    /// Offers to serve an item from a set at some quality. A quality that is not positive, or NaN, is
+    /// ignored.
     ///
-    /// Order does not matter; cheapest is sets in increasing order.
+    /// The order does not matter; sets in increasing order are cheapest.
     ///
     /// # Panics
     /// If the item or the set is out of range (unless the offer is refused for its quality).
     #[inline]
     pub fn offer(&mut self, item: usize, set: u32, quality: f64) {
-        // Most offers of a scan are worth nothing, being of measured voxels: they are told without a look at the item.
+        // Most offers of a scan have quality 0, because they concern measured voxels: these are rejected
+        // without reading the item.
         if quality > 0.0 && quality >= self.quality[item] {
             self.accept(item, set, quality);
         }
     }
 
-    /// Takes in the offers another accumulator has seen. The result is that of one accumulator for all offers,
+    /// Adds the offers of another accumulator. The result is the same as from one accumulator for all offers,
     /// however they were divided.
+    ///
+    /// Fails if `cancel` is set, and then holds only some of the offers.
     ///
     /// # Panics
     /// If the two were not made for the same numbers of items and sets.
-    pub fn merge(&mut self, mut other: Self) {
+    pub fn merge(&mut self, mut other: Self, cancel: &Cancel) -> Result<(), Cancelled> {
         assert_eq!(
             (self.quality.len(), self.candidates.n_columns()),
             (other.quality.len(), other.candidates.n_columns()),
             "items and sets of the merged"
         );
         for item in 0..self.quality.len() {
+            if item.is_multiple_of(CHUNK) {
+                cancel.check()?;
+            }
             if other.quality[item] > self.quality[item] {
                 self.quality[item] = other.quality[item];
                 self.candidates.take_row(item, &mut other.candidates);
@@ -65,6 +78,7 @@ impl BestSets {
                 self.candidates.unite_row(item, &other.candidates);
             }
         }
+        Ok(())
     }
 
     /// The largest quality offered for an item; none if there was no offer.
@@ -92,7 +106,7 @@ impl BestSets {
         self.quality.iter().filter(|&&quality| quality > 0.0).count()
     }
 
-    /// Outlined: the rare part of the hottest loop there is.
+    /// Kept out of line: the rare branch of the hottest loop.
     #[inline(never)]
     fn accept(&mut self, item: usize, set: u32, quality: f64) {
         if quality > self.quality[item] {
@@ -116,7 +130,7 @@ mod tests {
         best
     }
 
-    /// Offers with many ties, some of no worth, and sets enough for both forms of a row.
+    /// Offers with many ties, some of no value, and enough sets for both forms of a row.
     fn offers() -> impl Strategy<Value = Vec<Offer>> {
         let quality = prop::sample::select(vec![-1.0, 0.0, f64::NAN, 0.25, 0.5, 0.75]);
         prop::collection::vec((0_usize..5, 0_u32..100, quality), 0..300)
@@ -131,10 +145,10 @@ mod tests {
             let whole = best_of(&offers, 100);
             let (a, b) = shuffled.split_at((cut * shuffled.len() as f64) as usize);
             let mut merged = best_of(a, 100);
-            merged.merge(best_of(b, 100));
+            merged.merge(best_of(b, 100), &Cancel::default()).unwrap();
             prop_assert_eq!(&merged, &whole);
             let mut other_way = best_of(b, 100);
-            other_way.merge(best_of(a, 100));
+            other_way.merge(best_of(a, 100), &Cancel::default()).unwrap();
             prop_assert_eq!(&other_way, &whole);
         }
 

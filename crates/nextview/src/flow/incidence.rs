@@ -2,10 +2,11 @@ use super::row::{Row, n_words, set_bit};
 
 /// For each of a number of rows, a set of column numbers.
 ///
-/// A row is a sorted list while that is the smaller form, and a row of bits from then on, so a row over `n` columns
-/// never holds more than `n / 8` bytes. Both forms live in one vector of words and its length tells them apart: as
-/// many words as it takes to hold a bit for every column mean bits, fewer a list. Lists alone would need 1.2 GB for
-/// 60,000 rows of 5000 columns (bits: 38 MB), bits alone 625 MB for 10^6 rows that hold a handful each.
+/// A row is a sorted list while that is the smaller form, and a row of bits from then on, so a row over `n`
+/// columns never holds more than `n / 8` bytes. Both forms use one vector of words, and its length
+/// distinguishes them: enough words for a bit per column mean bits, fewer mean a list. Lists alone would need
+/// 1.2 GB for 60,000 rows of 5000 columns (bits: 38 MB), bits alone 625 MB for 10^6 rows that hold a handful
+/// each.
 ///
 /// ```
 /// use nextview::flow::Incidence;
@@ -69,7 +70,7 @@ impl Incidence {
         }
     }
 
-    /// Empties a row, keeping its memory for what comes next.
+    /// Empties a row and keeps its memory.
     pub fn clear(&mut self, row: usize) {
         self.rows[row].clear();
     }
@@ -85,7 +86,7 @@ impl Incidence {
         self.words_of(row).len()
     }
 
-    /// A row in the form in which it is held.
+    /// A row in the form in which it is stored.
     #[inline]
     pub(super) fn words_of(&self, row: usize) -> Row<'_> {
         Row::new(&self.rows[row], n_words(self.n_columns))

@@ -1,13 +1,14 @@
 //! Assignment of items to sets: the largest total quality first, then as few sets as possible.
 //!
-//! The problem is a flow source → item → channel → set → sink in which each item is served once and nothing else is
-//! bounded. [`BestSets`] finds the largest total quality in one pass over the offers, with every set that can be
-//! part of it; [`fewest_sets`] then picks a small number of sets that still serve every item at its best.
+//! The problem is a flow source → item → channel → set → sink in which each item is served once and nothing
+//! else is bounded. [`BestSets`] finds the largest total quality in one pass over the offers, with every set
+//! that can be part of it; [`fewest_sets`] then picks a small number of sets that still serve every item at
+//! its best.
 //!
-//! The other way round, [`best_coverage`] takes a stated number of sets that together are worth as much as possible.
+//! Conversely, [`best_coverage`] takes a given number of sets of largest joint value.
 //!
-//! There is no flow network here: it would only be needed if channels or sets had limits. One, with a textbook
-//! min-cost-flow solver, stands in the tests as an oracle.
+//! There is no flow network here: it would only be needed if channels or sets had limits. One, with a
+//! textbook min-cost-flow solver, stands in the tests as an oracle.
 
 mod best;
 mod cover;
@@ -18,5 +19,6 @@ mod rows;
 
 pub use best::BestSets;
 pub use cover::fewest_sets;
+pub(crate) use coverage::tidied;
 pub use coverage::{Coverage, Selection, SetValues, best_coverage, good_coverage};
 pub use incidence::Incidence;

@@ -3,8 +3,8 @@ use std::slice::Iter;
 
 /// A set of column numbers in the smaller of two forms.
 ///
-/// Both are words, and their number tells the forms apart: as many as it takes to hold a bit for every column mean
-/// bits, fewer a sorted list.
+/// Both are words, and their number distinguishes the forms: enough for a bit per column mean bits, fewer
+/// mean a sorted list.
 #[derive(Clone, Copy)]
 pub(super) enum Row<'a> {
     List(&'a [u32]),
@@ -12,7 +12,7 @@ pub(super) enum Row<'a> {
 }
 
 impl<'a> Row<'a> {
-    /// The row in these words, over columns of which the bits take `n_words`.
+    /// The row in these words; `n_words` words would hold a bit for every column.
     #[inline]
     pub fn new(words: &'a [u32], n_words: usize) -> Self {
         if words.len() == n_words { Self::Bits(words) } else { Self::List(words) }
@@ -94,7 +94,7 @@ impl Iterator for Columns<'_> {
         }
     }
 
-    /// One look at the form for all columns.
+    /// Checks the form once for all columns.
     #[inline]
     fn fold<B, F: FnMut(B, u32) -> B>(self, init: B, mut f: F) -> B {
         match self {

@@ -1,6 +1,8 @@
 use super::row::{Row, n_words, set_bit};
+use crate::{Cancel, Cancelled};
 
-/// Rows over the same columns, packed into one vector: what [`Incidence`](super::Incidence) is once it stops growing.
+/// Rows over the same columns, packed into one vector: what [`Incidence`](super::Incidence) is once it stops
+/// growing.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) struct Rows {
     words: Vec<u32>,
@@ -50,9 +52,14 @@ impl Rows {
     }
 
     /// The same relation read the other way: for each column its rows.
-    pub fn transposed(&self) -> Self {
+    ///
+    /// Fails if `cancel` says so.
+    pub fn transposed(&self, cancel: &Cancel) -> Result<Self, Cancelled> {
         let mut n_left = vec![0; self.n_columns];
-        self.iter().for_each(|row| row.columns().for_each(|column| n_left[column as usize] += 1));
+        for row in self.iter() {
+            cancel.check()?;
+            row.columns().for_each(|column| n_left[column as usize] += 1);
+        }
         let n_words = n_words(self.n_rows());
         let mut starts = vec![0];
         let ends = n_left.iter().scan(0, |end, &len: &usize| {
@@ -64,6 +71,7 @@ impl Rows {
         let n_rows = self.n_rows();
         let mut next = starts.clone();
         for (row, columns) in self.iter().enumerate() {
+            cancel.check()?;
             columns.columns().for_each(|column| {
                 let column = column as usize;
                 if n_left[column] < n_words {
@@ -74,7 +82,7 @@ impl Rows {
                 }
             });
         }
-        Self { words, starts, n_columns: n_rows }
+        Ok(Self { words, starts, n_columns: n_rows })
     }
 }
 
@@ -94,14 +102,15 @@ mod tests {
             let incidence = Incidence::from_rows(n_columns, lists);
             let mut rows = Rows::new(n_columns);
             (0..incidence.n_rows()).for_each(|row| rows.push(incidence.words_of(row)));
-            let transposed = rows.transposed();
+            let never = &Cancel::default();
+            let transposed = rows.transposed(never).unwrap();
             prop_assert_eq!((transposed.n_rows(), transposed.n_columns()), (n_columns, rows.n_rows()));
             for (column, of_column) in transposed.iter().enumerate() {
                 let holds = |row: &u32| rows.row(*row as usize).columns().any(|other| other == column as u32);
                 let expected: Vec<u32> = (0..rows.n_rows() as u32).filter(holds).collect();
                 prop_assert_eq!(of_column.columns().collect::<Vec<_>>(), expected);
             }
-            prop_assert_eq!(transposed.transposed(), rows);
+            prop_assert_eq!(transposed.transposed(never).unwrap(), rows);
         }
     }
 }

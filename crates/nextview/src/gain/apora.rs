@@ -4,13 +4,15 @@ use super::object_probability::from_nearest;
 use crate::map::{Snapshot, frontier};
 use crate::sensor::Frame;
 use crate::visibility::{FreeSpace, Ray, Sight};
+use crate::{Cancel, Cancelled};
 
-/// The gain of APORA (Daudelin & Campbell, RA-L 2017) as Pan & Wei (2021) state it: the sum over the unknown x of all rays
-/// of H(x) P(obj_x) and the product of 1 - P(obj) over the voxels before x, nats.
+/// The gain of APORA (Daudelin & Campbell, RA-L 2017) as Pan & Wei (2021) state it: the sum over the unknown
+/// x of all rays of H(x) P(obj_x) and the product of 1 - P(obj) over the voxels before x, nats.
 ///
-/// P(obj_x) = exp(-(alpha d)^2) with d the distance to the nearest frontier voxel and alpha = 0.1 / voxel size; it is 0 for
-/// measured voxels, so that free space hides nothing. Occupied voxels end a ray. Without a frontier, P(obj) of the
-/// unknown voxels is 1 if nothing occupied was seen yet, else 0, as for the paper's own gain.
+/// P(obj_x) = exp(-(alpha d)^2) with d the distance to the nearest frontier voxel and alpha = 0.1 / voxel
+/// size; it is 0 for measured voxels, so that free space hides nothing. Occupied voxels end a ray. Without a
+/// frontier, P(obj) of the unknown voxels is 1 if nothing occupied was seen yet, else 0, as for the paper's
+/// own gain.
 #[derive(Clone, Debug)]
 pub struct Apora {
     entropy: Vec<f64>,
@@ -22,8 +24,11 @@ impl InformationGain for Apora {
 
     type Tally = f64;
 
-    fn new(snapshot: &Snapshot, _: &[Frame]) -> Self {
-        Self { entropy: entropies(snapshot), object: from_nearest::<1>(snapshot, &frontier(snapshot)) }
+    fn new(snapshot: &Snapshot, _: &[Frame], cancel: &Cancel) -> Result<Self, Cancelled> {
+        Ok(Self {
+            entropy: entropies(snapshot, cancel)?,
+            object: from_nearest::<1>(snapshot, &frontier(snapshot), cancel)?,
+        })
     }
 
     fn add(&self, ray: &Ray<'_>, sum: &mut f64) {

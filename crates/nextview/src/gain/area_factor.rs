@@ -2,25 +2,28 @@ use super::InformationGain;
 use crate::map::{Occupancy, Snapshot};
 use crate::sensor::Frame;
 use crate::visibility::{FreeSpace, Ray, RayEnd, Sight};
+use crate::{Cancel, Cancelled};
 
-/// The area factor of Vasquez-Gomez et al. (International Journal of Advanced Robotic Systems 2014), 0..=2: how near the
-/// shares of occupied and occplane voxels in what a view sees are to 0.2 and 0.8.
+/// The area factor of Vasquez-Gomez et al. (International Journal of Advanced Robotic Systems 2014), 0..=2:
+/// how near the shares of occupied and occplane voxels among the voxels that a view sees are to 0.2 and 0.8.
 ///
-/// A ray sees the first voxel on it that is occupied, occplane or unmarked, which is unknown but not occplane; the shares
-/// are of the rays that see any. The gain is f(occupied, 0.2) + f(occplane, 0.8), where f(a, g) rises from 0 at a = 0 to 1
-/// at a = g and falls to 0 at a = 1, both as a cubic with zero slope at its ends.
+/// A ray sees the first voxel on it that is occupied, occplane or unmarked, which is unknown but not
+/// occplane; the shares are of the rays that see any. The gain is f(occupied, 0.2) + f(occplane, 0.8), where
+/// f(a, g) rises from 0 at a = 0 to 1 at a = g and falls to 0 at a = 1, both as a cubic with zero slope at
+/// its ends.
 ///
-/// Occplane, the border between occluded and free space, is published as unknown voxels next to free ones and behind
-/// a measured surface. A snapshot does not tell what was behind a surface when it was measured: here every unknown
-/// voxel that shares a face with a free one is occplane as soon as anything occupied is known. (The code of Isler et al.
-/// for it looks on behind unmarked voxels for an occplane or occupied one; here the first decides.) The other factors of the
-/// publication (distance, registration overlap) are not part of this one.
+/// Occplane, the border between occluded and free space, is published as unknown voxels next to free ones and
+/// behind a measured surface. A snapshot does not record which voxels were behind a surface when it was
+/// measured, so here every unknown voxel that shares a face with a free one is occplane as soon as anything
+/// occupied is known. (The code of Isler et al. continues behind unmarked voxels to an occplane or occupied
+/// one; here the first voxel decides.) The other factors of the publication (distance, registration overlap)
+/// are not part of this one.
 #[derive(Clone, Debug)]
 pub struct AreaFactor {
     sights: Vec<Seen>,
 }
 
-/// What a ray sees in a voxel.
+/// The kind of voxel that a ray sees.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Seen {
     Nothing,
@@ -28,7 +31,7 @@ enum Seen {
     Unmarked,
 }
 
-/// Numbers of rays by what they see first.
+/// Numbers of rays by the kind of voxel that they see first.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Areas {
     n_occupied: u64,
@@ -41,14 +44,14 @@ impl InformationGain for AreaFactor {
 
     type Tally = Areas;
 
-    fn new(snapshot: &Snapshot, _: &[Frame]) -> Self {
+    fn new(snapshot: &Snapshot, _: &[Frame], _: &Cancel) -> Result<Self, Cancelled> {
         let has_surface = snapshot.count(Occupancy::Occupied) > 0;
         let seen = |index: usize| match snapshot.occupancy()[index] {
             Occupancy::Unknown if has_surface && touches_free(snapshot, index) => Seen::Occplane,
             Occupancy::Unknown => Seen::Unmarked,
             Occupancy::Free | Occupancy::Occupied => Seen::Nothing,
         };
-        Self { sights: (0..snapshot.block().n_voxels()).map(seen).collect() }
+        Ok(Self { sights: (0..snapshot.block().n_voxels()).map(seen).collect() })
     }
 
     fn add(&self, ray: &Ray<'_>, areas: &mut Areas) {
@@ -94,7 +97,8 @@ mod tests {
             let flat = [slope(0.0, 1e-6), slope(g - 1e-6, g), slope(g, g + 1e-6), slope(1.0 - 1e-6, 1.0)];
             assert!(flat.iter().all(|slope| slope.abs() < 1e-4), "{flat:?}");
         }
-        // Half way up, t = 1/2: 1/4 (3 - 1) = 1/2. Three quarters of the way down, t = 1/4: 1/16 (3 - 1/2) = 5/32.
+        // Half way up, t = 1/2: 1/4 (3 - 1) = 1/2. Three quarters of the way down, t = 1/4: 1/16 (3 - 1/2) =
+        // 5/32.
         assert!((peak(0.1, 0.2) - 0.5).abs() < 1e-15);
         assert!((peak(0.8, 0.2) - 5.0 / 32.0).abs() < 1e-15);
     }

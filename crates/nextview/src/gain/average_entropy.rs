@@ -3,26 +3,28 @@ use super::information_gain::entropies;
 use crate::map::Snapshot;
 use crate::sensor::Frame;
 use crate::visibility::{FreeSpace, Ray, RayEnd, Sight};
+use crate::{Cancel, Cancelled};
 
-/// The average entropy of Kriegel et al. (Journal of Real-Time Image Processing 2015): over the rays that end at an occupied
-/// voxel, the sum of H(x) divided by the number of all their x, nats, at most ln 2.
+/// The average entropy of Kriegel et al. (Journal of Real-Time Image Processing 2015): over the rays that end
+/// at an occupied voxel, the sum of H(x) divided by the number of all their x, nats, at most ln 2.
 ///
-/// One mean over the voxels of all rays, not a mean of the rays' means. The occupied voxel counts; a voxel counts
-/// once for each ray that crosses it.
+/// One mean over the voxels of all rays, not a mean of the rays' means. The occupied voxel counts; a voxel
+/// counts once for each ray that crosses it.
 #[derive(Clone, Debug)]
 pub struct AverageEntropy {
     entropy: Vec<f64>,
 }
 
 impl InformationGain for AverageEntropy {
-    // Only for their extent: the mean has no visibility, but takes in the free voxels at the margin of the box.
+    // Fading matters only for the extent of the rays: the mean has no visibility, but includes the free
+    // voxels at the margin of the box.
     const SIGHT: Sight = Sight::endless(FreeSpace::Fades);
 
     /// Sum and number.
     type Tally = (f64, u64);
 
-    fn new(snapshot: &Snapshot, _: &[Frame]) -> Self {
-        Self { entropy: entropies(snapshot) }
+    fn new(snapshot: &Snapshot, _: &[Frame], cancel: &Cancel) -> Result<Self, Cancelled> {
+        Ok(Self { entropy: entropies(snapshot, cancel)? })
     }
 
     fn add(&self, ray: &Ray<'_>, (sum, number): &mut (f64, u64)) {

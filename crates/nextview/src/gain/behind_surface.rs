@@ -1,6 +1,7 @@
 use crate::geometry::{SegmentWalk, VoxelBlock};
 use crate::map::Snapshot;
 use crate::sensor::Frame;
+use crate::{Cancel, Cancelled};
 use rayon::prelude::*;
 use std::sync::atomic::{AtomicU16, Ordering};
 
@@ -9,18 +10,27 @@ pub(super) const NOT_BEHIND: u16 = u16::MAX;
 
 /// How many voxels each voxel of the snapshot lies behind a measured surface, or [`NOT_BEHIND`].
 ///
-/// The rays of all points that the frames measured inside the block go on from the point, straight through whatever the map
-/// knows there. The first voxel after that of the point is 1 behind it, and so on to `limit` - 1; where several rays cross a
-/// voxel, the smallest number counts.
-pub(super) fn voxels_behind_surface(snapshot: &Snapshot, frames: &[Frame], limit: u16) -> Vec<u16> {
+/// From each point that the frames measured inside the block, the ray continues behind the point, whatever
+/// the map holds there. The voxel after that of the point is 1 behind it, and so on to `limit - 1`; where
+/// several rays cross a voxel, the smallest number counts.
+pub(super) fn voxels_behind_surface(
+    snapshot: &Snapshot,
+    frames: &[Frame],
+    limit: u16,
+    cancel: &Cancel,
+) -> Result<Vec<u16>, Cancelled> {
     let behind: Vec<AtomicU16> =
         (0..snapshot.block().n_voxels()).map(|_| AtomicU16::new(NOT_BEHIND)).collect();
     // All threads write to one array: a minimum is the same in any order.
     for frame in frames {
         let rows = (0..frame.image().height()).into_par_iter().with_min_len(16);
-        rows.for_each(|v| mark_row(&behind, snapshot, frame, v, limit));
+        rows.try_for_each(|v| {
+            cancel.check()?;
+            mark_row(&behind, snapshot, frame, v, limit);
+            Ok(())
+        })?;
     }
-    behind.into_iter().map(AtomicU16::into_inner).collect()
+    Ok(behind.into_iter().map(AtomicU16::into_inner).collect())
 }
 
 fn mark_row(behind: &[AtomicU16], snapshot: &Snapshot, frame: &Frame, v: u32, limit: u16) {

@@ -1,20 +1,21 @@
 use crate::Error;
 use crate::geometry::Pose;
 use crate::map::{Occupancy, Snapshot};
-use crate::prior::{Sighting, SurfaceEstimate};
+use crate::prior::{SurfaceEstimate, ViewingClass};
 use crate::sensor::Intrinsics;
-use crate::visibility::{Paths, RayCaster, WorthCaster};
+use crate::visibility::{Paths, RayCaster, ValueCaster};
 use glam::Vec3;
 
-/// How many voxels of surface a view is expected to show that were not seen before, under a
+/// The number of surface voxels not seen before that a view is expected to show, under a
 /// [`SurfacePrior`](crate::prior::SurfacePrior).
 ///
-/// Rays go on behind unknown voxels as far as the prior lets them. Each voxel counts once for a view, with the
-/// probability that it is seen anew from there, as the ray shows it that comes to it best.
+/// Rays continue behind unknown voxels as far as the prior lets them. Each voxel counts once per view, with
+/// the probability that the view newly sees it, taken from the ray that reaches it with the largest
+/// visibility.
 #[derive(Debug)]
 pub struct ExpectedSurface<'a> {
     estimate: &'a SurfaceEstimate,
-    caster: WorthCaster<'a>,
+    caster: ValueCaster<'a>,
     /// The middle of each voxel of the estimate, metres, world coordinates.
     centers: Vec<Vec3>,
 }
@@ -29,8 +30,8 @@ const PASSES_BORDER: f32 = 0.95;
 const FADED: f32 = 0.03;
 
 impl<'a> ExpectedSurface<'a> {
-    /// The gain under an estimate for this snapshot. `ray_spacing` is the distance between neighbouring rays at the
-    /// far side of the box, in voxels of the snapshot, positive.
+    /// The gain under an estimate for this snapshot. `ray_spacing` is the distance between neighbouring rays
+    /// at the far side of the box, in voxels of the snapshot, positive.
     pub fn new(
         snapshot: &'a Snapshot,
         intrinsics: &Intrinsics,
@@ -39,18 +40,19 @@ impl<'a> ExpectedSurface<'a> {
     ) -> Result<Self, Error> {
         let passes = passes(snapshot, estimate);
         let caster = RayCaster::through(snapshot, intrinsics, ray_spacing, &passes, FADED)?;
-        // Every voxel of the estimate weakens rays, so that the caster numbers them all, and as the estimate does.
+        // Every voxel of the estimate weakens rays, so the caster numbers all of them in the order of the
+        // estimate.
         let mut is_item = vec![0.0; passes.len()];
         estimate.voxels().iter().for_each(|&voxel| is_item[voxel as usize] = 1.0);
         let (lattice, block) = (snapshot.lattice(), snapshot.block());
         let center = |&voxel: &u32| lattice.center(block.key(voxel as usize)).as_vec3();
         let centers = estimate.voxels().iter().map(center).collect();
-        Ok(Self { estimate, caster: WorthCaster::new(caster, snapshot, &is_item), centers })
+        Ok(Self { estimate, caster: ValueCaster::new(caster, snapshot, &is_item), centers })
     }
 
-    /// Room to look from one view after the other.
-    pub fn eye(&self) -> Eye<'_> {
-        Eye {
+    /// An evaluator of view candidates, one after the other.
+    pub fn evaluator(&self) -> ViewEvaluator<'_> {
+        ViewEvaluator {
             gain: self,
             paths: self.caster.paths(),
             visibility: vec![0.0; self.estimate.len()],
@@ -59,21 +61,21 @@ impl<'a> ExpectedSurface<'a> {
     }
 }
 
-/// Looks from one view after the other.
+/// Evaluates view candidates, one after the other.
 #[derive(Debug)]
-pub struct Eye<'a> {
+pub struct ViewEvaluator<'a> {
     gain: &'a ExpectedSurface<'a>,
     paths: Paths,
     /// By voxel of the estimate, the largest visibility in the view; zeros between views.
     visibility: Vec<f32>,
-    /// The voxels that rays of the view come to.
+    /// The voxels that rays of the view reach.
     seen: Vec<u32>,
 }
 
-impl Eye<'_> {
-    /// Tells all voxels of the estimate that rays of the view come to, by their place in the estimate, and how well it
-    /// sees them; each once, in a fixed order.
-    pub fn look(&mut self, world_from_camera: &Pose, mut visit: impl FnMut(usize, Sighting)) {
+impl ViewEvaluator<'_> {
+    /// Visits all voxels of the estimate that rays of the view reach, by their place in the estimate, with
+    /// the class of the view for that voxel; each once, in a fixed order.
+    pub fn survey(&mut self, world_from_camera: &Pose, mut visit: impl FnMut(usize, ViewingClass)) {
         let Self { gain, paths, visibility, seen } = self;
         gain.caster.cast(world_from_camera, paths, |item, value| {
             let (best, value) = (&mut visibility[item], value as f32);
@@ -87,19 +89,19 @@ impl Eye<'_> {
         let camera = world_from_camera.translation().as_vec3();
         for item in seen.drain(..).map(|item| item as usize) {
             let facing = (camera - gain.centers[item]).normalize().dot(gain.estimate.normal(item));
-            visit(item, Sighting::new(std::mem::take(&mut visibility[item]), facing));
+            visit(item, ViewingClass::new(std::mem::take(&mut visibility[item]), facing));
         }
     }
 
     /// The number of voxels of surface that the view is expected to show anew.
     pub fn gain(&mut self, world_from_camera: &Pose) -> f64 {
         let (mut sum, estimate) = (0.0, self.gain.estimate);
-        self.look(world_from_camera, |item, sighting| sum += estimate.shows(item, sighting) as f64);
+        self.survey(world_from_camera, |item, class| sum += estimate.shows(item, class) as f64);
         sum
     }
 }
 
-/// What passes through each voxel of the snapshot.
+/// The share of visibility that each voxel of the snapshot passes on.
 fn passes(snapshot: &Snapshot, estimate: &SurfaceEstimate) -> Vec<f32> {
     let occupancy = snapshot.occupancy();
     let pass_measured = |state: &Occupancy| if *state == Occupancy::Occupied { PASSES_OCCUPIED } else { 1.0 };

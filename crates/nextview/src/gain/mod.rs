@@ -1,13 +1,15 @@
-//! Information gains: what a ray is worth.
+//! Information gains: the value of rays.
 //!
-//! [`LocalGain`] is the paper's and rates single crossings, for the flow needs them. The others, of the literature it
-//! compares with, are [`InformationGain`]s: they rate whole rays. They follow the published formulas; where one
-//! leaves something open, its documentation says what was chosen.
+//! [`LocalGain`] is the paper's and evaluates single crossings, which the flow needs. The others come from
+//! the literature that the paper compares with; they are [`InformationGain`]s and evaluate whole rays. They
+//! follow the published formulas; where a formula leaves something open, the documentation of the gain states
+//! our choice.
 //!
-//! [`ExpectedSurface`] is ours: it counts what a view will probably show, under a learned prior.
+//! [`ExpectedSurface`] is ours: it counts the surface that a view will probably show, under a learned prior.
 //!
-//! In the formulas x runs over the voxels of a ray from the camera up to and with the first occupied one, or to the
-//! border of the box; H is entropy in nats, and P(vis_x) the product of 1 - P(occupied) over the voxels before x.
+//! In the formulas x runs over the voxels of a ray from the camera up to and including the first occupied
+//! one, or to the border of the box; H is entropy in nats, and P(vis_x) the product of 1 - P(occupied) over
+//! the voxels before x.
 
 mod apora;
 mod area_factor;
@@ -28,7 +30,7 @@ mod unobserved_voxel;
 pub use apora::Apora;
 pub use area_factor::AreaFactor;
 pub use average_entropy::AverageEntropy;
-pub use expected_surface::{ExpectedSurface, Eye};
+pub use expected_surface::{ExpectedSurface, ViewEvaluator};
 pub use information_gain::InformationGain;
 pub use krainin::Krainin;
 pub use local_gain::LocalGain;

@@ -1,50 +1,54 @@
 use crate::geometry::VoxelBlock;
+use crate::{Cancel, Cancelled};
 use pulp::Arch;
 use rayon::prelude::*;
 
-/// Squared distances from here on are not told apart.
+/// Squared distances from here on are not distinguished.
 pub(super) const FAR_SQ: u32 = 75_000;
 
-/// Number of voxels, side by side along x, whose lists are worked on at once: one vector of 512 bits.
+/// Number of voxels, side by side along x, whose lists are processed at once: one vector of 512 bits.
 const LANES: usize = 16;
 
-/// For each of some voxels side by side along x, the squared distances to the K nearest points, ascending. Signed, for
-/// plain x86-64 has no comparison of unsigned vectors.
+/// For each of some voxels side by side along x, the squared distances to the K nearest points, ascending.
+/// Signed, because plain x86-64 has no comparison of unsigned vectors.
 type Lists<const K: usize> = [[i32; LANES]; K];
 
-/// The sum of the squared distances, in voxels, from every needed voxel of the block to its K nearest of the given
-/// voxels, which must come in increasing order; of each that is at least [`FAR_SQ`], or of which there are too few,
-/// that. Either the same or 0 for voxels not needed.
+/// The sum of the squared distances, in voxels, from every needed voxel of the block to the K nearest of the
+/// given voxels, which must come in increasing order. Distances of at least [`FAR_SQ`], and missing
+/// neighbours, count as [`FAR_SQ`]. Voxels that are not needed get the same sum or 0.
 ///
 /// Exact and separable, like a distance transform (Felzenszwalb & Huttenlocher 2012): of the points in a row
-/// along x, only the K nearest along x can be among the K nearest of any voxel of that row, and so on for y and z. So
-/// each axis is one pass that merges the lists of a line, outward from the voxel until nothing can be nearer. All
-/// passes are made for a few x before the next: the lists of the whole block would take 375 MB at 250 voxels a side.
+/// along x, only the K nearest along x can be among the K nearest of any voxel of that row, and so on for y
+/// and z. So each axis is one pass that merges the lists of a line, outward from the voxel until nothing can
+/// be nearer. All passes run for a few x before the next: the lists of the whole block would take 375 MB at
+/// 250 voxels a side.
 pub(super) fn sums_of_nearest<const K: usize>(
     block: &VoxelBlock,
     points: &[usize],
     is_needed: impl Fn(usize) -> bool + Sync,
-) -> Vec<u32> {
+    cancel: &Cancel,
+) -> Result<Vec<u32>, Cancelled> {
     let [n_x, n_y, n_z] = block.dims().to_array().map(|n| n as usize);
     let rows: Vec<&[usize]> = points.chunk_by(|a, b| a / n_x == b / n_x).collect();
     let slab = |x: usize| Slab::<K> { x, n_x, n_y, n_z, rows: &rows };
     let starts: Vec<usize> = (0..n_x).step_by(LANES).collect();
     let sums_from = |x: usize| {
         let slab = slab(x);
-        // A closure that consumes what it uses: any other is called through a function without vector instructions.
+        // A closure that consumes its captures: any other is called through a function without vector
+        // instructions.
         Arch::new().dispatch(
             #[inline(always)]
-            || slab.sums(&is_needed),
+            || slab.sums(&is_needed, cancel),
         )
     };
-    let slabs: Vec<Vec<u32>> = starts.into_par_iter().map(sums_from).collect();
+    let slabs: Vec<Vec<u32>> = starts.into_par_iter().map(sums_from).collect::<Result<_, Cancelled>>()?;
     let mut sums = vec![0; block.n_voxels()];
     sums.par_chunks_mut(n_x).enumerate().for_each(|(row, sums)| {
         for (sums, slab) in sums.chunks_mut(LANES).zip(&slabs) {
             sums.copy_from_slice(&slab[row * LANES..][..sums.len()]);
         }
     });
-    sums
+    Ok(sums)
 }
 
 /// The voxels of [`LANES`] neighbouring x; the last ones may lie outside the block.
@@ -62,17 +66,19 @@ impl<const K: usize> Slab<'_, K> {
 
     /// The sums of all voxels of the slab, x varying fastest.
     #[inline(always)]
-    fn sums(self, is_needed: &impl Fn(usize) -> bool) -> Vec<u32> {
+    fn sums(self, is_needed: &impl Fn(usize) -> bool, cancel: &Cancel) -> Result<Vec<u32>, Cancelled> {
         let plane_of = |row: &[usize]| row[0] / (self.n_x * self.n_y);
         let planes: Vec<&[&[usize]]> = self.rows.chunk_by(|a, b| plane_of(a) == plane_of(b)).collect();
         let z: Vec<usize> = planes.iter().map(|rows| plane_of(rows[0])).collect();
         let mut in_plane: Vec<Lists<K>> = Vec::with_capacity(planes.len() * self.n_y);
         for rows in planes {
+            cancel.check()?;
             self.push_plane(rows, &mut in_plane);
         }
         let mut sums = vec![0; LANES * self.n_y * self.n_z];
         // A column of lists along z stays in the cache.
         for y in 0..self.n_y {
+            cancel.check()?;
             let mut nearest = Self::NOTHING;
             for at in 0..self.n_z {
                 let row = y + at * self.n_y;
@@ -86,7 +92,7 @@ impl<const K: usize> Slab<'_, K> {
                 nearest.iter().for_each(|of| sums.iter_mut().zip(of).for_each(|(sum, d)| *sum += *d as u32));
             }
         }
-        sums
+        Ok(sums)
     }
 
     /// Appends the lists of all rows of a plane, from the points of that plane alone.
@@ -120,8 +126,8 @@ impl<const K: usize> Slab<'_, K> {
     }
 }
 
-/// Merges lists along a line into those of the voxels at one place of it. The list of `places[i]`, which increase, is
-/// `lists[i * stride]`.
+/// Merges lists along a line into those of the voxels at one place of it. The list of `places[i]`, which
+/// increase, is `lists[i * stride]`.
 #[inline(always)]
 fn merge_line<const K: usize>(
     nearest: &mut Lists<K>,
@@ -149,8 +155,8 @@ fn merge_line<const K: usize>(
     }
 }
 
-/// The lists of a voxel before any point is known, one step along a line from one of these lists: its K nearest points
-/// are not farther than theirs and the step together, so nothing beyond is ever inserted.
+/// The lists of a voxel before any point is known, one step along a line from one of these lists: its K
+/// nearest points are not farther than theirs and the step together, so nothing beyond is ever inserted.
 #[inline(always)]
 fn next_lists<const K: usize>(nearest: &Lists<K>) -> Lists<K> {
     let limit = nearest[K - 1].map(|d| (d + 2 + (2.0 * (d as f32).sqrt()) as i32 + 1).min(FAR_SQ as i32));
@@ -180,7 +186,7 @@ fn insert<const K: usize>(nearest: &mut Lists<K>, mut distance_sq: [i32; LANES])
     }
 }
 
-/// The square of a distance, as far as it is told apart.
+/// The square of a distance, at most [`FAR_SQ`].
 #[inline(always)]
 fn square(distance: usize) -> i32 {
     (distance.min(FAR_SQ as usize) as u64).pow(2).min(FAR_SQ.into()) as i32
@@ -208,7 +214,7 @@ mod tests {
 
     fn check<const K: usize>(block: &VoxelBlock, points: &[usize]) -> Result<(), TestCaseError> {
         let is_needed = |index: usize| index % 5 != 2;
-        let sums = sums_of_nearest::<K>(block, points, is_needed);
+        let sums = sums_of_nearest::<K>(block, points, is_needed, &Cancel::default()).unwrap();
         prop_assert_eq!(sums.len(), block.n_voxels());
         for index in (0..block.n_voxels()).filter(|&index| is_needed(index)) {
             prop_assert_eq!(sums[index], by_sorting(block, points, index, K));
@@ -221,7 +227,7 @@ mod tests {
         fn equals_sorting_all_distances(
             dims in prop::array::uniform3(1_u32..9), long in 0_usize..3, picks in prop::collection::vec(any::<prop::sample::Index>(), 0..30),
         ) {
-            // One axis longer than a slab is wide, or than the distances that are told apart.
+            // One axis longer than a slab is wide, or than the distances that are distinguished.
                         let dims = UVec3::from_array(std::array::from_fn(|axis| dims[axis] * [40, 1, 1][(axis + long) % 3]));
             let block = VoxelBlock::new(IVec3::new(-3, 0, 5), dims).unwrap();
             let mut points: Vec<usize> = picks.iter().map(|pick| pick.index(block.n_voxels())).collect();

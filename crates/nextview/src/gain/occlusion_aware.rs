@@ -3,11 +3,13 @@ use super::information_gain::entropies;
 use crate::map::Snapshot;
 use crate::sensor::Frame;
 use crate::visibility::{FreeSpace, Ray, RayEnd, Sight};
+use crate::{Cancel, Cancelled};
 
-/// Occlusion aware volumetric information (Isler et al., ICRA 2016): the sum of P(vis_x) H(x) over all x of all rays, nats.
+/// Occlusion aware volumetric information (Isler et al., ICRA 2016): the sum of P(vis_x) H(x) over all x of
+/// all rays, nats.
 ///
-/// The occupied voxel at which a ray ends counts. The authors' code multiplies P(occupied) into the visibility; here it is
-/// 1 - P(occupied), as published.
+/// The occupied voxel at which a ray ends counts. The authors' code multiplies P(occupied) into the
+/// visibility; here it is 1 - P(occupied), as published.
 #[derive(Clone, Debug)]
 pub struct OcclusionAware {
     entropy: Vec<f64>,
@@ -18,8 +20,8 @@ impl InformationGain for OcclusionAware {
 
     type Tally = f64;
 
-    fn new(snapshot: &Snapshot, _: &[Frame]) -> Self {
-        Self { entropy: entropies(snapshot) }
+    fn new(snapshot: &Snapshot, _: &[Frame], cancel: &Cancel) -> Result<Self, Cancelled> {
+        Ok(Self { entropy: entropies(snapshot, cancel)? })
     }
 
     fn add(&self, ray: &Ray<'_>, sum: &mut f64) {

@@ -4,13 +4,15 @@ use super::information_gain::unknown;
 use crate::map::Snapshot;
 use crate::sensor::Frame;
 use crate::visibility::{FreeSpace, Ray, Sight};
+use crate::{Cancel, Cancelled};
 
-/// The proximity count (Isler et al., ICRA 2016): the sum of d_max - d(x) over the unknown x of all rays, in voxels, where
-/// d(x) tells how many voxels x lies behind a measured surface, along the ray that measured it; 0 behind none.
+/// The proximity count (Isler et al., ICRA 2016): the sum of d_max - d(x) over the unknown x of all rays, in
+/// voxels, where d(x) is the number of voxels by which x lies behind a measured surface, along the ray that
+/// measured it; an x behind no surface adds 0.
 ///
-/// The smallest d(x) of all rays of all frames counts, and voxels known by now do not hide what lies behind them: so d
-/// depends on the frames, but not on when they came. Steps are from face to face, as the traversal makes them. Without
-/// frames, nothing gains.
+/// The smallest d(x) of all rays of all frames counts, and voxels measured since do not hide those behind
+/// them: so d depends on the frames but not on their order. Steps go from face to face, as in the traversal.
+/// Without frames, every gain is 0.
 #[derive(Clone, Debug)]
 pub struct ProximityCount {
     /// d_max - d of unknown voxels behind a surface, 0 for others.
@@ -18,9 +20,9 @@ pub struct ProximityCount {
 }
 
 impl ProximityCount {
-    /// d_max, voxels. The publication leaves it open. The authors' code follows rays 0.3 m behind the surface and takes twice
-    /// the voxels in that for d_max, which is 60 at its voxels of 1 cm; here rays are followed until d_max itself. Any
-    /// value from 5 to 60 planned as well on six scanned objects.
+    /// d_max, voxels. The publication leaves it open. The authors' code follows rays 0.3 m behind the surface
+    /// and takes twice the voxels in that for d_max, which is 60 at its voxels of 1 cm; here rays are
+    /// followed until d_max itself. Any value from 5 to 60 planned as well on six scanned objects.
     pub const D_MAX: u16 = 60;
 }
 
@@ -29,14 +31,14 @@ impl InformationGain for ProximityCount {
 
     type Tally = u64;
 
-    fn new(snapshot: &Snapshot, frames: &[Frame]) -> Self {
-        let behind = voxels_behind_surface(snapshot, frames, Self::D_MAX);
+    fn new(snapshot: &Snapshot, frames: &[Frame], cancel: &Cancel) -> Result<Self, Cancelled> {
+        let behind = voxels_behind_surface(snapshot, frames, Self::D_MAX, cancel)?;
         let nearness = |(d, unknown): (u16, bool)| match d {
             NOT_BEHIND => 0,
             d if unknown => Self::D_MAX - d,
             _ => 0,
         };
-        Self { nearness: behind.into_iter().zip(unknown(snapshot)).map(nearness).collect() }
+        Ok(Self { nearness: behind.into_iter().zip(unknown(snapshot)).map(nearness).collect() })
     }
 
     fn add(&self, ray: &Ray<'_>, sum: &mut u64) {

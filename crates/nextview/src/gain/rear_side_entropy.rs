@@ -3,13 +3,15 @@ use super::information_gain::{entropies, unknown};
 use crate::map::Snapshot;
 use crate::sensor::Frame;
 use crate::visibility::{FreeSpace, Ray, RayEnd, Sight};
+use crate::{Cancel, Cancelled};
 
-/// Rear side entropy (Isler et al., ICRA 2016; Delmerico et al., Autonomous Robots 2018): over the rays that end at an
-/// occupied voxel straight after an unknown one, the sum of P(vis_x) H(x) over that occupied voxel and the unbroken run of
-/// unknown voxels before it, nats.
+/// Rear side entropy (Isler et al., ICRA 2016; Delmerico et al., Autonomous Robots 2018): over the rays that
+/// end at an occupied voxel straight after an unknown one, the sum of P(vis_x) H(x) over that occupied voxel
+/// and the unbroken run of unknown voxels before it, nats.
 ///
-/// Rays may not end where they have faded, though visibility is a factor: whether the ray counts at all is decided at its
-/// end. The authors' code multiplies P(occupied) into the visibility; here it is 1 - P(occupied), as published.
+/// Rays do not end where they have faded, although visibility is a factor: only the end of a ray decides
+/// whether it counts. The authors' code multiplies P(occupied) into the visibility; here it is
+/// 1 - P(occupied), as published.
 #[derive(Clone, Debug)]
 pub struct RearSideEntropy {
     entropy: Vec<f64>,
@@ -21,8 +23,8 @@ impl InformationGain for RearSideEntropy {
 
     type Tally = f64;
 
-    fn new(snapshot: &Snapshot, _: &[Frame]) -> Self {
-        Self { entropy: entropies(snapshot), unknown: unknown(snapshot) }
+    fn new(snapshot: &Snapshot, _: &[Frame], cancel: &Cancel) -> Result<Self, Cancelled> {
+        Ok(Self { entropy: entropies(snapshot, cancel)?, unknown: unknown(snapshot) })
     }
 
     fn add(&self, ray: &Ray<'_>, sum: &mut f64) {

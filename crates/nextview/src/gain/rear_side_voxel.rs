@@ -3,9 +3,10 @@ use super::information_gain::unknown;
 use crate::map::Snapshot;
 use crate::sensor::Frame;
 use crate::visibility::{FreeSpace, Ray, RayEnd, Sight};
+use crate::{Cancel, Cancelled};
 
-/// Rear side voxel volumetric information (Isler et al., ICRA 2016): the number of rays that come at a known surface from
-/// behind, which is those that end at an occupied voxel straight after an unknown one.
+/// Rear side voxel volumetric information (Isler et al., ICRA 2016): the number of rays that reach a known
+/// surface from behind, that is, end at an occupied voxel straight after an unknown one.
 ///
 /// A voxel counts once for each ray that ends at it.
 #[derive(Clone, Debug)]
@@ -18,8 +19,8 @@ impl InformationGain for RearSideVoxel {
 
     type Tally = u64;
 
-    fn new(snapshot: &Snapshot, _: &[Frame]) -> Self {
-        Self { unknown: unknown(snapshot) }
+    fn new(snapshot: &Snapshot, _: &[Frame], _: &Cancel) -> Result<Self, Cancelled> {
+        Ok(Self { unknown: unknown(snapshot) })
     }
 
     fn add(&self, ray: &Ray<'_>, count: &mut u64) {

@@ -3,9 +3,10 @@ use super::information_gain::{entropies, unknown};
 use crate::map::Snapshot;
 use crate::sensor::Frame;
 use crate::visibility::{FreeSpace, Ray, Sight};
+use crate::{Cancel, Cancelled};
 
-/// Unobserved voxel volumetric information (Isler et al., ICRA 2016): the sum of P(vis_x) H(x) over the unknown x of all
-/// rays, nats.
+/// Unobserved voxel volumetric information (Isler et al., ICRA 2016): the sum of P(vis_x) H(x) over the
+/// unknown x of all rays, nats.
 #[derive(Clone, Debug)]
 pub struct UnobservedVoxel {
     /// The entropy of unknown voxels, 0 for others.
@@ -17,9 +18,9 @@ impl InformationGain for UnobservedVoxel {
 
     type Tally = f64;
 
-    fn new(snapshot: &Snapshot, _: &[Frame]) -> Self {
-        let all = entropies(snapshot).into_iter().zip(unknown(snapshot));
-        Self { entropy: all.map(|(entropy, unknown)| if unknown { entropy } else { 0.0 }).collect() }
+    fn new(snapshot: &Snapshot, _: &[Frame], cancel: &Cancel) -> Result<Self, Cancelled> {
+        let all = entropies(snapshot, cancel)?.into_iter().zip(unknown(snapshot));
+        Ok(Self { entropy: all.map(|(entropy, unknown)| if unknown { entropy } else { 0.0 }).collect() })
     }
 
     fn add(&self, ray: &Ray<'_>, sum: &mut f64) {

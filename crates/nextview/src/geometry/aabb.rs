@@ -1,18 +1,36 @@
+use crate::Error;
+use crate::checked::checked_when_read;
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
 
 /// An axis-aligned box in metres, closed on all sides.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(deny_unknown_fields, remote = "Self")]
 pub struct Aabb {
-    /// Lowest corner.
+    /// Lowest corner, metres.
+    #[serde(rename = "min_m")]
+    #[cfg_attr(feature = "schema", schemars(with = "[f64; 3]"))]
     pub min: DVec3,
-    /// Highest corner; never below `min`.
+    /// Highest corner, metres; never below `min`.
+    #[serde(rename = "max_m")]
+    #[cfg_attr(feature = "schema", schemars(with = "[f64; 3]"))]
     pub max: DVec3,
 }
+
+checked_when_read!(Aabb);
 
 impl Aabb {
     /// All of space.
     pub const EVERYWHERE: Self = Self { min: DVec3::NEG_INFINITY, max: DVec3::INFINITY };
+
+    /// Fails if a corner is NaN or the lowest corner is above the highest on any axis.
+    pub fn check(&self) -> Result<(), Error> {
+        if self.min.cmple(self.max).all() {
+            return Ok(());
+        }
+        Err(Error::invalid("box", format!("{} to {}", self.min, self.max), "the lowest corner first"))
+    }
 
     /// The cube around `center` whose faces are `half` metres away.
     pub fn cube(center: DVec3, half: f64) -> Self {

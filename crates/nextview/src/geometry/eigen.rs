@@ -7,12 +7,12 @@ pub(crate) struct Eigen<const N: usize> {
     pub vectors: [[f64; N]; N],
 }
 
-/// Rotations of all pairs; from about the sixth on nothing changes.
+/// Maximum number of sweeps over all pairs; nothing changes after about the sixth.
 const MAX_SWEEPS: usize = 30;
 
 impl<const N: usize> Eigen<N> {
-    /// The cyclic Jacobi method (Golub & Van Loan, Matrix Computations, section 8.5): rotates away one element off
-    /// the diagonal after the other. `a` must be finite and symmetric.
+    /// The cyclic Jacobi method (Golub & Van Loan, Matrix Computations, section 8.5): rotates away one
+    /// element off the diagonal after the other. `a` must be finite and symmetric.
     pub fn of(mut a: [[f64; N]; N]) -> Self {
         let mut vectors = std::array::from_fn(|i| std::array::from_fn(|j| (i == j) as u8 as f64));
         let pairs = || (0..N).flat_map(|p| (p + 1..N).map(move |q| (p, q)));

@@ -1,5 +1,6 @@
 use super::Aabb;
 use crate::Error;
+use crate::checked::checked_when_read;
 use glam::{DVec3, IVec3, UVec3};
 use serde::{Deserialize, Serialize};
 
@@ -17,21 +18,33 @@ pub type VoxelKey = IVec3;
 /// assert!(lattice.center(IVec3::new(0, 0, -1)).distance(DVec3::new(0.005, 0.005, -0.005)) < 1e-15);
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, remote = "Self")]
 pub struct Lattice {
+    #[serde(rename = "voxel_size_m")]
     voxel_size: f64,
 }
 
+checked_when_read!(Lattice);
+
 impl Lattice {
-    /// The smallest voxel size, 0.1 mm: below every depth camera's accuracy, and 32-bit keys still span 400 km.
+    /// The smallest voxel size, 0.1 mm: below every depth camera's accuracy, and 32-bit keys still span 400
+    /// km.
     pub const MIN_VOXEL_SIZE: f64 = 1e-4;
 
     /// A lattice of cubes with edges of `voxel_size` metres, which must be at least
     /// [`MIN_VOXEL_SIZE`](Self::MIN_VOXEL_SIZE) and finite.
     pub fn new(voxel_size: f64) -> Result<Self, Error> {
-        if !(voxel_size >= Self::MIN_VOXEL_SIZE && voxel_size.is_finite()) {
-            return Err(Error::invalid("voxel_size", voxel_size, "a finite length of at least 0.0001 m"));
+        let lattice = Self { voxel_size };
+        lattice.check()?;
+        Ok(lattice)
+    }
+
+    fn check(&self) -> Result<(), Error> {
+        let voxel_size = self.voxel_size;
+        if voxel_size >= Self::MIN_VOXEL_SIZE && voxel_size.is_finite() {
+            return Ok(());
         }
-        Ok(Self { voxel_size })
+        Err(Error::invalid("voxel_size_m", voxel_size, "a finite length of at least 0.0001 m"))
     }
 
     /// Edge of a voxel in metres.

@@ -6,6 +6,7 @@
 mod aabb;
 mod box_count;
 mod eigen;
+pub(crate) mod lanes;
 mod lattice;
 mod moments;
 mod nearest_source;

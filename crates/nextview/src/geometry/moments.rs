@@ -2,33 +2,33 @@ use super::eigen::Eigen;
 use glam::{DMat3, DVec3};
 use std::ops::Add;
 
-/// Largest variance across the plane through some points, as a share of the second largest variance along it. Of a full
-/// disc the latter is a quarter of the squared radius, so the disc may be half as thick as it is wide: what is thicker is an
-/// edge or a wire, of which a plane says little.
+/// Largest variance across the plane through some points, as a share of the second largest variance along it.
+/// Of a full disc the latter is a quarter of the squared radius, so the disc may be half as thick as it is
+/// wide: anything thicker is an edge or a wire, which a plane describes badly.
 const MOST_THICKNESS: f64 = 0.2;
 
-/// Sums over points: what a plane is fitted to.
+/// Sums over points, to which a plane is fitted.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Moments {
     /// Number of points.
     pub n: f64,
     pub sum: DVec3,
-    /// Of the outer products.
+    /// Sum of the outer products.
     pub squares: DMat3,
 }
 
 impl Moments {
-    /// Of no points.
+    /// The sums over no points.
     pub const NONE: Self = Self { n: 0.0, sum: DVec3::ZERO, squares: DMat3::ZERO };
 
-    /// Of one point.
+    /// The sums over one point.
     pub fn of(point: DVec3) -> Self {
         let squares = DMat3::from_cols(point * point.x, point * point.y, point * point.z);
         Self { n: 1.0, sum: point, squares }
     }
 
-    /// The normal, of either sign, of the plane of least squared distances (principal components, Hoppe et al. 1992); none if
-    /// the points are no plane. There must be a point.
+    /// The normal, of either sign, of the plane of least squared distances (principal components, Hoppe et
+    /// al. 1992); none if the points do not form a plane. There must be at least one point.
     pub fn normal(&self) -> Option<DVec3> {
         let mean = self.sum / self.n;
         let outer = DMat3::from_cols(mean * mean.x, mean * mean.y, mean * mean.z);

@@ -1,4 +1,5 @@
 use crate::Error;
+use crate::checked::{check_range, checked_when_read};
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
 
@@ -12,12 +13,18 @@ use serde::{Deserialize, Serialize};
 /// assert!((table.height(DVec3::new(3.0, 1.0, 0.9)) - 0.2).abs() < 1e-15);
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(deny_unknown_fields, remote = "Self")]
 pub struct Plane {
     /// Of unit length.
+    #[cfg_attr(feature = "schema", schemars(with = "[f64; 3]"))]
     normal: DVec3,
     /// `normal . p` of its points, metres.
+    #[serde(rename = "offset_m")]
     offset: f64,
 }
+
+checked_when_read!(Plane);
 
 impl Plane {
     /// The plane through `point` (metres) with this normal, of any length but zero.
@@ -33,9 +40,25 @@ impl Plane {
         Ok(Self { normal, offset: normal.dot(point) })
     }
 
-    /// The horizontal plane at this height, metres, with its upper side up; fails unless the height is finite.
+    /// `normal . p` of its points, metres.
+    pub fn offset(&self) -> f64 {
+        self.offset
+    }
+
+    /// The horizontal plane at this height, metres, with its upper side up; fails unless the height is
+    /// finite.
     pub fn horizontal(z: f64) -> Result<Self, Error> {
         Self::new(DVec3::Z, DVec3::Z * z)
+    }
+
+    /// Fails unless the normal is of unit length, within 1e-6, and the offset finite.
+    fn check(&self) -> Result<(), Error> {
+        let length = self.normal.length();
+        check_range("length of the normal", length, 1.0 - 1e-6..=1.0 + 1e-6, "1 (within 1e-6)")?;
+        if !self.offset.is_finite() {
+            return Err(Error::invalid("offset_m", self.offset, "a finite number of metres"));
+        }
+        Ok(())
     }
 
     /// The normal, of unit length.

@@ -2,16 +2,18 @@ use super::Plane;
 use super::random::Random;
 use glam::{DMat2, DVec2, DVec3};
 
-/// Distance, metres, within which a point counts for a plane: several times the noise of a depth camera before a
-/// table.
+/// Distance, metres, within which a point belongs to a plane: several times the noise of a depth camera that
+/// views a table.
 const INLIER_DISTANCE: f64 = 0.005;
-/// The same for the last fit: points of things on the table, which tilt it, are then fewer.
+/// The same for the last fit, which then includes fewer points of things on the table that would tilt it.
 const CLOSE_DISTANCE: f64 = 0.002;
-/// Points that planes are tried on, evenly drawn from all.
+/// Number of points on which planes are tested, evenly drawn from all.
 const N_TRIED: usize = 4000;
-/// Triples drawn. A plane that holds a twentieth of the points is then found with 92 %, one that holds a tenth surely.
+/// Number of triples drawn. A plane that holds a twentieth of the points is then found with a probability of
+/// 92 %, one that holds a tenth almost certainly.
 const N_DRAWS: usize = 20_000;
-/// The same where most points are known to be of the plane: a plane that holds a third of them is found surely.
+/// The same where most points are known to lie on the plane: a plane that holds a third of them is found
+/// almost certainly.
 const N_DRAWS_NEAR: usize = 300;
 /// Cosine of 3 degrees.
 const ALIKE: f64 = 0.998_629_534_754_573_9;
@@ -29,16 +31,18 @@ pub struct PlaneFit {
     pub deviation: f64,
 }
 
-/// The plane that holds most points (metres), among those that lean by less than 30 degrees from the horizontal and
-/// lie below `viewpoint`: a table, not a wall and not the ceiling. None if no such plane holds a twentieth of the points.
+/// The plane that holds most points (metres), among those that lean by less than 30 degrees from the
+/// horizontal and lie below `viewpoint`: a table, not a wall and not the ceiling. None if no such plane holds
+/// a twentieth of the points.
 ///
-/// RANSAC (Fischler & Bolles 1981) with fixed draws, then least squares over the points within 5 and then 2 mm.
+/// RANSAC (Fischler & Bolles 1981) with fixed draws, then least squares over the points within 5 and then 2
+/// mm.
 pub fn fit_ground(points: &[DVec3], viewpoint: DVec3) -> Option<PlaneFit> {
     fit(points, viewpoint, N_DRAWS)
 }
 
-/// The same of the points at most `distance` metres from a plane that is roughly it; none if it leans against that by more than
-/// 3 degrees.
+/// The same for the points at most `distance` metres from a rough estimate of the plane; none if the result
+/// is tilted against the estimate by more than 3 degrees.
 pub fn fit_ground_near(rough: Plane, distance: f64, points: &[DVec3], viewpoint: DVec3) -> Option<PlaneFit> {
     let near: Vec<DVec3> = inliers(points, rough, distance).collect();
     let found = fit(&near, viewpoint, N_DRAWS_NEAR)?;
@@ -80,7 +84,8 @@ fn inliers(points: &[DVec3], plane: Plane, distance: f64) -> impl Iterator<Item 
     points.iter().copied().filter(move |point| plane.height(*point).abs() <= distance)
 }
 
-/// The plane of smallest squared vertical distances to the points near this one; this one if they do not span a plane.
+/// The plane of smallest squared vertical distances to the points near this one; this one if they do not span
+/// a plane.
 fn least_squares(points: &[DVec3], plane: Plane, distance: f64) -> Plane {
     let (n, sum) = inliers(points, plane, distance).fold((0, DVec3::ZERO), |(n, sum), p| (n + 1, sum + p));
     let mean = sum / n as f64;

@@ -1,4 +1,5 @@
 use crate::Error;
+use crate::checked::{check_range, checked_when_read};
 use glam::{DMat3, DQuat, DVec3};
 use serde::{Deserialize, Serialize};
 use std::ops::Mul;
@@ -13,14 +14,25 @@ use std::ops::Mul;
 /// let camera_from_world = world_from_camera.inverse();
 /// assert_eq!(camera_from_world.transform_point(DVec3::X), DVec3::ZERO);
 /// ```
+///
+/// Files hold the rotation as a Hamilton quaternion x, y, z, w and the translation in metres. Reading and
+/// writing preserve every bit.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(deny_unknown_fields, remote = "Self")]
 pub struct Pose {
+    #[serde(rename = "rotation_xyzw")]
+    #[cfg_attr(feature = "schema", schemars(with = "[f64; 4]"))]
     rotation: DQuat,
+    #[serde(rename = "translation_m")]
+    #[cfg_attr(feature = "schema", schemars(with = "[f64; 3]"))]
     translation: DVec3,
 }
 
+checked_when_read!(Pose);
+
 impl Pose {
-    /// The transform that changes nothing.
+    /// The identity transform.
     pub const IDENTITY: Self = Self { rotation: DQuat::IDENTITY, translation: DVec3::ZERO };
 
     /// A transform from a rotation and a translation in metres.
@@ -34,6 +46,16 @@ impl Pose {
             return Err(Error::invalid("length of the quaternion", rotation.length(), "1 (within 1e-3)"));
         }
         Ok(Self { rotation: rotation.normalize(), translation })
+    }
+
+    /// Fails unless the quaternion is of length 1, within 1e-6, and the translation finite.
+    fn check(&self) -> Result<(), Error> {
+        let length = self.rotation.length();
+        check_range("length of the quaternion", length, 1.0 - 1e-6..=1.0 + 1e-6, "1 (within 1e-6)")?;
+        if !self.translation.is_finite() {
+            return Err(Error::invalid("translation_m", self.translation, "finite numbers of metres"));
+        }
+        Ok(())
     }
 
     /// A transform from an orthonormal, right-handed basis that the caller has built.
@@ -51,8 +73,8 @@ impl Pose {
         self.rotation
     }
 
-    /// The origin of the source frame, seen in the destination frame, metres: of `world_from_camera`,
-    /// where the camera stands.
+    /// The origin of the source frame, seen in the destination frame, metres; for `world_from_camera`, the
+    /// position of the camera.
     pub fn translation(&self) -> DVec3 {
         self.translation
     }

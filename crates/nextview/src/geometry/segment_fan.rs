@@ -1,13 +1,15 @@
+use super::lanes::{FIRST_INDEX, LANES, Lanes, any, cell, load, round, store};
 use super::{VoxelBlock, VoxelKey};
 use glam::DVec3;
 use pulp::{Arch, Simd, WithSimd};
 use std::sync::atomic::{AtomicU8, Ordering};
 
-/// Segments from one point through a box of voxels, several walked at a time in the lanes of vector instructions.
+/// Segments from one point through a box of voxels, several walked at a time in the lanes of vector
+/// instructions.
 ///
-/// Each is walked exactly as by [`SegmentWalk::within`](super::SegmentWalk::within), with the same operations on the
-/// same numbers, but only tells which voxels were crossed. That takes a third of the time: a step has no branch that
-/// depends on the segment, and marks with one store a lane.
+/// Each is walked exactly as by [`SegmentWalk::within`](super::SegmentWalk::within), with the same operations
+/// on the same numbers, but only the crossed voxels are recorded. That takes a third of the time: a step has
+/// no branch that depends on the segment, and marks with one store per lane.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct SegmentFan {
     /// Where all segments start, in units of voxels.
@@ -21,8 +23,8 @@ pub(crate) struct SegmentFan {
 }
 
 impl SegmentFan {
-    /// Sets to 1 the cells of all voxels that the segments cross before the voxel of their end, in units of voxels.
-    /// There must be one cell more than voxels in the block; its value means nothing.
+    /// Sets to 1 the cells of all voxels that the segments cross before the voxel of their end, in units of
+    /// voxels. There must be one cell more than voxels in the block; its value means nothing.
     pub fn mark_crossed(&self, ends: &[DVec3], cells: &[AtomicU8]) {
         assert_eq!(cells.len(), self.cells.n_voxels() + 1);
         Arch::new().dispatch(Crossing { fan: self, ends, cells });
@@ -48,20 +50,11 @@ impl WithSimd for Crossing<'_> {
     }
 }
 
-/// Lanes of the widest instructions.
-const MAX_LANES: usize = 8;
-
-/// Added to an index, it leaves the index in the low bits of the number.
-const MAGIC: f64 = (1_u64 << 52) as f64;
-
-/// A number per segment.
-type Lanes = [f64; MAX_LANES];
-
-/// Segments under way; the names are those of `SegmentWalk`. There is no closure in what follows: one that is not inlined is
-/// compiled without vector instructions, and each of them becomes a call.
+/// Segments under way; the names are those of `SegmentWalk`. The code below has no closures: a closure that
+/// is not inlined is compiled without vector instructions, and each of those becomes a call.
 struct Walk<S: Simd> {
     axes: [Axis<S>; 3],
-    /// The cell of the voxel it is in, and that of its end or one that does not exist; plus [`MAGIC`].
+    /// The cell of the voxel it is in, and that of its end or one that does not exist; as an [index](cell).
     index: S::f64s,
     end_index: S::f64s,
     /// The cell that ended segments mark.
@@ -91,7 +84,7 @@ struct Approach<S: Simd> {
     speed: S::f64s,
     step: S::f64s,
     n_end: S::f64s,
-    /// Steps that are missing to the box.
+    /// Steps left to reach the box.
     short: S::f64s,
 }
 
@@ -104,21 +97,11 @@ struct AxisInput {
     max: f64,
 }
 
-#[inline(always)]
-fn load<S: Simd>(lanes: &Lanes) -> S::f64s {
-    S::as_simd_f64s(lanes).0[0]
-}
-
-#[inline(always)]
-fn any<S: Simd>(simd: S, mask: S::m64s) -> bool {
-    simd.reduce_max_f64s(simd.select_f64s(mask, simd.splat_f64s(1.0), simd.splat_f64s(0.0))) > 0.0
-}
-
 impl AxisInput {
     #[inline(always)]
     fn new(fan: &SegmentFan, ends: &[DVec3], axis: usize) -> Self {
         // Lanes without a segment repeat the first.
-        let mut to: Lanes = [ends[0][axis]; MAX_LANES];
+        let mut to: Lanes = [ends[0][axis]; LANES];
         for (lane, end) in ends.iter().enumerate() {
             to[lane] = end[axis];
         }
@@ -136,7 +119,7 @@ impl<S: Simd> Approach<S> {
     fn new(simd: S, input: &AxisInput) -> Self {
         let (zero, one) = (simd.splat_f64s(0.0), simd.splat_f64s(1.0));
         let (from, from_floor) = (simd.splat_f64s(input.from), simd.splat_f64s(input.from.floor()));
-        let direction = simd.sub_f64s(load::<S>(&input.to), from);
+        let direction = simd.sub_f64s(load::<S>(&input.to, 0), from);
         let forward = simd.less_than_f64s(zero, direction);
         let backward = simd.less_than_f64s(direction, zero);
         let border = simd.select_f64s(forward, simd.splat_f64s(input.from.floor() + 1.0), from_floor);
@@ -148,7 +131,7 @@ impl<S: Simd> Approach<S> {
             t_delta: simd.abs_f64s(inverse),
             speed: simd.abs_f64s(direction),
             step: simd.select_f64s(forward, one, simd.select_f64s(backward, simd.splat_f64s(-1.0), zero)),
-            n_end: simd.abs_f64s(simd.sub_f64s(load::<S>(&input.to_floor), from_floor)),
+            n_end: simd.abs_f64s(simd.sub_f64s(load::<S>(&input.to_floor, 0), from_floor)),
             short: simd.select_f64s(backward, behind, ahead),
         }
     }
@@ -170,12 +153,11 @@ impl<S: Simd> Approach<S> {
     #[inline(always)]
     fn n_crossings(&self, simd: S, t: S::f64s, also_at: S::m64s) -> S::f64s {
         let (zero, half, one) = (simd.splat_f64s(0.0), simd.splat_f64s(0.5), simd.splat_f64s(1.0));
-        let magic = simd.splat_f64s(MAGIC);
         // A guess that rounding may put one off; NaN, where the walk is parallel to the borders, becomes 0.
         let guess = simd.mul_f64s(simd.sub_f64s(t, self.t_first), self.speed);
         let guess = simd.select_f64s(simd.less_than_f64s(guess, self.n_end), guess, self.n_end);
         let guess = simd.select_f64s(simd.less_than_f64s(zero, guess), guess, zero);
-        let rounded = simd.sub_f64s(simd.add_f64s(simd.add_f64s(guess, half), magic), magic);
+        let rounded = round(simd, simd.add_f64s(guess, half));
         let mut n = simd.select_f64s(simd.less_than_f64s(rounded, self.n_end), rounded, self.n_end);
         loop {
             let before = simd.sub_f64s(n, one);
@@ -248,23 +230,22 @@ impl<S: Simd> Walk<S> {
             axes: [x, y, z],
             index: entry.index,
             end_index: simd.select_f64s(entry.end_is_in, entry.end_index, simd.splat_f64s(-1.0)),
-            spare: simd.splat_f64s(MAGIC + fan.cells.n_voxels() as f64),
+            spare: simd.splat_f64s(FIRST_INDEX + fan.cells.n_voxels() as f64),
             goes_on: entry.goes_on,
         })
     }
 
     #[inline(always)]
     fn mark(&mut self, simd: S, cells: &[AtomicU8]) {
-        let mut marked: Lanes = [0.0; MAX_LANES];
+        let mut marked: Lanes = [0.0; LANES];
         loop {
-            // Asking whether any goes on costs as much as a step.
+            // Checking whether any lane continues costs as much as a step.
             for _ in 0..4 {
                 self.goes_on =
                     simd.and_m64s(self.goes_on, simd.not_m64s(simd.equal_f64s(self.index, self.end_index)));
-                S::as_mut_simd_f64s(&mut marked).0[0] =
-                    simd.select_f64s(self.goes_on, self.index, self.spare);
-                for index in &marked[..S::F64_LANES] {
-                    if let Some(cell) = cells.get(index.to_bits() as u32 as usize) {
+                store::<S>(&mut marked, 0, simd.select_f64s(self.goes_on, self.index, self.spare));
+                for &index in &marked[..S::F64_LANES] {
+                    if let Some(cell) = cells.get(cell(index)) {
                         cell.store(1, Ordering::Relaxed);
                     }
                 }
@@ -301,8 +282,8 @@ impl<S: Simd> Walk<S> {
 
 /// Segments that enter the box, one axis after the other.
 struct Entry<S: Simd> {
-    /// The last crossing that brings a segment into the slabs of the box, and its axis; minus infinity and -1 where it
-    /// starts in all of them.
+    /// The last crossing that brings a segment into the slabs of the box, and its axis; minus infinity and -1
+    /// where it starts in all of them.
     t_in: S::f64s,
     entering: S::f64s,
     /// As in [`Walk`], over the axes so far.
@@ -325,7 +306,7 @@ impl<S: Simd> Entry<S> {
             t_in = simd.select_f64s(is_later, t, t_in);
             entering = simd.select_f64s(is_later, simd.splat_f64s(axis as f64), entering);
         }
-        let (index, all) = (simd.splat_f64s(MAGIC), simd.equal_f64s(zero, zero));
+        let (index, all) = (simd.splat_f64s(FIRST_INDEX), simd.equal_f64s(zero, zero));
         Self { t_in, entering, index, end_index: index, end_is_in: all, goes_on: all }
     }
 
@@ -342,7 +323,7 @@ impl<S: Simd> Entry<S> {
         let n = approach.n_crossings(simd, self.t_in, also_at);
         let key = simd.add_f64s(simd.splat_f64s(input.from.floor()), simd.mul_f64s(approach.step, n));
         let (min, max) = (simd.splat_f64s(input.min), simd.splat_f64s(input.max));
-        let to_floor = load::<S>(&input.to_floor);
+        let to_floor = load::<S>(&input.to_floor, 0);
         self.goes_on = simd.and_m64s(self.goes_on, is_within(simd, key, min, max));
         self.goes_on =
             simd.and_m64s(self.goes_on, simd.less_than_or_equal_f64s(approach.short, approach.n_end));
@@ -362,7 +343,7 @@ fn is_within<S: Simd>(simd: S, key: S::f64s, min: S::f64s, max: S::f64s) -> S::m
     simd.and_m64s(simd.less_than_or_equal_f64s(min, key), simd.less_than_or_equal_f64s(key, max))
 }
 
-/// What a coordinate adds to the index of a cell.
+/// The contribution of a coordinate to the index of a cell.
 #[inline(always)]
 fn place<S: Simd>(simd: S, key: S::f64s, first: S::f64s, stride: f64) -> S::f64s {
     simd.mul_f64s(simd.sub_f64s(key, first), simd.splat_f64s(stride))

@@ -3,10 +3,10 @@ use glam::{DVec3, IVec3};
 
 /// Walks all voxels that a straight segment or ray crosses, in order, each once (Amanatides & Woo 1987).
 ///
-/// Crossings through an edge or a corner go along the lower axis first. Border crossings are computed from the
-/// start, not accumulated, so that the walk [`within`](Self::within) a block is bit for bit the part of the whole walk
-/// that lies in the block. A segment's steps along each axis are counted, so that rounding cannot make the
-/// walk miss its end.
+/// Crossings through an edge or a corner go along the lower axis first. Border crossings are computed from
+/// the start, not accumulated, so that the walk [`within`](Self::within) a block is bit for bit the part of
+/// the whole walk that lies in the block. A segment's steps along each axis are counted, so that rounding
+/// cannot make the walk miss its end.
 ///
 /// ```
 /// use glam::{DVec3, IVec3};
@@ -23,8 +23,8 @@ use glam::{DVec3, IVec3};
 pub struct SegmentWalk {
     key: VoxelKey,
     step: IVec3,
-    // Three fields rather than an array: indexed by a number known only at run time, the walk's state would live in
-    // memory and a step would cost three times as much.
+    // Three fields rather than an array: indexed by a number known only at run time, the walk's state would
+    // live in memory and a step would cost three times as much.
     x: Axis,
     y: Axis,
     z: Axis,
@@ -79,7 +79,7 @@ impl Axis {
         goes_on
     }
 
-    /// Makes all steps that come before `t`, and at `t` if `also_at`; tells how many.
+    /// Makes all steps that come before `t`, and at `t` if `also_at`; returns their number.
     fn skip_to(&mut self, t: f64, also_at: bool) -> i32 {
         let crossed = |axis: &Self, n: f64| axis.crossing(n) < t || (also_at && axis.crossing(n) == t);
         // A guess that rounding may put one off; NaN, where the walk is parallel to the borders, becomes 0.
@@ -111,8 +111,8 @@ impl SegmentWalk {
         Self::with_steps(from, to - from, n_steps)
     }
 
-    /// The part of the walk between two positions that lies in the block from voxel `min` to voxel `max`, both
-    /// included; none if it does not cross the block.
+    /// The part of the walk between two positions that lies in the block from voxel `min` to voxel `max`,
+    /// both included; none if it does not cross the block.
     pub fn within(from: DVec3, to: DVec3, min: VoxelKey, max: VoxelKey) -> Option<Self> {
         Self::new(from, to).enter(min, max)
     }
@@ -167,7 +167,7 @@ impl SegmentWalk {
         self.step
     }
 
-    /// Goes to the next voxel and tells the axis it moved along; none at the end.
+    /// Moves to the next voxel and returns the axis of the step; none at the end.
     #[inline(always)]
     pub fn advance(&mut self) -> Option<usize> {
         let (x, y, z) = (self.x.t_next, self.y.t_next, self.z.t_next);

@@ -1,8 +1,8 @@
 use glam::IVec3;
 use rustc_hash::FxHashMap;
 
-/// Voxels along the edge of a brick. A ray then changes brick every five to eight steps, so that hashing costs
-/// less than stepping, and a brick of log-odds is 2 kB.
+/// Voxels along the edge of a brick. A ray then changes brick every five to eight steps, so that hashing
+/// costs less than stepping, and a brick of log-odds is 2 kB.
 const EDGE_BITS: i32 = 3;
 pub(crate) const BRICK_EDGE: i32 = 1 << EDGE_BITS;
 
@@ -31,7 +31,7 @@ pub(crate) fn voxel_key(brick: IVec3, cell: usize) -> IVec3 {
 #[derive(Clone, Debug)]
 pub(crate) struct BrickGrid<B> {
     slots: FxHashMap<IVec3, u32>,
-    /// In the order of creation, which callers must not let show in a result.
+    /// In the order of creation, which must not influence any result.
     bricks: Vec<(IVec3, B)>,
 }
 

@@ -1,7 +1,7 @@
 use super::{Occupancy, Snapshot};
 
-/// The frontier of a snapshot: the unknown voxels that touch, by a face, an edge or a corner, at least one free and
-/// at least one occupied voxel of it (the paper, section III.A). Indices in increasing order.
+/// The frontier of a snapshot: the unknown voxels that touch, by a face, an edge or a corner, at least one
+/// free and at least one occupied voxel of it (the paper, section III.A). Indices in increasing order.
 pub fn frontier(snapshot: &Snapshot) -> Vec<usize> {
     let [n_x, n_y, n_z] = snapshot.block().dims().to_array().map(|n| n as usize);
     let occupied = BitRows::new(snapshot, Occupancy::Occupied);
@@ -30,7 +30,8 @@ struct BitRows {
     n_words: usize,
 }
 
-/// The rows that touch a row by a face or an edge, and itself: those of y - 1 to y + 1 for each z - 1 to z + 1.
+/// The rows that touch a row by a face or an edge, and itself: those of y - 1 to y + 1 for each z - 1 to z +
+/// 1.
 struct RowsAround {
     n: usize,
     rows: [usize; 9],

@@ -1,65 +1,15 @@
 //! Scan integration: the only writer of a map. A scan updates each voxel once, and a hit wins over a miss.
 
 use super::brick::CELLS;
+use super::integration::{Integration, MapUpdate};
 use super::key_box::KeyBox;
 use super::marks::{HIT, MISS, Marks};
 use super::scan::{Scan, ScanRules};
 use super::{LogOdds, OccupancyMap, SensorModel};
-use crate::geometry::{Plane, VoxelBlock};
 use crate::sensor::Frame;
 use glam::DVec3;
 use pulp::{Arch, Simd, WithSimd};
 use rayon::prelude::*;
-use serde::{Deserialize, Serialize};
-
-/// Which rays of a scan are traced.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum RayRule {
-    /// A ray to every measured point. The default.
-    #[default]
-    EveryPoint,
-    /// One ray to the centre of every voxel that holds a measured point (OctoMap's `discretize`).
-    OnePerEndVoxel,
-}
-
-/// What rays that end outside the region of interest, behind or beside the object, may do to the map.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Background {
-    /// They carve free space on their way through the region. The default.
-    #[default]
-    Carve,
-    /// They are left out, as in the paper's simulation, where only points on the object exist.
-    Ignore,
-}
-
-/// How a scan is written into a map.
-#[derive(Clone, Copy, Debug, Default)]
-pub struct Integration {
-    /// Which rays are traced.
-    pub rays: RayRule,
-    /// What rays that end outside the region do.
-    pub background: Background,
-    /// The voxels that may change; all of space by default.
-    pub region: Option<VoxelBlock>,
-    /// A surface that is not to be mapped, such as a table, with the tolerance added: points that are not above it end
-    /// a free ray and do not hit. None by default.
-    pub ground: Option<Plane>,
-}
-
-/// What a scan changed.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-pub struct MapUpdate {
-    /// Voxels that were updated as hit.
-    pub n_hits: usize,
-    /// Voxels that were updated as crossed.
-    pub n_misses: usize,
-    /// Voxels measured for the first time.
-    pub n_first_measured: usize,
-    /// Voxels that became occupied.
-    pub n_newly_occupied: usize,
-}
 
 impl OccupancyMap {
     /// Writes a depth frame into the map.
@@ -102,7 +52,8 @@ impl OccupancyMap {
     }
 }
 
-/// Bricks along the edge of a tile. The marks of a tile, 2 MB, stay in the cache while rays are traced through it.
+/// Bricks along the edge of a tile. The marks of a tile, 2 MB, stay in the cache while rays are traced
+/// through it.
 const TILE_EDGE: i32 = 16;
 
 /// Writes a scan tile by tile.
@@ -199,7 +150,9 @@ impl Steps {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::geometry::VoxelBlock;
     use crate::geometry::{Lattice, Pose, SegmentWalk};
+    use crate::map::{Background, RayRule};
     use crate::sensor::{DepthImage, Intrinsics};
     use glam::{DVec2, IVec3, UVec3};
     use proptest::prelude::*;

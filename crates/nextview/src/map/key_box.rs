@@ -2,7 +2,8 @@ use super::brick::{BRICK_EDGE, brick_key};
 use crate::geometry::{VoxelBlock, VoxelKey};
 use glam::{DVec3, IVec3};
 
-/// A box of voxels by its lowest and its highest, both included. Unlike a [`VoxelBlock`] it may span all keys.
+/// A box of voxels, given by its lowest and its highest voxel, both included. Unlike a [`VoxelBlock`] it may
+/// span all keys.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct KeyBox {
     pub min: VoxelKey,
@@ -34,8 +35,8 @@ impl KeyBox {
         brick_key(self.max) - brick_key(self.min)
     }
 
-    /// Two boxes of whole bricks that fill it, halves along the longest axis; none where no edge holds more than
-    /// `max_bricks` bricks.
+    /// Two boxes of whole bricks that fill it, halves along the longest axis; none where no edge holds more
+    /// than `max_bricks` bricks.
     pub fn halves(&self, max_bricks: i32) -> Option<[Self; 2]> {
         let steps = self.brick_steps();
         let axis = steps.max_position();
@@ -53,8 +54,9 @@ impl KeyBox {
             .expect("a box holds at least one voxel")
     }
 
-    /// Whether a segment, in units of voxels, comes near the box: false only where it crosses no voxel of it, almost
-    /// always true only where it does. (Separating axes: Ericson 2004, section 5.3.3, without divisions.)
+    /// Whether a segment, in units of voxels, comes near the box: false only where it crosses no voxel of it,
+    /// almost always true only where it does. (Separating axes: Ericson 2004, section 5.3.3, without
+    /// divisions.)
     #[inline(always)]
     pub fn is_near(&self, from: DVec3, to: DVec3) -> bool {
         let (min, max) = (self.min.as_dvec3(), self.max.as_dvec3() + 1.0);

@@ -1,4 +1,5 @@
 use crate::Error;
+use crate::checked::checked_when_read;
 use serde::{Deserialize, Serialize};
 
 /// The logarithm of the odds that a voxel is occupied: 0 is P = 0.5.
@@ -17,15 +18,18 @@ impl LogOdds {
     }
 }
 
-/// The entropy of a voxel with occupancy `p`, nats: the first line of the paper's eq. (2). Between 0 and ln 2.
+/// The entropy of a voxel with occupancy `p`, nats: the first line of the paper's eq. (2). Between 0 and ln
+/// 2.
 pub fn entropy(p: f64) -> f64 {
     let part = |q: f64| if q <= 0.0 { 0.0 } else { -q * q.ln() };
     part(p) + part(1.0 - p)
 }
 
-/// How a measurement changes a voxel: OctoMap's inverse sensor model (Hornung et al. 2013), with its defaults.
+/// How a measurement changes a voxel: OctoMap's inverse sensor model (Hornung et al. 2013), with its
+/// defaults.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(default, deny_unknown_fields)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(default, deny_unknown_fields, remote = "Self")]
 pub struct SensorModel {
     /// P(occupied) of a voxel in which a ray ends, in 0.5..1. Default 0.7.
     pub hit: f64,
@@ -36,6 +40,8 @@ pub struct SensorModel {
     /// Upper clamp of P(occupied), in 0.5..1. Default 0.971 (log-odds 3.5).
     pub clamp_max: f64,
 }
+
+checked_when_read!(SensorModel);
 
 impl Default for SensorModel {
     fn default() -> Self {
@@ -63,10 +69,10 @@ impl SensorModel {
     }
 }
 
-/// What is known about a voxel.
+/// The known state of a voxel.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Occupancy {
-    /// Never measured (or measured to exactly P = 0.5, which says as little).
+    /// Never measured (or measured to exactly P = 0.5, which carries no information).
     Unknown,
     /// Measured, P(occupied) below 0.5.
     Free,

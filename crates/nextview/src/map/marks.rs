@@ -7,22 +7,23 @@ use rayon::prelude::*;
 use std::array::from_fn;
 use std::sync::atomic::AtomicU8;
 
-/// What a scan says of a voxel.
+/// The marks that a scan leaves in a voxel.
 pub(super) const MISS: u8 = 1;
 pub(super) const HIT: u8 = 2;
 
 /// The marks of a scan in a small box of voxels.
 ///
-/// A byte a voxel, so that marking is one store, which needs no knowledge of its neighbours: all threads write to the
-/// same cells, and nothing is to be merged.
+/// One byte per voxel, so that marking is one store that needs no knowledge of its neighbours: all threads
+/// write to the same cells, and nothing needs merging.
 #[derive(Default)]
 pub(super) struct Marks {
-    /// All voxels of the bricks of the present box, and one that means nothing; 0 between two scans.
+    /// All voxels of the bricks of the present box, and one unused cell; 0 between two scans.
     cells: Vec<AtomicU8>,
 }
 
 impl Marks {
-    /// Marks what a scan hit and crossed in a box, tells it brick by brick, and forgets it.
+    /// Marks the voxels that a scan hit and crossed in a box, reports them brick by brick, and clears the
+    /// marks.
     #[inline(always)]
     pub fn visit(
         &mut self,
@@ -36,7 +37,7 @@ impl Marks {
             .expect("a block of bricks is not empty");
         self.cells.resize_with(voxels.n_voxels() + 1, Default::default);
         let fan = SegmentFan { from: origin, min: keys.min, max: keys.max, cells: voxels };
-        // Chunks that are worth a thread's while.
+        // Chunks large enough to pay for a thread.
         scan.ends.par_chunks(1024).for_each(|ends| fan.mark_crossed(ends, &self.cells));
         for index in scan.hits.iter().filter_map(|hit| voxels.index(*hit)) {
             *self.cells[index].get_mut() = HIT;

@@ -1,11 +1,12 @@
-//! The occupancy map: what has been measured of the world.
+//! The occupancy map: the measured state of the world.
 //!
-//! Start with [`OccupancyMap`]; scans enter by its `integrate`, planning reads a [`Snapshot`]. [`octree`] is the file
-//! format of OctoMap. Not here: anything about views or gains.
+//! Start with [`OccupancyMap`]; scans enter by its `integrate`, planning reads a [`Snapshot`]. [`octree`] is
+//! the file format of OctoMap. Not here: anything about views or gains.
 
 mod brick;
 mod frontier;
 mod integrate;
+mod integration;
 mod key_box;
 mod log_odds;
 mod marks;
@@ -15,7 +16,7 @@ mod scan;
 mod snapshot;
 
 pub use frontier::frontier;
-pub use integrate::{Background, Integration, MapUpdate, RayRule};
+pub use integration::{Background, Integration, MapUpdate, RayRule};
 pub use log_odds::{LogOdds, Occupancy, SensorModel, entropy};
 pub use occupancy_map::OccupancyMap;
 pub use octree::Octree;

@@ -1,13 +1,13 @@
 use super::brick::{BrickGrid, CELLS, brick_key, cell, voxel_key};
 use super::{LogOdds, Octree, SensorModel, Snapshot};
-use crate::Error;
 use crate::geometry::{Lattice, VoxelBlock, VoxelKey};
+use crate::{Cancel, Cancelled, Error};
 use glam::IVec3;
 
 /// A probabilistic occupancy map: a log-odds value per measured voxel, nothing where nothing was measured.
 ///
-/// It has the semantics of OctoMap (Hornung et al. 2013) at its finest level but is stored as a sparse grid of
-/// bricks of 8 x 8 x 8 voxels, unbounded up to 32-bit keys. Scans enter through
+/// It has the semantics of OctoMap (Hornung et al. 2013) at its finest level but is stored as a sparse grid
+/// of bricks of 8 x 8 x 8 voxels, unbounded up to 32-bit keys. Scans enter through
 /// [`integrate`](Self::integrate); planners read a dense [`Snapshot`] of a box.
 #[derive(Clone, Debug)]
 pub struct OccupancyMap {
@@ -43,7 +43,7 @@ impl OccupancyMap {
         &self.model
     }
 
-    /// What was measured of a voxel; none if nothing was.
+    /// The log-odds of a voxel; none if it was never measured.
     pub fn log_odds(&self, key: VoxelKey) -> Option<LogOdds> {
         let value = self.bricks.get(brick_key(key))?.0[cell(key)];
         (!value.is_nan()).then_some(LogOdds(value))
@@ -56,7 +56,7 @@ impl OccupancyMap {
         voxels
     }
 
-    /// All measured voxels in an order that must not show.
+    /// All measured voxels, in an order that must not influence any result.
     fn measured(&self) -> impl Iterator<Item = (VoxelKey, LogOdds)> {
         self.bricks.iter().flat_map(|(brick, values)| {
             let measured = values.0.iter().enumerate().filter(|(_, value)| !value.is_nan());
@@ -66,11 +66,16 @@ impl OccupancyMap {
 
     /// A dense copy of a block.
     pub fn snapshot(&self, block: VoxelBlock) -> Snapshot {
-        Snapshot::from_bricks(self.lattice, block, |brick| Some(&self.bricks.get(brick)?.0))
+        self.snapshot_unless(block, &Cancel::default()).expect("nobody cancels")
     }
 
-    /// The same measurements in voxels `factor` times as large (at least 1): each takes the highest value of the
-    /// measured voxels in it, as OctoMap's inner nodes do; where nothing was measured it stays unknown.
+    /// [`snapshot`](Self::snapshot), unless cancelled.
+    pub(crate) fn snapshot_unless(&self, block: VoxelBlock, cancel: &Cancel) -> Result<Snapshot, Cancelled> {
+        Snapshot::from_bricks(self.lattice, block, |brick| Some(&self.bricks.get(brick)?.0), cancel)
+    }
+
+    /// The same measurements in voxels `factor` times as large (at least 1): each takes the highest value of
+    /// the measured voxels in it, as OctoMap's inner nodes do; where nothing was measured it stays unknown.
     pub fn coarser(&self, factor: u32) -> Result<Self, Error> {
         if factor == 0 || factor > 1 << 15 {
             return Err(Error::invalid("factor", factor, "a whole number from 1 to 32768"));

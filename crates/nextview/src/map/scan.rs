@@ -1,17 +1,17 @@
+use super::integration::{Background, Integration, RayRule};
 use super::key_box::KeyBox;
-use super::{Background, Integration, RayRule};
 use crate::geometry::{Lattice, VoxelKey};
 use glam::DVec3;
 use pulp::Arch;
 use rustc_hash::FxHashSet;
 
-/// What a scan says, in units of voxels: where its rays end and which voxels hold a surface.
+/// The content of a scan, in units of voxels: the ends of its rays and the voxels that hold a surface.
 #[derive(Default)]
 pub(super) struct Scan {
     pub ends: Vec<DVec3>,
     /// Voxels may come several times.
     pub hits: Vec<VoxelKey>,
-    /// The voxels, as whole numbers, that the last ray ended in and that was hit last.
+    /// The voxel, as whole numbers, in which the last ray ended, and the voxel hit last.
     last_end: Option<DVec3>,
     last_hit: Option<DVec3>,
 }
@@ -54,7 +54,7 @@ impl ScanRules {
     fn add(&self, scan: &mut Scan, end: DVec3, hit: bool) {
         let hit = hit && self.integration.ground.is_none_or(|ground| ground.height(end) > 0.0);
         let end = self.lattice.to_voxels(end);
-        // Not yet a key: turning numbers into integers costs more than all else here.
+        // Not yet a key: turning numbers into integers costs more than everything else here.
         let floor = end.floor();
         let is_in = self.region.is_none_or(|region| region.contains_floor(floor));
         if is_in && hit && scan.last_hit != Some(floor) {
@@ -78,7 +78,7 @@ impl ScanRules {
 }
 
 impl Scan {
-    /// One scan of several, each end once if that is the rule.
+    /// Merges several scans into one; each end counts once if that is the rule.
     pub fn union(parts: Vec<Self>, rules: &ScanRules) -> Self {
         let mut ends: Vec<DVec3> = parts.iter().flat_map(|part| &part.ends).copied().collect();
         if rules.integration.rays == RayRule::OnePerEndVoxel {
@@ -88,7 +88,7 @@ impl Scan {
         Self { ends, hits: parts.into_iter().flat_map(|part| part.hits).collect(), ..Self::default() }
     }
 
-    /// What concerns the voxels of a box.
+    /// The part that concerns the voxels of a box.
     pub fn within(&self, origin: DVec3, keys: &KeyBox) -> Self {
         Self {
             ends: self.ends.iter().filter(|end| keys.is_near(origin, **end)).copied().collect(),

@@ -2,10 +2,14 @@ use super::brick::{CELLS, voxel_key};
 use super::key_box::KeyBox;
 use super::{LogOdds, Occupancy, entropy};
 use crate::geometry::{Lattice, VoxelBlock, VoxelKey};
+use crate::{Cancel, Cancelled};
 use glam::IVec3;
 use std::f64::consts::LN_2;
 
-/// A dense, immutable copy of a block of the map: what planning reads.
+/// Voxels processed between two checks for cancellation.
+const CHUNK: usize = 1 << 16;
+
+/// A dense, immutable copy of a block of the map: the input of planning.
 #[derive(Clone, Debug)]
 pub struct Snapshot {
     lattice: Lattice,
@@ -15,7 +19,7 @@ pub struct Snapshot {
 }
 
 impl Snapshot {
-    /// A snapshot from what is known of each voxel of the block.
+    /// A snapshot from the known state of each voxel of the block.
     pub fn from_fn(
         lattice: Lattice,
         block: VoxelBlock,
@@ -31,35 +35,46 @@ impl Snapshot {
         snapshot
     }
 
-    /// A snapshot of what the bricks hold that reach into the block; NaN where nothing was measured.
+    /// A snapshot of the bricks that overlap the block; NaN where nothing was measured.
     pub(super) fn from_bricks<'a>(
         lattice: Lattice,
         block: VoxelBlock,
         brick: impl Fn(IVec3) -> Option<&'a [f32; CELLS]>,
-    ) -> Self {
+        cancel: &Cancel,
+    ) -> Result<Self, Cancelled> {
         let mut snapshot = Self::unknown(lattice, block);
         let mut known = KnownValues::default();
         let keys = KeyBox::of(block);
         let bricks = keys.bricks();
-        for (at, values) in
-            (0..bricks.n_voxels()).filter_map(|i| Some((bricks.key(i), brick(bricks.key(i))?)))
-        {
+        for at in (0..bricks.n_voxels()).map(|i| bricks.key(i)) {
+            cancel.check()?;
+            let Some(values) = brick(at) else { continue };
             let cells = values.iter().enumerate().filter(|(_, value)| !value.is_nan());
             for (index, value) in cells.filter_map(|(cell, &v)| Some((block.index(voxel_key(at, cell))?, v)))
             {
                 (snapshot.occupancy[index], snapshot.probability[index]) = known.get(LogOdds(value));
             }
         }
-        snapshot
+        Ok(snapshot)
     }
 
     /// The same snapshot with this value in the voxels that `is_there` names.
-    pub(crate) fn with_value(mut self, value: LogOdds, is_there: impl Fn(VoxelKey) -> bool) -> Self {
+    pub(crate) fn with_value(
+        mut self,
+        value: LogOdds,
+        is_there: impl Fn(VoxelKey) -> bool,
+        cancel: &Cancel,
+    ) -> Result<Self, Cancelled> {
         let known = KnownValues::default().get(value);
-        for index in (0..self.block.n_voxels()).filter(|&index| is_there(self.block.key(index))) {
-            (self.occupancy[index], self.probability[index]) = known;
+        for index in 0..self.block.n_voxels() {
+            if index.is_multiple_of(CHUNK) {
+                cancel.check()?;
+            }
+            if is_there(self.block.key(index)) {
+                (self.occupancy[index], self.probability[index]) = known;
+            }
         }
-        self
+        Ok(self)
     }
 
     fn unknown(lattice: Lattice, block: VoxelBlock) -> Self {
@@ -77,7 +92,7 @@ impl Snapshot {
         self.block
     }
 
-    /// What is known of each voxel.
+    /// The known state of each voxel.
     pub fn occupancy(&self) -> &[Occupancy] {
         &self.occupancy
     }
@@ -97,14 +112,24 @@ impl Snapshot {
         self.probability.iter().map(|&p| entropy(p as f64)).sum()
     }
 
+    /// [`entropy_share`](Self::entropy_share), unless cancelled.
+    pub(crate) fn entropy_share_unless(&self, cancel: &Cancel) -> Result<f64, Cancelled> {
+        let mut sum = 0.0;
+        for part in self.probability.chunks(CHUNK) {
+            cancel.check()?;
+            sum = part.iter().fold(sum, |sum, &p| sum + entropy(p as f64));
+        }
+        Ok(sum / (self.block.n_voxels() as f64 * LN_2))
+    }
+
     /// The paper's eqs. (8) and (9): entropy as a share, 0..=1, of that of a block nothing is known of.
     pub fn entropy_share(&self) -> f64 {
         self.entropy() / (self.block.n_voxels() as f64 * LN_2)
     }
 }
 
-/// What log-odds mean, with the answers of late: a map holds few different values, and an exponential costs more than
-/// all else of a snapshot.
+/// Converts log-odds, with a cache of recent results: a map holds few different values, and an exponential
+/// costs more than everything else in a snapshot.
 struct KnownValues([Option<(f32, (Occupancy, f32))>; 256]);
 
 impl Default for KnownValues {

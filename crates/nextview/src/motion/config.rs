@@ -1,37 +1,47 @@
 use crate::Error;
+use crate::checked::{check_range, checked_when_read};
+use serde::{Deserialize, Serialize};
 
-/// How fast the camera moves, and how far it keeps away.
-#[derive(Clone, Copy, Debug, PartialEq)]
+/// How fast the camera moves, how far it keeps away, and how long it stands at each view.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(default, deny_unknown_fields, remote = "Self")]
 pub struct MotionConfig {
-    /// Highest speed, metres a second, 0.001..=100. Default 0.25: what ISO 10218 allows a robot at reduced speed, with people
-    /// around.
+    /// Highest speed, metres a second, 0.001..=100. Default 0.25: the limit of ISO 10218 for a robot at
+    /// reduced speed, with people around.
+    #[serde(rename = "speed_m_per_s")]
     pub speed: f64,
-    /// Highest acceleration along the way, and across it where it is an arc, metres a second squared, 0.001..=100. Default 0.5:
-    /// full speed after half a second, a twentieth of gravity, so that nothing sways when it stops.
+    /// Highest acceleration along the path, and across it where it is an arc, metres a second squared,
+    /// 0.001..=100. Default 0.5: full speed after half a second, a twentieth of gravity, so that nothing
+    /// sways when it stops.
+    #[serde(rename = "acceleration_m_per_s2")]
     pub acceleration: f64,
-    /// Distance from the ball around the object's box, metres, at least 0. Default 0.02: most of the depth of a small camera, as
-    /// above tables.
+    /// Distance from the ball around the object's box, metres, at least 0. Default 0.02: most of the depth of
+    /// a small camera, as above tables.
+    #[serde(rename = "clearance_m")]
     pub clearance: f64,
+    /// Time that the robot stands at each view, seconds, at least 0. Default 2: a second in which the arm
+    /// stops swaying and one for the image, or the mean of thirty. Not part of trajectories.
+    #[serde(rename = "sensing_time_s")]
+    pub sensing_time: f64,
 }
+
+checked_when_read!(MotionConfig);
 
 impl Default for MotionConfig {
     fn default() -> Self {
-        Self { speed: 0.25, acceleration: 0.5, clearance: 0.02 }
+        Self { speed: 0.25, acceleration: 0.5, clearance: 0.02, sensing_time: 2.0 }
     }
 }
 
 impl MotionConfig {
     /// Fails on the first value out of range.
     pub fn check(&self) -> Result<(), Error> {
-        for (name, value) in [("speed", self.speed), ("acceleration", self.acceleration)] {
-            if !(0.001..=100.0).contains(&value) {
-                return Err(Error::invalid(name, value, "0.001 to 100 (metres and seconds)"));
-            }
-        }
-        if !(self.clearance >= 0.0 && self.clearance.is_finite()) {
-            return Err(Error::invalid("clearance", self.clearance, "a length in metres, at least 0"));
-        }
-        Ok(())
+        let (limit, length) = (0.001..=100.0, 0.0..=f64::MAX);
+        check_range("speed_m_per_s", self.speed, limit.clone(), "0.001 to 100")?;
+        check_range("acceleration_m_per_s2", self.acceleration, limit, "0.001 to 100")?;
+        check_range("clearance_m", self.clearance, length.clone(), "a number from 0 on")?;
+        check_range("sensing_time_s", self.sensing_time, length, "a number from 0 on")
     }
 }
 
@@ -46,7 +56,10 @@ mod tests {
             assert!(MotionConfig { speed: bad, ..Default::default() }.check().is_err());
             assert!(MotionConfig { acceleration: bad, ..Default::default() }.check().is_err());
         }
+        for bad in [f64::NAN, -0.1, f64::INFINITY] {
+            assert!(MotionConfig { sensing_time: bad, ..Default::default() }.check().is_err());
+        }
         let error = MotionConfig { clearance: -0.1, ..Default::default() }.check().unwrap_err();
-        assert_eq!(error.to_string(), "clearance is -0.1, expected a length in metres, at least 0");
+        assert_eq!(error.to_string(), "clearance_m is -0.1, expected a number from 0 on");
     }
 }

@@ -1,13 +1,21 @@
 //! How the camera gets from view to view: poses with times, around the object and above its table.
 //!
-//! Start with [`Way`], or ask a [session](crate::session::Session::way_to) for one. What a robot's joints do on the way, and what
-//! else stands around, is not known here.
+//! Start with [`Trajectory`], or ask a [session](crate::session::Session::trajectory_to) for one. [`KeepOut`]
+//! gives the shortest path around the object, [`tour`] the order of a short path through many positions.
+//! Robot joints and other obstacles are not modelled.
 
 mod config;
+mod path;
 mod profile;
+mod route;
+mod tour;
 mod track;
-mod way;
+mod trajectory;
+mod waypoint;
 
 pub use config::MotionConfig;
+pub use path::KeepOut;
 pub use profile::Profile;
-pub use way::{Surroundings, Way, Waypoint};
+pub use tour::{detour, tour, tour_length};
+pub use trajectory::{Surroundings, Trajectory};
+pub use waypoint::Waypoint;

@@ -1,5 +1,6 @@
-/// How far a thing has come after so much time that starts at rest, moves as fast as limits on speed and acceleration allow,
-/// and ends at rest: its speed over time is a trapezoid, or a triangle where the way is too short for full speed.
+/// Distance over time of a motion that starts at rest, is as fast as limits on speed and acceleration allow,
+/// and ends at rest: its speed over time is a trapezoid, or a triangle where the path is too short for full
+/// speed.
 ///
 /// ```
 /// use nextview::motion::Profile;
@@ -19,7 +20,7 @@ pub struct Profile {
 }
 
 impl Profile {
-    /// For a way of this length, not negative, and these limits, positive; all finite.
+    /// The profile for a path of this length, not negative, and these limits, positive; all finite.
     pub fn new(length: f64, speed: f64, acceleration: f64) -> Self {
         let ramp = (speed / acceleration).min((length / acceleration).sqrt());
         let cruise = (length - acceleration * ramp * ramp).max(0.0);
@@ -32,7 +33,7 @@ impl Profile {
         self.duration
     }
 
-    /// Distance from the start at this time; the start before, and the end after all of it.
+    /// Distance from the start at this time: 0 before the start, the whole length after the end.
     pub fn distance_at(&self, time: f64) -> f64 {
         let left = self.duration - time;
         if time <= self.ramp {
@@ -66,7 +67,7 @@ mod tests {
     proptest! {
         #![proptest_config(ProptestConfig::with_cases(200))]
 
-        /// The slow twin steps through time and looks at differences.
+        /// The slow twin steps through time and takes differences.
         #[test]
         fn limits_hold_and_cannot_be_used_better(
             length in prop_oneof![Just(0.0), 1e-6..1e-3, 1e-3..10.0], speed in 0.01..2.0, acceleration in 0.05..5.0
@@ -86,7 +87,8 @@ mod tests {
             prop_assert!(changes.fold(0.0, f64::max) <= acceleration * (1.0 + 1e-9) + 2.0 * rounding / dt);
             let ends = speeds[0].max(speeds[n - 1]);
             prop_assert!(ends <= 0.5 * acceleration * dt * (1.0 + 1e-6) + rounding, "at rest at both ends");
-            // No motion within the limits is faster: it is never ahead of full acceleration from the start and to the end.
+            // No motion within the limits is faster: it is never ahead of full acceleration from the start
+            // and to the end.
             let ahead = |t: f64| (0.5 * acceleration * t * t).min(speed * t);
             let bound = 2.0 * (0.5 * length / speed).max((length / acceleration).sqrt());
             prop_assert!(profile.duration() >= bound * (1.0 - 1e-12) && ahead(profile.duration()) >= length);

@@ -1,21 +1,23 @@
-use super::{MotionConfig, Profile, Waypoint};
+use super::path::MAX_TURN;
+use super::route::Route;
+use super::waypoint::Waypoint;
+use super::{MotionConfig, Profile};
 use crate::geometry::Pose;
-use crate::view::{MAX_TURN, Route};
 use glam::{DQuat, DVec3};
 use std::iter::once;
 
-/// Turning by a radian takes as long as a way of this length, metres: around the object at this distance, the camera moves and
-/// turns alike. At the default speed it is 57 degrees a second.
+/// Turning by a radian takes as long as a path of this length, metres: at this distance around the object,
+/// moving and turning take equally long. At the default speed it is 57 degrees a second.
 const LEVER: f64 = 0.25;
 
 /// Waypoints are no further apart than this, seconds, unless a straight line has [`MOST_POINTS`] of them.
 const INTERVAL: f64 = 0.1;
 const MOST_POINTS: f64 = 100.0;
 
-/// Corners nearer to each other than this are one, metres: the direction between them would be rounding.
+/// Corners closer together than this are merged, metres: the direction between them would be rounding.
 const SAME: f64 = 1e-9;
 
-/// Where a way goes and how the camera turns on it.
+/// The course of a path and the rotation of the camera along it.
 pub(super) struct Track {
     /// At least two.
     corners: Vec<Corner>,
@@ -23,14 +25,14 @@ pub(super) struct Track {
     middle: Option<DVec3>,
     /// Radius of the arc, metres.
     radius: f64,
-    /// What is still to be turned at the end, and its angle.
+    /// The rotation that remains at the end, and its angle.
     rest: DQuat,
     rest_angle: f64,
 }
 
 struct Corner {
     position: DVec3,
-    /// Length of the way so far, metres.
+    /// Length of the path so far, metres.
     length: f64,
     /// The camera's rotation if it only followed the middle, and by how much it has turned so far, radians.
     rotation: DQuat,
@@ -57,7 +59,7 @@ impl Track {
         track
     }
 
-    /// Length of the whole way, metres.
+    /// Length of the whole path, metres.
     pub fn length(&self) -> f64 {
         self.end().length
     }
@@ -89,7 +91,8 @@ impl Track {
         self.corners.push(Corner { position, length, rotation, turn });
     }
 
-    /// The smallest turn that takes the direction of the middle, seen from one position, to that from another.
+    /// The smallest turn that takes the direction of the middle, seen from one position, to that from
+    /// another.
     fn following(&self, before: DVec3, now: DVec3) -> DQuat {
         let direction = |from: DVec3| self.middle.and_then(|middle| (middle - from).try_normalize());
         match (direction(before), direction(now)) {
@@ -98,18 +101,18 @@ impl Track {
         }
     }
 
-    /// Whether the way bends too much at a corner between the ends for going on.
+    /// Whether the path bends so much at a corner between the ends that the camera must stop.
     fn is_stop(&self, corner: usize) -> bool {
         let [before, here, after] = [corner - 1, corner, corner + 1].map(|i| self.corners[i].position);
         (here - before).angle_between(after - here) > MAX_TURN + 1e-6
     }
 
-    /// Adds the waypoints of a part of the way, from rest to rest, but its first.
+    /// Adds the waypoints of a part of the path, from rest to rest, except its first.
     fn add_piece(&self, corners: &[Corner], start: f64, config: &MotionConfig, to: &mut Vec<Waypoint>) {
         let (first, last) = (&corners[0], &corners[corners.len() - 1]);
         let length = last.length - first.length;
         let share = if self.length() > 0.0 { length / self.length() } else { 1.0 };
-        // Longer than the way itself if turning takes longer.
+        // Longer than the path itself if turning takes longer.
         let effort = length.max(LEVER * (last.turn - first.turn + share * self.rest_angle));
         if effort == 0.0 {
             return;
@@ -133,7 +136,7 @@ impl Track {
         }
     }
 
-    /// The pose on a straight leg after this share of the whole way.
+    /// The pose on a straight leg after this share of the whole path.
     fn waypoint(&self, time: f64, leg: &[Corner], share: f64) -> Waypoint {
         let (from, to) = (&leg[0], &leg[1]);
         let distance = share * self.length() - from.length;

@@ -1,26 +1,39 @@
 use super::utility::{self, Utility};
 use super::{Choice, Plan, Situation, ViewPlanner};
-use crate::Error;
+use crate::checked::checked_when_read;
 use crate::gain::InformationGain;
 use crate::visibility::RayCaster;
+use crate::{Cancelled, Error};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 use std::marker::PhantomData;
 
 /// Parameters of [`Greedy`].
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(default, deny_unknown_fields)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(default, deny_unknown_fields, remote = "Self")]
 pub struct GreedyConfig {
-    /// Distance between neighbouring planning rays at the far side of the box, in voxels of the finest size, positive.
-    /// Default 2, as for [`MaxFlow`](super::MaxFlow).
+    /// Distance between neighbouring planning rays at the far side of the box, in voxels of the finest size,
+    /// positive. Default 2, as for [`MaxFlow`](super::MaxFlow).
     pub ray_spacing: f64,
-    /// Weight of the movement cost against the gain, 0..=1; the paper's theta (section V.D). Default 0: moving is free.
+    /// Weight of the movement cost against the gain, 0..=1; the paper's theta (section V.D). Default 0:
+    /// moving is free.
     pub theta: f64,
 }
 
 impl Default for GreedyConfig {
     fn default() -> Self {
         Self { ray_spacing: 2.0, theta: 0.0 }
+    }
+}
+
+checked_when_read!(GreedyConfig);
+
+impl GreedyConfig {
+    /// Fails on the first value out of range.
+    pub fn check(&self) -> Result<(), Error> {
+        utility::check_theta(self.theta)?;
+        utility::check_ray_spacing(self.ray_spacing)
     }
 }
 
@@ -42,38 +55,44 @@ pub struct Greedy<G> {
 impl<G: InformationGain> Greedy<G> {
     /// A planner with checked parameters.
     pub fn new(config: GreedyConfig) -> Result<Self, Error> {
-        utility::check_theta(config.theta)?;
-        utility::check_ray_spacing(config.ray_spacing)?;
+        config.check()?;
         Ok(Self { config, gain: PhantomData })
     }
 
     /// The gain of each of the views.
-    fn gains(&self, situation: &Situation<'_>, views: &[usize]) -> Vec<f64> {
-        let gain = G::new(situation.snapshot, situation.frames);
+    fn gains(&self, situation: &Situation<'_>, views: &[usize]) -> Result<Vec<f64>, Cancelled> {
+        let gain = G::new(situation.snapshot, situation.frames, situation.cancel)?;
         let spacing = situation.in_snapshot_voxels(self.config.ray_spacing);
         let caster = RayCaster::new(situation.snapshot, situation.intrinsics, spacing, G::SIGHT)
             .expect("the constructor checked the ray spacing");
-        let look = |&view: &usize| {
+        let gain_of = |&view: &usize| {
             let mut tally = G::Tally::default();
-            caster.cast(&situation.views.pose(view), |ray| gain.add(&ray, &mut tally));
-            G::total(&tally)
+            caster.try_cast(&situation.views.pose(view), |ray| {
+                gain.add(&ray, &mut tally);
+                situation.cancel.check()
+            })?;
+            Ok(G::total(&tally))
         };
-        views.par_iter().map(look).collect()
+        views.par_iter().map(gain_of).collect()
     }
 }
 
 impl<G: InformationGain> ViewPlanner for Greedy<G> {
-    fn plan(&self, situation: &Situation<'_>) -> Plan {
+    fn plan(&mut self, situation: &Situation<'_>) -> Result<Plan, Cancelled> {
         let open = situation.open_views();
-        let gains = self.gains(situation, &open);
+        let gains = self.gains(situation, &open)?;
         let total: f64 = gains.iter().sum();
         let utility = Utility::new(situation, self.config.theta);
         let rate = |(&view, &gain): (&usize, &f64)| {
             let local_share = utility::share(gain, total);
-            let score = utility.of(view, local_share);
-            Choice { view, score, local_share, flow_share: 0.0, runner_up: None }
+            (Choice::new(view, utility.of(view, local_share)), local_share)
         };
-        let choices = open.iter().zip(&gains).filter(|(_, gain)| **gain > 0.0).map(rate);
-        Plan { choice: utility::best(choices), ..Plan::default() }
+        let rated = || open.iter().zip(&gains).filter(|(_, gain)| **gain > 0.0).map(rate);
+        let choice = utility::best(rated().map(|(choice, _)| choice)).map(|choice| {
+            let local_share = rated().find(|(other, _)| other.view == choice.view).map(|(_, share)| share);
+            let explanation = local_share.map(|share| [("local_share", share)].into());
+            Choice { explanation, ..choice }
+        });
+        Ok(Plan { choice, ..Plan::default() })
     }
 }

@@ -1,17 +1,17 @@
 use super::{Plan, Situation, ViewPlanner};
-use crate::Error;
 use crate::map::Occupancy;
 use crate::visibility::{FreeSpace, Ray, RayCaster, RayEnd, Sight};
+use crate::{Cancelled, Error};
 use rayon::prelude::*;
 
-/// Leaves another planner only those views that overlap with what is known, so that their frames can be
+/// Restricts another planner to views that overlap with known surface, so that their frames can be
 /// [aligned](crate::registration) to it.
 ///
-/// The overlap of a view is the share of known surface in what it shows: of the rays that end at an occupied voxel or meet an
-/// unknown one before, those that meet none. Where no view within reach overlaps enough, those that overlap most are left;
-/// while nothing is occupied, all.
+/// The overlap of a view is the share of known surface in its rays: of the rays that end at an occupied voxel
+/// or meet an unknown one before, those that meet none. Where no view within reach overlaps enough, those
+/// that overlap most remain; while nothing is occupied, all do.
 ///
-/// The other planner's [`Outlook`](super::Outlook) then counts only what the views left show.
+/// The other planner's [`Outlook`](super::Outlook) then counts only the remaining views.
 ///
 /// ```
 /// use nextview::planner::{MinOverlap, RandomViews};
@@ -24,10 +24,11 @@ pub struct MinOverlap {
     planner: Box<dyn ViewPlanner>,
 }
 
-/// Distance between neighbouring rays at the far side of the box, in voxels of the finest size: some hundred rays a view.
+/// Distance between neighbouring rays at the far side of the box, in voxels of the finest size: some hundred
+/// rays per view.
 const RAY_SPACING: f64 = 4.0;
 
-/// Rays that a view sends, by what they would show.
+/// Numbers of rays of a view, by what they would show.
 #[derive(Clone, Copy, Debug, Default)]
 struct Tally {
     n_known: usize,
@@ -45,9 +46,9 @@ impl MinOverlap {
 }
 
 impl ViewPlanner for MinOverlap {
-    fn plan(&self, situation: &Situation<'_>) -> Plan {
+    fn plan(&mut self, situation: &Situation<'_>) -> Result<Plan, Cancelled> {
         let open = situation.open_views();
-        let overlaps = overlaps(situation, &open);
+        let overlaps = overlaps(situation, &open)?;
         let most = overlaps.iter().copied().fold(0.0, f64::max);
         let mut is_left = vec![false; situation.views.len()];
         for (view, overlap) in open.into_iter().zip(overlaps) {
@@ -59,15 +60,18 @@ impl ViewPlanner for MinOverlap {
 }
 
 /// The overlap of each of the views, 0..=1; 0 where they show nothing.
-fn overlaps(situation: &Situation<'_>, views: &[usize]) -> Vec<f64> {
-    let Situation { snapshot, intrinsics, .. } = *situation;
+fn overlaps(situation: &Situation<'_>, views: &[usize]) -> Result<Vec<f64>, Cancelled> {
+    let Situation { snapshot, intrinsics, cancel, .. } = *situation;
     let spacing = situation.in_snapshot_voxels(RAY_SPACING);
     let caster = RayCaster::new(snapshot, intrinsics, spacing, Sight::endless(FreeSpace::Clear))
         .expect("the spacing is positive");
     let overlap = |&view: &usize| {
         let mut tally = Tally::default();
-        caster.cast(&situation.views.pose(view), |ray| tally.add(&ray, snapshot.occupancy()));
-        tally.overlap()
+        caster.try_cast(&situation.views.pose(view), |ray| {
+            tally.add(&ray, snapshot.occupancy());
+            cancel.check()
+        })?;
+        Ok(tally.overlap())
     };
     views.par_iter().map(overlap).collect()
 }
@@ -90,6 +94,7 @@ impl Tally {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::Cancel;
     use crate::geometry::{Lattice, VoxelBlock};
     use crate::map::{LogOdds, Snapshot};
     use crate::planner::RandomViews;
@@ -116,24 +121,25 @@ mod tests {
         snapshot: Snapshot,
         views: ViewSpace,
         intrinsics: Intrinsics,
+        cancel: Cancel,
     }
 
     impl Setup {
         fn new(snapshot: Snapshot) -> Self {
             let views = generate::fibonacci_sphere(DVec3::ZERO, 0.4, 60).unwrap();
-            Self { snapshot, views, intrinsics: Intrinsics::d435i() }
+            Self { snapshot, views, intrinsics: Intrinsics::d435i(), cancel: Cancel::default() }
         }
 
         fn situation<'a>(&'a self, visited: &'a [usize]) -> Situation<'a> {
-            let Self { snapshot, views, intrinsics } = self;
+            let Self { snapshot, views, intrinsics, .. } = self;
             Situation {
                 snapshot,
                 frames: &[],
                 views,
                 intrinsics,
                 visited,
-                history: &[],
                 finest_voxel_size: 0.01,
+                cancel: &self.cancel,
             }
         }
     }
@@ -141,7 +147,7 @@ mod tests {
     /// The views that random planners of many seeds choose.
     fn choices(share: f64, situation: &Situation<'_>) -> Vec<usize> {
         let planner = |seed| MinOverlap::new(share, Box::new(RandomViews { seed })).unwrap();
-        let choice = |seed| planner(seed).plan(situation).choice;
+        let choice = |seed| planner(seed).plan(situation).unwrap().choice;
         let mut views: Vec<usize> = (0..1000).filter_map(|seed| Some(choice(seed)?.view)).collect();
         views.sort_unstable();
         views.dedup();
@@ -151,7 +157,7 @@ mod tests {
     /// The views that may be chosen and overlap so much.
     fn expected(situation: &Situation<'_>, is_enough: impl Fn(f64) -> bool) -> Vec<usize> {
         let open = situation.open_views();
-        let overlaps = overlaps(situation, &open);
+        let overlaps = overlaps(situation, &open).unwrap();
         open.into_iter()
             .zip(overlaps)
             .filter(|(_, overlap)| is_enough(*overlap))
@@ -163,7 +169,7 @@ mod tests {
     fn what_is_seen_from_the_known_side_overlaps() {
         let setup = Setup::new(plate());
         let all: Vec<usize> = (0..60).collect();
-        for (view, overlap) in overlaps(&setup.situation(&[]), &all).into_iter().enumerate() {
+        for (view, overlap) in overlaps(&setup.situation(&[]), &all).unwrap().into_iter().enumerate() {
             let position = setup.views.pose(view).translation();
             let is_fine = match position.x {
                 x if x > 0.38 => overlap > 0.9,
@@ -188,7 +194,7 @@ mod tests {
         let mut setup = Setup::new(plate());
         setup.views = setup.views.restricted(|position| position.x < 0.1);
         let situation = setup.situation(&[]);
-        let most = overlaps(&situation, &situation.open_views()).into_iter().fold(0.0, f64::max);
+        let most = overlaps(&situation, &situation.open_views()).unwrap().into_iter().fold(0.0, f64::max);
         assert!((0.1..1.0).contains(&most), "{most}");
         assert_eq!(choices(1.0, &situation), expected(&situation, |overlap| overlap == most));
     }

@@ -1,8 +1,8 @@
 use super::{Choice, Situation};
 use crate::Error;
 
-/// What a view is worth after the cost of moving there (the paper, section V.D): (1 - theta) times its share of all gain,
-/// less theta times its share of all distances from where the camera is.
+/// The value of a view after the cost of moving there (the paper, section V.D): (1 - theta) times its share
+/// of all gain, less theta times its share of all distances from where the camera is.
 #[derive(Debug)]
 pub(super) struct Utility {
     theta: f64,
@@ -11,8 +11,8 @@ pub(super) struct Utility {
 }
 
 impl Utility {
-    /// Distances are straight lines from where the camera is to the open views, and are shares of the sum over those; all
-    /// are zero before the first view.
+    /// Distances are straight lines from where the camera is to the open views, and are shares of the sum
+    /// over those; all are zero before the first view.
     pub fn new(situation: &Situation<'_>, theta: f64) -> Self {
         let mut distance_share = vec![0.0; situation.views.len()];
         if let Some(position) = situation.camera_position() {
@@ -24,7 +24,7 @@ impl Utility {
         Self { theta, distance_share }
     }
 
-    /// The utility of a view with this share of all gain; the very share where theta is 0.
+    /// The utility of a view with this share of all gain; exactly the share where theta is 0.
     pub fn of(&self, view: usize, gain_share: f64) -> f64 {
         (1.0 - self.theta) * gain_share - self.theta * self.distance_share[view]
     }
@@ -38,7 +38,7 @@ pub(super) fn check_theta(theta: f64) -> Result<(), Error> {
     Err(Error::invalid("theta", theta, "a number in 0..=1"))
 }
 
-/// Fails unless rays can be so far apart.
+/// Fails unless the ray spacing is valid.
 pub(super) fn check_ray_spacing(ray_spacing: f64) -> Result<(), Error> {
     if ray_spacing > 0.0 && ray_spacing.is_finite() {
         return Ok(());
@@ -55,9 +55,9 @@ pub(super) fn share(value: f64, total: f64) -> f64 {
 pub(super) fn best(choices: impl Iterator<Item = Choice>) -> Option<Choice> {
     let (mut best, mut second): (Option<Choice>, Option<Choice>) = (None, None);
     for choice in choices {
-        if best.is_none_or(|best| choice.score > best.score) {
+        if best.as_ref().is_none_or(|best| choice.score > best.score) {
             second = best.replace(choice);
-        } else if second.is_none_or(|second| choice.score > second.score) {
+        } else if second.as_ref().is_none_or(|second| choice.score > second.score) {
             second = Some(choice);
         }
     }

@@ -1,33 +1,69 @@
+use super::Explanation;
 use crate::map::Snapshot;
 use crate::sensor::{Frame, Intrinsics};
 use crate::view::ViewSpace;
+use crate::{Cancel, Cancelled};
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
 
-/// Chooses the next view. Pure: the same situation gives the same plan.
+/// Chooses the next view.
+///
+/// A planner serves one scan: it may remember its earlier plans. Apart from that, the same situation gives
+/// the same plan. A plan that was cancelled leaves the planner as it was.
+///
+/// ```
+/// use nextview::Cancelled;
+/// use nextview::planner::{Choice, Plan, Situation, ViewPlanner};
+///
+/// /// Takes the highest view within reach.
+/// struct FromAbove;
+///
+/// impl ViewPlanner for FromAbove {
+///     fn plan(&mut self, situation: &Situation<'_>) -> Result<Plan, Cancelled> {
+///         let height = |view: usize| situation.views.pose(view).translation().z;
+///         let highest = situation.open_views().into_iter().max_by(|&a, &b| height(a).total_cmp(&height(b)));
+///         Ok(Plan { choice: highest.map(|view| Choice::new(view, height(view))), ..Plan::default() })
+///     }
+/// }
+/// # use glam::{DVec3, IVec3, UVec3};
+/// # use nextview::{Cancel, map::Snapshot, sensor::Intrinsics};
+/// # use nextview::geometry::{Lattice, VoxelBlock};
+/// # use nextview::view::generate;
+/// # let block = VoxelBlock::new(IVec3::ZERO, UVec3::splat(2)).unwrap();
+/// # let snapshot = Snapshot::from_fn(Lattice::new(0.01).unwrap(), block, |_| None);
+/// # let views = generate::fibonacci_sphere(DVec3::ZERO, 0.4, 10).unwrap();
+/// # let situation = Situation {
+/// #     snapshot: &snapshot, frames: &[], views: &views, intrinsics: &Intrinsics::d435i(), visited: &[0],
+/// #     finest_voxel_size: 0.01, cancel: &Cancel::default(),
+/// # };
+/// assert_eq!(FromAbove.plan(&situation).unwrap().choice.unwrap().view, 1);
+/// ```
 pub trait ViewPlanner: Send {
-    /// Ranks the views not yet visited and picks one; none if no view gains anything.
-    fn plan(&self, situation: &Situation<'_>) -> Plan;
+    /// Ranks the views not yet visited and picks one; no choice if no view gains anything.
+    ///
+    /// Long computations check [`Situation::cancel`] and fail if it is set.
+    fn plan(&mut self, situation: &Situation<'_>) -> Result<Plan, Cancelled>;
 }
 
-/// All that a planner may know.
+/// All information that a planner may use.
 #[derive(Clone, Copy, Debug)]
 pub struct Situation<'a> {
-    /// What is known of the box around the object.
+    /// The known state of the box around the object.
     pub snapshot: &'a Snapshot,
-    /// The frames it is known from, oldest first; none where only a map is left of them.
+    /// The frames that the snapshot was made from, oldest first; none where only a map of them remains.
     pub frames: &'a [Frame],
     /// Where the camera could go.
     pub views: &'a ViewSpace,
-    /// The optics of the camera that will go there.
+    /// The optics of the camera.
     pub intrinsics: &'a Intrinsics,
     /// The views taken so far, in order.
     pub visited: &'a [usize],
-    /// The optimal views (the paper's V_global) of the earlier plans, oldest first.
-    pub history: &'a [Vec<u32>],
-    /// Voxel size in which the scan ends, metres: that of the snapshot, or finer. Distances between rays are in voxels
-    /// of this size, so that plans in coarser voxels have as many rays: ten coarse voxels may be wider than the box.
+    /// Voxel size in which the scan ends, metres: that of the snapshot, or finer. Distances between rays are
+    /// in voxels of this size, so that plans in coarser voxels have as many rays: ten coarse voxels may be
+    /// wider than the box.
     pub finest_voxel_size: f64,
+    /// A flag that ends planning without a plan.
+    pub cancel: &'a Cancel,
 }
 
 impl Situation<'_> {
@@ -39,7 +75,8 @@ impl Situation<'_> {
         (0..is_open.len()).filter(|&view| is_open[view]).collect()
     }
 
-    /// Where the camera is, metres: where it took the last frame, or else the last view; none before the first.
+    /// The position of the camera, metres: where it took the last frame, or else the last view; none before
+    /// the first.
     pub fn camera_position(&self) -> Option<DVec3> {
         let last_frame = self.frames.last().map(|frame| frame.world_from_camera());
         let pose = last_frame.or_else(|| self.visited.last().map(|&view| self.views.pose(view)));
@@ -57,36 +94,32 @@ impl Situation<'_> {
 pub struct Plan {
     /// The next best view and why; none if no view gains anything.
     pub choice: Option<Choice>,
-    /// The views that together would serve every voxel best (V_global), in increasing order; empty for planners
-    /// without a flow.
-    pub optimal_views: Vec<u32>,
-    /// The flow behind them.
-    pub flow: Option<FlowSummary>,
-    /// Where to go after the choice without another plan, for planners that choose several views at once.
+    /// The views to visit after the choice without another plan, for planners that choose several views at
+    /// once.
     pub itinerary: Option<Itinerary>,
-    /// What the planner expects of the next view and of all, for planners that tell.
+    /// The planner's expectations of the next view and of all; none for planners without expectations.
     pub outlook: Option<Outlook>,
 }
 
-/// What a planner expects to be seen.
+/// The expectations of a planner.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Outlook {
-    /// Number of voxels that are occupied so far, of the size the planner thinks in.
+    /// Number of voxels occupied so far, in the voxel size of the planner.
     pub n_seen: usize,
-    /// How many the chosen view is expected to add.
+    /// Number of voxels that the chosen view is expected to add.
     pub n_expected: f64,
-    /// How many are expected to be seen if every view were taken.
+    /// Number of voxels expected to be seen if every view were taken.
     pub n_unseen: f64,
 }
 
 impl Outlook {
-    /// The estimated share, 0..=1, of what can be seen that has been seen; 1 if nothing can.
+    /// The estimated share, 0..=1, of the visible surface that has been seen; 1 if none is visible.
     pub fn completeness(&self) -> f64 {
         let n_seen = self.n_seen as f64;
         if n_seen + self.n_unseen > 0.0 { n_seen / (n_seen + self.n_unseen) } else { 1.0 }
     }
 
-    /// What the chosen view is expected to add, as a share of what was seen; infinite if nothing was.
+    /// The expected gain of the chosen view, as a share of the surface seen; infinite if none was seen.
     pub fn gain(&self) -> f64 {
         if self.n_seen > 0 { self.n_expected / self.n_seen as f64 } else { f64::INFINITY }
     }
@@ -94,50 +127,47 @@ impl Outlook {
 
 /// Views that were chosen together, in the order of the tour.
 ///
-/// It holds as long as the camera sees what was expected: after that, its views were chosen for a map that is no more.
+/// It is valid as long as the camera sees what was expected: after that, its views were chosen for an
+/// outdated map.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Itinerary {
     /// The views, the first of which is the choice of the plan.
     pub legs: Vec<Leg>,
-    /// How far what is seen may be from what was expected, as a share of that, at least 0.
+    /// Maximum deviation from the expected number of voxels, as a share of that number, at least 0.
     pub tolerance: f64,
 }
 
 /// A view of an itinerary.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Leg {
     /// The view and why it was chosen.
     pub choice: Choice,
-    /// How many voxels it is expected to make newly occupied after those before it, up to a factor that is about the
-    /// same for all legs and plans; positive.
+    /// Number of voxels that it is expected to make newly occupied after those before it, up to a factor that
+    /// is about the same for all legs and plans; positive.
     pub expected: f64,
 }
 
 /// A view and why it was chosen.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct Choice {
     /// Number of the view.
     pub view: usize,
-    /// What the planner maximised.
+    /// The quantity that the planner maximised; its unit is the planner's.
     pub score: f64,
-    /// The view's share of all local gain, 0..=1 (eq. 6, first fraction), or of that of a greedy planner; zero for
-    /// planners without one.
-    pub local_share: f64,
-    /// The view's share of all flow gain, 0..=1 (eq. 6, second fraction); zero for planners without one.
-    pub flow_share: f64,
-    /// The second best view.
+    /// The second best view, if there is another one.
+    #[serde(default)]
     pub runner_up: Option<usize>,
+    /// The quantities behind the score, for planners that explain theirs.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub explanation: Option<Explanation>,
 }
 
-/// The maximum flow of the paper's eq. (3).
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub struct FlowSummary {
-    /// Number of voxels served: f_S.
-    pub n_voxels: usize,
-    /// Largest total quality Q_T, nats.
-    pub quality: f64,
-    /// Number of views that carry flow.
-    pub n_views: usize,
+impl Choice {
+    /// A choice without runner-up and explanation.
+    pub fn new(view: usize, score: f64) -> Self {
+        Self { view, score, runner_up: None, explanation: None }
+    }
 }
 
 #[cfg(test)]

@@ -1,25 +1,32 @@
 use crate::geometry::{Lattice, VoxelBlock, VoxelKey};
 use crate::map::{LogOdds, Occupancy, Snapshot};
+use crate::{Cancel, Cancelled};
 use std::borrow::Cow;
+
+/// Voxels processed between two checks for cancellation.
+const CHUNK: usize = 1 << 16;
 
 /// Longest side of a block, in voxels, that the prior was trained for.
 const LONGEST: u32 = 72;
 
-/// The snapshot in voxels so coarse that the prior knows blocks of as many: the snapshot itself if it is coarse enough.
+/// The snapshot in voxels so coarse that the block is no larger than those the prior was trained for: the
+/// snapshot itself if it is coarse enough.
 ///
-/// As when a map is made in larger voxels, one is occupied if a part of it is, else free if a part of it is, else
-/// unknown. What the object looks like shows in as few voxels, and the time to plan does not grow with the resolution
-/// of the map.
-pub fn coarse_enough(snapshot: &Snapshot) -> Cow<'_, Snapshot> {
+/// As in a map of larger voxels, one is occupied if a part of it is, else free if a part of it is, else
+/// unknown. This many voxels are enough to show the object's shape, and the time to plan does not grow with
+/// the resolution of the map.
+///
+/// Fails if `cancel` is set.
+pub fn coarse_enough<'a>(snapshot: &'a Snapshot, cancel: &Cancel) -> Result<Cow<'a, Snapshot>, Cancelled> {
     let mut coarse = Cow::Borrowed(snapshot);
     while coarse.block().dims().max_element() > LONGEST {
-        coarse = Cow::Owned(halved(&coarse));
+        coarse = Cow::Owned(halved(&coarse, cancel)?);
     }
-    coarse
+    Ok(coarse)
 }
 
 /// The same block in voxels twice as large.
-fn halved(snapshot: &Snapshot) -> Snapshot {
+fn halved(snapshot: &Snapshot, cancel: &Cancel) -> Result<Snapshot, Cancelled> {
     let fine = snapshot.block();
     let lattice = Lattice::new(2.0 * snapshot.lattice().voxel_size())
         .expect("larger voxels are allowed where smaller ones are");
@@ -27,6 +34,9 @@ fn halved(snapshot: &Snapshot) -> Snapshot {
     let block = VoxelBlock::new(low, (high - low + 1).as_uvec3()).expect("not smaller than a voxel");
     let mut known = vec![None; block.n_voxels()];
     for (voxel, &state) in snapshot.occupancy().iter().enumerate() {
+        if voxel.is_multiple_of(CHUNK) {
+            cancel.check()?;
+        }
         let Some(coarse) = block.index(fine.key(voxel) >> 1).filter(|_| state != Occupancy::Unknown) else {
             continue;
         };
@@ -34,10 +44,10 @@ fn halved(snapshot: &Snapshot) -> Snapshot {
         let most = known[coarse].get_or_insert(probability);
         *most = probability.max(*most);
     }
-    Snapshot::from_fn(lattice, block, |key| {
+    Ok(Snapshot::from_fn(lattice, block, |key| {
         let probability = known[block.index(key)?]?;
         Some(LogOdds((probability / (1.0 - probability)).ln()))
-    })
+    }))
 }
 
 #[cfg(test)]
@@ -86,7 +96,7 @@ mod tests {
             let mut dims = [length, across[0], across[1]];
             dims.rotate_right(axis);
             let fine = snapshot(IVec3::from_array(min), UVec3::from_array(dims), seed);
-            let coarse = coarse_enough(&fine);
+            let coarse = coarse_enough(&fine, &Cancel::default()).unwrap();
             let size = (coarse.lattice().voxel_size() / 0.003).round() as i32;
             prop_assert!(coarse.block().dims().max_element() <= LONGEST);
             prop_assert!(size == 2 || 2 * coarse.block().dims().max_element() + 2 > LONGEST, "no coarser than needed");
@@ -110,8 +120,11 @@ mod tests {
     fn what_is_coarse_enough_is_left_alone() {
         for dims in [UVec3::ONE, UVec3::new(72, 3, 72)] {
             let fine = snapshot(IVec3::splat(-5), dims, 4);
-            assert!(matches!(coarse_enough(&fine), Cow::Borrowed(same) if std::ptr::eq(same, &fine)));
+            assert!(
+                matches!(coarse_enough(&fine, &Cancel::default()), Ok(Cow::Borrowed(same)) if std::ptr::eq(same, &fine))
+            );
         }
-        assert!(matches!(coarse_enough(&snapshot(IVec3::splat(-5), UVec3::new(1, 73, 1), 4)), Cow::Owned(_)));
+        let long = snapshot(IVec3::splat(-5), UVec3::new(1, 73, 1), 4);
+        assert!(matches!(coarse_enough(&long, &Cancel::default()), Ok(Cow::Owned(_))));
     }
 }

@@ -1,54 +1,67 @@
 use crate::geometry::{BoxCount, Nearest, NearestSource, VoxelBlock, VoxelKey};
 use crate::map::{Occupancy, Snapshot};
+use crate::{Cancel, Cancelled};
 use glam::{IVec3, Vec3};
 use rayon::prelude::*;
 
 /// Half-sides, in voxels, of the cubes in which measured voxels are counted.
 const RADII: [i32; 5] = [1, 2, 4, 8, 16];
 
+/// Voxels processed between two checks for cancellation.
+const CHUNK: usize = 512;
+
 /// Distances count up to here, voxels.
 const FARTHEST: f32 = 40.0;
 
-/// What is known around each voxel that may hold an unseen piece of surface: the unknown voxels, and the free ones
-/// that touch an unknown or an occupied voxel.
+/// The known surroundings of each voxel that may hold an unseen piece of surface: the unknown voxels, and the
+/// free ones that touch an unknown or an occupied voxel.
 ///
-/// Free voxels take part since a voxel is free as soon as a ray passes it, and many that a first view grazes hold
-/// surface all the same.
+/// Free voxels are included because a voxel is free as soon as a ray passes it, and many that a first view
+/// grazes still hold surface.
 #[derive(Clone, Debug)]
 pub struct VoxelFeatures {
     /// Indices into the snapshot, increasing.
     pub voxels: Vec<u32>,
     /// The features of each of these voxels; `docs/methods/most-surface.md` lists them.
     pub rows: Vec<[f32; VoxelFeatures::N]>,
-    /// Where free space lies around each voxel: the direction of the gradient of free voxels, of length 1, or 0 where
-    /// there is none.
+    /// The direction of free space around each voxel: that of the gradient of free voxels, of length 1, or 0
+    /// where there is none.
     pub normals: Vec<Vec3>,
 }
 
 impl VoxelFeatures {
-    /// How many features a voxel has.
+    /// Number of features of a voxel.
     pub const N: usize = 40;
 
     /// The features of the snapshot's voxels.
     ///
-    /// Distances are in voxels and, where learning is to be helped by it, as logarithms; nothing depends on where the
-    /// world's origin is, or changes when the world is turned by a quarter about its z axis. Only the voxel from which a
-    /// surface is continued may then be another, where several are equally near.
-    pub fn new(snapshot: &Snapshot) -> Self {
+    /// Distances are in voxels, and in logarithms where that helps learning; nothing depends on the position
+    /// of the world's origin, or changes when the world is turned by a quarter about its z axis. Only the
+    /// voxel from which a surface is continued may differ then, where several are equally near.
+    ///
+    /// Fails if `cancel` is set.
+    pub fn new(snapshot: &Snapshot, cancel: &Cancel) -> Result<Self, Cancelled> {
         let surroundings = Surroundings::new(snapshot);
+        cancel.check()?;
         let (block, occupancy) = (snapshot.block(), snapshot.occupancy());
         let voxels: Vec<u32> = (0..block.n_voxels())
             .filter(|&v| surroundings.may_hold_surface(occupancy, v))
             .map(|v| v as u32)
             .collect();
-        let describe = |&voxel: &u32| surroundings.describe(snapshot, voxel as usize);
-        let described: Vec<([f32; Self::N], Vec3)> = voxels.par_iter().map(describe).collect();
+        let mut described = vec![([0.0; Self::N], Vec3::ZERO); voxels.len()];
+        let parts = described.par_chunks_mut(CHUNK).zip(voxels.par_chunks(CHUNK));
+        parts.try_for_each(|(described, voxels)| {
+            cancel.check()?;
+            let all = voxels.iter().map(|&voxel| surroundings.describe(snapshot, voxel as usize));
+            described.iter_mut().zip(all).for_each(|(place, row)| *place = row);
+            Ok(())
+        })?;
         let (rows, normals) = described.into_iter().unzip();
-        Self { voxels, rows, normals }
+        Ok(Self { voxels, rows, normals })
     }
 }
 
-/// What the features are taken from.
+/// The data from which the features are computed.
 struct Surroundings {
     block: VoxelBlock,
     occupied: NearestSource,
@@ -119,8 +132,8 @@ impl Surroundings {
         (row.values, self.n_free.gradient(key, RADII[1]).normalize_or_zero())
     }
 
-    /// How much of the cubes around is occupied and free; surfaces grow with the square of the side. Space outside the
-    /// block is free.
+    /// The occupied and free shares of the cubes around; surfaces grow with the square of the side. Space
+    /// outside the block is free.
     fn shares(&self, key: VoxelKey, row: &mut Row) {
         for radius in RADII {
             let side = (2 * radius + 1) as f32;
@@ -129,8 +142,7 @@ impl Surroundings {
         }
     }
 
-    /// Where in the object and in the box the voxel is, and what is known at the places that symmetry would make its
-    /// equals.
+    /// The position of the voxel in the object and in the box, and the known state at its symmetric places.
     fn place(&self, key: VoxelKey, to_occupied: f32, to_free: f32, row: &mut Row) {
         let Extent { center, half } = &self.known;
         let (offset, radius) = (key.as_vec3() - center, half.length());
@@ -147,7 +159,7 @@ impl Surroundings {
         row.push(self.at(mirrored.with_z(key.z as f32)));
     }
 
-    /// How far occupied and free voxels are from a place.
+    /// Distances of a place from occupied and free voxels.
     fn at(&self, place: Vec3) -> [f32; 2] {
         let voxel = self.block.index(place.round().as_ivec3());
         let [occupied, free] = voxel
@@ -155,8 +167,8 @@ impl Surroundings {
         [log(occupied), log(free)]
     }
 
-    /// Where the voxel lies from the nearest surface: along its normal and across, at two scales; and how free and
-    /// occupied space lie to each other.
+    /// Where the voxel lies from the nearest surface: along its normal and across, at two scales; and how
+    /// free and occupied space lie to each other.
     fn continuation(&self, key: VoxelKey, voxel: usize, row: &mut Row) {
         let Nearest { squared, source } = self.occupied.of(voxel);
         let gradients = [(&self.n_free, RADII[2]), (&self.n_free, RADII[3]), (&self.n_occupied, RADII[3])]

@@ -1,17 +1,19 @@
 use super::VoxelFeatures;
+use crate::{Cancel, Cancelled};
 use pulp::{Arch, Simd, WithSimd};
 use rayon::prelude::*;
 
 /// A small network from the features of a voxel to logits: two hidden layers of rectified linear units.
 ///
-/// Every voxel is computed in the same order of operations on every CPU, so that the results have the same bits.
+/// Every voxel is computed in the same order of operations on every CPU, so that the results have the same
+/// bits.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Network {
     n_outputs: usize,
-    /// Subtracted from each feature, and what it is multiplied with then.
+    /// The mean subtracted from each feature, and the factor it is then multiplied by.
     mean: [f32; VoxelFeatures::N],
     scale: [f32; VoxelFeatures::N],
-    /// Of the three layers one after the other: for each input the weights to all outputs, then the biases.
+    /// The three layers one after the other: for each input the weights to all outputs, then the biases.
     weights: Vec<f32>,
 }
 
@@ -29,13 +31,13 @@ impl Network {
     /// The units of the hidden layers.
     pub const HIDDEN: [usize; 2] = HIDDEN;
 
-    /// How many numbers describe a network with so many outputs.
+    /// Number of values that describe a network with this many outputs.
     pub const fn n_numbers(n_outputs: usize) -> usize {
         2 * VoxelFeatures::N + FIRST + SECOND + (HIDDEN[1] + 1) * n_outputs
     }
 
-    /// The network that these numbers describe: mean and scale of the features, then the weights of each layer, for
-    /// each input those to all outputs, and last the biases.
+    /// The network that these numbers describe: mean and scale of the features, then the weights of each
+    /// layer, for each input those to all outputs, and last the biases.
     ///
     /// None unless there are [`n_numbers`](Self::n_numbers), all finite, and at least one output.
     pub fn from_numbers(numbers: &[f32], n_outputs: usize) -> Option<Self> {
@@ -58,12 +60,22 @@ impl Network {
         self.mean.iter().chain(&self.scale).chain(&self.weights).copied().collect()
     }
 
-    /// The probabilities that the logits of each row stand for, row after row.
-    pub fn probabilities(&self, rows: &[[f32; VoxelFeatures::N]]) -> Vec<f32> {
+    /// The probabilities of each row, row after row.
+    ///
+    /// Fails if `cancel` is set.
+    pub fn probabilities(
+        &self,
+        rows: &[[f32; VoxelFeatures::N]],
+        cancel: &Cancel,
+    ) -> Result<Vec<f32>, Cancelled> {
         let mut out = vec![0.0; rows.len() * self.n_outputs];
         let parts = out.par_chunks_mut(CHUNK * self.n_outputs).zip(rows.par_chunks(CHUNK));
-        parts.for_each(|(out, rows)| Arch::new().dispatch(Forward { network: self, rows, out }));
-        out
+        parts.try_for_each(|(out, rows)| {
+            cancel.check()?;
+            Arch::new().dispatch(Forward { network: self, rows, out });
+            Ok(())
+        })?;
+        Ok(out)
     }
 }
 
@@ -105,7 +117,7 @@ impl Network {
         }
     }
 
-    /// What the units of the second hidden layer give.
+    /// The outputs of the second hidden layer.
     #[inline(always)]
     fn hidden(&self, row: &[f32; VoxelFeatures::N]) -> [f32; HIDDEN[1]] {
         let (first, second) = self.weights[..FIRST + SECOND].split_at(FIRST);
@@ -190,7 +202,7 @@ mod tests {
         #[test]
         fn computes_what_the_slow_twin_computes(seed: u64, n_outputs in prop::sample::select(vec![1, 3, 25]), n_rows in 0_usize..40) {
             let (numbers, rows) = (numbers(n_outputs, seed), rows(n_rows, seed));
-            let found = Network::from_numbers(&numbers, n_outputs).unwrap().probabilities(&rows);
+            let found = Network::from_numbers(&numbers, n_outputs).unwrap().probabilities(&rows, &Cancel::default()).unwrap();
             let expected: Vec<f64> =
                 rows.iter().flat_map(|row| slow_probabilities(&numbers, n_outputs, row)).collect();
             prop_assert_eq!(found.len(), expected.len());
@@ -204,7 +216,7 @@ mod tests {
         fn has_the_same_bits_with_all_instructions_and_threads(seed: u64, n_outputs in prop::sample::select(vec![1, 25])) {
             let network = Network::from_numbers(&numbers(n_outputs, seed), n_outputs).unwrap();
             let rows = rows(3 * CHUNK + 7, seed);
-            let found = bits(&network.probabilities(&rows));
+            let found = bits(&network.probabilities(&rows, &Cancel::default()).unwrap());
             for arch in archs() {
                 let mut out = vec![0.0; rows.len() * n_outputs];
                 arch.dispatch(Forward { network: &network, rows: &rows, out: &mut out });
@@ -212,7 +224,7 @@ mod tests {
             }
             for n_threads in [1, 3] {
                 let pool = rayon::ThreadPoolBuilder::new().num_threads(n_threads).build().unwrap();
-                prop_assert_eq!(&bits(&pool.install(|| network.probabilities(&rows))), &found);
+                prop_assert_eq!(&bits(&pool.install(|| network.probabilities(&rows, &Cancel::default()).unwrap())), &found);
             }
         }
     }
@@ -223,7 +235,7 @@ mod tests {
             let numbers = numbers(n_outputs, 3);
             let network = Network::from_numbers(&numbers, n_outputs).unwrap();
             assert_eq!(network.numbers(), numbers);
-            assert_eq!(network.probabilities(&rows(5, 0)).len(), 5 * n_outputs);
+            assert_eq!(network.probabilities(&rows(5, 0), &Cancel::default()).unwrap().len(), 5 * n_outputs);
             assert_eq!(Network::from_numbers(&numbers[1..], n_outputs), None);
             assert_eq!(Network::from_numbers(&[&numbers[..], &[0.0]].concat(), n_outputs), None);
             assert_eq!(Network::from_numbers(&numbers, n_outputs + 1), None);
@@ -242,7 +254,10 @@ mod tests {
     #[test]
     fn huge_weights_give_probabilities() {
         let huge: Vec<f32> = numbers(25, 9).into_iter().map(|number| number * 1e6).collect();
-        let found = Network::from_numbers(&huge, 25).unwrap().probabilities(&rows(20, 9));
+        let found = Network::from_numbers(&huge, 25)
+            .unwrap()
+            .probabilities(&rows(20, 9), &Cancel::default())
+            .unwrap();
         assert!(found.iter().all(|p| (0.0..=1.0).contains(p)));
     }
 }

@@ -1,8 +1,9 @@
 use super::{Network, VoxelFeatures};
 use crate::map::Snapshot;
+use crate::{Cancel, Cancelled};
 use glam::Vec3;
 
-/// What learning made of many scans: `docs/planner.md` tells how.
+/// Weights learned from many scans; `docs/planner.md` describes the training.
 const WEIGHTS: &[u8] = include_bytes!("weights.bin");
 
 /// How probable unseen surface is where nothing is measured, and in free voxels at its border.
@@ -11,11 +12,12 @@ const WEIGHTS: &[u8] = include_bytes!("weights.bin");
 /// use glam::{IVec3, UVec3};
 /// use nextview::geometry::{Lattice, VoxelBlock};
 /// use nextview::map::Snapshot;
+/// use nextview::Cancel;
 /// use nextview::prior::SurfacePrior;
 ///
 /// let block = VoxelBlock::new(IVec3::ZERO, UVec3::splat(20)).unwrap();
 /// let unknown = Snapshot::from_fn(Lattice::new(0.005).unwrap(), block, |_| None);
-/// let estimate = SurfacePrior::default().estimate(&unknown);
+/// let estimate = SurfacePrior::default().estimate(&unknown, &Cancel::default()).unwrap();
 /// assert_eq!(estimate.len(), 20 * 20 * 20);
 /// assert!((0..estimate.len()).all(|i| (0.0..=1.0).contains(&estimate.stops(i))));
 /// ```
@@ -25,11 +27,12 @@ pub struct SurfacePrior {
     shows: Network,
 }
 
-/// How well a view sees a voxel: a class of views that are alike to the prior.
+/// How well a view sees a voxel: a class of views that the prior does not distinguish.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Sighting(u8);
+pub struct ViewingClass(u8);
 
-/// What the prior makes of a snapshot: for each voxel that may hold unseen surface, in the order of their indices.
+/// The prior's estimate for a snapshot: for each voxel that may hold unseen surface, in the order of their
+/// indices.
 #[derive(Clone, Debug)]
 pub struct SurfaceEstimate {
     voxels: Vec<u32>,
@@ -38,11 +41,11 @@ pub struct SurfaceEstimate {
     shows: Vec<f32>,
 }
 
-impl Sighting {
-    /// How many classes there are.
+impl ViewingClass {
+    /// Number of classes.
     pub const N: usize = 25;
 
-    /// Bounds between classes of visibility: how likely a ray comes to the voxel, 0..=1.
+    /// Bounds between classes of visibility: how likely a ray reaches the voxel, 0..=1.
     const VISIBILITIES: [f32; 4] = [0.12, 0.3, 0.6, 0.9];
 
     /// Bounds between classes of the cosine between the direction to the camera and that to free space.
@@ -69,23 +72,23 @@ impl Default for SurfacePrior {
 }
 
 impl SurfacePrior {
-    /// The prior of these two networks: whether rays stop in a voxel, with one output, and whether a view shows new
-    /// surface in it, with an output for each [`Sighting`].
+    /// The prior of these two networks: whether rays stop in a voxel, with one output, and whether a view
+    /// shows new surface in it, with an output for each [`ViewingClass`].
     ///
     /// Panics if a network has another number of outputs.
     pub fn new(stops: Network, shows: Network) -> Self {
         let n_outputs = (stops.n_outputs(), shows.n_outputs());
-        assert_eq!(n_outputs, (1, Sighting::N), "outputs of the networks of a prior");
+        assert_eq!(n_outputs, (1, ViewingClass::N), "outputs of the networks of a prior");
         Self { stops, shows }
     }
 
-    /// Reads what [`to_bytes`](Self::to_bytes) wrote; none if it is of another length or holds numbers that are not
-    /// finite.
+    /// Reads the bytes that [`to_bytes`](Self::to_bytes) wrote; none if they have another length or hold
+    /// numbers that are not finite.
     pub fn from_bytes(bytes: &[u8]) -> Option<Self> {
         let (numbers, rest) = bytes.as_chunks::<4>();
         let numbers: Vec<f32> = numbers.iter().map(|bytes| f32::from_le_bytes(*bytes)).collect();
         let (stops, shows) = numbers.split_at_checked(Network::n_numbers(1)).filter(|_| rest.is_empty())?;
-        Some(Self::new(Network::from_numbers(stops, 1)?, Network::from_numbers(shows, Sighting::N)?))
+        Some(Self::new(Network::from_numbers(stops, 1)?, Network::from_numbers(shows, ViewingClass::N)?))
     }
 
     /// The numbers of both networks, four bytes each, the least significant first.
@@ -94,17 +97,19 @@ impl SurfacePrior {
         numbers.iter().flat_map(|number| number.to_le_bytes()).collect()
     }
 
-    /// What is probable under what the snapshot knows.
-    pub fn estimate(&self, snapshot: &Snapshot) -> SurfaceEstimate {
-        let VoxelFeatures { voxels, rows, normals } = VoxelFeatures::new(snapshot);
-        let stops = self.stops.probabilities(&rows);
-        let shows = self.shows.probabilities(&rows);
-        SurfaceEstimate { voxels, normals, stops, shows }
+    /// The estimate for a snapshot.
+    ///
+    /// Fails if `cancel` is set.
+    pub fn estimate(&self, snapshot: &Snapshot, cancel: &Cancel) -> Result<SurfaceEstimate, Cancelled> {
+        let VoxelFeatures { voxels, rows, normals } = VoxelFeatures::new(snapshot, cancel)?;
+        let stops = self.stops.probabilities(&rows, cancel)?;
+        let shows = self.shows.probabilities(&rows, cancel)?;
+        Ok(SurfaceEstimate { voxels, normals, stops, shows })
     }
 }
 
 impl SurfaceEstimate {
-    /// How many voxels may hold unseen surface.
+    /// Number of voxels that may hold unseen surface.
     pub fn len(&self) -> usize {
         self.voxels.len()
     }
@@ -119,19 +124,19 @@ impl SurfaceEstimate {
         &self.voxels
     }
 
-    /// Where free space lies around the `i`-th voxel: a direction of length 1, or 0 where there is none.
+    /// The direction of free space around the `i`-th voxel, of length 1, or 0 where there is none.
     pub fn normal(&self, i: usize) -> Vec3 {
         self.normals[i]
     }
 
-    /// The probability, 0..=1, that a ray ends in the `i`-th voxel once it has come there.
+    /// The probability, 0..=1, that a ray ends in the `i`-th voxel once it has reached it.
     pub fn stops(&self, i: usize) -> f32 {
         self.stops[i]
     }
 
     /// The probability, 0..=1, that a view shows surface in the `i`-th voxel that was not seen before.
-    pub fn shows(&self, i: usize, sighting: Sighting) -> f32 {
-        self.shows[i * Sighting::N + sighting.index()]
+    pub fn shows(&self, i: usize, class: ViewingClass) -> f32 {
+        self.shows[i * ViewingClass::N + class.index()]
     }
 }
 
@@ -151,7 +156,7 @@ mod tests {
     }
 
     fn prior() -> SurfacePrior {
-        SurfacePrior::new(network(1, 1), network(2, Sighting::N))
+        SurfacePrior::new(network(1, 1), network(2, ViewingClass::N))
     }
 
     #[test]
@@ -165,30 +170,30 @@ mod tests {
         for visibilities in visibilities {
             for facings in facings {
                 for (visibility, facing) in visibilities.into_iter().flat_map(|v| facings.map(|f| (v, f))) {
-                    assert_eq!(Sighting::new(visibility, facing).index(), index, "{visibility} {facing}");
+                    assert_eq!(ViewingClass::new(visibility, facing).index(), index, "{visibility} {facing}");
                 }
                 index += 1;
             }
         }
-        assert_eq!(index, Sighting::N);
+        assert_eq!(index, ViewingClass::N);
     }
 
     #[test]
     fn without_a_direction_a_sighting_is_the_lowest_of_its_visibility() {
-        assert_eq!(Sighting::new(1.0, f32::NAN).index(), 20);
+        assert_eq!(ViewingClass::new(1.0, f32::NAN).index(), 20);
     }
 
     #[test]
     #[should_panic(expected = "outputs of the networks of a prior")]
     fn networks_change_no_places() {
-        SurfacePrior::new(network(1, Sighting::N), network(2, 1));
+        SurfacePrior::new(network(1, ViewingClass::N), network(2, 1));
     }
 
     #[test]
     fn bytes_say_it_all() {
         let prior = prior();
         let bytes = prior.to_bytes();
-        assert_eq!(bytes.len(), 4 * (Network::n_numbers(1) + Network::n_numbers(Sighting::N)));
+        assert_eq!(bytes.len(), 4 * (Network::n_numbers(1) + Network::n_numbers(ViewingClass::N)));
         assert_eq!(SurfacePrior::from_bytes(&bytes), Some(prior));
         assert_eq!(SurfacePrior::default().to_bytes(), WEIGHTS);
     }
@@ -216,15 +221,19 @@ mod tests {
             let kind = (key.x + 2 * key.y + 3 * key.z).rem_euclid(7);
             [None, Some(0.85), Some(-0.4)].get(kind as usize).copied().flatten().map(LogOdds)
         });
-        let (prior, features) = (prior(), VoxelFeatures::new(&snapshot));
-        let estimate = prior.estimate(&snapshot);
+        let cancel = &Cancel::default();
+        let (prior, features) = (prior(), VoxelFeatures::new(&snapshot, cancel).unwrap());
+        let estimate = prior.estimate(&snapshot, cancel).unwrap();
         assert!(!estimate.is_empty());
         assert_eq!((estimate.len(), estimate.voxels()), (features.voxels.len(), &features.voxels[..]));
-        let sighting = Sighting::new(0.7, 0.2);
+        let class = ViewingClass::new(0.7, 0.2);
         for (i, row) in features.rows.iter().enumerate() {
             assert_eq!(estimate.normal(i), features.normals[i]);
-            assert_eq!(estimate.stops(i), prior.stops.probabilities(&[*row])[0]);
-            assert_eq!(estimate.shows(i, sighting), prior.shows.probabilities(&[*row])[sighting.index()]);
+            assert_eq!(estimate.stops(i), prior.stops.probabilities(&[*row], cancel).unwrap()[0]);
+            assert_eq!(
+                estimate.shows(i, class),
+                prior.shows.probabilities(&[*row], cancel).unwrap()[class.index()]
+            );
         }
     }
 }

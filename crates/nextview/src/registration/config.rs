@@ -1,33 +1,46 @@
 use crate::Error;
+use crate::checked::{check_range, checked_when_read};
 use crate::geometry::Lattice;
 use serde::{Deserialize, Serialize};
 use std::f64::consts::PI;
 
-/// How frames are aligned, and when an alignment is refused.
+/// Whether frames are aligned, how, and when an alignment is refused.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(default, deny_unknown_fields)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(default, deny_unknown_fields, remote = "Self")]
 pub struct RegistrationConfig {
-    /// Edge of the cells in which points are pooled, metres, at least 0.0001. Default 0.005: some thousand points for an object
-    /// of the size of a hand, each the mean of several pixels of a camera half a metre away.
+    /// Whether a session aligns frames. Default: no; poses are used as given.
+    pub enabled: bool,
+    /// Edge of the cells in which points are pooled, metres, at least 0.0001. Default 0.005: some thousand
+    /// points for an object of the size of a hand, each the mean of several pixels of a camera half a metre
+    /// away.
+    #[serde(rename = "spacing_m")]
     pub spacing: f64,
-    /// How far a given position may be from the right one, metres, positive; an alignment that moves the camera farther is
-    /// refused. Correspondences are searched for as far at first. Default 0.05.
+    /// Maximum error of a given position, metres, positive; an alignment that moves the camera farther is
+    /// refused. The search for correspondences starts at this distance. Default 0.05.
+    #[serde(rename = "position_uncertainty_m")]
     pub position_uncertainty: f64,
-    /// The same for the rotation, radians, above 0 up to pi. Default 10 degrees.
+    /// The same for the rotation, radians, above 0 up to pi; degrees in files. Default 10 degrees.
+    #[serde(rename = "rotation_uncertainty_deg", with = "degrees")]
+    #[cfg_attr(feature = "schema", schemars(with = "f64"))]
     pub rotation_uncertainty: f64,
-    /// Least share, 0..=1, of the frame's points that must lie on the known surface after the alignment. Default 0.3.
+    /// Minimum share, 0..=1, of the frame's points that must lie on the known surface after the alignment.
+    /// Default 0.3.
     pub min_overlap: f64,
-    /// Least [stiffness](super::Registration::stiffness), 0..=1. Default 0.005: what holds a frame less was often turned by
-    /// degrees about the axis of a bottle or a handle.
+    /// Minimum [stiffness](super::Registration::stiffness), 0..=1. Default 0.005: frames held less firmly
+    /// were often turned by degrees about the axis of a bottle or a handle.
     pub min_stiffness: f64,
 }
+
+checked_when_read!(RegistrationConfig);
 
 impl Default for RegistrationConfig {
     fn default() -> Self {
         Self {
+            enabled: false,
             spacing: 0.005,
             position_uncertainty: 0.05,
-            rotation_uncertainty: PI / 18.0,
+            rotation_uncertainty: 10_f64.to_radians(),
             min_overlap: 0.3,
             min_stiffness: 0.005,
         }
@@ -35,22 +48,40 @@ impl Default for RegistrationConfig {
 }
 
 impl RegistrationConfig {
-    /// Fails on the first value out of range.
+    /// The defaults, enabled.
+    pub fn enabled() -> Self {
+        Self { enabled: true, ..Self::default() }
+    }
+
+    /// Fails on the first value out of range, whether enabled or not.
     pub fn check(&self) -> Result<(), Error> {
-        let check = |name, value: f64, is_fine: bool, expected| match is_fine && value.is_finite() {
-            true => Ok(()),
-            false => Err(Error::invalid(name, value, expected)),
-        };
-        let Self { spacing, position_uncertainty: position, rotation_uncertainty: rotation, .. } = *self;
-        let is_cell = Lattice::new(spacing).is_ok();
-        check("spacing", spacing, is_cell, "a finite length of at least 0.0001 m")?;
-        check("position_uncertainty", position, position > 0.0, "a positive number of metres")?;
-        let is_angle = rotation > 0.0 && rotation <= PI;
-        check("rotation_uncertainty", rotation, is_angle, "above 0 and up to pi radians (180 degrees)")?;
-        for (name, share) in [("min_overlap", self.min_overlap), ("min_stiffness", self.min_stiffness)] {
-            check(name, share, (0.0..=1.0).contains(&share), "a number in 0..=1")?;
+        let positive = f64::MIN_POSITIVE..=f64::MAX;
+        check_range("spacing_m", self.spacing, Lattice::MIN_VOXEL_SIZE..=f64::MAX, "at least 0.0001")?;
+        check_range("position_uncertainty_m", self.position_uncertainty, positive, "a positive number")?;
+        if !(self.rotation_uncertainty > 0.0 && self.rotation_uncertainty <= PI) {
+            let value = degrees::tidy(self.rotation_uncertainty);
+            return Err(Error::invalid("rotation_uncertainty_deg", value, "above 0 and up to 180"));
         }
-        Ok(())
+        check_range("min_overlap", self.min_overlap, 0.0..=1.0, "0 to 1")?;
+        check_range("min_stiffness", self.min_stiffness, 0.0..=1.0, "0 to 1")
+    }
+}
+
+/// Radians that are degrees in files.
+mod degrees {
+    use serde::{Deserialize, Deserializer, Serializer};
+
+    /// Rounded, so that 10 degrees do not read 9.999999999999998.
+    pub fn tidy(radians: f64) -> f64 {
+        (radians.to_degrees() * 1e9).round() / 1e9
+    }
+
+    pub fn serialize<S: Serializer>(radians: &f64, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.serialize_f64(tidy(*radians))
+    }
+
+    pub fn deserialize<'de, D: Deserializer<'de>>(deserializer: D) -> Result<f64, D::Error> {
+        f64::deserialize(deserializer).map(f64::to_radians)
     }
 }
 
@@ -63,14 +94,14 @@ mod tests {
         let good = RegistrationConfig::default();
         assert!(good.check().is_ok());
         for (bad, name) in [
-            (RegistrationConfig { spacing: 0.0, ..good }, "spacing is 0"),
-            (RegistrationConfig { spacing: f64::NAN, ..good }, "spacing is NaN"),
-            (RegistrationConfig { position_uncertainty: 0.0, ..good }, "position_uncertainty is 0"),
+            (RegistrationConfig { spacing: 0.0, ..good }, "spacing_m is 0"),
+            (RegistrationConfig { spacing: f64::NAN, ..good }, "spacing_m is NaN"),
+            (RegistrationConfig { position_uncertainty: 0.0, ..good }, "position_uncertainty_m is 0"),
             (
                 RegistrationConfig { position_uncertainty: f64::INFINITY, ..good },
-                "position_uncertainty is inf",
+                "position_uncertainty_m is inf",
             ),
-            (RegistrationConfig { rotation_uncertainty: 3.2, ..good }, "rotation_uncertainty is 3.2"),
+            (RegistrationConfig { rotation_uncertainty: 3.2, ..good }, "rotation_uncertainty_deg is 183.3"),
             (RegistrationConfig { min_overlap: 1.1, ..good }, "min_overlap is 1.1"),
             (RegistrationConfig { min_stiffness: -0.1, ..good }, "min_stiffness is -0.1"),
         ] {

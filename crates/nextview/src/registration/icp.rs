@@ -5,22 +5,23 @@ use super::surface_points::SurfacePoint;
 use crate::geometry::Pose;
 use rayon::prelude::*;
 
-/// Cosine between the normals of a pair, at least: 45 degrees. The other side of a thin wall is nothing to align with.
+/// Minimum cosine between the normals of a pair: 45 degrees. The other side of a thin wall does not match.
 const LEAST_AGREEMENT: f64 = 0.7;
 
-/// The weight of a pair falls to a quarter where the residual is this share of the reach, as in KISS-ICP (Vizzo et al. 2023).
+/// The weight of a pair falls to a quarter where the residual is this share of the reach, as in KISS-ICP
+/// (Vizzo et al. 2023).
 const SCALE: f64 = 1.0 / 3.0;
 
 /// The reach after a step, as a share of that before.
 const NARROWING: f64 = 0.7;
 
-/// Steps after which the alignment is taken as it is: by then at most a few points still change their partners to and fro.
+/// Maximum number of steps: by then at most a few points still switch back and forth between partners.
 const MAX_STEPS: usize = 30;
 
 /// A step that moves points by less than this share of the reach is the last.
 const SMALL_STEP: f64 = 5e-3;
 
-/// How far correspondences are searched for, metres.
+/// Search distance for correspondences, metres.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Reach {
     /// At first.
@@ -29,10 +30,11 @@ pub(super) struct Reach {
     pub last: f64,
 }
 
-/// Where the points (in the camera frame) lie on the known surface, seen from a given pose that is roughly right; and
-/// the number of steps.
+/// Aligns points (in the camera frame) to the known surface from a given pose that is roughly right; returns
+/// the pose and the number of steps.
 ///
-/// Iterative closest points (Besl & McKay 1992) with the distance from the tangent plane (Chen & Medioni 1992).
+/// Iterative closest points (Besl & McKay 1992) with the distance from the tangent plane (Chen & Medioni
+/// 1992).
 pub(super) fn align(points: &[SurfacePoint], known: &PointTree, given: Pose, reach: Reach) -> (Pose, usize) {
     let (mut pose, mut distance) = (given, reach.first);
     for n_steps in 1..=MAX_STEPS {
@@ -50,7 +52,8 @@ pub(super) fn align(points: &[SurfacePoint], known: &PointTree, given: Pose, rea
     (pose, MAX_STEPS)
 }
 
-/// The points with the nearest known ones that face the same way and are within `reach` metres, in the order of the points.
+/// The points with the nearest known ones that face the same way and are within `reach` metres, in the order
+/// of the points.
 pub(super) fn pairs(points: &[SurfacePoint], known: &PointTree, pose: &Pose, reach: f64) -> Vec<Pair> {
     let pair = |point: &SurfacePoint| {
         let SurfacePoint { position, normal } = point.moved(pose);

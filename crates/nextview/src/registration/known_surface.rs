@@ -10,10 +10,10 @@ use crate::sensor::Frame;
 use glam::{DVec3, IVec3};
 use rustc_hash::FxHashMap;
 
-/// The surface that the frames so far have shown: what a new frame is aligned to.
+/// The surface that the frames so far have shown: the target of the alignment of a new frame.
 ///
-/// Points are pooled in cells, those of different sides apart, so that the two sides of a thin wall stay two surfaces. Its
-/// state depends on the frames and their order alone, not on the number of threads.
+/// Points are pooled in cells, those of different sides apart, so that the two sides of a thin wall stay two
+/// surfaces. Its state depends on the frames and their order alone, not on the number of threads.
 ///
 /// ```
 /// use glam::{DQuat, DVec2, DVec3};
@@ -53,7 +53,8 @@ struct Pool {
     normal: DVec3,
 }
 
-/// The reach of correspondences in the end, in cells: twice as far as neighbouring known points are from each other.
+/// The final search distance for correspondences, in cells: twice the distance between neighbouring known
+/// points.
 const REACH_IN_CELLS: f64 = 2.0;
 
 /// Fewer points on the known surface are no overlap, whatever their share.
@@ -73,7 +74,7 @@ impl KnownSurface {
         self.pools.len()
     }
 
-    /// Takes in what a frame shows in and around a box (world coordinates, finite).
+    /// Adds the surface that a frame shows in and around a box (world coordinates, finite).
     pub fn add(&mut self, frame: &Frame, bounds: Aabb) {
         let pose = frame.world_from_camera();
         for point in surface_points(frame, self.around(bounds), self.config.spacing) {
@@ -89,7 +90,8 @@ impl KnownSurface {
         self.tree = PointTree::new(&points);
     }
 
-    /// Aligns what a frame shows in and around a box (world coordinates, finite) to what is known.
+    /// Aligns the surface that a frame shows in and around a box (world coordinates, finite) to the known
+    /// surface.
     pub fn register(&self, frame: &Frame, bounds: Aabb) -> Registration {
         let points = surface_points(frame, self.around(bounds), self.config.spacing);
         let given = frame.world_from_camera();
@@ -153,7 +155,8 @@ impl Pool {
     }
 
     fn mean(&self) -> SurfacePoint {
-        // The sum does not vanish: normals of one side all have their largest part along the same axis, with the same sign.
+        // The sum does not vanish: normals of one side all have their largest part along the same axis, with
+        // the same sign.
         SurfacePoint { position: self.position / self.n, normal: self.normal.normalize() }
     }
 }
@@ -171,8 +174,8 @@ fn residual(pairs: &[Pair], motion: &Pose) -> f64 {
     (sum / pairs.len().max(1) as f64).sqrt()
 }
 
-/// How badly the points lie on the known surface: the sum of squared residuals, in which a point without correspondence
-/// counts as one at `reach`.
+/// How badly the points lie on the known surface: the sum of squared residuals, in which a point without
+/// correspondence counts as one at `reach`.
 fn misfit(points: &[SurfacePoint], known: &PointTree, pose: &Pose, reach: f64) -> f64 {
     let pairs = pairs(points, known, pose, reach);
     let n_alone = (points.len() - pairs.len()) as f64;

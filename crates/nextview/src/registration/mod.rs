@@ -1,9 +1,10 @@
-//! Aligns a new frame to what has been measured, so that a wrong pose does not spoil the map.
+//! Aligns a new frame to the surface measured so far, so that a wrong pose does not spoil the map.
 //!
-//! Start with [`KnownSurface`]: it [registers](KnownSurface::register) a frame by point-to-plane ICP and takes in the
-//! frames that fit. An alignment that cannot be trusted is refused: the given pose stays, and the
-//! [`Verdict`] says why. Not here: correction of earlier frames (loop closure), and alignment from anywhere (global
-//! registration), for a robot knows roughly where it is. The formulas are in `docs/methods/registration.md`.
+//! Start with [`KnownSurface`]: it [registers](KnownSurface::register) a frame by point-to-plane ICP and adds
+//! the frames that fit. An alignment that cannot be trusted is refused: the given pose stays, and the
+//! [`Verdict`] says why. Not here: correction of earlier frames (loop closure), and alignment from anywhere
+//! (global registration), because a robot knows roughly where it is. The formulas are in
+//! `docs/methods/registration.md`.
 
 mod config;
 mod icp;

@@ -4,9 +4,9 @@ use glam::{DQuat, DVec3};
 
 /// The least-squares problem of one step: how to move the points so that they come closest to the planes.
 ///
-/// A small motion turns by w about the points' middle c and shifts by t: a residual n (p - q) changes by
-/// (w x (p - c)) n + t n. The unknowns are w times the points' root mean square distance from c, and t, so that all
-/// six are metres.
+/// A small motion turns by w about the points' middle c and shifts by t: a residual n (p - q) changes by (w x
+/// (p - c)) n + t n. The unknowns are w times the points' root mean square distance from c, and t, so that
+/// all six are metres.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct NormalEquations {
     center: DVec3,
@@ -17,11 +17,13 @@ pub(super) struct NormalEquations {
     gradient: [f64; 6],
 }
 
-/// Directions with eigenvalues below this share of the largest are not told by the surface at all, only by rounding.
+/// Directions with eigenvalues below this share of the largest are not determined by the surface at all, only
+/// by rounding.
 const LEAST_SHARE: f64 = 1e-9;
 
 impl NormalEquations {
-    /// The problem of these pairs; residuals above `scale` metres count less and less. None without pairs, or if all points are one.
+    /// The problem of these pairs; residuals above `scale` metres count less and less. None without pairs, or
+    /// if all points coincide.
     pub fn new(pairs: &[Pair], scale: f64) -> Option<Self> {
         let n = pairs.len() as f64;
         let center = pairs.iter().map(|pair| pair.point).sum::<DVec3>() / n;
@@ -50,7 +52,8 @@ impl NormalEquations {
         self.eigen.values[self.eigen.smallest()].clamp(0.0, 1.0)
     }
 
-    /// The motion that solves it, and its size, metres; nothing moves in directions that the surface does not tell.
+    /// The motion that solves it, and its size, metres; nothing moves in directions that the surface does not
+    /// determine.
     pub fn step(&self) -> (Pose, f64) {
         let largest = self.eigen.values.iter().fold(0.0, |a: f64, b| a.max(*b));
         let mut step = [0.0; 6];

@@ -1,27 +1,32 @@
 use crate::geometry::Pose;
 use serde::{Deserialize, Serialize};
 
-/// What came of the alignment of a frame.
+/// Result of the alignment of a frame.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Registration {
     /// Where the camera stood: corrected if the alignment was accepted, else as given.
     pub world_from_camera: Pose,
     /// Whether the alignment was accepted, or why not.
     pub verdict: Verdict,
-    /// Of the points that lie on the known surface after the alignment, the root mean square of their distances, metres, to
-    /// the tangent planes there: in the given pose. Zero if there are none.
+    /// Of the points that lie on the known surface after the alignment, the root mean square of their
+    /// distances, metres, to the tangent planes there: in the given pose. Zero if there are none.
+    #[serde(rename = "residual_before_m")]
     pub residual_before: f64,
     /// The same after the alignment.
+    #[serde(rename = "residual_after_m")]
     pub residual_after: f64,
     /// Share, 0..=1, of the frame's points that lie on the known surface after the alignment.
     pub overlap: f64,
     /// How far the alignment moves the camera, metres.
+    #[serde(rename = "moved_m")]
     pub moved: f64,
     /// How far it turns the camera, radians.
+    #[serde(rename = "turned_rad")]
     pub turned: f64,
-    /// How well the surface holds the frame in place, 0..=1: the smallest eigenvalue of the mean of the squared derivatives
-    /// of the residuals, where turns are measured at the points' root mean square distance from their middle. It is 0 where
-    /// the frame can slide: along a plane, around a ball or a cylinder.
+    /// How well the surface holds the frame in place, 0..=1: the smallest eigenvalue of the mean of the
+    /// squared derivatives of the residuals, where turns are measured at the points' root mean square
+    /// distance from their middle. It is 0 where the frame can slide: along a plane, around a ball or a
+    /// cylinder.
     pub stiffness: f64,
     /// Number of steps.
     pub n_iterations: usize,
@@ -29,7 +34,9 @@ pub struct Registration {
 
 /// Whether an alignment was accepted.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "kebab-case")]
+#[non_exhaustive]
 pub enum Verdict {
     /// Yes.
     Aligned,
@@ -49,7 +56,8 @@ impl Registration {
         self.verdict == Verdict::Aligned
     }
 
-    /// Whether the frame in its final pose lies on the known surface: it was aligned, or fits as well as it was.
+    /// Whether the frame in its final pose lies on the known surface: it was aligned, or fitted already as
+    /// given.
     pub fn fits(&self) -> bool {
         matches!(self.verdict, Verdict::Aligned | Verdict::NoBetter)
     }

@@ -7,8 +7,8 @@ pub(super) struct Pair {
     pub point: DVec3,
     /// The known point.
     pub known: DVec3,
-    /// The mean of both normals, of unit length: on a curved surface, the line between both points is at right angles to
-    /// it and not to either normal (Rusinkiewicz 2019).
+    /// The mean of both normals, of unit length: on a curved surface, the line between both points is at
+    /// right angles to it and not to either normal (Rusinkiewicz 2019).
     pub normal: DVec3,
 }
 

@@ -1,11 +1,11 @@
 use super::surface_points::SurfacePoint;
 use glam::DVec3;
 
-/// Points that are asked for the nearest: a k-d tree (Bentley 1975).
+/// Nearest-neighbour search among points: a k-d tree (Bentley 1975).
 #[derive(Clone, Debug, Default)]
 pub(super) struct PointTree {
-    /// The middle of every range is its root; those before it have a lower or the same coordinate on the root's axis,
-    /// those behind it a higher or the same.
+    /// The middle of every range is its root; those before it have a lower or the same coordinate on the
+    /// root's axis, those behind it a higher or the same.
     nodes: Vec<Node>,
 }
 
@@ -32,7 +32,7 @@ impl PointTree {
         Self { nodes }
     }
 
-    /// The nearest of the points that are at most `reach` metres away and fit; of equals the one that came first.
+    /// The nearest of the points that are at most `reach` metres away and fit; the first on ties.
     pub fn nearest(
         &self,
         to: DVec3,

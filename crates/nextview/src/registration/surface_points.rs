@@ -20,18 +20,19 @@ impl SurfacePoint {
     }
 }
 
-/// Fewer pixels around a point tell no normal.
+/// Minimum number of pixels around a point for a normal.
 const LEAST_PIXELS: f64 = 8.0;
 
-/// Surfaces seen at a flatter angle than this cosine are left out, as for the distance field: half a pixel beside the ray
-/// is more than two along it.
+/// Surfaces seen at a flatter angle than this cosine are left out, as for the distance field: half a pixel
+/// beside the ray is more than two along it.
 const LEAST_COSINE: f64 = 0.2;
 
-/// The measured points in the box (world coordinates, finite) with their normals, in the camera frame: the mean of the
-/// pixels in each cell with edges of `spacing` metres (a valid voxel size), in the order in which the cells were first met.
+/// The measured points in the box (world coordinates, finite) with their normals, in the camera frame: the
+/// mean of the pixels in each cell with edges of `spacing` metres (a valid voxel size), in the order in which
+/// the cells were first met.
 ///
-/// The normal is that of the plane through the pixels of the cell and the 26 around it (principal components, Hoppe et al.
-/// 1992), since the noise of neighbouring pixels is often as large as what lies between them.
+/// The normal is that of the plane through the pixels of the cell and the 26 around it (principal components,
+/// Hoppe et al. 1992), since the noise of neighbouring pixels is often as large as the distance between them.
 pub(super) fn surface_points(frame: &Frame, bounds: Aabb, spacing: f64) -> Vec<SurfacePoint> {
     let camera_from_world = frame.world_from_camera().inverse();
     let lattice = Lattice::new(spacing).expect("the configuration was checked");

@@ -1,6 +1,6 @@
 use crate::Error;
 
-/// A colour image that shows what a depth image of the same size measures, pixel by pixel, row by row from the top left.
+/// A colour image aligned pixel by pixel with a depth image of the same size, row by row from the top left.
 ///
 /// ```
 /// use nextview::sensor::ColorImage;
@@ -16,7 +16,8 @@ pub struct ColorImage {
 }
 
 impl ColorImage {
-    /// An image from the red, green and blue of every pixel, 0 to 255; fails unless there are `width` times `height`.
+    /// An image from the red, green and blue of every pixel, 0 to 255; fails unless there are `width` times
+    /// `height`.
     pub fn new(width: u32, height: u32, pixels: Vec<[u8; 3]>) -> Result<Self, Error> {
         if pixels.len() != width as usize * height as usize {
             let (name, value) = ("colour image", format!("{} pixels of {width} x {height}", pixels.len()));

@@ -1,6 +1,6 @@
 use crate::Error;
 
-/// What one pixel of a depth image says.
+/// The reading of one pixel of a depth image.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Depth {
     /// Nothing is known: no measurement.
@@ -21,8 +21,8 @@ pub struct DepthImage {
 }
 
 impl DepthImage {
-    /// An image from depths in metres. Zero, negative numbers and NaN are missing pixels; positive infinity is
-    /// a pixel from which nothing came back.
+    /// An image from depths in metres. Zero, negative numbers and NaN are missing pixels; positive infinity
+    /// is a pixel from which nothing came back.
     pub fn from_metres(width: u32, height: u32, mut depth: Vec<f32>) -> Result<Self, Error> {
         if depth.len() != width as usize * height as usize {
             return Err(Error::ImageSize { actual: depth.len(), width, height });
@@ -35,8 +35,8 @@ impl DepthImage {
         Ok(Self { width, height, depth })
     }
 
-    /// An image from raw units, as depth cameras and 16-bit PNG files give them; `scale` is the size of a unit in
-    /// metres (0.001 for millimetres) and must be positive. Zero is a missing pixel.
+    /// An image from raw units, as depth cameras and 16-bit PNG files give them; `scale` is the size of a
+    /// unit in metres (0.001 for millimetres) and must be positive. Zero is a missing pixel.
     pub fn from_units(width: u32, height: u32, units: &[u16], scale: f64) -> Result<Self, Error> {
         if !(scale > 0.0 && scale.is_finite()) {
             return Err(Error::invalid("depth scale", scale, "a positive number of metres per unit"));

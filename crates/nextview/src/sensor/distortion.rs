@@ -1,3 +1,5 @@
+use crate::Error;
+use crate::checked::checked_when_read;
 use glam::{DMat2, DVec2};
 use serde::{Deserialize, Serialize};
 
@@ -12,7 +14,7 @@ use serde::{Deserialize, Serialize};
 /// y_d = y (1 + k1 r2 + k2 r2^2 + k3 r2^3) + 2 p2 x y + p1 (r2 + 2 y^2)
 /// ```
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case", deny_unknown_fields)]
+#[serde(rename_all = "kebab-case", deny_unknown_fields, remote = "Self")]
 pub enum Distortion {
     /// An ideal pinhole.
     #[default]
@@ -23,7 +25,17 @@ pub enum Distortion {
     InverseBrownConrady([f64; 5]),
 }
 
+checked_when_read!(Distortion);
+
 impl Distortion {
+    /// Fails unless all coefficients are finite.
+    pub fn check(&self) -> Result<(), Error> {
+        if self.coefficients().iter().all(|k| k.is_finite()) {
+            return Ok(());
+        }
+        Err(Error::invalid("distortion", format!("{self:?}"), "finite coefficients"))
+    }
+
     /// Moves an ideal point of the plane z = 1 to where the lens shows it; none where the model has no answer
     /// (far outside the image, where the polynomial folds over).
     pub fn distort(&self, ideal: DVec2) -> Option<DVec2> {

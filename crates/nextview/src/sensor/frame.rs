@@ -3,7 +3,7 @@ use crate::Error;
 use crate::geometry::{Aabb, Pose};
 use glam::{DMat3, DVec2, DVec3};
 
-/// One look of a depth camera: the image, the optics that made it, and where the camera stood.
+/// One measurement of a depth camera: the image, the optics and the pose of the camera.
 #[derive(Clone, Debug)]
 pub struct Frame {
     image: DepthImage,
@@ -13,8 +13,8 @@ pub struct Frame {
 }
 
 impl Frame {
-    /// A frame; the image must have the size that the intrinsics state, and `range`, the depth in metres up to
-    /// which a pixel without return is known to be free, must be positive.
+    /// A frame; the image must have the size that the intrinsics state, and `range`, the depth in metres up
+    /// to which a pixel without return is known to be free, must be positive.
     pub fn new(
         image: DepthImage,
         intrinsics: Intrinsics,
@@ -57,8 +57,9 @@ impl Frame {
         self.range
     }
 
-    /// The end of every ray of image row `v` that says something, in world coordinates, from left to right: with
-    /// `true` for a measured surface and `false` for the end of the range where nothing came back.
+    /// The end of every ray of image row `v` that carries information, in world coordinates, from left to
+    /// right: with `true` for a measured surface and `false` for the end of the range where nothing came
+    /// back.
     pub fn row_ray_ends(&self, v: u32) -> impl Iterator<Item = (DVec3, bool)> + '_ {
         let rotation = self.world_from_camera.rotation_matrix();
         let row = self.intrinsics.deproject_row(v);
@@ -87,7 +88,7 @@ impl Frame {
 
     /// The same with the column of each point's pixel.
     pub(crate) fn row_pixels_in(&self, v: u32, bounds: Aabb) -> impl Iterator<Item = (u32, DVec3)> + '_ {
-        // Most pixels show the background; their depth alone tells, before the lens is undone.
+        // Most pixels show the background; their depth alone rules them out, before the lens is undone.
         let camera_from_world = self.world_from_camera.inverse();
         let corner_depths = bounds.corners().map(|corner| camera_from_world.transform_point(corner).z as f32);
         let nearest = corner_depths.into_iter().fold(f32::INFINITY, f32::min) * (1.0 - f32::EPSILON);

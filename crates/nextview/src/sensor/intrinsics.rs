@@ -3,7 +3,7 @@ use crate::Error;
 use glam::{DVec2, DVec3};
 use serde::{Deserialize, Serialize};
 
-/// What a camera's optics do: image size, focal lengths, principal point and lens distortion, in pixels.
+/// The optics of a camera: image size, focal lengths, principal point and lens distortion, in pixels.
 ///
 /// A pixel's centre has integer coordinates, as in OpenCV and librealsense.
 ///
@@ -48,17 +48,15 @@ impl Intrinsics {
 
     /// The same camera with a lens distortion; its coefficients must be finite.
     pub fn with_distortion(mut self, distortion: Distortion) -> Result<Self, Error> {
-        if !distortion.coefficients().iter().all(|k| k.is_finite()) {
-            return Err(Error::invalid("distortion", format!("{distortion:?}"), "finite coefficients"));
-        }
+        distortion.check()?;
         self.distortion = distortion;
         Ok(self)
     }
 
     /// The RealSense D435i of the paper, 640 x 480, with the calibration its authors published in the
-    /// configuration file of their code (psc0628/NBV-Simulation, `DefaultConfiguration.yaml`). The coefficients
-    /// stand there as k1, k2, k3, p1, p2 and are handed to librealsense in that order, which reads them as
-    /// k1, k2, p1, p2, k3; so do we.
+    /// configuration file of their code (psc0628/NBV-Simulation, `DefaultConfiguration.yaml`). The
+    /// coefficients are listed there as k1, k2, k3, p1, p2 and are passed to librealsense in that order,
+    /// which reads them as k1, k2, p1, p2, k3; so do we.
     pub fn d435i() -> Self {
         Self {
             width: 640,
@@ -105,8 +103,8 @@ impl Intrinsics {
         self.distortion
     }
 
-    /// The pixel that shows a point of the camera frame; none behind the camera or where the lens model has no
-    /// answer. The pixel may lie outside the image, see [`contains`](Self::contains).
+    /// The pixel that shows a point of the camera frame; none behind the camera or where the lens model has
+    /// no answer. The pixel may lie outside the image, see [`contains`](Self::contains).
     pub fn project(&self, point_in_camera: DVec3) -> Option<DVec2> {
         if point_in_camera.z <= 0.0 {
             return None;

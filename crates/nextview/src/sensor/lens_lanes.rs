@@ -3,8 +3,9 @@ use super::{Distortion, Intrinsics};
 use glam::{DVec2, DVec3};
 use pulp::{Arch, Simd, WithSimd};
 
-/// Points of an image or of the plane z = 1, in the form that vector instructions work on: the same operations as on
-/// one point after the other, so the same bits. Loops over the points hold arithmetic only; what branches, comes after.
+/// Points of an image or of the plane z = 1, in the form that vector instructions work on: the same
+/// operations as on one point after the other, so the same bits. Loops over the points contain only
+/// arithmetic; branches come afterwards.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Points<const N: usize> {
     pub x: [f64; N],
@@ -107,7 +108,8 @@ fn unfolded<const N: usize>(k: &[f64; 5], mut points: Points<N>) -> Points<N> {
     points
 }
 
-/// Newton's method needs four or five steps; what is not done after this many is left to the function for one point.
+/// Newton's method needs four or five steps; points that have not converged after this many are left to the
+/// function for one point.
 const MAX_STEPS: usize = 8;
 
 /// The twin of the function of this name for one point: those that have converged stay where they are.
@@ -135,7 +137,7 @@ fn invert<const N: usize>(k: &[f64; 5], targets: Points<N>) -> Points<N> {
     points
 }
 
-/// The points after a step, the determinants before it, and whether no other is needed.
+/// The points after a step, the determinants before it, and whether no further step is needed.
 #[inline(always)]
 fn newton_step<const N: usize>(
     k: &[f64; 5],

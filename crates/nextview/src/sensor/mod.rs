@@ -1,5 +1,5 @@
-//! Depth cameras: intrinsics with lens distortion, depth images, frames (image, intrinsics and pose), and colour images
-//! beside them.
+//! Depth cameras: intrinsics with lens distortion, depth images, frames (image, intrinsics and pose), and
+//! colour images beside them.
 //!
 //! Start with [`Frame`]: it is all a planner learns from a camera. Nothing here talks to a device.
 

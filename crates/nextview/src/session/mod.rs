@@ -2,35 +2,44 @@
 
 mod alignment;
 mod config;
-mod course;
+mod decision;
+mod itinerary_progress;
+mod location;
+mod locator;
 mod object_box;
 mod object_points;
+mod planning_box;
 mod report;
 mod resolution;
 mod scan_map;
+mod stop;
 mod table;
 mod views;
 
-pub use config::{SessionConfig, StopConfig};
+pub use config::SessionConfig;
+pub use decision::{Decision, NextView, StopReason};
 pub use object_box::ObjectBox;
+pub use planning_box::planning_box;
 pub use report::{MapReport, StepReport};
-pub use resolution::MultiResolution;
-pub use table::Table;
+pub use resolution::MultiResolutionConfig;
+pub use stop::StopConfig;
+pub use table::{ON_TABLE, Table};
 pub use views::Views;
 
-use crate::Error;
-use crate::geometry::{Aabb, Pose};
+use crate::geometry::{Aabb, Plane, Pose};
 use crate::map::{MapUpdate, OccupancyMap, Snapshot};
-use crate::motion::{Surroundings, Way};
-use crate::planner::{Choice, FlowSummary, Outlook, Plan, Situation, ViewPlanner};
+use crate::motion::{Surroundings, Trajectory};
+use crate::planner::{Plan, Situation, ViewPlanner};
 use crate::registration::{KnownSurface, Registration};
 use crate::sensor::{Frame, Intrinsics};
 use crate::view::ViewSpace;
+use crate::{Cancel, Cancelled, Error};
 use alignment::Alignment;
-use course::Course;
-use object_box::{Location, Locator};
+use itinerary_progress::ItineraryProgress;
+use location::Location;
+use locator::Locator;
 use scan_map::{MapRules, Place, ScanMap};
-use serde::{Deserialize, Serialize};
+use std::collections::BTreeSet;
 
 /// A scan in progress: the map so far, the views taken, and the planner.
 ///
@@ -61,66 +70,18 @@ pub struct Session {
     locator: Locator,
     map: ScanMap,
     alignment: Alignment,
-    /// The box that was found is larger than the memory limit allows, and was not gone over to.
+    /// The box that was found exceeds the memory limit and was not adopted.
     is_box_too_large: bool,
     frames: Vec<Frame>,
-    /// Number of frames that were asked for.
+    /// Number of requested frames.
     n_taken: usize,
     visited: Vec<usize>,
-    /// V_global of every plan so far.
-    history: Vec<Vec<u32>>,
-    /// What was decided since the last frame.
+    /// Views that are never to be proposed again.
+    skipped: BTreeSet<usize>,
+    /// The decision since the last frame.
     decision: Option<Decision>,
-    course: Course,
-}
-
-/// What to do next.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Decision {
-    /// Go there and observe.
-    Move(NextView),
-    /// The scan is over.
-    Stop(StopReason),
-}
-
-/// The next best view.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct NextView {
-    /// Its number in the view space; none for a first view that is no candidate.
-    pub view: Option<usize>,
-    /// Where the camera should stand.
-    pub world_from_camera: Pose,
-    /// Why it was chosen; none for the first view, which is given.
-    pub choice: Option<Choice>,
-    /// The flow behind the choice, for planners that solve one.
-    pub flow: Option<FlowSummary>,
-    /// What the planner expects of the view and of all that could follow, for planners that tell.
-    pub outlook: Option<Outlook>,
-}
-
-/// Why a scan ends.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum StopReason {
-    /// As many views were taken as allowed.
-    ViewLimit,
-    /// The entropy in the box fell below the stated share: the paper's eq. (9).
-    Converged,
-    /// No candidate gains anything.
-    NothingToGain,
-    /// As much of the surface as asked for is estimated to have been seen.
-    Complete,
-    /// The next view is expected to add less than asked for.
-    LittleToGain,
-    /// The way to the next view would make the path longer than allowed.
-    PathLimit,
-    /// The time allowed is over. A session reads no clock: whoever runs it tells.
-    TimeLimit,
-    /// There is no box to plan in: no frame shows an object yet, or the known box lies inside the table. After another
-    /// frame, taken from elsewhere, the scan may go on.
-    NoObject,
-    /// The box around what hangs together with the object needs more memory than allowed: a table or wall that it touches?
-    BoxTooLarge,
+    itinerary: ItineraryProgress,
+    cancel: Cancel,
 }
 
 impl Session {
@@ -132,12 +93,13 @@ impl Session {
         planner: Box<dyn ViewPlanner>,
     ) -> Result<Self, Error> {
         let views = views.into();
-        config.check(&views)?;
-        let SessionConfig { voxel_size, sensor_model, rays, background, .. } = config;
+        config.check_with(&views)?;
+        let SessionConfig { voxel_size, sensor_model, rays, background, registration, .. } = config;
+        let known = registration.enabled.then(|| KnownSurface::new(registration)).transpose()?;
         let mut session = Self {
-            locator: Locator::new(&config),
+            locator: Locator::new(config.object_box, config.table, config.voxel_size),
             map: ScanMap::new(MapRules { voxel_size, sensor_model, rays, background }, Place::default()),
-            alignment: Alignment::new(config.registration.map(KnownSurface::new).transpose()?),
+            alignment: Alignment::new(known),
             candidates: views.candidates(&Location::default()),
             config,
             intrinsics,
@@ -147,16 +109,23 @@ impl Session {
             frames: Vec::new(),
             n_taken: 0,
             visited: Vec::new(),
-            history: Vec::new(),
+            skipped: BTreeSet::new(),
             decision: None,
-            course: Course::default(),
+            itinerary: ItineraryProgress::default(),
+            cancel: Cancel::default(),
         };
         session.locate();
         Ok(session)
     }
 
-    /// Writes a frame into the map, keeps it, and, if a view was decided on, counts it as taken. With registration, all that
-    /// is done with the corrected pose.
+    /// The same session, whose decisions another thread can cancel.
+    pub fn with_cancel(self, cancel: Cancel) -> Self {
+        Self { cancel, ..self }
+    }
+
+    /// Writes a frame into the map, keeps it, and, if a view was decided on, counts it as taken. With
+    /// registration, all that is done with the corrected pose. It is never cancelled: a frame is a part of
+    /// the scan once this returns.
     pub fn observe(&mut self, frame: &Frame) -> StepReport {
         let planned_in = self.map.planning_voxel_size();
         let registration = self.alignment.register(frame, self.bounds());
@@ -169,27 +138,45 @@ impl Session {
         self.refine_what_is_known();
         let taken = self.decision.take().and_then(Decision::next_view);
         self.n_taken += taken.is_some() as usize;
-        self.visited.extend(taken.and_then(|next| next.view));
-        let is_planned = taken.is_some_and(|next| next.choice.is_some());
+        self.visited.extend(taken.as_ref().and_then(|next| next.view));
+        let is_planned = taken.as_ref().is_some_and(|next| next.choice.is_some());
         let voxel_size = if is_planned { planned_in } else { self.map.planning_voxel_size() };
         self.report(taken, voxel_size, update, registration)
     }
 
-    /// Decides on the next view. Asked again before the next observation, the answer is the same.
+    /// Decides on the next view. Repeated calls before the next observation return the same decision, unless
+    /// it was [cancelled](Self::with_cancel).
     pub fn decide(&mut self) -> Decision {
-        let decision = self.decision.unwrap_or_else(|| self.decide_anew());
-        self.decision = Some(decision);
-        decision
+        if let Some(decision) = &self.decision {
+            return decision.clone();
+        }
+        match self.decide_anew() {
+            Ok(decision) => self.decision.insert(decision).clone(),
+            Err(Cancelled) => Decision::Stop(StopReason::Cancelled),
+        }
     }
 
-    /// The way from where the last frame was taken to a view, such as the next one: around the ball around what is known of
-    /// the object, and above its table. Before the first frame, the camera is there already.
-    pub fn way_to(&self, world_from_camera: &Pose) -> Way {
-        let Some(last) = self.frames.last() else { return Way::at(*world_from_camera) };
+    /// Never proposes this view again, for example because a robot cannot reach it. The current decision is
+    /// discarded, so that the next [decision](Self::decide) differs.
+    ///
+    /// Instead of a skipped [first view](SessionConfig::first_view), the next higher number within reach
+    /// comes first, and after the highest, the lowest. Numbers of views that do not exist are ignored.
+    pub fn skip(&mut self, view: usize) {
+        self.skipped.insert(view);
+        self.candidates = self.without_skipped(self.candidates.clone());
+        self.itinerary.skip(view, self.decision.take().is_some());
+    }
+
+    /// The trajectory from where the last frame was taken to a view, such as the next one: around the ball
+    /// around the known part of the object, and above its table. Before the first frame, the camera is there
+    /// already.
+    pub fn trajectory_to(&self, world_from_camera: &Pose) -> Trajectory {
+        let Some(last) = self.frames.last() else { return Trajectory::at(*world_from_camera) };
         let Place { bounds: object, table } = self.map.place();
         let surroundings = Surroundings { object, floor: table.map(|table| table.floor()) };
-        let way = Way::new(&last.world_from_camera(), world_from_camera, &surroundings, &self.config.motion);
-        way.expect("the configuration was checked, a box that is planned in is finite, and so are cameras' distances")
+        let trajectory =
+            Trajectory::new(&last.world_from_camera(), world_from_camera, &surroundings, &self.config.motion);
+        trajectory.expect("the configuration was checked, a box that is planned in is finite, and so are cameras' distances")
     }
 
     /// The map so far, in the finest voxels.
@@ -197,14 +184,19 @@ impl Session {
         self.map.finest()
     }
 
-    /// What is known of the box around the object, in the finest voxels; none before an object was found.
+    /// The known state of the box around the object, in the finest voxels; none before an object was found.
     pub fn snapshot(&self) -> Option<Snapshot> {
         self.map.finest_snapshot()
     }
 
-    /// The box around the object, metres, without what is below its table; none before an object was found.
+    /// The box around the object, metres, without the part below its table; none before an object was found.
     pub fn bounds(&self) -> Option<Aabb> {
         self.map.place().bounds
+    }
+
+    /// The table that the object stands on; none without one, or before it was found.
+    pub fn table(&self) -> Option<Plane> {
+        self.map.place().table.map(|table| table.plane)
     }
 
     /// Edge of the voxels that the next view is planned in, metres.
@@ -227,48 +219,65 @@ impl Session {
         &self.candidates
     }
 
-    fn decide_anew(&mut self) -> Decision {
+    fn decide_anew(&mut self) -> Result<Decision, Cancelled> {
+        self.cancel.check()?;
         if let Some((view, world_from_camera)) = self.first_view() {
-            return go_to(view, world_from_camera, &Plan::default());
+            return Ok(Decision::go_to(view, world_from_camera, Plan::default()));
         }
-        if self.n_taken >= self.config.stop.max_views {
-            return Decision::Stop(StopReason::ViewLimit);
+        if self.n_taken >= self.config.max_views {
+            return Ok(Decision::Stop(StopReason::ViewLimit));
         }
         if self.is_box_too_large {
-            return Decision::Stop(StopReason::BoxTooLarge);
+            return Ok(Decision::Stop(StopReason::BoxTooLarge));
         }
         loop {
-            let Some(snapshot) = self.map.planning_snapshot() else {
-                return Decision::Stop(StopReason::NoObject);
+            let Some(snapshot) = self.map.planning_snapshot(&self.cancel)? else {
+                return Ok(Decision::Stop(StopReason::NoObject));
             };
-            if self.is_converged(&snapshot) {
-                return Decision::Stop(StopReason::Converged);
+            if self.is_converged(&snapshot)? {
+                return Ok(Decision::Stop(StopReason::Converged));
             }
-            let plan = self.plan(&snapshot);
+            let plan = self.plan(&snapshot)?;
             if let Some(reason) = self.reason_to_stop(&plan) {
-                return Decision::Stop(reason);
+                return Ok(Decision::Stop(reason));
             }
-            if let Some(choice) = plan.choice {
-                self.course.depart(&snapshot);
-                return go_to(Some(choice.view), self.candidates.pose(choice.view), &plan);
+            if let Some(view) = plan.choice.as_ref().map(|choice| choice.view) {
+                self.itinerary.depart(&snapshot);
+                return Ok(Decision::go_to(Some(view), self.candidates.pose(view), plan));
             }
             if self.map.is_finest() {
-                return Decision::Stop(StopReason::NothingToGain);
+                return Ok(Decision::Stop(StopReason::NothingToGain));
             }
-            self.map.refine(&self.frames); // what coarse voxels do not show, finer ones may
+            self.map.refine(&self.frames, &self.cancel)?; // finer voxels may show more than coarse ones
         }
     }
 
     /// Number and pose of the first view, before it was taken.
     fn first_view(&self) -> Option<(Option<usize>, Pose)> {
-        let view = self.config.first_view;
         match &self.views {
-            Views::Fixed(views) => (self.n_taken == 0).then(|| (Some(view), views.pose(view))),
+            Views::Fixed(views) if self.n_taken == 0 => {
+                let view = self.first_candidate()?;
+                Some((Some(view), views.pose(view)))
+            }
+            Views::Fixed(_) => None,
             Views::Following { first, .. } => self.frames.is_empty().then_some((None, *first)),
         }
     }
 
-    /// Goes over to the box that all frames tell, the last of which is not mapped yet, unless it is too large.
+    /// The configured first view or, if that is skipped, the next one within reach; none if there is none.
+    fn first_candidate(&self) -> Option<usize> {
+        let first = self.config.first_view;
+        if !self.skipped.contains(&first) {
+            return Some(first);
+        }
+        (first..self.candidates.len()).chain(0..first).find(|&view| self.candidates.is_within_reach(view))
+    }
+
+    fn without_skipped(&self, views: ViewSpace) -> ViewSpace {
+        views.only(|view| !self.skipped.contains(&view))
+    }
+
+    /// Adopts the box found from all frames, the last of which is not mapped yet, unless it is too large.
     fn locate(&mut self) {
         let location = self.locator.locate(&self.frames);
         let block = location.place.bounds.map(|bounds| self.config.block(&bounds));
@@ -278,40 +287,46 @@ impl Session {
         }
         let known = &self.frames[..self.frames.len().saturating_sub(1)];
         let is_first_box = self.map.place().bounds.is_none();
-        self.candidates = self.views.candidates(&location);
+        self.candidates = self.without_skipped(self.views.candidates(&location));
         self.map.move_to(location.place, known);
-        if let (true, Some(rule), Some(bounds)) =
-            (is_first_box, self.config.multi_resolution, location.place.bounds)
-        {
+        let rule = self.config.multi_resolution;
+        if let (true, Some(bounds)) = (is_first_box && rule.enabled, location.place.bounds) {
             self.map.plan_in(rule.n_halvings(self.config.voxel_size, bounds.longest_side()), known);
         }
     }
 
-    /// Halves the voxels that planning uses as long as the map in them is known well enough: algorithm 1, eq. (9).
+    /// Halves the voxels that planning uses as long as the map in them is known well enough: algorithm 1, eq.
+    /// (9).
     fn refine_what_is_known(&mut self) {
-        let Some(rule) = self.config.multi_resolution else { return };
+        let rule = self.config.multi_resolution;
+        if !rule.enabled {
+            return;
+        }
+        let never = &Cancel::default();
         let is_known = |map: &ScanMap| {
-            let share = map.planning_snapshot().map(|snapshot| snapshot.entropy_share());
-            share.is_some_and(|share| share < rule.q_thresh)
+            let snapshot = map.planning_snapshot(never).expect("nobody cancels");
+            snapshot.is_some_and(|snapshot| snapshot.entropy_share() < rule.q_thresh)
         };
         while !self.map.is_finest() && is_known(&self.map) {
-            self.map.refine(&self.frames);
+            self.map.refine(&self.frames, never).expect("nobody cancels");
         }
     }
 
-    fn is_converged(&self, snapshot: &Snapshot) -> bool {
-        let share = self.config.stop.entropy_share;
-        self.map.is_finest() && share.is_some_and(|q_thresh| snapshot.entropy_share() < q_thresh)
+    fn is_converged(&self, snapshot: &Snapshot) -> Result<bool, Cancelled> {
+        let Some(q_thresh) = self.config.stop.entropy_share.filter(|_| self.map.is_finest()) else {
+            return Ok(false);
+        };
+        Ok(snapshot.entropy_share_unless(&self.cancel)? < q_thresh)
     }
 
-    /// Whether the plan's next view is not worth the while.
+    /// The reason not to take the plan's next view, if there is one.
     fn reason_to_stop(&self, plan: &Plan) -> Option<StopReason> {
         let StopConfig { completeness, expected_gain, path_length, .. } = self.config.stop;
         let outlook = plan.outlook.filter(|_| self.map.is_finest());
         if outlook.zip(completeness).is_some_and(|(outlook, enough)| outlook.completeness() >= enough) {
             return Some(StopReason::Complete);
         }
-        let choice = plan.choice?;
+        let choice = plan.choice.as_ref()?;
         if outlook.zip(expected_gain).is_some_and(|(outlook, least)| outlook.gain() < least) {
             return Some(StopReason::LittleToGain);
         }
@@ -333,22 +348,21 @@ impl Session {
     }
 
     /// The next view of the itinerary, or else a new plan.
-    fn plan(&mut self, snapshot: &Snapshot) -> Plan {
-        if let Some(choice) = self.course.next(snapshot) {
-            return Plan { choice: Some(choice), ..Plan::default() };
+    fn plan(&mut self, snapshot: &Snapshot) -> Result<Plan, Cancelled> {
+        if let Some(choice) = self.itinerary.next(snapshot) {
+            return Ok(Plan { choice: Some(choice), ..Plan::default() });
         }
-        let mut plan = self.planner.plan(&self.situation(snapshot));
-        self.course.follow(plan.itinerary.take());
-        if plan.choice.is_some() {
-            self.history.push(plan.optimal_views.clone());
-        }
-        plan
-    }
-
-    fn situation<'a>(&'a self, snapshot: &'a Snapshot) -> Situation<'a> {
-        let Self { frames, candidates: views, intrinsics, visited, history, .. } = self;
-        let finest_voxel_size = self.config.voxel_size;
-        Situation { snapshot, frames, views, intrinsics, visited, history, finest_voxel_size }
+        let mut plan = self.planner.plan(&Situation {
+            snapshot,
+            frames: &self.frames,
+            views: &self.candidates,
+            intrinsics: &self.intrinsics,
+            visited: &self.visited,
+            finest_voxel_size: self.config.voxel_size,
+            cancel: &self.cancel,
+        })?;
+        self.itinerary.follow(plan.itinerary.take());
+        Ok(plan)
     }
 
     fn report(
@@ -362,12 +376,11 @@ impl Session {
         let Place { bounds, table } = self.map.place();
         StepReport {
             step: self.n_taken,
-            view: taken.and_then(|next| next.view),
+            view: taken.as_ref().and_then(|next| next.view),
             world_from_camera: frame.world_from_camera(),
             registration,
+            outlook: taken.as_ref().and_then(|next| next.outlook),
             choice: taken.and_then(|next| next.choice),
-            flow: taken.and_then(|next| next.flow),
-            outlook: taken.and_then(|next| next.outlook),
             travel: self.legs().next_back().unwrap_or(0.0),
             voxel_size,
             bounds,
@@ -376,18 +389,4 @@ impl Session {
             map: self.snapshot().map_or_else(MapReport::default, |snapshot| MapReport::new(&snapshot)),
         }
     }
-}
-
-impl Decision {
-    fn next_view(self) -> Option<NextView> {
-        match self {
-            Self::Move(next) => Some(next),
-            Self::Stop(_) => None,
-        }
-    }
-}
-
-fn go_to(view: Option<usize>, world_from_camera: Pose, plan: &Plan) -> Decision {
-    let Plan { choice, flow, outlook, .. } = *plan;
-    Decision::Move(NextView { view, world_from_camera, choice, flow, outlook })
 }

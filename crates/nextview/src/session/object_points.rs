@@ -1,4 +1,4 @@
-//! Which measured points are the object, where nothing is known of its size and place.
+//! Finds the measured points of an object of unknown size and place.
 
 use super::table::ShownTable;
 use crate::geometry::{Aabb, Lattice};
@@ -9,18 +9,19 @@ use rustc_hash::{FxHashMap, FxHashSet};
 /// Edge of the cells in which points are pooled, in voxels.
 const CELL_IN_VOXELS: f64 = 2.0;
 
-/// Fewer points than this are no object.
+/// Minimum number of points of an object.
 const LEAST_POINTS: usize = 20;
 
-/// How much farther away something counts that does not reach into the middle of the first image. A wall in the middle is
-/// usually more than twice as far as the object beside it, and what is nearer at the image's edge is usually the robot.
+/// Factor on the distance of things that do not reach into the middle of the first image. A wall in the
+/// middle is usually more than twice as far as the object beside it, and anything nearer at the image's edge
+/// is usually the robot.
 const BESIDE_THE_MIDDLE: f64 = 2.0;
 
-/// The points of all frames that are not the table's, pooled in cells; and the object among them: the cells that hang
-/// together, by faces, edges or corners, with those that were the object in the first frame that shows one.
+/// The points of all frames that are not the table's, pooled in cells; and the object among them: the cells
+/// connected, by faces, edges or corners, to those that were the object in the first frame that shows one.
 ///
-/// That first object is the nearest thing of at least 20 points, where something that does not reach into the middle half
-/// of the image counts as twice as far.
+/// That first object is the nearest thing of at least 20 points, where something that does not reach into the
+/// middle half of the image counts as twice as far.
 #[derive(Debug)]
 pub(super) struct ObjectPoints {
     lattice: Lattice,
@@ -29,7 +30,7 @@ pub(super) struct ObjectPoints {
     object: FxHashSet<IVec3>,
 }
 
-/// Cells that hang together, and what the first image tells of them.
+/// Connected cells, and their place in the first image.
 #[derive(Default)]
 struct Thing {
     cells: FxHashSet<IVec3>,
@@ -69,7 +70,7 @@ impl ObjectPoints {
         }))
     }
 
-    /// All cells that hang together with these.
+    /// All cells connected to these.
     fn connected(&self, start: FxHashSet<IVec3>) -> FxHashSet<IVec3> {
         let mut open: Vec<IVec3> = start.iter().copied().collect();
         let mut found = start;
@@ -90,7 +91,7 @@ impl ObjectPoints {
         object.map(|thing| thing.cells).unwrap_or_default()
     }
 
-    /// What the points (of this frame) make up, in the order of their first points.
+    /// The things that the points (of this frame) form, in the order of their first points.
     fn things(&self, frame: &Frame, points: &[DVec3]) -> Vec<Thing> {
         let camera_from_world = frame.world_from_camera().inverse();
         let (mut things, mut thing_of): (Vec<Thing>, FxHashMap<IVec3, usize>) = Default::default();
@@ -139,8 +140,8 @@ mod tests {
 
     const VOXEL_SIZE: f64 = 0.01;
 
-    /// What a camera 1 m above the origin sees that looks down on flat things: by column and row of the image, in steps of
-    /// 1 cm, the height; 0 is the ground.
+    /// The frame of a camera 1 m above the origin that looks down on flat things, whose height is given by
+    /// column and row of the image, in steps of 1 cm; 0 is the ground.
     fn frame(height: impl Fn(i32, i32) -> f64) -> Frame {
         let optics = Intrinsics::pinhole(200, 200, DVec2::splat(100.0), DVec2::splat(99.5)).unwrap();
         let depth = (0..40_000).map(|i| (1.0 - height(i % 200 - 100, i / 200 - 100)) as f32).collect();

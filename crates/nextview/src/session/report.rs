@@ -1,42 +1,46 @@
 use crate::geometry::{Aabb, Plane, Pose};
 use crate::map::{MapUpdate, Occupancy, Snapshot};
-use crate::planner::{Choice, FlowSummary, Outlook};
+use crate::planner::{Choice, Outlook};
 use crate::registration::Registration;
 use serde::{Deserialize, Serialize};
 
-/// Everything worth telling about one step: the choice of a view and what looking from there changed.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+/// One step of a scan: the choice of a view and the changes of the map by the frame taken there.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct StepReport {
     /// Number of views taken so far, this one included.
     pub step: usize,
-    /// Number of the view; none if it was no candidate: a first view without a number, or a frame that was not asked for.
+    /// Number of the view; none if it was no candidate: a first view without a number, or a frame that was
+    /// not asked for.
     pub view: Option<usize>,
-    /// Where the camera stood, as the map has it: with registration, the corrected pose.
+    /// Camera pose used for the map: with registration, the corrected pose.
     pub world_from_camera: Pose,
-    /// What came of aligning the frame; none without registration, and for the first frame that shows the object.
+    /// Result of the alignment of the frame; none without registration, and for the first frame that shows
+    /// the object.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub registration: Option<Registration>,
     /// Why the view was chosen; none for the first.
     pub choice: Option<Choice>,
-    /// The flow behind the choice, for planners that solve one.
-    pub flow: Option<FlowSummary>,
-    /// What the planner expected of the view and of all that could follow, for planners that tell.
+    /// The planner's expectations of the view and of all that could follow; none for planners without
+    /// expectations.
     pub outlook: Option<Outlook>,
     /// Straight distance from where the last frame was taken, metres; 0 for the first.
+    #[serde(rename = "travel_m")]
     pub travel: f64,
-    /// Voxel size, metres, in which the view was planned; of a view that was not, that in which planning goes on.
+    /// Voxel size, metres, in which the view was planned; for a view that was not planned, that in which
+    /// planning continues.
+    #[serde(rename = "voxel_size_m")]
     pub voxel_size: f64,
     /// The box around the object after the frame; none if no object was found.
     pub bounds: Option<Aabb>,
     /// The table that the object stands on; none without one, or if none was found.
     pub table: Option<Plane>,
-    /// What the frame changed in the map.
+    /// The changes that the frame made in the map.
     pub update: MapUpdate,
-    /// What is known of the box after it.
+    /// The known state of the box after it.
     pub map: MapReport,
 }
 
-/// What is known of the box around the object, in the finest voxels; zeros if there is none.
+/// The known state of the box around the object, in the finest voxels; zeros if there is none.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct MapReport {
     /// Occupied voxels.
@@ -46,8 +50,9 @@ pub struct MapReport {
     /// Voxels never measured.
     pub n_unknown: usize,
     /// Entropy of the box, nats: the paper's eq. (8).
+    #[serde(rename = "entropy_nats")]
     pub entropy: f64,
-    /// The same as a share, 0..=1, of an unknown box: what eq. (9) compares with q_thresh.
+    /// The same as a share, 0..=1, of an unknown box: the value that eq. (9) compares with q_thresh.
     pub entropy_share: f64,
 }
 

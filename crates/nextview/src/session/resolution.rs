@@ -1,41 +1,65 @@
 use crate::Error;
+use crate::checked::{check_range, checked_when_read};
 use serde::{Deserialize, Serialize};
 
 /// Planning from coarse voxels to fine ones: the paper's algorithm 1.
 ///
-/// After each frame, while the entropy of the map in the present voxels is below `q_thresh` of that of an unknown one
-/// (eqs. 8, 9), planning goes on in voxels half the size, down to the finest. There,
-/// [`StopConfig::entropy_share`](super::StopConfig::entropy_share) ends the scan. Algorithm 1 has 0.5 for both.
+/// After each frame, while the entropy of the map in the present voxels is below `q_thresh` of that of an
+/// unknown one (eqs. 8, 9), planning continues in voxels half the size, down to the finest. There,
+/// [`StopConfig::entropy_share`](super::StopConfig::entropy_share) ends the scan. Algorithm 1 has 0.5 for
+/// both.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(default, deny_unknown_fields)]
-pub struct MultiResolution {
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(default, deny_unknown_fields, remote = "Self")]
+pub struct MultiResolutionConfig {
+    /// Whether planning begins in coarser voxels. Default: no.
+    pub enabled: bool,
     /// Voxel size to begin with, metres: the finest times a power of two. Default: the coarsest of which at
     /// least 12 fit along the first box (the paper, section IV.C).
+    #[serde(rename = "coarsest_voxel_size_m", skip_serializing_if = "Option::is_none")]
     pub coarsest_voxel_size: Option<f64>,
-    /// Share of the entropy of an unknown map below which the voxels are halved, 0..=1; the paper's q_thresh. Default 0.5.
+    /// Share of the entropy of an unknown map below which the voxels are halved, 0..=1; the paper's q_thresh.
+    /// Default 0.5.
     pub q_thresh: f64,
 }
 
 /// Voxels along the edge of the box in the coarsest map, at least.
 const LEAST_VOXELS: f64 = 12.0;
 
-/// Most halvings: a cube of 12 voxels becomes one of 400,000.
+/// Maximum number of halvings: a cube of 12 voxels becomes one of 400,000.
 const MOST_HALVINGS: u32 = 15;
 
-impl Default for MultiResolution {
+impl Default for MultiResolutionConfig {
     fn default() -> Self {
-        Self { coarsest_voxel_size: None, q_thresh: 0.5 }
+        Self { enabled: false, coarsest_voxel_size: None, q_thresh: 0.5 }
     }
 }
 
-impl MultiResolution {
-    pub(super) fn check(&self, finest: f64) -> Result<(), Error> {
-        if !(0.0..=1.0).contains(&self.q_thresh) {
-            return Err(Error::invalid("q_thresh", self.q_thresh, "a number in 0..=1"));
+checked_when_read!(MultiResolutionConfig);
+
+impl MultiResolutionConfig {
+    /// The defaults, enabled.
+    pub fn enabled() -> Self {
+        Self { enabled: true, ..Self::default() }
+    }
+
+    /// Fails on the first value out of range, whether enabled or not.
+    pub fn check(&self) -> Result<(), Error> {
+        check_range("q_thresh", self.q_thresh, 0.0..=1.0, "a number in 0..=1")?;
+        match self.coarsest_voxel_size {
+            Some(size) if !(size > 0.0 && size.is_finite()) => {
+                Err(Error::invalid("coarsest_voxel_size_m", size, "a positive number of metres"))
+            }
+            _ => Ok(()),
         }
+    }
+
+    /// The same, and fails unless the coarsest voxels halve to the finest.
+    pub(super) fn check_for(&self, finest: f64) -> Result<(), Error> {
+        self.check()?;
         match self.coarsest_voxel_size {
             Some(coarsest) if halvings(coarsest, finest).is_none() => Err(Error::invalid(
-                "coarsest_voxel_size",
+                "coarsest_voxel_size_m",
                 coarsest,
                 "the finest voxel size times 1, 2, 4, 8, ... or 32768",
             )),
@@ -63,18 +87,20 @@ mod tests {
 
     #[test]
     fn begins_where_twelve_voxels_fit() {
-        let rule = MultiResolution::default();
+        let rule = MultiResolutionConfig::default();
         for (edge, expected) in [(0.05, 0), (0.239, 0), (0.2401, 1), (0.479, 1), (0.4801, 2), (1e9, 15)] {
             assert_eq!(rule.n_halvings(0.01, edge), expected, "{edge}");
         }
-        let stated = MultiResolution { coarsest_voxel_size: Some(0.04), ..rule };
+        let stated = MultiResolutionConfig { coarsest_voxel_size: Some(0.04), ..rule };
         assert_eq!(stated.n_halvings(0.01, 0.1), 2);
     }
 
     #[test]
     fn refuses_what_is_no_power_of_two_and_no_share() {
         let check = |coarsest_voxel_size, q_thresh| {
-            MultiResolution { coarsest_voxel_size, q_thresh }.check(0.005).map_err(|e| e.to_string())
+            let rule =
+                MultiResolutionConfig { coarsest_voxel_size, q_thresh, ..MultiResolutionConfig::enabled() };
+            rule.check_for(0.005).map_err(|e| e.to_string())
         };
         for size in [0.005, 0.01, 0.02, 0.04] {
             assert_eq!(check(Some(size), 0.0), Ok(()));

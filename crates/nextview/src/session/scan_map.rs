@@ -1,10 +1,10 @@
+use super::table::KnownTable;
 use crate::geometry::{Aabb, Lattice, VoxelBlock};
 use crate::map::{Background, Integration, LogOdds, MapUpdate, OccupancyMap, RayRule, SensorModel, Snapshot};
 use crate::sensor::Frame;
+use crate::{Cancel, Cancelled};
 
-use super::table::KnownTable;
-
-/// What decides how frames become maps.
+/// The settings that decide how frames become maps.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct MapRules {
     /// Finest voxel size, metres.
@@ -22,16 +22,17 @@ pub(super) struct Place {
     pub table: Option<KnownTable>,
 }
 
-/// The map of a scan in the finest voxels and, while planning is done in coarser ones, the same frames mapped in those.
+/// The map of a scan in the finest voxels and, while planning is done in coarser ones, the same frames mapped
+/// in those.
 ///
-/// Both are functions of the frames, the place and the voxel size alone: when the box grows or the voxels are halved,
-/// maps are made anew from all frames, so that no measurement is lost or made up.
+/// Both are functions of the frames, the place and the voxel size alone: when the box grows or the voxels are
+/// halved, maps are rebuilt from all frames, so that no measurement is lost or made up.
 #[derive(Debug)]
 pub(super) struct ScanMap {
     rules: MapRules,
     place: Place,
     finest: BoxMap,
-    /// How often voxels are yet to be halved, and the map in the present ones; none in the finest.
+    /// Number of halvings left, and the map in the present voxels; none in the finest.
     coarse: Option<(u32, BoxMap)>,
 }
 
@@ -60,14 +61,14 @@ impl ScanMap {
         &self.finest.map
     }
 
-    /// What is known of the box in the finest voxels; none before there is a box.
+    /// The known state of the box in the finest voxels; none before there is a box.
     pub fn finest_snapshot(&self) -> Option<Snapshot> {
-        self.finest.snapshot()
+        self.finest.snapshot(&Cancel::default()).expect("nobody cancels")
     }
 
-    /// What is known of the box in the voxels that planning uses; none before there is a box.
-    pub fn planning_snapshot(&self) -> Option<Snapshot> {
-        self.planning().snapshot()
+    /// The known state of the box in the voxels that planning uses; none before there is a box.
+    pub fn planning_snapshot(&self, cancel: &Cancel) -> Result<Option<Snapshot>, Cancelled> {
+        self.planning().snapshot(cancel)
     }
 
     /// Edge of the voxels that planning uses, metres.
@@ -80,7 +81,7 @@ impl ScanMap {
         self.coarse.is_none()
     }
 
-    /// Writes a frame into all maps and tells what it changed in the finest.
+    /// Writes a frame into all maps and returns its changes in the finest.
     pub fn integrate(&mut self, frame: &Frame) -> MapUpdate {
         if let Some((_, coarse)) = &mut self.coarse {
             coarse.integrate(frame);
@@ -88,25 +89,36 @@ impl ScanMap {
         self.finest.integrate(frame)
     }
 
-    /// Makes the maps anew for another place, from all frames.
+    /// Rebuilds the maps for another place, from all frames.
     pub fn move_to(&mut self, place: Place, frames: &[Frame]) {
         self.place = place;
-        self.finest = BoxMap::of(&self.rules, 0, place, frames);
+        let finest = BoxMap::of(&self.rules, 0, place, frames, &Cancel::default());
+        self.finest = finest.expect("nobody cancels");
         self.plan_in(self.coarse.as_ref().map_or(0, |(n_halvings, _)| *n_halvings), frames);
     }
 
-    /// Goes on planning in voxels that are yet to be halved so often, or in finer ones if the box holds none of those.
+    /// Continues planning in voxels with this many halvings left, or in finer ones if the box holds none of
+    /// those.
     pub fn plan_in(&mut self, n_halvings: u32, frames: &[Frame]) {
-        self.coarse = (1..=n_halvings)
-            .rev()
-            .find(|&n| self.place.bounds.is_none() || BoxMap::new(&self.rules, n, self.place).block.is_some())
-            .map(|n| (n, BoxMap::of(&self.rules, n, self.place, frames)));
+        self.coarse = self.coarse_map(n_halvings, frames, &Cancel::default()).expect("nobody cancels");
     }
 
-    /// Halves the voxels that planning uses; they must not be the finest.
-    pub fn refine(&mut self, frames: &[Frame]) {
+    fn coarse_map(
+        &self,
+        n_halvings: u32,
+        frames: &[Frame],
+        cancel: &Cancel,
+    ) -> Result<Option<(u32, BoxMap)>, Cancelled> {
+        let has_voxels = |n: &u32| BoxMap::new(&self.rules, *n, self.place).block.is_some();
+        let n = (1..=n_halvings).rev().find(|n| self.place.bounds.is_none() || has_voxels(n));
+        n.map(|n| Ok((n, BoxMap::of(&self.rules, n, self.place, frames, cancel)?))).transpose()
+    }
+
+    /// Halves the voxels that planning uses; they must not be the finest. They stay as they are if cancelled.
+    pub fn refine(&mut self, frames: &[Frame], cancel: &Cancel) -> Result<(), Cancelled> {
         let n_halvings = self.coarse.as_ref().map_or(0, |(n_halvings, _)| n_halvings - 1);
-        self.plan_in(n_halvings, frames);
+        self.coarse = self.coarse_map(n_halvings, frames, cancel)?;
+        Ok(())
     }
 
     fn planning(&self) -> &BoxMap {
@@ -127,10 +139,19 @@ impl BoxMap {
         Self { map, block, integration, table: place.table }
     }
 
-    fn of(rules: &MapRules, n_halvings: u32, place: Place, frames: &[Frame]) -> Self {
+    fn of(
+        rules: &MapRules,
+        n_halvings: u32,
+        place: Place,
+        frames: &[Frame],
+        cancel: &Cancel,
+    ) -> Result<Self, Cancelled> {
         let mut map = Self::new(rules, n_halvings, place);
-        frames.iter().for_each(|frame| _ = map.integrate(frame));
-        map
+        for frame in frames {
+            cancel.check()?;
+            map.integrate(frame);
+        }
+        Ok(map)
     }
 
     fn integrate(&mut self, frame: &Frame) -> MapUpdate {
@@ -140,15 +161,17 @@ impl BoxMap {
         }
     }
 
-    /// What is known of the box. Voxels inside the table, which no frame can show, count as free: nothing is to be found there.
-    fn snapshot(&self) -> Option<Snapshot> {
-        let snapshot = self.map.snapshot(self.block?);
-        let Some(table) = self.table else { return Some(snapshot) };
+    /// The known state of the box. Voxels inside the table, which no frame can show, count as free: there is
+    /// nothing to find.
+    fn snapshot(&self, cancel: &Cancel) -> Result<Option<Snapshot>, Cancelled> {
+        let Some(block) = self.block else { return Ok(None) };
+        let snapshot = self.map.snapshot_unless(block, cancel)?;
+        let Some(table) = self.table else { return Ok(Some(snapshot)) };
         let lattice = self.map.lattice();
         let reach = 0.5 * lattice.voxel_size() * table.top.normal().abs().element_sum();
         let free = LogOdds::from_probability(self.map.model().clamp_min);
         let is_inside = |key| table.top.height(lattice.center(key)) + reach <= 0.0;
-        Some(snapshot.with_value(free, is_inside))
+        snapshot.with_value(free, is_inside, cancel).map(Some)
     }
 }
 
@@ -187,18 +210,20 @@ mod tests {
         Place { bounds: Some(Aabb::cube(DVec3::splat(0.013), half)), table: table.find(&[]) }
     }
 
-    /// Whatever the way there, the maps are those made from scratch from the frames, the place and the voxel size.
+    /// However they came to be, the maps equal those built from scratch from the frames, the place and the
+    /// voxel size.
     fn check_is_from_scratch(map: &ScanMap, frames: &[Frame]) {
         let mut known = Place { ..map.place() };
         let n_halvings = (map.planning_voxel_size() / 0.01).log2().round() as u32;
         for (n, found) in [(0, &map.finest), (n_halvings, map.planning())] {
-            let scratch = BoxMap::of(&rules(), n, known, frames);
+            let scratch = BoxMap::of(&rules(), n, known, frames, &Cancel::default()).unwrap();
             assert_eq!(found.block, scratch.block);
             assert_eq!(found.map.lattice(), scratch.map.lattice());
             assert_eq!(found.map.voxels(), scratch.map.voxels());
         }
         known.bounds = None;
-        assert!(BoxMap::of(&rules(), 0, known, frames).map.voxels().is_empty());
+        let nowhere = BoxMap::of(&rules(), 0, known, frames, &Cancel::default()).unwrap();
+        assert!(nowhere.map.voxels().is_empty());
     }
 
     #[test]
@@ -215,7 +240,7 @@ mod tests {
                         half += 0.02;
                         map.move_to(place(half, Table::AtHeight(-0.05)), &frames[..seen]);
                     }
-                    1 if !map.is_finest() => map.refine(&frames[..seen]),
+                    1 if !map.is_finest() => map.refine(&frames[..seen], &Cancel::default()).unwrap(),
                     _ => {
                         map.integrate(&frames[seen]);
                         seen += 1;
@@ -230,7 +255,9 @@ mod tests {
     fn voxel_sizes_that_the_box_holds_none_of_are_passed_over() {
         let mut map = ScanMap::new(rules(), place(0.02, Table::None));
         map.plan_in(10, &[]);
-        assert!(map.planning_snapshot().is_some() && map.planning_voxel_size() < 0.1);
+        assert!(
+            map.planning_snapshot(&Cancel::default()).unwrap().is_some() && map.planning_voxel_size() < 0.1
+        );
     }
 
     #[test]

@@ -1,39 +1,44 @@
 use crate::Error;
+use crate::checked::checked_when_read;
 use crate::geometry::{Aabb, Plane, PlaneFit, fit_ground, fit_ground_near};
 use crate::sensor::Frame;
 use glam::{DVec2, DVec3};
 use serde::{Deserialize, Serialize};
 
-/// What the object stands on.
+/// The surface that the object stands on.
 ///
-/// Points of the table, and below, are no part of the object and make no voxel occupied; they still say that the way to
-/// them is free. The box ends at the table, and candidates below it are out of reach.
+/// Points on and below the table are not part of the object and make no voxel occupied; the space in front of
+/// them still counts as free. The box ends at the table, and candidates below it are out of reach.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(rename_all = "kebab-case", remote = "Self")]
+#[non_exhaustive]
 pub enum Table {
     /// Nothing that the camera sees. The default.
     #[default]
     None,
     /// A horizontal surface at this z, metres, finite.
+    #[serde(rename = "at-height-m")]
     AtHeight(f64),
-    /// The largest surface that the first frame shows below the camera and less than 30 degrees from the horizontal;
-    /// where there is none, as without a table.
+    /// The largest surface that the first frame shows below the camera and less than 30 degrees from the
+    /// horizontal; where there is none, as without a table.
     Fitted,
 }
 
-/// Points up to here above a table belong to it, metres: the paper's figure (section V.C).
-const TOLERANCE: f64 = 0.002;
+/// Points up to this height above a table belong to it, metres: the paper's figure (section V.C).
+pub const ON_TABLE: f64 = 0.002;
 
 /// A fitted table's points may lie this many times their own deviation above it, if that is more.
 const DEVIATIONS: f64 = 3.0;
 
-/// The same for what hangs together with the object: hardly any point of the table may bridge to the next.
+/// The same for connections to the object: hardly any point of the table may bridge to the next.
 const DEVIATIONS_SHOWN: f64 = 5.0;
 
 /// How far above a table's points a camera can stand, metres: most of the height of a small camera.
 const CLEARANCE: f64 = 0.02;
 
-/// How far a wrong pose may put the points of a table beside it, metres: a degree at half a metre, and a centimetre and a half.
+/// How far a wrong pose may put the points of a table beside it, metres: a degree at half a metre, and a
+/// centimetre and a half.
 const POSE_ERROR: f64 = 0.025;
 
 /// A table that was found.
@@ -45,14 +50,15 @@ pub(super) struct KnownTable {
     pub top: Plane,
 }
 
-/// A known table as one frame shows it: where a pose is wrong, the table's points are not where the table is, and far away they
-/// are noisier than near.
+/// A known table as one frame shows it: where a pose is wrong, the table's points are not where the table is,
+/// and far away they are noisier than near.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct ShownTable {
     camera: DVec3,
-    /// Up to here are points of the table.
+    /// Points up to this plane belong to the table.
     top: Plane,
-    /// And up to the squared distance from the camera times this above `top`, less [`TOLERANCE`], per metre.
+    /// So do points above `top` by up to this times their squared distance from the camera, less
+    /// [`ON_TABLE`]; per metre.
     per_distance_sq: f64,
 }
 
@@ -64,22 +70,25 @@ impl ShownTable {
         let Some(fit) = fit_ground_near(known.plane, POSE_ERROR, &points, camera) else {
             return Self { camera, top: known.top, per_distance_sq: 0.0 };
         };
-        let of_table = points.iter().filter(|point| fit.plane.height(**point).abs() <= TOLERANCE);
+        let of_table = points.iter().filter(|point| fit.plane.height(**point).abs() <= ON_TABLE);
         let (n, sum) = of_table.fold((0, 0.0), |(n, sum), p| (n + 1, sum + p.distance_squared(camera)));
         let per_distance_sq = if n > 0 { DEVIATIONS_SHOWN * fit.deviation * n as f64 / sum } else { 0.0 };
-        Self { camera, top: fit.plane.raised(TOLERANCE), per_distance_sq }
+        Self { camera, top: fit.plane.raised(ON_TABLE), per_distance_sq }
     }
 
     /// Whether a point of the frame is above the table.
     pub fn is_below(&self, point: DVec3) -> bool {
         let noise = self.per_distance_sq * point.distance_squared(self.camera);
-        self.top.height(point) > (noise - TOLERANCE).max(0.0)
+        self.top.height(point) > (noise - ON_TABLE).max(0.0)
     }
 }
 
+checked_when_read!(Table);
+
 impl Table {
-    pub(super) fn check(self) -> Result<(), Error> {
-        match self {
+    /// Fails unless the height is finite.
+    pub fn check(&self) -> Result<(), Error> {
+        match *self {
             Self::AtHeight(z) if !z.is_finite() => {
                 Err(Error::invalid("table", z, "a finite height in metres"))
             }
@@ -87,11 +96,11 @@ impl Table {
         }
     }
 
-    /// The table, as far as the frames (oldest first) tell.
+    /// The table, as far as the frames (oldest first) show it.
     pub(super) fn find(self, frames: &[Frame]) -> Option<KnownTable> {
         match self {
             Self::None => None,
-            Self::AtHeight(z) => Plane::horizontal(z).ok().map(|plane| KnownTable::new(plane, TOLERANCE)),
+            Self::AtHeight(z) => Plane::horizontal(z).ok().map(|plane| KnownTable::new(plane, ON_TABLE)),
             Self::Fitted => frames.first().and_then(fit),
         }
     }
@@ -103,7 +112,7 @@ impl KnownTable {
     }
 
     fn fitted(fit: PlaneFit) -> Self {
-        Self::new(fit.plane, TOLERANCE.max(DEVIATIONS * fit.deviation))
+        Self::new(fit.plane, ON_TABLE.max(DEVIATIONS * fit.deviation))
     }
 
     /// The plane below which no camera can stand.
@@ -116,7 +125,8 @@ impl KnownTable {
         self.top.height(position) >= CLEARANCE
     }
 
-    /// The box without what lies below the table wherever one stands in it; the box itself if nothing would be left.
+    /// The box without the part below the table's lowest point in it; the box itself if nothing would be
+    /// left.
     pub fn clip(&self, bounds: Aabb) -> Aabb {
         let (normal, min, max) = (self.top.normal(), bounds.min.truncate(), bounds.max.truncate());
         let corners = [min, max, DVec2::new(min.x, max.y), DVec2::new(max.x, min.y)];

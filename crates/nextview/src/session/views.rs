@@ -1,22 +1,23 @@
-use super::object_box::Location;
+use super::location::Location;
 use crate::Error;
 use crate::geometry::Pose;
 use crate::view::{Reach, ViewSpace};
 
 /// Where the camera could go.
 #[derive(Clone, Debug)]
+#[non_exhaustive]
 pub enum Views {
     /// Poses that stay where they are. The first view is [one of them](super::SessionConfig::first_view).
     Fixed(ViewSpace),
-    /// Poses that move along with what is known of the object.
+    /// Poses that move along with the known part of the object.
     Following {
         /// The first view, which is no candidate.
         first: Pose,
         /// The candidates for an object at the origin whose longest side is 2 m ("size 1"), such as
-        /// `generate::shell(DVec3::ZERO, 1.0, 1000, 0)`. They stand [around](ViewSpace::around) the middle of what is known
-        /// of the object, at distances in proportion to half its longest side. So a candidate's number always means the same
-        /// direction and relative distance, and stays taken once it was, although the candidate may have moved a
-        /// little since.
+        /// `generate::shell(DVec3::ZERO, 1.0, 1000, 0)`. They stand [around](ViewSpace::around) the middle of
+        /// the known part of the object, at distances proportional to half its longest side. So a candidate's
+        /// number always means the same direction and relative distance, and stays taken once it was,
+        /// although the candidate may have moved a little since.
         unit: ViewSpace,
         /// Candidates that have moved out of it are out of reach. Of fixed ones,
         /// [`restricted`](ViewSpace::restricted) does the same.
@@ -38,7 +39,7 @@ impl Views {
         }
     }
 
-    /// The candidates for an object that is there; the unit candidates themselves while it is nowhere.
+    /// The candidates for an object at this location; the unit candidates while the location is unknown.
     pub(super) fn candidates(&self, location: &Location) -> ViewSpace {
         let views = match (self, location.object) {
             (Self::Fixed(views), _) => views.clone(),

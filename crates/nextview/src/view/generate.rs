@@ -6,8 +6,8 @@ use crate::geometry::random::Random;
 use crate::geometry::sphere;
 use glam::DVec3;
 
-/// The paper's random shell: positions uniform outside the cube of half-side `2 * size` and inside the sphere of radius
-/// `4 * size`, both around `center`; `size` is half the longest side of the object's box, metres.
+/// The paper's random shell: positions uniform outside the cube of half-side `2 * size` and inside the sphere
+/// of radius `4 * size`, both around `center`; `size` is half the longest side of the object's box, metres.
 pub fn shell(center: DVec3, size: f64, n: usize, seed: u64) -> Result<ViewSpace, Error> {
     check(size, n)?;
     let mut random = Random::new(seed, 0);
@@ -25,8 +25,8 @@ pub fn fibonacci_sphere(center: DVec3, radius: f64, n: usize) -> Result<ViewSpac
     on_sphere(center, radius, n, sphere::fibonacci)
 }
 
-/// Positions on the upper half of a Fibonacci sphere of this radius (metres) around `center`, for an object on a
-/// table: no candidate is below the centre's height.
+/// Positions on the upper half of a Fibonacci sphere of this radius (metres) around `center`, for an object
+/// on a table: no candidate is below the centre's height.
 pub fn hemisphere(center: DVec3, radius: f64, n: usize) -> Result<ViewSpace, Error> {
     on_sphere(center, radius, n, sphere::fibonacci_hemisphere)
 }

@@ -1,14 +1,15 @@
 use crate::geometry::Pose;
 use glam::{DMat3, DVec3};
 
-/// Below this sine of the angle between viewing direction and vertical, a view counts as vertical: the horizon's
-/// direction would be rounding noise.
+/// Below this sine of the angle between viewing direction and vertical, a view counts as vertical: the
+/// horizon's direction would be rounding noise.
 const VERTICAL: f64 = 1e-6;
 
 /// The pose of a camera at `position` that looks at `target`, defined for every pair of finite points.
 ///
-/// Roll: the top of the image points up, that is, the image's x axis is horizontal. Looking straight down or up,
-/// the top of the image points along the world's +y axis. From the target itself the camera looks along the world's +x axis.
+/// Roll: the top of the image points up, that is, the image's x axis is horizontal. Looking straight down or
+/// up, the top of the image points along the world's +y axis. From the target itself the camera looks along
+/// the world's +x axis.
 ///
 /// ```
 /// use glam::DVec3;

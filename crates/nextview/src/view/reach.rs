@@ -2,7 +2,7 @@ use crate::Error;
 use crate::geometry::Aabb;
 use glam::DVec3;
 
-/// Where a robot can hold the camera, as far as positions tell. By default, everywhere.
+/// The positions at which a robot can hold the camera. By default, all.
 ///
 /// ```
 /// use glam::DVec3;
@@ -24,14 +24,14 @@ pub struct Reach {
     pub forbidden: Vec<Aabb>,
 }
 
-/// What is between two spheres around the base of an arm.
+/// The space between two spheres around the base of an arm.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ReachSphere {
-    /// Where the arm stands, metres.
+    /// Position of the arm's base, metres.
     pub base: DVec3,
-    /// How near the camera can come to it, metres, at least 0.
+    /// Minimum distance of the camera from it, metres, at least 0.
     pub min_radius: f64,
-    /// How far away the camera can be, metres, above `min_radius`.
+    /// Maximum distance of the camera from it, metres, above `min_radius`.
     pub max_radius: f64,
 }
 

@@ -3,8 +3,8 @@ use crate::{Error, geometry::Pose};
 use glam::DVec3;
 use std::io::{Read, Write};
 
-/// The view candidates: an immutable list of camera poses (`world_from_camera`), numbered from 0. Some may be out of
-/// reach; they keep their numbers.
+/// The view candidates: an immutable list of camera poses (`world_from_camera`), numbered from 0. Some may be
+/// out of reach; they keep their numbers.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ViewSpace {
     poses: Vec<Pose>,
@@ -20,10 +20,10 @@ impl ViewSpace {
         Ok(Self { within_reach: vec![true; poses.len()], poses })
     }
 
-    /// Reads candidates from CSV text: a row each, `x_m, y_m, z_m` for a camera that looks at `target`, or
-    /// `x_m, y_m, z_m, qx, qy, qz, qw` for a whole pose (`world_from_camera`, Hamilton quaternion). A header
-    /// with these names may come first; then other columns are passed over. Empty lines and lines that start
-    /// with `#` do not count. Errors name the line.
+    /// Reads candidates from CSV text: one row per candidate, `x_m, y_m, z_m` for a camera that looks at
+    /// `target`, or `x_m, y_m, z_m, qx, qy, qz, qw` for a whole pose (`world_from_camera`, Hamilton
+    /// quaternion). A header with these names may come first; then other columns are ignored. Empty lines and
+    /// lines that start with `#` are skipped. Errors name the line.
     pub fn read_csv(reader: impl Read, target: DVec3) -> Result<Self, Error> {
         Self::new(csv::read(reader, target)?)
     }
@@ -33,14 +33,14 @@ impl ViewSpace {
         csv::write(writer, &self.poses)
     }
 
-    /// These candidates, made for an object of size 1 at the origin, around an object elsewhere: in the same directions
-    /// from `center`, `size` times as far away (metres).
+    /// These candidates, made for an object of size 1 at the origin, around an object elsewhere: in the same
+    /// directions from `center`, `size` times as far away (metres).
     pub fn around(&self, center: DVec3, size: f64) -> Self {
         let moved = |pose: &Pose| pose.with_translation(center + pose.translation() * size);
         Self { poses: self.poses.iter().map(moved).collect(), within_reach: self.within_reach.clone() }
     }
 
-    /// The same candidates, of which only those stay within reach whose camera can stand there.
+    /// The same candidates; only those whose camera can stand at its position stay within reach.
     pub fn restricted(mut self, can_stand: impl Fn(DVec3) -> bool) -> Self {
         for (within_reach, pose) in self.within_reach.iter_mut().zip(&self.poses) {
             *within_reach &= can_stand(pose.translation());
@@ -48,7 +48,7 @@ impl ViewSpace {
         self
     }
 
-    /// The same candidates, of which only those stay within reach that are named by number.
+    /// The same candidates; of those within reach, only the named numbers stay so.
     pub(crate) fn only(mut self, is_left: impl Fn(usize) -> bool) -> Self {
         self.within_reach
             .iter_mut()

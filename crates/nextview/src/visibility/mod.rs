@@ -1,7 +1,7 @@
-//! What a view candidate would see: the only place where planning rays are cast.
+//! Visibility from view candidates: the only place where planning rays are cast.
 //!
-//! Start with [`RayCaster`]: it sends the rays of a view through a dense [`Snapshot`](crate::map::Snapshot) and
-//! hands out one [`Ray`] after the other. What the rays are worth is decided elsewhere.
+//! Start with [`RayCaster`]: it sends the rays of a view through a dense [`Snapshot`](crate::map::Snapshot)
+//! and returns one [`Ray`] after the other. The rays are evaluated elsewhere.
 
 mod packet;
 mod pass_grid;
@@ -10,14 +10,14 @@ mod ray;
 mod ray_caster;
 mod ray_grid;
 mod sight;
-mod worth_caster;
+mod value_caster;
 
 pub(crate) use paths::Paths;
 pub use ray::{Crossing, Ray, RayEnd};
 pub use ray_caster::RayCaster;
 pub use ray_grid::{NO_VOXEL_MISSED, RayGrid};
 pub use sight::{FreeSpace, Sight};
-pub(crate) use worth_caster::WorthCaster;
+pub(crate) use value_caster::ValueCaster;
 
 #[cfg(test)]
 pub(crate) use packet::tests::archs;

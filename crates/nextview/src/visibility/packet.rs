@@ -1,12 +1,7 @@
 use super::pass_grid::PassGrid;
+use crate::geometry::lanes::{FIRST_INDEX, LANES, Lanes, abs, floor, load, store};
 use glam::DVec3;
 use pulp::Simd;
-
-/// How many rays are prepared together: as many as the widest instructions take.
-pub(super) const LANES: usize = 8;
-
-/// A number for each ray of a packet.
-pub(super) type Lanes = [f64; LANES];
 
 /// Where the rays of a packet go from the camera.
 #[derive(Clone, Copy, Debug)]
@@ -18,12 +13,13 @@ pub(super) struct Directions {
 }
 
 /// Rays from one origin where they enter a block, in units of voxels: the start of a walk as that of
-/// [`SegmentWalk`](crate::geometry::SegmentWalk), cut down to what a ray needs.
+/// [`SegmentWalk`](crate::geometry::SegmentWalk), reduced to the needs of a ray.
 ///
 /// Setting up a short ray alone costs as much as following it; eight at a time, a fifth of that.
 #[derive(Debug, Default)]
 pub(super) struct Packet {
-    /// The cell in which the ray enters, as an [`index`](cell); [`OUTSIDE`] if it misses the block.
+    /// The cell in which the ray enters, as an [index](crate::geometry::lanes::cell); [`OUTSIDE`] if it
+    /// misses the block.
     pub index: Lanes,
     pub axes: [PacketAxis; 3],
 }
@@ -39,30 +35,8 @@ pub(super) struct PacketAxis {
     pub stride: Lanes,
 }
 
-/// Added to a whole number below 2^52, it leaves the number in the low bits and no room for a fraction.
-const MAGIC: f64 = (1_u64 << 52) as f64;
-
 /// The index of a corner of every [`PassGrid`], which lies outside the block.
-pub(super) const OUTSIDE: f64 = MAGIC;
-
-/// The cell that an index stands for: an index is the number of a cell plus 2^52, so that it can be added to in the
-/// registers of the floating-point numbers.
-#[inline(always)]
-pub(super) fn cell(index: f64) -> usize {
-    index.to_bits() as u32 as usize
-}
-
-/// A register full of a packet's numbers.
-#[inline(always)]
-pub(super) fn load<S: Simd>(lanes: &Lanes, part: usize) -> S::f64s {
-    S::as_simd_f64s(lanes).0[part]
-}
-
-/// The reverse of [`load`].
-#[inline(always)]
-pub(super) fn store<S: Simd>(lanes: &mut Lanes, part: usize, value: S::f64s) {
-    S::as_mut_simd_f64s(lanes).0[part] = value;
-}
+pub(super) const OUTSIDE: f64 = FIRST_INDEX;
 
 impl Packet {
     /// Lets rays from `origin` into the block of a grid.
@@ -89,7 +63,7 @@ impl Packet {
         }
     }
 
-    /// Fills one axis, and tells how far along it the ray enters, in cells.
+    /// Fills one axis, and returns how far along it the ray enters, in cells.
     #[inline(always)]
     fn enter_along<S: Simd>(
         &mut self,
@@ -166,24 +140,10 @@ impl<S: Simd> Clip<S> {
     }
 }
 
-/// The floor of numbers from 0 to 2^51.
-#[inline(always)]
-fn floor<S: Simd>(simd: S, x: S::f64s) -> S::f64s {
-    let magic = simd.splat_f64s(MAGIC);
-    let nearest = simd.sub_f64s(simd.add_f64s(x, magic), magic);
-    let above = simd.greater_than_f64s(nearest, x);
-    simd.select_f64s(above, simd.sub_f64s(nearest, simd.splat_f64s(1.0)), nearest)
-}
-
-/// The absolute value; the library's own is not always inlined.
-#[inline(always)]
-fn abs<S: Simd>(simd: S, x: S::f64s) -> S::f64s {
-    simd.max_f64s(x, simd.sub_f64s(simd.splat_f64s(0.0), x))
-}
-
 #[cfg(test)]
 pub(super) mod tests {
     use super::*;
+    use crate::geometry::lanes::cell;
     use crate::geometry::{Aabb, Lattice, VoxelBlock};
     use crate::map::Snapshot;
     use crate::visibility::FreeSpace;

@@ -4,11 +4,12 @@ use crate::map::{Occupancy, Snapshot};
 use glam::IVec3;
 use std::ops::Range;
 
-/// What passes through each voxel of a block, with a layer of [`OUTSIDE`](Self::OUTSIDE) around it: a ray then needs
-/// no other test to find the end of the box. The voxels with the layer are called cells.
+/// The share of visibility that each voxel of a block passes on, with a layer of [`OUTSIDE`](Self::OUTSIDE)
+/// around it: a ray then needs no other test to find the end of the box. The voxels with the layer are called
+/// cells.
 #[derive(Debug)]
 pub(super) struct PassGrid {
-    /// What rays are followed through: all voxels that could change what a ray sees.
+    /// The voxels through which rays are followed: all that could change the visibility of others.
     pub block: VoxelBlock,
     /// The block with the layer.
     pub padded: VoxelBlock,
@@ -36,7 +37,7 @@ impl PassGrid {
         Self::with_passes(snapshot, block, pass)
     }
 
-    /// What passes through each voxel of the snapshot, above 0 and up to 1.
+    /// The grid for the shares that each voxel of the snapshot passes on, above 0 and up to 1.
     pub fn of_passes(snapshot: &Snapshot, passes: &[f32]) -> Self {
         let block = without_margin(snapshot.block(), |voxel| passes[voxel] == 1.0);
         Self::with_passes(snapshot, block, |voxel| passes[voxel])
@@ -62,8 +63,8 @@ impl PassGrid {
     }
 }
 
-/// The smallest block that holds all voxels that are not clear (the whole one if there are none): clear space around
-/// it neither weakens a ray nor ends it.
+/// The smallest block that holds all voxels that are not clear (the whole one if there are none): clear space
+/// around it neither weakens a ray nor ends it.
 fn without_margin(block: VoxelBlock, is_clear: impl Fn(usize) -> bool) -> VoxelBlock {
     let [width, height, depth] = block.dims().to_array().map(|dim| dim as usize);
     let mut corners: Option<(IVec3, IVec3)> = None;

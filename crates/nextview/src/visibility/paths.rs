@@ -1,18 +1,21 @@
-use super::packet::{LANES, Lanes, OUTSIDE, Packet, PacketAxis, cell, load, store};
+use super::packet::{OUTSIDE, Packet, PacketAxis};
 use super::pass_grid::PassGrid;
+use crate::geometry::lanes::{LANES, Lanes, cell, load, store};
 use pulp::Simd;
 
-/// What the rays of a packet cross, found by walking them side by side.
+/// The voxels that the rays of a packet cross, found by walking them side by side.
 ///
-/// The twin of the walk of a single ray in [`RayCaster`](super::RayCaster): the same operations in the same order, with
-/// selections in place of branches. A branch on the axis of the next step is wrong every other time.
+/// The twin of the walk of a single ray in [`RayCaster`](super::RayCaster): the same operations in the same
+/// order, with selections in place of branches. A branch on the axis of the next step is wrong every other
+/// time.
 #[derive(Debug)]
 pub(crate) struct Paths {
     /// Longer than any path.
     steps: Vec<Step>,
     /// Number of crossings of each ray, in the form of an [index](cell).
     len: Lanes,
-    /// How many of them come before the first that weakens the ray, in the same form; may exceed `len` where none does.
+    /// How many of them come before the first that weakens the ray, in the same form; may exceed `len` where
+    /// none does.
     n_clear: Lanes,
 }
 
@@ -65,7 +68,8 @@ impl Paths {
         let mut goes_on = simd.less_than_f64s(zero, one);
         for step in &mut self.steps {
             step.record::<S>(part, index, &visibility);
-            // Where a ray ends is known only after many cycles: it may go a step too far, so as not to wait for that.
+            // Where a ray ends is known only after many cycles: it may go a step too far, so as not to wait
+            // for that.
             let may_move = goes_on;
             let (pass, after) = step.pass::<S>(part, grid, &mut visibility);
             let crosses = simd.and_m64s(goes_on, simd.greater_than_f64s(pass, zero));
@@ -90,7 +94,7 @@ impl Step {
         self.visibility[part * S::F64_LANES..][..S::F64_LANES].copy_from_slice(&visibility[..S::F64_LANES]);
     }
 
-    /// What passes through the cells, and the visibility behind them.
+    /// The shares that the cells pass on, and the visibility behind them.
     #[inline(always)]
     fn pass<S: Simd>(
         &self,
@@ -137,8 +141,8 @@ impl<S: Simd> Axis<S> {
     }
 }
 
-/// Takes every ray over the border that is next, that of the lowest axis where several are, and tells how the indices
-/// move.
+/// Moves every ray over its next border, on the lowest axis where several are equal, and returns how the
+/// indices move.
 #[inline(always)]
 fn advance<S: Simd>(simd: S, [x, y, z]: &mut [Axis<S>; 3]) -> S::f64s {
     let (x_y, x_z) =

@@ -1,4 +1,4 @@
-/// A planning ray through the snapshot: what it crosses before it ends.
+/// A planning ray through the snapshot: its crossings before it ends.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Ray<'a> {
     /// The free and unknown voxels on the ray, in order.

@@ -1,13 +1,15 @@
-use super::packet::{LANES, Packet, cell};
+use super::packet::Packet;
 use super::pass_grid::PassGrid;
 use super::ray_grid::Cells;
 use super::{Crossing, Ray, RayEnd, RayGrid, Sight};
 use crate::Error;
+use crate::geometry::lanes::{LANES, cell};
 use crate::geometry::{Aabb, Pose};
 use crate::map::Snapshot;
 use crate::sensor::Intrinsics;
 use glam::{DMat3, DVec3};
 use pulp::{Arch, Simd, WithSimd};
+use std::convert::Infallible;
 
 /// Sends the rays of view candidates through a snapshot, voxel by voxel (exact traversal).
 ///
@@ -44,10 +46,12 @@ pub struct RayCaster<'a> {
 }
 
 impl<'a> RayCaster<'a> {
-    /// A caster for a camera; `ray_spacing` is the distance between neighbouring rays at the far side of the box, in
-    /// voxels, positive. [`NO_VOXEL_MISSED`](super::NO_VOXEL_MISSED) or less hits every voxel; 10 is as thin as the paper.
+    /// A caster for a camera; `ray_spacing` is the distance between neighbouring rays at the far side of the
+    /// box, in voxels, positive. [`NO_VOXEL_MISSED`](super::NO_VOXEL_MISSED) or less hits every voxel; 10 is
+    /// as thin as the paper.
     ///
-    /// `sight` may be a [`FreeSpace`](super::FreeSpace) alone: rays then end where they have [faded](Sight::FADED).
+    /// `sight` may be a [`FreeSpace`](super::FreeSpace) alone: rays then end where they have
+    /// [faded](Sight::FADED).
     pub fn new(
         snapshot: &'a Snapshot,
         intrinsics: &Intrinsics,
@@ -58,7 +62,8 @@ impl<'a> RayCaster<'a> {
         Self::with_passes(snapshot, intrinsics, ray_spacing, PassGrid::new(snapshot, free_space), fade_limit)
     }
 
-    /// A caster for what these shares of visibility, above 0 and up to 1, pass through each voxel of the snapshot.
+    /// A caster for voxels that pass on these shares of visibility, above 0 and up to 1, one for each voxel
+    /// of the snapshot.
     pub(crate) fn through(
         snapshot: &'a Snapshot,
         intrinsics: &Intrinsics,
@@ -98,19 +103,37 @@ impl<'a> RayCaster<'a> {
 
     /// Casts the rays of a view, in a fixed order; those that miss the box are left out.
     pub fn cast(&self, world_from_camera: &Pose, mut visit: impl FnMut(Ray<'_>)) {
-        let mut crossings = Vec::new();
-        self.for_each_packet(world_from_camera, |packet| {
-            for lane in 0..LANES {
-                crossings.clear();
-                if let Some(end) = self.trace(packet, lane, &mut crossings) {
-                    visit(Ray { crossings: &crossings, end });
-                }
-            }
+        let Ok(()) = self.try_cast(world_from_camera, |ray| {
+            visit(ray);
+            Ok::<(), Infallible>(())
         });
     }
 
-    /// The rays of a view where they enter the box, [`LANES`] at a time and in order.
-    pub(super) fn for_each_packet(&self, world_from_camera: &Pose, mut visit: impl FnMut(&Packet)) {
+    /// The same up to the first ray for which `visit` fails.
+    pub fn try_cast<E>(
+        &self,
+        world_from_camera: &Pose,
+        mut visit: impl FnMut(Ray<'_>) -> Result<(), E>,
+    ) -> Result<(), E> {
+        let mut crossings = Vec::new();
+        self.try_for_each_packet(world_from_camera, |packet| {
+            for lane in 0..LANES {
+                crossings.clear();
+                if let Some(end) = self.trace(packet, lane, &mut crossings) {
+                    visit(Ray { crossings: &crossings, end })?;
+                }
+            }
+            Ok(())
+        })
+    }
+
+    /// The rays of a view where they enter the box, [`LANES`] at a time and in order, up to the first for
+    /// which `visit` fails.
+    pub(super) fn try_for_each_packet<E>(
+        &self,
+        world_from_camera: &Pose,
+        mut visit: impl FnMut(&Packet) -> Result<(), E>,
+    ) -> Result<(), E> {
         let rotation = world_from_camera.rotation_matrix();
         let origin = self.snapshot.lattice().to_voxels(world_from_camera.translation());
         let cells = self.grid.cells(world_from_camera, &self.bounds, self.spacing);
@@ -118,8 +141,9 @@ impl<'a> RayCaster<'a> {
         for start in (0..cells.len()).step_by(LANES) {
             let (caster, cells) = (self, &cells);
             self.arch.dispatch(Prepare { packet: &mut packet, caster, cells, start, rotation, origin });
-            visit(&packet);
+            visit(&packet)?;
         }
+        Ok(())
     }
 
     /// Follows one ray of a packet; none if it misses the box.

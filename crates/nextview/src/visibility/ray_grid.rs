@@ -1,14 +1,16 @@
-use super::packet::{Directions, LANES};
+use super::packet::Directions;
+use crate::geometry::lanes::LANES;
 use crate::geometry::{Aabb, Pose};
 use crate::sensor::{Distortion, Intrinsics, Points};
 use glam::{DMat3, DVec2, DVec3};
 
-/// The ray spacing at which no voxel of the box is missed: 1 / sqrt(2) of a voxel. A voxel contains a ball as wide as
-/// its edge, whose image holds a disc as wide as the voxel at its depth, and a square grid hits every disc
-/// whose diameter is sqrt(2) of its spacing.
+/// The ray spacing at which no voxel of the box is missed: 1 / sqrt(2) of a voxel. A voxel contains a ball as
+/// wide as its edge, whose image holds a disc as wide as the voxel at its depth, and a square grid hits every
+/// disc whose diameter is sqrt(2) of its spacing.
 pub const NO_VOXEL_MISSED: f64 = std::f64::consts::FRAC_1_SQRT_2;
 
-/// Where on the image the planning rays of a view go: a square grid over the part of the image that shows the box.
+/// Where on the image the planning rays of a view go: a square grid over the part of the image that shows the
+/// box.
 #[derive(Clone, Debug)]
 pub struct RayGrid {
     intrinsics: Intrinsics,
@@ -43,8 +45,8 @@ impl RayGrid {
         Self { intrinsics: *intrinsics, pixel_on_plane: largest_pixel(intrinsics) }
     }
 
-    /// The directions, in the camera frame and with z = 1, of the rays of a view towards the box. Their distance at
-    /// the far side of the box is `spacing` metres or less. None reaches a box behind the camera.
+    /// The directions, in the camera frame and with z = 1, of the rays of a view towards the box. Their
+    /// distance at the far side of the box is `spacing` metres or less. None reaches a box behind the camera.
     pub fn directions(
         &self,
         world_from_camera: &Pose,
@@ -68,8 +70,8 @@ impl RayGrid {
         Cells { low, size: (high - low) / n.max(DVec2::ONE), columns: n.x as usize, rows: n.y as usize }
     }
 
-    /// The directions, turned by `rotation`, of the rays through the cells from `start` on, which is one of them: the
-    /// twin of [`directions`](Self::directions) for a packet.
+    /// The directions, turned by `rotation`, of the rays through the cells from `start` on, which is one of
+    /// them: the twin of [`directions`](Self::directions) for a packet.
     #[inline(always)]
     pub(super) fn packet(&self, cells: &Cells, start: usize, rotation: &DMat3) -> Directions {
         let mut pixels = Points { x: [0.0; LANES], y: [0.0; LANES], is_known: [false; LANES] };
@@ -112,8 +114,8 @@ impl RayGrid {
     }
 }
 
-/// The largest image of a pixel step on the plane z = 1, over a mesh of the image. A lens changes it by a few per
-/// cent, smoothly, so that a mesh of 17 x 17 finds it to well under 1 %.
+/// The largest image of a pixel step on the plane z = 1, over a mesh of the image. A lens changes it by a few
+/// per cent, smoothly, so that a mesh of 17 x 17 finds it to well under 1 %.
 fn largest_pixel(intrinsics: &Intrinsics) -> f64 {
     let size = DVec2::new(intrinsics.width() as f64, intrinsics.height() as f64) - 1.0;
     let mut largest = (1.0 / intrinsics.focal()).max_element();

@@ -3,27 +3,30 @@ use serde::{Deserialize, Serialize};
 /// How far planning rays see.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sight {
-    /// What voxels known to be free do to a ray.
+    /// The effect of voxels known to be free on a ray.
     pub free_space: FreeSpace,
-    /// Visibility below which a ray ends, at least 0; with 0 it goes on to an occupied voxel or the border of the box.
+    /// Visibility below which a ray ends, at least 0; with 0 it continues to an occupied voxel or the border
+    /// of the box.
     pub fade_limit: f32,
 }
 
 /// How far a ray sees through voxels known to be free; unknown ones pass 1 - P(occupied) = 0.5 in any case.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "kebab-case")]
+#[non_exhaustive]
 pub enum FreeSpace {
-    /// Each passes 1 - P(occupied), as eq. (2) of the paper says: 0.6 if measured once. At 5 mm a ray has then
-    /// faded after 7 cm of free space.
+    /// Each passes 1 - P(occupied), as eq. (2) of the paper says: 0.6 if measured once. At 5 mm a ray has
+    /// then faded after 7 cm of free space.
     Fades,
-    /// Each passes all: what was measured to be free does not hide anything. The default. Rays then leave out the
-    /// free margin of the box.
+    /// Each passes all: voxels measured to be free hide nothing. The default. Rays then leave out the free
+    /// margin of the box.
     #[default]
     Clear,
 }
 
 impl Sight {
-    /// Visibility at which a ray may end if what it crosses is worth no more than its visibility: what lies behind adds
+    /// Visibility at which a ray may end if its crossings count no more than their visibility: the rest adds
     /// less than a thousandth, and denormal products would make long rays six times slower.
     pub const FADED: f32 = 1e-3;
 

@@ -14,7 +14,8 @@ pub fn data_folder(test: &str, name: &str) -> Option<PathBuf> {
     Some(folder)
 }
 
-/// Says that a test was skipped. Not with `eprintln`, whose output the test runner shows of failed tests only.
+/// Says that a test was skipped. Not with `eprintln`, whose output the test runner shows of failed tests
+/// only.
 pub fn skipped(test: &str, why: String) {
     writeln!(std::io::stderr(), "SKIPPED {test}: {why}").expect("stderr is open");
 }

@@ -3,6 +3,7 @@
 use crate::common::data_folder;
 use crate::cover::{n_by_greedy, serves_all};
 use flate2::read::GzDecoder;
+use nextview::Cancel;
 use nextview::flow::{BestSets, fewest_sets};
 use std::fs::File;
 use std::io::{BufRead, BufReader};
@@ -13,7 +14,8 @@ const N_SETS: usize = 5000;
 struct Golden {
     iteration: u32,
     n_items: usize,
-    /// Sum of the largest qualities. At iteration 0 the authors' network reaches the same to all digits measured.
+    /// Sum of the largest qualities. At iteration 0 the authors' network reaches the same to all digits
+    /// measured.
     quality: f64,
     greedy: usize,
     fewest: usize,
@@ -27,8 +29,8 @@ const GOLDEN: [Golden; 5] = [
     Golden { iteration: 9, n_items: 84, quality: 36.761711656, greedy: 71, fewest: 71 },
 ];
 
-/// The fewest were proved by an integer program. That ours meet them is measured, not promised, so the test asks for
-/// no more than one set above.
+/// The fewest were proved by an integer program. That ours meet them is measured, not promised, so the test
+/// asks for no more than one set above.
 #[test]
 fn golden_sets() {
     let Some(folder) = data_folder("golden_sets", "golden") else { return };
@@ -41,7 +43,7 @@ fn golden_sets() {
 
 fn check(golden: &Golden, best: &BestSets) {
     let start = Instant::now();
-    let sets = fewest_sets(best.candidates());
+    let sets = fewest_sets(best.candidates(), &Cancel::default()).unwrap();
     let ms = start.elapsed().as_secs_f64() * 1e3;
     let greedy = n_by_greedy(best.candidates());
     println!(

@@ -34,8 +34,8 @@ impl Network {
     }
 }
 
-/// Networks of up to `n_items` items, channels and `n_sets` sets. The qualities are few and their sums exact, so that
-/// ties are common.
+/// Networks of up to `n_items` items, channels and `n_sets` sets. The qualities are few and their sums exact,
+/// so that ties are common.
 pub fn networks(n_items: usize, n_channels: usize, n_sets: usize) -> impl Strategy<Value = Network> {
     (1..=n_items, 1..=n_channels, 1..=n_sets).prop_flat_map(|(n_items, n_channels, n_sets)| {
         let quality = (1_u32..5).prop_map(|q| q as f64 / 4.0);

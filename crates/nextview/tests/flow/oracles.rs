@@ -2,6 +2,7 @@
 
 use crate::cover::fewest_by_trial;
 use crate::network::{Network, networks};
+use nextview::Cancel;
 use nextview::flow::fewest_sets;
 use proptest::prelude::*;
 use std::collections::{BTreeSet, VecDeque};
@@ -21,11 +22,12 @@ proptest! {
         let (quality, n_sets) = best_assignment(&network);
         prop_assert!((best.total_quality() - quality).abs() < 1e-9);
         prop_assert_eq!(fewest_by_trial(best.candidates()), n_sets);
-        prop_assert_eq!(fewest_sets(best.candidates()).len(), n_sets);
+        prop_assert_eq!(fewest_sets(best.candidates(), &Cancel::default()).unwrap().len(), n_sets);
     }
 }
 
-/// The largest quality of an assignment that serves all items that can be served, and the fewest sets with it.
+/// The largest quality of an assignment that serves all items that can be served, and the fewest sets with
+/// it.
 fn best_assignment(network: &Network) -> (f64, usize) {
     let options: Vec<_> = (0..network.n_items).map(|item| network.options(item)).collect();
     let served: Vec<_> = options.into_iter().filter(|options| !options.is_empty()).collect();
@@ -49,8 +51,8 @@ fn try_all(rest: &[Vec<(f64, u32)>], quality: f64, sets: &mut Vec<u32>, best: &m
     }
 }
 
-/// Number of items served and total quality of the largest flow of best quality: successive shortest paths, each
-/// found by the queue form of Bellman-Ford (SPFA), as in the paper.
+/// Number of items served and total quality of the largest flow of best quality: successive shortest paths,
+/// each found by the queue form of Bellman-Ford (SPFA), as in the paper.
 fn max_quality_flow(network: &Network) -> (usize, f64) {
     let mut graph = Residual::of(network);
     let mut served = (0, 0.0);

@@ -2,6 +2,7 @@
 
 use crate::made_up::{random_snapshot, snapshot};
 use glam::{DVec2, DVec3, IVec3, UVec3};
+use nextview::Cancel;
 use nextview::geometry::{Lattice, VoxelBlock};
 use nextview::map::{LogOdds, Occupancy, Snapshot};
 use nextview::prior::VoxelFeatures;
@@ -157,7 +158,7 @@ fn half(low: IVec3, high: IVec3) -> DVec3 {
 }
 
 fn check_against_the_slow_twin(snapshot: &Snapshot) -> Result<(), TestCaseError> {
-    let (found, slow) = (VoxelFeatures::new(snapshot), Slow::new(snapshot));
+    let (found, slow) = (VoxelFeatures::new(snapshot, &Cancel::default()).unwrap(), Slow::new(snapshot));
     let expected: Vec<u32> = (0..slow.keys.len())
         .filter(|&voxel| slow.may_hold_surface(voxel))
         .map(|voxel| voxel as u32)
@@ -170,7 +171,8 @@ fn check_against_the_slow_twin(snapshot: &Snapshot) -> Result<(), TestCaseError>
         prop_assert_eq!(expected.len(), VoxelFeatures::N);
         let is_unique = slow.nearest(key, Occupancy::Occupied).len() < 2;
         for (i, (&found, expected)) in row.iter().zip(expected).enumerate() {
-            // Across is the root of a difference of equal numbers where a voxel lies straight above a surface.
+            // Across is the root of a difference of equal numbers where a voxel lies straight above a
+            // surface.
             let tolerance = if CONTINUATION.contains(&i) { 1e-2 } else { 1e-5 };
             let is_close = (found as f64 - expected).abs() < tolerance;
             let is_free_to_differ = CONTINUATION.contains(&i) && !is_unique;
@@ -198,7 +200,7 @@ fn moved(snapshot: &Snapshot, lattice: Lattice, place: impl Fn(IVec3) -> IVec3) 
 
 /// The rows by voxel key.
 fn rows(snapshot: &Snapshot) -> Vec<(IVec3, [f32; VoxelFeatures::N])> {
-    let VoxelFeatures { voxels, rows, .. } = VoxelFeatures::new(snapshot);
+    let VoxelFeatures { voxels, rows, .. } = VoxelFeatures::new(snapshot, &Cancel::default()).unwrap();
     voxels.into_iter().map(|voxel| snapshot.block().key(voxel as usize)).zip(rows).collect()
 }
 
@@ -230,7 +232,7 @@ proptest! {
         let here = random_snapshot(IVec3::splat(-3), dims, seed);
         let offset = IVec3::from_array(offset);
         let there = moved(&here, Lattice::new(0.004).unwrap(), |key| key + offset);
-        prop_assert_eq!(&VoxelFeatures::new(&here).normals, &VoxelFeatures::new(&there).normals);
+        prop_assert_eq!(&VoxelFeatures::new(&here, &Cancel::default()).unwrap().normals, &VoxelFeatures::new(&there, &Cancel::default()).unwrap().normals);
         for ((key, row), (moved_key, moved_row)) in rows(&here).into_iter().zip(rows(&there)) {
             prop_assert_eq!(key + offset, moved_key);
             for (i, (a, b)) in row.into_iter().zip(moved_row).enumerate() {
@@ -269,7 +271,7 @@ proptest! {
         ];
         for (i, world) in worlds.into_iter().enumerate() {
             let snapshot = snapshot(block, world);
-            let VoxelFeatures { voxels, rows, normals } = VoxelFeatures::new(&snapshot);
+            let VoxelFeatures { voxels, rows, normals } = VoxelFeatures::new(&snapshot, &Cancel::default()).unwrap();
             prop_assert!(rows.iter().flatten().all(|value| value.is_finite()), "world {i}");
             prop_assert!(normals.iter().all(|normal| normal.is_finite()));
             prop_assert!(voxels.is_empty() || ![1, 2].contains(&i), "nothing is left to be seen");

@@ -2,6 +2,7 @@
 
 use crate::made_up::{half_seen_ball, prior, random_snapshot, snapshot};
 use glam::{DVec2, DVec3, IVec3, UVec3};
+use nextview::Cancel;
 use nextview::gain::ExpectedSurface;
 use nextview::geometry::{Pose, SegmentWalk, VoxelBlock};
 use nextview::map::{Occupancy, Snapshot};
@@ -67,7 +68,7 @@ fn slow_visibilities(
     best
 }
 
-/// The class of a sighting: five of visibility times five of facing.
+/// The class of a class: five of visibility times five of facing.
 fn class(visibility: f32, facing: f32) -> usize {
     let of_visibility = match visibility {
         v if v < 0.12 => 0,
@@ -93,16 +94,16 @@ fn check_view(
     spacing: f64,
     pose: &Pose,
 ) -> Result<usize, TestCaseError> {
-    let estimate = prior(seed).estimate(snapshot);
+    let estimate = prior(seed).estimate(snapshot, &Cancel::default()).unwrap();
     let gain = ExpectedSurface::new(snapshot, camera, &estimate, spacing).unwrap();
-    let (mut eye, mut found, mut sum) = (gain.eye(), BTreeMap::new(), 0.0);
+    let (mut evaluator, mut found, mut sum) = (gain.evaluator(), BTreeMap::new(), 0.0);
     for _ in 0..2 {
         // A second look shows the same: nothing is left of the first.
         (found, sum) = (BTreeMap::new(), 0.0);
         let mut is_told_twice = false;
-        eye.look(pose, |item, sighting| {
-            is_told_twice |= found.insert(item, sighting).is_some();
-            sum += estimate.shows(item, sighting) as f64;
+        evaluator.survey(pose, |item, class| {
+            is_told_twice |= found.insert(item, class).is_some();
+            sum += estimate.shows(item, class) as f64;
         });
         prop_assert!(!is_told_twice);
     }
@@ -114,7 +115,7 @@ fn check_view(
         let facing = to_camera.dot(estimate.normal(item));
         prop_assert_eq!(found[&item].index(), class(visibility, facing), "{} {} {}", key, visibility, facing);
     }
-    prop_assert_eq!(eye.gain(pose), sum);
+    prop_assert_eq!(evaluator.gain(pose), sum);
     Ok(expected.len())
 }
 
@@ -167,7 +168,8 @@ fn where_all_is_known_nothing_is_shown() {
 
 #[test]
 fn rays_are_a_positive_distance_apart() {
-    let (snapshot, estimate) = (half_seen_ball(), prior(1).estimate(&half_seen_ball()));
+    let (snapshot, estimate) =
+        (half_seen_ball(), prior(1).estimate(&half_seen_ball(), &Cancel::default()).unwrap());
     for bad in [0.0, -1.0, f64::NAN, f64::INFINITY] {
         let error = ExpectedSurface::new(&snapshot, &Intrinsics::d435i(), &estimate, bad).unwrap_err();
         assert_eq!(error.to_string(), format!("ray_spacing is {bad}, expected a positive number of voxels"));

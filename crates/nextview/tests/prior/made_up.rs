@@ -4,7 +4,7 @@ use glam::{IVec3, UVec3};
 use nextview::geometry::random::Random;
 use nextview::geometry::{Lattice, VoxelBlock};
 use nextview::map::{LogOdds, Snapshot};
-use nextview::prior::{Network, Sighting, SurfacePrior};
+use nextview::prior::{Network, SurfacePrior, ViewingClass};
 
 /// Voxels of 1 cm of which so much is known.
 pub fn snapshot(block: VoxelBlock, log_odds: impl Fn(IVec3) -> Option<f32>) -> Snapshot {
@@ -41,12 +41,12 @@ pub fn half_seen_ball() -> Snapshot {
 
 /// A prior that learned nothing: its weights are chance.
 pub fn prior(seed: u64) -> SurfacePrior {
-    SurfacePrior::new(network(seed, 1), network(seed + 1, Sighting::N))
+    SurfacePrior::new(network(seed, 1), network(seed + 1, ViewingClass::N))
 }
 
 /// A prior by which everything is as probable everywhere.
 pub fn even_prior(stops: f32, shows: f32) -> SurfacePrior {
-    SurfacePrior::new(even_network(stops, 1), even_network(shows, Sighting::N))
+    SurfacePrior::new(even_network(stops, 1), even_network(shows, ViewingClass::N))
 }
 
 /// Only the last biases are not 0.

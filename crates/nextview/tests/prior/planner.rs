@@ -2,6 +2,7 @@
 
 use crate::made_up::{even_prior, half_seen_ball, prior, random_snapshot, snapshot};
 use glam::{DVec3, IVec3, UVec3};
+use nextview::Cancel;
 use nextview::gain::ExpectedSurface;
 use nextview::geometry::{Aabb, VoxelBlock};
 use nextview::map::{Occupancy, Snapshot};
@@ -17,16 +18,22 @@ fn views(n: usize) -> ViewSpace {
     generate::shell(DVec3::ZERO, 0.08, n, 5).unwrap()
 }
 
-fn plan_with(planner: &dyn ViewPlanner, snapshot: &Snapshot, views: &ViewSpace, visited: &[usize]) -> Plan {
-    planner.plan(&Situation {
+fn plan_with(
+    planner: &mut dyn ViewPlanner,
+    snapshot: &Snapshot,
+    views: &ViewSpace,
+    visited: &[usize],
+) -> Plan {
+    let plan = planner.plan(&Situation {
         snapshot,
         frames: &[],
         views,
         intrinsics: &Intrinsics::d435i(),
         visited,
-        history: &[],
         finest_voxel_size: snapshot.lattice().voxel_size(),
-    })
+        cancel: &Cancel::default(),
+    });
+    plan.unwrap()
 }
 
 fn plan(
@@ -36,7 +43,7 @@ fn plan(
     views: &ViewSpace,
     visited: &[usize],
 ) -> Plan {
-    plan_with(&MostSurface::with_prior(config, prior.clone()).unwrap(), snapshot, views, visited)
+    plan_with(&mut MostSurface::with_prior(config, prior.clone()).unwrap(), snapshot, views, visited)
 }
 
 /// The plan, with every view looked at by itself. Distances are from the last view taken.
@@ -48,34 +55,35 @@ fn slow_plan(
     visited: &[usize],
 ) -> Plan {
     let MostSurfaceConfig { rays_across, theta } = config;
-    let (snapshot, camera) = (coarse_enough(snapshot), Intrinsics::d435i());
+    let cancel = &Cancel::default();
+    let (snapshot, camera) = (coarse_enough(snapshot, cancel).unwrap(), Intrinsics::d435i());
     let ray_spacing = snapshot.block().dims().max_element() as f64 / rays_across;
     let bounds = snapshot.lattice().bounds(&snapshot.block());
-    let estimate = prior.estimate(&snapshot);
+    let estimate = prior.estimate(&snapshot, cancel).unwrap();
     let gain = |view: usize, spacing: f64| {
         let gain = ExpectedSurface::new(&snapshot, &camera, &estimate, spacing).unwrap();
-        gain.eye().gain(&views.pose(view))
+        gain.evaluator().gain(&views.pose(view))
     };
     let open: Vec<usize> = (0..views.len()).filter(|view| !visited.contains(view)).collect();
     let place = |view: usize| views.pose(view).translation();
     let distance = |view: usize| visited.last().map_or(0.0, |&last| place(view).distance(place(last)));
-    let way: f64 = open.iter().map(|&view| distance(view)).sum();
+    let path: f64 = open.iter().map(|&view| distance(view)).sum();
     let share = |part: f64, all: f64| if all > 0.0 { part / all } else { 0.0 };
-    let worths = |views: &[usize], gains: &[f64]| -> Vec<f64> {
+    let values = |views: &[usize], gains: &[f64]| -> Vec<f64> {
         let largest = gains.iter().copied().fold(0.0, f64::max);
-        let worth = |(&view, gain): (&usize, &f64)| match visited {
+        let value = |(&view, gain): (&usize, &f64)| match visited {
             [first] => gain + largest * advantage_of_second(bounds, place(*first), place(view)),
             _ => *gain,
         };
-        views.iter().zip(gains).map(worth).collect()
+        views.iter().zip(gains).map(value).collect()
     };
-    let score = |view: usize, worth: f64, total: f64| {
-        (1.0 - theta) * share(worth, total) - theta * share(distance(view), way)
+    let score = |view: usize, value: f64, total: f64| {
+        (1.0 - theta) * share(value, total) - theta * share(distance(view), path)
     };
     // Sorting is stable: of equals the lower number stays before the higher.
-    let ranked = |views: &[usize], worths: &[f64], total: f64| {
+    let ranked = |views: &[usize], values: &[f64], total: f64| {
         let mut order: Vec<usize> = (0..views.len()).collect();
-        let score = |&i: &usize| score(views[i], worths[i], total);
+        let score = |&i: &usize| score(views[i], values[i], total);
         order.sort_by(|a, b| score(b).total_cmp(&score(a)));
         order
     };
@@ -90,36 +98,35 @@ fn slow_plan(
         _ => 8.0,
     };
     let mut gains = look(&looked_at, first_factor);
-    let mut total: f64 = worths(&looked_at, &gains).iter().sum();
+    let mut total: f64 = values(&looked_at, &gains).iter().sum();
     for (n_views, factor) in [(1000, 4.0), (250, 2.0), (40, 1.0)].into_iter().filter(|(n, _)| *n < open.len())
     {
-        let before = worths(&looked_at, &gains);
+        let before = values(&looked_at, &gains);
         let mut best = ranked(&looked_at, &before, total);
         best.truncate(n_views);
         best.sort_unstable();
         looked_at = best.iter().map(|&i| looked_at[i]).collect();
         gains = best.iter().map(|&i| gains[i]).collect();
-        let before: f64 = worths(&looked_at, &gains).iter().sum();
+        let before: f64 = values(&looked_at, &gains).iter().sum();
         gains = look(&looked_at, factor);
         if before > 0.0 {
-            total *= worths(&looked_at, &gains).iter().sum::<f64>() / before;
+            total *= values(&looked_at, &gains).iter().sum::<f64>() / before;
         }
     }
-    let worths = worths(&looked_at, &gains);
-    let order = ranked(&looked_at, &worths, total);
+    let values = values(&looked_at, &gains);
+    let order = ranked(&looked_at, &values, total);
     let order: Vec<usize> = order.into_iter().filter(|&i| gains[i] >= 0.5).collect();
     let choice = order.first().map(|&i| Choice {
         view: looked_at[i],
-        score: score(looked_at[i], worths[i], total),
-        local_share: share(worths[i], total),
-        flow_share: 0.0,
+        score: score(looked_at[i], values[i], total),
         runner_up: order.get(1).map(|&i| looked_at[i]),
+        explanation: Some([("local_share", share(values[i], total))].into()),
     });
     let mut shown = vec![0.0; estimate.len()];
     for &view in &open {
         let gain = ExpectedSurface::new(&snapshot, &camera, &estimate, first_factor * ray_spacing).unwrap();
-        gain.eye().look(&views.pose(view), |item, sighting| {
-            shown[item] = estimate.shows(item, sighting).max(shown[item]);
+        gain.evaluator().survey(&views.pose(view), |item, class| {
+            shown[item] = estimate.shows(item, class).max(shown[item]);
         });
     }
     let outlook = Outlook {
@@ -146,9 +153,14 @@ fn assert_alike(found: &Plan, expected: &Plan, visited: &[usize]) {
     if visited.len() != 1 {
         return assert_eq!(found, expected);
     }
-    let numbers = |plan: &Plan| plan.choice.map_or([0.0; 2], |choice| [choice.score, choice.local_share]);
+    let numbers = |plan: &Plan| {
+        plan.choice.as_ref().map_or([0.0; 2], |choice| {
+            let explanation = choice.explanation.as_ref().unwrap();
+            [choice.score, explanation.get("local_share").unwrap()]
+        })
+    };
     let close = numbers(found).iter().zip(numbers(expected)).all(|(a, b)| (a - b).abs() < 1e-12);
-    let views = |plan: &Plan| plan.choice.map(|choice| (choice.view, choice.runner_up));
+    let views = |plan: &Plan| plan.choice.as_ref().map(|choice| (choice.view, choice.runner_up));
     assert!(close && views(found) == views(expected), "{found:?} instead of {expected:?}");
     assert_eq!(found.outlook, expected.outlook);
 }
@@ -171,8 +183,8 @@ proptest! {
         }
     }
 
-    /// Of more, the best 40 of those before; of more than 250, the best 250 of those before; of more than 1000, the best 1000 of
-    /// the first look.
+    /// Of more, the best 40 of those before; of more than 250, the best 250 of those before; of more than
+    /// 1000, the best 1000 of the first look.
     #[test]
     fn takes_the_best_of_the_shortlist(seed in 0..u64::MAX / 2, n_views in prop::sample::select(vec![90, 300, 1100]), theta in prop::sample::select(vec![0.0, 0.3, 1.0])) {
         let config = MostSurfaceConfig { theta, ..MostSurfaceConfig::default() };
@@ -231,7 +243,7 @@ fn of_views_of_no_use_forty_are_tried() {
 }
 
 #[test]
-fn half_a_voxel_is_the_least_that_is_worth_a_view() {
+fn half_a_voxel_is_the_least_gain_of_a_view() {
     let block = VoxelBlock::new(IVec3::splat(-2), UVec3::splat(4)).unwrap();
     let one_unknown = snapshot(block, |key| (key != IVec3::ZERO).then_some(0.85));
     let views = ViewSpace::new(vec![look_at(DVec3::new(0.3, 0.2, 0.1), DVec3::splat(0.005))]).unwrap();
@@ -275,7 +287,7 @@ fn threads_do_not_show() {
 fn fine_maps_are_planned_in_coarse_voxels() {
     let block = VoxelBlock::new(IVec3::new(-38, -4, -3), UVec3::new(77, 7, 8)).unwrap();
     let fine = snapshot(block, |key| (key.y < 2).then_some(if key.y < 1 { -0.4 } else { 0.85 }));
-    let coarse = coarse_enough(&fine);
+    let coarse = coarse_enough(&fine, &Cancel::default()).unwrap();
     assert!(coarse.block().n_voxels() < block.n_voxels());
     let (views, config) = (generate::shell(DVec3::ZERO, 0.4, 60, 5).unwrap(), MostSurfaceConfig::default());
     let of_coarse = plan(config, &prior(7), &coarse, &views, &[1]);
@@ -286,9 +298,9 @@ fn fine_maps_are_planned_in_coarse_voxels() {
 #[test]
 fn the_library_has_a_prior_of_its_own() {
     let (config, snapshot, views) = (MostSurfaceConfig::default(), half_seen_ball(), views(30));
-    let own = plan_with(&MostSurface::new(config).unwrap(), &snapshot, &views, &[]);
+    let own = plan_with(&mut MostSurface::new(config).unwrap(), &snapshot, &views, &[]);
     assert_eq!(own, slow_plan(config, &SurfacePrior::default(), &snapshot, &views, &[]));
-    assert_eq!(plan_with(&RandomViews { seed: 1 }, &snapshot, &views, &[]).outlook, None);
+    assert_eq!(plan_with(&mut RandomViews { seed: 1 }, &snapshot, &views, &[]).outlook, None);
 }
 
 #[test]

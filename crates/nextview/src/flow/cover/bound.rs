@@ -1,17 +1,18 @@
 use super::lists::Lists;
 
-/// Visits of an edge after which the bound is left as it is: some 0.1 ms, a tenth of what the search may take.
+/// Edge visits after which the bound is not tightened further: some 0.1 ms, a tenth of the time allowed for
+/// the search.
 const MAX_WORK: usize = 200_000;
 
 /// Larger than the rounding errors of a bound, which is a sum of some thousand numbers.
 const TOLERANCE: f64 = 1e-6;
 
-/// A number of sets that no cover goes below, from the Lagrangian relaxation with subgradient steps (Beasley 1990);
-/// the work ends when it reaches `known`, the size of a cover.
+/// A lower bound on the size of every cover, from the Lagrangian relaxation with subgradient steps (Beasley
+/// 1990); the iteration ends when it reaches `known`, the size of a known cover.
 ///
-/// Every item offers a price. A set that takes what it costs, 1, or more from those it serves is taken, and all prices
-/// less what the taken sets gain are never more than a cover costs. Prices of items served too often then fall, those
-/// of unserved ones rise.
+/// Every item offers a price. A set is taken if the prices of the items it serves add up to at least its
+/// cost, 1. The sum of all prices minus the profits of the taken sets never exceeds the cost of a cover. Then
+/// the prices of items served more than once fall, and those of unserved items rise.
 pub(super) fn fewest_possible(candidates: &Lists, by_set: &Lists, known: usize) -> usize {
     let n_items = candidates.n_rows() as u32;
     let share = |set: &u32| 1.0 / by_set.row(*set).len() as f64;
@@ -59,6 +60,7 @@ fn relax(by_set: &Lists, prices: &[f64], lacking: &mut [f64]) -> f64 {
 mod tests {
     use super::super::packed;
     use super::*;
+    use crate::Cancel;
     use crate::flow::Incidence;
     use proptest::prelude::*;
 
@@ -69,8 +71,9 @@ mod tests {
             rows in prop::collection::vec(prop::collection::vec(0_u32..10, 1..5), 1..20),
             spare in 0_usize..3,
         ) {
-            let candidates = packed(&Incidence::from_rows(10, rows));
-            let (items, sets) = (Lists::of(&candidates), Lists::of(&candidates.transposed()));
+            let never = &Cancel::default();
+            let candidates = packed(&Incidence::from_rows(10, rows), never).unwrap();
+            let (items, sets) = (Lists::of(&candidates), Lists::of(&candidates.transposed(never).unwrap()));
             let serves = |choice: &u32| candidates.iter().all(|row| row.columns().any(|set| choice >> set & 1 == 1));
             let fewest = (0_u32..1 << 10).filter(serves).map(|choice| choice.count_ones() as usize).min().unwrap();
             prop_assert!(fewest_possible(&items, &sets, fewest + spare) <= fewest);

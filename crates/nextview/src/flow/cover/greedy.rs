@@ -1,19 +1,21 @@
 use super::super::rows::Rows;
+use crate::{Cancel, Cancelled};
 
-/// Greedy cover (Chvátal 1979): again and again the set that serves most of the unserved items, the lowest of
-/// several; then without those that turned out to be superfluous.
-pub(super) fn greedy(candidates: &Rows, by_set: &Rows) -> Vec<u32> {
+/// Greedy cover (Chvátal 1979): repeatedly takes the set that serves most unserved items, the lowest number
+/// on ties, and finally drops superfluous sets.
+pub(super) fn greedy(candidates: &Rows, by_set: &Rows, cancel: &Cancel) -> Result<Vec<u32>, Cancelled> {
     let mut gains = by_set.lens();
     let mut by_gain = vec![Vec::new(); 1 + gains.iter().max().map_or(0, |&gain| gain as usize)];
     (0..by_set.n_rows()).for_each(|set| by_gain[gains[set] as usize].push(set as u32));
     let mut is_served = vec![false; candidates.n_rows()];
     let mut chosen = Vec::new();
-    // Gains only fall. So no set comes to those of some gain once it is their turn, and one pass in increasing order
-    // meets each while it is the lowest.
+    // Gains only fall. So no set joins the sets of a gain once their turn has come, and one pass in
+    // increasing order meets each while it is the lowest.
     for gain in (1..by_gain.len()).rev() {
         let mut sets = std::mem::take(&mut by_gain[gain]);
         sets.sort_unstable();
         for set in sets {
+            cancel.check()?;
             let gain_now = gains[set as usize] as usize;
             if gain_now < gain {
                 by_gain[gain_now].push(set);
@@ -28,10 +30,10 @@ pub(super) fn greedy(candidates: &Rows, by_set: &Rows) -> Vec<u32> {
             });
         }
     }
-    without_superfluous(candidates.n_rows(), by_set, &chosen)
+    Ok(without_superfluous(candidates.n_rows(), by_set, &chosen))
 }
 
-/// The sets without each whose items are all served by others too, the last chosen dropped first.
+/// Drops every set whose items are all served by others too, the last chosen first.
 fn without_superfluous(n_items: usize, by_set: &Rows, chosen: &[u32]) -> Vec<u32> {
     let mut n_serving = vec![0_u32; n_items];
     let items = |set: u32| by_set.row(set as usize).columns();

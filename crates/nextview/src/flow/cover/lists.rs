@@ -1,6 +1,6 @@
 use super::super::rows::Rows;
 
-/// Rows that are all lists, so that loops need not ask for their form.
+/// Rows that are all lists, so that loops need not check their form.
 pub(super) struct Lists {
     columns: Vec<u32>,
     starts: Vec<u32>,

@@ -1,8 +1,9 @@
 use super::lists::Lists;
+use crate::{Cancel, Cancelled};
 use pulp::Arch;
 
-/// Work after which the search ends: some 1 ms. Real problems of 200 items and 500 sets needed up to 1.5 million to
-/// reach the proved optimum.
+/// Work after which the search ends: some 1 ms. Real problems of 200 items and 500 sets needed up to 1.5
+/// million to reach the proved optimum.
 const MAX_WORK: usize = 2_000_000;
 
 /// The same for each edge of the problem, so that small problems take less.
@@ -10,31 +11,39 @@ const MAX_WORK_PER_EDGE: usize = 2_000;
 
 /// Tries to serve all items with fewer sets than `cover`, which must serve them all.
 ///
-/// Local search with weights on the items (Gao, Weise and Li 2015): take a set away from a cover, then swap sets one
-/// for one until the rest is a cover again. An item that stays unserved gains weight from step to step, so the search
-/// leaves every dead end. Where the published method draws an unserved item by lot, the heaviest is taken: the search
-/// then needs no random numbers, and on the problems at hand it reached the optimum soonest.
+/// Local search with weights on the items (Gao, Weise and Li 2015): removes a set from a cover, then swaps
+/// sets one for one until the rest is a cover again. The weight of an unserved item grows with every step, so
+/// the search escapes every dead end. The published method draws an unserved item at random; this one takes
+/// the heaviest, which needs no random numbers and reached the optimum soonest on the problems at hand.
 ///
 /// The search ends early once no smaller cover is possible.
-pub(super) fn improve(candidates: &Lists, by_set: &Lists, cover: Vec<u32>, fewest: usize) -> Vec<u32> {
+pub(super) fn improve(
+    candidates: &Lists,
+    by_set: &Lists,
+    cover: Vec<u32>,
+    fewest: usize,
+    cancel: &Cancel,
+) -> Result<Vec<u32>, Cancelled> {
     let max_work = MAX_WORK.min(candidates.n_pairs() * MAX_WORK_PER_EDGE);
     let mut search = Search::new(candidates, by_set);
     cover.iter().for_each(|&set| search.add(set));
-    // A third of the time goes into the least of some hundred numbers, which is one vector instruction to eight of them.
+    // A third of the time is spent on the minimum of some hundred numbers, which takes one vector instruction
+    // for every eight.
     Arch::new().dispatch(
         #[inline(always)]
-        || search.run(cover, fewest, max_work),
+        || search.run(cover, fewest, max_work, cancel),
     )
 }
 
-/// A choice of sets, and what adding or removing one would change.
+/// A choice of sets, and the effect of adding or removing one.
 ///
 /// Weights and numbers of steps fit 32 bits, for each costs the visit of an edge.
 struct Search<'a> {
     candidates: &'a Lists,
     by_set: &'a Lists,
-    /// For each chosen set, the newest last, the weight of the items that only it serves, and in the lower half how many
-    /// sets were added before it. So the least is that which is missed least, of several the one chosen first.
+    /// For each chosen set, the newest last: the weight of the items that only it serves, and in the lower
+    /// half the number of sets added before it. So the minimum is the set whose removal costs least, the
+    /// first chosen on ties.
     losses: Vec<u64>,
     /// All sets ever added, in that order.
     added: Vec<u32>,
@@ -48,8 +57,8 @@ struct Search<'a> {
     /// For each set the step in which it was last added or removed.
     moved: Vec<u32>,
     n_steps: u32,
-    /// Edges visited, as if each set's gain were kept up to date. It is found when asked for: a few sets are asked in a
-    /// step, many more change.
+    /// Edges visited, as if each set's gain were kept up to date. Gains are computed on demand: a step needs
+    /// few of them and changes many more.
     work: usize,
 }
 
@@ -57,7 +66,7 @@ struct Item {
     n_candidates: u32,
     /// Number of chosen sets that serve it.
     n_serving: u32,
-    /// Their numbers combined by exclusive or: of one set, its number.
+    /// Exclusive or of their numbers; for a single set, its number.
     serving: u32,
     /// One more than the number of swaps that left it unserved.
     weight: u32,
@@ -85,11 +94,18 @@ impl<'a> Search<'a> {
         }
     }
 
-    /// Searches from the cover that was added; the smallest cover found.
+    /// Searches from the cover that was added; returns the smallest cover found.
     #[inline(always)]
-    fn run(&mut self, cover: Vec<u32>, fewest: usize, max_work: usize) -> Vec<u32> {
+    fn run(
+        &mut self,
+        cover: Vec<u32>,
+        fewest: usize,
+        max_work: usize,
+        cancel: &Cancel,
+    ) -> Result<Vec<u32>, Cancelled> {
         let mut best = cover;
         while self.work < max_work && best.len() > fewest.max(1) {
+            cancel.check()?;
             if self.unserved.is_empty() {
                 best = self.chosen();
                 self.shrink();
@@ -97,14 +113,14 @@ impl<'a> Search<'a> {
                 self.swap();
             }
         }
-        best
+        Ok(best)
     }
 
     fn chosen(&self) -> Vec<u32> {
         self.losses.iter().map(|&loss| self.set_of(loss)).collect()
     }
 
-    /// Goes on from a cover to a choice of one set less.
+    /// Continues from a cover with one set fewer.
     #[inline(always)]
     fn shrink(&mut self) {
         self.remove_least(self.losses.len());
@@ -116,7 +132,8 @@ impl<'a> Search<'a> {
         }
     }
 
-    /// Moves to another choice of as many sets. The set that was chosen last stays, if others are there.
+    /// Moves to another choice of the same number of sets. The set chosen last stays unless it is the only
+    /// one.
     #[inline(always)]
     fn swap(&mut self) {
         self.n_steps += 1;
@@ -131,13 +148,13 @@ impl<'a> Search<'a> {
         }
     }
 
-    /// The candidate of most gain for the heaviest unserved item, of several the longest unmoved; `removed` only if
-    /// there is no other.
+    /// The candidate of largest gain for the heaviest unserved item, on ties the one unmoved for longest;
+    /// `removed` only if there is no other.
     #[inline(always)]
     fn best_candidate(&self, removed: u32) -> u32 {
         let heaviness = |&item: &u32| u64::from(self.items[item as usize].weight) << 32 | u64::from(!item);
         let heaviest = self.unserved.iter().map(heaviness).max();
-        let item = !(heaviest.expect("removing a set of worth leaves items unserved") as u32);
+        let item = !(heaviest.expect("removing a set of value leaves items unserved") as u32);
         let (mut best, mut most) = (removed, 0);
         for &set in self.candidates.row(item) {
             let gain: u32 =
@@ -150,7 +167,7 @@ impl<'a> Search<'a> {
         best
     }
 
-    /// Removes that of the first `n` chosen sets that is missed least, of several the one chosen first.
+    /// Removes the one of the first `n` chosen sets whose removal costs least, the first chosen on ties.
     #[inline(always)]
     fn remove_least(&mut self, n: usize) -> u32 {
         self.work += n;

@@ -8,78 +8,92 @@ mod reduction;
 
 use super::Incidence;
 use super::rows::Rows;
+use crate::{Cancel, Cancelled};
 use bound::fewest_possible;
 use greedy::greedy;
 use lists::Lists;
 use local_search::improve;
 use reduction::Core;
 
-/// Edges between items and sets above which greedy cover is not improved on: too many to be visited even once.
+/// Edges between items and sets above which greedy cover is not improved on: too many to be visited even
+/// once.
 const MAX_EDGES: usize = 2_000_000;
 
 /// A small number of sets of which every item finds one among its candidates, in increasing order.
 ///
-/// `candidates` holds a row of set numbers for each item; an item without candidates asks for nothing. The result is
-/// never larger than greedy cover's and so within a factor 1 + ln(items) of the fewest (Chvátal 1979). It is usually
-/// the fewest itself: dominated items and sets are dropped, which often leaves nothing to decide, and a local search
-/// works on the rest. The work is bounded by counting steps, not time, so the same input gives the same sets.
+/// `candidates` holds a row of set numbers for each item; an item without candidates asks for nothing. The
+/// result is never larger than greedy cover's and so within a factor 1 + ln(items) of the fewest (Chvátal
+/// 1979). It is usually the fewest itself: dominated items and sets are dropped, which often leaves nothing
+/// to decide, and a local search works on the rest. The work is bounded by counting steps, not time, so the
+/// same input gives the same sets.
 ///
 /// ```
+/// use nextview::Cancel;
 /// use nextview::flow::{Incidence, fewest_sets};
 ///
 /// let candidates = Incidence::from_rows(5, [vec![0, 1], vec![1, 2], vec![2, 3], vec![3, 4]]);
-/// assert_eq!(fewest_sets(&candidates), [1, 3]);
+/// assert_eq!(fewest_sets(&candidates, &Cancel::default()), Ok(vec![1, 3]));
 /// ```
-pub fn fewest_sets(candidates: &Incidence) -> Vec<u32> {
-    let candidates = packed(candidates);
-    let core = Core::of(&candidates);
-    let (rest, is_fewest) = few_sets(&core);
+///
+/// Fails if `cancel` says so.
+pub fn fewest_sets(candidates: &Incidence, cancel: &Cancel) -> Result<Vec<u32>, Cancelled> {
+    let candidates = packed(candidates, cancel)?;
+    let core = Core::of(&candidates, cancel)?;
+    let (rest, is_fewest) = few_sets(&core, cancel)?;
     let mut sets = core.chosen;
     sets.extend(rest.iter().map(|&set| core.set_ids[set as usize]));
     if !is_fewest {
-        let plain = greedy(&candidates, &candidates.transposed());
+        let plain = greedy(&candidates, &candidates.transposed(cancel)?, cancel)?;
         sets = if sets.len() <= plain.len() { sets } else { plain };
     }
     sets.sort_unstable();
-    sets
+    Ok(sets)
 }
 
 /// A small cover of the core, and whether it was proved that no other is smaller.
-fn few_sets(core: &Core) -> (Vec<u32>, bool) {
-    let start = greedy(&core.candidates, &core.by_set);
+fn few_sets(core: &Core, cancel: &Cancel) -> Result<(Vec<u32>, bool), Cancelled> {
+    let start = greedy(&core.candidates, &core.by_set, cancel)?;
     let n_edges: usize = core.candidates.iter().map(|row| row.len()).sum();
     if n_edges > MAX_EDGES {
-        return (start, false);
+        return Ok((start, false));
     }
     let (candidates, by_set) = (Lists::of(&core.candidates), Lists::of(&core.by_set));
+    cancel.check()?;
     let fewest = fewest_possible(&candidates, &by_set, start.len());
-    let sets = improve(&candidates, &by_set, start, fewest);
+    let sets = improve(&candidates, &by_set, start, fewest, cancel)?;
     let is_fewest = sets.len() <= fewest;
-    (sets, is_fewest)
+    Ok((sets, is_fewest))
 }
 
 /// The rows of the items that ask for a set.
-fn packed(candidates: &Incidence) -> Rows {
+fn packed(candidates: &Incidence, cancel: &Cancel) -> Result<Rows, Cancelled> {
     let mut rows = Rows::new(candidates.n_columns());
     let all = (0..candidates.n_rows()).map(|item| candidates.words_of(item));
-    all.filter(|row| row.columns().next().is_some()).for_each(|row| rows.push(row));
-    rows
+    for row in all.filter(|row| row.columns().next().is_some()) {
+        cancel.check()?;
+        rows.push(row);
+    }
+    Ok(rows)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
+    fn few(candidates: &Incidence) -> Vec<u32> {
+        fewest_sets(candidates, &Cancel::default()).unwrap()
+    }
+
     #[test]
     fn nothing_to_serve_needs_no_set() {
-        assert!(fewest_sets(&Incidence::new(0, 0)).is_empty());
-        assert!(fewest_sets(&Incidence::new(3, 0)).is_empty());
-        assert!(fewest_sets(&Incidence::new(3, 7)).is_empty());
+        assert!(few(&Incidence::new(0, 0)).is_empty());
+        assert!(few(&Incidence::new(3, 0)).is_empty());
+        assert!(few(&Incidence::new(3, 7)).is_empty());
     }
 
     #[test]
     fn equal_sets_resolve_to_the_lowest() {
-        assert_eq!(fewest_sets(&Incidence::from_rows(9, [vec![3, 5, 8], vec![8, 5, 3]])), [3]);
+        assert_eq!(few(&Incidence::from_rows(9, [vec![3, 5, 8], vec![8, 5, 3]])), [3]);
     }
 
     /// Greedy takes the middle set first and then needs two more.
@@ -87,6 +101,6 @@ mod tests {
     fn beats_greedy_where_greedy_is_wrong() {
         let rows = [vec![0, 2], vec![0, 2], vec![0], vec![1, 2], vec![1, 2], vec![1]];
         let candidates = Incidence::from_rows(3, rows);
-        assert_eq!(fewest_sets(&candidates), [0, 1]);
+        assert_eq!(few(&candidates), [0, 1]);
     }
 }

@@ -1,9 +1,10 @@
 use super::super::row::Row;
 use super::super::rows::Rows;
+use crate::{Cancel, Cancelled};
 use rustc_hash::FxHashSet;
 
-/// Edges visited and rows compared after which dominated rows are no longer looked for. What is found by then is
-/// used; a problem that is not fully reduced is only harder for what follows.
+/// Edges visited and rows compared after which dominated rows are no longer looked for. What is found by then
+/// is used; a problem that is not fully reduced is only harder for what follows.
 const MAX_WORK: usize = 4_000_000;
 
 /// What is left to decide of a cover problem.
@@ -19,26 +20,28 @@ pub(super) struct Core {
 }
 
 impl Core {
-    /// Applies the classic reductions until none applies (Garfinkel and Nemhauser 1972, Beasley 1987): a set that is
-    /// the only candidate of an item is chosen; an item with all the candidates of another is served along with it;
-    /// a set that serves only what another serves is not needed.
-    pub(super) fn of(all: &Rows) -> Self {
+    /// Applies the classic reductions until none applies (Garfinkel and Nemhauser 1972, Beasley 1987): a set
+    /// that is the only candidate of an item is chosen; an item with all the candidates of another is served
+    /// along with it; a set that serves only what another serves is not needed.
+    pub(super) fn of(all: &Rows, cancel: &Cancel) -> Result<Self, Cancelled> {
         let (is_chosen, keep) = only_candidates(all);
+        cancel.check()?;
         let candidates = all.selected(&keep);
-        let by_set = candidates.transposed();
+        let by_set = candidates.transposed(cancel)?;
         let set_ids = (0..all.n_columns() as u32).collect();
         let mut core = Self { chosen: Vec::new(), candidates, by_set, set_ids };
         core.choose(&is_chosen);
         let mut work = Work { left: MAX_WORK };
         loop {
+            cancel.check()?;
             let size = core.size();
-            core.drop_wider_items(&mut work);
-            core.drop_dominated_sets(&mut work);
+            core.drop_wider_items(&mut work, cancel)?;
+            core.drop_dominated_sets(&mut work, cancel)?;
             let (is_chosen, keep) = only_candidates(&core.candidates);
             core.choose(&is_chosen);
-            core.keep_items(&keep);
+            core.keep_items(&keep, cancel)?;
             if core.size() == size {
-                return core;
+                return Ok(core);
             }
         }
     }
@@ -53,49 +56,52 @@ impl Core {
     }
 
     /// Drops every item that has all candidates of another.
-    fn drop_wider_items(&mut self, work: &mut Work) {
+    fn drop_wider_items(&mut self, work: &mut Work, cancel: &Cancel) -> Result<(), Cancelled> {
         let held = Containment::new(&self.candidates, &self.by_set);
         let mut narrow_first: Vec<usize> = (0..held.lens.len()).collect();
         narrow_first.sort_by_key(|&item| held.lens[item]);
         let mut keep = vec![true; held.lens.len()];
         for item in narrow_first {
+            cancel.check()?;
             if keep[item] {
                 held.supersets(item, work).for_each(|wider| keep[wider] = false);
             }
         }
-        self.keep_items(&keep);
+        self.keep_items(&keep, cancel)
     }
 
     /// Drops every set that serves only items which another set serves, of equal sets all but the first.
-    fn drop_dominated_sets(&mut self, work: &mut Work) {
+    fn drop_dominated_sets(&mut self, work: &mut Work, cancel: &Cancel) -> Result<(), Cancelled> {
         let held = Containment::new(&self.by_set, &self.candidates);
         let keep_set = |set: usize| {
             let beaten_by = |other: usize| held.lens[other] > held.lens[set] || other < set;
             held.lens[set] > 0 && !held.supersets(set, work).any(beaten_by)
         };
         let keep: Vec<bool> = (0..held.lens.len()).map(keep_set).collect();
-        self.keep_sets(&keep);
+        self.keep_sets(&keep, cancel)
     }
 
-    fn keep_items(&mut self, keep: &[bool]) {
+    fn keep_items(&mut self, keep: &[bool], cancel: &Cancel) -> Result<(), Cancelled> {
         if !keep.iter().all(|&keep| keep) {
             self.candidates = self.candidates.selected(keep);
-            self.by_set = self.candidates.transposed();
+            self.by_set = self.candidates.transposed(cancel)?;
         }
+        Ok(())
     }
 
-    fn keep_sets(&mut self, keep: &[bool]) {
+    fn keep_sets(&mut self, keep: &[bool], cancel: &Cancel) -> Result<(), Cancelled> {
         if !keep.iter().all(|&keep| keep) {
             self.by_set = self.by_set.selected(keep);
-            self.candidates = self.by_set.transposed();
+            self.candidates = self.by_set.transposed(cancel)?;
             let ids = self.set_ids.iter().zip(keep).filter(|(_, keep)| **keep);
             self.set_ids = ids.map(|(&id, _)| id).collect();
         }
+        Ok(())
     }
 }
 
-/// For each set whether it is the only candidate of an item. And for each item whether it is left: not if it is served
-/// by those sets or equal to an earlier one.
+/// For each set whether it is the only candidate of an item. And for each item whether it is left: not if it
+/// is served by those sets or equal to an earlier one.
 fn only_candidates(candidates: &Rows) -> (Vec<bool>, Vec<bool>) {
     let mut is_chosen = vec![false; candidates.n_columns()];
     for row in candidates.iter() {

@@ -1,14 +1,14 @@
-/// What each of many sets is worth for each of many items.
+/// The value of each of many sets for each of many items.
 ///
-/// Several sets that are chosen serve an item as well as the best of them; what they are worth together is the sum of that
-/// over the items. If an item has one value in all its sets, this is weighted coverage.
+/// Several chosen sets serve an item as well as the best of them; their joint value is the sum over the
+/// items. If an item has one value in all its sets, this is weighted coverage.
 ///
 /// ```
 /// use nextview::flow::SetValues;
 ///
 /// let values = SetValues::new(3, vec![vec![(0, 1.0), (1, 0.5)], vec![(1, 2.0)], vec![(2, 0.25)]]);
-/// assert_eq!(values.worth([0, 1]), 3.0);
-/// assert_eq!(values.worth(0..3), 3.25);
+/// assert_eq!(values.value_of([0, 1]), 3.0);
+/// assert_eq!(values.value_of(0..3), 3.25);
 /// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct SetValues {
@@ -18,20 +18,17 @@ pub struct SetValues {
 }
 
 impl SetValues {
-    /// A row of items, each below `n_items`, and their values for every set. Values that are not positive and finite do not
-    /// count; of an item's values in a row, the largest does.
+    /// A row of items, each below `n_items`, and their values for every set. Values that are not positive and
+    /// finite are ignored; if an item occurs more than once in a row, its largest value counts.
     ///
     /// # Panics
     /// If an item is out of range.
-    pub fn new(n_items: usize, mut rows: Vec<Vec<(u32, f32)>>) -> Self {
-        for row in &mut rows {
-            row.retain(|&(_, value)| value > 0.0 && value.is_finite());
-            if !row.is_sorted_by(|a, b| a.0 < b.0) {
-                row.sort_unstable_by(|a, b| a.0.cmp(&b.0).then(b.1.total_cmp(&a.1)));
-                row.dedup_by_key(|(item, _)| *item);
-            }
-            assert!(row.last().is_none_or(|&(item, _)| (item as usize) < n_items), "items below {n_items}");
-        }
+    pub fn new(n_items: usize, rows: Vec<Vec<(u32, f32)>>) -> Self {
+        Self { n_items, rows: rows.into_iter().map(|row| tidied(row, n_items)).collect() }
+    }
+
+    /// Rows that were [tidied](tidied) before.
+    pub(crate) fn of_tidied(n_items: usize, rows: Vec<Vec<(u32, f32)>>) -> Self {
         Self { n_items, rows }
     }
 
@@ -50,17 +47,31 @@ impl SetValues {
         &self.rows[set as usize]
     }
 
-    /// What these sets are worth together.
-    pub fn worth(&self, sets: impl IntoIterator<Item = u32>) -> f64 {
+    /// Joint value of these sets.
+    pub fn value_of(&self, sets: impl IntoIterator<Item = u32>) -> f64 {
         let mut selection = Selection::new(self);
         sets.into_iter().for_each(|set| _ = selection.add(set));
-        selection.worth()
+        selection.value()
     }
 
     /// Number of pairs of item and set.
     pub fn n_pairs(&self) -> usize {
         self.rows.iter().map(Vec::len).sum()
     }
+}
+
+/// A row with its items, each below `n_items`, in increasing order, and only values that count.
+///
+/// # Panics
+/// If an item is out of range.
+pub(crate) fn tidied(mut row: Vec<(u32, f32)>, n_items: usize) -> Vec<(u32, f32)> {
+    row.retain(|&(_, value)| value > 0.0 && value.is_finite());
+    if !row.is_sorted_by(|a, b| a.0 < b.0) {
+        row.sort_unstable_by(|a, b| a.0.cmp(&b.0).then(b.1.total_cmp(&a.1)));
+        row.dedup_by_key(|(item, _)| *item);
+    }
+    assert!(row.last().is_none_or(|&(item, _)| (item as usize) < n_items), "items below {n_items}");
+    row
 }
 
 /// Some of the sets, and how well they serve every item.
@@ -77,7 +88,7 @@ impl<'a> Selection<'a> {
         Self { values, served: vec![0.0; values.n_items] }
     }
 
-    /// How much more the selection would be worth with this set, too. It never grows as sets are added, not even by
+    /// The value that this set would add to the selection. It never grows as sets are added, not even by
     /// rounding.
     pub fn gain(&self, set: u32) -> f64 {
         let more = |sum, &(item, value): &(u32, f32)| {
@@ -86,7 +97,7 @@ impl<'a> Selection<'a> {
         self.values.row(set).iter().fold(0.0, more)
     }
 
-    /// Adds a set and returns what it gained.
+    /// Adds a set and returns its gain.
     pub fn add(&mut self, set: u32) -> f64 {
         let gain = self.gain(set);
         for &(item, value) in self.values.row(set) {
@@ -96,8 +107,8 @@ impl<'a> Selection<'a> {
         gain
     }
 
-    /// What the selected sets are worth together.
-    pub fn worth(&self) -> f64 {
+    /// Joint value of the selected sets.
+    pub fn value(&self) -> f64 {
         self.served.iter().fold(0.0, |sum, &value| sum + value as f64)
     }
 
@@ -120,11 +131,11 @@ mod tests {
     }
 
     #[test]
-    fn a_selection_is_worth_the_sum_of_its_gains() {
+    fn the_value_of_a_selection_is_the_sum_of_its_gains() {
         let values = SetValues::new(3, vec![vec![(0, 1.0), (1, 2.0)], vec![(1, 3.0), (2, 1.0)], vec![]]);
         let mut selection = Selection::new(&values);
         assert_eq!([0, 1, 1, 2].map(|set| selection.add(set)), [3.0, 2.0, 0.0, 0.0]);
-        assert_eq!((selection.worth(), selection.served()), (5.0, [1.0, 3.0, 1.0].as_slice()));
-        assert_eq!(SetValues::new(0, vec![]).worth([]), 0.0);
+        assert_eq!((selection.value(), selection.served()), (5.0, [1.0, 3.0, 1.0].as_slice()));
+        assert_eq!(SetValues::new(0, vec![]).value_of([]), 0.0);
     }
 }

@@ -1,31 +1,34 @@
 use super::SetValues;
+use crate::{Cancel, Cancelled};
 use rayon::prelude::*;
 
 /// Pairs of item and set visited after which the search ends, about a second.
 const MAX_WORK: usize = 500_000_000;
 
-/// Gains below this share of the present worth may be rounding errors.
+/// Gains below this share of the present value may be rounding errors.
 const LEAST_GAIN: f64 = 1e-9;
 
-/// Swaps one set for another as long as that gains anything, each time the pair that gains most. The sets come back in the
-/// order given, each with its substitute in its place.
+/// Swaps one set for another as long as that gains anything, each time the pair that gains most. The sets are
+/// returned in the order given, with each substitute in the place of its original.
 ///
 /// All pairs are rated in one pass over the sets: the fast interchange of Whitaker (1983).
-pub(super) fn swap(values: &SetValues, mut chosen: Vec<u32>) -> Vec<u32> {
+pub(super) fn swap(values: &SetValues, mut chosen: Vec<u32>, cancel: &Cancel) -> Result<Vec<u32>, Cancelled> {
     for _ in 0..MAX_WORK / values.n_pairs().max(1) {
         let service = Service::of(values, &chosen);
         let sets = (0..values.n_sets() as u32).into_par_iter().filter(|set| !chosen.contains(set));
-        let swaps: Vec<Swap> = sets.filter_map(|set| service.best_swap(values, set)).collect();
-        let best = swaps.into_iter().reduce(|best, swap| if swap.gain > best.gain { swap } else { best });
+        let swaps = sets.map(|set| cancel.check().map(|()| service.best_swap(values, set)));
+        let swaps: Vec<Option<Swap>> = swaps.collect::<Result<_, Cancelled>>()?;
+        let best =
+            swaps.into_iter().flatten().reduce(|best, swap| if swap.gain > best.gain { swap } else { best });
         match best {
-            Some(best) if best.gain > LEAST_GAIN * service.worth() => chosen[best.place] = best.set,
+            Some(best) if best.gain > LEAST_GAIN * service.value() => chosen[best.place] = best.set,
             _ => break,
         }
     }
-    chosen
+    Ok(chosen)
 }
 
-/// A set that takes the place of a chosen one, and what that gains.
+/// A set that replaces a chosen one, and the gain.
 struct Swap {
     gain: f64,
     set: u32,
@@ -38,7 +41,7 @@ struct Service {
     first: Vec<(f32, u32)>,
     /// By item, the largest value in the other chosen sets.
     second: Vec<f32>,
-    /// By place, what would be lost without the set.
+    /// By place, the loss of value without the set.
     loss: Vec<f64>,
 }
 
@@ -64,14 +67,14 @@ impl Service {
         Self { first, second, loss }
     }
 
-    fn worth(&self) -> f64 {
+    fn value(&self) -> f64 {
         self.first.iter().fold(0.0, |sum, &(value, _)| sum + value as f64)
     }
 
-    /// The best place for this set, the first of several.
+    /// The best place for this set, the first on ties.
     fn best_swap(&self, values: &SetValues, set: u32) -> Option<Swap> {
         let mut gain = 0.0;
-        // What this set makes up for where another is missing.
+        // The loss that this set makes up for where another is missing.
         let mut saved = vec![0.0; self.loss.len()];
         for &(item, value) in values.row(set) {
             let ((first, place), second) = (self.first[item as usize], self.second[item as usize]);
@@ -96,15 +99,15 @@ mod tests {
         #[test]
         fn ends_where_no_swap_gains((values, n_sets) in instances(12)) {
             let start: Vec<u32> = (0..n_sets.min(values.n_sets()) as u32).collect();
-            let found = swap(&values, start.clone());
+            let found = swap(&values, start.clone(), &Cancel::default()).unwrap();
             prop_assert_eq!(found.len(), start.len());
-            let worth = values.worth(found.iter().copied());
-            prop_assert!(worth >= values.worth(start) * (1.0 - 1e-12));
+            let value = values.value_of(found.iter().copied());
+            prop_assert!(value >= values.value_of(start) * (1.0 - 1e-12));
             for place in 0..found.len() {
                 for set in 0..values.n_sets() as u32 {
                     let mut other = found.clone();
                     other[place] = set;
-                    prop_assert!(values.worth(other) <= worth * (1.0 + 2.0 * LEAST_GAIN));
+                    prop_assert!(values.value_of(other) <= value * (1.0 + 2.0 * LEAST_GAIN));
                 }
             }
         }

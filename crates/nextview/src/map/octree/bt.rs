@@ -1,22 +1,22 @@
 use super::header::{Encoding, write_header};
+use super::node_reader::NodeReader;
 use super::preorder::DEPTH;
-use super::read::NodeReader;
 use super::tree::{Node, Octree};
 use crate::Error;
 use crate::map::{LogOdds, SensorModel};
 use std::io::{BufWriter, Read, Write};
 
-/// What the two bits of a child say, child 0 in the lowest bits of an inner node's little-endian word. OctoMap's
-/// comments print the bits in the order of their weight, 10 for free.
+/// The meaning of the two bits of a child, child 0 in the lowest bits of an inner node's little-endian word.
+/// OctoMap's comments print the bits in the order of their weight, 10 for free.
 const UNKNOWN: u16 = 0;
 const FREE: u16 = 1;
 const OCCUPIED: u16 = 2;
 const INNER: u16 = 3;
 
 impl Octree {
-    /// Writes a `.bt` file, which holds the maximum likelihood map: leaves with P >= 0.5 become occupied, the rest
-    /// free, then equal ones are merged as by [`pruned`](Self::pruned). Probabilities and colours are lost; a tree
-    /// that is a single leaf loses its occupancy, too.
+    /// Writes a `.bt` file, which holds the maximum likelihood map: leaves with P >= 0.5 become occupied, the
+    /// rest free, then equal ones are merged as by [`pruned`](Self::pruned). Probabilities and colours are
+    /// lost; a tree that is a single leaf loses its occupancy, too.
     pub fn write_bt(&self, writer: impl Write) -> Result<(), Error> {
         let clamps = Clamps::default();
         let tree = self.clone().map_log_odds(|l| clamps.maximum_likelihood(l)).pruned();

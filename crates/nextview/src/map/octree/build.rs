@@ -5,9 +5,9 @@ use crate::geometry::VoxelKey;
 use glam::IVec3;
 
 impl Octree {
-    /// An `OcTree` with one leaf per voxel, given in any order as key and log-odds; `voxel_size` is in metres.
-    /// Inner nodes get the highest log-odds of their children (OctoMap's `updateInnerOccupancy`). Without voxels
-    /// the tree has no nodes.
+    /// An `OcTree` with one leaf per voxel, given in any order as key and log-odds; `voxel_size` is in
+    /// metres. Inner nodes get the highest log-odds of their children (OctoMap's `updateInnerOccupancy`).
+    /// Without voxels the tree has no nodes.
     ///
     /// Fails if the voxel size is not positive and finite, a key lies outside -32768..32768, log-odds are not
     /// finite, or a key comes twice.

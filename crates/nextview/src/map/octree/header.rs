@@ -28,7 +28,7 @@ pub(super) struct Header {
     pub encoding: Encoding,
     pub kind: TreeKind,
     pub voxel_size: f64,
-    /// As the file claims it; nothing may be allocated on its word.
+    /// As stated in the file; no memory may be reserved on its basis.
     pub n_nodes: u64,
 }
 
@@ -64,8 +64,8 @@ fn id(kind: TreeKind) -> &'static str {
     }
 }
 
-/// The shortest text that reads back as the same number. Where six digits are enough, these are the bytes of a C++
-/// stream.
+/// The shortest text that reads back as the same number. Where six digits are enough, these are the bytes of
+/// a C++ stream.
 fn format_like_cpp(number: f64) -> String {
     if (1e-4..1e6).contains(&number) {
         return number.to_string();

@@ -1,12 +1,15 @@
 //! OctoMap's octree files, `.ot` and `.bt`, read and written byte for byte as OctoMap does
 //! (Hornung et al. 2013; checked against the tools of OctoMap 1.9.7).
 //!
-//! Start with [`Octree`]. It keeps a file as it was read and does not change: measurements go into a map, and the
-//! octree only carries that map to and from OctoMap. Time stamps and OctoMap's other tree types are not here.
+//! Start with [`Octree`]. It keeps a file as it was read and does not change: measurements go into a map, and
+//! the octree only carries that map to and from OctoMap. Time stamps and OctoMap's other tree types are not
+//! here.
 
 mod bt;
 mod build;
 mod header;
+mod node_reader;
+mod nodes;
 mod ot;
 mod preorder;
 mod prune;

@@ -1,6 +1,6 @@
 use super::header::{Encoding, write_header};
+use super::node_reader::NodeReader;
 use super::preorder::{DEPTH, Preorder};
-use super::read::NodeReader;
 use super::tree::{Node, Octree, TreeKind};
 use crate::Error;
 use std::io::{BufWriter, Read, Write};

@@ -1,4 +1,3 @@
-use super::tree::{Node, Octree};
 use crate::geometry::VoxelKey;
 use glam::IVec3;
 
@@ -23,7 +22,7 @@ impl Place {
     }
 }
 
-/// Tells where the nodes of a tree lie while they come in preorder.
+/// The places of the nodes of a tree that come in preorder.
 pub(super) struct Preorder {
     /// The next place on top. At most seven siblings wait on each level.
     pending: Vec<Place>,
@@ -39,41 +38,8 @@ impl Preorder {
         self.pending.pop()
     }
 
-    /// Takes note of the children of the node at `place`, which must not lie at the greatest depth.
+    /// Adds the children of the node at `place`, which must not lie at the greatest depth.
     pub fn descend(&mut self, place: Place, child_mask: u8) {
         self.pending.extend((0..8).rev().filter(|i| child_mask >> i & 1 == 1).map(|i| place.child(i)));
-    }
-}
-
-/// The nodes of a tree in preorder, with their places.
-pub(super) struct Nodes<'a> {
-    tree: &'a Octree,
-    idx: usize,
-    preorder: Preorder,
-}
-
-impl<'a> Nodes<'a> {
-    pub fn new(tree: &'a Octree) -> Self {
-        Self { tree, idx: 0, preorder: Preorder::new() }
-    }
-
-    /// Index of the node that comes next.
-    pub fn next_idx(&self) -> usize {
-        self.idx
-    }
-}
-
-impl Iterator for Nodes<'_> {
-    type Item = (Place, Node);
-
-    fn next(&mut self) -> Option<(Place, Node)> {
-        if self.idx == self.tree.n_nodes() {
-            return None;
-        }
-        let place = self.preorder.next_place()?;
-        let node = self.tree.node(self.idx);
-        self.preorder.descend(place, node.child_mask);
-        self.idx += 1;
-        Some((place, node))
     }
 }

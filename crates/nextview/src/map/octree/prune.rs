@@ -5,10 +5,10 @@ use crate::Error;
 impl Octree {
     /// The tree with eight equal leaves merged into one, as OctoMap's `prune()` does it.
     ///
-    /// Equal means equal log-odds; colours do not count. The merged leaf is white if the first of the eight is
-    /// (white means that no colour is set), otherwise it has the average of those that are not white, rounded
-    /// down. OctoMap starts with the voxels and stops at the first level on which it can merge nothing, and it
-    /// never merges the root's children; so do we, to get the same bytes.
+    /// Equal means equal log-odds; colours do not count. The merged leaf is white if the first of the eight
+    /// is (white means that no colour is set), otherwise it has the average of those that are not white,
+    /// rounded down. OctoMap starts with the voxels and stops at the first level on which it can merge
+    /// nothing, and it never merges the root's children; so do we, to get the same bytes.
     pub fn pruned(&self) -> Self {
         let mut tree = self.clone();
         for depth in (1..DEPTH).rev() {

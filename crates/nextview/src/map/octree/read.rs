@@ -1,16 +1,18 @@
 use super::header::{Encoding, Header};
-use super::source::{Source, error_at};
-use super::tree::{Node, Octree};
+use super::node_reader::NodeReader;
+use super::source::Source;
+use super::tree::Octree;
 use super::{bt, ot};
 use crate::Error;
 use std::io::Read;
 
 impl Octree {
-    /// Reads an `.ot` or a `.bt` file; the first line tells which. The nodes must fill the file to its end.
+    /// Reads an `.ot` or a `.bt` file; the first line states the format. The nodes must fill the file to its
+    /// end.
     ///
-    /// A `.bt` file stores only free and occupied: leaves get OctoMap's default clamping values (log-odds -2.00 and
-    /// 3.51), inner nodes the highest of their children, the root 3.51 whatever its children are, as in OctoMap.
-    /// Memory grows with what is read, whatever the header claims.
+    /// A `.bt` file stores only free and occupied: leaves get OctoMap's default clamping values (log-odds
+    /// -2.00 and 3.51), inner nodes the highest of their children, the root 3.51 whatever its children are,
+    /// as in OctoMap. Memory grows with the data read, whatever the header claims.
     pub fn read(reader: impl Read) -> Result<Self, Error> {
         let mut source = Source::new(reader);
         let header = Header::read(&mut source)?;
@@ -21,58 +23,5 @@ impl Octree {
             Encoding::Bt => bt::read_nodes(&mut nodes)?,
         }
         nodes.finish()
-    }
-}
-
-/// A tree that grows while its file is read.
-pub(super) struct NodeReader<R> {
-    source: Source<R>,
-    tree: Octree,
-    n_expected: u64,
-    /// Where the record begins that was read last.
-    position: u64,
-}
-
-impl<R: Read> NodeReader<R> {
-    fn new(source: Source<R>, header: &Header) -> Self {
-        let position = source.position();
-        let tree = Octree::new(header.kind, header.voxel_size);
-        Self { source, tree, n_expected: header.n_nodes, position }
-    }
-
-    pub fn tree(&mut self) -> &mut Octree {
-        &mut self.tree
-    }
-
-    /// Reads a record of the node data.
-    pub fn fill(&mut self, buffer: &mut [u8]) -> Result<(), Error> {
-        self.position = self.source.position();
-        if self.source.fill(buffer)? {
-            return Ok(());
-        }
-        Err(self.error(format!("the data ends after {} of {} nodes", self.tree.n_nodes(), self.n_expected)))
-    }
-
-    pub fn push(&mut self, node: Node) -> Result<usize, Error> {
-        if self.tree.n_nodes() as u64 == self.n_expected {
-            return Err(self.error(format!("the tree goes on, but its header says size {}", self.n_expected)));
-        }
-        Ok(self.tree.push(node))
-    }
-
-    /// An error in the record read last.
-    pub fn error(&self, problem: impl ToString) -> Error {
-        error_at(self.position, problem)
-    }
-
-    fn finish(mut self) -> Result<Octree, Error> {
-        let (n_nodes, n_expected) = (self.tree.n_nodes(), self.n_expected);
-        if n_nodes as u64 != n_expected {
-            let problem =
-                format!("the tree is complete with {n_nodes} nodes, but its header says size {n_expected}");
-            return Err(error_at(self.source.position(), problem));
-        }
-        self.source.expect_end()?;
-        Ok(self.tree)
     }
 }

@@ -4,7 +4,7 @@ use std::io::{BufRead, BufReader, ErrorKind, Read};
 /// Longest header line; OctoMap's own have 73 bytes. Stops a file without line ends from filling the memory.
 const MAX_LINE: u64 = 4096;
 
-/// A file that is read from front to back and knows where it is, for errors.
+/// A file that is read from front to back and tracks its position, for errors.
 pub(super) struct Source<R> {
     reader: BufReader<R>,
     n_lines: usize,

@@ -1,4 +1,4 @@
-//! What holds for every tree and every file: round trips, and no panic on broken ones.
+//! Properties of every tree and every file: round trips, and no panic on broken ones.
 
 use super::header::Encoding;
 use super::preorder::{DEPTH, Preorder};
@@ -35,7 +35,7 @@ fn assert_well_formed(tree: &Octree) {
     assert!(tree.n_nodes() == 0 || preorder.next_place().is_none());
 }
 
-/// A tree whose nodes come from a list in preorder; leaves fill up what the list leaves open.
+/// A tree whose nodes come from a list in preorder; leaves fill the gaps.
 fn tree_of(kind: TreeKind, list: &[(u8, f32, u8)]) -> Octree {
     let mut tree = Octree::new(kind, 0.02);
     let mut preorder = Preorder::new();
@@ -171,7 +171,7 @@ fn the_empty_tree_survives_both_files() {
     }
 }
 
-/// Checks what reading these node data says, and at which byte of them.
+/// Checks the error for these node data and its byte offset.
 fn check_problem(encoding: Encoding, size: u64, data: &[u8], at: usize, problem: &str) {
     let magic = if encoding == Encoding::Ot { "file" } else { "binary file" };
     let header = format!("# Octomap OcTree {magic}\nid OcTree\nsize {size}\nres 0.1\ndata\n");

@@ -1,4 +1,4 @@
-use super::preorder::{DEPTH, Nodes};
+use super::preorder::DEPTH;
 use crate::geometry::VoxelKey;
 
 /// Which of OctoMap's tree types a tree is; the `id` of its files.
@@ -65,22 +65,8 @@ impl Octree {
         self.child_masks.iter().filter(|&&mask| mask == 0).count()
     }
 
-    /// The leaves in preorder: octant by octant, x varying fastest, then y, then z.
-    pub fn leaves(&self) -> impl Iterator<Item = Leaf> {
-        self.nodes().filter(|(_, node)| node.child_mask == 0).map(|(place, node)| Leaf {
-            min: place.min,
-            depth: place.depth,
-            log_odds: node.log_odds,
-            color: (self.kind == TreeKind::ColorOcTree).then_some(node.color),
-        })
-    }
-
     pub(super) fn new(kind: TreeKind, voxel_size: f64) -> Self {
         Self { kind, voxel_size, log_odds: Vec::new(), colors: Vec::new(), child_masks: Vec::new() }
-    }
-
-    pub(super) fn nodes(&self) -> Nodes<'_> {
-        Nodes::new(self)
     }
 
     pub(super) fn node(&self, idx: usize) -> Node {
@@ -91,7 +77,7 @@ impl Octree {
         }
     }
 
-    /// Appends a node in preorder and tells its index.
+    /// Appends a node in preorder and returns its index.
     pub(super) fn push(&mut self, node: Node) -> usize {
         self.log_odds.push(node.log_odds);
         if self.kind == TreeKind::ColorOcTree {

@@ -1,0 +1,59 @@
+use super::header::Header;
+use super::source::{Source, error_at};
+use super::tree::{Node, Octree};
+use crate::Error;
+use std::io::Read;
+
+/// A tree that grows while its file is read.
+pub(super) struct NodeReader<R> {
+    source: Source<R>,
+    tree: Octree,
+    n_expected: u64,
+    /// Where the record read last begins.
+    position: u64,
+}
+
+impl<R: Read> NodeReader<R> {
+    pub fn new(source: Source<R>, header: &Header) -> Self {
+        let position = source.position();
+        let tree = Octree::new(header.kind, header.voxel_size);
+        Self { source, tree, n_expected: header.n_nodes, position }
+    }
+
+    pub fn tree(&mut self) -> &mut Octree {
+        &mut self.tree
+    }
+
+    /// Reads a record of the node data.
+    pub fn fill(&mut self, buffer: &mut [u8]) -> Result<(), Error> {
+        self.position = self.source.position();
+        if self.source.fill(buffer)? {
+            return Ok(());
+        }
+        Err(self.error(format!("the data ends after {} of {} nodes", self.tree.n_nodes(), self.n_expected)))
+    }
+
+    pub fn push(&mut self, node: Node) -> Result<usize, Error> {
+        if self.tree.n_nodes() as u64 == self.n_expected {
+            return Err(self.error(format!("the tree goes on, but its header says size {}", self.n_expected)));
+        }
+        Ok(self.tree.push(node))
+    }
+
+    /// An error in the record read last.
+    pub fn error(&self, problem: impl ToString) -> Error {
+        error_at(self.position, problem)
+    }
+
+    /// The tree, if it is complete and the data ends with it.
+    pub fn finish(mut self) -> Result<Octree, Error> {
+        let (n_nodes, n_expected) = (self.tree.n_nodes(), self.n_expected);
+        if n_nodes as u64 != n_expected {
+            let problem =
+                format!("the tree is complete with {n_nodes} nodes, but its header says size {n_expected}");
+            return Err(error_at(self.source.position(), problem));
+        }
+        self.source.expect_end()?;
+        Ok(self.tree)
+    }
+}

@@ -1,0 +1,50 @@
+use crate::Cancelled;
+use crate::flow::{Selection, SetValues};
+use crate::motion::{KeepOut, tour, tour_length};
+use crate::planner::Situation;
+use glam::DVec3;
+
+/// The sets from which a batch is chosen: one for each open view, in their order.
+pub(super) struct Field<'a> {
+    pub values: &'a SetValues,
+    /// Value of all sets together.
+    pub total: f64,
+    /// The camera position of each set.
+    pub positions: Vec<DVec3>,
+    /// Where the camera is.
+    pub start: Option<DVec3>,
+    /// The ball around the box.
+    pub ball: KeepOut,
+}
+
+impl<'a> Field<'a> {
+    pub fn new(situation: &Situation<'_>, open: &[usize], values: &'a SetValues) -> Result<Self, Cancelled> {
+        let mut all = Selection::new(values);
+        for set in 0..values.n_sets() as u32 {
+            situation.cancel.check()?;
+            all.add(set);
+        }
+        let bounds = situation.snapshot.lattice().bounds(&situation.snapshot.block());
+        Ok(Self {
+            values,
+            total: all.value(),
+            positions: open.iter().map(|&view| situation.views.pose(view).translation()).collect(),
+            start: situation.camera_position(),
+            ball: KeepOut::around(&bounds, 0.0).expect("a block of voxels is a finite box"),
+        })
+    }
+
+    pub fn route(&self, sets: &[u32]) -> Vec<DVec3> {
+        sets.iter().map(|&set| self.positions[set as usize]).collect()
+    }
+
+    /// The sets in the order of a short tour, whatever the order given.
+    pub fn tour(&self, mut sets: Vec<u32>) -> Vec<u32> {
+        sets.sort_unstable();
+        tour(self.start, &self.route(&sets), &self.ball).into_iter().map(|i| sets[i]).collect()
+    }
+
+    pub fn length(&self, tour: &[u32]) -> f64 {
+        tour_length(self.start, self.route(tour), &self.ball)
+    }
+}

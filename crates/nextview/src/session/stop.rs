@@ -1,0 +1,49 @@
+use crate::Error;
+use crate::checked::{check_range, checked_when_read};
+use serde::{Deserialize, Serialize};
+
+/// When a scan is over before the maximum number of views is taken. By default, only when no view gains
+/// anything.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(default, deny_unknown_fields, remote = "Self")]
+pub struct StopConfig {
+    /// Stop when the entropy in the box is below this share, 0..=1, of that of an unknown box: q_thresh of
+    /// the paper's eq. (9), where it is 0.5. Default: off, since the share measures how empty the box is
+    /// rather than how completely the object was seen.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub entropy_share: Option<f64>,
+    /// Stop when this share, 0..=1, of the surface that can be seen is
+    /// [estimated](crate::planner::Outlook::completeness) to have been seen. Default: off. It has no effect
+    /// on planners without expectations.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub completeness: Option<f64>,
+    /// Stop when the next view is expected to add less than this share, 0..=1, to the surface seen so far.
+    /// Default: off. It has no effect on planners without expectations.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub expected_gain: Option<f64>,
+    /// Stop rather than let the straight path through all views become longer than this, metres, positive.
+    /// Default: off.
+    #[serde(rename = "path_length_m", skip_serializing_if = "Option::is_none")]
+    pub path_length: Option<f64>,
+}
+
+checked_when_read!(StopConfig);
+
+impl StopConfig {
+    /// Fails on the first value out of range.
+    pub fn check(&self) -> Result<(), Error> {
+        let shares = [
+            ("entropy_share", self.entropy_share),
+            ("completeness", self.completeness),
+            ("expected_gain", self.expected_gain),
+        ];
+        for (name, share) in shares.into_iter().filter_map(|(name, share)| Some((name, share?))) {
+            check_range(name, share, 0.0..=1.0, "a number in 0..=1")?;
+        }
+        let positive = f64::MIN_POSITIVE..=f64::INFINITY;
+        self.path_length.map_or(Ok(()), |length| {
+            check_range("path_length_m", length, positive, "a positive number of metres")
+        })
+    }
+}

@@ -1,0 +1,152 @@
+use super::frame_surface::{Evidence, FrameSurface};
+use super::{SurfaceMesh, surface_nets};
+use crate::Error;
+use crate::geometry::{Aabb, Lattice, Pose, VoxelBlock};
+use crate::sensor::Frame;
+use glam::{DVec3, IVec3};
+use rayon::prelude::*;
+
+/// Voxels of a row that a frame is asked about at a time.
+const LANES: usize = 8;
+
+/// Maximum memory of a field, MB.
+const MEMORY_LIMIT_MB: u64 = 4096;
+
+/// The signed distance to the surface near it, at the centres of a block of voxels: the mean over all frames,
+/// truncated at some distance (Curless & Levoy 1996; the projective form of Newcombe et al. 2011).
+///
+/// We depart from those papers in four ways. The distance is that to the tangent plane at the pixel, not that
+/// along the ray, which at slanted surfaces is too long by a factor that differs from view to view. A frame
+/// counts less the farther behind its surface a voxel lies (as in Bylow et al. 2013), so that the two sides
+/// of a thin part do not erase each other. Voxels far in front of the surface are not averaged in but counted
+/// as free, and only if the surface is also a voxel away sideways; a voxel is free if more of that was seen
+/// than of a surface near it. Where the ray to a voxel passes the surface more closely, the distance to the
+/// silhouette counts a little. So rays that pass close by do not erode the object.
+///
+/// ```
+/// use glam::{DVec2, IVec3, UVec3};
+/// use nextview::geometry::{Lattice, Pose, VoxelBlock};
+/// use nextview::surface::DistanceField;
+/// use nextview::sensor::{DepthImage, Frame, Intrinsics};
+///
+/// // A wall at 0.5 m, seen from the front.
+/// let camera = Intrinsics::pinhole(64, 48, DVec2::splat(60.0), DVec2::new(31.5, 23.5)).unwrap();
+/// let image = DepthImage::from_metres(64, 48, vec![0.5; 64 * 48]).unwrap();
+/// let frame = Frame::new(image, camera, Pose::IDENTITY, 1.0).unwrap();
+///
+/// let block = VoxelBlock::new(IVec3::new(0, 0, 40), UVec3::new(1, 1, 20)).unwrap();
+/// let mut field = DistanceField::new(Lattice::new(0.01).unwrap(), block, 0.02).unwrap();
+/// field.integrate(&frame);
+/// let found = field.distance(IVec3::new(0, 0, 49)).unwrap();
+/// assert!((found - 0.005).abs() < 1e-6, "its centre is 5 mm in front of the wall");
+/// assert_eq!(field.distance(IVec3::new(0, 0, 55)), None, "behind the wall nothing was measured");
+/// ```
+#[derive(Clone, Debug)]
+pub struct DistanceField {
+    lattice: Lattice,
+    block: VoxelBlock,
+    truncation: f64,
+    cells: Vec<Cell>,
+}
+
+/// The evidence of the frames so far about a voxel.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+struct Cell {
+    /// Weighted sum of the distances where the surface was near, metres.
+    sum: f32,
+    /// Sum of their weights.
+    weight: f32,
+    /// Number of frames that saw it free.
+    n_free: u32,
+}
+
+impl DistanceField {
+    /// A field of which nothing is known yet.
+    ///
+    /// `truncation` is the distance in metres up to which surfaces count, in front and behind. It must be at
+    /// least two voxels, so that all corners of a cell that the surface crosses are within it, and should be
+    /// above the depth error. Parts thinner than it come out too thick. Fails if the field would need more
+    /// than 4096 MB.
+    pub fn new(lattice: Lattice, block: VoxelBlock, truncation: f64) -> Result<Self, Error> {
+        if !(truncation >= 2.0 * lattice.voxel_size() && truncation.is_finite()) {
+            return Err(Error::invalid("truncation", truncation, "a finite length of at least two voxels"));
+        }
+        // In floating point, since the count of a huge block does not fit an integer.
+        let bytes = block.dims().as_dvec3().element_product() * size_of::<Cell>() as f64;
+        if bytes > MEMORY_LIMIT_MB as f64 * 1e6 {
+            let what = format!("a distance field of {} voxels", block.dims());
+            return Err(Error::TooLarge { what, needed_mb: (bytes / 1e6) as u64, limit_mb: MEMORY_LIMIT_MB });
+        }
+        Ok(Self { lattice, block, truncation, cells: vec![Cell::default(); block.n_voxels()] })
+    }
+
+    /// Adds a frame.
+    pub fn integrate(&mut self, frame: &Frame) {
+        let camera_from_world = frame.world_from_camera().inverse();
+        let Some(nearest) = self.nearest_depth(&camera_from_world) else { return };
+        let surface = FrameSurface::new(frame, self.truncation, self.lattice.voxel_size(), nearest);
+        let (rotation, translation) = (camera_from_world.rotation_matrix(), camera_from_world.translation());
+        let (lattice, block) = (self.lattice, self.block);
+        let row = block.dims().x as usize;
+        self.cells.par_chunks_mut(row).enumerate().for_each(|(i, cells)| {
+            let first = block.key(i * row);
+            for (x, cells) in (0..).step_by(LANES).zip(cells.chunks_mut(LANES)) {
+                // The last ones may lie beyond the block: the results for those are dropped.
+                let center = |i: usize| lattice.center(first + IVec3::new(x + i as i32, 0, 0));
+                let points: [DVec3; LANES] = std::array::from_fn(|i| rotation * center(i) + translation);
+                let evidence = surface.evidence(&points);
+                cells.iter_mut().zip(evidence).for_each(|(cell, e)| e.into_iter().for_each(|e| cell.add(e)));
+            }
+        });
+    }
+
+    /// The signed distance from a voxel's centre to the surface in metres, positive outside, at most the
+    /// truncation distance; none where nothing was measured.
+    pub fn distance(&self, voxel: IVec3) -> Option<f32> {
+        self.at(self.block.index(voxel)?)
+    }
+
+    /// The surface, by [`surface_nets`]; open where nothing was measured.
+    pub fn surface(&self) -> SurfaceMesh {
+        surface_nets(&self.lattice, &self.block, |index| self.at(index).map(f64::from))
+    }
+
+    /// The lattice of the voxels.
+    pub fn lattice(&self) -> Lattice {
+        self.lattice
+    }
+
+    /// The voxels of the field.
+    pub fn block(&self) -> VoxelBlock {
+        self.block
+    }
+
+    /// [`distance`](Self::distance) by the index in the block.
+    fn at(&self, index: usize) -> Option<f32> {
+        let Cell { sum, weight, n_free } = self.cells[index];
+        if n_free as f32 > weight {
+            return Some(self.truncation as f32);
+        }
+        (weight > 0.0).then(|| sum / weight)
+    }
+
+    /// The smallest depth of a point of the block in front of the camera; none if all of it lies behind.
+    fn nearest_depth(&self, camera_from_world: &Pose) -> Option<f64> {
+        let [min, max] = [self.block.min(), self.block.max()].map(|key| self.lattice.center(key));
+        let depths = Aabb { min, max }.corners().map(|corner| camera_from_world.transform_point(corner).z);
+        let depths = depths.into_iter();
+        (depths.clone().fold(f64::MIN, f64::max) > 0.0).then(|| depths.fold(f64::MAX, f64::min).max(0.0))
+    }
+}
+
+impl Cell {
+    fn add(&mut self, evidence: Evidence) {
+        match evidence {
+            Evidence::Free => self.n_free += 1,
+            Evidence::Near { distance, weight } => {
+                self.sum += weight * distance;
+                self.weight += weight;
+            }
+        }
+    }
+}

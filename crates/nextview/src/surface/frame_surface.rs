@@ -1,0 +1,199 @@
+//! The evidence of one frame about the distance of a point to the surface.
+
+use super::tangent_plane::{TangentPlane, tangent_planes};
+use crate::sensor::{Depth, Frame, Intrinsics};
+use glam::{DVec2, DVec3};
+use rayon::prelude::*;
+
+/// How far along the ray a pixel's tangent plane stands for the surface, in truncation distances. Enough for
+/// the whole truncation band of surfaces seen at 60 degrees; a plane carried on further would cut through
+/// what it cannot see.
+const REACH: f64 = 2.0;
+
+/// How much a silhouette counts, against 1 for a surface seen from the front. Its distance is only a lower
+/// bound: with 0.5 a ball of 15 voxels is off by 0.016 voxels in the mean, with 0.05 by 0.007. Without it the
+/// voxels beside convex edges, which all frames see beside a silhouette, would be unmeasured or left to
+/// planes carried on too far.
+const SILHOUETTE_WEIGHT: f32 = 0.1;
+
+/// Largest half-width, pixels, of the window that must be clear around a free point.
+const MAX_MARGIN: usize = 32;
+
+/// The evidence of one frame about a point.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Evidence {
+    /// The point and its surroundings are free.
+    Free,
+    /// The surface is near: signed distance in metres, positive in front, and how much it counts, 0..=1.
+    Near { distance: f32, weight: f32 },
+}
+
+/// A frame prepared for queries about many points.
+pub(super) struct FrameSurface {
+    intrinsics: Intrinsics,
+    planes: Vec<Option<TangentPlane>>,
+    /// Up to which depth each pixel and all those at most 0, 1, 2, ... pixels away from it are free.
+    clear_depth: Vec<Vec<f32>>,
+    truncation: f64,
+    margin: f64,
+}
+
+impl FrameSurface {
+    /// The frame with distances truncated at `truncation` metres. Points count as free only if there is no
+    /// surface within `margin` metres beside them. No point may be queried at depths below `nearest` metres.
+    pub(super) fn new(frame: &Frame, truncation: f64, margin: f64, nearest: f64) -> Self {
+        let (intrinsics, planes) = (*frame.intrinsics(), tangent_planes(frame));
+        let clear_depth = vec![free_depth(frame)];
+        let mut surface = Self { intrinsics, planes, clear_depth, truncation, margin };
+        for level in 0..surface.margin_in_pixels(nearest) {
+            surface.clear_depth.push(eroded(&surface.clear_depth[level], intrinsics.width() as usize));
+        }
+        surface
+    }
+
+    /// The frame's evidence about points of the camera frame; nothing outside the image, where nothing was
+    /// measured, and behind the surface. Several at a time, since undoing the lens is most of the work.
+    pub(super) fn evidence<const N: usize>(&self, points: &[DVec3; N]) -> [Option<Evidence>; N] {
+        let pixels = self.intrinsics.project_lanes(points);
+        std::array::from_fn(|i| self.evidence_at(points[i], pixels[i]?))
+    }
+
+    /// The evidence of the pixel nearest to `shown`, the image of the point.
+    fn evidence_at(&self, point: DVec3, shown: DVec2) -> Option<Evidence> {
+        let pixel = self.pixel(shown)?;
+        let wanted = self.margin_in_pixels(point.z).min(self.clear_depth.len() - 1);
+        if self.is_clear(point, pixel, wanted) {
+            return Some(Evidence::Free);
+        }
+        let near = self.planes[pixel].as_ref().and_then(|plane| self.near_plane(plane, point));
+        near.or_else(|| self.near_silhouette(point, pixel, wanted))
+    }
+
+    /// Whether the ray continues behind the point, at all pixels at most `n_pixels` away.
+    fn is_clear(&self, point: DVec3, pixel: usize, n_pixels: usize) -> bool {
+        point.z + self.truncation < self.clear_depth[n_pixels][pixel] as f64
+    }
+
+    fn near_plane(&self, plane: &TangentPlane, point: DVec3) -> Option<Evidence> {
+        let distance = plane.normal.as_dvec3().dot(point) - plane.offset as f64;
+        let along_ray = (point.z - plane.depth as f64).abs();
+        if distance.abs() >= self.truncation || along_ray > REACH * self.truncation {
+            return None;
+        }
+        // Behind the surface the evidence weakens: the other side of a thin part may be there.
+        let confidence = (1.0 + distance / self.truncation).min(1.0).powi(2) as f32;
+        Some(Evidence::Near { distance: distance as f32, weight: plane.cosine * confidence })
+    }
+
+    /// A ray that passes the surface closely: the point is at least as far from it as the silhouette is
+    /// sideways.
+    fn near_silhouette(&self, point: DVec3, pixel: usize, wanted: usize) -> Option<Evidence> {
+        let n_pixels = (0..wanted).take_while(|&n| self.is_clear(point, pixel, n)).last()?;
+        let distance = (n_pixels as f64 + 0.5) * point.z / self.intrinsics.focal().max_element();
+        Some(Evidence::Near { distance: distance as f32, weight: SILHOUETTE_WEIGHT })
+    }
+
+    fn margin_in_pixels(&self, depth: f64) -> usize {
+        // Half a pixel more, since a point is looked up at the nearest pixel.
+        let pixels = self.margin / depth * self.intrinsics.focal().max_element() + 0.5;
+        (pixels.ceil() as usize).min(MAX_MARGIN)
+    }
+
+    /// The index of the pixel nearest to a place on the image; none outside.
+    fn pixel(&self, shown: DVec2) -> Option<usize> {
+        self.intrinsics.contains(shown).then_some(())?;
+        // Half up, as `contains` has it; at the border the sum may round up once more.
+        let [u, v] = (shown + 0.5).to_array().map(|x| x as usize);
+        let [width, height] = [self.intrinsics.width(), self.intrinsics.height()].map(|n| n as usize);
+        Some(v.min(height - 1) * width + u.min(width - 1))
+    }
+}
+
+/// Up to which depth each pixel is free; 0 where it was not measured.
+fn free_depth(frame: &Frame) -> Vec<f32> {
+    let image = frame.image();
+    let depth = |i: u32| match image.get(i % image.width(), i / image.width()) {
+        Depth::Missing => 0.0,
+        Depth::Beyond => frame.range() as f32,
+        Depth::Surface(depth) => depth,
+    };
+    (0..image.width() * image.height()).map(depth).collect()
+}
+
+/// The smallest value among each pixel and its eight neighbours.
+fn eroded(image: &[f32], width: usize) -> Vec<f32> {
+    let (mut in_rows, mut result) = (image.to_vec(), image.to_vec());
+    in_rows.par_chunks_mut(width).zip(image.par_chunks(width)).for_each(|(to, from)| {
+        keep_smaller(&mut to[1..], from);
+        keep_smaller(to, &from[1..]);
+    });
+    result.par_chunks_mut(width).enumerate().for_each(|(v, to)| {
+        let rows = in_rows.chunks(width).skip(v.saturating_sub(1)).take(if v == 0 { 2 } else { 3 });
+        rows.for_each(|row| keep_smaller(to, row));
+    });
+    result
+}
+
+fn keep_smaller(values: &mut [f32], others: &[f32]) {
+    values.iter_mut().zip(others).for_each(|(value, other)| *value = value.min(*other));
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    use crate::sensor::made_up::of_depth as frame;
+
+    #[test]
+    fn the_distance_to_a_slanted_wall_is_exact() {
+        // The plane x + 2 z = 1.
+        let frame = frame(21, 17, |u, _| (1.0 / ((u as f64 - 10.0) / 50.0 + 2.0)) as f32);
+        let surface = FrameSurface::new(&frame, 0.05, 0.01, 0.4);
+        for point in
+            [DVec3::new(0.013, 0.02, 0.5), DVec3::new(-0.05, -0.01, 0.54), DVec3::new(0.0, 0.0, 0.46)]
+        {
+            let expected = (1.0 - point.x - 2.0 * point.z) / 5.0_f64.sqrt();
+            let Some(Evidence::Near { distance, weight }) = surface.evidence(&[point])[0] else {
+                panic!("{point}")
+            };
+            assert!((distance as f64 - expected).abs() < 1e-6, "{distance} {expected}");
+            assert!((0.0..=1.0).contains(&weight));
+        }
+        assert_eq!(surface.evidence(&[DVec3::new(0.0, 0.0, 0.4)])[0], Some(Evidence::Free));
+        assert_eq!(surface.evidence(&[DVec3::new(0.0, 0.0, 0.6)])[0], None, "behind");
+        for x in [0.5, -0.5, 1e300] {
+            assert_eq!(surface.evidence(&[DVec3::new(x, 0.0, 0.5)])[0], None, "outside the image");
+        }
+    }
+
+    #[test]
+    fn beside_a_silhouette_the_distance_is_the_one_to_it() {
+        // A surface in the left half, nothing in the right.
+        let frame = frame(21, 17, |u, _| if u < 10 { 0.5 } else { f32::INFINITY });
+        let surface = FrameSurface::new(&frame, 0.02, 0.04, 0.5);
+        let at = |x: f64| surface.evidence(&[DVec3::new(x, 0.0, 0.5)])[0];
+        // A pixel is 1 cm wide there.
+        for (x, expected) in [(0.0, 0.005), (0.01, 0.015), (0.02, 0.025)] {
+            let Some(Evidence::Near { distance, .. }) = at(x) else { panic!("{x}") };
+            assert!((distance - expected).abs() < 1e-6, "{x}: {distance}");
+        }
+        assert_eq!(at(0.06), Some(Evidence::Free));
+    }
+
+    /// The dumb twin: check all nine.
+    #[test]
+    fn erosion_takes_the_smallest_of_nine() {
+        for (width, height) in [(1, 1), (1, 4), (5, 1), (2, 2), (7, 5)] {
+            let image: Vec<f32> = (0..width * height).map(|i| (i * 37 % 23) as f32).collect();
+            let expected: Vec<f32> = (0..width * height)
+                .map(|i| {
+                    let near = |j: &usize| {
+                        (j % width).abs_diff(i % width) <= 1 && (j / width).abs_diff(i / width) <= 1
+                    };
+                    (0..width * height).filter(near).map(|j| image[j]).fold(f32::INFINITY, f32::min)
+                })
+                .collect();
+            assert_eq!(eroded(&image, width), expected, "{width} x {height}");
+        }
+    }
+}
