@@ -1,4 +1,5 @@
-//! Wall time of every stage on the workload of the mesh that `NEXTVIEW_BENCH_OBJECT` names (default: the built-in teapot).
+//! Wall time of every stage on the workload of the mesh that `NEXTVIEW_BENCH_OBJECT` names (default: the
+//! built-in teapot).
 //!
 //!     cargo bench -p nextview-benchmarks
 

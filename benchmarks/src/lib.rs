@@ -1,8 +1,8 @@
-//! What the stages of `nextview` cost.
+//! Benchmarks of the stages of `nextview`.
 //!
-//! One list of [`stages`](stage::stages) on one [`Workload`](workload::Workload) serves four readers: `cargo bench` (wall
-//! time), the program `stages` (CPU time, beside the peers in `peers/`), the program `kernels` (instruction counts) and, over
-//! sizes, the program `growth`. What they found is in `BENCHMARK.md`.
+//! One list of [`stages`](stage::stages) on one [`Workload`](workload::Workload) serves four programs: `cargo
+//! bench` (wall time), the program `stages` (CPU time, beside the peers in `peers/`), the program `kernels`
+//! (instruction counts) and, over sizes, the program `growth`. The results are in `BENCHMARK.md`.
 
 pub mod log_plot;
 pub mod network;

@@ -2,7 +2,7 @@
 
 use std::fmt::Write;
 
-/// What was measured at a size.
+/// A measurement at one size.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Point {
     /// The size.
@@ -16,16 +16,16 @@ pub struct Point {
 /// One drawing of several that stand side by side.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Panel {
-    /// What is drawn.
+    /// Title of the drawing.
     pub title: String,
-    /// What the size is.
+    /// Label of the size axis.
     pub x_label: String,
     /// Ascending by size; all numbers positive.
     pub points: Vec<Point>,
 }
 
-/// The slope of a value over the size in logarithms, by least squares over the upper half of the points: the exponent of
-/// growth.
+/// The slope of a value over the size in logarithms, by least squares over the upper half of the points: the
+/// exponent of growth.
 pub fn exponent(points: &[Point], value: impl Fn(&Point) -> f64) -> f64 {
     let upper = &points[points.len() / 2..];
     let logs: Vec<(f64, f64)> = upper.iter().map(|point| (point.size.ln(), value(point).ln())).collect();

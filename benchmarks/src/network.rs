@@ -2,17 +2,19 @@
 
 use crate::plain_files;
 use crate::workload::{Set, Workload, intrinsics};
+use nextview::Cancel;
 use nextview::flow::{BestSets, fewest_sets};
 use nextview::gain::LocalGain;
 use nextview::visibility::{FreeSpace, RayCaster};
 use std::error::Error;
 use std::path::Path;
 
-/// Voxels on a ray enter the network above this quality. The code of the paper's authors has 0.3; with less there are as many
-/// voxels as in their largest networks, about a thousand.
+/// Voxels on a ray enter the network above this quality. The code of the paper's authors uses 0.3; the lower
+/// limit gives as many voxels as their largest networks have, about a thousand.
 const MIN_QUALITY: f64 = 0.1;
 
-/// Distance between the rays that those of the network are taken from, voxels: near enough that there are enough of them.
+/// Distance between the rays that those of the network are taken from, voxels: small enough for enough of
+/// them.
 const RAY_SPACING: f64 = 1.5;
 
 /// Rays of the views and the quality of the voxels on them.
@@ -29,11 +31,11 @@ pub struct Network {
 }
 
 impl Network {
-    /// A network of this many rays with a voxel on them, spread over all views, after the first image at 1 cm; of fewer if
-    /// there are fewer.
+    /// A network of this many rays with a voxel on them, spread over all views, after the first image at 1
+    /// cm; of fewer if there are fewer.
     pub fn of(workload: &Workload, n_rays: usize) -> Self {
         let snapshot = workload.snapshot(Set::A, 0.01, 1);
-        let gain = LocalGain::new(&snapshot);
+        let gain = LocalGain::new(&snapshot, &Cancel::default()).expect("nobody cancels");
         let caster = RayCaster::new(&snapshot, &intrinsics(), RAY_SPACING, FreeSpace::Fades)
             .expect("the spacing is written in the source");
         let mut rays = Vec::new();
@@ -49,7 +51,7 @@ impl Network {
         let n_voxels = snapshot.block().n_voxels();
         let mut network =
             Self { view_of_ray: Vec::new(), edges: Vec::new(), n_views: workload.views.len(), n_voxels };
-        // Every k-th ray, k not whole.
+        // Every k-th ray, k not an integer.
         let is_kept =
             |i: usize| i * n_rays / rays.len() != (i + 1) * n_rays / rays.len() || rays.len() <= n_rays;
         for (view, edges) in (0..rays.len()).filter(|&i| is_kept(i)).map(|i| &rays[i]) {
@@ -66,11 +68,11 @@ impl Network {
         for &(ray, voxel, quality) in &self.edges {
             best.offer(voxel as usize, self.view_of_ray[ray as usize], quality);
         }
-        fewest_sets(best.candidates())
+        fewest_sets(best.candidates(), &Cancel::default()).expect("nobody cancels")
     }
 
-    /// Writes it for the peers: numbers of views, rays, voxels and edges (i32), the view of every ray (i32), ray and voxel of
-    /// every edge (i32), quality of every edge (f64).
+    /// Writes it for the peers: numbers of views, rays, voxels and edges (i32), the view of every ray (i32),
+    /// ray and voxel of every edge (i32), quality of every edge (f64).
     ///
     /// # Errors
     /// If the file cannot be written.

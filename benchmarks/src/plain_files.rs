@@ -32,7 +32,7 @@ pub fn write_mesh(path: &Path, mesh: &TriangleMesh) -> Outcome<()> {
 /// Reads a mesh.
 ///
 /// # Errors
-/// If it is none.
+/// If the file is not a mesh.
 pub fn read_mesh(path: &Path) -> Outcome<TriangleMesh> {
     let bytes = read(path)?;
     let words: Vec<[u8; 4]> = bytes.chunks_exact(4).filter_map(|word| word.try_into().ok()).collect();
@@ -94,7 +94,7 @@ pub fn write_poses(path: &Path, poses: &[Pose]) -> Outcome<()> {
 /// Reads poses.
 ///
 /// # Errors
-/// If the file cannot be read or holds what is no pose.
+/// If the file cannot be read or holds an invalid pose.
 pub fn read_poses(path: &Path) -> Outcome<Vec<Pose>> {
     let bytes = read(path)?;
     let numbers: Vec<f64> =

@@ -9,14 +9,15 @@ mod scan;
 use crate::workload::Workload;
 use std::fmt;
 
-/// What is repeated and timed.
+/// The work that is repeated and timed.
 pub type Work<'a> = Box<dyn FnMut() + 'a>;
 
 /// A stage on one case of the workload.
 pub struct Stage {
-    /// What is done, e.g. `insertion A; per end voxel`; without a comma, since lines of results are divided at commas.
+    /// Name of the work, e.g. `insertion A; per end voxel`; without a comma, since commas separate the fields
+    /// of result lines.
     pub name: &'static str,
-    /// On what, e.g. `5 mm`.
+    /// The case, e.g. `5 mm`.
     pub case: String,
     /// Number of units, such as images, in one run of the work: times are stated per unit.
     pub n_units: usize,

@@ -13,7 +13,8 @@ use std::error::Error;
 use std::path::Path;
 use std::sync::Arc;
 
-/// Edge of the cube that the map and the planning rays are confined to, metres: the object's 0.2 m and some air.
+/// Edge of the cube that the map and the planning rays are confined to, metres: the object's 0.2 m and some
+/// air.
 pub const BOX_EDGE: f64 = 0.25;
 
 /// Distance of all cameras from the object's centre, metres.
@@ -28,7 +29,7 @@ pub const N_IMAGES: usize = 10;
 /// Number of view candidates.
 pub const N_VIEWS: usize = 5000;
 
-/// Which clouds: what the camera saw of the object alone (A), or of the object in a room (B).
+/// A set of clouds: the object alone (A), or the object in a room (B).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Set {
     /// The object alone: a tenth of the pixels.
@@ -37,7 +38,7 @@ pub enum Set {
     B,
 }
 
-/// An object of 0.2 m at the origin, ten depth cameras around it, what they saw, and 5000 view candidates.
+/// An object of 0.2 m at the origin, ten depth cameras around it, their clouds, and 5000 view candidates.
 #[derive(Clone, Debug)]
 pub struct Workload {
     /// The object, and the same surface with 4 and 16 times as many triangles.
@@ -77,7 +78,7 @@ impl Workload {
     /// Reads a workload from a folder of [plain files](plain_files).
     ///
     /// # Errors
-    /// If a file is missing or has no sense.
+    /// If a file is missing or is invalid.
     pub fn read(folder: &Path) -> Result<Self, Box<dyn Error>> {
         let mesh = |i| plain_files::read_mesh(&folder.join(format!("mesh{i}.bin"))).map(Arc::new);
         let set = |name| -> Result<Vec<Vec<DVec3>>, Box<dyn Error>> {
@@ -126,20 +127,20 @@ impl Workload {
         map
     }
 
-    /// What planning reads of [`map`](Self::map).
+    /// The snapshot of [`map`](Self::map) for planning.
     pub fn snapshot(&self, set: Set, voxel_size: f64, n_images: usize) -> Snapshot {
         self.map(set, voxel_size, n_images).snapshot(block(voxel_size))
     }
 }
 
-/// The camera of the workload: 640 x 480 pixels, 610 pixels of focal length, no lens.
+/// The camera of the workload: 640 x 480 pixels, 610 pixels of focal length, no distortion.
 pub fn intrinsics() -> Intrinsics {
     Intrinsics::pinhole(640, 480, DVec2::splat(610.0), DVec2::new(320.0, 240.0))
         .expect("a camera of sound numbers")
 }
 
-/// The distance between rays at the far side of the box, in voxels, with which they are 20 pixels apart: 32 x 24 over the
-/// whole image.
+/// The distance between rays at the far side of the box, in voxels, with which they are 20 pixels apart: 32 x
+/// 24 over the whole image.
 pub fn ray_spacing_of_image_grid(voxel_size: f64) -> f64 {
     let farthest = CAMERA_DISTANCE + 0.5 * BOX_EDGE * 3.0_f64.sqrt();
     20.0 / intrinsics().focal().x * farthest / voxel_size

@@ -1,16 +1,17 @@
 //! Trains the surface prior: `cargo run --release -p nextview-training -- OUT N_RANDOM N_VARIED [MESH ...]`.
 //!
-//! Scans `N_RANDOM` random objects and each mesh `N_VARIED` times, turned and stretched, and writes what it learns to OUT. The same
-//! arguments give the same bits. `docs/planner.md` tells which the library's own prior was made with.
+//! Scans `N_RANDOM` random objects and each mesh `N_VARIED` times, turned and stretched, and writes the
+//! learned prior to OUT. The same arguments give the same bits. `docs/planner.md` states the arguments for
+//! the library's own prior.
 
 mod optimizer;
 mod scans;
 
-use nextview::prior::{Network, Sighting, SurfacePrior};
+use nextview::prior::{Network, SurfacePrior, ViewingClass};
 use nextview_sim::mesh::{self, Unit};
 use optimizer::{Sample, loss, train};
 use rayon::prelude::*;
-use scans::{Lesson, Source};
+use scans::{Source, Target};
 use std::error::Error;
 use std::path::Path;
 use std::sync::Arc;
@@ -38,32 +39,32 @@ fn main() -> Result<(), Box<dyn Error>> {
     }
     let held_out: Vec<Source> = (HELD_OUT..HELD_OUT + 20).map(|seed| Source { mesh: None, seed }).collect();
 
-    let stops = train(&samples(&sources, Lesson::Stops, N_STOPS), 1, N_EPOCHS, 1);
-    tell("stops", &stops, 1, &samples(&held_out, Lesson::Stops, N_STOPS));
+    let stops = train(&samples(&sources, Target::Stops, N_STOPS), 1, N_EPOCHS, 1);
+    report("stops", &stops, 1, &samples(&held_out, Target::Stops, N_STOPS));
 
-    // First from random views, then also from those that a prior chooses which has learned this much.
-    let blank = vec![0.0; Network::n_numbers(Sighting::N)];
-    let blank = Network::from_numbers(&blank, Sighting::N).ok_or("no network")?;
+    // First from random views, then also from views that the prior learned so far chooses.
+    let blank = vec![0.0; Network::n_numbers(ViewingClass::N)];
+    let blank = Network::from_numbers(&blank, ViewingClass::N).ok_or("no network")?;
     let mut prior = SurfacePrior::new(stops.clone(), blank);
     let mut learned = Vec::new();
     for round in 0..2 {
         let part: Vec<Source> = sources.iter().skip(round).step_by(2).cloned().collect();
-        learned.extend(samples(&part, Lesson::Shows(&prior), N_SHOWS));
-        let shows = train(&learned, Sighting::N, N_EPOCHS, 2);
-        let held_out = samples(&held_out, Lesson::Shows(&prior), N_SHOWS);
-        tell("shows", &shows, Sighting::N, &held_out);
+        learned.extend(samples(&part, Target::Shows(&prior), N_SHOWS));
+        let shows = train(&learned, ViewingClass::N, N_EPOCHS, 2);
+        let held_out = samples(&held_out, Target::Shows(&prior), N_SHOWS);
+        report("shows", &shows, ViewingClass::N, &held_out);
         prior = SurfacePrior::new(stops.clone(), shows);
     }
     Ok(std::fs::write(out, prior.to_bytes())?)
 }
 
 /// The samples of all sources, one source after the other.
-fn samples(sources: &[Source], lesson: Lesson<'_>, n_per_view: usize) -> Vec<Sample> {
+fn samples(sources: &[Source], target: Target<'_>, n_per_view: usize) -> Vec<Sample> {
     let parts: Vec<Vec<Sample>> =
-        sources.par_iter().map(|source| source.samples(lesson, n_per_view)).collect();
+        sources.par_iter().map(|source| source.samples(target, n_per_view)).collect();
     parts.concat()
 }
 
-fn tell(name: &str, network: &Network, n_outputs: usize, held_out: &[Sample]) {
+fn report(name: &str, network: &Network, n_outputs: usize, held_out: &[Sample]) {
     println!("{name}: cross entropy {:.4} on objects held out", loss(network, n_outputs, held_out));
 }

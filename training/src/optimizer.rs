@@ -1,14 +1,15 @@
+use nextview::Cancel;
 use nextview::geometry::random::Random;
 use nextview::prior::{Network, VoxelFeatures};
 
-/// What a network is to learn: that something is so, or not, of a voxel with these features.
+/// A training sample: whether something holds for a voxel with these features.
 #[derive(Clone, Copy, Debug)]
 pub struct Sample {
     /// The features of the voxel.
     pub row: [f32; N],
-    /// Which output of the network is asked.
+    /// The output of the network that is trained.
     pub output: u8,
-    /// What it should tell.
+    /// The target of this output.
     pub is_so: bool,
 }
 
@@ -22,8 +23,8 @@ const BATCH: usize = 256;
 /// Length of the first steps; the last ones are a fiftieth of it.
 const STEP: f32 = 2e-3;
 
-/// Trains a network on samples drawn at random, `n_epochs` times as many as there are: Adam (Kingma & Ba 2015) on the cross entropy, with
-/// steps that become shorter linearly.
+/// Trains a network on samples drawn at random, `n_epochs` times as many as there are: Adam (Kingma & Ba
+/// 2015) on the cross entropy, with steps that become shorter linearly.
 pub fn train(samples: &[Sample], n_outputs: usize, n_epochs: usize, seed: u64) -> Network {
     let mut random = Random::new(seed, 5);
     let mut learner = Learner::new(samples, n_outputs, &mut random);
@@ -41,9 +42,9 @@ pub fn train(samples: &[Sample], n_outputs: usize, n_epochs: usize, seed: u64) -
 /// The mean cross entropy, nats a sample; the lower, the better.
 pub fn loss(network: &Network, n_outputs: usize, samples: &[Sample]) -> f64 {
     let rows: Vec<[f32; N]> = samples.iter().map(|sample| sample.row).collect();
-    let told = network.probabilities(&rows);
-    let losses = samples.iter().zip(told.chunks_exact(n_outputs)).map(|(sample, told)| {
-        let p = told[sample.output as usize] as f64;
+    let probabilities = network.probabilities(&rows, &Cancel::default()).expect("nobody cancels");
+    let losses = samples.iter().zip(probabilities.chunks_exact(n_outputs)).map(|(sample, outputs)| {
+        let p = outputs[sample.output as usize] as f64;
         -(if sample.is_so { p } else { 1.0 - p }).max(1e-7).ln()
     });
     losses.sum::<f64>() / samples.len() as f64
@@ -52,7 +53,7 @@ pub fn loss(network: &Network, n_outputs: usize, samples: &[Sample]) -> f64 {
 /// A network with the state of the optimiser.
 struct Learner {
     n_outputs: usize,
-    /// Laid out as [`Network::from_numbers`] wants them.
+    /// Laid out as [`Network::from_numbers`] expects them.
     numbers: Vec<f32>,
     gradient: Vec<f32>,
     mean: Vec<f32>,
@@ -118,7 +119,8 @@ impl Learner {
         outputs.map(|output| output.max(0.0))
     }
 
-    /// Adds the gradient of the weights of a layer and gives that of its inputs, of which those that are 0 take no part.
+    /// Adds the gradient of the weights of a layer and returns that of its inputs; inputs that are 0 are left
+    /// out.
     fn pass_back<const IN: usize, const OUT: usize>(
         &mut self,
         start: usize,
@@ -140,7 +142,7 @@ impl Learner {
         to_inputs
     }
 
-    /// Moves all weights against the gradient, which begins anew. Mean and scale of the features stay.
+    /// Moves all weights against the gradient and resets it. Mean and scale of the features stay.
     fn step(&mut self, step: usize, length: f32) {
         let age = step as i32 + 1;
         let (mean_bias, square_bias) = (1.0 - 0.9_f32.powi(age), 1.0 - 0.999_f32.powi(age));
@@ -177,7 +179,8 @@ mod tests {
         assert_eq!(network, train(&samples(40_000, 1), 2, 4, 1), "the same seed gives the same bits");
     }
 
-    /// The slow twin: differences of the loss, sample by sample. A unit may turn on or off between the two, so one in a hundred may differ.
+    /// The slow twin: differences of the loss, sample by sample. A unit may turn on or off between the two,
+    /// so one in a hundred may differ.
     #[test]
     fn the_gradient_is_that_of_the_loss() {
         let (mut n_checked, mut n_wrong) = (0, 0);

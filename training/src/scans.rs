@@ -1,5 +1,6 @@
 use crate::optimizer::Sample;
 use glam::{DQuat, DVec3};
+use nextview::Cancel;
 use nextview::gain::ExpectedSurface;
 use nextview::geometry::Lattice;
 use nextview::geometry::random::Random;
@@ -7,7 +8,7 @@ use nextview::map::{Occupancy, Snapshot};
 use nextview::planner::{MostSurface, MostSurfaceConfig, RandomViews, ViewPlanner};
 use nextview::prior::{SurfacePrior, VoxelFeatures};
 use nextview::sensor::Intrinsics;
-use nextview::session::{Decision, Session, SessionConfig, StopConfig, Table};
+use nextview::session::{Decision, Session, SessionConfig, Table};
 use nextview::view::{ViewSpace, generate};
 use nextview::visibility::{FreeSpace, RayCaster, Sight};
 use nextview_sim::mesh::TriangleMesh;
@@ -29,32 +30,32 @@ const WITH_TABLE: f64 = 0.35;
 const N_VIEWS: usize = 7;
 const N_CANDIDATES: usize = 150;
 
-/// An object to be scanned, with all that chance decides about the scan.
+/// An object to be scanned, with all random choices of the scan.
 #[derive(Clone, Debug)]
 pub struct Source {
     /// A mesh to be turned and stretched, or else a random object.
     pub mesh: Option<Arc<TriangleMesh>>,
-    /// What chance decides.
+    /// Seed of the random choices.
     pub seed: u64,
 }
 
-/// What a scan is to teach.
+/// The quantity that a network learns from a scan.
 #[derive(Clone, Copy, Debug)]
-pub enum Lesson<'a> {
-    /// Whether a ray that comes to an unknown voxel ends in it.
+pub enum Target<'a> {
+    /// Whether a ray that reaches an unknown voxel ends in it.
     Stops,
-    /// Whether a view shows something new of a voxel, given how well it sees it under this prior. Half of the scans
-    /// are planned with it.
+    /// Whether a view shows something new of a voxel, given how well it sees it under this prior. Half of the
+    /// scans are planned with it.
     Shows(&'a SurfacePrior),
 }
 
 impl Source {
     /// Samples from a scan, up to so many after each view.
-    pub fn samples(&self, lesson: Lesson<'_>, n_per_view: usize) -> Vec<Sample> {
+    pub fn samples(&self, target: Target<'_>, n_per_view: usize) -> Vec<Sample> {
         let mut random = Random::new(self.seed, 21);
         let scan = Scan::new(self, &mut random);
-        let planner: Box<dyn ViewPlanner> = match lesson {
-            Lesson::Shows(prior) if random.unit() < 0.5 => {
+        let planner: Box<dyn ViewPlanner> = match target {
+            Target::Shows(prior) if random.unit() < 0.5 => {
                 let planner = MostSurface::with_prior(MostSurfaceConfig::default(), prior.clone());
                 Box::new(planner.expect("the defaults are in range"))
             }
@@ -66,11 +67,11 @@ impl Source {
             let frame = scan.scene.camera().capture(&next.world_from_camera);
             session.observe(&frame.expect("candidates are in the room"));
             let Some(snapshot) = session.snapshot() else { continue };
-            let all = match lesson {
-                Lesson::Stops => scan.rays(&snapshot, &mut random),
-                Lesson::Shows(prior) => scan.sightings(&snapshot, prior, &mut random),
+            let all = match target {
+                Target::Stops => scan.rays(&snapshot, &mut random),
+                Target::Shows(prior) => scan.observations(&snapshot, prior, &mut random),
             };
-            let features = VoxelFeatures::new(&snapshot);
+            let features = features(&snapshot);
             let n_samples = if all.is_empty() { 0 } else { n_per_view };
             samples.extend((0..n_samples).map(|_| {
                 let Observation { item, output, is_so } = all[random.index(all.len())];
@@ -90,6 +91,10 @@ impl Source {
     }
 }
 
+fn features(snapshot: &Snapshot) -> VoxelFeatures {
+    VoxelFeatures::new(snapshot, &Cancel::default()).expect("nobody cancels")
+}
+
 /// The mesh turned, stretched and turned again; about the vertical axis alone in half of all cases.
 fn varied(mesh: &TriangleMesh, random: &mut Random) -> TriangleMesh {
     let first = DQuat::from_rotation_z(random.range(0.0, std::f64::consts::TAU));
@@ -103,7 +108,7 @@ fn varied(mesh: &TriangleMesh, random: &mut Random) -> TriangleMesh {
     TriangleMesh::new(vertices, mesh.triangles().to_vec()).expect("a mesh stays one when it is stretched")
 }
 
-/// An object before a camera.
+/// An object in front of a camera.
 struct Scan {
     scene: Scene,
     views: ViewSpace,
@@ -112,7 +117,7 @@ struct Scan {
     object: ObjectVoxels,
 }
 
-/// Something that is so or not of a voxel.
+/// An observation that holds or not for a voxel.
 #[derive(Clone, Copy)]
 struct Observation {
     /// Its place among the voxels that have features.
@@ -144,7 +149,7 @@ impl Scan {
         let config = SessionConfig {
             table,
             first_view: random.index(self.views.len()),
-            stop: StopConfig { max_views: N_VIEWS, ..StopConfig::default() },
+            max_views: N_VIEWS,
             ..SessionConfig::new(self.voxel_size, self.scene.planning_box(self.voxel_size))
         };
         let camera = *self.scene.camera().intrinsics();
@@ -155,9 +160,9 @@ impl Scan {
         self.views.pose(random.index(self.views.len()))
     }
 
-    /// What the rays of a few views come to, up to the first voxel of the object.
+    /// The voxels that the rays of a few views reach, up to the first voxel of the object.
     fn rays(&self, snapshot: &Snapshot, random: &mut Random) -> Vec<Observation> {
-        let features = VoxelFeatures::new(snapshot);
+        let features = features(snapshot);
         let mut item_of = vec![u32::MAX; snapshot.block().n_voxels()];
         features.voxels.iter().zip(0..).for_each(|(&voxel, item)| item_of[voxel as usize] = item);
         let camera = self.scene.camera().intrinsics();
@@ -179,20 +184,25 @@ impl Scan {
         all
     }
 
-    /// What a few views show of the voxels that their rays come to.
-    fn sightings(&self, snapshot: &Snapshot, prior: &SurfacePrior, random: &mut Random) -> Vec<Observation> {
-        let estimate = prior.estimate(snapshot);
+    /// The observations that a few views make of the voxels that their rays reach.
+    fn observations(
+        &self,
+        snapshot: &Snapshot,
+        prior: &SurfacePrior,
+        random: &mut Random,
+    ) -> Vec<Observation> {
+        let estimate = prior.estimate(snapshot, &Cancel::default()).expect("nobody cancels");
         let camera = self.scene.camera();
         let gain = ExpectedSurface::new(snapshot, camera.intrinsics(), &estimate, 1.0);
         let gain = gain.expect("the spacing is positive");
-        let (mut eye, mut all) = (gain.eye(), Vec::new());
+        let (mut evaluator, mut all) = (gain.evaluator(), Vec::new());
         for _ in 0..4 {
             let pose = self.random_view(random);
             let seen = self.object.seen_from(camera, &pose).expect("candidates are in the room");
-            eye.look(&pose, |item, sighting| {
+            evaluator.survey(&pose, |item, class| {
                 let key = snapshot.block().key(estimate.voxels()[item] as usize);
                 let is_so = self.object.number(key).is_some_and(|number| seen[number]);
-                all.push(Observation { item: item as u32, output: sighting.index() as u8, is_so });
+                all.push(Observation { item: item as u32, output: class.index() as u8, is_so });
             });
         }
         all

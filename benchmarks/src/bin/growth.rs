@@ -1,12 +1,13 @@
-//! How time and memory of a decision grow with the number of candidates and the voxel size, and those of a map update with
-//! the image size. Every point is a process of its own, so that its peak memory is its own.
+//! How time and memory of a decision grow with the number of candidates and the voxel size, and those of a
+//! map update with the image size. Every point is a process of its own, so that its peak memory is its own.
 //!
 //!     cargo run --release -p nextview-benchmarks --bin growth -- FOLDER [PLOT.svg]
 //!
-//! FOLDER holds a workload. Prints a line `SWEEP,SIZE,MILLISECONDS,MEGABYTES` a point, and for each sweep the exponents of
-//! time and memory over its upper half; draws the plot if asked.
+//! FOLDER holds a workload. Prints a line `SWEEP,SIZE,MILLISECONDS,MEGABYTES` a point, and for each sweep the
+//! exponents of time and memory over its upper half; draws the plot if asked.
 
 use glam::DVec2;
+use nextview::Cancel;
 use nextview::geometry::Aabb;
 use nextview::map::Integration;
 use nextview::planner::{MaxFlow, MaxFlowConfig, Situation, ViewPlanner};
@@ -101,13 +102,14 @@ fn decision_ms(
         views: &views,
         intrinsics: &optics,
         visited: &[],
-        history: &[],
         finest_voxel_size: voxel_size,
+        cancel: &Cancel::default(),
     };
-    Ok(median_ms(|| _ = planner.plan(&situation)))
+    // A planner that remembers its plans would do different work each time.
+    Ok(median_ms(|| _ = planner.clone().plan(&situation)))
 }
 
-/// A frame of so many pixels, 4 : 3, into an empty map.
+/// A frame of this many pixels, 4 : 3, into an empty map.
 fn update_ms(workload: Workload, n_pixels: f64) -> Outcome<f64> {
     let scale = (n_pixels / (640.0 * 480.0)).sqrt();
     let [width, height] = [640.0, 480.0].map(|pixels| (pixels * scale).round());

@@ -1,4 +1,5 @@
-//! Runs one stage once, for the count of its instructions: what is counted happens in [`counted`], on one thread.
+//! Runs one stage once, for the count of its instructions: the counted part runs in [`counted`], on one
+//! thread.
 //!
 //!     kernels                  # the names of the stages that are small enough
 //!     kernels FOLDER NAME      # runs one on the workload in the folder

@@ -1,28 +1,29 @@
-//! Asks of the planner most-surface what no setting of it can be asked: other probabilities, other counts, look-ahead.
+//! Evaluates variants of the planner most-surface that its settings do not offer: other probabilities, other
+//! counts, look-ahead.
 //!
 //!     cargo run --release -p nextview-benchmarks --bin questions -- MESH ...
 //!
-//! Each variant takes ten views of each mesh (longest side 0.2 m, 5 mm voxels, 1000 candidates all around, no noise) and gets a
-//! line with its mean skill and its lowest. The first variant is the plain one, which has neither most-surface's rule for the
-//! second view nor its shortlists, so that one thing changes at a time.
+//! Each variant takes ten views of each mesh (longest side 0.2 m, 5 mm voxels, 1000 candidates all around, no
+//! noise) and gets a line with its mean skill and its lowest. The first variant is the plain one, which has
+//! neither most-surface's rule for the second view nor its shortlists, so that one thing changes at a time.
 
 use glam::IVec3;
+use nextview::Cancelled;
 use nextview::geometry::{Lattice, Pose};
 use nextview::map::{LogOdds, Occupancy, Snapshot};
 use nextview::planner::{Choice, Plan, Situation, ViewPlanner};
-use nextview::prior::{Sighting, SurfaceEstimate, SurfacePrior};
+use nextview::prior::{SurfaceEstimate, SurfacePrior, ViewingClass};
 use nextview::sensor::Intrinsics;
-use nextview::session::{Session, SessionConfig};
+use nextview::session::{Decision, Session, SessionConfig};
 use nextview::view::{ViewSpace, generate};
 use nextview::visibility::{FreeSpace, RayCaster, RayEnd, Sight};
 use nextview_sim::baseline::{RandomCurve, clairvoyant_curve, extended, skill};
+use nextview_sim::evaluator::{Evaluator, ScanCamera};
 use nextview_sim::mesh::{self, Unit};
-use nextview_sim::run;
 use nextview_sim::scene::Scene;
 use nextview_sim::truth::{ObjectVoxels, TrueVisibility};
 use rayon::prelude::*;
 use std::error::Error;
-use std::ops::ControlFlow;
 use std::path::Path;
 
 const N_VIEWS: usize = 10;
@@ -36,7 +37,7 @@ const FADED: f32 = 0.03;
 /// Views of largest gain for which a partner is sought.
 const N_FIRST: usize = 30;
 
-/// Rounds of mean-field updates: a belief reaches as many voxels far.
+/// Rounds of mean-field updates: a belief reaches one voxel farther per round.
 const N_ROUNDS: usize = 30;
 
 type Outcome<T> = Result<T, Box<dyn Error>>;
@@ -49,16 +50,16 @@ struct Variant {
     looks_ahead: bool,
 }
 
-/// What is believed of unknown voxels.
+/// Beliefs about unknown voxels.
 #[derive(Clone, Copy)]
 enum Belief {
     /// The library's prior.
     Learned,
-    /// The same, but a voxel whose neighbours in the Markov random field are likelier to stop rays than by themselves is
-    /// likelier to, too: by so much in log-odds.
+    /// The same, but a voxel whose neighbours in the Markov random field are likelier to stop rays than on
+    /// their own becomes likelier, too, by this coupling in log-odds.
     LearnedField(f32),
-    /// A Markov random field without learning: the log-odds that a voxel is solid are so many times how many more of
-    /// its six neighbours are.
+    /// A Markov random field without learning: the log-odds that a voxel is solid are this coupling times the
+    /// excess of solid ones among its six neighbours.
     Field(f32),
 }
 
@@ -122,11 +123,15 @@ impl Object {
         let config = SessionConfig::new(VOXEL_SIZE, self.scene.planning_box(VOXEL_SIZE));
         let planner = Box::new(VariantPlanner { variant, prior: SurfacePrior::default() });
         let mut session = Session::new(config, Intrinsics::d435i(), self.views.clone(), planner)?;
+        let (mut camera, mut evaluator) =
+            (ScanCamera::new(&self.scene), Evaluator::new(&self.scene, &self.voxels));
         let mut n_seen = Vec::new();
-        run::run(&mut session, &self.scene, &self.voxels, |step| {
-            n_seen.push(step.measures.n_seen as f64 / self.truth.n_reachable() as f64);
-            ControlFlow::Continue(())
-        })?;
+        while let Decision::Move(next) = session.decide() {
+            let (frame, shown) = camera.capture(&next)?;
+            let report = session.observe(&frame);
+            let measures = evaluator.measure(&session, &frame.with_pose(report.world_from_camera), shown);
+            n_seen.push(measures.n_seen as f64 / self.truth.n_reachable() as f64);
+        }
         let random = RandomCurve::new(&self.truth, 0, N_VIEWS).mean;
         Ok(skill(&extended(n_seen, N_VIEWS), &random, &clairvoyant_curve(&self.truth, 0, N_VIEWS)))
     }
@@ -138,49 +143,47 @@ struct VariantPlanner {
 }
 
 impl ViewPlanner for VariantPlanner {
-    fn plan(&self, situation: &Situation<'_>) -> Plan {
-        let scene = Beliefs::new(self.variant.belief, &self.prior, situation.snapshot);
+    fn plan(&mut self, situation: &Situation<'_>) -> Result<Plan, Cancelled> {
+        let scene = Beliefs::new(self.variant.belief, &self.prior, situation)?;
         let sight = Sight { free_space: FreeSpace::Fades, fade_limit: FADED };
         let caster = RayCaster::new(&scene.passes, situation.intrinsics, RAY_SPACING, sight);
         let caster = caster.expect("the spacing is positive");
         let open = situation.open_views();
-        let looks: Vec<Look> = open
+        let evidence: Vec<Evidence> = open
             .par_iter()
-            .map(|&view| scene.look(&caster, &situation.views.pose(view), self.variant.counts))
-            .collect();
-        let mut worths: Vec<f64> = looks.iter().map(|look| look.gain).collect();
+            .map(|&view| {
+                situation.cancel.check()?;
+                Ok(scene.evidence(&caster, &situation.views.pose(view), self.variant.counts))
+            })
+            .collect::<Result<_, _>>()?;
+        let mut values: Vec<f64> = evidence.iter().map(|one| one.gain).collect();
         if self.variant.looks_ahead {
-            add_partners(&mut worths, &looks, scene.estimate.len());
+            add_partners(&mut values, &evidence, scene.estimate.len());
         }
-        let best = (0..open.len()).max_by(|&a, &b| worths[a].total_cmp(&worths[b]).then(b.cmp(&a)));
-        let choice = best.filter(|&best| looks[best].gain > 0.0).map(|best| Choice {
-            view: open[best],
-            score: worths[best],
-            local_share: 0.0,
-            flow_share: 0.0,
-            runner_up: None,
-        });
-        Plan { choice, ..Plan::default() }
+        let best = (0..open.len()).max_by(|&a, &b| values[a].total_cmp(&values[b]).then(b.cmp(&a)));
+        let best = best.filter(|&best| evidence[best].gain > 0.0);
+        let choice = best.map(|best| Choice::new(open[best], values[best]));
+        Ok(Plan { choice, ..Plan::default() })
     }
 }
 
-/// Adds to the views of largest gain what the best other view shows besides; all others are worth nothing.
-fn add_partners(worths: &mut [f64], looks: &[Look], n_items: usize) {
-    let mut order: Vec<usize> = (0..looks.len()).collect();
-    order.sort_by(|&a, &b| looks[b].gain.total_cmp(&looks[a].gain).then(a.cmp(&b)));
+/// Adds to the views of largest gain the additional gain of their best partner; all others have no value.
+fn add_partners(values: &mut [f64], evidence: &[Evidence], n_items: usize) {
+    let mut order: Vec<usize> = (0..evidence.len()).collect();
+    order.sort_by(|&a, &b| evidence[b].gain.total_cmp(&evidence[a].gain).then(a.cmp(&b)));
     order.truncate(N_FIRST);
-    worths.fill(0.0);
+    values.fill(0.0);
     for first in order {
         let mut shown = vec![0.0; n_items];
-        looks[first].shows.iter().for_each(|&(item, p)| shown[item as usize] = p);
-        let besides = |look: &Look| -> f64 {
-            look.shows.iter().map(|&(item, p)| (p - shown[item as usize]).max(0.0) as f64).sum()
+        evidence[first].shows.iter().for_each(|&(item, p)| shown[item as usize] = p);
+        let besides = |other: &Evidence| -> f64 {
+            other.shows.iter().map(|&(item, p)| (p - shown[item as usize]).max(0.0) as f64).sum()
         };
-        worths[first] = looks[first].gain + looks.par_iter().map(besides).reduce(|| 0.0, f64::max);
+        values[first] = evidence[first].gain + evidence.par_iter().map(besides).reduce(|| 0.0, f64::max);
     }
 }
 
-/// What is believed in a situation.
+/// The beliefs in a situation.
 struct Beliefs {
     estimate: SurfaceEstimate,
     belief: Belief,
@@ -192,16 +195,17 @@ struct Beliefs {
     item_of: Vec<Option<u32>>,
 }
 
-/// What a view shows.
-struct Look {
+/// The surface that a view shows.
+struct Evidence {
     gain: f64,
     /// Voxels of the estimate with the probability that they are shown.
     shows: Vec<(u32, f32)>,
 }
 
 impl Beliefs {
-    fn new(belief: Belief, prior: &SurfacePrior, snapshot: &Snapshot) -> Self {
-        let estimate = prior.estimate(snapshot);
+    fn new(belief: Belief, prior: &SurfacePrior, situation: &Situation<'_>) -> Result<Self, Cancelled> {
+        let snapshot = situation.snapshot;
+        let estimate = prior.estimate(snapshot, situation.cancel)?;
         let mut item_of = vec![None; snapshot.occupancy().len()];
         estimate.voxels().iter().enumerate().for_each(|(i, &voxel)| item_of[voxel as usize] = Some(i as u32));
         let learned: Vec<f32> = (0..estimate.len()).map(|i| estimate.stops(i)).collect();
@@ -222,10 +226,10 @@ impl Beliefs {
             };
             Some(LogOdds(logit(p)))
         });
-        Self { estimate, belief, stops, passes, item_of }
+        Ok(Self { estimate, belief, stops, passes, item_of })
     }
 
-    fn look(&self, caster: &RayCaster<'_>, pose: &Pose, counts: Counts) -> Look {
+    fn evidence(&self, caster: &RayCaster<'_>, pose: &Pose, counts: Counts) -> Evidence {
         let (mut best, mut seen, mut gain) = (vec![0.0_f32; self.estimate.len()], Vec::new(), 0.0);
         caster.cast(pose, |ray| {
             let last = if let RayEnd::Occupied(last) = ray.end { Some(last) } else { None };
@@ -246,7 +250,7 @@ impl Beliefs {
         if let Counts::OncePerView = counts {
             gain = shows.iter().map(|(_, p)| *p as f64).sum();
         }
-        Look { gain, shows }
+        Evidence { gain, shows }
     }
 
     fn shows(&self, item: u32, visibility: f32, pose: &Pose) -> f32 {
@@ -257,13 +261,14 @@ impl Beliefs {
         let (lattice, block) = (self.passes.lattice(), self.passes.block());
         let center = lattice.center(block.key(self.estimate.voxels()[i] as usize));
         let toward = (pose.translation() - center).as_vec3().normalize();
-        self.estimate.shows(i, Sighting::new(visibility, toward.dot(self.estimate.normal(i))))
+        self.estimate.shows(i, ViewingClass::new(visibility, toward.dot(self.estimate.normal(i))))
     }
 }
 
-/// The mean-field solution of a Markov random field over unknown voxels, six neighbours each: the log-odds of a voxel are
-/// those it has by itself, plus the coupling times how much more its neighbours are believed to be solid than they are by
-/// themselves. Occupied neighbours are solid for sure, free ones are not; by themselves both would be as likely as this voxel.
+/// The mean-field solution of a Markov random field over unknown voxels, six neighbours each: the log-odds of
+/// a voxel are those it has by itself, plus the coupling times the excess of its neighbours' belief in
+/// solidity over their own prior. Occupied neighbours are solid for sure, free ones are not; by themselves
+/// both would be as likely as this voxel.
 fn mean_field(
     snapshot: &Snapshot,
     estimate: &SurfaceEstimate,

@@ -1,4 +1,5 @@
-//! The table of ratios from lines `PROGRAM,STAGE,CASE,MILLISECONDS` on standard input, the least of equal lines.
+//! Prints the table of ratios from lines `PROGRAM,STAGE,CASE,MILLISECONDS` on standard input; of lines for
+//! the same case, the least time counts.
 //!
 //!     ratios < results.csv
 //!

@@ -1,9 +1,10 @@
-//! Times the stages, one line `nextview,STAGE,CASE,MILLISECONDS` each: the least of several runs.
+//! Times the stages, one line `nextview,STAGE,CASE,MILLISECONDS` each: the minimum of several runs.
 //!
 //!     cargo run --release -p nextview-benchmarks --bin stages -- cpu|wall FOLDER [FILTER]
 //!
-//! `cpu` is the CPU time of one thread, to compare with peers of one thread; `wall` the time that passes with all threads
-//! (lines begin with `nextview wall`). FOLDER holds a workload; FILTER is a part of the names of the stages to run.
+//! `cpu` is the CPU time of one thread, to compare with peers of one thread; `wall` the elapsed time with all
+//! threads (lines begin with `nextview wall`). FOLDER holds a workload; FILTER is a part of the names of the
+//! stages to run.
 
 use cpu_time::ProcessTime;
 use nextview_benchmarks::stage::{Work, stages};

@@ -66,7 +66,7 @@ fn insert(workload: &Workload, set: Set, rays: RayRule, space: Space, voxel_size
     })
 }
 
-/// What a session does with every image: object and walls, background carves.
+/// The work of a session on every image: object and walls, background carves.
 fn insert_frames(workload: &Workload, voxel_size: f64) -> Work<'_> {
     let room = Background::Room(Aabb::cube(glam::DVec3::ZERO, 0.6));
     let camera = SimulatedCamera::new(workload.meshes[0].clone(), Intrinsics::d435i(), room, 10.0)

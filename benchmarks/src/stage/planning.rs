@@ -1,6 +1,7 @@
 use super::{Stage, Work, name_of};
 use crate::network::Network;
 use crate::workload::{N_IMAGES, Set, Workload, intrinsics, ray_spacing_of_image_grid};
+use nextview::Cancel;
 use nextview::gain::object_probability;
 use nextview::map::{Snapshot, frontier};
 use nextview::planner::{MaxFlow, MaxFlowConfig, MostSurface, MostSurfaceConfig, Situation, ViewPlanner};
@@ -15,7 +16,8 @@ pub(super) fn stages() -> Vec<Stage> {
     let object = sizes.map(|size| {
         Stage::new("object probability", name_of(size), 1, move |workload| {
             let snapshot = workload.snapshot(A, size, 3);
-            Box::new(move || _ = black_box(object_probability(&snapshot, &frontier(&snapshot))))
+            let cancel = Cancel::default();
+            Box::new(move || _ = black_box(object_probability(&snapshot, &frontier(&snapshot), &cancel)))
         })
     });
     let flow = [19_177, 148_428].map(|n_rays| {
@@ -69,10 +71,10 @@ fn max_flow(snapshot: Snapshot, workload: &Workload, config: MaxFlowConfig) -> W
 fn decision(
     snapshot: Snapshot,
     workload: &Workload,
-    planner: impl ViewPlanner + 'static,
+    planner: impl ViewPlanner + Clone + 'static,
     visited: Vec<usize>,
 ) -> Work<'_> {
-    let optics = intrinsics();
+    let (optics, cancel) = (intrinsics(), Cancel::default());
     Box::new(move || {
         let situation = Situation {
             snapshot: &snapshot,
@@ -80,9 +82,10 @@ fn decision(
             views: &workload.views,
             intrinsics: &optics,
             visited: &visited,
-            history: &[],
             finest_voxel_size: snapshot.lattice().voxel_size(),
+            cancel: &cancel,
         };
-        black_box(planner.plan(&situation));
+        // A planner that remembers its plans would do different work each time.
+        _ = black_box(planner.clone().plan(&situation));
     })
 }

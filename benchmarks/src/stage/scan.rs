@@ -1,16 +1,17 @@
 use super::Stage;
 use nextview::geometry::Lattice;
-use nextview::model::{DistanceField, downsample};
 use nextview::planner::{MaxFlow, MaxFlowConfig};
 use nextview::sensor::Intrinsics;
 use nextview::session::{Decision, Session, SessionConfig};
+use nextview::surface::{DistanceField, downsample};
 use nextview::view::generate;
 use nextview_sim::scene::Scene;
 use std::hint::black_box;
 
 const VOXEL_SIZE: f64 = 0.005;
 
-/// A whole scan with the defaults of `nextview scan`: 1000 candidates, ten views of a D435i in a room, then cloud and mesh.
+/// A whole scan with the defaults of `nextview scan`: 1000 candidates, ten views of a D435i in a room, then
+/// cloud and mesh.
 pub(super) fn stages() -> Vec<Stage> {
     vec![Stage::new("scan of ten views", "5 mm", 1, |workload| {
         let scene =

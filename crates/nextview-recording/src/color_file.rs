@@ -8,10 +8,11 @@ use png::{BitDepth, ColorType, Transformations};
 use std::io::Cursor;
 use std::path::Path;
 
-/// What a JPEG file begins with.
+/// The first bytes of a JPEG file.
 const JPEG: [u8; 2] = [0xff, 0xd8];
 
-/// Reads a colour image that must have 8 bits of red, green and blue each, and the size that the intrinsics of the depth state.
+/// Reads a colour image that must have 8 bits of red, green and blue each, and the size that the intrinsics
+/// of the depth state.
 pub(crate) fn read(path: &Path, intrinsics: &Intrinsics) -> Result<ColorImage, RecordingError> {
     let decode = || {
         let bytes = std::fs::read(path)?;

@@ -7,8 +7,9 @@ use std::fs::File;
 use std::io::BufReader;
 use std::path::Path;
 
-/// Reads a depth image that must be of 16 bits a pixel, without colour, and of the size that the intrinsics state. The unit is
-/// in metres; 0 is a missing pixel. Where a mask of 8 bits a pixel is 0, the ray is free: there is nothing of the object.
+/// Reads a depth image that must be of 16 bits a pixel, without colour, and of the size that the intrinsics
+/// state. The unit is in metres; 0 is a missing pixel. Where a mask of 8 bits a pixel is 0, the ray is free:
+/// there is nothing of the object.
 pub(crate) fn read(
     path: &Path,
     intrinsics: &Intrinsics,
@@ -32,7 +33,8 @@ pub(crate) fn read(
     image.map_err(|error| RecordingError::from(error).in_file(path))
 }
 
-/// The bytes of an image that must have so many bits a pixel, no colour, and the size that the intrinsics state.
+/// The bytes of an image that must have this many bits a pixel, no colour, and the size that the intrinsics
+/// state.
 fn pixels(
     path: &Path,
     intrinsics: &Intrinsics,
@@ -78,7 +80,7 @@ pub(crate) fn check_size(width: u32, height: u32, intrinsics: &Intrinsics) -> Re
     )))
 }
 
-/// What a decoder says of a file that is damaged or no PNG.
+/// The error for a file that is damaged or not a PNG.
 pub(crate) fn broken(error: DecodingError) -> RecordingError {
     match error {
         DecodingError::IoError(error) if error.kind() != std::io::ErrorKind::UnexpectedEof => error.into(),

@@ -1,15 +1,15 @@
 use std::path::{Path, PathBuf};
 
-/// What can be wrong with a recording.
+/// Errors in a recording.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum RecordingError {
-    /// Something is wrong with this file or folder; the source says what.
+    /// An error in this file or folder; the source describes it.
     #[error("{}: {error}", path.display())]
     InFile {
         /// The file.
         path: PathBuf,
-        /// What is wrong with it.
+        /// The error.
         #[source]
         error: Box<RecordingError>,
     },
@@ -22,9 +22,9 @@ pub enum RecordingError {
     /// A place in it is broken.
     #[error("{place}: {problem}")]
     Format {
-        /// Where: a line, a byte offset, or a message.
+        /// The line, byte offset or message.
         place: String,
-        /// What is wrong there, the value, and what would be right.
+        /// The fault, the value found and the content expected.
         problem: String,
     },
     /// It is broken, or does not fit the rest, as a whole.
@@ -40,7 +40,7 @@ impl RecordingError {
         Self::Format { place: place.into(), problem: problem.into() }
     }
 
-    /// The same, said of this file.
+    /// The same error, attributed to this file.
     pub(crate) fn in_file(self, path: &Path) -> Self {
         Self::InFile { path: path.to_owned(), error: Box::new(self) }
     }

@@ -1,4 +1,5 @@
-//! Our own form: `intrinsics.txt`, `poses.csv`, and images by number in `depth/` and, where there is colour, in `color/`.
+//! Our own form: `intrinsics.txt`, `poses.csv`, and images by number in `depth/` and, where there is colour,
+//! in `color/`.
 
 use crate::frame::DepthSource;
 use crate::lens::{self, Lens};
@@ -10,20 +11,20 @@ use crate::{RecordedFrame, RecordingError};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
-/// Metres per unit of depth unless intrinsics.txt tells.
+/// Metres per unit of depth, if intrinsics.txt does not state them.
 const DEPTH_UNIT: f64 = 0.001;
 
-/// What the names of colour images end in.
+/// Extensions of colour images.
 const COLOR_EXTENSIONS: [&str; 3] = ["png", "jpg", "jpeg"];
 
-/// What the twelve columns of a pose end in, row by row.
+/// Suffixes of the twelve columns of a pose, row by row.
 const ENTRIES: [&str; 12] =
     ["_00", "_01", "_02", "_03", "_10", "_11", "_12", "_13", "_20", "_21", "_22", "_23"];
 
-/// What the names of the pose columns begin with.
+/// Prefix of the pose columns.
 const POSE: &str = "world_from_camera";
 
-/// What rotations may be off without a word: rounding in files that carry few digits.
+/// Deviation of rotations that needs no note: rounding in files that carry few digits.
 const NOTED: f64 = 1e-3;
 
 /// A row of poses.csv.
@@ -75,7 +76,7 @@ pub(crate) fn read(folder: &Path, options: &ReadOptions) -> Result<Recording, Re
     Ok(Recording { intrinsics, frames, skipped, notes })
 }
 
-/// A word about rotations that were none.
+/// A note about matrices that were not rotations.
 fn note(rows: &BTreeMap<u32, Row>) -> Option<String> {
     let worst = rows.values().map(|row| row.rigid.error).fold(0.0, f64::max);
     (worst > NOTED).then(|| {
@@ -83,7 +84,7 @@ fn note(rows: &BTreeMap<u32, Row>) -> Option<String> {
     })
 }
 
-/// The images by number. Files with other extensions do not count.
+/// The images by number. Files with other extensions are ignored.
 fn images(folder: &Path, extensions: &[&str]) -> Result<BTreeMap<u32, PathBuf>, RecordingError> {
     let list = || {
         let entries = std::fs::read_dir(folder)?.collect::<Result<Vec<_>, _>>()?;
@@ -133,7 +134,7 @@ fn rows(text: &str, options: &ReadOptions) -> Result<BTreeMap<u32, Row>, Recordi
     Ok(rows)
 }
 
-/// Which column holds what.
+/// The meaning of the columns.
 struct Columns {
     n_columns: usize,
     frame: usize,
@@ -176,7 +177,7 @@ impl Columns {
     }
 }
 
-/// What the names of the pose columns begin with: what was asked for, or ours, or else the only choice.
+/// Prefix of the pose columns: the requested one, or ours, or else the only choice.
 fn pose_prefix(names: &[&str], options: &ReadOptions) -> Result<String, String> {
     let complete =
         |prefix: &&str| ENTRIES.iter().all(|entry| names.contains(&format!("{prefix}{entry}").as_str()));

@@ -6,12 +6,12 @@ use nextview::geometry::Pose;
 use nextview::sensor::{ColorImage, Depth, DepthImage, Frame, Intrinsics};
 use std::path::PathBuf;
 
-/// A recorded look of a depth camera. Its image stays in its file until it is [loaded](Self::load).
+/// A recorded measurement of a depth camera. Its image stays in its file until it is [loaded](Self::load).
 #[derive(Debug)]
 pub struct RecordedFrame {
-    /// What people would call it: `frame 12`, the name of its file, or the number and topic of its message.
+    /// A name for people: `frame 12`, the name of its file, or the number and topic of its message.
     pub name: String,
-    /// When it was taken, seconds, if the recording tells.
+    /// When it was taken, seconds; none if the recording does not state it.
     pub timestamp_s: Option<f64>,
     /// Where the camera stood: rigid, at most 100 m from the origin.
     pub world_from_camera: Pose,
@@ -24,18 +24,20 @@ pub struct RecordedFrame {
 /// Where the depth of a frame is.
 #[derive(Debug)]
 pub(crate) enum DepthSource {
-    /// In a PNG file of units of so many metres; where the mask's pixels are 0, there is nothing of the object.
+    /// In a PNG file of units of so many metres; where the mask's pixels are 0, there is nothing of the
+    /// object.
     Png { path: PathBuf, unit: f64, mask: Option<PathBuf> },
     /// In a message of an MCAP file.
     Message { path: PathBuf, place: Place },
 }
 
-/// A frame needs a depth up to which pixels without return are free. Recorded images have no such pixels but beside their
-/// masks: that nothing came back is told nowhere, and a missing pixel says nothing.
+/// A frame needs a depth up to which pixels without return are free. Recorded images have no such pixels
+/// except outside their masks: nothing records that a ray met no surface, and a missing pixel says nothing.
 const RANGE: f64 = 10.0;
 
 impl RecordedFrame {
-    /// Reads the image. What was checked when the recording was opened fails only if a file has changed since.
+    /// Reads the image. All images were checked when the recording was opened, so this fails only if a file
+    /// has changed since.
     pub fn load(&self) -> Result<Frame, RecordingError> {
         let image = match &self.depth {
             DepthSource::Png { path, unit, mask } => {
@@ -55,14 +57,14 @@ impl RecordedFrame {
         self.color.is_some()
     }
 
-    /// Reads the colour image, of the size of the depth image; none if there is none. As for the depth, what was checked when
-    /// the recording was opened fails only if a file has changed since.
+    /// Reads the colour image, of the size of the depth image; none if there is none. As for the depth, this
+    /// fails only if a file has changed since the recording was opened.
     pub fn load_color(&self) -> Result<Option<ColorImage>, RecordingError> {
         self.color.as_ref().map(|path| color_file::read(path, &self.intrinsics)).transpose()
     }
 }
 
-/// Why an image is of no use; none if it shows something.
+/// The reason why an image is useless; none if it shows something.
 pub(crate) fn uselessness(image: &DepthImage) -> Option<String> {
     let pixels = (0..image.height()).flat_map(|v| (0..image.width()).map(move |u| image.get(u, v)));
     let mut pixels = pixels.peekable();

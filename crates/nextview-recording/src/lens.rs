@@ -6,7 +6,7 @@ use glam::DVec2;
 use nextview::sensor::{Distortion, Intrinsics};
 use std::path::Path;
 
-/// What a file says about the camera.
+/// A file's description of the camera.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Lens {
     pub intrinsics: Intrinsics,
@@ -17,7 +17,7 @@ pub(crate) struct Lens {
 const EXPECTED: &str = "expected a line each for width, height, fx, fy, cx and cy, such as `fx 525.0`, and if need be \
                         depth_unit_m and distortion";
 
-/// Reads the file; the depth unit is this many metres unless the file tells.
+/// Reads the file; the depth unit is this many metres if the file does not state it.
 pub(crate) fn read(path: &Path, depth_unit: f64) -> Result<Lens, RecordingError> {
     let lens = text::read(path).map_err(|error| match error {
         RecordingError::Io(error) => RecordingError::Content(format!("cannot be read: {error}; {EXPECTED}")),
@@ -26,7 +26,7 @@ pub(crate) fn read(path: &Path, depth_unit: f64) -> Result<Lens, RecordingError>
     lens.and_then(|text| parse(&text, depth_unit)).map_err(|error| error.in_file(path))
 }
 
-/// Fails if the principal point lies outside of the image.
+/// Fails if the principal point lies outside the image.
 pub(crate) fn checked(intrinsics: Intrinsics) -> Result<Intrinsics, RecordingError> {
     if intrinsics.contains(intrinsics.center()) {
         return Ok(intrinsics);

@@ -1,17 +1,17 @@
 //! Recorded depth images with camera poses, and with colour where there is some, from files.
 //!
-//! Start with [`Recording::open`]: it recognises a folder of our own simple form, a folder of the TUM RGB-D benchmark, and
-//! an `.mcap` file with ROS 2 messages. `docs/recorded.md` describes all three. Nothing here plans or maps.
-//! [`Journal`] keeps the frames of a scan that is under way.
+//! Start with [`Recording::open`]: it recognises a folder of our own simple form, a folder of the TUM RGB-D
+//! benchmark, and an `.mcap` file with ROS 2 messages. `docs/recorded.md` describes all three. Nothing here
+//! plans or maps.
 
 mod color_file;
 mod depth_png;
 mod error;
 mod folder;
 mod frame;
-mod journal;
 mod lens;
 mod mcap;
+mod open;
 mod recording;
 mod rigid;
 mod text;
@@ -20,6 +20,5 @@ mod tum;
 
 pub use error::RecordingError;
 pub use frame::RecordedFrame;
-pub use journal::{Damage, Journal, Kept, KeptFrame};
 pub use recording::{ReadOptions, Recording, Skipped};
 pub use rigid::read_transform;

@@ -1,4 +1,4 @@
-//! Poses as files state them: checked before they are believed.
+//! Poses as files state them: checked before use.
 
 use crate::RecordingError;
 use crate::text;
@@ -6,11 +6,12 @@ use glam::{DMat3, DQuat, DVec3};
 use nextview::geometry::Pose;
 use std::path::Path;
 
-/// How far the product of a rotation with its transpose may be from the identity. Files carry few digits, and some calibrations
-/// leave a scale or shear in: the poses of a public capture that we test with are off by 0.007.
+/// How far the product of a rotation with its transpose may be from the identity. Files carry few digits, and
+/// some calibrations leave a scale or shear in: the poses of a public capture that we test with are off by
+/// 0.007.
 const TOLERANCE: f64 = 0.01;
 
-/// A camera that stands farther than this from the origin, metres, is rather given in millimetres.
+/// A camera that stands farther than this from the origin, metres, is probably given in millimetres.
 const FARTHEST: f64 = 100.0;
 
 /// Reads a rigid transform: 4 lines of 4 numbers, row by row, the last `0 0 0 1`; the translation in metres.
@@ -43,7 +44,7 @@ pub(crate) struct Rigid {
     pub error: f64,
 }
 
-/// A pose from the first three rows of its matrix, with the nearest rotation; or what is wrong with them.
+/// A pose from the first three rows of its matrix, with the nearest rotation; or a description of the fault.
 pub(crate) fn from_rows(m: [f64; 12]) -> Result<Rigid, String> {
     let rotation = DMat3::from_cols_array(&[m[0], m[4], m[8], m[1], m[5], m[9], m[2], m[6], m[10]]);
     let translation = checked(DVec3::new(m[3], m[7], m[11]))?;
@@ -66,13 +67,13 @@ pub(crate) fn from_rows(m: [f64; 12]) -> Result<Rigid, String> {
     Ok(Rigid { pose: Pose::new(rotation, translation).map_err(|error| error.to_string())?, error })
 }
 
-/// The orthogonal factor of a matrix that is nearly a rotation, by Newton's iteration (Higham 1986), which doubles the correct
-/// digits each time.
+/// The orthogonal factor of a matrix that is nearly a rotation, by Newton's iteration (Higham 1986), which
+/// doubles the correct digits each time.
 fn nearest_rotation(matrix: DMat3) -> DMat3 {
     (0..5).fold(matrix, |m, _| (m + m.inverse().transpose()) * 0.5)
 }
 
-/// A pose from position and quaternion, or what is wrong with them.
+/// A pose from position and quaternion, or a description of the fault.
 pub(crate) fn from_quaternion(translation: DVec3, rotation: DQuat) -> Result<Pose, String> {
     Pose::new(rotation, checked(translation)?).map_err(|error| error.to_string())
 }

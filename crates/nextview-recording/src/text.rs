@@ -1,4 +1,4 @@
-//! Text files: lines that count, numbers in them, and errors that name the line.
+//! Text files: lines with content, numbers in them, and errors that name the line.
 
 use crate::RecordingError;
 use std::fmt::Display;
@@ -22,7 +22,7 @@ pub(crate) fn read(path: &Path) -> Result<String, RecordingError> {
     })
 }
 
-/// The lines that count: empty ones and those that start with `#` do not.
+/// The lines with content: empty ones and those that start with `#` are skipped.
 pub(crate) fn lines(text: &str) -> impl Iterator<Item = Line<'_>> {
     let lines = text.lines().enumerate().map(|(i, text)| Line { number: i + 1, text: text.trim() });
     lines.filter(|line| !line.text.is_empty() && !line.text.starts_with('#'))

@@ -1,4 +1,5 @@
-//! The TUM RGB-D benchmark's form (Sturm et al. 2012): lists of images and of poses, each with its own timestamps.
+//! The TUM RGB-D benchmark's form (Sturm et al. 2012): lists of images and of poses, each with its own
+//! timestamps.
 
 use crate::frame::DepthSource;
 use crate::lens::{self, Lens};
@@ -10,7 +11,7 @@ use glam::{DQuat, DVec3};
 use nextview::geometry::Pose;
 use std::path::Path;
 
-/// Metres per unit of depth unless intrinsics.txt tells: the benchmark's factor of 5000.
+/// Metres per unit of depth if intrinsics.txt does not state them: the benchmark's factor of 5000.
 const DEPTH_UNIT: f64 = 1.0 / 5000.0;
 
 pub(crate) fn read(folder: &Path, options: &ReadOptions) -> Result<Recording, RecordingError> {

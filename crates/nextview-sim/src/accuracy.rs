@@ -26,7 +26,7 @@ impl Accuracy {
     }
 }
 
-/// Tells the distance of any point from a surface, or from a cloud of points: a tree of boxes around the triangles.
+/// Distances of points from a surface, or from a cloud of points: a tree of boxes around the triangles.
 #[derive(Clone, Debug)]
 pub struct SurfaceDistance {
     /// The corners of the triangles in the order of the tree.
@@ -97,7 +97,7 @@ impl SurfaceDistance {
 }
 
 impl Node {
-    /// Divides the triangles, of which there is at least one and the first has the number `start`, at the middle one along the
+    /// Divides the triangles (at least one, the first with the number `start`) at the middle one along the
     /// longest side of their box.
     fn new(triangles: &mut [[DVec3; 3]], start: usize) -> Self {
         let bounds = Aabb::around(triangles.iter().copied().flatten()).expect("there are triangles");
@@ -118,8 +118,8 @@ impl Node {
     }
 }
 
-/// The point of a triangle nearest to another point: that of its plane if it lies inside, or else of the nearest edge. The
-/// triangle may be without size.
+/// The point of a triangle nearest to another point: that of its plane if it lies inside, or else of the
+/// nearest edge. The triangle may be without size.
 fn nearest_point([a, b, c]: [DVec3; 3], point: DVec3) -> DVec3 {
     let normal = (b - a).cross(c - a);
     if a == b && b == c {

@@ -1,44 +1,47 @@
 //! The two planners that bound every other: random views, and the clairvoyant planner that knows the object.
 
 use crate::truth::TrueVisibility;
+use nextview::Cancelled;
 use nextview::geometry::random::Random;
 use nextview::planner::{Choice, Plan, Situation, ViewPlanner};
 use std::sync::Arc;
 
-/// Takes the view that truly sees most object voxels not seen before: greedy on the true visibility, which only a
-/// simulation knows.
+/// Takes the view that truly sees most object voxels not seen before: greedy on the true visibility, which
+/// only a simulation knows.
 #[derive(Clone, Debug)]
 pub struct Clairvoyant {
     truth: Arc<TrueVisibility>,
 }
 
 impl Clairvoyant {
-    /// The planner that knows this.
+    /// The planner with this knowledge.
     pub fn new(truth: Arc<TrueVisibility>) -> Self {
         Self { truth }
     }
 }
 
 impl ViewPlanner for Clairvoyant {
-    fn plan(&self, situation: &Situation<'_>) -> Plan {
-        let choice = next_clairvoyant(&self.truth, situation.visited).map(|(view, n_new)| Choice {
-            view,
-            score: n_new as f64,
-            local_share: 0.0,
-            flow_share: 0.0,
-            runner_up: None,
-        });
-        Plan { choice, ..Plan::default() }
+    fn plan(&mut self, situation: &Situation<'_>) -> Result<Plan, Cancelled> {
+        let is_within_reach = |view: usize| situation.views.is_within_reach(view);
+        let next = next_clairvoyant(&self.truth, situation.visited, is_within_reach);
+        let choice = next.map(|(view, n_new)| Choice::new(view, n_new as f64));
+        Ok(Plan { choice, ..Plan::default() })
     }
 }
 
-/// The view that adds most object voxels to those seen from the visited ones, and how many; none if none adds any.
-fn next_clairvoyant(truth: &TrueVisibility, visited: &[usize]) -> Option<(usize, usize)> {
+/// The view that adds most object voxels to those seen from the visited ones, and how many; none if none adds
+/// any.
+fn next_clairvoyant(
+    truth: &TrueVisibility,
+    visited: &[usize],
+    is_within_reach: impl Fn(usize) -> bool,
+) -> Option<(usize, usize)> {
     let mut covered = truth.seen(visited.first().copied().unwrap_or(0)).clone();
     covered.clear();
     visited.iter().for_each(|&view| covered.union_with(truth.seen(view)));
     let n_new = |view: usize| truth.seen(view).difference_count(&covered);
     let best = (0..truth.n_views())
+        .filter(|&view| is_within_reach(view))
         .map(|view| (view, n_new(view)))
         .max_by_key(|&(view, n)| (n, std::cmp::Reverse(view)));
     best.filter(|&(_, n)| n > 0)
@@ -48,7 +51,7 @@ fn next_clairvoyant(truth: &TrueVisibility, visited: &[usize]) -> Option<(usize,
 pub fn clairvoyant_curve(truth: &TrueVisibility, first_view: usize, n: usize) -> Vec<f64> {
     let mut views = vec![first_view];
     while views.len() < n {
-        match next_clairvoyant(truth, &views) {
+        match next_clairvoyant(truth, &views, |_| true) {
             Some((view, _)) => views.push(view),
             None => break,
         }
@@ -100,15 +103,15 @@ fn draw_views(n_candidates: usize, first_view: usize, n: usize, seed: u64) -> Ve
     views
 }
 
-/// A curve that ended early stays where it ended.
+/// Extends a curve that ended early by its last value.
 pub fn extended(mut curve: Vec<f64>, n: usize) -> Vec<f64> {
     let last = curve.last().copied().unwrap_or(0.0);
     curve.resize(n, last);
     curve
 }
 
-/// Skill: the area under a coverage curve on the scale from random views (0) to clairvoyant (1); none where the two do
-/// not differ. All curves have the same length.
+/// Skill: the area under a coverage curve on the scale from random views (0) to clairvoyant (1); none where
+/// the two do not differ. All curves have the same length.
 pub fn skill(curve: &[f64], random: &[f64], clairvoyant: &[f64]) -> Option<f64> {
     assert!(curve.len() == random.len() && random.len() == clairvoyant.len(), "curves of equal length");
     let area = |curve: &[f64]| curve.iter().sum::<f64>();

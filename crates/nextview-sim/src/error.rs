@@ -1,16 +1,16 @@
 use glam::DVec3;
 use std::path::PathBuf;
 
-/// What can be wrong with a mesh, a mesh file or a simulated camera.
+/// Errors of a mesh, a mesh file or a simulated camera.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum SimError {
-    /// Something is wrong with this file; the source says what.
+    /// An error in this file; the source describes it.
     #[error("{}: {error}", path.display())]
     InFile {
         /// The file.
         path: PathBuf,
-        /// What is wrong with it.
+        /// The error.
         #[source]
         error: Box<SimError>,
     },
@@ -31,12 +31,12 @@ pub enum SimError {
     /// The content does not follow the format.
     #[error("{place}: {problem}")]
     Format {
-        /// Where: a line, a byte offset or a field.
+        /// The line, byte offset or field.
         place: String,
-        /// What is wrong there, the value, and what would be right.
+        /// The fault, the value found and the content expected.
         problem: String,
     },
-    /// A mesh without any face that has an area.
+    /// No face of the mesh has an area.
     #[error(
         "the mesh has no face with an area ({n_degenerate} degenerate faces), expected at least one triangle"
     )]
@@ -65,21 +65,21 @@ pub enum SimError {
     /// The file states no unit and its size fits several.
     #[error(
         "the file has no unit and its longest side is {longest_side}, which may be metres or millimetres; \
-         pass --unit m, --unit mm, or the true size as --size-m 0.2"
+         state the `unit` as m or mm, or the true size as `size_m`"
     )]
     AmbiguousUnit {
         /// Longest side of the box around the mesh, in the file's unit.
         longest_side: f64,
     },
-    /// The object does not fit before the camera.
+    /// The object is too large for the camera.
     #[error(
         "the object's longest side is {longest_side} m, too large for a camera that sees up to {range} m; \
-         if its unit is not the metre, pass --unit mm or its true size as --size-m 0.2"
+         if its unit is not the metre, state the `unit`, or its true size as `size_m`"
     )]
     TooLargeForCamera {
         /// Longest side of the object, metres.
         longest_side: f64,
-        /// How far the camera sees, metres.
+        /// Range of the camera, metres.
         range: f64,
     },
     /// A parameter of the library is outside its range.

@@ -1,7 +1,8 @@
-//! The simulated side of next-best-view planning: meshes, objects that need no file, a depth camera that looks at
-//! them, the truth about what it could see, and the measures that compare planners.
+//! The simulated side of next-best-view planning: meshes, objects that need no file, a depth camera that
+//! looks at them, the truth about what it could see, and the measures that compare planners.
 //!
-//! Start with [`scene::Scene`] and [`run::run`]. Nothing here plans, except [`baseline::Clairvoyant`], which may
+//! Start with [`scene::Scene`]; a scan asks the session for views, [`evaluator::ScanCamera`] for frames, and
+//! [`evaluator::Evaluator`] for measures. Nothing here plans, except [`baseline::Clairvoyant`], which may
 //! look at the truth.
 
 pub mod accuracy;
@@ -9,19 +10,13 @@ pub mod baseline;
 pub mod builtin;
 pub mod camera;
 mod error;
-pub mod gauge;
+pub mod evaluator;
 pub mod mesh;
 pub mod noise;
 pub mod quality;
 pub mod random_object;
-pub mod run;
 pub mod scene;
 pub mod surface;
 pub mod truth;
 
 pub use error::SimError;
-
-/// The examples of the README, kept working.
-#[cfg(doctest)]
-#[doc = include_str!("../../../README.md")]
-struct Readme;

@@ -1,20 +1,21 @@
-//! How good the model that a scan hands over is: accuracy and completeness against the true surface.
+//! The quality of the model that a scan produces: accuracy and completeness against the true surface.
 
 use crate::accuracy::{Accuracy, SurfaceDistance};
 use crate::mesh::{TriangleMesh, sample_surface};
 use crate::truth::SEED;
 use glam::DVec3;
-use nextview::model::SurfaceMesh;
+use nextview::surface::SurfaceMesh;
 use rayon::prelude::*;
 
 /// Number of samples of the true surface: the standard error of a share is then at most 0.5 %.
 const N_SAMPLES: usize = 10_000;
 
-/// Most points of a model that are asked how far they are from the surface: evenly chosen ones tell mean and quantiles to a
-/// hundredth of their spread, and where poses are wrong, a cloud has many points, far from the surface, which take long.
+/// Maximum number of model points whose distance from the surface is measured: an even selection gives mean
+/// and quantiles to a hundredth of their spread. Where poses are wrong, a cloud has many points far from the
+/// surface, which take long.
 const N_POINTS: usize = 20_000;
 
-/// How near and how complete a model is.
+/// Accuracy and completeness of a model.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Quality {
     /// From the model's points to the true surface.
@@ -69,8 +70,8 @@ impl TrueSurface {
         Some(self.quality(points, &SurfaceDistance::to_points(points)?))
     }
 
-    /// The quality of a mesh of finite vertices: the accuracy is that of the vertices of its triangles. None without triangles
-    /// of a size.
+    /// The quality of a mesh of finite vertices: the accuracy is that of the vertices of its triangles. None
+    /// without triangles of a size.
     pub fn of_mesh(&self, mesh: &SurfaceMesh) -> Option<Quality> {
         let model = TriangleMesh::new(mesh.vertices.clone(), mesh.triangles.clone()).ok()?;
         let mut is_used = vec![false; mesh.vertices.len()];
@@ -80,7 +81,7 @@ impl TrueSurface {
         Some(self.quality(&vertices, &SurfaceDistance::new(&model)))
     }
 
-    /// Of a model with these points, of which there is at least one, and this surface.
+    /// The quality of a model with these points (at least one) and this surface.
     fn quality(&self, points: &[DVec3], model: &SurfaceDistance) -> Quality {
         let every = points.len().div_ceil(N_POINTS);
         let some: Vec<DVec3> = points.iter().copied().step_by(every).collect();
@@ -101,7 +102,7 @@ mod tests {
     use super::*;
     use crate::builtin;
     use nextview::geometry::{Aabb, Lattice};
-    use nextview::model::surface_nets;
+    use nextview::surface::surface_nets;
 
     /// A square of 0.2 m in the plane z = 0.
     fn square() -> TriangleMesh {

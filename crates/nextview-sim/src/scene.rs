@@ -1,4 +1,4 @@
-//! An object before a camera: where things are and how large.
+//! An object in front of a camera: positions and sizes.
 
 use crate::SimError;
 use crate::camera::{Background, SimulatedCamera};
@@ -7,12 +7,13 @@ use crate::noise::Noise;
 use glam::DVec3;
 use nextview::geometry::Aabb;
 use nextview::sensor::Intrinsics;
+use nextview::session::planning_box;
 use std::sync::Arc;
 
-/// How far the simulated camera measures, metres: what the D435i's data sheet states.
+/// Range of the simulated camera, metres, as the D435i's data sheet states it.
 pub const CAMERA_RANGE: f64 = 10.0;
 
-/// An object in the middle of a room, with the box that planning is told about.
+/// An object in the middle of a room, with the box that planning knows.
 #[derive(Clone)]
 pub struct Scene {
     camera: SimulatedCamera,
@@ -23,8 +24,8 @@ pub struct Scene {
 impl Scene {
     /// The mesh (metres, world coordinates) in a room whose walls stand behind all usual view candidates.
     ///
-    /// Fails if the object is too large for the camera: from four times its half-side, where the paper's farthest views are,
-    /// it must be within [`CAMERA_RANGE`].
+    /// Fails if the object is too large for the camera: from four times its half-side, where the paper's
+    /// farthest views are, it must be within [`CAMERA_RANGE`].
     pub fn new(mesh: TriangleMesh, intrinsics: Intrinsics) -> Result<Self, SimError> {
         let object = mesh.bounds();
         let size = 0.5 * object.longest_side();
@@ -68,10 +69,10 @@ impl Scene {
         0.5 * self.bounds.longest_side()
     }
 
-    /// The cube that planning is told the object lies in: a tenth larger than the object and two voxels wider on each
-    /// side, so that free space around it is seen.
+    /// The cube around the object that planning knows: its [planning box](planning_box) for voxels of this
+    /// size, metres.
     pub fn planning_box(&self, voxel_size: f64) -> Aabb {
-        Aabb::cube(self.center(), 1.1 * self.size() + 2.0 * voxel_size)
+        planning_box(&self.bounds, voxel_size)
     }
 }
 

@@ -11,7 +11,7 @@ use rustc_hash::FxHashMap;
 /// Number of surface samples: the standard error of a share is then at most 0.5 %.
 const N_SAMPLES: usize = 10_000;
 
-/// Distances beyond this, metres, are not told apart.
+/// Distances beyond this, metres, are not distinguished.
 const FAR: f64 = 0.005;
 
 /// Surface coverage: the share of samples of the true surface, uniform by area, with a measured point nearby.
@@ -20,7 +20,7 @@ pub struct SurfaceCoverage {
     samples: Vec<DVec3>,
     /// Squared distance to the nearest measured point so far, infinite beyond `FAR`.
     nearest_sq: Vec<f64>,
-    /// The samples in and around every cell of size `FAR`: a point asks one cell, not 27.
+    /// The samples in and around every cell of size `FAR`: a point looks up one cell, not 27.
     cells: FxHashMap<IVec3, Vec<u32>>,
     /// Points outside, on the walls behind the object, are near no sample.
     bounds: Aabb,

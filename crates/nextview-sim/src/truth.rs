@@ -1,4 +1,4 @@
-//! What is really there, and what each view candidate would really see of it.
+//! The true object, and the part of it that each view candidate would truly see.
 
 use crate::SimError;
 use crate::camera::SimulatedCamera;
@@ -15,13 +15,14 @@ use rayon::prelude::*;
 /// The seed of all samples of the true surface; fixed, so that the truth is the same in every scan.
 pub(crate) const SEED: u64 = 0;
 
-/// Surface samples per voxel face: enough that hardly a voxel that the surface crosses stays without.
+/// Surface samples per voxel face: enough that hardly any voxel that the surface crosses has none.
 const SAMPLES_PER_FACE: f64 = 16.0;
 
-/// Most samples, for voxels that are tiny beside the object.
+/// Maximum number of samples, for voxels that are tiny beside the object.
 const MAX_SAMPLES: f64 = 8e6;
 
-/// The voxels of the true surface: those that hold at least one of many samples, uniform by area (as in the paper).
+/// The voxels of the true surface: those that hold at least one of many samples, uniform by area (as in the
+/// paper).
 #[derive(Clone, Debug)]
 pub struct ObjectVoxels {
     lattice: Lattice,
@@ -124,8 +125,8 @@ impl VoxelScore {
     }
 }
 
-/// What every view candidate truly sees: the knowledge of the clairvoyant planner and of no other. A camera with noise loses
-/// the same pixels here as when it takes its frame.
+/// The object voxels that every view candidate truly sees: only the clairvoyant planner knows them. A camera
+/// with noise loses the same pixels here as when it takes its frame.
 #[derive(Clone, Debug)]
 pub struct TrueVisibility {
     /// Object voxels that each view sees.
@@ -135,7 +136,8 @@ pub struct TrueVisibility {
 }
 
 impl TrueVisibility {
-    /// Takes an image of the object from every candidate. `progress` is told of every finished view, from several threads.
+    /// Takes an image of the object from every candidate. `progress` is called after each view, from several
+    /// threads.
     pub fn new(
         camera: &SimulatedCamera,
         object: &ObjectVoxels,
@@ -153,8 +155,8 @@ impl TrueVisibility {
         Self::of_seen(seen).ok_or_else(|| SimError::format("views", what))
     }
 
-    /// From what each view sees of the object, in whatever parts that is counted, of which there are as many for every view;
-    /// none if no view sees any.
+    /// From the parts of the object that each view sees, in any unit, with the same number of parts for every
+    /// view; none if no view sees any.
     pub fn of_seen(seen: Vec<FixedBitSet>) -> Option<Self> {
         let mut reachable = FixedBitSet::new();
         seen.iter().for_each(|seen| reachable.union_with(seen));

@@ -52,20 +52,20 @@ impl<'a> Cdr<'a> {
         Ok(values)
     }
 
-    /// A list of numbers after its length.
+    /// A list of numbers, preceded by its length.
     pub fn f64_list(&mut self) -> Result<Vec<f64>, RecordingError> {
         let length = self.u32()?;
-        // Nothing is reserved on the word of a length: reading fails where the message ends.
+        // No memory is reserved on the basis of a length: reading fails where the message ends.
         (0..length).map(|_| self.f64()).collect()
     }
 
-    /// Bytes after their number.
+    /// Bytes, preceded by their number.
     pub fn bytes(&mut self) -> Result<&'a [u8], RecordingError> {
         let length = self.u32()?;
         self.cursor.take(length as usize)
     }
 
-    /// A text after its length, which counts the zero at its end.
+    /// A text, preceded by its length, which counts the zero at its end.
     pub fn text(&mut self) -> Result<&'a str, RecordingError> {
         let bytes = self.bytes()?;
         let text = bytes.strip_suffix(&[0]).unwrap_or(bytes);

@@ -1,5 +1,4 @@
 use super::cursor::Cursor;
-use super::file::text;
 use crate::RecordingError;
 use std::io::Read;
 
@@ -9,7 +8,7 @@ pub(super) fn records(content: &[u8]) -> Result<Vec<u8>, RecordingError> {
     cursor.take(8 + 8)?; // times of the first and the last message
     let size = u64::from_le_bytes(cursor.array()?);
     let crc = u32::from_le_bytes(cursor.array()?);
-    let compression = text(&mut cursor)?;
+    let compression = cursor.text()?;
     let length = u64::from_le_bytes(cursor.array()?);
     let packed = cursor.take(usize::try_from(length).unwrap_or(usize::MAX))?;
     let plain = decompressed(compression, packed, size)?;

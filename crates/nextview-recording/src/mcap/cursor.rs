@@ -12,12 +12,12 @@ impl<'a> Cursor<'a> {
         Self { bytes, at: 0 }
     }
 
-    /// How many bytes were read.
+    /// Number of bytes read.
     pub fn at(&self) -> usize {
         self.at
     }
 
-    /// What is left.
+    /// The unread bytes.
     pub fn rest(&self) -> &'a [u8] {
         &self.bytes[self.at..]
     }
@@ -35,5 +35,12 @@ impl<'a> Cursor<'a> {
     /// The next `N` bytes.
     pub fn array<const N: usize>(&mut self) -> Result<[u8; N], RecordingError> {
         Ok(self.take(N)?.try_into().expect("as many were taken"))
+    }
+
+    /// A text, preceded by its length.
+    pub fn text(&mut self) -> Result<&'a str, RecordingError> {
+        let length = u32::from_le_bytes(self.array()?);
+        str::from_utf8(self.take(length as usize)?)
+            .map_err(|_| RecordingError::Content("a name is no text (UTF-8)".into()))
     }
 }

@@ -1,7 +1,7 @@
 //! The container: records in a file, one after the other, most of them in compressed chunks (mcap.dev/spec).
 //!
-//! A reader of our own: the crate `mcap` takes 26 s of CPU time to build with its dependencies, decompresses with C code, and
-//! wants the whole file in memory; we need four kinds of records.
+//! A reader of our own: the crate `mcap` takes 26 s of CPU time to build with its dependencies, decompresses
+//! with C code, and wants the whole file in memory; we need four kinds of records.
 
 use super::chunk;
 use super::cursor::Cursor;
@@ -21,7 +21,7 @@ pub(crate) struct Place {
     in_chunk: Option<usize>,
 }
 
-/// The records that say something of messages.
+/// The records that concern messages.
 #[derive(Debug)]
 pub(super) enum Record<'a> {
     Schema { id: u16, name: &'a str },
@@ -37,7 +37,7 @@ struct Records {
     size: u64,
 }
 
-/// What a record's first byte says.
+/// Values of a record's first byte.
 mod opcode {
     pub const SCHEMA: u8 = 0x03;
     pub const CHANNEL: u8 = 0x04;
@@ -46,7 +46,7 @@ mod opcode {
     pub const DATA_END: u8 = 0x0f;
 }
 
-/// Shows every schema, channel and message, in the order of the file, until the end of its data.
+/// Visits every schema, channel and message, in the order of the file, until the end of its data.
 pub(super) fn walk(
     path: &Path,
     mut visit: impl FnMut(Place, Record<'_>) -> Result<(), RecordingError>,
@@ -109,16 +109,16 @@ fn show(
     parse(opcode, content)?.map_or(Ok(()), |record| visit(place, record))
 }
 
-/// A record; none of a kind that does not matter here.
+/// A record; none if its kind is not needed here.
 fn parse(opcode: u8, content: &[u8]) -> Result<Option<Record<'_>>, RecordingError> {
     let mut cursor = Cursor::new(content);
     Ok(Some(match opcode {
-        opcode::SCHEMA => Record::Schema { id: short(&mut cursor)?, name: text(&mut cursor)? },
+        opcode::SCHEMA => Record::Schema { id: short(&mut cursor)?, name: cursor.text()? },
         opcode::CHANNEL => Record::Channel {
             id: short(&mut cursor)?,
             schema: short(&mut cursor)?,
-            topic: text(&mut cursor)?,
-            encoding: text(&mut cursor)?,
+            topic: cursor.text()?,
+            encoding: cursor.text()?,
         },
         opcode::MESSAGE => {
             let channel = short(&mut cursor)?;
@@ -137,13 +137,6 @@ fn next_in_chunk<'a>(cursor: &mut Cursor<'a>) -> Result<(u8, &'a [u8]), Recordin
 
 fn short(cursor: &mut Cursor<'_>) -> Result<u16, RecordingError> {
     Ok(u16::from_le_bytes(cursor.array()?))
-}
-
-/// A text after its length.
-pub(super) fn text<'a>(cursor: &mut Cursor<'a>) -> Result<&'a str, RecordingError> {
-    let length = u32::from_le_bytes(cursor.array()?);
-    str::from_utf8(cursor.take(length as usize)?)
-        .map_err(|_| RecordingError::Content("a name is no text (UTF-8)".into()))
 }
 
 impl Records {
@@ -173,7 +166,7 @@ impl Records {
         if length > left - HEAD {
             return Err(self.cut());
         }
-        // No more than the file holds, whatever the record says.
+        // No more than the file holds, whatever the record states.
         let mut content = vec![0; length as usize];
         self.file.read_exact(&mut content)?;
         self.byte += HEAD + length;

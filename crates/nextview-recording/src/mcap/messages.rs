@@ -1,4 +1,5 @@
-//! The ROS 2 messages that matter: `sensor_msgs/msg/CameraInfo`, `sensor_msgs/msg/Image`, `geometry_msgs/msg/PoseStamped`.
+//! The ROS 2 messages that are read: `sensor_msgs/msg/CameraInfo`, `sensor_msgs/msg/Image`,
+//! `geometry_msgs/msg/PoseStamped`.
 
 use super::cdr::Cdr;
 use crate::depth_png::check_size;
@@ -7,7 +8,7 @@ use glam::{DQuat, DVec2, DVec3};
 use nextview::geometry::Pose;
 use nextview::sensor::{DepthImage, Distortion, Intrinsics};
 
-/// When the content was taken, seconds; and the name of its frame, which is read past.
+/// When the content was taken, seconds; and the name of its frame, which is skipped.
 fn stamp(cdr: &mut Cdr<'_>) -> Result<f64, RecordingError> {
     let (seconds, nanoseconds) = (cdr.i32()?, cdr.u32()?);
     cdr.text()?;
@@ -77,8 +78,8 @@ impl<'a> Image<'a> {
         matches!(self.encoding, "16UC1" | "32FC1")
     }
 
-    /// The depth. Of depths in metres, those that are infinite are missing, since that says only that they are beyond an
-    /// unknown range.
+    /// The depth. Of depths in metres, those that are infinite are missing, since that says only that they
+    /// are beyond an unknown range.
     pub fn depth(&self, intrinsics: &Intrinsics) -> Result<DepthImage, RecordingError> {
         check_size(self.width, self.height, intrinsics)?;
         if self.encoding == "16UC1" {

@@ -7,7 +7,8 @@ pub fn jpeg(width: u16, height: u16, color: impl Fn(u16, u16) -> [u8; 3]) -> Vec
     let [[h1, h0], [w1, w0]] = [height.to_be_bytes(), width.to_be_bytes()];
     let components = [1, 0x11, 0, 2, 0x11, 0, 3, 0x11, 0]; // all of full resolution
     segment(&mut file, 0xc0, &[&[8, h1, h0, w1, w0, 3][..], &components].concat());
-    // Twelve sizes of 4 bits each for the mean of a block; for all else a single bit, which says that there is nothing else.
+    // Twelve sizes of 4 bits each for the mean of a block; for all else a single bit, which says that there
+    // is nothing else.
     let sizes: Vec<u8> = (0..12).collect();
     segment(&mut file, 0xc4, &[&[0x00, 0, 0, 0, 12][..], &[0; 12], &sizes].concat());
     segment(&mut file, 0xc4, &[&[0x10, 1][..], &[0; 15], &[0x00]].concat());

@@ -8,7 +8,6 @@ mod data;
 #[cfg(test)]
 mod faults;
 #[cfg(test)]
-mod journal;
 #[cfg(test)]
 mod jpeg;
 #[cfg(test)]

@@ -1,9 +1,9 @@
-//! Objects that need no file, for examples, tests and a first look: 0.15 to 0.2 m large, standing on z = 0, centred
-//! in x and y.
+//! Objects that need no file, for examples, tests and a first look: 0.15 to 0.2 m large, standing on z = 0,
+//! centred in x and y.
 //!
-//! Each of those with a name of its own is a signed distance function (negative inside), meshed by surface nets; so its
-//! surface is closed, smooth, and has no parts hidden inside the material. Beside them there is a
-//! [random object](random_object) for every seed, by the name `random-SEED`.
+//! Each of those with a name of its own is a signed distance function (negative inside), meshed by surface
+//! nets; so its surface is closed, smooth, and has no parts hidden inside the material. Beside them there is
+//! a [random object](random_object) for every seed, by the name `random-SEED`.
 
 mod bracket;
 mod mug;
@@ -16,13 +16,13 @@ use crate::mesh::TriangleMesh;
 use crate::random_object::random_object;
 use glam::DVec3;
 
-/// The names of the objects, but for the endlessly many random ones.
+/// The names of the objects, except the random ones.
 pub fn names() -> impl Iterator<Item = &'static str> {
     OBJECTS.iter().map(|(name, _)| *name)
 }
 
-/// The object with this name, one of [`names`] or `random-SEED` with a whole number below 2^64; none if there is no such
-/// object.
+/// The object with this name, one of [`names`] or `random-SEED` with a whole number below 2^64; none if there
+/// is no such object.
 ///
 /// ```
 /// let mug = nextview_sim::builtin::by_name("mug").unwrap();

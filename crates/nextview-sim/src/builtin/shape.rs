@@ -1,5 +1,6 @@
-//! Signed distances to simple bodies, and ways to join them: metres, negative inside. Outside of a body the value may
-//! be smaller than the true distance, never larger by much (Quilez, "distance functions", gives the formulas).
+//! Signed distances to simple bodies, and ways to join them: metres, negative inside. Outside of a body the
+//! value may be smaller than the true distance, never larger by much (Quilez, "distance functions", gives the
+//! formulas).
 
 use glam::{DVec2, DVec3};
 
@@ -38,7 +39,8 @@ pub(super) fn line(p: DVec2, points: &[DVec2]) -> f64 {
     flat.sqrt()
 }
 
-/// Points of a cubic Bezier curve, `n + 1` of them, with a radius that changes evenly from one end to the other.
+/// Points of a cubic Bezier curve, `n + 1` of them, with a radius that changes evenly from one end to the
+/// other.
 pub(super) fn bezier(control: [DVec3; 4], radius: [f64; 2], n: usize) -> Vec<(DVec3, f64)> {
     (0..=n)
         .map(|i| {

@@ -3,12 +3,13 @@
 use crate::mesh::TriangleMesh;
 use glam::DVec3;
 use nextview::geometry::{Aabb, Lattice, VoxelBlock, VoxelKey};
-use nextview::model::surface_nets;
+use nextview::surface::surface_nets;
 
 /// Voxels per side of a part that is skipped if the surface is far from its middle.
 const PART: i32 = 4;
 
-/// The surface where `distance` is zero, which must lie more than a cell inside `bounds`; sides show outwards.
+/// The surface where `distance` is zero, which must lie more than a cell inside `bounds`; sides show
+/// outwards.
 ///
 /// Parts thinner than two cells may get holes. Distances may be too large by a fifth.
 pub(super) fn surface(bounds: Aabb, cell: f64, distance: impl Fn(DVec3) -> f64) -> TriangleMesh {
@@ -35,7 +36,8 @@ fn sample(lattice: &Lattice, block: &VoxelBlock, distance: impl Fn(DVec3) -> f64
     (0..block.n_voxels()).map(|i| at(block.key(i))).collect()
 }
 
-/// Moves a point onto the surface by Newton's method; at most half a cell, so that triangles do not fold over.
+/// Moves a point onto the surface by Newton's method; at most half a cell, so that triangles do not fold
+/// over.
 fn onto_surface(start: DVec3, cell: f64, distance: &impl Fn(DVec3) -> f64) -> DVec3 {
     let mut p = start;
     for _ in 0..2 {

@@ -1,24 +1,58 @@
-use super::SimulatedCamera;
+use super::simulated_camera::SimulatedCamera;
 use crate::noise::{DepthNoise, Readings, Use};
+use glam::DVec3;
 use nextview::Error;
-use nextview::geometry::Pose;
+use nextview::geometry::{Aabb, Pose};
 use nextview::sensor::{DepthImage, Frame};
 
-/// A frame, and what in it is the object.
+/// A frame, and its pixels of the object.
 #[derive(Clone, Debug)]
 pub struct Capture {
-    /// What the camera tells: all that a planner may know.
+    /// The measured frame: all that a planner may know.
     pub frame: Frame,
-    /// The same with those pixels alone in which the camera looks at the object; nothing comes back from the others.
+    /// The same with only the pixels that show the object; nothing comes back from the others.
     pub of_object: Frame,
     /// The exact depth of all pixels of the object that were measured, and the pose from which they were.
     pub truth: Frame,
 }
 
+impl SimulatedCamera {
+    /// Takes a depth image from a pose. The same pose always gives the same bits.
+    ///
+    /// Fails if there is a room and the camera stands outside.
+    pub fn capture(&self, world_from_camera: &Pose) -> Result<Frame, Error> {
+        capture(self, world_from_camera)
+    }
+
+    /// The same, with the pixels of the object and the true measurement.
+    pub fn capture_with_truth(&self, world_from_camera: &Pose) -> Result<Capture, Error> {
+        Capture::new(self, world_from_camera)
+    }
+
+    /// The points of the object that a [`capture`](Self::capture) from this pose would truly measure inside
+    /// the box, in world coordinates, row by row: those of [`Frame::points_in`] of [`Capture::truth`], in
+    /// less time because the camera knows every pixel's ray.
+    ///
+    /// Fails if there is a room and the camera stands outside.
+    pub fn points_in(
+        &self,
+        world_from_camera: &Pose,
+        bounds: Aabb,
+    ) -> Result<impl Iterator<Item = DVec3> + '_, Error> {
+        let depth = truly_measured(self, world_from_camera)?;
+        let (rotation, origin) = (world_from_camera.rotation_matrix(), world_from_camera.translation());
+        let pixels = depth.into_iter().zip(self.samples().ideal_points());
+        let surface = pixels.filter(|(depth, _)| depth.is_finite());
+        let points =
+            surface.map(move |(depth, ideal)| rotation * (ideal.extend(1.0) * depth as f64) + origin);
+        Ok(points.filter(move |point| bounds.contains(*point)))
+    }
+}
+
 impl Capture {
-    pub(super) fn new(camera: &SimulatedCamera, world_from_camera: &Pose) -> Result<Self, Error> {
+    fn new(camera: &SimulatedCamera, world_from_camera: &Pose) -> Result<Self, Error> {
         let exact = camera.render(world_from_camera)?;
-        let (told, readings) = told(camera, exact.all, world_from_camera);
+        let (told, readings) = reported(camera, exact.all, world_from_camera);
         let (shown, measured) = match readings {
             None => (exact.object.clone(), exact.object),
             Some(readings) => (readings.shown(&exact.object), readings.truly_measured(&exact.object)),
@@ -36,31 +70,35 @@ impl Capture {
 }
 
 /// [`Capture::frame`] alone.
-pub(super) fn capture(camera: &SimulatedCamera, world_from_camera: &Pose) -> Result<Frame, Error> {
+fn capture(camera: &SimulatedCamera, world_from_camera: &Pose) -> Result<Frame, Error> {
     let exact = camera.render_depth(world_from_camera)?;
-    let (told, _) = told(camera, exact, world_from_camera);
+    let (told, _) = reported(camera, exact, world_from_camera);
     frame(camera, told, &claimed(camera, world_from_camera)?)
 }
 
 /// The image of [`Capture::truth`] as plain numbers.
-pub(super) fn truly_measured(camera: &SimulatedCamera, world_from_camera: &Pose) -> Result<Vec<f32>, Error> {
-    let Some(noise) = &camera.noise.depth else { return camera.render_object(world_from_camera) };
+fn truly_measured(camera: &SimulatedCamera, world_from_camera: &Pose) -> Result<Vec<f32>, Error> {
+    let Some(noise) = &camera.noise().depth else { return camera.render_object(world_from_camera) };
     let exact = camera.render(world_from_camera)?;
     Ok(readings(camera, noise, &exact.all, world_from_camera).truly_measured(&exact.object))
 }
 
-/// What the camera tells of an exact image, and which pixels it reads if it has noise.
-fn told(camera: &SimulatedCamera, exact: Vec<f32>, world_from_camera: &Pose) -> (Vec<f32>, Option<Readings>) {
-    let Some(noise) = &camera.noise.depth else { return (exact, None) };
+/// The measurement of an exact image, and the pixels that are read if there is noise.
+fn reported(
+    camera: &SimulatedCamera,
+    exact: Vec<f32>,
+    world_from_camera: &Pose,
+) -> (Vec<f32>, Option<Readings>) {
+    let Some(noise) = &camera.noise().depth else { return (exact, None) };
     let readings = readings(camera, noise, &exact, world_from_camera);
-    let mut random = camera.noise.random(world_from_camera, Use::Axial);
-    (readings.told(noise, &exact, &mut random), Some(readings))
+    let mut random = camera.noise().random(world_from_camera, Use::Axial);
+    (readings.reported(noise, &exact, &mut random), Some(readings))
 }
 
 /// The pose that the camera claims.
 fn claimed(camera: &SimulatedCamera, world_from_camera: &Pose) -> Result<Pose, Error> {
-    let mut random = camera.noise.random(world_from_camera, Use::Pose);
-    camera.noise.pose.claimed(world_from_camera, &mut random)
+    let mut random = camera.noise().random(world_from_camera, Use::Pose);
+    camera.noise().pose.claimed(world_from_camera, &mut random)
 }
 
 fn readings(
@@ -69,12 +107,12 @@ fn readings(
     exact: &[f32],
     world_from_camera: &Pose,
 ) -> Readings {
-    let mut random = camera.noise.random(world_from_camera, Use::Readings);
-    Readings::new(noise, exact, &camera.intrinsics, &mut random)
+    let mut random = camera.noise().random(world_from_camera, Use::Readings);
+    Readings::new(noise, exact, camera.intrinsics(), &mut random)
 }
 
 fn frame(camera: &SimulatedCamera, depth: Vec<f32>, world_from_camera: &Pose) -> Result<Frame, Error> {
-    let intrinsics = camera.intrinsics;
+    let intrinsics = *camera.intrinsics();
     let image = DepthImage::from_metres(intrinsics.width(), intrinsics.height(), depth)?;
-    Frame::new(image, intrinsics, *world_from_camera, camera.range)
+    Frame::new(image, intrinsics, *world_from_camera, camera.range())
 }

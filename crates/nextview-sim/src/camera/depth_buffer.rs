@@ -2,8 +2,8 @@ use super::chunk::{Chunk, LANES};
 use super::pixel_box::PixelBox;
 use super::samples::Samples;
 
-/// The nearest surface found so far at every sample, and bounds for square tiles of the image which tell quickly what
-/// is hidden (a hierarchical z-buffer of two levels: Greene, Kass & Miller 1993).
+/// The nearest surface found so far at every sample, and bounds for square tiles of the image which quickly
+/// identify hidden parts (a hierarchical z-buffer of two levels: Greene, Kass & Miller 1993).
 pub(super) struct DepthBuffer {
     /// 1 / depth in the order of the samples: 0 where there is no surface, infinite where there is no sample.
     nearest: Vec<Chunk>,
@@ -26,7 +26,7 @@ impl DepthBuffer {
         &mut self.nearest
     }
 
-    /// Gives them away.
+    /// Returns the samples and consumes the buffer.
     pub fn into_nearest(self) -> Vec<Chunk> {
         self.nearest
     }
@@ -69,7 +69,7 @@ mod tests {
     use nextview::geometry::random::Random;
     use nextview::sensor::Intrinsics;
 
-    /// The dumb twin: look at all samples.
+    /// The dumb twin: check all samples.
     #[test]
     fn hides_only_what_every_sample_hides() {
         let (width, height) = (43, 27);

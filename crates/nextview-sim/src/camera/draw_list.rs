@@ -3,10 +3,11 @@ use crate::mesh::TriangleMesh;
 use glam::DVec3;
 use std::ops::Range;
 
-/// A mesh in the order in which it is drawn: cut into clusters of triangles that lie close together, so that what is
-/// hidden or outside the image is passed over in large pieces, and all work on one piece stays in the cache.
+/// A mesh in the order in which it is drawn: cut into clusters of triangles that lie close together, so that
+/// parts that are hidden or outside the image are skipped in large pieces, and all work on one piece stays in
+/// the cache.
 ///
-/// The vertices stand in chunks, the last one of a cluster filled up with its first vertex.
+/// The vertices are stored in chunks; the last chunk of a cluster is filled up with its first vertex.
 #[derive(Default)]
 pub(super) struct DrawList {
     pub vertices: Vec<[Chunk; 3]>,
@@ -22,7 +23,7 @@ pub(super) struct Cluster {
     pub triangles: Range<usize>,
     /// The middle of the vertices' box.
     pub center: DVec3,
-    /// No edge is longer, metres.
+    /// Upper bound on the length of its edges, metres.
     pub longest_edge: f64,
 }
 
@@ -89,8 +90,8 @@ impl DrawList {
     }
 }
 
-/// Sorts triangles so that every run of [`Cluster::MAX_TRIANGLES`] lies close together: halves them along the longest
-/// side of their box until they are such a run.
+/// Sorts triangles so that every run of [`Cluster::MAX_TRIANGLES`] lies close together: halves them along the
+/// longest side of their box until they are such a run.
 fn sort_into_clusters(triangles: &mut [(DVec3, usize)]) {
     if triangles.len() <= Cluster::MAX_TRIANGLES {
         return;

@@ -4,11 +4,12 @@ use super::polynomial::Polynomial;
 use glam::DVec2;
 use nextview::sensor::{Distortion, Intrinsics};
 
-/// Tells which pixels lie near a point of the ideal plane z = 1, without the lens model, which is slow to invert and
-/// has no answer everywhere.
+/// Finds the pixels that lie near a point of the ideal plane z = 1, without the lens model, which is slow to
+/// invert and does not have an answer everywhere.
 ///
-/// The position of a point in the image is that of an ideal pinhole camera plus, for a real lens, a polynomial.
-/// How far that is from the truth is known for every sample, since each was tried; so no sample is ever missed.
+/// The position of a point in the image is that of an ideal pinhole camera plus, for a real lens, a
+/// polynomial. The error of this is known for every sample, since each was tested; so no sample is ever
+/// missed.
 pub(super) struct Locator {
     focal: DVec2,
     center: DVec2,
@@ -19,9 +20,10 @@ pub(super) struct Locator {
     error: f64,
 }
 
-/// What the lens adds to a pinhole camera's position.
+/// The deviation of the lens from a pinhole camera's position.
 struct Bend {
-    /// Takes the box around all samples to the square -1..1. Outside the value of the nearest point inside holds.
+    /// Takes the box around all samples to the square -1..1. Outside the value of the nearest point inside
+    /// holds.
     middle: DVec2,
     half: DVec2,
     per_half: DVec2,
@@ -49,7 +51,7 @@ impl Locator {
             let pairs =
                 some.map(|&(pixel, ideal)| ((ideal - middle) * per_half, pixel - locator.position(ideal)));
             let bend = Bend { middle, half, per_half, pixels: Polynomial::fit(pairs) };
-            // Lenses beyond all measure overflow; what the pinhole camera lacks then counts as error.
+            // Extreme lenses overflow; the deviation from the pinhole camera then counts as error.
             locator.bend = Some(bend).filter(|bend| bend.pixels.steepest().is_finite());
         }
         let error_of =
@@ -58,9 +60,10 @@ impl Locator {
         Some(Self { error, ..locator })
     }
 
-    /// The margin for [`box_of`](Self::box_of), in pixels, with which the joined boxes of a triangle's corners hold
-    /// every sample inside the triangle. The triangle's extent along both axes must be at most `extent`, in the ideal plane,
-    /// and `reach` at least as large as the [`reach`](Self::reach) of each corner.
+    /// The margin for [`box_of`](Self::box_of), in pixels, with which the joined boxes of a triangle's
+    /// corners hold every sample inside the triangle. The triangle's extent along both axes must be at most
+    /// `extent`, in the ideal plane, and `reach` at least as large as the [`reach`](Self::reach) of each
+    /// corner.
     pub fn margin(&self, extent: f64, reach: f64) -> f64 {
         let bending = self.bend.as_ref().map_or(0.0, |bend| {
             let step = (extent / bend.half.min_element()).min(2.0);
@@ -72,7 +75,7 @@ impl Locator {
         bending + self.error + Self::SLACK
     }
 
-    /// Raises `reach` to how far out points lie: at most 1 within the box around all samples.
+    /// Raises `reach` to the extent of the points: at most 1 within the box around all samples.
     #[inline(always)]
     pub fn reach(&self, x: &Chunk, y: &Chunk, reach: &mut Chunk) {
         if let Some(bend) = &self.bend {
@@ -101,7 +104,7 @@ impl Locator {
         std::array::from_fn(|i| PixelBox::new([first_u[i], first_v[i]], [end_u[i], end_v[i]]))
     }
 
-    /// Where in the image, in pixels, a point is seen.
+    /// Position of a point in the image, pixels.
     #[inline(always)]
     fn position(&self, ideal: DVec2) -> DVec2 {
         let pinhole = ideal * self.focal + self.center;
@@ -126,8 +129,8 @@ impl Bend {
     }
 }
 
-/// The whole number nearest to a value, at least 0 and at most `limit`: in the last bits of the value plus 2^52. This
-/// takes fewer instructions than a cast, which looks after NaN, and than `floor`.
+/// The whole number nearest to a value, at least 0 and at most `limit`: in the last bits of the value plus
+/// 2^52. This takes fewer instructions than a cast, which handles NaN, and than `floor`.
 #[inline(always)]
 fn rounded(value: f64, limit: f64) -> i32 {
     let clamped = larger(smaller(value, limit), 0.0);
@@ -176,7 +179,7 @@ mod tests {
         assert!(margin < 0.15, "the polynomial fits the lens only within {margin} pixels");
     }
 
-    /// The dumb twin: look at all samples.
+    /// The dumb twin: check all samples.
     #[test]
     fn a_box_holds_every_sample_in_a_triangle() {
         let strong = Distortion::BrownConrady([-0.2, 0.05, 0.01, -0.01, 0.0]);

@@ -2,8 +2,8 @@ use std::ops::Range;
 
 /// A rectangle of pixels.
 ///
-/// Four numbers of which the last two are negative: first column, first row, and the negative of the column and row
-/// after the last. So two boxes are joined by one minimum of vectors.
+/// Four numbers: first column, first row, and the negated column and row after the last. So two boxes are
+/// joined by one minimum of vectors.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct PixelBox([i32; 4]);
 

@@ -1,6 +1,6 @@
 use glam::DVec2;
 
-/// The highest power: with 5 the D435i's lens is met to 0.1 pixels, with 3 to 2.6 and with 7 to 0.05.
+/// The highest power: with 5 the D435i's lens is fitted to 0.1 pixels, with 3 to 2.6 and with 7 to 0.05.
 const DEGREE: usize = 5;
 
 const N_TERMS: usize = (DEGREE + 1) * (DEGREE + 2) / 2;
@@ -46,8 +46,8 @@ impl Polynomial {
         self.sum(|i, j| i + j)
     }
 
-    /// In the square, no component departs by more than `s * s` times this from its tangent after a step of length
-    /// `s` along both axes.
+    /// In the square, no component departs by more than `s * s` times this from its tangent after a step of
+    /// length `s` along both axes.
     pub fn most_bent(&self) -> f64 {
         0.5 * self.sum(|i, j| (i + j) * (i + j).saturating_sub(1))
     }
@@ -86,8 +86,9 @@ fn terms(point: DVec2) -> [f64; N_TERMS] {
     terms
 }
 
-/// Gauss-Jordan elimination, after which the last two columns hold the solutions. The matrix of normal equations
-/// needs no pivoting; its diagonal grows a little, so that there is a solution for points that lie on a line.
+/// Gauss-Jordan elimination, after which the last two columns hold the solutions. The matrix of normal
+/// equations needs no pivoting; its diagonal grows a little, so that there is a solution for points that lie
+/// on a line.
 fn solve(rows: &mut [[f64; N_TERMS + 2]; N_TERMS]) {
     for k in 0..N_TERMS {
         rows[k][k] += 1e-12 * rows[0][0];

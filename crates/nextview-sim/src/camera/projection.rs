@@ -90,7 +90,8 @@ impl ProjectedCluster {
         self.nearest = nearest.into_iter().fold(0.0, larger);
         self.farthest = farthest.into_iter().fold(f64::INFINITY, smaller);
         let reach = reach.into_iter().fold(0.0, larger);
-        // Between the ends of an edge x/z changes by the change of x over z, and by x/z times the change of z over z.
+        // Between the ends of an edge x/z changes by the change of x over z, and by x/z times the change of z
+        // over z.
         let extent = cluster.longest_edge * self.nearest * (1.0 + locator.farthest(reach));
         let margin = locator.margin(extent, reach);
         for i in 0..n {

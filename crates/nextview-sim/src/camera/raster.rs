@@ -1,10 +1,10 @@
-//! A z-buffer rasteriser that loses no hit: a sample point is covered by a triangle if it lies on the same side of
-//! its three edges or on one of them (Pineda 1988). The side is computed so that the two triangles at an edge
-//! always get opposite answers, and a point on a corner gets an exact zero; so no sample falls between
-//! neighbours, whatever is rounded.
+//! A z-buffer rasteriser that loses no hit: a sample point is covered by a triangle if it lies on the same
+//! side of its three edges or on one of them (Pineda 1988). The side is computed so that the two triangles at
+//! an edge always get opposite answers, and a point on a corner gets an exact zero; so no sample falls
+//! between neighbours, regardless of rounding.
 //!
-//! The image is the same in whatever order the triangles are drawn, and whichever hidden ones are left out. So the
-//! clusters nearest to the camera come first, and those that they hide are not drawn.
+//! The image is the same in whatever order the triangles are drawn, and whichever hidden ones are left out.
+//! So the clusters nearest to the camera come first, and those that they hide are not drawn.
 
 use super::chunk::{Chunk, LANES};
 use super::clip::clip;
@@ -18,7 +18,8 @@ use nextview::geometry::Pose;
 use pulp::{Arch, Simd, WithSimd};
 use std::ops::Range;
 
-/// 1 / depth of the nearest surface at every sample; 0 where there is none, infinite where there is no sample.
+/// 1 / depth of the nearest surface at every sample; 0 where there is none, infinite where there is no
+/// sample.
 pub(super) fn nearest_surfaces(samples: &Samples, list: &DrawList, world_from_camera: &Pose) -> Vec<Chunk> {
     let to_camera = ToCamera::new(world_from_camera);
     Arch::new().dispatch(Raster { samples, list, to_camera })
@@ -128,8 +129,8 @@ fn draw(samples: &Samples, nearest: &mut [Chunk], pixels: PixelBox, corners: [Pr
     }
 }
 
-/// Draws a triangle at some of the samples of a chunk. The others are left out because rounding may put them into a
-/// triangle seen edge-on that ends before them.
+/// Draws a triangle at some of the samples of a chunk. The others are left out because rounding may put them
+/// into a triangle seen edge-on that ends before them.
 #[inline(always)]
 fn draw_chunk(x: &Chunk, y: &Chunk, nearest: &mut Chunk, lanes: Range<i64>, [a, b, c]: &[Projected; 3]) {
     for i in 0..LANES {

@@ -3,12 +3,13 @@ use super::locator::Locator;
 use glam::DVec2;
 use nextview::sensor::Intrinsics;
 
-/// The image as a set of sample points in the ideal plane z = 1, one for each pixel centre, row by row in chunks.
+/// The image as a set of sample points in the ideal plane z = 1, one for each pixel centre, row by row in
+/// chunks.
 pub(super) struct Samples {
     size: [usize; 2],
     chunks_in_row: usize,
-    /// Ideal coordinates; NaN, which is in no triangle, for pixels without an answer of the lens model and for the
-    /// rest of a row's last chunk.
+    /// Ideal coordinates; NaN, which is in no triangle, for pixels without an answer of the lens model and
+    /// for the rest of a row's last chunk.
     x: Vec<Chunk>,
     y: Vec<Chunk>,
     blank: Vec<Chunk>,

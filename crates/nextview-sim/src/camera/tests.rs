@@ -1,14 +1,18 @@
 //! The rasteriser against its dumb twin, which intersects the ray of every pixel with every triangle.
 
+use super::projection;
 use super::*;
+use crate::mesh::TriangleMesh;
 use glam::{DMat3, DQuat, DVec2, DVec3};
 use nextview::geometry::random::Random;
-use nextview::sensor::{Depth, Distortion};
+use nextview::geometry::{Aabb, Pose};
+use nextview::sensor::{Depth, Distortion, Intrinsics};
+use std::sync::Arc;
 
 /// Closeness to a triangle's edge, in the plane z = 1, within which twin and rasteriser may differ.
 const EDGE: f64 = 1e-9;
 
-/// What the twin found along one ray.
+/// The crossing that the twin found along one ray.
 struct Crossing {
     depth: f64,
     /// Whether any triangle's edge is close to the ray.
@@ -34,17 +38,18 @@ fn intersect(direction: DVec3, [a, b, c]: [DVec3; 3]) -> Option<Crossing> {
     (margin > -EDGE && depth > 0.0).then_some(Crossing { depth, is_near_edge })
 }
 
-/// Depth of every pixel by brute force; none where the nearest crossing is too close to an edge to tell.
+/// Depth of every pixel by brute force; none where the nearest crossing is too close to an edge to be
+/// certain.
 fn brute_force(camera: &SimulatedCamera, world_from_camera: &Pose) -> Vec<Option<f64>> {
     let camera_from_world = world_from_camera.inverse();
-    let triangles: Vec<[DVec3; 3]> = (0..camera.mesh.triangles().len())
-        .map(|i| camera.mesh.corners(i).map(|v| camera_from_world.transform_point(v)))
+    let triangles: Vec<[DVec3; 3]> = (0..camera.mesh().triangles().len())
+        .map(|i| camera.mesh().corners(i).map(|v| camera_from_world.transform_point(v)))
         .collect();
-    let width = camera.intrinsics.width();
-    (0..camera.intrinsics.n_pixels() as u32)
+    let width = camera.intrinsics().width();
+    (0..camera.intrinsics().n_pixels() as u32)
         .map(|i| {
             let pixel = DVec2::new((i % width) as f64, (i / width) as f64);
-            let Some(ideal) = camera.intrinsics.deproject(pixel) else { return Some(f64::NAN) };
+            let Some(ideal) = camera.intrinsics().deproject(pixel) else { return Some(f64::NAN) };
             let crossings = triangles.iter().filter_map(|&t| intersect(ideal.extend(1.0), t));
             let mut nearest = Crossing { depth: f64::INFINITY, is_near_edge: false };
             for crossing in crossings.filter(|c| c.depth >= projection::MIN_DEPTH - EDGE) {
@@ -98,13 +103,13 @@ fn random_rotation(random: &mut Random) -> DQuat {
     DQuat::from_xyzw(part(), part(), part(), part()).normalize()
 }
 
-/// A pose at `eye` that looks towards `target`.
-pub(super) fn look_at(eye: DVec3, target: DVec3) -> Pose {
-    let forward = (target - eye).normalize();
+/// A pose at `camera_position` that looks towards `target`.
+pub(super) fn look_at(camera_position: DVec3, target: DVec3) -> Pose {
+    let forward = (target - camera_position).normalize();
     let up = if forward.z.abs() < 0.99 { DVec3::Z } else { DVec3::X };
     let right = forward.cross(up).normalize();
     let basis = DMat3::from_cols(right, forward.cross(right), forward);
-    Pose::new(DQuat::from_mat3(&basis), eye).unwrap()
+    Pose::new(DQuat::from_mat3(&basis), camera_position).unwrap()
 }
 
 /// Triangles of all sizes anywhere in a cube of half-side 1, around any camera in it.
@@ -162,8 +167,8 @@ fn agrees_with_brute_force_on_a_closed_surface_from_outside_and_inside() {
     for intrinsics in optics() {
         let camera = camera(ball(9), intrinsics);
         for distance in [0.3, 0.15, 0.102, 0.09] {
-            let eye = random.in_cube().normalize() * distance;
-            assert!(check(&camera, &look_at(eye, 0.02 * random.in_cube())) > 100);
+            let camera_position = random.in_cube().normalize() * distance;
+            assert!(check(&camera, &look_at(camera_position, 0.02 * random.in_cube())) > 100);
         }
     }
 }
@@ -229,8 +234,8 @@ fn the_room_is_seen_behind_the_object_like_a_mesh() {
             SimulatedCamera::new(ball(9).into(), *intrinsics, Background::Room(room), 10.0).unwrap();
         let (alone, walls) = (camera(ball(9), *intrinsics), camera(cube(0.6), *intrinsics));
         for _ in 0..5 {
-            let eye = 0.5 * random.in_cube();
-            let pose = look_at(eye, DVec3::ZERO);
+            let camera_position = 0.5 * random.in_cube();
+            let pose = look_at(camera_position, DVec3::ZERO);
             let (object, wall) = (alone.render_depth(&pose).unwrap(), walls.render_depth(&pose).unwrap());
             for (i, depth) in with_room.render_depth(&pose).unwrap().into_iter().enumerate() {
                 let expected = if object[i].is_finite() { object[i] } else { wall[i] };

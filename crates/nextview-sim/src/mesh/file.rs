@@ -3,8 +3,8 @@ use super::{TriangleMesh, gltf, obj, off, ply, stl};
 use crate::SimError;
 use std::path::{Component, Path, PathBuf};
 
-/// A mesh as a file states it, in a unit that the file may not tell. [`to_metres`](Self::to_metres) makes it a
-/// [`TriangleMesh`].
+/// A mesh as a file states it, in a unit that the file may not name. [`to_metres`](Self::to_metres) makes it
+/// a [`TriangleMesh`].
 #[derive(Clone, Debug)]
 pub struct FileMesh {
     path: PathBuf,
@@ -16,12 +16,12 @@ pub struct FileMesh {
 
 /// Reads a mesh file: PLY, OBJ, STL, OFF (text), glTF or GLB, as its extension says.
 ///
-/// Polygons are cut into triangles that share their first corner. Normals, colours and textures are passed over.
-/// glTF is turned from y up to z up; the other formats define no axes and are left as they are. The file is read
-/// into memory as a whole.
+/// Polygons are cut into triangles that share their first corner. Normals, colours and textures are ignored.
+/// glTF is turned from y up to z up; the other formats define no axes and are left as they are. The file is
+/// read into memory as a whole.
 ///
-/// Fails if the file cannot be read, breaks its format, or holds no valid surface; the error names the file and
-/// the place.
+/// Fails if the file cannot be read, breaks its format, or holds no valid surface; the error names the file
+/// and the place.
 pub fn load(path: &Path) -> Result<FileMesh, SimError> {
     let in_file = |error| SimError::InFile { path: path.to_owned(), error: Box::new(error) };
     let extension = path.extension().unwrap_or_default().to_string_lossy().to_ascii_lowercase();
@@ -80,7 +80,8 @@ fn read(path: &Path) -> Result<Vec<u8>, SimError> {
     Ok(std::fs::read(path)?)
 }
 
-/// Reads the file that a relative URI names, from the folder of `path` or below: a mesh has no business elsewhere.
+/// Reads the file that a relative URI names, from the folder of `path` or below: a mesh has no business
+/// elsewhere.
 fn read_beside(path: &Path, uri: &str) -> Result<Vec<u8>, SimError> {
     let relative = PathBuf::from(decode_percent(uri));
     if relative.components().any(|part| !matches!(part, Component::Normal(_) | Component::CurDir)) {
@@ -92,7 +93,7 @@ fn read_beside(path: &Path, uri: &str) -> Result<Vec<u8>, SimError> {
     read(&path.with_file_name("").join(relative))
 }
 
-/// Replaces `%20` and its like; what is no valid code stays as it is.
+/// Replaces `%20` and its like; invalid codes stay as they are.
 fn decode_percent(uri: &str) -> String {
     let mut bytes = Vec::new();
     let mut rest = uri.as_bytes();

@@ -1,7 +1,7 @@
 //! Triangle meshes, the files they come in, and points on their surface.
 //!
-//! Start with [`TriangleMesh`], or with [`load`] for a file. The parsers are our own: they are short, name the line or
-//! byte where a file is broken, and never reserve memory on a header's word.
+//! Start with [`TriangleMesh`], or with [`load`] for a file. The parsers are our own: they are short, name
+//! the line or byte where a file is broken, and never reserve memory on a header's word.
 
 mod file;
 mod gltf;

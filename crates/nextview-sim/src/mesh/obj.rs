@@ -1,4 +1,4 @@
-//! Wavefront OBJ: positions and faces; everything else is passed over.
+//! Wavefront OBJ: positions and faces; everything else is skipped.
 
 use super::raw::RawMesh;
 use super::text::{Line, lines, shown};
@@ -20,8 +20,8 @@ pub(super) fn parse(bytes: &[u8]) -> Result<RawMesh, SimError> {
     Ok(mesh)
 }
 
-/// The vertex of a corner such as `7`, `7/2`, `7/2/3` or `-1`. Vertices count from 1, or backwards from the last one
-/// before the face.
+/// The vertex of a corner such as `7`, `7/2`, `7/2/3` or `-1`. Vertices count from 1, or backwards from the
+/// last one before the face.
 fn corner(line: &Line, word: &[u8], n_vertices: usize) -> Result<u32, SimError> {
     let number = word.split(|&byte| byte == b'/').next().unwrap_or_default();
     let stated: i64 = str::from_utf8(number)

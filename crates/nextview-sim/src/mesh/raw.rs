@@ -2,7 +2,7 @@ use super::TriangleMesh;
 use crate::SimError;
 use glam::DVec3;
 
-/// What a parser reads: vertices in the file's unit and triangles, nothing checked yet.
+/// The output of a parser: vertices in the file's unit and triangles, not checked yet.
 #[derive(Debug, Default)]
 pub(super) struct RawMesh {
     pub vertices: Vec<DVec3>,

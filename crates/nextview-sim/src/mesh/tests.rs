@@ -151,7 +151,7 @@ fn understands_units_by_size() {
     for side in ["2.1", "19.9"] {
         let message = scale(side, Unit::Auto).unwrap_err().to_string();
         assert!(
-            message.contains("mesh.obj") && message.contains(side) && message.contains("--size-m"),
+            message.contains("mesh.obj") && message.contains(side) && message.contains("size_m"),
             "{message}"
         );
         assert_eq!(scale(side, Unit::Metres).unwrap(), 1.0);
@@ -165,7 +165,7 @@ fn understands_units_by_size() {
     }
 }
 
-/// Runs a parser; all that matters is that it returns, and what it accepts can be checked.
+/// Runs a parser; it must return, and any mesh that it accepts must pass through the checks.
 fn survives(parse: fn(&[u8]) -> Result<RawMesh, SimError>, bytes: &[u8]) {
     if let Ok(raw) = parse(bytes) {
         assert!(raw.vertices.len() <= bytes.len() && raw.triangles.len() <= bytes.len());
@@ -232,11 +232,11 @@ proptest! {
 fn a_mesh_of_ours_reads_back_with_normals_and_colours_passed_over() {
     let mesh = crate::builtin::by_name("mug").unwrap();
     let (vertices, triangles) = (mesh.vertices().to_vec(), mesh.triangles().to_vec());
-    let ours = nextview::model::SurfaceMesh { vertices, triangles };
+    let ours = nextview::surface::SurfaceMesh { vertices, triangles };
     let mut points = ours.points();
     points.iter_mut().enumerate().for_each(|(i, point)| point.color = Some([i as u8, 2, 3]));
     let mut bytes = Vec::new();
-    nextview::model::write_mesh(&mut bytes, &points, &ours.triangles).unwrap();
+    nextview::surface::write_mesh(&mut bytes, &points, &ours.triangles).unwrap();
     let folder = Folder::new("ours");
     let (read, _) = load(&folder.write("mesh.ply", bytes)).unwrap().to_metres(Unit::Metres).unwrap();
     let singles: Vec<_> = ours.vertices.iter().map(|vertex| vertex.as_vec3().as_dvec3()).collect();
@@ -248,7 +248,7 @@ fn loads_the_meshes_of_the_test_data() {
     let default = concat!(env!("CARGO_MANIFEST_DIR"), "/../../../shared/data");
     let data = PathBuf::from(std::env::var("NEXTVIEW_DATA").unwrap_or(default.into())).join("meshes");
     let Ok(manifest) = std::fs::read_to_string(data.join("manifest.csv")) else {
-        // Not with `eprintln`, whose output the test runner shows of failed tests only.
+        // Not with `eprintln`, whose output the test runner shows only for failed tests.
         let name = "loads_the_meshes_of_the_test_data";
         writeln!(std::io::stderr(), "SKIPPED {name}: no manifest.csv in {}", data.display()).unwrap();
         return;

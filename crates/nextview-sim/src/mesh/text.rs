@@ -4,13 +4,14 @@ use crate::SimError;
 use glam::DVec3;
 use std::str::FromStr;
 
-/// A line that carries something, with its number counted from 1.
+/// A line with content, with its number counted from 1.
 pub(super) struct Line<'a> {
     pub number: usize,
     words: Vec<&'a [u8]>,
 }
 
-/// The lines of a text, without comments (from `#` on) and blank lines. The first has the number `first_number`.
+/// The lines of a text, without comments (from `#` on) and blank lines. The first has the number
+/// `first_number`.
 pub(super) fn lines(text: &[u8], first_number: usize) -> impl Iterator<Item = Line<'_>> {
     text.split(|&byte| byte == b'\n').enumerate().filter_map(move |(i, line)| {
         let code = line.split(|&byte| byte == b'#').next().unwrap_or_default();
@@ -51,7 +52,7 @@ impl<'a> Line<'a> {
     }
 }
 
-/// The start of some bytes, fit to stand in a message.
+/// The start of some bytes, fit for a message.
 pub(super) fn shown(bytes: &[u8]) -> String {
     String::from_utf8_lossy(&bytes[..bytes.len().min(40)]).into_owned()
 }

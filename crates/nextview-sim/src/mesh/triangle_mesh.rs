@@ -4,8 +4,8 @@ use nextview::geometry::{Aabb, Pose};
 
 /// A surface made of triangles, in metres.
 ///
-/// Always has at least one triangle; every triangle has an area and refers to vertices that exist; all vertices
-/// are finite. It need not be closed, and the triangles' sides have no meaning.
+/// Always has at least one triangle; every triangle has an area and refers to vertices that exist; all
+/// vertices are finite. It need not be closed, and the triangles' sides have no meaning.
 ///
 /// ```
 /// use glam::DVec3;
@@ -31,8 +31,8 @@ impl TriangleMesh {
 
     /// A mesh from vertices in metres and triangles that name three vertices each, counted from 0.
     ///
-    /// Degenerate triangles (without an area) are dropped and counted. Fails on a vertex that is not finite or
-    /// beyond 1e30 m, on a vertex number out of range, and if no triangle is left.
+    /// Degenerate triangles (without an area) are dropped and counted. Fails on a vertex that is not finite
+    /// or beyond 1e30 m, on a vertex number out of range, and if no triangle is left.
     pub fn new(vertices: Vec<DVec3>, mut triangles: Vec<[u32; 3]>) -> Result<Self, SimError> {
         check_vertices(&vertices)?;
         check_indices(vertices.len(), &triangles)?;
@@ -75,8 +75,8 @@ impl TriangleMesh {
         self.area
     }
 
-    /// The mesh grown by a factor about the origin. Fails if the factor is not a positive number, or so extreme
-    /// that the mesh breaks the rules of [`new`](Self::new).
+    /// The mesh grown by a factor about the origin. Fails if the factor is not a positive number, or so
+    /// extreme that the mesh breaks the rules of [`new`](Self::new).
     pub fn scaled(&self, factor: f64) -> Result<Self, SimError> {
         if !(factor > 0.0 && factor.is_finite()) {
             return Err(SimError::parameter("scale", factor, "a positive finite factor"));

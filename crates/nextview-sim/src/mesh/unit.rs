@@ -17,18 +17,18 @@ pub enum Unit {
     LongestSide(f64),
 }
 
-/// How a file's numbers became metres. Its text says so in words.
+/// How a file's numbers became metres. Its text describes it in words.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Scaling {
     /// Metres per unit of the file.
     pub metres_per_unit: f64,
     /// Longest side of the mesh in the file's unit.
     pub longest_side: f64,
-    /// Where the unit is known from.
+    /// Source of the unit.
     pub source: UnitSource,
 }
 
-/// Where a file's unit is known from.
+/// The source of a file's unit.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum UnitSource {
     /// The caller stated it.
@@ -52,9 +52,9 @@ impl fmt::Display for Scaling {
 }
 
 impl FileMesh {
-    /// The mesh in metres, and how its numbers were understood.
+    /// The mesh in metres, and how its numbers were interpreted.
     ///
-    /// Fails if [`Unit::Auto`] cannot tell, or if the longest side asked for is not a positive number.
+    /// Fails if [`Unit::Auto`] finds no unit, or if the longest side asked for is not a positive number.
     pub fn to_metres(&self, unit: Unit) -> Result<(TriangleMesh, Scaling), SimError> {
         let longest_side = self.longest_side();
         let (metres_per_unit, source) = match unit {

@@ -1,12 +1,12 @@
 use nextview::Error;
-use serde::{Deserialize, Serialize};
+use serde::{Deserialize, Deserializer, Serialize, Serializer};
 use std::f64::consts::{FRAC_PI_2, PI};
 
-/// Errors and losses of a stereo depth camera: noise of the disparity, depths of neighbouring pixels, loss where the second
-/// camera cannot see, at edges, at grazing angles and near by, and rounding.
+/// Errors and losses of a stereo depth camera: noise of the disparity, depths of neighbouring pixels, loss
+/// where the second camera cannot see, at edges, at grazing angles and near by, and rounding.
 ///
-/// Which pixels are lost and whose depth they show is decided before the error along the axis, so what was truly measured
-/// is known.
+/// Which pixels are lost and whose depth they show is decided before the error along the axis, so the true
+/// measurement is known.
 ///
 /// ```
 /// use nextview_sim::noise::DepthNoise;
@@ -18,18 +18,21 @@ use std::f64::consts::{FRAC_PI_2, PI};
 /// assert_eq!((noise.grazing_loss(1.0), noise.grazing_loss(1.6)), (0.0, 1.0));
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(default, deny_unknown_fields)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(default, deny_unknown_fields, remote = "Self")]
 pub struct DepthNoise {
     /// Distance between the two cameras, metres, above 0. Default 0.05.
     #[serde(rename = "baseline_m")]
     pub baseline: f64,
-    /// Focal length of the images that are matched, pixels, above 0. Those may be larger than the depth image. Default 424.
+    /// Focal length of the images that are matched, pixels, above 0. Those may be larger than the depth
+    /// image. Default 424.
     #[serde(rename = "focal_px")]
     pub focal: f64,
     /// Standard deviation of the disparity, pixels of the images that are matched, 0 or more. Default 0.08.
     #[serde(rename = "disparity_sigma_px")]
     pub disparity_sigma: f64,
-    /// The disparity is a multiple of this, pixels of the images that are matched; 0 does not round. Default 1/32.
+    /// The disparity is a multiple of this, pixels of the images that are matched; 0 does not round. Default
+    /// 1/32.
     #[serde(rename = "disparity_step_px")]
     pub disparity_step: f64,
     /// The depth is a multiple of this, metres; 0 does not round. Default 0.001.
@@ -38,18 +41,34 @@ pub struct DepthNoise {
     /// Surfaces nearer than this are lost, metres, 0 or more. Default 0.17.
     #[serde(rename = "min_depth_m")]
     pub min_depth: f64,
-    /// A pixel shows the depth of the pixel at a distance with this standard deviation in both directions, pixels of the
-    /// depth image, 0..=4. Default 0.5.
+    /// A pixel shows the depth of the pixel at a distance with this standard deviation in both directions,
+    /// pixels of the depth image, 0..=4. Default 0.5.
     #[serde(rename = "lateral_sigma_px")]
     pub lateral_sigma: f64,
-    /// Pixels are next to an edge where the disparity changes by more than this from one pixel to the next (a gradient, and
-    /// the same at any image size), above 0. Default 1.
+    /// Pixels are next to an edge where the disparity changes by more than this from one pixel to the next (a
+    /// gradient, and the same at any image size), above 0. Default 1.
     pub edge_gradient: f64,
     /// Probability that a pixel next to an edge is lost, 0..=1. Default 0.5.
     pub edge_loss: f64,
-    /// Angle between ray and surface normal from which on pixels may be lost, radians, 0..pi/2. Default 70 degrees.
+    /// Angle between ray and surface normal from which on pixels may be lost, radians, 0..pi/2. Default 70
+    /// degrees.
     #[serde(rename = "grazing_from_rad")]
     pub grazing_from: f64,
+}
+
+impl Serialize for DepthNoise {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        Self::serialize(self, serializer)
+    }
+}
+
+impl<'de> Deserialize<'de> for DepthNoise {
+    /// Fails on a value out of range.
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        let noise = Self::deserialize(deserializer)?;
+        noise.check().map_err(serde::de::Error::custom)?;
+        Ok(noise)
+    }
 }
 
 impl Default for DepthNoise {
@@ -59,13 +78,15 @@ impl Default for DepthNoise {
 }
 
 impl DepthNoise {
-    /// The RealSense D435i in its best depth mode, 848 x 480, whatever the size of the image that is made of it.
+    /// The RealSense D435i in its best depth mode, 848 x 480, whatever the size of the image that is made of
+    /// it.
     ///
-    /// Published: the baseline (data sheet); the focal length, half of 848 pixels over the tangent of half of 90 degrees, the
-    /// step of 1/32 pixel (Intel, subpixel linearity white paper); the noise of 0.08 pixel, the least depth of 17 cm and
-    /// the unit of 1 mm (Grunnet-Jepsen of Intel, librealsense issues 3904 and 999); the lateral noise (Barron & Malik 2013
-    /// and Handa et al. 2014, for the Kinect); the disparity gradient limit of 1 (Burt & Julesz 1980). Chosen by us: the
-    /// loss of half of the pixels next to an edge, and the angle of 70 degrees.
+    /// Published: the baseline (data sheet); the focal length, half of 848 pixels over the tangent of half of
+    /// 90 degrees, the step of 1/32 pixel (Intel, subpixel linearity white paper); the noise of 0.08 pixel,
+    /// the least depth of 17 cm and the unit of 1 mm (Grunnet-Jepsen of Intel, librealsense issues 3904 and
+    /// 999); the lateral noise (Barron & Malik 2013 and Handa et al. 2014, for the Kinect); the disparity
+    /// gradient limit of 1 (Burt & Julesz 1980). Chosen by us: the loss of half of the pixels next to an
+    /// edge, and the angle of 70 degrees.
     pub const fn d435i() -> Self {
         Self {
             baseline: 0.05,
@@ -103,21 +124,21 @@ impl DepthNoise {
         check("grazing_from_rad", self.grazing_from, grazing, "0 to less than pi/2 (1.5708) radians")
     }
 
-    /// Standard deviation of the depth at this depth, both in metres, before it is rounded: what the noise of the disparity
-    /// `d = f b / z` makes of it, `z^2 sigma_d / (f b)`.
+    /// Standard deviation of the depth at this depth, both in metres, before it is rounded: for the disparity
+    /// `d = f b / z`, that is `z^2 sigma_d / (f b)`.
     pub fn axial_sigma(&self, depth: f64) -> f64 {
         depth * depth * self.disparity_sigma / (self.focal * self.baseline)
     }
 
-    /// Probability, 0..=1, that a pixel is lost because the angle between its ray and the surface's normal is this, radians:
-    /// rises on a straight line from 0 at `grazing_from` to 1 at a right angle.
+    /// Probability, 0..=1, that a pixel is lost at this angle between its ray and the surface's normal,
+    /// radians: it rises linearly from 0 at `grazing_from` to 1 at a right angle.
     pub fn grazing_loss(&self, angle: f64) -> f64 {
         ((angle - self.grazing_from) / (FRAC_PI_2 - self.grazing_from)).clamp(0.0, 1.0)
     }
 
-    /// The depth in metres that is told of a surface at this depth, if its disparity is off by this many sigmas; NaN where
-    /// no disparity is left.
-    pub(super) fn told(&self, depth: f64, sigmas: f64) -> f32 {
+    /// The measured depth, metres, of a surface at this depth, if its disparity is off by this many
+    /// sigmas; NaN where no disparity is left.
+    pub(super) fn reported(&self, depth: f64, sigmas: f64) -> f32 {
         let at_1_m = self.focal * self.baseline;
         let disparity = rounded(at_1_m / depth + self.disparity_sigma * sigmas, self.disparity_step);
         if disparity > 0.0 { rounded(at_1_m / disparity, self.depth_unit) as f32 } else { f32::NAN }

@@ -1,7 +1,7 @@
 use std::f64::consts::SQRT_2;
 
-/// A whole number of pixels: a normally distributed shift, rounded. One uniform number and a few comparisons give one,
-/// since every pixel of every view candidate needs two.
+/// A whole number of pixels: a normally distributed shift, rounded. One uniform number and a few comparisons
+/// give one, since every pixel of every view candidate needs two.
 pub(super) struct Shifts {
     /// P(|shift| <= k) for k = 0, 1, ..., up to where hardly anything is left.
     within: Vec<f64>,

@@ -1,7 +1,8 @@
 //! Where a stereo camera has no depth.
 //!
-//! All of it is told from the inverse depth, which on a plane is linear in the image: with the plane's normal n and distance
-//! d from the camera, 1 / z = n / d . (x, y, 1) where the ray is z (x, y, 1). The lens is taken for a pinhole here.
+//! All of it is computed from the inverse depth, which on a plane is linear in the image: with the plane's
+//! normal n and distance d from the camera, 1 / z = n / d . (x, y, 1) where the ray is z (x, y, 1). The lens
+//! is treated as a pinhole here.
 
 use super::DepthNoise;
 use glam::DVec3;
@@ -34,8 +35,8 @@ fn inverse_limit(min_depth: f64) -> f32 {
     if min_depth > 0.0 { (1.0 / min_depth) as f32 } else { f32::MAX }
 }
 
-/// Which pixels of a row the second camera, to the right of the first, does not see: there, what is at pixel u appears at u
-/// less its disparity, and is hidden if something to the right of it appears there or farther left.
+/// Which pixels of a row the second camera, to the right of the first, does not see: pixel u appears there at
+/// u less its disparity, and is hidden if a pixel to its right appears there or farther left.
 fn hidden(inverse: &[f32], disparity_at_1_m: f32) -> Vec<bool> {
     let mut is_hidden = vec![false; inverse.len()];
     let mut leftmost = f32::INFINITY;
@@ -69,13 +70,13 @@ impl Slopes {
     }
 }
 
-/// The smaller of two slopes; of one that is NaN, the other.
+/// The smaller of two slopes; if one is NaN, the other.
 fn gentler(a: f32, b: f32) -> f32 {
     if b.is_nan() || a.abs() <= b.abs() { a } else { b }
 }
 
-/// The loss at the angle between the pixel's ray and the normal of the plane through its gentler neighbours; 1 if there are
-/// none to tell.
+/// The loss at the angle between the pixel's ray and the normal of the plane through its gentler neighbours;
+/// 1 if there are none.
 fn grazing_loss(
     noise: &DepthNoise,
     intrinsics: &Intrinsics,

@@ -1,9 +1,10 @@
-//! What a real depth camera adds to the exact image: errors and losses of the depth, and a pose that is not quite where
-//! the image was taken.
+//! Imperfections that a real depth camera adds to the exact image: errors and losses of the depth, and a pose
+//! that is not quite where the image was taken.
 //!
-//! Start with [`Noise`]. The same pose with the same seed gives the same bits, whatever was captured before and in however
-//! many threads; so looking twice from one place does not average the noise out. Formulas, sources and constants are in
-//! `docs/noise.md`. Not modelled: noise that neighbouring pixels share, texture and gloss, and errors of the calibration.
+//! Start with [`Noise`]. The same pose with the same seed gives the same bits, whatever was captured before
+//! and in however many threads; so two images from one place do not average the noise out. Formulas, sources
+//! and constants are in `docs/noise.md`. Not modelled: noise that neighbouring pixels share, texture and
+//! gloss, and errors of the calibration.
 
 mod depth_noise;
 mod lateral;
@@ -25,18 +26,18 @@ use nextview::geometry::random::Random;
 /// All errors of a simulated camera; none by default.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Noise {
-    /// Seed of all of it.
+    /// Seed of all errors.
     pub seed: u64,
-    /// Errors of the depth; none measures exactly.
+    /// Errors of the depth; none for exact depths.
     pub depth: Option<DepthNoise>,
     /// Errors of the pose that a frame claims.
     pub pose: PoseError,
-    /// Whether the first frame of a [scan](crate::run) claims the right pose all the same: the world is then where the first
-    /// frame says it is, and the errors of all others are relative to it.
+    /// Whether the first frame of a [scan](crate::evaluator::ScanCamera) claims the right pose all the same:
+    /// the world is then where the first frame says it is, and the errors of all others are relative to it.
     pub first_pose_is_right: bool,
 }
 
-/// Each use of chance in a frame has a stream of its own, so that one does not shift another.
+/// Each use of random numbers in a frame has a stream of its own, so that one does not shift another.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Use {
     /// Which pixels are read and which are lost.
@@ -67,7 +68,8 @@ impl Noise {
     }
 }
 
-/// A number of which every bit depends on every bit of the given one: the finaliser of SplitMix64 (Steele et al. 2014).
+/// Mixes a number so that every bit of the result depends on every bit of the number: the finaliser of
+/// SplitMix64 (Steele et al. 2014).
 fn mixed(x: u64) -> u64 {
     let x = x.wrapping_add(0x9E37_79B9_7F4A_7C15);
     let x = (x ^ (x >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);

@@ -4,11 +4,11 @@ use nextview::Error;
 use nextview::geometry::Pose;
 use nextview::geometry::random::Random;
 
-/// How far the pose that a frame claims is from where its image was taken: normally distributed, independent between
-/// frames and axes.
+/// Error of the pose that a frame claims: normally distributed, independent between frames and axes.
 ///
-/// The image is taken from where the planner sent the camera, and the claim is wrong: the robot does not know that it
-/// arrived. (Wrong arrivals that are believed to be right differ from that by the view alone, not by the map.)
+/// The image is taken from where the planner sent the camera, and the claim is wrong: the robot does not know
+/// that it arrived. (Wrong arrivals that are believed to be right differ from that by the view alone, not by
+/// the map.)
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct PoseError {
     /// Standard deviation of the position along each axis, metres, 0..=1.
@@ -31,7 +31,7 @@ impl PoseError {
     /// The pose that is claimed for an image from this one.
     pub(crate) fn claimed(&self, world_from_camera: &Pose, random: &mut Random) -> Result<Pose, Error> {
         if *self == Self::default() {
-            return Ok(*world_from_camera); // to the bit, which a rotation by nothing would not keep
+            return Ok(*world_from_camera); // to the bit, unlike after a rotation by zero
         }
         let mut vector = |sigma: f64| DVec3::from_array(std::array::from_fn(|_| sigma * normal(random)));
         let translation = world_from_camera.translation() + vector(self.translation_sigma);

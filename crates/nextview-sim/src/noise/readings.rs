@@ -8,7 +8,7 @@ use nextview::sensor::Intrinsics;
 pub(crate) struct Readings(Vec<Option<u32>>);
 
 impl Readings {
-    /// What a camera with this noise reads in an exact image, depths in metres row by row.
+    /// The readings of a camera with this noise in an exact image, depths in metres row by row.
     pub fn new(noise: &DepthNoise, exact: &[f32], intrinsics: &Intrinsics, random: &mut Random) -> Self {
         let loss = loss::probabilities(noise, exact, intrinsics);
         let shifts = Shifts::new(noise.lateral_sigma);
@@ -25,7 +25,7 @@ impl Readings {
         Self(readings)
     }
 
-    /// The exact image with those pixels alone that were read; all others are missing.
+    /// The exact image with only the pixels that were read; all others are missing.
     pub fn truly_measured(&self, exact: &[f32]) -> Vec<f32> {
         let mut measured = vec![f32::NAN; exact.len()];
         for &pixel in self.0.iter().flatten() {
@@ -34,15 +34,16 @@ impl Readings {
         measured
     }
 
-    /// An exact image as it is read, without any error along the axis: every pixel shows the depth of the one it was read from.
+    /// An exact image as it is read, without any error along the axis: every pixel shows the depth of the one
+    /// it was read from.
     pub fn shown(&self, exact: &[f32]) -> Vec<f32> {
         self.0.iter().map(|reading| reading.map_or(f32::NAN, |pixel| exact[pixel as usize])).collect()
     }
 
-    /// The image that the camera tells.
-    pub fn told(&self, noise: &DepthNoise, exact: &[f32], random: &mut Random) -> Vec<f32> {
+    /// The image that the camera measures.
+    pub fn reported(&self, noise: &DepthNoise, exact: &[f32], random: &mut Random) -> Vec<f32> {
         let told = |&reading: &Option<u32>| match reading {
-            Some(pixel) => noise.told(exact[pixel as usize] as f64, normal(random)),
+            Some(pixel) => noise.reported(exact[pixel as usize] as f64, normal(random)),
             None => f32::NAN,
         };
         self.0.iter().map(told).collect()

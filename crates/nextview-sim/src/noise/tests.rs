@@ -22,9 +22,9 @@ fn tilted(depth: f64, angle: f64) -> Vec<f32> {
     plane(DVec3::new(-angle.tan(), 0.0, 1.0) / depth)
 }
 
-fn told(noise: DepthNoise, exact: &[f32]) -> Vec<f32> {
+fn reported(noise: DepthNoise, exact: &[f32]) -> Vec<f32> {
     let readings = Readings::new(&noise, exact, &camera(), &mut Random::new(1, 0));
-    readings.told(&noise, exact, &mut Random::new(1, 1))
+    readings.reported(&noise, exact, &mut Random::new(1, 1))
 }
 
 fn lost_share(image: &[f32]) -> f64 {
@@ -42,7 +42,7 @@ fn mean_and_sigma(image: &[f32]) -> (f64, f64) {
 fn axial_noise_grows_with_the_square_of_the_depth() {
     let noise = DepthNoise { depth_unit: 0.0, disparity_step: 0.0, ..DepthNoise::d435i() };
     for depth in [0.3, 0.6] {
-        let image = told(noise, &plane(DVec3::Z / depth));
+        let image = reported(noise, &plane(DVec3::Z / depth));
         assert_eq!(lost_share(&image), 0.0);
         let (mean, sigma) = mean_and_sigma(&image);
         let expected = noise.axial_sigma(depth);
@@ -59,7 +59,7 @@ fn lateral_noise_is_a_depth_error_on_slopes() {
         DepthNoise { disparity_sigma: 0.0, depth_unit: 0.0, disparity_step: 0.0, ..DepthNoise::d435i() };
     let exact = tilted(0.5, 45_f64.to_radians());
     for (sigma, expected) in [(0.0, 0.0), (0.5, 0.317_3), (1.0, 0.617_1)] {
-        let image = told(DepthNoise { lateral_sigma: sigma, ..off }, &exact);
+        let image = reported(DepthNoise { lateral_sigma: sigma, ..off }, &exact);
         let moved = image.iter().zip(&exact).filter(|(told, exact)| (*told - *exact).abs() > 1e-5);
         let share = moved.count() as f64 / exact.len() as f64;
         assert!((share - expected).abs() < 0.01, "{share} at {sigma}: beyond half a pixel along the slope");
@@ -70,22 +70,27 @@ fn lateral_noise_is_a_depth_error_on_slopes() {
 fn the_disparity_and_the_depth_come_in_steps() {
     let noise = DepthNoise::d435i();
     let on_grid = |value: f64, step: f64| ((value / step).round() * step - value).abs() < 1e-3 * step;
-    let image = told(DepthNoise { depth_unit: 0.0, ..noise }, &tilted(0.5, 0.5));
+    let image = reported(DepthNoise { depth_unit: 0.0, ..noise }, &tilted(0.5, 0.5));
     assert!(image.iter().all(|&depth| on_grid(424.0 * 0.05 / depth as f64, 1.0 / 32.0)));
-    let image = told(noise, &tilted(0.5, 0.5));
+    let image = reported(noise, &tilted(0.5, 0.5));
     assert!(image.iter().all(|&depth| on_grid(depth as f64, 0.001)));
-    assert_eq!(noise.told(2000.0, 0.0).to_bits(), f32::NAN.to_bits(), "less than half a step of disparity");
+    assert_eq!(
+        noise.reported(2000.0, 0.0).to_bits(),
+        f32::NAN.to_bits(),
+        "less than half a step of disparity"
+    );
 }
 
 #[test]
 fn near_surfaces_and_empty_pixels_are_lost() {
     let noise = DepthNoise::d435i();
     for (depth, expected) in [(0.16, 1.0), (0.18, 0.0), (f64::INFINITY, 1.0), (f64::NAN, 1.0)] {
-        assert_eq!(lost_share(&told(noise, &vec![depth as f32; 40_000])), expected, "{depth}");
+        assert_eq!(lost_share(&reported(noise, &vec![depth as f32; 40_000])), expected, "{depth}");
     }
 }
 
-/// Seen from the left half of the turned plane the angle is another; only the middle columns have the stated one.
+/// Seen from the left half of the turned plane the angle is another; only the middle columns have the stated
+/// one.
 #[test]
 fn loss_grows_with_the_angle_up_to_all() {
     let noise = DepthNoise { edge_gradient: 1e9, ..DepthNoise::d435i() };
@@ -106,13 +111,13 @@ fn loss_grows_with_the_angle_up_to_all() {
     assert_eq!(noise.grazing_loss(80_f64.to_radians()), 0.5);
     assert_eq!(noise.grazing_loss(FRAC_PI_2), 1.0);
     let half = Readings::new(&noise, &tilted(1.0, -80_f64.to_radians()), &camera(), &mut Random::new(3, 0));
-    let lost = half.told(&noise, &tilted(1.0, -80_f64.to_radians()), &mut Random::new(3, 1));
+    let lost = half.reported(&noise, &tilted(1.0, -80_f64.to_radians()), &mut Random::new(3, 1));
     let middle: Vec<f32> = (0..200).flat_map(|v| lost[v * 200 + 90..][..20].to_vec()).collect();
     assert!((lost_share(&middle) - 0.5).abs() < 0.03, "{}", lost_share(&middle));
 }
 
-/// A square plate 0.4 m before a wall at 0.8 m: the second camera sees the plate farther left, by 75 pixels, than the wall,
-/// which it shifts by 37.5.
+/// A square plate 0.4 m before a wall at 0.8 m: the second camera sees the plate farther left, by 75 pixels,
+/// than the wall, which it shifts by 37.5.
 #[test]
 fn the_wall_left_of_a_plate_is_hidden_and_edges_are_thinned() {
     let noise = DepthNoise { lateral_sigma: 0.0, ..DepthNoise::d435i() };

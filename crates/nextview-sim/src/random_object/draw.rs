@@ -1,4 +1,4 @@
-//! What is drawn for several kinds of part.
+//! Random values for several kinds of part.
 
 use glam::{DMat3, DQuat};
 use nextview::geometry::random::Random;
@@ -9,7 +9,8 @@ pub(super) fn chance(random: &mut Random, share: f64) -> bool {
     random.unit() < share
 }
 
-/// Any rotation, all alike: a direction in four dimensions, from the points of the ball (Marsaglia 1972).
+/// A rotation, uniformly distributed: a direction in four dimensions, from the points of the ball (Marsaglia
+/// 1972).
 pub(super) fn rotation(random: &mut Random) -> DMat3 {
     loop {
         let inside = DQuat::from_array([(); 4].map(|()| random.range(-1.0, 1.0)));

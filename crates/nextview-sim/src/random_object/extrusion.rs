@@ -40,8 +40,8 @@ impl Extrusion {
         }
     }
 
-    /// The point at a share of the way around the z axis, and one of the way from the hole along the lower face, up
-    /// the outside, back along the upper face and down the hole.
+    /// The point at a share of the way around the z axis, and one of the way from the hole along the lower
+    /// face, up the outside, back along the upper face and down the hole.
     fn at(&self, around: f64, along: f64) -> DVec3 {
         let section = [(self.hole, -1.0), (1.0, -1.0), (1.0, 1.0), (self.hole, 1.0), (self.hole, -1.0)];
         let along = along * 4.0;

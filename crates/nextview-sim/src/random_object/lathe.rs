@@ -47,8 +47,8 @@ impl Lathe {
         }
     }
 
-    /// Radius and height: from the axis at the bottom over the outside, and the inside if there is one, back to the
-    /// axis.
+    /// Radius and height: from the axis at the bottom over the outside, and the inside if there is one, back
+    /// to the axis.
     fn profile(&self) -> Vec<DVec2> {
         let levels = (0..=STEPS).map(|i| i as f64 / STEPS as f64);
         let mut profile = vec![DVec2::ZERO];

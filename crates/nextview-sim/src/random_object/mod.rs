@@ -1,8 +1,8 @@
-//! Endlessly many objects made from nothing but a seed, to learn from and to try planners on.
+//! Random objects made from nothing but a seed, to learn from and to test planners on.
 //!
-//! They look like nothing in particular, but have what real objects have: flat and round faces, edges, holes, handles,
-//! thin walls, insides that can be looked into, and symmetry. The order in which numbers are drawn is part of what a
-//! seed means: a change of it changes all objects.
+//! They look like nothing in particular, but have the features of real objects: flat and round faces, edges,
+//! holes, handles, thin walls, insides that can be looked into, and symmetry. The order in which numbers are
+//! drawn is part of what a seed means: a change of it changes all objects.
 
 mod blend;
 mod blob;
@@ -24,22 +24,23 @@ use std::f64::consts::TAU;
 /// The object's longest side, metres.
 const SIZE: f64 = 0.2;
 
-/// Keeps the draws apart from those that others make with the same seed.
+/// Separates the draws from those that others make with the same seed.
 const STREAM: u64 = 9;
 
-/// The object of this seed: one to six parts grown into each other; in two of five objects all but the first have a
-/// mirrored twin.
+/// The object of this seed: one to six parts grown into each other; in two of five objects all but the first
+/// have a mirrored twin.
 ///
-/// Parts are superellipsoids (from box to ball, maybe flat, tapered or bent), turned bodies (bottles, bowls, prisms),
-/// tubes (hooks, rings, worms), extruded outlines (gears, plates, stars, some with a hole), blobs, and open boxes.
+/// Parts are superellipsoids (from box to ball, maybe flat, tapered or bent), turned bodies (bottles, bowls,
+/// prisms), tubes (hooks, rings, worms), extruded outlines (gears, plates, stars, some with a hole), blobs,
+/// and open boxes.
 ///
-/// The longest side is 0.2 m. The object floats around the origin, turned at random, in half of all cases about the
-/// vertical alone; [`by_name`](crate::builtin::by_name) puts it on z = 0.
+/// The longest side is 0.2 m. The object floats around the origin, turned at random, in half of all cases
+/// about the vertical alone; [`by_name`](crate::builtin::by_name) puts it on z = 0.
 ///
-/// Parts overlap, and their surfaces go on inside each other. So what can be seen from outside is right, but area
+/// Parts overlap, and their surfaces continue inside each other. So the view from outside is right, but area
 /// and volume of the mesh are not those of the object.
 ///
-/// The same seed gives the same object, but for rounding in the machine's sine and cosine.
+/// The same seed gives the same object, except for rounding in the machine's sine and cosine.
 ///
 /// ```
 /// use nextview_sim::random_object::random_object;

@@ -8,8 +8,8 @@ pub(super) struct Soup {
 }
 
 impl Soup {
-    /// A sheet of `rows` times `columns` cells, cut in two triangles each. `at` gives the point for a share of the rows
-    /// and one of the columns, both from 0 to 1.
+    /// A sheet of `rows` times `columns` cells, cut in two triangles each. `at` gives the point for a share
+    /// of the rows and one of the columns, both from 0 to 1.
     pub fn sheet(rows: u32, columns: u32, at: impl Fn(f64, f64) -> DVec3) -> Self {
         let share = |i: u32, n: u32| i as f64 / n as f64;
         let row = |i| (0..=columns).map(move |j| (share(i, rows), share(j, columns)));

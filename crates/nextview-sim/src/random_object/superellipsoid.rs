@@ -7,8 +7,8 @@ use std::f64::consts::{PI, TAU};
 /// Exponents to choose from: near 0 are boxes and cylinders, 1 is round.
 const EXPONENTS: [f64; 6] = [0.05, 0.1, 0.2, 0.5, 1.0, 1.0];
 
-/// From box through cylinder to ball (Barr 1981, "Superquadrics and angle-preserving transformations", with his taper
-/// and a bend).
+/// From box through cylinder to ball (Barr 1981, "Superquadrics and angle-preserving transformations", with
+/// his taper and a bend).
 struct Superellipsoid {
     /// Of the profile along z.
     upright: f64,

@@ -1,9 +1,11 @@
 //! The binary data of a document: buffers and the arrays in them.
 
-use super::json::{Buffer, Document};
-use super::{Resolve, field};
+use super::json::{Buffer, Document, field};
 use crate::SimError;
 use std::borrow::Cow;
+
+/// Loads the file that a relative URI names.
+pub(super) type Resolve<'a> = dyn Fn(&str) -> Result<Vec<u8>, SimError> + 'a;
 
 /// The data of every buffer.
 pub(super) fn load<'a>(

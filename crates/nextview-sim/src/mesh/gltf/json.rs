@@ -1,5 +1,6 @@
 //! The parts of a glTF 2.0 document that make up its shape.
 
+use crate::SimError;
 use serde::Deserialize;
 
 #[derive(Debug, Deserialize)]
@@ -79,4 +80,11 @@ pub(super) struct BufferView {
 pub(super) struct Buffer {
     pub uri: Option<String>,
     pub byte_length: usize,
+}
+
+/// Element `i` of an array of the document.
+pub(super) fn field<'a, T>(items: &'a [T], i: usize, name: &str) -> Result<&'a T, SimError> {
+    items.get(i).ok_or_else(|| {
+        SimError::format(format!("{name}[{i}]"), format!("does not exist, there are {}", items.len()))
+    })
 }

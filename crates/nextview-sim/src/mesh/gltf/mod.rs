@@ -1,18 +1,15 @@
-//! glTF 2.0 and GLB: the triangles of the scene, with the transforms of its nodes. glTF has y up; the result has
-//! z up, as the world has.
+//! glTF 2.0 and GLB: the triangles of the scene, with the transforms of its nodes. glTF has y up; the result
+//! has z up, as the world has.
 
 mod buffers;
 mod json;
 
 use super::raw::RawMesh;
 use crate::SimError;
-use buffers::elements;
+use buffers::{Resolve, elements};
 use glam::{DMat4, DQuat, DVec3};
-use json::{Document, Node, Primitive};
+use json::{Document, Node, Primitive, field};
 use std::borrow::Cow;
-
-/// Loads the file that a relative URI names.
-pub(super) type Resolve<'a> = dyn Fn(&str) -> Result<Vec<u8>, SimError> + 'a;
 
 /// Nodes may share meshes, so that a small file can stand for any number of vertices.
 const MAX_VERTICES: usize = 100_000_000;
@@ -74,7 +71,8 @@ fn check_extensions(document: &Document) -> Result<(), SimError> {
     }
 }
 
-/// All nodes of the scene (of all roots, if the file has no scene) with their transforms to a world with z up.
+/// All nodes of the scene (of all roots, if the file has no scene) with their transforms to a world with z
+/// up.
 fn placed_nodes(document: &Document) -> Result<Vec<(&Node, DMat4)>, SimError> {
     let roots = match document.scenes.is_empty() {
         false => field(&document.scenes, document.scene.unwrap_or(0), "scenes")?.nodes.clone(),
@@ -195,13 +193,6 @@ fn read_indices(
         ))),
         None => Ok(indices),
     }
-}
-
-/// Element `i` of an array of the document.
-fn field<'a, T>(items: &'a [T], i: usize, name: &str) -> Result<&'a T, SimError> {
-    items.get(i).ok_or_else(|| {
-        SimError::format(format!("{name}[{i}]"), format!("does not exist, there are {}", items.len()))
-    })
 }
 
 #[cfg(test)]

@@ -2,7 +2,7 @@ use super::header::{Element, Format, Header, Kind, Property};
 use crate::SimError;
 use crate::mesh::text::{Line, lines};
 
-/// What comes after the header, read element by element.
+/// The content after the header, read element by element.
 pub(super) enum Body<'a> {
     Text { lines: Box<dyn Iterator<Item = Line<'a>> + 'a>, n_bytes: usize },
     Binary { bytes: &'a [u8], at: usize, is_big: bool },
@@ -80,7 +80,7 @@ impl Values<'_, '_> {
         }
     }
 
-    /// The next value as the length of a list of `item`s, which must fit into what is left.
+    /// The next value as the length of a list of `item`s, which must fit into the rest of the file.
     pub fn length(&mut self, length: Kind, item: Kind) -> Result<usize, SimError> {
         let stated = self.number(length)?;
         let max = match self {
@@ -95,7 +95,7 @@ impl Values<'_, '_> {
         )))
     }
 
-    /// Passes over a property.
+    /// Skips a property.
     pub fn skip(&mut self, property: &Property) -> Result<(), SimError> {
         match *property {
             Property::Scalar { kind, .. } => self.number(kind).map(drop),
@@ -130,7 +130,7 @@ impl Values<'_, '_> {
     }
 }
 
-/// A number from its bytes, of which there are [`Kind::size`].
+/// A number from its [`Kind::size`] bytes.
 fn decode(value: &[u8], kind: Kind, is_big: bool) -> f64 {
     let mut bytes = [0; 8];
     let bytes = &mut bytes[..value.len()];

@@ -71,7 +71,7 @@ impl Property {
     }
 }
 
-/// What the header says about one kind of element.
+/// The header's description of one kind of element.
 #[derive(Debug)]
 pub(super) struct Element {
     pub name: String,

@@ -1,4 +1,4 @@
-//! PLY in text form and both binary byte orders: positions and faces; everything else is passed over.
+//! PLY in text form and both binary byte orders: positions and faces; everything else is skipped.
 
 mod body;
 mod header;

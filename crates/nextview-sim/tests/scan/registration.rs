@@ -1,23 +1,21 @@
-//! Frames of simulated objects in wrong poses: are the right ones found, and are those refused that cannot be?
+//! Frames of simulated objects in wrong poses: are the right ones found, and are those refused that cannot
+//! be?
 
-#![allow(clippy::unwrap_used, reason = "helpers of tests")]
-
+use crate::common::Step;
 use glam::{DQuat, DVec2, DVec3};
 use nextview::geometry::random::Random;
 use nextview::geometry::{Aabb, Pose};
 use nextview::planner::{MinOverlap, RandomViews, ViewPlanner};
 use nextview::registration::{KnownSurface, Registration, RegistrationConfig, Verdict};
 use nextview::sensor::{Frame, Intrinsics};
-use nextview::session::{Session, SessionConfig, StopConfig};
+use nextview::session::{Session, SessionConfig};
 use nextview::view::{ViewSpace, generate, look_at};
 use nextview_sim::camera::{Background, SimulatedCamera};
 use nextview_sim::mesh::TriangleMesh;
 use nextview_sim::noise::{DepthNoise, Noise, PoseError};
 use nextview_sim::random_object::random_object;
-use nextview_sim::run::{self, Step};
 use nextview_sim::scene::Scene;
 use nextview_sim::truth::ObjectVoxels;
-use std::ops::ControlFlow;
 
 const VOXEL_SIZE: f64 = 0.005;
 
@@ -49,8 +47,8 @@ fn scene(seed: u64, depth: Option<DepthNoise>) -> Scene {
     scene.with_noise(Noise { seed, depth, ..Noise::default() }).unwrap()
 }
 
-/// Looks at random objects from a dozen places all around, and again from others in poses that are wrong by centimetres and
-/// degrees. Most objects hold a frame in place, some are so round that the guard refuses.
+/// Looks at random objects from a dozen places all around, and again from others in poses that are wrong by
+/// centimetres and degrees. Most objects hold a frame in place, some are so round that the guard refuses.
 fn check_recovers(depth: Option<DepthNoise>) {
     let (mut n_accepted, mut n_right, mut n_better) = (0, 0, 0);
     for seed in 0..12 {
@@ -89,11 +87,11 @@ fn wrong_poses_are_found_out_in_spite_of_noise() {
     check_recovers(Some(DepthNoise::d435i()));
 }
 
-/// What a small camera at `eye` sees of a mesh at the origin.
-fn look(mesh: &TriangleMesh, eye: DVec3) -> Frame {
+/// What a small camera at `camera_position` sees of a mesh at the origin.
+fn look(mesh: &TriangleMesh, camera_position: DVec3) -> Frame {
     let camera = Intrinsics::pinhole(320, 240, DVec2::splat(320.0), DVec2::new(159.5, 119.5)).unwrap();
     let camera = SimulatedCamera::new(mesh.clone().into(), camera, Background::None, 3.0).unwrap();
-    camera.capture(&look_at(eye, DVec3::ZERO)).unwrap()
+    camera.capture(&look_at(camera_position, DVec3::ZERO)).unwrap()
 }
 
 /// A plate of 1 m at z = 0.
@@ -144,8 +142,9 @@ fn a_frame_that_could_slide_stays_where_it_is() {
 fn without_overlap_the_frame_stays_where_it_is() {
     let scene = scene(3, None);
     let bounds = scene.planning_box(VOXEL_SIZE);
-    let capture =
-        |eye: DVec3| scene.camera().capture(&look_at(scene.center() + eye, scene.center())).unwrap();
+    let capture = |camera_position: DVec3| {
+        scene.camera().capture(&look_at(scene.center() + camera_position, scene.center())).unwrap()
+    };
     let known = known_from(&[capture(DVec3::new(0.4, 0.0, 0.05))], bounds);
     let other_side = capture(DVec3::new(-0.4, 0.0, 0.05));
     assert_eq!(known.register(&other_side, bounds).verdict, Verdict::LittleOverlap);
@@ -189,18 +188,12 @@ fn misplacement(step: &Step) -> f64 {
 }
 
 /// Whole scans with random views.
-fn scan(
-    noise: Noise,
-    registration: Option<RegistrationConfig>,
-    min_overlap: f64,
-    n_threads: usize,
-) -> Vec<Step> {
+fn scan(noise: Noise, registration: RegistrationConfig, min_overlap: f64, n_threads: usize) -> Vec<Step> {
     let scene = Scene::new(nextview_sim::builtin::by_name("teapot").unwrap(), Intrinsics::d435i()).unwrap();
     let scene = scene.with_noise(noise).unwrap();
     let views: ViewSpace = generate::fibonacci_sphere(scene.center(), 4.0 * scene.size(), 60).unwrap();
     let bounds = scene.planning_box(VOXEL_SIZE);
-    let stop = StopConfig { max_views: 8, ..StopConfig::default() };
-    let config = SessionConfig { registration, stop, ..SessionConfig::new(VOXEL_SIZE, bounds) };
+    let config = SessionConfig { registration, max_views: 8, ..SessionConfig::new(VOXEL_SIZE, bounds) };
     let planner: Box<dyn ViewPlanner> =
         Box::new(MinOverlap::new(min_overlap, Box::new(RandomViews { seed: 1 })).unwrap());
     let object = {
@@ -208,15 +201,8 @@ fn scan(
         ObjectVoxels::new(scene.camera().mesh(), lattice, lattice.block_inside(&bounds).unwrap())
     };
     let mut session = Session::new(config, Intrinsics::d435i(), views, planner).unwrap();
-    let mut steps = Vec::new();
     let pool = rayon::ThreadPoolBuilder::new().num_threads(n_threads).build().unwrap();
-    pool.install(|| {
-        run::run(&mut session, &scene, &object, |step| {
-            steps.push(step);
-            ControlFlow::Continue(())
-        })
-    })
-    .unwrap();
+    let (steps, _) = pool.install(|| crate::common::scan(&mut session, &scene, &object));
     for (step, frame) in steps.iter().zip(session.frames()) {
         assert_eq!(frame.world_from_camera(), step.report.world_from_camera, "planned with as mapped");
         assert_eq!(step.frame.world_from_camera(), step.report.world_from_camera);
@@ -226,8 +212,8 @@ fn scan(
 
 #[test]
 fn registration_makes_up_for_wrong_poses() {
-    let without = scan(NOISE, None, 0.5, 2);
-    let with = scan(NOISE, Some(RegistrationConfig::default()), 0.5, 2);
+    let without = scan(NOISE, RegistrationConfig::default(), 0.5, 2);
+    let with = scan(NOISE, RegistrationConfig::enabled(), 0.5, 2);
     assert!(without.iter().all(|step| step.report.registration.is_none()));
     assert!([&without, &with].iter().all(|steps| misplacement(&steps[0]) < 1e-12), "the first pose is right");
     assert!(with[0].report.registration.is_none(), "the first frame has nothing to be aligned to");
@@ -247,7 +233,7 @@ fn registration_makes_up_for_wrong_poses() {
 /// A frame that fits no better elsewhere is built upon, as are those that were aligned.
 #[test]
 fn right_poses_stay_and_later_frames_overlap_with_theirs() {
-    let steps = scan(Noise::default(), Some(RegistrationConfig::default()), 0.3, 2);
+    let steps = scan(Noise::default(), RegistrationConfig::enabled(), 0.3, 2);
     let found = steps.iter().filter_map(|step| step.report.registration).collect::<Vec<_>>();
     let of = |verdict| found.iter().filter(|found| found.verdict == verdict).count();
     assert!(of(Verdict::NoBetter) >= 1 && of(Verdict::LittleOverlap) <= 1, "{found:?}");
@@ -257,7 +243,7 @@ fn right_poses_stay_and_later_frames_overlap_with_theirs() {
 #[test]
 fn a_scan_is_the_same_in_one_thread_and_in_many() {
     let reports = |n_threads| {
-        let steps = scan(NOISE, Some(RegistrationConfig::default()), 0.3, n_threads);
+        let steps = scan(NOISE, RegistrationConfig::enabled(), 0.3, n_threads);
         steps.into_iter().map(|step| step.report).collect::<Vec<_>>()
     };
     assert_eq!(reports(1), reports(3));

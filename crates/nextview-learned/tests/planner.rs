@@ -3,13 +3,14 @@
 #![allow(clippy::unwrap_used, reason = "helpers of tests")]
 
 use glam::{DVec3, IVec3, UVec3};
+use nextview::Cancel;
 use nextview::geometry::random::Random;
 use nextview::geometry::{Lattice, VoxelBlock};
 use nextview::map::{LogOdds, Snapshot};
 use nextview::planner::{Plan, Situation, ViewPlanner};
 use nextview::sensor::Intrinsics;
 use nextview::view::{ViewSpace, generate, look_at};
-use nextview_nbv_net::{Grid, NbvNet, Network, views};
+use nextview_learned::nbv_net::{Grid, NbvNet, Network, views};
 
 /// A box of 26 voxels of 1 cm a side in which a slab is known.
 fn snapshot() -> Snapshot {
@@ -23,15 +24,16 @@ fn snapshot() -> Snapshot {
 }
 
 fn plan(snapshot: &Snapshot, views: &ViewSpace, visited: &[usize]) -> Plan {
-    NbvNet::default().plan(&Situation {
+    let plan = NbvNet::default().plan(&Situation {
         snapshot,
         frames: &[],
         views,
         intrinsics: &Intrinsics::d435i(),
         visited,
-        history: &[],
         finest_voxel_size: 0.01,
-    })
+        cancel: &Cancel::default(),
+    });
+    plan.unwrap()
 }
 
 /// The 14 views, from the best to the worst that the network names.

@@ -1,20 +1,17 @@
 //! Whole scans with a camera that errs.
 
-#![allow(clippy::unwrap_used, reason = "helpers of tests")]
-
+use crate::common::{Step, scan};
 use glam::DVec3;
 use nextview::geometry::{Aabb, Lattice};
 use nextview::planner::{MaxFlow, MaxFlowConfig};
 use nextview::sensor::{Depth, Frame, Intrinsics};
-use nextview::session::{Session, SessionConfig, StopConfig};
+use nextview::session::{Session, SessionConfig};
 use nextview::view::{ViewSpace, generate};
 use nextview_sim::builtin;
 use nextview_sim::noise::{DepthNoise, Noise, PoseError};
-use nextview_sim::run::{self, Step};
 use nextview_sim::scene::Scene;
 use nextview_sim::truth::{ObjectVoxels, TrueVisibility};
 use rayon::prelude::*;
-use std::ops::ControlFlow;
 
 const VOXEL_SIZE: f64 = 0.01;
 
@@ -47,18 +44,13 @@ impl Setup {
     }
 
     fn scan(&self) -> Vec<Step> {
-        let stop = StopConfig { max_views: 8, ..StopConfig::default() };
-        let config =
-            SessionConfig { stop, ..SessionConfig::new(VOXEL_SIZE, self.scene.planning_box(VOXEL_SIZE)) };
+        let config = SessionConfig {
+            max_views: 8,
+            ..SessionConfig::new(VOXEL_SIZE, self.scene.planning_box(VOXEL_SIZE))
+        };
         let planner = Box::new(MaxFlow::new(MaxFlowConfig::default()).unwrap());
         let mut session = Session::new(config, Intrinsics::d435i(), self.views.clone(), planner).unwrap();
-        let mut steps = Vec::new();
-        run::run(&mut session, &self.scene, &self.object, |step| {
-            steps.push(step);
-            ControlFlow::Continue(())
-        })
-        .unwrap();
-        steps
+        scan(&mut session, &self.scene, &self.object).0
     }
 }
 

@@ -4,11 +4,11 @@ use glam::DVec3;
 use nextview::geometry::{Aabb, Pose};
 use nextview::view::look_at;
 
-/// How many views there are.
+/// Number of views.
 pub const N_VIEWS: usize = 14;
 
-/// How far they are from the centre of the box, in halves of its longest side: in the middle of the paper's shell of
-/// candidates. The network is trained with views from there.
+/// How far they are from the centre of the box, in halves of its longest side: in the middle of the paper's
+/// shell of candidates. The network is trained with views from there.
 pub const DISTANCE: f64 = 2.5;
 
 /// Where view `k` is as seen from the centre of the box: point `k` of a spiral of 20 on the unit sphere,
@@ -17,9 +17,10 @@ pub const DISTANCE: f64 = 2.5;
 /// z = 1 - (2 k + 1) / 20    azimuth = -(k + 1/2) pi (3 - sqrt 5)
 /// ```
 ///
-/// of which NBV-Net uses the upper 14, down to 21 degrees below the horizon. On a sphere of radius 0.4 these are the points that its
-/// authors publish with their code, to the six digits they state (z is 0.38, 0.34, ..., -0.14), and in their order: weights of theirs
-/// name the same views. Written out, because sine and cosine differ between machines.
+/// of which NBV-Net uses the upper 14, down to 21 degrees below the horizon. On a sphere of radius 0.4 these
+/// are the points that its authors publish with their code, to the six digits they state (z is 0.38, 0.34,
+/// ..., -0.14), and in their order: so their weights refer to the same views. Written out, because sine and
+/// cosine differ between machines.
 pub const DIRECTIONS: [DVec3; N_VIEWS] = [
     DVec3::new(0.113_151_523_161_122, -0.291_027_031_057_801, 0.95),
     DVec3::new(-0.472_409_665_397_330, 0.233_086_052_862_849, 0.85),

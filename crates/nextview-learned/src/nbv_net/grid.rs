@@ -1,11 +1,11 @@
 use nextview::map::{Occupancy, Snapshot};
 use std::ops::Range;
 
-/// What NBV-Net sees: the probability of being occupied in 32 x 32 x 32 cells of a cube.
+/// The input of NBV-Net: the probability of being occupied in 32 x 32 x 32 cells of a cube.
 ///
-/// The cube has the longest side of the snapshot's box and its middle, to half a voxel. Each cell takes the highest probability of the
-/// measured voxels in it, as OctoMap's inner nodes do; if there are more cells than voxels, several take the same voxel.
-/// Where nothing was measured, beside the box too, a cell is 0.5.
+/// The cube has the longest side of the snapshot's box and its middle, to half a voxel. Each cell takes the
+/// highest probability of the measured voxels in it, as OctoMap's inner nodes do; if there are more cells
+/// than voxels, several take the same voxel. Where nothing was measured, beside the box too, a cell is 0.5.
 ///
 /// The cells are those of the network of the paper's authors: z varies fastest, then y, then x.
 #[derive(Clone, Debug, PartialEq)]
@@ -18,11 +18,11 @@ impl Grid {
     /// Number of cells.
     pub const N_CELLS: usize = Self::SIDE.pow(3);
 
-    /// The highest number of a byte in [`to_bytes`](Self::to_bytes): that of probability 1. It is even, so that unknown cells
-    /// have a byte of their own, 127.
+    /// The highest number of a byte in [`to_bytes`](Self::to_bytes): that of probability 1. It is even, so
+    /// that unknown cells have a byte of their own, 127.
     pub const MAX_BYTE: u8 = 254;
 
-    /// What is known of the snapshot's box.
+    /// The grid for the snapshot's box.
     pub fn new(snapshot: &Snapshot) -> Self {
         let dims = snapshot.block().dims().to_array().map(|n| n as usize);
         let side = dims[0].max(dims[1]).max(dims[2]);
@@ -36,14 +36,14 @@ impl Grid {
         Self(cells)
     }
 
-    /// A grid of which every cell is the byte's share of [`MAX_BYTE`](Self::MAX_BYTE); none unless there is a byte for every cell and
-    /// all are probabilities.
+    /// A grid of which every cell is the byte's share of [`MAX_BYTE`](Self::MAX_BYTE); none unless there is a
+    /// byte for every cell and all are probabilities.
     pub fn from_bytes(bytes: &[u8]) -> Option<Self> {
         let is_whole = bytes.len() == Self::N_CELLS && bytes.iter().all(|&byte| byte <= Self::MAX_BYTE);
         is_whole.then(|| Self(bytes.iter().map(|&byte| byte as f32 / Self::MAX_BYTE as f32).collect()))
     }
 
-    /// The nearest grid that bytes can tell.
+    /// The nearest grid that bytes can hold.
     pub fn to_bytes(&self) -> Vec<u8> {
         self.0.iter().map(|p| (p * Self::MAX_BYTE as f32).round() as u8).collect()
     }
@@ -54,7 +54,8 @@ impl Grid {
     }
 }
 
-/// The voxels of an axis with `n` of them that lie in a cell, where `side` voxels fill the cube; at least one, but maybe beside the box.
+/// The voxels of an axis with `n` of them that lie in a cell, where `side` voxels fill the cube; at least
+/// one, but maybe beside the box.
 fn voxels(cell: usize, side: usize, n: usize) -> Range<usize> {
     let (begin, end) = (cell * side / Grid::SIDE, (cell + 1) * side / Grid::SIDE);
     let beside = (side - n) / 2;
@@ -144,8 +145,8 @@ mod tests {
         let grid = Grid::new(&snapshot(UVec3::splat(40), 5));
         let bytes = grid.to_bytes();
         let read = Grid::from_bytes(&bytes).unwrap();
-        for (p, told) in grid.cells().iter().zip(read.cells()) {
-            assert!((p - told).abs() <= 0.5 / 254.0 && (*p == 0.5) == (*told == 0.5));
+        for (p, kept) in grid.cells().iter().zip(read.cells()) {
+            assert!((p - kept).abs() <= 0.5 / 254.0 && (*p == 0.5) == (*kept == 0.5));
         }
         assert_eq!(read.to_bytes(), bytes);
         assert_eq!(Grid::from_bytes(&bytes[1..]), None);

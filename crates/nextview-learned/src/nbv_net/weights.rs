@@ -1,12 +1,11 @@
-//! Reads weights from the safetensors format: eight bytes that tell the length of a header, the header, which is JSON, and
-//! numbers.
+//! Reads weights from the safetensors format: eight bytes with the length of a header, the header, which
+//! is JSON, and numbers.
 //!
-//! By our own hand, since what matters here are the checks, and the format is a few lines: the crate of its authors would bring more
-//! than it saves.
+//! The reader is our own, since the checks are its main part and the format takes a few lines: the crate of
+//! its authors would bring more than it saves.
 
-use crate::WeightsError;
-use crate::error::Shape;
-use crate::network::{CHANNELS, UNITS};
+use super::error::{Shape, WeightsError};
+use super::layout::layout;
 use half::f16;
 use serde::Deserialize;
 use std::collections::BTreeMap;
@@ -18,7 +17,7 @@ pub(crate) struct Layer {
     pub bias: Vec<f32>,
 }
 
-/// What the header tells of a tensor.
+/// A tensor as the header describes it.
 #[derive(Debug, Deserialize)]
 struct Entry {
     dtype: String,
@@ -51,13 +50,6 @@ pub(crate) fn read(file: &[u8]) -> Result<Vec<Layer>, WeightsError> {
     }
 }
 
-/// Names of the layers in the published network, and the shapes of their weights.
-fn layout() -> impl Iterator<Item = (String, Vec<usize>)> {
-    let convolutions =
-        CHANNELS.windows(2).zip(1..).map(|(n, i)| (format!("conv{i}"), vec![n[1], n[0], 3, 3, 3]));
-    convolutions.chain(UNITS.windows(2).zip(1..).map(|(n, i)| (format!("fc{i}"), vec![n[1], n[0]])))
-}
-
 /// The tensors that the header names, and the bytes after it.
 fn split(file: &[u8]) -> Result<(BTreeMap<String, Entry>, &[u8]), WeightsError> {
     let (length, rest) = file.split_first_chunk().ok_or_else(|| {
@@ -66,7 +58,7 @@ fn split(file: &[u8]) -> Result<(BTreeMap<String, Entry>, &[u8]), WeightsError> 
     let length = u64::from_le_bytes(*length);
     if length > MAX_HEADER {
         let problem = format!(
-            "tell a header of {length} bytes, expected at most {MAX_HEADER}: is this a safetensors file?"
+            "announce a header of {length} bytes, expected at most {MAX_HEADER}: is this a safetensors file?"
         );
         return Err(format_error("the first 8 bytes", problem));
     }
@@ -135,7 +127,7 @@ pub(crate) mod tests {
             (name, "F32", shape, numbers.iter().flat_map(|number| number.to_le_bytes()).collect())
         };
         let layers = layout().flat_map(|(name, shape)| {
-            // As large as leaves the size of what goes through the layers about the same.
+            // This bound keeps the magnitude of the values about the same from layer to layer.
             let bound = (6.0 / shape[1..].iter().product::<usize>() as f64).sqrt();
             let bias = tensor(format!("{name}.bias"), vec![shape[0]], 0.1);
             [tensor(format!("{name}.weight"), shape, bound), bias]

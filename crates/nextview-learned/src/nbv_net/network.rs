@@ -1,19 +1,22 @@
-use crate::WeightsError;
-use crate::grid::Grid;
-use crate::views::N_VIEWS;
-use crate::weights::{self, Layer};
+use super::error::WeightsError;
+use super::grid::Grid;
+use super::layout::CHANNELS;
+use super::views::N_VIEWS;
+use super::weights::{self, Layer};
 use pulp::{Arch, Simd, WithSimd};
 
 /// The network of the paper: from a [`Grid`] to a number for each of the 14 views, the larger, the better.
 ///
-/// Three 3D convolutions (10, 12 and 8 filters of 3 x 3 x 3 cells, a border of zeros), after each the larger of 0 and the value, and of
-/// eight neighbours the largest; then five fully connected layers of 1500, 500, 100, 50 and 14 units, rectified but for the last. The
-/// authors' code rectifies the last one, too, which tells views apart no better and makes training harder.
+/// Three 3D convolutions (10, 12 and 8 filters of 3 x 3 x 3 cells, a border of zeros), each followed by the
+/// larger of 0 and the value, and by the largest of eight neighbours; then five fully connected layers of
+/// 1500, 500, 100, 50 and 14 units, rectified but for the last. The authors' code rectifies the last one,
+/// too, which separates views no better and makes training harder.
 ///
-/// Every number is computed in the same order of operations on every CPU, by one thread, so that the results have the same bits.
+/// Every number is computed in the same order of operations on every CPU, by one thread, so that the results
+/// have the same bits.
 ///
 /// ```
-/// use nextview_nbv_net::{Grid, Network};
+/// use nextview_learned::nbv_net::{Grid, Network};
 ///
 /// let nothing_known = Grid::from_bytes(&[127; Grid::N_CELLS]).unwrap();
 /// assert_eq!(Network::default().logits(&nothing_known).len(), 14);
@@ -25,14 +28,8 @@ pub struct Network {
     dense: Vec<Layer>,
 }
 
-/// Channels before, between and after the convolutions.
-pub(crate) const CHANNELS: [usize; 4] = [1, 10, 12, 8];
-
-/// Units before, between and after the fully connected layers.
-pub(crate) const UNITS: [usize; 6] = [512, 1500, 500, 100, 50, N_VIEWS];
-
-/// What the library learned; `docs/methods/nbv-net.md` tells how.
-const WEIGHTS: &[u8] = include_bytes!("../weights/nbv_net.safetensors");
+/// The library's weights; `docs/methods/nbv-net.md` describes the training.
+const WEIGHTS: &[u8] = include_bytes!("../../weights/nbv_net.safetensors");
 
 impl Default for Network {
     fn default() -> Self {
@@ -41,15 +38,15 @@ impl Default for Network {
 }
 
 impl Network {
-    /// The network whose weights are the content of a safetensors file: the tensors of the published network, by its names
-    /// (`conv1.weight` to `fc5.bias`), in single or half precision.
+    /// The network whose weights are the content of a safetensors file: the tensors of the published network,
+    /// by its names (`conv1.weight` to `fc5.bias`), in single or half precision.
     pub fn from_safetensors(file: &[u8]) -> Result<Self, WeightsError> {
         let mut convolutions = weights::read(file)?;
         let dense = convolutions.split_off(CHANNELS.len() - 1);
         Ok(Self { convolutions, dense: dense.into_iter().map(transposed).collect() })
     }
 
-    /// A number for each view, of which the exponentials are as the probabilities.
+    /// A number for each view, whose exponential is proportional to the probability of the view.
     pub fn logits(&self, grid: &Grid) -> [f32; N_VIEWS] {
         Arch::new().dispatch(Forward { network: self, grid })
     }
@@ -119,8 +116,8 @@ fn padded<const N: usize>(channels: &[f32]) -> Vec<f32> {
     padded
 }
 
-/// A row of the convolution, all its cells beside each other: for each, the bias and then, one after the other, what each cell around it in
-/// each channel adds.
+/// A row of the convolution, all its cells beside each other: for each, the bias and then, one after the
+/// other, the contribution of each cell around it in each channel.
 #[inline(always)]
 #[allow(clippy::needless_range_loop, reason = "iterators are not always inlined into vector instructions")]
 fn row_of_channel<const N: usize>(padded: &[f32], row: usize, weights: &[f32], bias: f32) -> [f32; N] {
@@ -154,7 +151,8 @@ fn pool<const N: usize>(values: &[f32], pooled: &mut Vec<f32>) {
     }
 }
 
-/// A fully connected layer: for each output the bias and then, one after the other, what each input adds.
+/// A fully connected layer: for each output the bias and then, one after the other, the contribution of each
+/// input.
 #[inline(always)]
 #[allow(clippy::needless_range_loop, reason = "iterators are not always inlined into vector instructions")]
 fn connect(inputs: &[f32], layer: &Layer) -> Vec<f32> {

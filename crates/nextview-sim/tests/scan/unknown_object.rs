@@ -1,22 +1,19 @@
-//! Whole scans of objects of which planning is told less, or that it plans in coarser voxels: the box that grows, the
-//! table below, and multi-resolution.
+//! Whole scans of objects of which planning is told less, or that it plans in coarser voxels: the box that
+//! grows, the table below, and multi-resolution.
 
-#![allow(clippy::unwrap_used, reason = "helpers of tests")]
-
+use crate::common::{Step, scan};
 use glam::DVec3;
 use nextview::geometry::{Aabb, Lattice, Pose};
 use nextview::planner::{MaxFlow, MaxFlowConfig};
 use nextview::sensor::{DepthImage, Frame, Intrinsics};
 use nextview::session::{
-    Decision, MultiResolution, ObjectBox, Session, SessionConfig, StopConfig, StopReason, Table, Views,
+    Decision, MultiResolutionConfig, ObjectBox, Session, SessionConfig, StopConfig, StopReason, Table, Views,
 };
 use nextview::view::{Reach, ViewSpace, generate, look_at};
 use nextview_sim::builtin;
 use nextview_sim::noise::{DepthNoise, Noise, PoseError};
-use nextview_sim::run::{self, Step};
 use nextview_sim::scene::Scene;
 use nextview_sim::truth::{ObjectVoxels, TrueVisibility};
-use std::ops::ControlFlow;
 
 const VOXEL_SIZE: f64 = 0.01;
 
@@ -76,13 +73,7 @@ impl Setup {
     }
 
     fn run(&self, session: &mut Session) -> (Vec<Step>, StopReason) {
-        let mut steps = Vec::new();
-        let reason = run::run(session, &self.scene, &self.object, |step| {
-            steps.push(step);
-            ControlFlow::Continue(())
-        })
-        .unwrap();
-        (steps, reason)
+        scan(session, &self.scene, &self.object)
     }
 
     fn seen(&self, steps: &[Step]) -> f64 {
@@ -90,8 +81,8 @@ impl Setup {
     }
 }
 
-/// Measured: from 1.4 % less of the reachable object voxels seen at the end than with the known box to 8.7 % more. The
-/// bound leaves room for a change of the planner.
+/// Measured: from 1.4 % less of the reachable object voxels seen at the end than with the known box to 8.7 %
+/// more. The bound leaves room for a change of the planner.
 #[test]
 fn a_growing_box_ends_around_the_object_and_costs_little_coverage() {
     for name in ["teapot", "mug"] {
@@ -142,9 +133,10 @@ fn check_box(setup: &Setup, session: &Session, table: Table) {
 #[test]
 fn coarse_voxels_come_first_and_no_measurement_is_lost() {
     let setup = Setup::new("mug", false);
-    let rule = MultiResolution { coarsest_voxel_size: Some(4.0 * VOXEL_SIZE), q_thresh: 0.95 };
+    let rule =
+        MultiResolutionConfig { enabled: true, coarsest_voxel_size: Some(4.0 * VOXEL_SIZE), q_thresh: 0.95 };
     let config = |multi_resolution| SessionConfig { multi_resolution, ..setup.known() };
-    let mut session = setup.session(config(Some(rule)), setup.views.clone().into());
+    let mut session = setup.session(config(rule), setup.views.clone().into());
     let (steps, _) = setup.run(&mut session);
     let sizes: Vec<f64> = steps.iter().map(|step| step.report.voxel_size).collect();
     println!("voxel sizes {sizes:?}, seen {:.3}", setup.seen(&steps));
@@ -152,7 +144,7 @@ fn coarse_voxels_come_first_and_no_measurement_is_lost() {
     assert_eq!((sizes.first(), sizes.last()), (Some(&0.04), Some(&VOXEL_SIZE)), "{sizes:?}");
     assert!(setup.seen(&steps) > 0.9);
     // The finest map is that of the same frames without multi-resolution.
-    let mut plain = setup.session(config(None), setup.views.clone().into());
+    let mut plain = setup.session(config(MultiResolutionConfig::default()), setup.views.clone().into());
     steps.iter().for_each(|step| _ = plain.observe(&step.frame));
     assert_eq!(session.map().voxels(), plain.map().voxels());
     assert!(plain.planning_voxel_size() == VOXEL_SIZE);
@@ -161,9 +153,9 @@ fn coarse_voxels_come_first_and_no_measurement_is_lost() {
 #[test]
 fn the_finest_voxels_decide_when_a_scan_has_converged() {
     let setup = Setup::new("mug", false);
-    let rule = MultiResolution { coarsest_voxel_size: Some(0.02), q_thresh: 0.8 };
-    let stop = StopConfig { max_views: 30, entropy_share: Some(0.8), ..StopConfig::default() };
-    let config = SessionConfig { multi_resolution: Some(rule), stop, ..setup.known() };
+    let rule = MultiResolutionConfig { enabled: true, coarsest_voxel_size: Some(0.02), q_thresh: 0.8 };
+    let stop = StopConfig { entropy_share: Some(0.8), ..StopConfig::default() };
+    let config = SessionConfig { max_views: 30, multi_resolution: rule, stop, ..setup.known() };
     let mut session = setup.session(config, setup.views.clone().into());
     assert_eq!(setup.run(&mut session).1, StopReason::Converged);
     assert_eq!(session.planning_voxel_size(), VOXEL_SIZE);
@@ -175,11 +167,11 @@ fn threads_do_not_show() {
     let setup = Setup::new("teapot", true);
     let run = |threads| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-        let multi_resolution = Some(MultiResolution { q_thresh: 0.9, ..MultiResolution::default() });
+        let multi_resolution = MultiResolutionConfig { q_thresh: 0.9, ..MultiResolutionConfig::enabled() };
         let config = SessionConfig { multi_resolution, ..setup.growing(Table::Fitted) };
         let (steps, reason) =
             pool.install(|| setup.run(&mut setup.session(config, setup.following(setup.first()))));
-        (steps.iter().map(|step| step.report).collect::<Vec<_>>(), reason)
+        (steps.into_iter().map(|step| step.report).collect::<Vec<_>>(), reason)
     };
     assert_eq!(run(1), run(2));
 }
@@ -227,19 +219,19 @@ fn values_out_of_range_are_named() {
         session.err().unwrap().to_string()
     };
     let multi_resolution = |coarsest_voxel_size, q_thresh| {
-        let rule = MultiResolution { coarsest_voxel_size, q_thresh };
-        error(SessionConfig { multi_resolution: Some(rule), ..setup.known() })
+        let rule = MultiResolutionConfig { enabled: true, coarsest_voxel_size, q_thresh };
+        error(SessionConfig { multi_resolution: rule, ..setup.known() })
     };
     assert!(multi_resolution(None, 1.5).contains("q_thresh is 1.5"));
-    assert!(multi_resolution(Some(0.03), 0.5).contains("coarsest_voxel_size is 0.03"));
+    assert!(multi_resolution(Some(0.03), 0.5).contains("coarsest_voxel_size_m is 0.03"));
     assert!(error(setup.growing(Table::AtHeight(f64::NAN))).contains("table is NaN"));
     assert!(
-        error(SessionConfig { voxel_size: 0.0, ..setup.growing(Table::None) }).contains("voxel_size is 0")
+        error(SessionConfig { voxel_size: 0.0, ..setup.growing(Table::None) }).contains("voxel_size_m is 0")
     );
 }
 
-/// Poses that are wrong by more than the 2 mm up to which points are the table's. Taken for the object, the table would make the
-/// box four times as large.
+/// Poses that are wrong by more than the 2 mm up to which points are the table's. Taken for the object, the
+/// table would make the box four times as large.
 #[test]
 fn wrong_poses_do_not_make_the_table_a_part_of_the_object() {
     for name in ["teapot", "mug"] {

@@ -9,30 +9,32 @@ use nextview::geometry::Pose;
 use nextview::sensor::Frame;
 use nextview::session::{NextView, Session};
 
-/// What was scanned so far, compared with the true object.
+/// The scan so far, compared with the true object.
 #[derive(Clone, Copy, Debug)]
 pub struct Measures {
-    /// The map in the finest voxels against the object voxels, in the block of those: object voxels outside the
-    /// session's box do not count as covered, and what is occupied outside the block is not counted at all.
+    /// The map in the finest voxels against the object voxels, in the block of those: object voxels outside
+    /// the session's box do not count as covered, and occupied voxels outside the block are not counted at
+    /// all.
     pub voxels: VoxelScore,
-    /// Number of object voxels truly seen so far: those with a point of the true surface that a pixel measured, wherever
-    /// noise and a wrong pose put that point in the map. All other measures are of what the frames claim.
+    /// Number of object voxels truly seen so far: those with a point of the true surface that a pixel
+    /// measured, wherever noise and a wrong pose put that point in the map. All other measures are of what
+    /// the frames claim.
     pub n_seen: usize,
     /// Share, 0..=1, of the true surface with a measured point of the object within 1, 2 and 5 mm.
     pub surface_coverage: [f64; 3],
-    /// How far the points of the object are from where they are, for the pose in which the frame was mapped: root mean square
-    /// over those that a pixel measured, metres; 0 if there are none. The error of the depth is not in it. None where the
-    /// true poses are not known.
+    /// Displacement of the object's points by the error of the pose in which the frame was mapped: root mean
+    /// square over those that a pixel measured, metres; 0 if there are none. It excludes the error of the
+    /// depth. None where the true poses are not known.
     pub misplacement: Option<f64>,
 }
 
-/// The camera of a whole run.
-pub struct RunCamera<'a> {
+/// The camera of a whole scan.
+pub struct ScanCamera<'a> {
     scene: &'a Scene,
     is_first: bool,
 }
 
-/// What a frame truly shows.
+/// The truth about a frame.
 pub struct Shown {
     /// Without noise, from where the camera truly stood.
     truth: Frame,
@@ -40,14 +42,24 @@ pub struct Shown {
     of_object: Frame,
 }
 
-/// Measures a run, frame by frame.
-pub struct Gauge<'a> {
+/// Measures a scan, frame by frame.
+pub struct Evaluator<'a> {
     object: &'a ObjectVoxels,
     surface: SurfaceCoverage,
     seen: FixedBitSet,
 }
 
-impl<'a> RunCamera<'a> {
+/// Takes a frame from a true pose; `is_first` if it is the first of a scan, whose pose may be right where all
+/// others are wrong.
+pub fn capture(scene: &Scene, world_from_camera: &Pose, is_first: bool) -> Result<(Frame, Shown), SimError> {
+    let camera = scene.camera();
+    let capture = camera.capture_with_truth(world_from_camera)?;
+    let claims_right_pose = is_first && camera.noise().first_pose_is_right;
+    let frame = if claims_right_pose { capture.frame.with_pose(*world_from_camera) } else { capture.frame };
+    Ok((frame, Shown { truth: capture.truth, of_object: capture.of_object }))
+}
+
+impl<'a> ScanCamera<'a> {
     /// Before the first frame.
     pub fn new(scene: &'a Scene) -> Self {
         Self { scene, is_first: true }
@@ -66,14 +78,14 @@ impl<'a> RunCamera<'a> {
     }
 }
 
-impl<'a> Gauge<'a> {
-    /// Nothing is scanned yet.
+impl<'a> Evaluator<'a> {
+    /// An evaluator before the first frame.
     pub fn new(scene: &Scene, object: &'a ObjectVoxels) -> Self {
         let surface = SurfaceCoverage::new(scene.camera().mesh());
         Self { object, surface, seen: FixedBitSet::with_capacity(object.len()) }
     }
 
-    /// How the session stands after this frame, which has the pose in which it was mapped.
+    /// Measures the session after this frame, which has the pose in which it was mapped.
     pub fn measure(&mut self, session: &Session, frame: &Frame, shown: Shown) -> Measures {
         let Shown { truth, of_object } = shown;
         let mapped_from = frame.world_from_camera();

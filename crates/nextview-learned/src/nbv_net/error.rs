@@ -1,13 +1,13 @@
-/// What can be wrong with a file of weights.
+/// Errors in a file of weights.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum WeightsError {
-    /// It is no safetensors file, or a damaged one.
+    /// It is not a safetensors file, or a damaged one.
     #[error("{place}: {problem}")]
     Format {
-        /// Where: a byte offset or a part of the file.
+        /// The byte offset or part of the file.
         place: String,
-        /// What is wrong there and what would be right.
+        /// The fault, and the content expected.
         problem: String,
     },
     /// A tensor of the network is not there.

@@ -1,12 +1,14 @@
-use crate::grid::Grid;
-use crate::network::Network;
-use crate::views::{self, N_VIEWS};
+use super::grid::Grid;
+use super::network::Network;
+use super::views::{self, N_VIEWS};
+use nextview::Cancelled;
 use nextview::planner::{Choice, Plan, Situation, ViewPlanner};
 
-/// Takes the view that NBV-Net names.
+/// Takes the view that NBV-Net chooses.
 ///
-/// Each of its 14 [`views`] stands for the view candidate nearest to it (of several the first), visited or not; it passes over
-/// views that stand for a visited one. So it takes 14 candidates at most, however many there are, and then none.
+/// Each of its 14 [`views`] stands for the view candidate nearest to it (the first on ties), visited or not;
+/// it skips views that stand for a visited one. So it takes 14 candidates at most, however many there are,
+/// and then none.
 #[derive(Clone, Debug, Default)]
 pub struct NbvNet {
     network: Network,
@@ -20,8 +22,9 @@ impl NbvNet {
 }
 
 impl ViewPlanner for NbvNet {
-    fn plan(&self, situation: &Situation<'_>) -> Plan {
+    fn plan(&mut self, situation: &Situation<'_>) -> Result<Plan, Cancelled> {
         let stand_ins = stand_ins(situation);
+        situation.cancel.check()?;
         let logits = self.network.logits(&Grid::new(situation.snapshot));
         let mut ranked: Vec<usize> = (0..N_VIEWS).collect();
         ranked.sort_by(|&a, &b| logits[b].total_cmp(&logits[a]).then(a.cmp(&b)));
@@ -29,13 +32,10 @@ impl ViewPlanner for NbvNet {
         let is_open = |candidate: &usize| !situation.visited.contains(candidate);
         let mut open = ranked.iter().filter_map(|&view| Some((stand_ins[view].filter(is_open)?, view)));
         let choice = open.next().map(|(candidate, view)| Choice {
-            view: candidate,
-            score: probability[view],
-            local_share: 0.0,
-            flow_share: 0.0,
             runner_up: open.map(|(other, _)| other).find(|&other| other != candidate),
+            ..Choice::new(candidate, probability[view])
         });
-        Plan { choice, ..Plan::default() }
+        Ok(Plan { choice, ..Plan::default() })
     }
 }
 
@@ -51,7 +51,7 @@ fn stand_ins(situation: &Situation<'_>) -> [Option<usize>; N_VIEWS] {
     })
 }
 
-/// What the network holds each view's chance to be the best one for.
+/// The probability that each view is the best one, according to the network.
 fn probabilities(logits: &[f32; N_VIEWS]) -> [f64; N_VIEWS] {
     let largest = logits.iter().fold(f32::NEG_INFINITY, |a, &b| a.max(b));
     let odds = logits.map(|logit| f64::from(logit - largest).exp());

@@ -1,0 +1,83 @@
+use super::DatasetConfig;
+use super::error::DatasetError;
+use super::npy;
+use super::sample::Sample;
+use std::fs::{self, File};
+use std::io::{self, BufWriter, Write};
+use std::path::{Path, PathBuf};
+
+/// The file of the configuration.
+const CONFIG: &str = "dataset.toml";
+
+/// The folder of a data set: its configuration, and files of samples, each of which is present as a whole or
+/// not at all.
+pub(super) struct Folder(PathBuf);
+
+impl Folder {
+    /// Opens the folder for this data set, new or, if asked for, one with a part of the very same.
+    pub fn open(dir: &Path, config: &DatasetConfig, resume: bool) -> Result<Self, DatasetError> {
+        let path = dir.join(CONFIG);
+        if path.exists() {
+            check_same(&path, config, resume)?;
+        } else {
+            fs::create_dir_all(dir).map_err(|error| failed(dir, error))?;
+            let text = toml::to_string(config).expect("two numbers");
+            replace(&path, |writer| writer.write_all(text.as_bytes()))?;
+        }
+        Ok(Self(dir.to_owned()))
+    }
+
+    /// Whether the samples of this object and those after it are there.
+    pub fn has(&self, first: u32) -> bool {
+        self.file(first).exists()
+    }
+
+    /// Writes the samples of this object and those after it.
+    pub fn write(&self, first: u32, samples: &[Sample]) -> Result<(), DatasetError> {
+        replace(&self.file(first), |writer| npy::write(writer, samples))
+    }
+
+    fn file(&self, first: u32) -> PathBuf {
+        self.0.join(format!("objects-{first:07}.npy"))
+    }
+}
+
+/// Fails unless the data set that is there may be resumed.
+fn check_same(path: &Path, config: &DatasetConfig, resume: bool) -> Result<(), DatasetError> {
+    if !resume {
+        return Err(DatasetError::Exists { path: path.to_owned() });
+    }
+    let text = fs::read_to_string(path).map_err(|error| failed(path, error))?;
+    let malformed = |error: toml::de::Error| DatasetError::Malformed {
+        path: path.to_owned(),
+        problem: error.to_string().trim_end().to_owned(),
+    };
+    let found: DatasetConfig = toml::from_str(&text).map_err(malformed)?;
+    if found == *config {
+        return Ok(());
+    }
+    Err(DatasetError::Differs { path: path.to_owned(), found })
+}
+
+/// Writes a file beside its place, on the disk, and then renames it.
+fn replace(
+    path: &Path,
+    content: impl FnOnce(&mut BufWriter<File>) -> io::Result<()>,
+) -> Result<(), DatasetError> {
+    let beside = path.with_extension("partial");
+    let whole = || {
+        let mut writer = BufWriter::new(File::create(&beside)?);
+        content(&mut writer)?;
+        writer.into_inner().map_err(io::IntoInnerError::into_error)?.sync_all()?;
+        fs::rename(&beside, path)
+    };
+    whole().map_err(|error| {
+        // The first error is the one to report; the file beside may not even exist.
+        let _ = fs::remove_file(&beside);
+        failed(path, error)
+    })
+}
+
+fn failed(path: &Path, error: io::Error) -> DatasetError {
+    DatasetError::Io { path: path.to_owned(), error }
+}

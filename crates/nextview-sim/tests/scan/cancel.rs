@@ -1,0 +1,225 @@
+//! Decisions that are cancelled leave no trace, and views that are skipped do not come back.
+
+use glam::DVec3;
+use nextview::Cancel;
+use nextview::geometry::random::Random;
+use nextview::map::LogOdds;
+use nextview::planner::{
+    Batch, BatchConfig, MaxFlow, MaxFlowConfig, MostSurface, MostSurfaceConfig, RandomViews, ViewPlanner,
+};
+use nextview::sensor::Intrinsics;
+use nextview::session::{
+    Decision, MultiResolutionConfig, NextView, ObjectBox, Session, SessionConfig, StepReport, StopReason,
+    Table, Views,
+};
+use nextview::view::{Reach, generate, look_at};
+use nextview_sim::builtin;
+use nextview_sim::evaluator::ScanCamera;
+use nextview_sim::scene::Scene;
+use std::time::{Duration, Instant};
+
+const VOXEL_SIZE: f64 = 0.01;
+
+fn scene() -> Scene {
+    Scene::new(builtin::by_name("mug").unwrap(), Intrinsics::d435i()).unwrap()
+}
+
+fn planners() -> [Box<dyn ViewPlanner>; 4] {
+    [
+        Box::new(MaxFlow::new(MaxFlowConfig::default()).unwrap()),
+        Box::new(MostSurface::new(MostSurfaceConfig::default()).unwrap()),
+        Box::new(Batch::new(BatchConfig { n_views: 3, tolerance: 0.2, ..BatchConfig::default() }).unwrap()),
+        Box::new(Batch::new(BatchConfig { theta: 0.2, ..BatchConfig::default() }).unwrap()),
+    ]
+}
+
+fn session(scene: &Scene, planner: Box<dyn ViewPlanner>) -> Session {
+    let rule = MultiResolutionConfig { coarsest_voxel_size: Some(0.02), q_thresh: 0.3, enabled: true };
+    let config = SessionConfig {
+        max_views: 5,
+        multi_resolution: rule,
+        ..SessionConfig::new(VOXEL_SIZE, scene.planning_box(VOXEL_SIZE))
+    };
+    let views = generate::shell(scene.center(), scene.size(), 300, 1).unwrap();
+    Session::new(config, Intrinsics::d435i(), views, planner).unwrap()
+}
+
+/// Reports and stop reason of a scan, and the map.
+type Outcome = (Vec<StepReport>, StopReason, Vec<(glam::IVec3, LogOdds)>);
+
+fn scan(scene: &Scene, session: &mut Session, mut decide: impl FnMut(&mut Session) -> Decision) -> Outcome {
+    let (mut camera, mut reports) = (ScanCamera::new(scene), Vec::new());
+    loop {
+        match decide(session) {
+            Decision::Move(next) => reports.push(session.observe(&camera.capture(&next).unwrap().0)),
+            Decision::Stop(reason) => return (reports, reason, session.map().voxels()),
+        }
+    }
+}
+
+/// Cancels from another thread until a decision is made, each time a little later.
+fn decide_under_fire(
+    session: &mut Session,
+    cancel: &Cancel,
+    random: &mut Random,
+    n_cancelled: &mut usize,
+) -> Decision {
+    let mut patience = 1e-4;
+    loop {
+        let delay = Duration::from_secs_f64(patience * random.unit());
+        let decision = std::thread::scope(|scope| {
+            scope.spawn(|| {
+                std::thread::sleep(delay);
+                cancel.cancel();
+            });
+            session.decide()
+        });
+        cancel.reset();
+        match decision {
+            Decision::Stop(StopReason::Cancelled) => *n_cancelled += 1,
+            decision => return decision,
+        }
+        patience *= 1.3;
+    }
+}
+
+#[test]
+fn a_cancelled_decision_leaves_no_trace() {
+    let (scene, mut random) = (scene(), Random::new(11, 0));
+    for (undisturbed, disturbed) in planners().into_iter().zip(planners()) {
+        let expected = scan(&scene, &mut session(&scene, undisturbed), Session::decide);
+        let (cancel, mut n_cancelled) = (Cancel::default(), 0);
+        let mut session = session(&scene, disturbed).with_cancel(cancel.clone());
+        let found = scan(&scene, &mut session, |session| {
+            decide_under_fire(session, &cancel, &mut random, &mut n_cancelled)
+        });
+        assert!(found == expected, "{:?} instead of {:?}", found.0, expected.0);
+        assert!(n_cancelled > 10, "{n_cancelled} decisions were cancelled");
+    }
+}
+
+#[test]
+fn a_decision_that_was_made_stays_until_it_is_used() {
+    let (scene, cancel) = (scene(), Cancel::default());
+    let mut session = session(&scene, Box::new(RandomViews { seed: 1 })).with_cancel(cancel.clone());
+    let first = session.decide();
+    cancel.cancel();
+    assert_eq!(session.decide(), first);
+    let Decision::Move(next) = first else { panic!("a first view") };
+    session.observe(&scene.camera().capture(&next.world_from_camera).unwrap());
+    assert_eq!(session.decide(), Decision::Stop(StopReason::Cancelled));
+    cancel.reset();
+    assert!(matches!(session.decide(), Decision::Move(_)));
+}
+
+/// Voxels of 1 mm and 5000 candidates. A cancelled decision ends within 50 ms on an idle machine; the bound
+/// leaves room for a busy one.
+#[test]
+fn cancelling_takes_no_time() {
+    let scene = scene();
+    let config = SessionConfig::new(0.001, scene.planning_box(0.001));
+    let views = generate::shell(scene.center(), scene.size(), 5000, 1).unwrap();
+    let frames: Vec<_> = (0..2).map(|view| scene.camera().capture(&views.pose(view)).unwrap()).collect();
+    for planner in planners() {
+        let cancel = Cancel::default();
+        let session = Session::new(config, Intrinsics::d435i(), views.clone(), planner).unwrap();
+        let mut session = session.with_cancel(cancel.clone());
+        session.decide();
+        frames.iter().for_each(|frame| _ = session.observe(frame));
+        for delay in [1, 20, 100, 300, 700, 1500] {
+            let (decision, late) = std::thread::scope(|scope| {
+                let cancelled = scope.spawn(|| {
+                    std::thread::sleep(Duration::from_millis(delay));
+                    cancel.cancel();
+                    Instant::now()
+                });
+                let decision = session.decide();
+                let now = Instant::now();
+                (decision, now.saturating_duration_since(cancelled.join().unwrap()))
+            });
+            cancel.reset();
+            println!("cancelled after {delay} ms, ended {late:?} later");
+            assert!(late < Duration::from_secs(1), "{late:?}");
+            if matches!(decision, Decision::Move(_)) {
+                break;
+            }
+        }
+    }
+}
+
+fn number(decision: &Decision) -> Option<usize> {
+    match decision {
+        Decision::Move(NextView { view, .. }) => *view,
+        Decision::Stop(_) => None,
+    }
+}
+
+#[test]
+fn a_skipped_view_is_never_proposed_again() {
+    let scene = scene();
+    for planner in planners() {
+        let mut session = session(&scene, planner);
+        let mut skipped = Vec::new();
+        let (reports, ..) = scan(&scene, &mut session, |session| {
+            let rejected = session.decide();
+            if let Some(view) = number(&rejected).filter(|_| skipped.len() < 8) {
+                session.skip(view);
+                skipped.push(view);
+                assert_ne!(number(&session.decide()), Some(view));
+            }
+            session.decide()
+        });
+        assert!(skipped.len() >= 4 && reports.iter().all(|report| !skipped.contains(&report.view.unwrap())));
+    }
+}
+
+#[test]
+fn instead_of_a_skipped_first_view_the_next_number_comes() {
+    let scene = scene();
+    let config =
+        SessionConfig { first_view: 8, ..SessionConfig::new(VOXEL_SIZE, scene.planning_box(VOXEL_SIZE)) };
+    let views = generate::shell(scene.center(), scene.size(), 10, 1).unwrap();
+    let far = views.pose(9).translation();
+    let views = views.restricted(|position| position != far);
+    let planner = Box::new(RandomViews { seed: 1 });
+    let mut session = Session::new(config, Intrinsics::d435i(), views, planner).unwrap();
+    assert_eq!(number(&session.decide()), Some(8));
+    session.skip(8);
+    assert_eq!(number(&session.decide()), Some(0), "9 is out of reach");
+    session.skip(1);
+    session.skip(0);
+    assert_eq!(number(&session.decide()), Some(2));
+    (0..10).for_each(|view| session.skip(view));
+    assert!(matches!(session.decide(), Decision::Stop(_)), "no view is left");
+}
+
+#[test]
+fn a_skipped_candidate_stays_skipped_when_the_box_grows() {
+    let scene = scene().with_table().unwrap();
+    let config = SessionConfig {
+        object_box: ObjectBox::Growing,
+        table: Table::Fitted,
+        multi_resolution: MultiResolutionConfig::enabled(),
+        ..SessionConfig::new(VOXEL_SIZE, scene.planning_box(VOXEL_SIZE))
+    };
+    let unit = generate::shell(DVec3::ZERO, 1.0, 200, 1).unwrap();
+    let first = look_at(scene.center() + DVec3::new(0.3, 0.2, 0.4), scene.center());
+    let views = Views::Following { first, unit, reach: Reach::default().within(scene.room()) };
+    let planner = Box::new(MaxFlow::new(MaxFlowConfig::default()).unwrap());
+    let mut session = Session::new(config, Intrinsics::d435i(), views, planner).unwrap();
+    let (mut skipped, mut boxes) = (Vec::new(), Vec::new());
+    let (reports, ..) = scan(&scene, &mut session, |session| {
+        boxes.extend(session.bounds());
+        if let Some(view) = number(&session.decide()) {
+            session.skip(view);
+            skipped.push(view);
+        }
+        session.decide()
+    });
+    boxes.dedup();
+    assert!(boxes.len() > 1, "the box grew");
+    assert!(
+        skipped.len() > 3
+            && reports.iter().filter_map(|report| report.view).all(|view| !skipped.contains(&view))
+    );
+}

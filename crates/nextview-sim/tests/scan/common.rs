@@ -1,0 +1,32 @@
+//! The loop of a simulated scan.
+
+use nextview::sensor::Frame;
+use nextview::session::{Decision, Session, StepReport, StopReason};
+use nextview_sim::evaluator::{Evaluator, Measures, ScanCamera};
+use nextview_sim::scene::Scene;
+use nextview_sim::truth::ObjectVoxels;
+
+/// A step of a scan, measured against the truth.
+pub struct Step {
+    pub report: StepReport,
+    /// With the pose in which it was mapped.
+    pub frame: Frame,
+    pub measures: Measures,
+}
+
+/// Scans until the session stops.
+pub fn scan(session: &mut Session, scene: &Scene, object: &ObjectVoxels) -> (Vec<Step>, StopReason) {
+    let (mut camera, mut evaluator) = (ScanCamera::new(scene), Evaluator::new(scene, object));
+    let mut steps = Vec::new();
+    loop {
+        let next = match session.decide() {
+            Decision::Move(next) => next,
+            Decision::Stop(reason) => return (steps, reason),
+        };
+        let (frame, shown) = camera.capture(&next).expect("candidates are in the room");
+        let report = session.observe(&frame);
+        let frame = frame.with_pose(report.world_from_camera);
+        let measures = evaluator.measure(session, &frame, shown);
+        steps.push(Step { report, frame, measures });
+    }
+}

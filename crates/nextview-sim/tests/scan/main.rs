@@ -1,0 +1,10 @@
+//! Whole scans in the simulator.
+
+#![allow(clippy::unwrap_used, reason = "helpers of tests")]
+
+mod cancel;
+mod closed_loop;
+mod common;
+mod noise;
+mod registration;
+mod unknown_object;
