@@ -1,0 +1,140 @@
+//! What a configuration must hold beyond what each of its parts checks itself.
+
+use super::{RecordingConfig, ScanConfig, TableRule};
+use crate::{Fault, Faults};
+use nextview::gain::Apora;
+use nextview::geometry::Aabb;
+use nextview::planner::{Batch, Greedy, MaxFlow, MostSurface};
+
+impl ScanConfig {
+    /// Everything that is out of its range or contradicts something else.
+    pub fn check(&self) -> Result<(), Faults> {
+        Faults::of(faults(self)).map_or(Ok(()), Err)
+    }
+
+    /// Fails if the configuration does not fit this number of candidates.
+    pub fn check_views(&self, n_views: usize) -> Result<(), Faults> {
+        Faults::of(of_views(self, n_views)).map_or(Ok(()), Err)
+    }
+}
+
+fn faults(config: &ScanConfig) -> Vec<Fault> {
+    let mut faults = Vec::new();
+    let lengths = [("voxel_size_m", config.voxel_size_m), ("size_m", config.size_m)];
+    for (key, value) in lengths.into_iter().filter_map(|(key, value)| Some((key, value?))) {
+        if !(value > 0.0 && value.is_finite()) {
+            faults.push(Fault::of_value(key, value, "a positive number of metres"));
+        }
+    }
+    if let Some(time) = config.time_limit_s.filter(|time| time.is_nan() || *time < 0.0) {
+        faults.push(Fault::of_value("time_limit_s", time, "a number of seconds, at least 0"));
+    }
+    if let Some(share) = config.min_overlap.filter(|share| !(0.0..=1.0).contains(share)) {
+        faults.push(Fault::of_value("min_overlap", share, "a number in 0..=1"));
+    }
+    let parts = [
+        ("stop", config.stop.check()),
+        ("map.sensor_model", config.map.sensor_model.check()),
+        ("multi_resolution", config.multi_resolution.check()),
+        ("motion", config.motion.check()),
+        ("registration", config.registration.check()),
+        ("max_flow", MaxFlow::new(config.max_flow).map(drop)),
+        // Alike for every gain.
+        ("greedy", Greedy::<Apora>::new(config.greedy).map(drop)),
+        ("most_surface", MostSurface::new(config.most_surface).map(drop)),
+        ("batch", Batch::new(config.batch).map(drop)),
+    ];
+    faults.extend(parts.into_iter().filter_map(|(section, result)| Some(of_part(section, result.err()?))));
+    faults.extend(config.nbv_net.planner().err());
+    faults.extend(config.reach.faults());
+    #[cfg(feature = "simulated")]
+    faults.extend(config.noise.faults());
+    faults.extend(config.recording.iter().flat_map(|recording| of_recording(recording, config)));
+    faults.extend(of_stop(config));
+    faults
+}
+
+/// A library's fault under the key that the value has in the configuration.
+fn of_part(section: &str, error: nextview::Error) -> Fault {
+    match error {
+        nextview::Error::InvalidParameter { name, value, expected } => {
+            Fault::of_value(&format!("{section}.{name}"), value, expected)
+        }
+        error => Fault::from(error).within(section),
+    }
+}
+
+/// A planner must estimate what the scan is to stop by.
+fn of_stop(config: &ScanConfig) -> Option<Fault> {
+    let is_estimated = config.stop.completeness.or(config.stop.expected_gain).is_some();
+    (is_estimated && !config.planner.estimates_completeness()).then(|| {
+        let planner = config.planner;
+        let message = format!(
+            "the planner {planner} cannot stop by completeness or expected gain, which it does not estimate"
+        );
+        Fault::request(message).with_remedy("`planner` = most-surface does")
+    })
+}
+
+/// Everything that does not fit this number of candidates.
+fn of_views(config: &ScanConfig, n_views: usize) -> Vec<Fault> {
+    let mut faults = Vec::new();
+    if config.first_view >= n_views {
+        let last = n_views.saturating_sub(1);
+        let fault = Fault::of_value("first_view", config.first_view, format!("0 to {last}"));
+        faults.push(match config.reach.is_default() {
+            true => fault,
+            false => fault.with_remedy("only candidates within reach count; they are numbered anew"),
+        });
+    }
+    if config.views == 0 || config.views > n_views {
+        faults.push(Fault::of_value("views", config.views, format!("1 to {n_views} (the candidates)")));
+    }
+    faults
+}
+
+/// Everything that is wrong with a recording, and everything that only a simulation can have.
+fn of_recording(recording: &RecordingConfig, config: &ScanConfig) -> Vec<Fault> {
+    let mut faults = Vec::new();
+    if let Some(Aabb { min, max }) = recording.bounds()
+        && !(min.is_finite() && max.is_finite() && min.cmplt(max).all())
+    {
+        let value = format!("{min} to {max}");
+        faults.push(Fault::of_value("recording.box_m", value, "finite corners, the lowest first"));
+    }
+    if let Some(z) = recording.table_z_m.filter(|z| !z.is_finite()) {
+        faults.push(Fault::of_value("recording.table_z_m", z, "a finite number of metres"));
+    }
+    if recording.table_z_m.is_some() && config.object_box.table != TableRule::None {
+        let fault = Fault::request("`recording.table_z_m` states the table, so that there is none to find");
+        faults.push(fault.with_remedy("leave out `recording.table_z_m` or `object_box.table`"));
+    }
+    if recording.truth.is_none() && recording.truth_from_world.is_some() {
+        faults.push(Fault::request(
+            "`recording.truth_from_world` needs `recording.truth`, the mesh that it leads to",
+        ));
+    }
+    let neutral = ScanConfig::of_profile(config.profile);
+    let given = [
+        ("candidates", config.candidates != neutral.candidates),
+        ("view_space", config.view_space != neutral.view_space),
+        ("view_seed", config.view_seed != neutral.view_seed),
+        ("size_m", config.size_m != neutral.size_m),
+        #[cfg(feature = "simulated")]
+        ("noise", config.noise != neutral.noise),
+        ("object_box.table", config.object_box.table == TableRule::Known),
+    ];
+    faults.extend(given.into_iter().filter(|(_, is_given)| *is_given).map(|(key, _)| only_simulated(key)));
+    faults
+}
+
+fn only_simulated(key: &str) -> Fault {
+    let remedy = match key {
+        "object_box.table" => {
+            "`recording.table_z_m` states its height, `object_box.table` = fit finds it in the first image"
+        }
+        _ => "recorded frames are as they are; leave it out",
+    };
+    let fault = Fault::request(format!("`{key}` is for simulations, not for recorded frames"));
+    Fault { key: Some(key.to_owned()), ..fault.with_remedy(remedy) }
+}

@@ -1,0 +1,89 @@
+//! Choices that users make by name.
+
+use crate::names::{Named, named};
+use glam::DVec3;
+use nextview::view::{ViewSpace, generate};
+use serde::{Deserialize, Serialize};
+
+named! {
+    /// A named set of defaults.
+    #[derive(Default)]
+    pub enum Profile {
+        Paper = "paper": "As published: 5000 candidates, voxels of 1 cm, thin rays, only points on the object, stop at q_thresh = 0.5",
+        #[default] Default = "default": "What works best: the planner most-surface; what the camera sees past the object carves free space",
+    }
+}
+
+named! {
+    /// How the box around the object comes about.
+    #[derive(Default)]
+    pub enum BoxRule {
+        #[default] Known = "known": "Planning knows the box",
+        Grows = "grows": "Nothing is known: the box begins with the first image and grows, and the candidates move along",
+    }
+}
+
+named! {
+    /// What the object stands on.
+    #[derive(Default)]
+    pub enum TableRule {
+        #[default] None = "none": "The object floats in the room",
+        Known = "known": "It stands on a table whose height is known",
+        Fit = "fit": "It stands on a table that is found in the first image",
+    }
+}
+
+named! {
+    /// The unit of a mesh file.
+    #[derive(Default)]
+    pub enum UnitName {
+        M = "m": "Metres",
+        Mm = "mm": "Millimetres",
+        #[default] Auto = "auto": "Judged by the longest side: up to 2 it is metres, from 20 on millimetres, in between an error",
+    }
+}
+
+#[cfg(feature = "simulated")]
+impl From<UnitName> for nextview_sim::mesh::Unit {
+    fn from(name: UnitName) -> Self {
+        match name {
+            UnitName::M => Self::Metres,
+            UnitName::Mm => Self::Millimetres,
+            UnitName::Auto => Self::Auto,
+        }
+    }
+}
+
+named! {
+    /// A rule that makes view candidates.
+    #[derive(Default)]
+    pub enum ViewRule {
+        #[default] Shell = "shell": "The paper's random shell: outside the cube of half-side 2 x size, inside the sphere of radius 4 x size",
+        Sphere = "sphere": "A Fibonacci sphere of radius 3 x size",
+        Hemisphere = "hemisphere": "The upper half of it, for an object on a table",
+    }
+}
+
+impl ViewRule {
+    /// The candidates around an object of this centre and half-side, metres.
+    pub fn views(self, center: DVec3, size: f64, n: usize, seed: u64) -> Result<ViewSpace, nextview::Error> {
+        match self {
+            Self::Shell => generate::shell(center, size, n, seed),
+            Self::Sphere => generate::fibonacci_sphere(center, 3.0 * size, n),
+            Self::Hemisphere => generate::hemisphere(center, 3.0 * size, n),
+        }
+    }
+}
+
+/// The name of a [`ViewRule`], or a CSV file of poses.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(transparent)]
+pub struct ViewSpaceName(pub String);
+
+impl ViewSpaceName {
+    /// The rule; none if it is a file.
+    pub fn rule(&self) -> Option<ViewRule> {
+        ViewRule::of_name(&self.0)
+    }
+}

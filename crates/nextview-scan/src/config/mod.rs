@@ -1,0 +1,22 @@
+//! Everything that decides a scan.
+
+mod checks;
+mod choices;
+mod load;
+#[cfg(feature = "simulated")]
+mod noise;
+mod planner_name;
+mod positions;
+mod reach;
+mod recording;
+mod scan_config;
+
+pub use choices::{BoxRule, Profile, TableRule, UnitName, ViewRule, ViewSpaceName};
+pub use load::{merged, nested};
+#[cfg(feature = "simulated")]
+pub use noise::{NoiseConfig, NoiseModel};
+pub use planner_name::{NbvNetConfig, PlannerConfigs, PlannerName};
+pub use positions::Positions;
+pub use reach::ReachConfig;
+pub use recording::RecordingConfig;
+pub use scan_config::{MapConfig, ObjectBoxConfig, ScanConfig};

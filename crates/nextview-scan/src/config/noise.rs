@@ -1,0 +1,66 @@
+use crate::Fault;
+use crate::names::named;
+use nextview_sim::noise::{DepthNoise, Noise, PoseError};
+use serde::{Deserialize, Serialize};
+
+/// The errors of the simulated camera. Their seed is their own, so that planners with several seeds face the
+/// same errors.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(default, deny_unknown_fields)]
+pub struct NoiseConfig {
+    /// Of the depth.
+    pub model: NoiseModel,
+    /// Of all draws.
+    pub seed: u64,
+    /// Standard deviation along each axis of the position that a frame claims, 0..=1000.
+    pub pose_error_mm: f64,
+    /// Standard deviation about each axis of the rotation that a frame claims.
+    pub pose_error_deg: f64,
+    /// Whether the first frame claims the right pose all the same, so that all errors are relative to it.
+    #[serde(skip_serializing_if = "std::ops::Not::not")]
+    pub first_pose_is_right: bool,
+    /// Of the model, unless it is none.
+    pub depth: DepthNoise,
+}
+
+named! {
+    /// Errors and losses of the depth.
+    #[derive(Default)]
+    pub enum NoiseModel {
+        #[default] None = "none": "Nothing: every pixel measures, and exactly",
+        D435i = "d435i": "Errors and losses of the RealSense D435i, a stereo camera; [noise.depth] of a configuration changes them",
+    }
+}
+
+impl NoiseConfig {
+    /// The errors in the simulator's terms.
+    pub fn noise(&self) -> Noise {
+        Noise {
+            seed: self.seed,
+            first_pose_is_right: self.first_pose_is_right,
+            depth: (self.model != NoiseModel::None).then_some(self.depth),
+            pose: PoseError {
+                translation_sigma: self.pose_error_mm / 1e3,
+                rotation_sigma: self.pose_error_deg.to_radians(),
+            },
+        }
+    }
+
+    /// Whether frames claim wrong poses.
+    pub fn is_pose_wrong(&self) -> bool {
+        self.pose_error_mm > 0.0 || self.pose_error_deg > 0.0
+    }
+
+    /// Everything that is out of its range, of a model that is off as well.
+    pub(crate) fn faults(&self) -> Vec<Fault> {
+        let limit_deg = 1_f64.to_degrees().floor();
+        let errors = [
+            ("noise.pose_error_mm", self.pose_error_mm, 1000.0),
+            ("noise.pose_error_deg", self.pose_error_deg, limit_deg),
+        ];
+        let wrong = errors.into_iter().filter(|(_, value, limit)| !(0.0..=*limit).contains(value));
+        let faults = wrong.map(|(key, value, limit)| Fault::of_value(key, value, format!("0 to {limit}")));
+        faults.chain(self.depth.check().err().map(Fault::from)).collect()
+    }
+}

@@ -1,0 +1,126 @@
+use crate::Fault;
+use crate::names::named;
+use nextview::gain::{
+    Apora, AreaFactor, AverageEntropy, InformationGain, Krainin, OcclusionAware, ProximityCount,
+    RearSideEntropy, RearSideVoxel, UnobservedVoxel,
+};
+use nextview::planner::{
+    Batch, BatchConfig, Greedy, GreedyConfig, InOrder, MaxFlow, MaxFlowConfig, MostSurface,
+    MostSurfaceConfig, RandomViews, ViewPlanner,
+};
+use nextview_learned::nbv_net::{NbvNet, Network};
+use serde::{Deserialize, Serialize};
+use std::path::PathBuf;
+
+named! {
+    /// A planner, by the name users give it.
+    #[derive(Default)]
+    pub enum PlannerName {
+        #[default] MostSurface = "most-surface": "Ours: the most surface that a learned prior expects to be seen anew",
+        MaxFlow = "max-flow": "The paper's: local information gain and the views of a maximum flow",
+        Local = "local": "The paper's local information gain alone (gamma = 0)",
+        Apora = "apora": "APORA's gain, Daudelin & Campbell 2017: entropy near the frontier",
+        Rse = "rse": "Rear side entropy, Isler et al. 2016: the unknown behind surfaces",
+        RearSideVoxel = "rear-side-voxel": "Rays that meet a surface from behind, Isler et al. 2016",
+        OcclusionAware = "occlusion-aware": "Visible entropy, Isler et al. 2016",
+        UnobservedVoxel = "unobserved-voxel": "Visible entropy of unknown voxels, Isler et al. 2016",
+        ProximityCount = "proximity-count": "Unknown voxels close behind measured surfaces, Isler et al. 2016",
+        AverageEntropy = "average-entropy": "Mean entropy on rays that end at a surface, Kriegel et al. 2015",
+        Krainin = "krainin": "Entropy on rays that end at a surface, Krainin et al. 2011",
+        AreaFactor = "area-factor": "Shares of surface and occlusion plane, Vasquez-Gomez et al. 2014",
+        NbvNet = "nbv-net": "NBV-Net, Mendoza et al. 2020: the one of 14 views that a network has learned to name",
+        Batch = "batch": "Several views at once that together show most, and the shortest tour through them",
+        InOrder = "in-order": "The views in the order of their numbers: that of a recording",
+        Random = "random": "A random view: the baseline",
+        Clairvoyant = "clairvoyant": "Knows the object: the upper bound, where the truth is known",
+    }
+}
+
+/// Parameters of NBV-Net.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(default, deny_unknown_fields)]
+pub struct NbvNetConfig {
+    /// A safetensors file; by default the library's own weights.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub weights: Option<PathBuf>,
+}
+
+/// The parameters of all planners.
+#[derive(Clone, Debug, Default)]
+pub struct PlannerConfigs {
+    /// Of the default planner.
+    pub most_surface: MostSurfaceConfig,
+    /// Of the paper's planner.
+    pub max_flow: MaxFlowConfig,
+    /// Of all planners that are named after a gain.
+    pub greedy: GreedyConfig,
+    /// Of the planner that chooses several views at once.
+    pub batch: BatchConfig,
+    /// Of NBV-Net.
+    pub nbv_net: NbvNetConfig,
+}
+
+impl NbvNetConfig {
+    /// The planner; fails if the weights cannot be read.
+    pub fn planner(&self) -> Result<NbvNet, Fault> {
+        let Some(path) = &self.weights else { return Ok(NbvNet::default()) };
+        let file =
+            std::fs::read(path).map_err(|e| Fault::data(format!("cannot be read: {e}")).in_file(path))?;
+        let network = Network::from_safetensors(&file).map_err(|e| {
+            Fault::data(e)
+                .in_file(path)
+                .with_remedy("training/nbv_net.py trains such weights and converts published ones")
+        })?;
+        Ok(NbvNet::new(network))
+    }
+}
+
+impl PlannerName {
+    /// Whether the planner needs the depth images behind the map.
+    pub fn needs_frames(self) -> bool {
+        self == Self::ProximityCount
+    }
+
+    /// Whether the planner estimates how complete the scan is, which some rules to stop need.
+    pub fn estimates_completeness(self) -> bool {
+        self == Self::MostSurface
+    }
+
+    /// The planner. The clairvoyant one comes from whoever knows the truth; none where it is not known.
+    pub fn build(
+        self,
+        configs: PlannerConfigs,
+        seed: u64,
+        clairvoyant: Option<Box<dyn ViewPlanner>>,
+    ) -> Result<Box<dyn ViewPlanner>, Fault> {
+        let PlannerConfigs { most_surface, max_flow, greedy, batch, nbv_net } = configs;
+        Ok(match self {
+            Self::MostSurface => Box::new(MostSurface::new(most_surface)?),
+            Self::MaxFlow => Box::new(MaxFlow::new(max_flow)?),
+            Self::Local => Box::new(MaxFlow::new(MaxFlowConfig { gamma: 0.0, ..max_flow })?),
+            Self::Apora => by_gain::<Apora>(greedy)?,
+            Self::Rse => by_gain::<RearSideEntropy>(greedy)?,
+            Self::RearSideVoxel => by_gain::<RearSideVoxel>(greedy)?,
+            Self::OcclusionAware => by_gain::<OcclusionAware>(greedy)?,
+            Self::UnobservedVoxel => by_gain::<UnobservedVoxel>(greedy)?,
+            Self::ProximityCount => by_gain::<ProximityCount>(greedy)?,
+            Self::AverageEntropy => by_gain::<AverageEntropy>(greedy)?,
+            Self::Krainin => by_gain::<Krainin>(greedy)?,
+            Self::AreaFactor => by_gain::<AreaFactor>(greedy)?,
+            Self::NbvNet => Box::new(nbv_net.planner()?),
+            Self::Batch => Box::new(Batch::new(batch)?),
+            Self::InOrder => Box::new(InOrder),
+            Self::Random => Box::new(RandomViews { seed }),
+            Self::Clairvoyant => clairvoyant.ok_or_else(|| {
+                Fault::request("the clairvoyant planner needs the true object").with_remedy(
+                    "use it in a simulation, or name the mesh of a recorded object as `recording.truth`",
+                )
+            })?,
+        })
+    }
+}
+
+fn by_gain<G: InformationGain + 'static>(config: GreedyConfig) -> Result<Box<dyn ViewPlanner>, Fault> {
+    Ok(Box::new(Greedy::<G>::new(config)?))
+}

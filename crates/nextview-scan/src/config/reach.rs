@@ -1,0 +1,98 @@
+use crate::Fault;
+use glam::DVec3;
+use nextview::geometry::Aabb;
+use nextview::view::{Reach, ReachSphere, ViewSpace};
+use serde::{Deserialize, Serialize};
+
+/// Where a robot can hold the camera. Candidates elsewhere are dropped, and the others numbered anew.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(default, deny_unknown_fields)]
+pub struct ReachConfig {
+    /// Where the robot's arm stands, and how near and how far away the camera can be.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub base_m: Option<[f64; 3]>,
+    /// The camera can be no nearer to the base.
+    pub min_radius_m: f64,
+    /// The camera can be no farther from the base.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub max_radius_m: Option<f64>,
+    /// The camera must be in one of these boxes, by their lowest and highest corners; everywhere if there are
+    /// none.
+    pub allowed_boxes_m: Vec<[f64; 6]>,
+    /// The camera must be in none of these.
+    pub forbidden_boxes_m: Vec<[f64; 6]>,
+}
+
+impl ReachConfig {
+    /// Whether every candidate is within reach.
+    pub fn is_default(&self) -> bool {
+        *self == Self::default()
+    }
+
+    /// An arm at x, y, z that reaches so far, in place of the one that there was.
+    pub fn set_sphere(&mut self, [x, y, z, radius]: [f64; 4]) {
+        (self.base_m, self.min_radius_m, self.max_radius_m) = (Some([x, y, z]), 0.0, Some(radius));
+    }
+
+    /// The rule in the library's terms.
+    pub fn rule(&self) -> Reach {
+        let boxes = |boxes: &[[f64; 6]]| boxes.iter().map(bounds).collect();
+        let sphere = self.base_m.zip(self.max_radius_m).map(|(base, max_radius)| ReachSphere {
+            base: DVec3::from_array(base),
+            min_radius: self.min_radius_m,
+            max_radius,
+        });
+        Reach { sphere, allowed: boxes(&self.allowed_boxes_m), forbidden: boxes(&self.forbidden_boxes_m) }
+    }
+
+    /// Everything that is out of its range or lacks its counterpart.
+    pub(crate) fn faults(&self) -> Vec<Fault> {
+        if self.base_m.is_some() != self.max_radius_m.is_some() {
+            return vec![Fault::request("`reach.base_m` and `reach.max_radius_m` need each other")];
+        }
+        if self.base_m.is_none() && self.min_radius_m != 0.0 {
+            return vec![Fault::request(
+                "`reach.min_radius_m` needs `reach.base_m` and `reach.max_radius_m`",
+            )];
+        }
+        let fault = |error: nextview::Error| Fault::from(error).within("reach");
+        self.rule().check().err().map(fault).into_iter().collect()
+    }
+
+    /// Those of the positions that are within reach; fails if there are none.
+    pub fn filter<T>(&self, candidates: Vec<T>, position: impl Fn(&T) -> DVec3) -> Result<Vec<T>, Fault> {
+        let (reach, n) = (self.rule(), candidates.len());
+        let around = Aabb::around(candidates.iter().map(&position));
+        let left: Vec<T> =
+            candidates.into_iter().filter(|candidate| reach.contains(position(candidate))).collect();
+        match around.filter(|_| left.is_empty()) {
+            Some(Aabb { min, max }) => {
+                let place = format!("they are between {min:.3} and {max:.3} m");
+                let fault =
+                    Fault::request(format!("none of the {n} view candidates is within reach: {place}"));
+                Err(fault.with_remedy("`reach` is in metres, in the coordinates of the object"))
+            }
+            None => Ok(left),
+        }
+    }
+
+    /// The same of view candidates, with a note on how many are left, unless all may stay.
+    pub fn views(&self, views: ViewSpace) -> Result<(ViewSpace, Option<String>), Fault> {
+        if self.is_default() {
+            return Ok((views, None));
+        }
+        let left = self.filter(views.poses().to_vec(), |pose| pose.translation())?;
+        let note = self.note(left.len(), views.len());
+        Ok((ViewSpace::new(left)?, note))
+    }
+
+    /// How many candidates are left, in words.
+    pub fn note(&self, n_left: usize, n: usize) -> Option<String> {
+        (!self.is_default()).then(|| format!("within reach: {n_left} of {n} candidates"))
+    }
+}
+
+fn bounds([x0, y0, z0, x1, y1, z1]: &[f64; 6]) -> Aabb {
+    Aabb { min: DVec3::new(*x0, *y0, *z0), max: DVec3::new(*x1, *y1, *z1) }
+}

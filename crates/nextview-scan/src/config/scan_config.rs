@@ -1,0 +1,241 @@
+use super::{
+    BoxRule, NbvNetConfig, PlannerConfigs, PlannerName, Profile, ReachConfig, RecordingConfig, TableRule,
+    UnitName, ViewSpaceName,
+};
+use crate::Fault;
+use nextview::map::{Background, RayRule, SensorModel};
+use nextview::motion::MotionConfig;
+use nextview::planner::{
+    BatchConfig, GreedyConfig, MaxFlowConfig, MinOverlap, MostSurfaceConfig, ViewPlanner,
+};
+use nextview::registration::RegistrationConfig;
+use nextview::sensor::Intrinsics;
+use nextview::session::{MultiResolutionConfig, StopConfig};
+use nextview::visibility::FreeSpace;
+use serde::{Deserialize, Serialize};
+
+/// Everything that decides a scan: what a configuration file holds, and `config.toml` in the results.
+///
+/// Numbers are in SI units, and their keys say so. A file is read by [`ScanConfig::parse`].
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(default, deny_unknown_fields)]
+pub struct ScanConfig {
+    /// A mesh file or `builtin:NAME`; with a recording, where its frames are.
+    pub object: String,
+    /// The named set of defaults that all other values started from.
+    pub profile: Profile,
+    /// How the next view is chosen.
+    pub planner: PlannerName,
+    /// Maximum number of views.
+    pub views: usize,
+    /// Number of view candidates, where a rule makes them.
+    pub candidates: usize,
+    /// Number of the view to begin with.
+    pub first_view: usize,
+    /// Edge of a voxel; by default about a fortieth of the object's longest side.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub voxel_size_m: Option<f64>,
+    /// Where candidates are: the name of a rule, or a file of poses.
+    pub view_space: ViewSpaceName,
+    /// Seed of the random planner and, unless `view_seed` is given, of the random shell.
+    pub seed: u64,
+    /// Seed of the random shell alone, so that random planners of several seeds may choose among the same
+    /// candidates; by default `seed`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub view_seed: Option<u64>,
+    /// Unit of the mesh file.
+    pub unit: UnitName,
+    /// Length that the object's longest side is scaled to.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub size_m: Option<f64>,
+    /// Least share, 0..=1, of known surface in what the next view shows; by default there is none.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub min_overlap: Option<f64>,
+    /// Whether to compute the random and clairvoyant curves.
+    pub baselines: bool,
+    /// Limit on the memory that the planning box may need.
+    pub memory_limit_mb: u64,
+    /// Longest time from the first decision on, at least 0; with it, a scan is not the same every time. By
+    /// default there is no limit.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub time_limit_s: Option<f64>,
+    /// How frames are written into the map.
+    pub map: MapConfig,
+    /// Whether planning goes from coarse voxels to fine ones.
+    pub multi_resolution: MultiResolutionConfig,
+    /// What planning knows of the object's place.
+    pub object_box: ObjectBoxConfig,
+    /// Where a robot can hold the camera.
+    #[serde(skip_serializing_if = "ReachConfig::is_default")]
+    pub reach: ReachConfig,
+    /// How a robot would move the camera.
+    pub motion: MotionConfig,
+    /// Whether frames are aligned to what was measured before, and how.
+    pub registration: RegistrationConfig,
+    /// Of the planner most-surface.
+    pub most_surface: MostSurfaceConfig,
+    /// Of the planners max-flow and local.
+    pub max_flow: MaxFlowConfig,
+    /// Of all planners that are named after a gain.
+    pub greedy: GreedyConfig,
+    /// Of the planner batch.
+    pub batch: BatchConfig,
+    /// Of the planner nbv-net.
+    pub nbv_net: NbvNetConfig,
+    /// When the scan stops before its last view.
+    pub stop: StopConfig,
+    /// The camera's optics.
+    pub camera: Intrinsics,
+    /// Errors of the simulated camera.
+    #[cfg(feature = "simulated")]
+    pub noise: super::NoiseConfig,
+    /// The frames are recorded; without it, they are simulated.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub recording: Option<RecordingConfig>,
+}
+
+/// How frames are written into the map.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(default, deny_unknown_fields)]
+pub struct MapConfig {
+    /// Which rays of a frame are traced.
+    pub rays: RayRule,
+    /// What rays past the object do.
+    pub background: Background,
+    /// How measurements change voxels.
+    pub sensor_model: SensorModel,
+}
+
+/// The object's place, as far as planning knows it.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(default, deny_unknown_fields)]
+pub struct ObjectBoxConfig {
+    /// How the box around the object comes about.
+    pub rule: BoxRule,
+    /// What the object stands on.
+    pub table: TableRule,
+}
+
+impl ScanConfig {
+    /// The profile's values.
+    pub fn of_profile(profile: Profile) -> Self {
+        let config = Self {
+            object: "builtin:teapot".to_owned(),
+            profile,
+            planner: PlannerName::MostSurface,
+            views: 10,
+            candidates: 1000,
+            first_view: 0,
+            voxel_size_m: None,
+            view_space: ViewSpaceName("shell".to_owned()),
+            seed: 0,
+            view_seed: None,
+            unit: UnitName::Auto,
+            size_m: None,
+            min_overlap: None,
+            baselines: true,
+            memory_limit_mb: 4096,
+            time_limit_s: None,
+            map: MapConfig::default(),
+            multi_resolution: MultiResolutionConfig::default(),
+            object_box: ObjectBoxConfig::default(),
+            reach: ReachConfig::default(),
+            motion: MotionConfig::default(),
+            registration: RegistrationConfig::default(),
+            max_flow: MaxFlowConfig::default(),
+            greedy: GreedyConfig::default(),
+            batch: BatchConfig::default(),
+            nbv_net: NbvNetConfig::default(),
+            most_surface: MostSurfaceConfig::default(),
+            stop: StopConfig::default(),
+            camera: Intrinsics::d435i(),
+            #[cfg(feature = "simulated")]
+            noise: super::NoiseConfig::default(),
+            recording: None,
+        };
+        match profile {
+            Profile::Default => config,
+            // The box is known and the voxel size fixed, as in the paper's comparison of view quality
+            // functions (table I).
+            Profile::Paper => Self {
+                planner: PlannerName::MaxFlow,
+                candidates: 5000,
+                voxel_size_m: Some(0.01),
+                map: MapConfig { background: Background::Ignore, ..MapConfig::default() },
+                max_flow: MaxFlowConfig {
+                    ray_spacing: 10.0,
+                    free_space: FreeSpace::Fades,
+                    ..MaxFlowConfig::default()
+                },
+                greedy: GreedyConfig { ray_spacing: 10.0, ..GreedyConfig::default() },
+                batch: BatchConfig { ray_spacing: 10.0, ..BatchConfig::default() },
+                stop: StopConfig { entropy_share: Some(0.5), ..StopConfig::default() },
+                ..config
+            },
+        }
+    }
+
+    /// Whether the scan needs the truth: what every candidate truly sees.
+    pub fn needs_truth(&self) -> bool {
+        self.baselines || self.planner == PlannerName::Clairvoyant
+    }
+
+    /// The part of the configuration that decides the simulated object and its truth; all else is as in the
+    /// default profile. Scans with equal ones can share them.
+    pub fn of_object(&self) -> Self {
+        let neutral = Self::of_profile(Profile::Default);
+        Self {
+            profile: neutral.profile,
+            planner: neutral.planner,
+            views: 1,
+            first_view: 0,
+            seed: neutral.seed,
+            view_seed: Some(self.view_seed()),
+            min_overlap: None,
+            baselines: self.needs_truth(),
+            map: neutral.map,
+            max_flow: neutral.max_flow,
+            greedy: neutral.greedy,
+            batch: neutral.batch,
+            nbv_net: neutral.nbv_net,
+            most_surface: neutral.most_surface,
+            stop: neutral.stop,
+            time_limit_s: None,
+            multi_resolution: neutral.multi_resolution,
+            registration: neutral.registration,
+            motion: neutral.motion,
+            object_box: ObjectBoxConfig { rule: neutral.object_box.rule, ..self.object_box },
+            ..self.clone()
+        }
+    }
+
+    /// The planner. The clairvoyant one comes from whoever knows the truth.
+    pub fn planner(&self, clairvoyant: Option<Box<dyn ViewPlanner>>) -> Result<Box<dyn ViewPlanner>, Fault> {
+        let configs = PlannerConfigs {
+            most_surface: self.most_surface,
+            max_flow: self.max_flow,
+            greedy: self.greedy,
+            batch: self.batch,
+            nbv_net: self.nbv_net.clone(),
+        };
+        let planner = self.planner.build(configs, self.seed, clairvoyant)?;
+        match self.min_overlap {
+            Some(share) => Ok(Box::new(MinOverlap::new(share, planner)?)),
+            None => Ok(planner),
+        }
+    }
+
+    /// Seed of the random shell.
+    pub fn view_seed(&self) -> u64 {
+        self.view_seed.unwrap_or(self.seed)
+    }
+}
+
+impl Default for ScanConfig {
+    fn default() -> Self {
+        Self::of_profile(Profile::Default)
+    }
+}

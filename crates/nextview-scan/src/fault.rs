@@ -1,0 +1,214 @@
+//! Faults as data: a front end words them for its users.
+
+use nextview_recording::RecordingError;
+use serde::Serialize;
+use std::fmt;
+use std::path::{Path, PathBuf};
+
+/// Something that is wrong, with the value and with what would be right.
+///
+/// Keys of the configuration stand in backticks in `message` and `remedy`, so that a front end can put its
+/// own names in their place: a program its flags, a server the keys of its requests.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+pub struct Fault {
+    /// Who can mend it.
+    pub kind: FaultKind,
+    /// Where it is, where a file is behind it.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub place: Option<Place>,
+    /// Dotted key of the configuration, such as `max_flow.gamma`; none where it is not about one value.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub key: Option<String>,
+    /// The value that was given, as text.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub value: Option<String>,
+    /// The range or the kind of value that would be right.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub expected: Option<String>,
+    /// The whole fault as a sentence without its place, value and expectation included.
+    pub message: String,
+    /// What to do about it.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub remedy: Option<String>,
+}
+
+/// Who can mend a fault.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum FaultKind {
+    /// Whoever asked: a value or a combination of values cannot be.
+    Request,
+    /// A file or the system is at fault.
+    Data,
+}
+
+/// A place in a file.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+pub struct Place {
+    /// The file or folder.
+    pub file: PathBuf,
+    /// Line and column, counted from 1; none where the whole file is meant.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub position: Option<(usize, usize)>,
+}
+
+impl Fault {
+    /// Something was asked for that cannot be.
+    pub fn request(message: impl fmt::Display) -> Self {
+        Self::new(FaultKind::Request, message)
+    }
+
+    /// A file or the system is at fault.
+    pub fn data(message: impl fmt::Display) -> Self {
+        Self::new(FaultKind::Data, message)
+    }
+
+    /// The value of a key is out of its range.
+    pub fn of_value(key: &str, value: impl fmt::Display, expected: impl fmt::Display) -> Self {
+        let fault = Self::request(format!("`{key}` is {value}, expected {expected}"));
+        let (value, expected) = (Some(value.to_string()), Some(expected.to_string()));
+        Self { key: Some(key.to_owned()), value, expected, ..fault }
+    }
+
+    fn new(kind: FaultKind, message: impl fmt::Display) -> Self {
+        let message = message.to_string();
+        Self { kind, place: None, key: None, value: None, expected: None, message, remedy: None }
+    }
+
+    /// The same with a remedy.
+    pub fn with_remedy(mut self, remedy: impl fmt::Display) -> Self {
+        self.remedy = Some(remedy.to_string());
+        self
+    }
+
+    /// The same in this file, which makes it a fault of data. An inner place stays.
+    pub fn in_file(mut self, file: &Path) -> Self {
+        self.place.get_or_insert_with(|| Place { file: file.to_owned(), position: None });
+        self.kind = FaultKind::Data;
+        self
+    }
+
+    /// The same while this file or folder was written.
+    pub fn while_writing(mut self, file: &Path) -> Self {
+        self.message = format!("cannot be written: {}", self.message);
+        self.in_file(file)
+            .with_remedy("does its folder exist, is it writable, and is there space on the disk?")
+    }
+
+    /// The same in a named part of a file.
+    pub fn within(mut self, part: impl fmt::Display) -> Self {
+        self.message = format!("{part}: {}", self.message);
+        self
+    }
+}
+
+impl fmt::Display for Place {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}", self.file.display())?;
+        self.position.map_or(Ok(()), |(line, column)| write!(f, ", line {line}, column {column}"))
+    }
+}
+
+impl fmt::Display for Fault {
+    /// Place and message; the remedy is left to front ends.
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match &self.place {
+            Some(place) => write!(f, "{place}: {}", self.message),
+            None => f.write_str(&self.message),
+        }
+    }
+}
+
+impl std::error::Error for Fault {}
+
+impl From<nextview::Error> for Fault {
+    fn from(error: nextview::Error) -> Self {
+        match &error {
+            nextview::Error::InvalidParameter { name, value, expected } => {
+                Self { message: error.to_string(), ..Self::of_value(name, value, expected) }
+            }
+            nextview::Error::TooLarge { .. } => Self::request(error),
+            _ => Self::data(error),
+        }
+    }
+}
+
+#[cfg(feature = "simulated")]
+impl From<nextview_sim::SimError> for Fault {
+    fn from(error: nextview_sim::SimError) -> Self {
+        match error {
+            nextview_sim::SimError::Parameter(error) => error.into(),
+            error => Self::data(error),
+        }
+    }
+}
+
+impl From<RecordingError> for Fault {
+    fn from(error: RecordingError) -> Self {
+        Self::data(error)
+    }
+}
+
+impl From<std::io::Error> for Fault {
+    fn from(error: std::io::Error) -> Self {
+        Self::data(error)
+    }
+}
+
+/// All that is wrong: at least one fault.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+#[serde(transparent)]
+pub struct Faults(Vec<Fault>);
+
+impl Faults {
+    /// These faults; none if there are none.
+    pub fn of(faults: Vec<Fault>) -> Option<Self> {
+        (!faults.is_empty()).then_some(Self(faults))
+    }
+
+    /// One after the other, at least one.
+    pub fn iter(&self) -> std::slice::Iter<'_, Fault> {
+        self.0.iter()
+    }
+
+    /// Each with this done to it.
+    pub fn map(self, change: impl FnMut(Fault) -> Fault) -> Self {
+        Self(self.0.into_iter().map(change).collect())
+    }
+
+    /// The same in this file.
+    pub fn in_file(self, file: &Path) -> Self {
+        self.map(|fault| fault.in_file(file))
+    }
+}
+
+impl From<Fault> for Faults {
+    fn from(fault: Fault) -> Self {
+        Self(vec![fault])
+    }
+}
+
+impl fmt::Display for Faults {
+    /// A line each.
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        for (i, fault) in self.0.iter().enumerate() {
+            write!(f, "{}{fault}", if i > 0 { "\n" } else { "" })?;
+        }
+        Ok(())
+    }
+}
+
+impl std::error::Error for Faults {}
+
+macro_rules! faults_from {
+    ($($error:ty),*) => { $(
+        impl From<$error> for Faults {
+            fn from(error: $error) -> Self {
+                Fault::from(error).into()
+            }
+        }
+    )* };
+}
+faults_from!(nextview::Error, RecordingError, std::io::Error);
+#[cfg(feature = "simulated")]
+faults_from!(nextview_sim::SimError);

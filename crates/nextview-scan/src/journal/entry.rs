@@ -1,0 +1,132 @@
+//! The content of a journal's entries.
+
+use super::kept::{JournalEntry, KeptFrame, SkippedView};
+use nextview::geometry::Pose;
+use nextview::sensor::{Depth, DepthImage, Frame, Intrinsics};
+use serde::{Deserialize, Serialize};
+
+/// An entry to write.
+pub(super) enum Entry<'a> {
+    /// A text.
+    Heading(&'a str),
+    /// A frame, the number of the view that it was taken for, and whether it was asked for.
+    Frame { view: Option<usize>, was_asked: bool, frame: &'a Frame },
+    /// A view that is not to be proposed again.
+    Skip(&'a SkippedView),
+}
+
+/// A JSON object at the head of an entry.
+#[derive(Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+enum Head {
+    /// A frame without its image, which follows.
+    Frame(About),
+    /// A view that is not to be proposed again.
+    Skip(SkippedView),
+}
+
+/// A frame without its image.
+#[derive(Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct About {
+    view: Option<usize>,
+    was_asked: bool,
+    world_from_camera: Pose,
+    range_m: f64,
+    intrinsics: Intrinsics,
+}
+
+/// Of the layout of entries.
+const VERSION: u8 = 2;
+
+impl Entry<'_> {
+    /// Its bytes. Of a frame: version, length of its head, head, and the depth, compressed.
+    pub fn to_bytes(&self) -> Vec<u8> {
+        match self {
+            Self::Heading(text) => [&[VERSION], text.as_bytes()].concat(),
+            Self::Skip(skipped) => with_head(&Head::Skip((*skipped).clone()), &[]),
+            Self::Frame { view, was_asked, frame } => {
+                let about = About {
+                    view: *view,
+                    was_asked: *was_asked,
+                    world_from_camera: frame.world_from_camera(),
+                    range_m: frame.range(),
+                    intrinsics: *frame.intrinsics(),
+                };
+                with_head(&Head::Frame(about), &compressed(frame.image()))
+            }
+        }
+    }
+}
+
+fn with_head(head: &Head, rest: &[u8]) -> Vec<u8> {
+    let head = serde_json::to_vec(head).expect("numbers and names only");
+    let length = (head.len() as u32).to_le_bytes();
+    [&[VERSION], &length[..], &head, rest].concat()
+}
+
+/// The text that these bytes hold.
+pub(super) fn read_heading(bytes: &[u8]) -> Result<String, String> {
+    let text = versioned(bytes)?;
+    String::from_utf8(text.to_vec()).map_err(|error| format!("the heading is no text: {error}"))
+}
+
+/// The frame or the skipped view that these bytes hold.
+pub(super) fn read_entry(bytes: &[u8]) -> Result<JournalEntry, String> {
+    let rest = versioned(bytes)?;
+    let cut = || "the entry ends within its head".to_owned();
+    let (length, rest) = rest.split_at_checked(4).ok_or_else(cut)?;
+    let length = u32::from_le_bytes(length.try_into().expect("four bytes"));
+    let (head, depth) = rest.split_at_checked(length as usize).ok_or_else(cut)?;
+    match serde_json::from_slice(head).map_err(|error| error.to_string())? {
+        Head::Skip(skipped) => Ok(JournalEntry::Skip(skipped)),
+        Head::Frame(About { view, was_asked, world_from_camera, range_m, intrinsics }) => {
+            let image = decompressed(depth, &intrinsics)?;
+            let frame = Frame::new(image, intrinsics, world_from_camera, range_m);
+            let frame = frame.map_err(|error| error.to_string())?;
+            Ok(JournalEntry::Frame(KeptFrame { view, was_asked, frame }))
+        }
+    }
+}
+
+fn versioned(bytes: &[u8]) -> Result<&[u8], String> {
+    match bytes.split_first() {
+        Some((&VERSION, rest)) => Ok(rest),
+        Some((version, _)) => Err(format!("the entry is of version {version}, expected {VERSION}")),
+        None => Err("the entry is empty".to_owned()),
+    }
+}
+
+/// The depths as little-endian numbers, the first byte of all pixels first, and so on: similar bytes lie
+/// together.
+fn compressed(image: &DepthImage) -> Vec<u8> {
+    let pixels = (0..image.height()).flat_map(|v| (0..image.width()).map(move |u| image.get(u, v)));
+    let depths: Vec<[u8; 4]> = pixels.map(|pixel| metres(pixel).to_le_bytes()).collect();
+    let planes: Vec<u8> = (0..4).flat_map(|i| depths.iter().map(move |depth| depth[i])).collect();
+    lz4_flex::block::compress(&planes)
+}
+
+fn metres(pixel: Depth) -> f32 {
+    match pixel {
+        Depth::Missing => f32::NAN,
+        Depth::Beyond => f32::INFINITY,
+        Depth::Surface(depth) => depth,
+    }
+}
+
+fn decompressed(bytes: &[u8], intrinsics: &Intrinsics) -> Result<DepthImage, String> {
+    let n = intrinsics.n_pixels();
+    // The format cannot hold more: without this, a few bytes could claim gigabytes.
+    if n.saturating_mul(4) > bytes.len().saturating_mul(256).saturating_add(64) {
+        return Err(format!("{} bytes cannot hold an image of {n} pixels", bytes.len()));
+    }
+    let mut planes = vec![0; 4 * n];
+    let length = lz4_flex::block::decompress_into(bytes, &mut planes)
+        .map_err(|error| format!("the image: {error}"))?;
+    if length != planes.len() {
+        return Err(format!("the image has {length} bytes, expected {}", planes.len()));
+    }
+    let depth = |i| f32::from_le_bytes([0, 1, 2, 3].map(|plane| planes[plane * n + i]));
+    DepthImage::from_metres(intrinsics.width(), intrinsics.height(), (0..n).map(depth).collect())
+        .map_err(|error| error.to_string())
+}

@@ -1,0 +1,181 @@
+use super::entry::Entry;
+use super::kept::{JournalEntry, KeptFrame, SkippedView};
+use super::read::{self, MAGIC};
+use crate::Fault;
+use std::fs::{File, OpenOptions, TryLockError};
+use std::io::{ErrorKind, Read, Seek, SeekFrom, Write};
+use std::path::{Path, PathBuf};
+
+/// The file in which a scan keeps its frames, each before it counts.
+///
+/// A frame that was [kept](Self::keep) is on the disk, whatever happens to the program or the machine then.
+/// The file begins with a text of the scan's own, such as its configuration. Every entry has a checksum:
+/// damage is found, and everything before it can be used.
+///
+/// ```
+/// use glam::DVec2;
+/// use nextview::geometry::Pose;
+/// use nextview::sensor::{DepthImage, Frame, Intrinsics};
+/// use nextview_scan::{Journal, JournalEntry, KeptFrame};
+///
+/// let path = std::env::temp_dir().join(format!("nextview-doc-{}.journal", std::process::id()));
+/// let camera = Intrinsics::pinhole(4, 2, DVec2::splat(3.0), DVec2::new(1.5, 0.5)).unwrap();
+/// let image = DepthImage::from_metres(4, 2, vec![0.5; 8]).unwrap();
+/// let frame = Frame::new(image, camera, Pose::IDENTITY, 1.0).unwrap();
+///
+/// let mut journal = Journal::create(&path, "planner = \"local\"")?;
+/// journal.keep(&KeptFrame { view: Some(7), was_asked: true, frame: frame.clone() })?;
+/// drop(journal); // or kill -9
+///
+/// let (mut journal, found) = Journal::open(&path)?;
+/// assert_eq!(found.heading, "planner = \"local\"");
+/// assert!(matches!(&found.entries[0], JournalEntry::Frame(kept) if kept.view == Some(7)));
+/// journal.keep(&KeptFrame { view: Some(3), was_asked: true, frame })?; // and on
+/// # std::fs::remove_file(&path).unwrap();
+/// # Ok::<(), nextview_scan::Fault>(())
+/// ```
+#[derive(Debug)]
+pub struct Journal {
+    path: PathBuf,
+    file: File,
+    /// Number of entries, the heading's included.
+    n_entries: u64,
+    /// Where the next one begins.
+    end: u64,
+}
+
+/// The content of a journal.
+#[derive(Debug)]
+pub struct Kept {
+    /// The text it was begun with.
+    pub heading: String,
+    /// Frames and skipped views, oldest first.
+    pub entries: Vec<JournalEntry>,
+    /// The damage behind the last of them, which was moved to a file of its own; none if the journal was
+    /// whole.
+    pub damage: Option<Damage>,
+}
+
+/// Bytes at the end of a journal that could not be read.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Damage {
+    /// Where it begins, in bytes.
+    pub at: u64,
+    /// Its length, in bytes.
+    pub length: u64,
+    /// The fault there.
+    pub problem: String,
+    /// Where these bytes are now.
+    pub moved_to: PathBuf,
+}
+
+impl Journal {
+    /// Begins a journal. It appears as a whole; fails if there is one already.
+    pub fn create(path: &Path, heading: &str) -> Result<Self, Fault> {
+        if path.exists() {
+            return Err(Fault::data("exists already").in_file(path));
+        }
+        Self::begin(path, heading).map_err(|error| Fault::from(error).while_writing(path))
+    }
+
+    /// Opens the journal of a scan that was interrupted, to resume it. Damage at its end is moved to a file
+    /// beside it; fails if not even the heading is whole, or if another process has it open.
+    pub fn open(path: &Path) -> Result<(Self, Kept), Fault> {
+        Self::reopen(path).map_err(|fault| fault.in_file(path))
+    }
+
+    /// Keeps a frame: when this returns, it is on the disk. After a failure, such as a full disk, the journal
+    /// is as it was before.
+    pub fn keep(&mut self, kept: &KeptFrame) -> Result<(), Fault> {
+        let KeptFrame { view, was_asked, frame } = kept;
+        self.add(&Entry::Frame { view: *view, was_asked: *was_asked, frame })
+    }
+
+    /// Keeps that a view is not to be proposed again, in the same way.
+    pub fn skip(&mut self, skipped: &SkippedView) -> Result<(), Fault> {
+        self.add(&Entry::Skip(skipped))
+    }
+
+    fn add(&mut self, entry: &Entry<'_>) -> Result<(), Fault> {
+        self.append(&entry.to_bytes()).map_err(|error| {
+            // A part that was written is not whole, and would be taken for damage.
+            let _ = self.file.set_len(self.end);
+            Fault::from(error).while_writing(&self.path)
+        })
+    }
+
+    fn begin(path: &Path, heading: &str) -> std::io::Result<Self> {
+        let mut name = path.file_name().unwrap_or_default().to_owned();
+        name.push(format!(".{}.partial", std::process::id()));
+        let beside = path.with_file_name(name);
+        let file = OpenOptions::new().read(true).write(true).create_new(true).open(&beside)?;
+        let mut journal = Self { path: path.to_owned(), file, n_entries: 0, end: 0 };
+        let written = journal.write_heading(heading).and_then(|()| std::fs::rename(&beside, path));
+        written.inspect_err(|_| _ = std::fs::remove_file(&beside))?;
+        sync_folder(path)?;
+        Ok(journal)
+    }
+
+    fn write_heading(&mut self, heading: &str) -> std::io::Result<()> {
+        self.lock()?;
+        self.file.write_all(MAGIC)?;
+        self.end = MAGIC.len() as u64;
+        self.append(&Entry::Heading(heading).to_bytes())
+    }
+
+    fn append(&mut self, payload: &[u8]) -> std::io::Result<()> {
+        let framed = read::framed(self.n_entries, payload);
+        self.file.seek(SeekFrom::Start(self.end))?;
+        self.file.write_all(&framed)?;
+        self.file.sync_data()?;
+        self.n_entries += 1;
+        self.end += framed.len() as u64;
+        Ok(())
+    }
+
+    fn reopen(path: &Path) -> Result<(Self, Kept), Fault> {
+        let file = OpenOptions::new().read(true).write(true).open(path)?;
+        let mut journal = Self { path: path.to_owned(), file, n_entries: 0, end: 0 };
+        journal.lock()?;
+        let mut bytes = Vec::new();
+        journal.file.read_to_end(&mut bytes)?;
+        let found = read::read(&bytes)?;
+        (journal.n_entries, journal.end) = (1 + found.entries.len() as u64, found.end as u64);
+        let damage = found.problem.map(|problem| journal.cut(&bytes[found.end..], problem)).transpose()?;
+        Ok((journal, Kept { heading: found.heading, entries: found.entries, damage }))
+    }
+
+    /// Moves the bytes behind the last whole entry to a file beside the journal.
+    fn cut(&mut self, bytes: &[u8], problem: String) -> std::io::Result<Damage> {
+        let moved_to = free_name(&self.path);
+        let mut file = File::create_new(&moved_to)?;
+        file.write_all(bytes)?;
+        file.sync_all()?;
+        self.file.set_len(self.end)?;
+        self.file.sync_all()?;
+        Ok(Damage { at: self.end, length: bytes.len() as u64, problem, moved_to })
+    }
+
+    fn lock(&self) -> std::io::Result<()> {
+        self.file.try_lock().or_else(|error| match error {
+            TryLockError::WouldBlock => Err(std::io::Error::other("another process has it open")),
+            // Some file systems have no locks.
+            TryLockError::Error(error) if error.kind() == ErrorKind::Unsupported => Ok(()),
+            TryLockError::Error(error) => Err(error),
+        })
+    }
+}
+
+/// The first of `journal.damaged-1`, `journal.damaged-2`, ... that is not there.
+fn free_name(path: &Path) -> PathBuf {
+    let name = path.file_name().unwrap_or_default().to_string_lossy();
+    let mut names = (1..).map(|i| path.with_file_name(format!("{name}.damaged-{i}")));
+    names.find(|name| !name.exists()).expect("no folder holds all of them")
+}
+
+/// Makes sure that the folder knows of a file that was renamed in it.
+fn sync_folder(path: &Path) -> std::io::Result<()> {
+    let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    // Elsewhere a folder cannot be opened, nor need it be.
+    if cfg!(unix) { File::open(folder)?.sync_all() } else { Ok(()) }
+}

@@ -1,0 +1,11 @@
+//! The journal of a scan under way: its frames, safe on the disk before they count.
+
+mod entry;
+mod file;
+mod kept;
+mod read;
+mod scan_journal;
+
+pub use file::{Damage, Journal, Kept};
+pub use kept::{JournalEntry, KeptFrame, SkippedView};
+pub use scan_journal::{Interrupted, ScanJournal};

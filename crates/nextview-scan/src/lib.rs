@@ -1,0 +1,44 @@
+//! One scan as a library: configuration, where frames come from, the run, its journal, the final model and
+//! the record.
+//!
+//! It prints nothing, ends no process and names no option of a program: front ends do. What is wrong comes
+//! back as [`Fault`]s. Start with [`ScanRun`], which is pushed and never blocks: whoever owns the camera asks
+//! [`next`](ScanRun::next), takes the picture and [`push`](ScanRun::push)es it.
+//!
+//! ```text
+//! source ──frame──▶ ScanRun::push ──▶ journal ──▶ Session::observe ──▶ Evaluator ──▶ StepRecord ──▶ listeners
+//!   ▲                                                                              (program, page, ROS, Python)
+//!   └──── ScanRun::next: Replay(frame) | Capture(view) | Stop(reason) ◀── Session::decide
+//! ```
+
+mod config;
+mod fault;
+pub mod files;
+mod journal;
+mod map_summary;
+pub mod memory;
+mod model;
+mod names;
+mod record;
+mod results;
+mod run;
+mod saved_map;
+mod source;
+
+pub use config::*;
+pub use fault::{Fault, FaultKind, Faults, Place};
+pub use journal::{Damage, Interrupted, Journal, JournalEntry, Kept, KeptFrame, ScanJournal, SkippedView};
+pub use map_summary::{MapSummary, convert_map};
+pub use model::FinalModel;
+pub use names::Named;
+pub use record::{BuildIdentity, QualityMm, ScanRecord, StepRecord};
+pub use results::write_results;
+pub use run::{Begin, Evaluator, FinishedScan, Measured, Next, ScanRun};
+pub use saved_map::SavedMap;
+pub use source::*;
+
+/// An object's name without `builtin:`, folders and extension.
+pub fn short_name(object: &str) -> String {
+    let name = object.strip_prefix("builtin:").unwrap_or(object);
+    std::path::Path::new(name).file_stem().unwrap_or_default().to_string_lossy().into_owned()
+}

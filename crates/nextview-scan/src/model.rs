@@ -1,0 +1,64 @@
+//! The final model of a scan: the measured points, thinned, and a surface through them.
+
+use crate::Fault;
+use nextview::geometry::{Aabb, Lattice};
+use nextview::sensor::{ColorImage, Frame};
+use nextview::surface::{
+    CloudPoint, DistanceField, SurfaceMesh, downsample, fit_normals, frame_points, take_colors,
+};
+
+/// Cloud and mesh, from the frames in the poses in which they were mapped.
+#[derive(Debug)]
+pub struct FinalModel {
+    /// Measured points, metres, with normals and, where frames have it, colour.
+    pub cloud: Vec<CloudPoint>,
+    /// The surface.
+    pub mesh: SurfaceMesh,
+    /// The vertices of the mesh with normals and colours.
+    pub vertices: Vec<CloudPoint>,
+}
+
+impl FinalModel {
+    /// Makes both from frames in this box, in cells of this size, metres. The colour image of each frame is
+    /// loaded by its number when it is needed.
+    pub(crate) fn new(
+        frames: &[Frame],
+        color: impl Fn(usize) -> Result<Option<ColorImage>, Fault>,
+        bounds: Aabb,
+        detail: f64,
+    ) -> Result<Self, Fault> {
+        let cloud = cloud(frames, color, bounds, detail)?;
+        let mesh = field(frames, bounds, detail)?.surface();
+        let mut vertices = mesh.points();
+        if cloud.iter().any(|point| point.color.is_some()) {
+            take_colors(&mut vertices, &cloud, detail)?;
+        }
+        Ok(Self { cloud, mesh, vertices })
+    }
+}
+
+fn cloud(
+    frames: &[Frame],
+    color: impl Fn(usize) -> Result<Option<ColorImage>, Fault>,
+    bounds: Aabb,
+    detail: f64,
+) -> Result<Vec<CloudPoint>, Fault> {
+    let points_of = |(i, frame): (usize, &Frame)| -> Result<Vec<CloudPoint>, Fault> {
+        Ok(frame_points(frame, color(i)?.as_ref(), bounds)?)
+    };
+    let mut loaded = Ok(());
+    let points = frames.iter().enumerate().map_while(|frame| {
+        points_of(frame).map_err(|fault| loaded = Err(fault)).ok() // ends at the first fault
+    });
+    let mut cloud = downsample(points.flatten(), detail)?;
+    fit_normals(&mut cloud, detail)?;
+    loaded.map(|()| cloud)
+}
+
+fn field(frames: &[Frame], bounds: Aabb, detail: f64) -> Result<DistanceField, Fault> {
+    let lattice = Lattice::new(detail)?;
+    let block = lattice.block_inside(&bounds).expect("the box holds many cells of 1/128 of it");
+    let mut field = DistanceField::new(lattice, block, 2.0 * detail)?;
+    frames.iter().for_each(|frame| field.integrate(frame));
+    Ok(field)
+}

@@ -1,0 +1,49 @@
+//! Enums whose values have names that users type.
+
+/// A type whose values users name.
+pub trait Named: Copy + PartialEq + Sized + 'static {
+    /// All values, in the order in which they are listed.
+    const ALL: &'static [Self];
+
+    /// The name, in kebab case.
+    fn name(self) -> &'static str;
+
+    /// What it stands for, a line.
+    fn about(self) -> &'static str;
+
+    /// The value of this name.
+    fn of_name(name: &str) -> Option<Self> {
+        Self::ALL.iter().copied().find(|value| value.name() == name)
+    }
+}
+
+/// Declares an enum with a name and a line about each value; both serve serde, [`Named`] and `Display`.
+macro_rules! named {
+    ($(#[$meta:meta])* pub enum $type:ident { $($(#[$attribute:meta])* $value:ident = $name:literal: $about:literal,)+ }) => {
+        $(#[$meta])*
+        #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+        #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+        pub enum $type {
+            $(#[doc = $about] $(#[$attribute])* #[serde(rename = $name)] $value,)+
+        }
+
+        impl $crate::Named for $type {
+            const ALL: &'static [Self] = &[$(Self::$value),+];
+
+            fn name(self) -> &'static str {
+                match self { $(Self::$value => $name),+ }
+            }
+
+            fn about(self) -> &'static str {
+                match self { $(Self::$value => $about),+ }
+            }
+        }
+
+        impl std::fmt::Display for $type {
+            fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+                f.pad($crate::Named::name(*self))
+            }
+        }
+    };
+}
+pub(crate) use named;

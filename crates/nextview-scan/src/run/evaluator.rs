@@ -1,0 +1,18 @@
+use crate::{Fault, StepRecord};
+use nextview::sensor::Frame;
+use nextview::session::{NextView, Session};
+
+/// Measures a run beside the truth, frame by frame.
+pub trait Evaluator: Send {
+    /// Fills in the parts of the record that a session cannot know, after this frame was mapped.
+    ///
+    /// `frame` has the pose in which it was mapped. `taken` is the view that it answers; none if it was not
+    /// asked for.
+    fn measure(
+        &mut self,
+        session: &Session,
+        taken: Option<&NextView>,
+        frame: &Frame,
+        record: &mut StepRecord,
+    ) -> Result<(), Fault>;
+}

@@ -1,0 +1,149 @@
+use crate::{
+    Fault, FinalModel, FrameSource, ScanConfig, ScanJournal, ScanRecord, StepRecord, memory, short_name,
+};
+use glam::DVec3;
+use nextview::geometry::{Aabb, Plane};
+use nextview::motion::Trajectory;
+use nextview::session::{ON_TABLE, Session, StopReason};
+use nextview::surface::{CloudPoint, SurfaceMesh, downsample};
+
+/// A scan that is over, or as it stands.
+pub struct FinishedScan<'a> {
+    /// The scan: its map, its frames in the poses in which they were mapped, its candidates.
+    pub session: Session,
+    /// Where the frames came from; none if the camera was one's own.
+    pub(crate) source: Option<&'a dyn FrameSource>,
+    pub(crate) journal: Option<ScanJournal>,
+    /// The trajectory to each view, from the view before.
+    pub trajectories: Vec<Trajectory>,
+    /// The views.
+    pub steps: Vec<StepRecord>,
+    /// Why the scan ended; none while it is under way.
+    pub stop_reason: Option<StopReason>,
+}
+
+/// How much of the final model is measured beside the truth.
+#[derive(Clone, Copy, Debug)]
+pub enum Measured<'a> {
+    /// Nothing.
+    Nothing,
+    /// The cloud, made for this without normals and colours, which take most of the time.
+    CloudOnly,
+    /// Cloud and mesh of this model.
+    Model(&'a FinalModel),
+}
+
+impl FinishedScan<'_> {
+    /// The box around the object, metres; none if no object was found.
+    pub fn bounds(&self) -> Option<Aabb> {
+        self.session.bounds().or_else(|| self.source.and_then(FrameSource::bounds))
+    }
+
+    /// Edge of the cells, metres, of the final cloud and mesh: a quarter of a
+    /// voxel, since the map's voxels are larger than what the camera resolves, but no more than 128 along the
+    /// box, so that the mesh takes a second or two.
+    pub fn detail(&self, bounds: Aabb) -> f64 {
+        let voxel_size = self.session.map().lattice().voxel_size();
+        (0.25 * voxel_size).max(bounds.longest_side() / 128.0)
+    }
+
+    /// Makes cloud and mesh; fails if no object was found, or a colour image cannot be loaded.
+    pub fn model(&self) -> Result<FinalModel, Fault> {
+        let bounds = self.bounds().ok_or_else(no_object)?;
+        let color = |i: usize| self.source.map_or(Ok(None), |source| source.color(self.steps[i].view));
+        FinalModel::new(self.session.frames(), color, bounds, self.detail(bounds))
+    }
+
+    /// The record.
+    pub fn record(&self, config: &ScanConfig, measured: Measured<'_>) -> Result<ScanRecord, Fault> {
+        let last = self.steps.last();
+        let mut record = ScanRecord {
+            object: short_name(&config.object),
+            planner: config.planner,
+            profile: config.profile,
+            seed: config.seed,
+            stop_reason: self.stop_reason,
+            voxel_size_m: self.session.map().lattice().voxel_size(),
+            candidates: self.session.views().len(),
+            views: self.steps.len(),
+            path_length_m: last.map_or(0.0, |step| step.path_length_m),
+            trajectory_length_m: last.map_or(0.0, |step| step.trajectory_length_m),
+            trajectory_time_s: last.map_or(0.0, |step| step.trajectory_time_s),
+            peak_memory_mb: memory::peak_mb(),
+            steps: self.steps.clone(),
+            ..ScanRecord::default()
+        };
+        let Some(source) = self.source else { return Ok(record) };
+        source.describe(&mut record);
+        match measured {
+            Measured::Nothing => (),
+            Measured::CloudOnly => record.set_cloud(self.quality_of(source, &self.plain_cloud()?)),
+            Measured::Model(model) => {
+                record.set_cloud(self.quality_of(source, &model.cloud));
+                record.set_mesh(source.quality_of_mesh(&above(self.table(), &model.mesh)));
+            }
+        }
+        Ok(record)
+    }
+
+    /// The results are on the disk, or there will be none: the journal is removed.
+    pub fn forget_journal(&mut self) {
+        if let Some(journal) = self.journal.take() {
+            journal.finish();
+        }
+    }
+
+    /// The points of the final cloud without normals and colours.
+    fn plain_cloud(&self) -> Result<Vec<CloudPoint>, Fault> {
+        let Some(bounds) = self.bounds() else { return Ok(Vec::new()) };
+        let points = self.session.frames().iter().flat_map(|frame| frame.points_in(bounds));
+        Ok(downsample(points, self.detail(bounds))?)
+    }
+
+    /// Quality of a cloud without the points of the table.
+    fn quality_of(&self, source: &dyn FrameSource, cloud: &[CloudPoint]) -> Option<crate::QualityMm> {
+        let table = self.table();
+        let positions = cloud.iter().map(|point| point.position);
+        let points: Vec<DVec3> = positions.filter(|point| is_above(table, *point)).collect();
+        source.quality_of_points(&points)
+    }
+
+    fn table(&self) -> Option<Plane> {
+        self.session.table()
+    }
+}
+
+fn no_object() -> Fault {
+    Fault::data("the first frame shows no object, so that there is nothing to plan for")
+        .with_remedy("`first_view` begins with another frame, `recording.box_m` states where the object is")
+}
+
+fn is_above(table: Option<Plane>, point: DVec3) -> bool {
+    table.is_none_or(|table| table.height(point) > ON_TABLE)
+}
+
+/// The part of a mesh that is not the table.
+fn above(table: Option<Plane>, mesh: &SurfaceMesh) -> SurfaceMesh {
+    let is_above =
+        |triangle: &&[u32; 3]| triangle.iter().all(|&i| is_above(table, mesh.vertices[i as usize]));
+    let triangles = mesh.triangles.iter().filter(is_above).copied().collect();
+    SurfaceMesh { vertices: mesh.vertices.clone(), triangles }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_table_is_no_part_of_the_model() {
+        let table = Some(Plane::horizontal(0.1).unwrap());
+        let height = |z: f64| DVec3::new(0.3, 0.2, z);
+        assert!(
+            is_above(table, height(0.103)) && !is_above(table, height(0.101)) && is_above(None, height(0.0))
+        );
+        let vertices = [0.0, 0.11, 0.12, 0.13].map(height).to_vec();
+        let mesh = SurfaceMesh { vertices, triangles: vec![[0, 1, 2], [1, 2, 3]] };
+        assert_eq!(above(table, &mesh).triangles, [[1, 2, 3]]);
+        assert_eq!(above(None, &mesh), mesh);
+    }
+}

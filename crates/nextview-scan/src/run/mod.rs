@@ -1,0 +1,10 @@
+//! The run: one scan from the first view to the last, pushed by whoever owns the camera.
+
+mod evaluator;
+mod finished;
+mod scan_run;
+
+pub use evaluator::Evaluator;
+pub use finished::{FinishedScan, Measured};
+pub(crate) use scan_run::milliseconds;
+pub use scan_run::{Begin, Next, ScanRun};

@@ -1,0 +1,351 @@
+use super::{Evaluator, FinishedScan};
+use crate::journal::{JournalEntry, KeptFrame, SkippedView};
+use crate::{Fault, Faults, FrameSource, ScanConfig, ScanJournal, StepRecord};
+use glam::DVec3;
+use nextview::Cancel;
+use nextview::motion::Trajectory;
+use nextview::sensor::Frame;
+use nextview::session::{Decision, NextView, Session, StopReason};
+use std::time::{Duration, Instant};
+
+/// One scan under way. It never blocks: whoever owns the camera asks for the [`next`](Self::next) step, takes
+/// the picture, and [`push`](Self::push)es it.
+///
+/// With a [journal](Self::with_journal), every frame is on the disk before it counts, and after an
+/// interruption the journal answers before any capture is asked for.
+///
+/// ```
+/// use glam::DVec3;
+/// use nextview::geometry::Aabb;
+/// use nextview::planner::RandomViews;
+/// use nextview::sensor::{DepthImage, Frame, Intrinsics};
+/// use nextview::session::{Session, SessionConfig};
+/// use nextview::view::generate;
+/// use nextview_scan::{Next, ScanRun};
+///
+/// let camera = Intrinsics::d435i();
+/// let config = SessionConfig::new(0.01, Aabb::cube(DVec3::ZERO, 0.1));
+/// let views = generate::fibonacci_sphere(DVec3::ZERO, 0.4, 50)?;
+/// let session = Session::new(config, camera, views, Box::new(RandomViews { seed: 1 }))?;
+/// let mut run = ScanRun::new(session);
+/// loop {
+///     match run.next()? {
+///         Next::Replay(frame) => _ = run.push(frame)?,
+///         Next::Capture(view) => {
+///             let image = DepthImage::from_metres(640, 480, vec![f32::INFINITY; camera.n_pixels()])?;
+///             run.push(Frame::new(image, camera, view.world_from_camera, 1.0)?)?;
+///         }
+///         Next::Stop(_) => break,
+///     }
+/// }
+/// assert_eq!(run.steps().len(), 10);
+/// # Ok::<(), nextview_scan::Fault>(())
+/// ```
+pub struct ScanRun<'a> {
+    session: Session,
+    source: Option<&'a dyn FrameSource>,
+    evaluator: Option<Box<dyn Evaluator + 'a>>,
+    journal: Option<ScanJournal>,
+    time_limit: Option<Duration>,
+    /// When the first decision was asked for.
+    began: Option<Instant>,
+    asked: Option<Asked>,
+    path: Path,
+    trajectories: Vec<Trajectory>,
+    steps: Vec<StepRecord>,
+}
+
+/// What to do next.
+#[derive(Clone, Debug)]
+pub enum Next {
+    /// Push this frame, which was taken before an interruption, as it is.
+    Replay(Frame),
+    /// Take a frame of this view, or of another pose, and push it.
+    Capture(NextView),
+    /// The scan is over. After [`StopReason::NoObject`] or [`StopReason::Cancelled`] it can go on.
+    Stop(StopReason),
+}
+
+/// How a run begins.
+#[derive(Default)]
+pub struct Begin {
+    /// Where its frames are kept; none to keep them in memory only.
+    pub journal: Option<ScanJournal>,
+    /// Stops long computations.
+    pub cancel: Cancel,
+}
+
+/// A view that was asked for.
+struct Asked {
+    next: NextView,
+    trajectory: Trajectory,
+    plan_time: Duration,
+    since: Instant,
+}
+
+impl<'a> ScanRun<'a> {
+    /// A run of this session by a camera of one's own.
+    pub fn new(session: Session) -> Self {
+        Self {
+            session,
+            source: None,
+            evaluator: None,
+            journal: None,
+            time_limit: None,
+            began: None,
+            asked: None,
+            path: Path::default(),
+            trajectories: Vec::new(),
+            steps: Vec::new(),
+        }
+    }
+
+    /// The run that a configuration describes, with frames from this source.
+    pub fn begin(source: &'a dyn FrameSource, config: &ScanConfig, begin: Begin) -> Result<Self, Faults> {
+        let session = source.session(config)?.with_cancel(begin.cancel);
+        let time_limit = config.time_limit_s.map(Duration::try_from_secs_f64).and_then(Result::ok);
+        Ok(Self {
+            source: Some(source),
+            evaluator: source.evaluator(config),
+            journal: begin.journal,
+            time_limit,
+            ..Self::new(session)
+        })
+    }
+
+    /// The same with every frame kept in this journal.
+    pub fn with_journal(self, journal: ScanJournal) -> Self {
+        Self { journal: Some(journal), ..self }
+    }
+
+    /// The same with an end after this time, counted from the first decision on.
+    pub fn with_time_limit(self, limit: Duration) -> Self {
+        Self { time_limit: Some(limit), ..self }
+    }
+
+    /// The same measured beside the truth.
+    pub fn with_evaluator(self, evaluator: Box<dyn Evaluator + 'a>) -> Self {
+        Self { evaluator: Some(evaluator), ..self }
+    }
+
+    /// What to do next. Asked again before a frame is pushed or a view skipped, the answer is the same.
+    ///
+    /// Fails if the scan decides otherwise than before its interruption.
+    #[expect(clippy::should_implement_trait, reason = "an iterator could be neither asked again nor fail")]
+    pub fn next(&mut self) -> Result<Next, Fault> {
+        let began = *self.began.get_or_insert_with(Instant::now);
+        loop {
+            match self.replay() {
+                Some(JournalEntry::Frame(kept)) if !kept.was_asked => {
+                    return Ok(Next::Replay(kept.frame.clone()));
+                }
+                Some(JournalEntry::Skip(skipped)) if skipped.was_decided == self.asked.is_some() => {
+                    let view = skipped.view;
+                    self.forget(view);
+                    self.journal.as_mut().map(ScanJournal::replayed);
+                    continue;
+                }
+                _ => (),
+            }
+            if self.asked.is_none() {
+                let is_over = self.time_limit.is_some_and(|limit| began.elapsed() >= limit);
+                if is_over && !self.steps.is_empty() && self.replay().is_none() {
+                    return Ok(Next::Stop(StopReason::TimeLimit));
+                }
+                if let Some(reason) = self.decide() {
+                    return self.check_stop(reason).map(|()| Next::Stop(reason));
+                }
+            }
+            let Some(asked) = &self.asked else { continue };
+            match self.replay() {
+                None => return Ok(Next::Capture(asked.next.clone())),
+                Some(JournalEntry::Frame(kept)) => {
+                    self.check_replay(kept, &asked.next)?;
+                    return Ok(Next::Replay(kept.frame.clone()));
+                }
+                Some(JournalEntry::Skip(_)) => (),
+            }
+        }
+    }
+
+    /// Takes in a frame, in any pose: keeps it, writes it into the map, measures. If a view was asked for, it
+    /// counts as visited.
+    ///
+    /// Fails before anything has changed if the frame cannot be kept.
+    pub fn push(&mut self, frame: Frame) -> Result<&StepRecord, Fault> {
+        let capture_time = self.asked.as_ref().map_or(Duration::ZERO, |asked| asked.since.elapsed());
+        let frame = self.keep(frame)?;
+        let asked = self.asked.take();
+        let (next, trajectory, plan_time) = match asked {
+            Some(Asked { next, trajectory, plan_time, .. }) => (Some(next), trajectory, plan_time),
+            None => (None, self.session.trajectory_to(&frame.world_from_camera()), Duration::ZERO),
+        };
+        let place = next.as_ref().map_or(frame.world_from_camera(), |next| next.world_from_camera);
+        let start = Instant::now();
+        let report = self.session.observe(&frame);
+        let map_time = start.elapsed();
+        let mut record = StepRecord::of_report(self.steps.len() + 1, &report);
+        if let (Some(evaluator), Some(mapped)) = (&mut self.evaluator, self.session.frames().last()) {
+            evaluator.measure(&self.session, next.as_ref(), mapped, &mut record)?;
+        }
+        let last = self.steps.last();
+        record.path_length_m = self.path.extend_to(place.translation());
+        record.trajectory_length_m = last.map_or(0.0, |last| last.trajectory_length_m) + trajectory.length();
+        record.trajectory_time_s = last.map_or(0.0, |last| last.trajectory_time_s) + trajectory.duration();
+        record.plan_time_ms = milliseconds(plan_time);
+        record.map_time_ms = milliseconds(map_time);
+        record.capture_time_ms = milliseconds(capture_time);
+        self.trajectories.push(trajectory);
+        self.steps.push(record);
+        Ok(self.steps.last().expect("a step was added"))
+    }
+
+    /// Skips a candidate: it is never proposed again. The reason is kept in the journal.
+    pub fn skip(&mut self, view: usize, reason: &str) -> Result<(), Fault> {
+        if view >= self.session.views().len() {
+            let expected = format!("0 to {}", self.session.views().len().saturating_sub(1));
+            return Err(Fault::of_value("view", view, expected));
+        }
+        if self.replay().is_some() {
+            return Err(Fault::request(
+                "frames of before the interruption are to be replayed before a view is skipped",
+            ));
+        }
+        let skipped = SkippedView { view, reason: reason.to_owned(), was_decided: self.asked.is_some() };
+        self.journal.as_mut().map_or(Ok(()), |journal| journal.skip(&skipped))?;
+        self.forget(view);
+        Ok(())
+    }
+
+    /// Captures from the run's source until the scan stops, and reports every step.
+    ///
+    /// Fails if the run was not begun with a source.
+    pub fn drive(
+        &mut self,
+        mut on_step: impl FnMut(&StepRecord) -> Result<(), Fault>,
+    ) -> Result<StopReason, Fault> {
+        let source = self.source.ok_or_else(|| Fault::request("the run has no source of frames"))?;
+        loop {
+            let frame = match self.next()? {
+                Next::Replay(frame) => frame,
+                Next::Capture(view) => source.capture(&view, self.steps.is_empty())?,
+                Next::Stop(reason) => return Ok(reason),
+            };
+            on_step(self.push(frame)?)?;
+        }
+    }
+
+    /// The views so far.
+    pub fn steps(&self) -> &[StepRecord] {
+        &self.steps
+    }
+
+    /// The scan in progress: its map, frames and candidates.
+    pub fn session(&self) -> &Session {
+        &self.session
+    }
+
+    /// The run as it stands, ended for this reason; none if it is to be looked at while under way.
+    pub fn finish(self, stop_reason: Option<StopReason>) -> FinishedScan<'a> {
+        let Self { session, source, journal, trajectories, steps, .. } = self;
+        FinishedScan { session, source, journal, trajectories, steps, stop_reason }
+    }
+
+    fn replay(&self) -> Option<&JournalEntry> {
+        self.journal.as_ref().and_then(ScanJournal::replay)
+    }
+
+    /// Decides on the next view; a reason if the scan stops instead.
+    fn decide(&mut self) -> Option<StopReason> {
+        let start = Instant::now();
+        match self.session.decide() {
+            Decision::Stop(reason) => Some(reason),
+            Decision::Move(next) => {
+                let plan_time = start.elapsed();
+                let trajectory = self.session.trajectory_to(&next.world_from_camera);
+                self.asked = Some(Asked { next, trajectory, plan_time, since: Instant::now() });
+                None
+            }
+        }
+    }
+
+    /// The frame, once it is on the disk: that of the journal where the scan was there before.
+    fn keep(&mut self, frame: Frame) -> Result<Frame, Fault> {
+        let (view, was_asked) = (self.asked.as_ref().and_then(|asked| asked.next.view), self.asked.is_some());
+        let Some(journal) = &mut self.journal else { return Ok(frame) };
+        match journal.replay() {
+            None => {
+                let kept = KeptFrame { view, was_asked, frame };
+                journal.keep(&kept)?;
+                Ok(kept.frame)
+            }
+            Some(JournalEntry::Frame(kept))
+                if kept.was_asked == was_asked && is_same_place(&kept.frame, &frame) =>
+            {
+                journal.replayed();
+                Ok(frame)
+            }
+            Some(_) => {
+                let fault = Fault::request("another frame was pushed than that which is to be replayed");
+                Err(fault.with_remedy("ask for the next step, and push the frame that it returns unchanged"))
+            }
+        }
+    }
+
+    fn forget(&mut self, view: usize) {
+        self.session.skip(view);
+        self.asked = None;
+    }
+
+    /// Fails if the frame is not of the view that is decided on now.
+    fn check_replay(&self, kept: &KeptFrame, next: &NextView) -> Result<(), Fault> {
+        let name =
+            |view: Option<usize>| view.map_or("no candidate".to_owned(), |view| format!("view {view}"));
+        if kept.view == next.view {
+            return Ok(());
+        }
+        Err(self.differs(&name(kept.view), &format!("the planner now chooses {}", name(next.view))))
+    }
+
+    /// Fails if the scan stops although it went on before its interruption.
+    fn check_stop(&self, reason: StopReason) -> Result<(), Fault> {
+        match self.replay() {
+            Some(_) if reason != StopReason::Cancelled => {
+                Err(self.differs("another view", "the scan now stops"))
+            }
+            _ => Ok(()),
+        }
+    }
+
+    fn differs(&self, was: &str, is: &str) -> Fault {
+        let n = self.steps.len() + 1;
+        let fault = Fault::data(format!("frame {n} is of {was}, but {is}"));
+        let fault =
+            self.journal.as_ref().map(|journal| fault.clone().in_file(&journal.path())).unwrap_or(fault);
+        fault.with_remedy("resume a scan with the version of nextview and the files that it was begun with")
+    }
+}
+
+/// Depths are not compared: a missing one equals nothing, not even itself.
+fn is_same_place(a: &Frame, b: &Frame) -> bool {
+    a.world_from_camera() == b.world_from_camera() && a.intrinsics() == b.intrinsics()
+}
+
+/// The length of a path that grows.
+#[derive(Default)]
+struct Path {
+    length: f64,
+    end: Option<DVec3>,
+}
+
+impl Path {
+    fn extend_to(&mut self, position: DVec3) -> f64 {
+        self.length += self.end.map_or(0.0, |end| end.distance(position));
+        self.end = Some(position);
+        self.length
+    }
+}
+
+pub(crate) fn milliseconds(time: Duration) -> f64 {
+    time.as_secs_f64() * 1e3
+}

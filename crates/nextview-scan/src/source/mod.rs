@@ -1,0 +1,46 @@
+//! Where frames come from.
+
+mod recorded;
+mod session_config;
+#[cfg(feature = "simulated")]
+mod simulated;
+
+pub use recorded::RecordedScan;
+#[cfg(feature = "simulated")]
+pub use simulated::{Baselines, SimulatedObject, Simulation, Truth};
+
+use crate::{Evaluator, Fault, Faults, QualityMm, ScanConfig, ScanRecord};
+use glam::DVec3;
+use nextview::geometry::Aabb;
+use nextview::sensor::{ColorImage, Frame};
+use nextview::session::{NextView, Session};
+use nextview::surface::SurfaceMesh;
+
+/// A camera that a run can drive by itself: a simulated one, or the frames of a recording.
+///
+/// Cameras of one's own need none of this: see [`ScanRun::next`](crate::ScanRun::next).
+pub trait FrameSource: Send + Sync {
+    /// The session that the configuration describes.
+    fn session(&self, config: &ScanConfig) -> Result<Session, Faults>;
+
+    /// Takes the frame of a view; `is_first` if it is the first of the scan.
+    fn capture(&self, next: &NextView, is_first: bool) -> Result<Frame, Fault>;
+
+    /// The evaluator of a run, for a configuration; none where there is nothing to add to its records.
+    fn evaluator(&self, config: &ScanConfig) -> Option<Box<dyn Evaluator + '_>>;
+
+    /// The colour image that belongs to a view's frame; none without one.
+    fn color(&self, view: Option<usize>) -> Result<Option<ColorImage>, Fault>;
+
+    /// The box that the object is in, metres, where a session has found none; none if it is not known.
+    fn bounds(&self) -> Option<Aabb>;
+
+    /// Fills in what is known of the object and of other planners on it.
+    fn describe(&self, record: &mut ScanRecord);
+
+    /// Quality of points of the object, metres; none where the truth is not known or there are no points.
+    fn quality_of_points(&self, points: &[DVec3]) -> Option<QualityMm>;
+
+    /// Quality of a mesh of the object; none where the truth is not known or the mesh is empty.
+    fn quality_of_mesh(&self, mesh: &SurfaceMesh) -> Option<QualityMm>;
+}

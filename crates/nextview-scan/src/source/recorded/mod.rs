@@ -1,0 +1,7 @@
+//! Frames that were recorded.
+
+mod recorded_scan;
+#[cfg(feature = "simulated")]
+mod true_shape;
+
+pub use recorded_scan::RecordedScan;

@@ -1,0 +1,237 @@
+use crate::source::session_config::{session_config, suitable_voxel_size, voxel_block};
+#[cfg(feature = "simulated")]
+use crate::source::{
+    recorded::true_shape::{Progress, TrueShape},
+    simulated::{Baselines, Truth, quality_mm},
+};
+use crate::{
+    BoxRule, Evaluator, Fault, Faults, FrameSource, PlannerName, QualityMm, RecordingConfig, ScanConfig,
+    ScanRecord, StepRecord, TableRule, short_name,
+};
+use glam::DVec3;
+#[cfg(feature = "simulated")]
+use nextview::Cancel;
+use nextview::geometry::Aabb;
+use nextview::planner::ViewPlanner;
+use nextview::sensor::{ColorImage, Frame};
+use nextview::session::{NextView, ObjectBox, Session, SessionConfig, Table};
+use nextview::surface::SurfaceMesh;
+use nextview::view::ViewSpace;
+use nextview_recording::{RecordedFrame, Recording};
+use std::path::Path;
+
+/// A scan of recorded frames: their poses are the candidates, and the planner chooses among those not yet
+/// used.
+pub struct RecordedScan {
+    recording: Recording,
+    session_config: SessionConfig,
+    notes: Vec<String>,
+    #[cfg(feature = "simulated")]
+    truth: Option<TrueShape>,
+    #[cfg(feature = "simulated")]
+    shown: Option<(Truth, Baselines)>,
+}
+
+/// Where the box grows, nothing is known of the object's size when the voxels are chosen: they suit one of
+/// 0.2 m.
+const VOXEL_SIZE: f64 = 0.005;
+
+impl RecordedScan {
+    /// Opens the recording that the configuration names, and completes the configuration by what it decides:
+    /// the camera, the voxel size, whether the box grows.
+    pub fn open(config: &mut ScanConfig) -> Result<Self, Faults> {
+        let Some(recording_config) = config.recording.clone() else {
+            return Err(Fault::request("there is no `recording`").into());
+        };
+        let mut recording = Recording::open(Path::new(&config.object), &recording_config.read)?;
+        let n_recorded = recording.frames.len();
+        recording.frames =
+            config.reach.filter(recording.frames, |frame| frame.world_from_camera.translation())?;
+        let session_config = resolve(config, &recording_config, &recording)?;
+        let notes = recording.notes.clone();
+        #[cfg(feature = "simulated")]
+        let (truth, notes) = {
+            let truth = TrueShape::load(config, &recording_config, &session_config)?;
+            let note = truth.as_ref().and_then(|truth| truth.note.clone());
+            if truth.is_none() {
+                // Before anything is computed.
+                config.planner(None).map(drop).map_err(|fault| match config.planner {
+                    PlannerName::Clairvoyant => fault.with_remedy("name its mesh as `recording.truth`"),
+                    _ => fault,
+                })?;
+            }
+            (truth, notes.into_iter().chain(note).collect())
+        };
+        let reach_note = config.reach.note(recording.frames.len(), n_recorded);
+        let notes = Vec::into_iter(notes).chain(reach_note).collect();
+        Ok(Self {
+            recording,
+            session_config,
+            notes,
+            #[cfg(feature = "simulated")]
+            truth,
+            #[cfg(feature = "simulated")]
+            shown: None,
+        })
+    }
+
+    /// Computes what every frame shows of the true object, for baselines and the clairvoyant planner; nothing
+    /// where the truth is not known. Fails if it is cancelled.
+    #[cfg(feature = "simulated")]
+    pub fn look(&mut self, config: &ScanConfig, cancel: &Cancel) -> Result<(), Fault> {
+        if let Some(truth) = self.truth.as_ref().filter(|_| config.needs_truth()) {
+            let truth = truth.shown_by(&self.recording, cancel)?;
+            let baselines = Baselines::new(&truth, config);
+            self.shown = Some((truth, baselines));
+        }
+        Ok(())
+    }
+
+    /// Name, number of frames and size of the images.
+    pub fn description(&self, config: &ScanConfig) -> String {
+        let (width, height) = (self.recording.intrinsics.width(), self.recording.intrinsics.height());
+        let n = self.recording.frames.len();
+        format!("{}: {n} recorded frames of {width} x {height} pixels", short_name(&config.object))
+    }
+
+    /// Remarks for the user: oddities of the recording, a unit that was guessed, frames that are out of
+    /// reach.
+    pub fn notes(&self) -> &[String] {
+        &self.notes
+    }
+
+    /// Frames and poses that were left out, and why.
+    pub fn skipped(&self) -> Vec<String> {
+        self.recording.skipped.iter().map(ToString::to_string).collect()
+    }
+
+    /// Number of frames within reach.
+    pub fn n_views(&self) -> usize {
+        self.recording.frames.len()
+    }
+
+    fn frame(&self, view: Option<usize>) -> Option<&RecordedFrame> {
+        self.recording.frames.get(view?)
+    }
+
+    #[cfg(feature = "simulated")]
+    fn clairvoyant(&self) -> Option<Box<dyn ViewPlanner>> {
+        let (truth, _) = self.shown.as_ref()?;
+        Some(Box::new(nextview_sim::baseline::Clairvoyant::new(truth.visibility.clone())))
+    }
+
+    #[cfg(not(feature = "simulated"))]
+    fn clairvoyant(&self) -> Option<Box<dyn ViewPlanner>> {
+        None
+    }
+}
+
+impl FrameSource for RecordedScan {
+    fn session(&self, config: &ScanConfig) -> Result<Session, Faults> {
+        let views = self.recording.frames.iter().map(|frame| frame.world_from_camera).collect();
+        let planner = config.planner(self.clairvoyant())?;
+        Ok(Session::new(self.session_config, config.camera, ViewSpace::new(views)?, planner)?)
+    }
+
+    fn capture(&self, next: &NextView, _: bool) -> Result<Frame, Fault> {
+        let frame = self.frame(next.view).expect("all views are fixed candidates, the first one, too");
+        Ok(frame.load()?)
+    }
+
+    fn evaluator(&self, _: &ScanConfig) -> Option<Box<dyn Evaluator + '_>> {
+        Some(Box::new(RecordedEvaluator {
+            scan: self,
+            #[cfg(feature = "simulated")]
+            progress: self.truth.as_ref().map(TrueShape::progress),
+        }))
+    }
+
+    fn color(&self, view: Option<usize>) -> Result<Option<ColorImage>, Fault> {
+        Ok(self.frame(view).map_or(Ok(None), RecordedFrame::load_color)?)
+    }
+
+    fn bounds(&self) -> Option<Aabb> {
+        None
+    }
+
+    fn describe(&self, record: &mut ScanRecord) {
+        record.skipped = self.skipped();
+        record.notes.clone_from(&self.recording.notes);
+        #[cfg(feature = "simulated")]
+        {
+            record.object_voxels = self.truth.as_ref().map(TrueShape::n_voxels);
+            self.shown.iter().for_each(|(_, baselines)| baselines.describe(record));
+        }
+    }
+
+    #[cfg(feature = "simulated")]
+    fn quality_of_points(&self, points: &[DVec3]) -> Option<QualityMm> {
+        self.truth.as_ref()?.surface.of_points(points).map(quality_mm)
+    }
+
+    #[cfg(not(feature = "simulated"))]
+    fn quality_of_points(&self, _: &[DVec3]) -> Option<QualityMm> {
+        None
+    }
+
+    #[cfg(feature = "simulated")]
+    fn quality_of_mesh(&self, mesh: &SurfaceMesh) -> Option<QualityMm> {
+        self.truth.as_ref()?.surface.of_mesh(mesh).map(quality_mm)
+    }
+
+    #[cfg(not(feature = "simulated"))]
+    fn quality_of_mesh(&self, _: &SurfaceMesh) -> Option<QualityMm> {
+        None
+    }
+}
+
+/// Names the frames, and measures them where the truth is known.
+struct RecordedEvaluator<'a> {
+    scan: &'a RecordedScan,
+    #[cfg(feature = "simulated")]
+    progress: Option<Progress<'a>>,
+}
+
+impl Evaluator for RecordedEvaluator<'_> {
+    fn measure(
+        &mut self,
+        session: &Session,
+        _: Option<&NextView>,
+        frame: &Frame,
+        record: &mut StepRecord,
+    ) -> Result<(), Fault> {
+        record.frame = self.scan.frame(record.view).map(|frame| frame.name.clone());
+        #[cfg(feature = "simulated")]
+        if let Some(progress) = &mut self.progress {
+            let n_seen = progress.measure(session, frame, record);
+            let baselines = self.scan.shown.as_ref().map(|(_, baselines)| baselines);
+            record.reachable_coverage = baselines.map(|baselines| baselines.reachable_coverage(n_seen));
+        }
+        #[cfg(not(feature = "simulated"))]
+        let _ = (session, frame);
+        Ok(())
+    }
+}
+
+/// Writes into the configuration what the recording decides, and derives the session's.
+fn resolve(
+    config: &mut ScanConfig,
+    recording_config: &RecordingConfig,
+    recording: &Recording,
+) -> Result<SessionConfig, Faults> {
+    config.check_views(recording.frames.len())?;
+    config.camera = recording.intrinsics;
+    let bounds = recording_config.bounds();
+    let suitable = bounds.map_or(VOXEL_SIZE, |bounds| suitable_voxel_size(bounds.longest_side()));
+    let voxel_size = *config.voxel_size_m.get_or_insert(suitable);
+    config.object_box.rule = if bounds.is_some() { BoxRule::Known } else { BoxRule::Grows };
+    let table = match (recording_config.table_z_m, config.object_box.table) {
+        (Some(z), _) => Table::AtHeight(z),
+        (None, TableRule::Fit) => Table::Fitted,
+        _ => Table::None,
+    };
+    let object_box = bounds.map_or(ObjectBox::Growing, ObjectBox::Known);
+    let session_config = session_config(config, voxel_size, object_box, table);
+    bounds.map(|bounds| voxel_block(&session_config, &bounds)).transpose()?;
+    Ok(session_config)
+}

@@ -1,0 +1,109 @@
+use crate::source::session_config::voxel_block;
+use crate::source::simulated::Truth;
+use crate::{Fault, RecordingConfig, ScanConfig, StepRecord};
+use glam::DVec3;
+use nextview::Cancel;
+use nextview::geometry::Lattice;
+use nextview::sensor::Frame;
+use nextview::session::{Session, SessionConfig, planning_box};
+use nextview_recording::{Recording, read_transform};
+use nextview_sim::accuracy::Accuracy;
+use nextview_sim::mesh::{self, TriangleMesh, UnitSource};
+use nextview_sim::quality::TrueSurface;
+use nextview_sim::surface::SurfaceCoverage;
+use nextview_sim::truth::{ObjectVoxels, TrueVisibility};
+use rayon::prelude::*;
+use std::path::Path;
+use std::time::Instant;
+
+/// A sample of the surface was seen if a point was measured as near as this, metres.
+const SEEN: f64 = 0.002;
+
+/// The true object in the world of the recording.
+pub(super) struct TrueShape {
+    mesh: TriangleMesh,
+    /// What points and the final model are measured against.
+    pub surface: TrueSurface,
+    voxels: ObjectVoxels,
+    /// How the file's numbers became metres, where that was not stated.
+    pub note: Option<String>,
+}
+
+impl TrueShape {
+    /// Loads the mesh; none if the configuration names none.
+    pub fn load(
+        config: &ScanConfig,
+        recording: &RecordingConfig,
+        session: &SessionConfig,
+    ) -> Result<Option<Self>, Fault> {
+        let Some(file) = &recording.truth else { return Ok(None) };
+        let (mesh, scaling) = mesh::load(Path::new(file))?.to_metres(config.unit.into())?;
+        let note = (scaling.source == UnitSource::Guessed).then(|| format!("{scaling}; state it as `unit`"));
+        let mesh = match &recording.truth_from_world {
+            Some(file) => mesh.transformed(&read_transform(Path::new(file))?.inverse())?,
+            None => mesh,
+        };
+        let block = voxel_block(session, &planning_box(&mesh.bounds(), session.voxel_size))?;
+        let voxels = ObjectVoxels::new(&mesh, Lattice::new(session.voxel_size)?, block);
+        Ok(Some(Self { surface: TrueSurface::new(&mesh), voxels, mesh, note }))
+    }
+
+    /// The surface that every frame shows. Fails if it is cancelled.
+    pub fn shown_by(&self, recording: &Recording, cancel: &Cancel) -> Result<Truth, Fault> {
+        let start = Instant::now();
+        let nothing = SurfaceCoverage::new(&self.mesh);
+        let shown = recording.frames.par_iter().map(|frame| {
+            cancel.check().map_err(Fault::request)?;
+            let mut coverage = nothing.clone();
+            coverage.add(&frame.load()?);
+            Ok(coverage.within(SEEN))
+        });
+        let shown: Vec<_> = shown.collect::<Result<_, Fault>>()?;
+        let visibility = TrueVisibility::of_seen(shown).ok_or_else(|| {
+            Fault::data(
+                "no frame has a point within 2 mm of the true object, so that they do not belong together",
+            )
+            .with_remedy("`recording.truth_from_world` states where the mesh is, `unit` its unit")
+        })?;
+        Ok(Truth::of(visibility, start.elapsed()))
+    }
+
+    /// A scan of which nothing is measured yet.
+    pub fn progress(&self) -> Progress<'_> {
+        Progress { truth: self, surface: SurfaceCoverage::new(&self.mesh), distances: Vec::new() }
+    }
+
+    /// Number of object voxels.
+    pub fn n_voxels(&self) -> usize {
+        self.voxels.len()
+    }
+}
+
+/// A recorded scan beside the truth, frame by frame.
+pub(super) struct Progress<'a> {
+    truth: &'a TrueShape,
+    surface: SurfaceCoverage,
+    /// Of all points that were in the box when they were measured.
+    distances: Vec<f64>,
+}
+
+impl Progress<'_> {
+    /// Fills in how the scan stands after this frame; returns the number of samples of the surface seen.
+    pub fn measure(&mut self, session: &Session, frame: &Frame, record: &mut StepRecord) -> usize {
+        let Self { truth, surface, distances } = self;
+        let points: Vec<DVec3> =
+            session.bounds().into_iter().flat_map(|bounds| frame.points_in(bounds)).collect();
+        distances.par_extend(points.par_iter().map(|point| truth.surface.distance().at(*point)));
+        surface.add(frame);
+        let voxels = truth.voxels.compare(&session.map().snapshot(truth.voxels.block()));
+        record.voxel_coverage = Some(voxels.coverage());
+        record.false_voxels = Some(voxels.n_false);
+        [record.surface_coverage_1mm, record.surface_coverage_2mm, record.surface_coverage_5mm] =
+            surface.shares().map(Some);
+        let accuracy = Accuracy::of(distances);
+        record.accuracy_mean_mm = accuracy.map(|accuracy| 1e3 * accuracy.mean);
+        record.accuracy_median_mm = accuracy.map(|accuracy| 1e3 * accuracy.median);
+        record.accuracy_p95_mm = accuracy.map(|accuracy| 1e3 * accuracy.p95);
+        surface.within(SEEN).count_ones(..)
+    }
+}

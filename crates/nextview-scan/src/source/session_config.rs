@@ -1,0 +1,48 @@
+use crate::{Fault, ScanConfig};
+use nextview::geometry::{Aabb, VoxelBlock};
+use nextview::session::{ObjectBox, SessionConfig, Table};
+
+/// The session's part of a configuration, for an object in this box on this table.
+pub(super) fn session_config(
+    config: &ScanConfig,
+    voxel_size: f64,
+    object_box: ObjectBox,
+    table: Table,
+) -> SessionConfig {
+    SessionConfig {
+        voxel_size,
+        multi_resolution: config.multi_resolution,
+        object_box,
+        table,
+        first_view: config.first_view,
+        sensor_model: config.map.sensor_model,
+        rays: config.map.rays,
+        background: config.map.background,
+        registration: config.registration,
+        motion: config.motion,
+        max_views: config.views,
+        stop: config.stop,
+        memory_limit_mb: config.memory_limit_mb,
+    }
+}
+
+/// The voxels to plan in, if they are not too many.
+pub(super) fn voxel_block(config: &SessionConfig, bounds: &Aabb) -> Result<VoxelBlock, Fault> {
+    config.block(bounds).map_err(|error| match error {
+        nextview::Error::TooLarge { .. } => Fault::from(error)
+            .with_remedy("use a larger `voxel_size_m`, or allow more with `memory_limit_mb`"),
+        error => error.into(),
+    })
+}
+
+/// About a fortieth of an object's longest side, metres: 1, 2 or 5 times a power of ten, the nearest in
+/// ratio.
+pub(super) fn suitable_voxel_size(longest_side: f64) -> f64 {
+    let wanted = longest_side / 40.0;
+    let power = 10_f64.powf(wanted.log10().floor());
+    let steps = [1.0, 2.0, 5.0, 10.0].map(|step| step * power);
+    let ratio = |step: &f64| (step / wanted).ln().abs();
+    let nearest = steps.into_iter().min_by(|a, b| ratio(a).total_cmp(&ratio(b)));
+    // Through text, so that 0.005 is the number a user would write.
+    format!("{:.0e}", nearest.unwrap_or(wanted)).parse().unwrap_or(wanted)
+}

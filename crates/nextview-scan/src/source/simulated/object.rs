@@ -1,0 +1,101 @@
+use crate::source::session_config::suitable_voxel_size;
+use crate::{Fault, ScanConfig, TableRule, short_name};
+use nextview::geometry::Lattice;
+use nextview_sim::mesh::{FileMesh, TriangleMesh, Unit, UnitSource};
+use nextview_sim::scene::Scene;
+use nextview_sim::{SimError, builtin, mesh};
+use std::fmt;
+use std::path::Path;
+
+/// The object to scan, in metres.
+pub struct Object {
+    /// Short name, for headings and file names.
+    pub name: String,
+    pub mesh: TriangleMesh,
+    /// How the file's numbers became metres, where the unit was guessed.
+    pub note: Option<String>,
+}
+
+impl fmt::Display for Object {
+    /// Name, size and number of triangles.
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let size = self.mesh.bounds().size() * 1e3;
+        let n = self.mesh.triangles().len();
+        write!(f, "{}: {:.0} x {:.0} x {:.0} mm, {n} triangles", self.name, size.x, size.y, size.z)
+    }
+}
+
+impl Object {
+    /// Loads the mesh that the configuration names.
+    pub fn load(config: &ScanConfig) -> Result<Self, Fault> {
+        match config.object.strip_prefix("builtin:") {
+            Some(name) => Self::builtin(name, config),
+            None => Self::file(Path::new(&config.object), config),
+        }
+    }
+
+    fn builtin(name: &str, config: &ScanConfig) -> Result<Self, Fault> {
+        let mesh = builtin::by_name(name).ok_or_else(|| {
+            let known = builtin::names().collect::<Vec<_>>().join(", ");
+            let hint =
+                format!("there are {known}, and random-SEED with a whole number from 0 to {}", u64::MAX);
+            Fault::request(format!("no built-in object '{name}'")).with_remedy(hint)
+        })?;
+        let scale = config.size_m.map_or(1.0, |size| size / mesh.bounds().longest_side());
+        Ok(Self { name: name.to_owned(), mesh: mesh.scaled(scale)?, note: None })
+    }
+
+    fn file(path: &Path, config: &ScanConfig) -> Result<Self, Fault> {
+        let unit = config.size_m.map_or(config.unit.into(), Unit::LongestSide);
+        let (mesh, scaling) = read(path)?.to_metres(unit)?;
+        let note = (scaling.source == UnitSource::Guessed).then(|| format!("{scaling}; state it as `unit`"));
+        Ok(Self { name: short_name(&config.object), mesh, note })
+    }
+
+    /// The object before the configured camera.
+    pub fn scene(&self, config: &ScanConfig) -> Result<Scene, Fault> {
+        let scene = Scene::new(self.mesh.clone(), config.camera).map_err(|error| match error {
+            SimError::TooLargeForCamera { .. } => self.wrong_size(error, config),
+            error => error.into(),
+        })?;
+        Ok(if config.object_box.table == TableRule::None { scene } else { scene.with_table()? })
+    }
+
+    /// The configured voxel size, or else one that suits the object; fails if that is out of proportion.
+    pub fn voxel_size(&self, config: &ScanConfig) -> Result<f64, Fault> {
+        let longest = self.mesh.bounds().longest_side();
+        match config.voxel_size_m {
+            Some(size) if size > 0.5 * longest => Err(Fault::request(format!(
+                "the voxel size is {size} m, expected at most half the object's longest side, {longest:.4} m"
+            ))
+            .with_remedy("`voxel_size_m` is in metres")),
+            Some(size) => Ok(size),
+            None if longest < 40.0 * Lattice::MIN_VOXEL_SIZE => {
+                let problem = format!(
+                    "the object's longest side is {longest} m, too small for voxels of at least {} m",
+                    Lattice::MIN_VOXEL_SIZE
+                );
+                Err(self
+                    .wrong_size(problem, config)
+                    .with_remedy("state its `unit`, or its true size as `size_m`"))
+            }
+            None => Ok(suitable_voxel_size(longest)),
+        }
+    }
+
+    /// An object of this size is the file's fault, unless the user stated the size.
+    fn wrong_size(&self, problem: impl fmt::Display, config: &ScanConfig) -> Fault {
+        match config.size_m {
+            Some(_) => Fault::request(problem),
+            None => Fault::data(problem).in_file(Path::new(&config.object)),
+        }
+    }
+}
+
+fn read(path: &Path) -> Result<FileMesh, Fault> {
+    let name = path.to_string_lossy();
+    mesh::load(path).map_err(|error| match builtin::by_name(&name).is_some() {
+        true => Fault::data(error).with_remedy(format!("the built-in object is builtin:{name}")),
+        false => error.into(),
+    })
+}

@@ -1,0 +1,133 @@
+use super::object::Object;
+use crate::source::session_config::{session_config, voxel_block};
+use crate::{BoxRule, Fault, Faults, ScanConfig, TableRule, files};
+use nextview::geometry::Lattice;
+use nextview::planner::ViewPlanner;
+use nextview::session::{ObjectBox, Session, SessionConfig, Table, Views};
+use nextview::view::ViewSpace;
+use nextview_sim::quality::TrueSurface;
+use nextview_sim::scene::Scene;
+use nextview_sim::truth::ObjectVoxels;
+use std::path::Path;
+
+/// An object before the camera, and the view candidates around it: shared by scans of it by different
+/// planners.
+pub struct SimulatedObject {
+    object: Object,
+    /// The object in its room, and the camera.
+    pub scene: Scene,
+    /// The view candidates.
+    pub views: ViewSpace,
+    /// The configured voxel size, or else one that suits the object.
+    pub voxel_size: f64,
+    /// Voxels that hold some of the true surface.
+    pub object_voxels: ObjectVoxels,
+    /// The surface that final models are measured against.
+    pub true_surface: TrueSurface,
+    /// How many candidates are within reach, where that is limited.
+    reach_note: Option<String>,
+}
+
+impl SimulatedObject {
+    /// Loads the object; fails if it cannot be scanned as configured.
+    pub fn new(config: &ScanConfig) -> Result<Self, Faults> {
+        let object = Object::load(config)?;
+        let voxel_size = object.voxel_size(config)?;
+        let scene = object.scene(config)?.with_noise(config.noise.noise())?;
+        let (views, reach_note) = config.reach.views(view_space(config, &scene)?)?;
+        config.check_views(views.len())?;
+        let block =
+            voxel_block(&simulated_session(config, &scene, voxel_size), &scene.planning_box(voxel_size))?;
+        let mesh = scene.camera().mesh();
+        let object_voxels = ObjectVoxels::new(mesh, Lattice::new(voxel_size)?, block);
+        let true_surface = TrueSurface::new(mesh);
+        Ok(Self { object, scene, views, voxel_size, object_voxels, true_surface, reach_note })
+    }
+
+    /// The session of a scan of it by this planner.
+    pub fn session(&self, config: &ScanConfig, planner: Box<dyn ViewPlanner>) -> Result<Session, Faults> {
+        config.check_views(self.views.len())?;
+        let session_config = simulated_session(config, &self.scene, self.voxel_size);
+        Ok(Session::new(session_config, config.camera, self.session_views(config), planner)?)
+    }
+
+    /// Name, size and number of triangles of the object.
+    pub fn description(&self) -> String {
+        self.object.to_string()
+    }
+
+    /// Remarks for the user: a unit that was guessed, candidates that are out of reach.
+    pub fn notes(&self) -> Vec<String> {
+        self.object.note.iter().chain(&self.reach_note).cloned().collect()
+    }
+
+    /// The candidates as the session has them. Those of a rule move along with a box that grows, which begins
+    /// where the first of the views around the true object is; those of a file stay where they are.
+    fn session_views(&self, config: &ScanConfig) -> Views {
+        if config.object_box.rule == BoxRule::Known || config.view_space.rule().is_none() {
+            return Views::Fixed(self.views.clone());
+        }
+        let (center, size) = (self.scene.center(), self.scene.size());
+        let unit = self.views.around(-center / size, 1.0 / size);
+        // The box may grow by what is not there, when poses are wrong, and candidates with it.
+        let reach = config.reach.rule().within(self.scene.room());
+        Views::Following { first: self.views.pose(config.first_view), unit, reach }
+    }
+}
+
+fn simulated_session(config: &ScanConfig, scene: &Scene, voxel_size: f64) -> SessionConfig {
+    let object_box = match config.object_box.rule {
+        BoxRule::Known => ObjectBox::Known(scene.planning_box(voxel_size)),
+        BoxRule::Grows => ObjectBox::Growing,
+    };
+    let table = match config.object_box.table {
+        TableRule::None => Table::None,
+        TableRule::Known => Table::AtHeight(scene.room().min.z),
+        TableRule::Fit => Table::Fitted,
+    };
+    session_config(config, voxel_size, object_box, table)
+}
+
+/// The candidates around the true object that are above its table, if it has one.
+fn view_space(config: &ScanConfig, scene: &Scene) -> Result<ViewSpace, Fault> {
+    let views = match config.view_space.rule() {
+        Some(rule) => rule.views(scene.center(), scene.size(), config.candidates, config.view_seed())?,
+        None => views_of_file(config, scene)?,
+    };
+    if config.object_box.table == TableRule::None {
+        return Ok(views);
+    }
+    let lowest = scene.room().min.z + LOWEST_VIEW;
+    let above = views.poses().iter().filter(|pose| pose.translation().z >= lowest);
+    ViewSpace::new(above.copied().collect()).map_err(|_| {
+        Fault::request("no view candidate is above the table")
+            .with_remedy("`object_box.table` = none lets the object float")
+    })
+}
+
+/// How far above the table the lowest candidates are, metres: clear of it for the session, too, which fits it
+/// to a millimetre.
+const LOWEST_VIEW: f64 = 0.03;
+
+fn views_of_file(config: &ScanConfig, scene: &Scene) -> Result<ViewSpace, Fault> {
+    let path = Path::new(&config.view_space.0);
+    let hint = "`view_space` takes shell, sphere, hemisphere or a CSV file";
+    let file = files::open(path).map_err(|fault| fault.with_remedy(hint))?;
+    let views = ViewSpace::read_csv(file, scene.center()).map_err(|e| Fault::from(e).in_file(path))?;
+    check_in_room(scene, &views).map_err(|fault| fault.in_file(path))?;
+    Ok(views)
+}
+
+/// Fails if a view is where the simulated camera cannot stand.
+fn check_in_room(scene: &Scene, views: &ViewSpace) -> Result<(), Fault> {
+    let room = scene.room();
+    let outside = |view: &usize| !room.contains(views.pose(*view).translation());
+    let Some(view) = (0..views.len()).find(outside) else { return Ok(()) };
+    let fault = Fault::data(format!(
+        "view {view} (counted from 0) is at {:.3} m, outside the room around the object, from {:.3} to {:.3} m",
+        views.pose(view).translation(),
+        room.min,
+        room.max
+    ));
+    Err(fault.with_remedy("views must be in metres, and around the place where the object is"))
+}

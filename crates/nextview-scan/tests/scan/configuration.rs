@@ -1,0 +1,131 @@
+//! Configurations report everything that is wrong in them at once, and where.
+
+use nextview_scan::{Faults, Profile, ScanConfig};
+use std::path::Path;
+
+fn parse(text: &str) -> Result<ScanConfig, Faults> {
+    ScanConfig::parse(text, Some(Path::new("scan.toml")), None)
+}
+
+/// Line, column, key and remedy of every fault.
+fn faults(text: &str) -> Vec<String> {
+    let fault = |fault: &nextview_scan::Fault| {
+        let position = fault.place.as_ref().and_then(|place| place.position);
+        let (line, column) = position.unwrap_or_default();
+        let remedy = fault.remedy.as_ref().map(|remedy| format!(" ({remedy})")).unwrap_or_default();
+        format!("{line}:{column} {}{remedy}", fault.message)
+    };
+    parse(text).unwrap_err().iter().map(fault).collect()
+}
+
+#[test]
+fn what_is_saved_loads_to_the_same() {
+    for profile in [Profile::Paper, Profile::Default] {
+        let config = ScanConfig::of_profile(profile);
+        assert_eq!(parse(&toml::to_string(&config).unwrap()), Ok(config));
+    }
+}
+
+#[test]
+fn a_file_overrides_its_profile_and_an_option_the_file() {
+    let text = "profile = \"paper\"\nviews = 3\n[max_flow]\ngamma = 0.25\n";
+    let config = parse(text).unwrap();
+    assert_eq!((config.views, config.candidates, config.max_flow.gamma), (3, 5000, 0.25));
+    assert_eq!(config.max_flow.ray_spacing, 10.0);
+    let config = ScanConfig::parse(text, None, Some(Profile::Default)).unwrap();
+    assert_eq!((config.candidates, config.max_flow.gamma, config.max_flow.ray_spacing), (1000, 0.25, 2.0));
+}
+
+#[test]
+fn the_candidates_may_have_their_own_seed() {
+    let seeds = |text: &str| parse(text).map(|config| (config.seed, config.view_seed()));
+    assert_eq!(seeds("seed = 3\n"), Ok((3, 3)));
+    assert_eq!(seeds("seed = 3\nview_seed = 0\n"), Ok((3, 0)));
+}
+
+#[test]
+fn all_faults_come_at_once_with_line_and_column() {
+    let text = "voxels = 3\nviews = \"many\"\n\n[max_flow]\n  gamma = 2\n[map]\nrays = \"some\"\n[stop]\n\
+                entropy_share = 7\n";
+    let found = faults(text);
+    let expected = [
+        "1:1 `voxels` is no key (did you mean `voxel_size_m`?)",
+        "2:1 `views` is \"many\", expected usize",
+        "5:3 `max_flow.gamma` is 2, expected a number in 0..=1",
+        "7:1 `map.rays` is \"some\", expected",
+        "9:1 `stop.entropy_share` is 7, expected a number in 0..=1",
+    ];
+    let mut sorted = found.clone();
+    sorted.sort();
+    assert_eq!(sorted.len(), expected.len(), "{found:?}");
+    for (found, expected) in sorted.iter().zip(expected) {
+        assert!(found.starts_with(expected), "{found}, expected {expected}");
+    }
+}
+
+#[test]
+fn syntax_is_reported_by_line_and_column() {
+    let found = faults("views = \nseed = 1\nplanner = \"local\n");
+    assert!(found.len() == 2 && found[0].starts_with("1:") && found[1].starts_with("3:"), "{found:?}");
+}
+
+#[test]
+fn wrong_values_are_named() {
+    for (text, expected) in [
+        ("voxel_size_m = nan\n", "`voxel_size_m` is NaN"),
+        ("size_m = -1\n", "`size_m` is -1"),
+        ("time_limit_s = -1\n", "`time_limit_s` is -1"),
+        ("[map.sensor_model]\nhit = 0.2\n", "`map.sensor_model.hit` is 0.2"),
+        ("[multi_resolution]\nq_thresh = 1.5\n", "`multi_resolution.q_thresh` is 1.5"),
+        (
+            "[multi_resolution]\ncoarsest_voxel_size_m = -1\n",
+            "`multi_resolution.coarsest_voxel_size_m` is -1",
+        ),
+        ("[greedy]\ntheta = -1\n", "`greedy.theta` is -1"),
+        ("[noise]\npose_error_mm = -1\n", "`noise.pose_error_mm` is -1, expected 0 to 1000"),
+        ("[noise.depth]\nedge_loss = 2\n", "edge_loss` is 2"),
+        ("[motion]\nspeed_m_per_s = 0\n", "`motion.speed_m_per_s` is 0, expected 0.001 to 100"),
+        ("[motion]\nacceleration_m_per_s2 = nan\n", "`motion.acceleration_m_per_s2` is nan"),
+        ("[motion]\nclearance_m = -1\n", "`motion.clearance_m` is -1, expected a number from 0 on"),
+        ("[motion]\nsensing_time_s = inf\n", "`motion.sensing_time_s` is inf"),
+        ("[reach]\nmax_radius_m = 1\n", "`reach.base_m` and `reach.max_radius_m` need each other"),
+        ("[reach]\nmin_radius_m = 1\n", "`reach.min_radius_m` needs `reach.base_m`"),
+        ("[reach]\nbase_m = [0, 0, 0]\nmax_radius_m = -1\n", "reach: reach is 0 to -1 m, expected"),
+        ("[reach]\nallowed_boxes_m = [[0, 0, 0, 1, 1, -1]]\n", "the lowest first"),
+        ("[reach]\nforbidden_boxes_m = [[0, 0]]\n", "`reach.forbidden_boxes_m` is [[0, 0]], expected"),
+        ("min_overlap = 2\n", "`min_overlap` is 2"),
+        ("[registration]\nspacing_m = 0\n", "`registration.spacing_m` is 0"),
+        ("[registration]\nposition_uncertainty_m = -1\n", "`registration.position_uncertainty_m` is -1"),
+        (
+            "[registration]\nrotation_uncertainty_deg = 181\n",
+            "`registration.rotation_uncertainty_deg` is 181",
+        ),
+        ("[registration]\nmin_overlap = 2\n", "`registration.min_overlap` is 2"),
+        ("[batch]\nn_views = 0\n", "`batch.n_views` is 0"),
+        ("[batch]\nleast_share = 2\n", "`batch.least_share` is 2"),
+        ("[nbv_net]\nweights = 'no-such-file'\n", "no-such-file: cannot be read"),
+        ("[object_box]\ntable = \"oak\"\n", "`object_box.table` is \"oak\""),
+        ("planner = \"random\"\nstop.completeness = 0.9\n", "the planner random cannot stop by completeness"),
+    ] {
+        let error = parse(text).unwrap_err().to_string();
+        assert!(error.contains(expected), "{error}, expected {expected}");
+    }
+}
+
+#[test]
+fn an_unknown_key_names_its_nearest_neighbour() {
+    assert_eq!(
+        faults("[max_flow]\ngama = 1\n"),
+        ["2:1 `max_flow.gama` is no key (did you mean `max_flow.gamma`?)"]
+    );
+    assert_eq!(faults("[motoin]\nspeed_m_per_s = 1\n"), ["1:2 `motoin` is no key (did you mean `motion`?)"]);
+}
+
+#[test]
+fn faults_of_a_file_are_data_and_others_requests() {
+    use nextview_scan::FaultKind::{Data, Request};
+    let kind = |faults: Faults| faults.iter().map(|fault| fault.kind).collect::<Vec<_>>();
+    assert_eq!(kind(parse("min_overlap = 2\n").unwrap_err()), [Data]);
+    let config = ScanConfig { min_overlap: Some(2.0), ..ScanConfig::default() };
+    assert_eq!(kind(config.check().unwrap_err()), [Request]);
+}

@@ -1,0 +1,10 @@
+//! One scan through the library's public face.
+
+#![allow(clippy::unwrap_used, reason = "helpers of tests")]
+
+mod common;
+mod configuration;
+mod journal;
+mod resume;
+mod run;
+mod simulation;

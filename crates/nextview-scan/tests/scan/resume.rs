@@ -1,0 +1,116 @@
+//! After an interruption the journal answers before any capture is asked for.
+
+use crate::common::{Folder, image, image_from, session};
+use nextview_scan::{Interrupted, Next, ScanJournal, ScanRun, StepRecord};
+
+/// What is done with the views of a scan, one after the other; the answer says what was captured.
+fn act(run: &mut ScanRun<'_>, n_steps: usize, captured: &mut Vec<usize>) {
+    for _ in 0..n_steps {
+        match run.next().unwrap() {
+            Next::Replay(frame) => _ = run.push(frame).unwrap(),
+            Next::Stop(_) => return,
+            Next::Capture(view) => {
+                let number = view.view.unwrap();
+                if run.steps().len() == 2 && captured.len() == 2 {
+                    run.skip(number, "every scan skips the third view that is proposed").unwrap();
+                    let elsewhere = run.session().views().pose(5);
+                    run.push(image_from(&elsewhere)).unwrap(); // not asked for
+                    captured.push(usize::MAX);
+                    continue;
+                }
+                captured.push(number);
+                run.push(image(&view)).unwrap();
+            }
+        }
+    }
+}
+
+/// The steps without times.
+fn timeless(steps: &[StepRecord]) -> Vec<StepRecord> {
+    let without = |step: &StepRecord| StepRecord {
+        plan_time_ms: 0.0,
+        map_time_ms: 0.0,
+        capture_time_ms: 0.0,
+        ..step.clone()
+    };
+    steps.iter().map(without).collect()
+}
+
+#[test]
+fn no_view_is_asked_for_again_and_the_scan_is_the_same() {
+    let folder = Folder::new("resume");
+    let mut undisturbed = ScanRun::new(session());
+    let mut expected = Vec::new();
+    act(&mut undisturbed, 20, &mut expected);
+    for n_steps in 1..9 {
+        let dir = folder.path(&n_steps.to_string());
+        let mut captured = Vec::new();
+        let mut run = ScanRun::new(session()).with_journal(ScanJournal::begin(&dir, "a ball").unwrap());
+        act(&mut run, n_steps, &mut captured);
+        let n_before = captured.len();
+        drop(run); // as a kill: the journal stays
+        let Interrupted { heading, journal, n_frames, damage } = ScanJournal::resume(&dir).unwrap();
+        assert_eq!((&heading[..], n_frames, damage), ("a ball", n_before, None));
+        let mut run = ScanRun::new(session()).with_journal(journal);
+        for _ in 0..n_before {
+            let Next::Replay(frame) = run.next().unwrap() else { panic!("the journal answers first") };
+            run.push(frame).unwrap();
+        }
+        act(&mut run, 20, &mut captured);
+        assert_eq!(captured, expected, "interrupted after {n_steps} steps");
+        assert_eq!(timeless(run.steps()), timeless(undisturbed.steps()));
+        run.finish(None).forget_journal();
+        assert!(!ScanJournal::is_in(&dir));
+    }
+}
+
+#[test]
+fn another_frame_than_that_of_the_journal_is_refused() {
+    let folder = Folder::new("resume-other");
+    let dir = folder.path("scan");
+    let mut run = ScanRun::new(session()).with_journal(ScanJournal::begin(&dir, "").unwrap());
+    act(&mut run, 2, &mut Vec::new());
+    drop(run);
+    let mut run = ScanRun::new(session()).with_journal(ScanJournal::resume(&dir).unwrap().journal);
+    assert!(matches!(run.next().unwrap(), Next::Replay(_)));
+    let elsewhere = run.session().views().pose(9);
+    let fault = run.push(image_from(&elsewhere)).unwrap_err();
+    assert!(fault.remedy.unwrap().contains("unchanged"));
+    assert!(run.skip(3, "too early").is_err());
+}
+
+#[test]
+fn a_scan_that_decides_otherwise_is_refused() {
+    let folder = Folder::new("resume-differs");
+    let dir = folder.path("scan");
+    let mut run = ScanRun::new(session()).with_journal(ScanJournal::begin(&dir, "").unwrap());
+    for view in [0, 3] {
+        run.next().unwrap();
+        let pose = run.session().views().pose(view);
+        run.push(image_from(&pose)).unwrap();
+    }
+    drop(run);
+    let journal = ScanJournal::resume(&dir).unwrap().journal;
+    let mut other = session();
+    other.skip(0);
+    let mut run = ScanRun::new(other).with_journal(journal);
+    let fault = run.next().unwrap_err();
+    assert!(
+        fault.to_string().contains("frame 1 is of view 0, but the planner now chooses view 1"),
+        "{fault}"
+    );
+}
+
+#[test]
+fn a_folder_with_an_interrupted_scan_is_not_taken() {
+    let folder = Folder::new("resume-free");
+    let dir = folder.path("scan");
+    assert!(ScanJournal::resume(&dir).is_err());
+    drop(ScanJournal::begin(&dir, "no frame").unwrap());
+    assert!(!dir.exists(), "a journal without frames is of no use");
+    let mut run = ScanRun::new(session()).with_journal(ScanJournal::begin(&dir, "").unwrap());
+    act(&mut run, 1, &mut Vec::new());
+    drop(run);
+    let fault = ScanJournal::begin(&dir, "").map(drop).unwrap_err();
+    assert!(fault.to_string().ends_with("scan: holds an interrupted scan"), "{fault}");
+}

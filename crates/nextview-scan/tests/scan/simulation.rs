@@ -1,0 +1,97 @@
+//! A simulated scan through the library, from the configuration to the folder.
+
+use crate::common::Folder;
+use nextview::Cancel;
+use nextview_scan::files::ResultFolder;
+use nextview_scan::{
+    Begin, FinishedScan, FrameSource, Measured, Next, PlannerName, ScanConfig, ScanRecord, ScanRun,
+    SimulatedObject, Simulation, Truth, write_results,
+};
+
+fn config() -> ScanConfig {
+    ScanConfig {
+        object: "builtin:mug".to_owned(),
+        planner: PlannerName::MaxFlow,
+        candidates: 20,
+        views: 4,
+        voxel_size_m: Some(0.01),
+        ..ScanConfig::default()
+    }
+}
+
+fn scanned<'a>(source: &'a dyn FrameSource, config: &ScanConfig) -> FinishedScan<'a> {
+    let mut run = ScanRun::begin(source, config, Begin::default()).unwrap();
+    let stop_reason = run.drive(|_| Ok(())).unwrap();
+    run.finish(Some(stop_reason))
+}
+
+#[test]
+fn a_scan_is_measured_and_written() {
+    let config = config();
+    let object = SimulatedObject::new(&config).unwrap();
+    let truth = Truth::new(&object, &Cancel::default(), || ()).unwrap();
+    let simulation = Simulation::new(&object, &config, Some(&truth));
+    let scan = scanned(&simulation, &config);
+    let model = scan.model().unwrap();
+    let record = scan.record(&config, Measured::Model(&model)).unwrap();
+    assert_eq!((record.views, record.steps.len(), record.candidates), (4, 4, 20));
+    assert_eq!(record.reachable_coverage, record.steps[3].reachable_coverage);
+    assert!(record.reachable_coverage.unwrap() > 0.5 && record.skill.is_some());
+    assert!(record.cloud().unwrap().accuracy_mean_mm < 0.1 && record.mesh().unwrap().completeness_5mm > 0.3);
+
+    let folder = Folder::new("simulation");
+    let dir = folder.path("results");
+    let mut results = ResultFolder::begin(&dir).unwrap();
+    write_results(&mut results, &config, &scan, &record, &model).unwrap();
+    results.publish().unwrap();
+    let read: ScanRecord = serde_json::from_slice(&std::fs::read(dir.join("record.json")).unwrap()).unwrap();
+    assert_eq!(read, record);
+    let steps = std::fs::read_to_string(dir.join("steps.jsonl")).unwrap();
+    assert_eq!(steps.lines().count(), 4);
+}
+
+#[test]
+fn a_scan_under_way_has_a_record() {
+    let config = ScanConfig { baselines: false, ..config() };
+    let object = SimulatedObject::new(&config).unwrap();
+    let simulation = Simulation::new(&object, &config, None);
+    let run = ScanRun::begin(&simulation, &config, Begin::default()).unwrap();
+    let record = run.finish(None).record(&config, Measured::CloudOnly).unwrap();
+    assert_eq!((record.stop_reason, record.views, record.cloud()), (None, 0, None));
+}
+
+#[test]
+fn pushed_by_hand_it_is_the_same_as_driven() {
+    let config = ScanConfig { baselines: false, ..config() };
+    let object = SimulatedObject::new(&config).unwrap();
+    let (by_hand, driven) =
+        (Simulation::new(&object, &config, None), Simulation::new(&object, &config, None));
+    let mut run = ScanRun::begin(&by_hand, &config, Begin::default()).unwrap();
+    while let Next::Capture(view) = run.next().unwrap() {
+        let frame = by_hand.capture(&view, run.steps().is_empty()).unwrap();
+        run.push(frame).unwrap();
+    }
+    let expected = scanned(&driven, &config);
+    let views = |steps: &[nextview_scan::StepRecord]| steps.iter().map(|step| step.view).collect::<Vec<_>>();
+    assert_eq!(views(run.steps()), views(&expected.steps));
+    assert_eq!(run.session().map().voxels(), expected.session.map().voxels());
+}
+
+#[test]
+fn the_baselines_can_be_cancelled() {
+    let object = SimulatedObject::new(&config()).unwrap();
+    let cancel = Cancel::default();
+    cancel.cancel();
+    assert!(Truth::new(&object, &cancel, || panic!("nothing is looked at")).is_err());
+}
+
+#[test]
+fn without_the_truth_there_is_no_clairvoyant_planner() {
+    let config = ScanConfig { planner: PlannerName::Clairvoyant, ..config() };
+    let object = SimulatedObject::new(&config).unwrap();
+    let simulation = Simulation::new(&object, &config, None);
+    let Err(faults) = ScanRun::begin(&simulation, &config, Begin::default()) else {
+        panic!("it needs the truth")
+    };
+    assert!(faults.to_string().contains("needs the true object"));
+}
