@@ -1,0 +1,97 @@
+use crate::{DoneRun, Host, Run, RunRecord, RunResult};
+use nextview::Cancel;
+use nextview_scan::{
+    Begin, BuildIdentity, Faults, Measured, ScanConfig, ScanRun, SimulatedObject, Simulation, Truth, memory,
+};
+use std::panic::{AssertUnwindSafe, catch_unwind};
+
+/// What the runs on an object share, or why they all fail.
+pub(super) type Prepared = Result<(SimulatedObject, Option<Truth>), String>;
+
+/// Loads an object and, where that is needed, looks at it from everywhere.
+pub(super) fn prepare(config: &ScanConfig, cancel: &Cancel) -> Prepared {
+    let config = config.of_object();
+    guarded(|| {
+        let object = SimulatedObject::new(&config)?;
+        let truth = config.needs_truth().then(|| Truth::new(&object, cancel, || ())).transpose()?;
+        Ok((object, truth))
+    })
+}
+
+/// Scans, measures, and records how it went. The growth of the process's memory is that of the run only if it
+/// is alone.
+pub(super) fn measured(
+    run: &Run,
+    prepared: &Prepared,
+    host: &Host,
+    is_alone: bool,
+    cancel: &Cancel,
+) -> RunRecord {
+    let mut config = run.config.clone();
+    let result = prepared.as_ref().map_err(String::clone).and_then(|(object, truth)| {
+        config.voxel_size_m = Some(object.voxel_size);
+        guarded(|| measure(&config, object, truth.as_ref(), is_alone, cancel))
+    });
+    RunRecord {
+        object: run.id.object.clone(),
+        data_set: run.data_set.clone(),
+        variant: run.id.variant.clone(),
+        seed: run.id.seed,
+        first_view: run.id.first_view,
+        config,
+        build: BuildIdentity::this(),
+        host: host.clone(),
+        result: result.map_or_else(RunResult::Failed, |done| RunResult::Done(Box::new(done))),
+    }
+}
+
+fn measure(
+    config: &ScanConfig,
+    object: &SimulatedObject,
+    truth: Option<&Truth>,
+    is_alone: bool,
+    cancel: &Cancel,
+) -> Result<DoneRun, Faults> {
+    let simulation = Simulation::new(object, config, truth);
+    let before = if is_alone { memory::forget_peak().and_then(|()| memory::now_mb()) } else { None };
+    let mut run = ScanRun::begin(&simulation, config, Begin { cancel: cancel.clone(), ..Begin::default() })?;
+    let stop = run.drive(|_| Ok(()))?;
+    let finished = run.finish(Some(stop));
+    let after = before.and_then(|_| memory::peak_mb());
+    let growth = before.zip(after).map(|(before, after)| (after - before).max(0.0));
+    let mut record = finished.record(config, Measured::CloudOnly)?;
+    // That of the process says nothing about one run of many.
+    record.peak_memory_mb = None;
+    Ok(DoneRun { record, extra_memory_mb: growth.map(|mb| (10.0 * mb).round() / 10.0) })
+}
+
+/// The work's value, or why there is none. A panic is a fault of ours, but must not cost the other runs.
+fn guarded<T>(work: impl FnOnce() -> Result<T, Faults>) -> Result<T, String> {
+    match catch_unwind(AssertUnwindSafe(work)) {
+        Ok(result) => result.map_err(|faults| reason(&faults)),
+        Err(panic) => {
+            let text = panic.downcast_ref::<String>().map(String::as_str);
+            let text = text.or_else(|| panic.downcast_ref::<&str>().copied()).unwrap_or("no message");
+            Err(format!("a fault in nextview: {text}"))
+        }
+    }
+}
+
+/// All faults in one line.
+fn reason(faults: &Faults) -> String {
+    faults.iter().map(ToString::to_string).collect::<Vec<_>>().join("; ")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use nextview_scan::Fault;
+
+    #[test]
+    fn a_panic_is_a_failure() {
+        let result: Result<(), String> = guarded(|| panic!("at {}", 3));
+        assert_eq!(result, Err("a fault in nextview: at 3".to_owned()));
+        let faults = Faults::of(vec![Fault::data("no"), Fault::data("never")]).unwrap();
+        assert_eq!(guarded(|| Err::<(), _>(faults)), Err("no; never".to_owned()));
+    }
+}

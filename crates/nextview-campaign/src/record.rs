@@ -1,0 +1,125 @@
+use crate::{Host, RunId};
+use nextview_scan::{BuildIdentity, ScanConfig, ScanRecord};
+use serde::{Deserialize, Serialize};
+
+/// What is kept of a run: a line of `runs.jsonl`.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct RunRecord {
+    /// Name of the object: that of its file without the extension, or of the built-in object.
+    pub object: String,
+    /// Name of the folder that the object's file is in, or `builtin`.
+    pub data_set: String,
+    /// Label of the planner and its parameters in the specification.
+    pub variant: String,
+    /// Seed of the random planner.
+    pub seed: u64,
+    /// Number of the view that the scan began with.
+    pub first_view: usize,
+    /// Everything that decided the run.
+    pub config: ScanConfig,
+    /// The program that computed it.
+    pub build: BuildIdentity,
+    /// The machine that computed it.
+    pub host: Host,
+    /// How the run ended.
+    pub result: RunResult,
+}
+
+/// How a run ended.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case", deny_unknown_fields)]
+pub enum RunResult {
+    /// With measures.
+    Done(Box<DoneRun>),
+    /// Without, for this reason.
+    Failed(String),
+}
+
+/// What was measured in a run.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct DoneRun {
+    /// The scan; its final cloud is measured, a mesh is not made.
+    pub record: ScanRecord,
+    /// Growth of the process's peak memory in the run; none where runs took place beside each other, or where
+    /// the system does not report it.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub extra_memory_mb: Option<f64>,
+}
+
+impl RunRecord {
+    /// Which run this is the record of.
+    pub fn id(&self) -> RunId {
+        RunId {
+            variant: self.variant.clone(),
+            object: self.object.clone(),
+            seed: self.seed,
+            first_view: self.first_view,
+        }
+    }
+
+    /// The measures; none if the run failed.
+    pub fn done(&self) -> Option<&DoneRun> {
+        match &self.result {
+            RunResult::Done(done) => Some(done),
+            RunResult::Failed(_) => None,
+        }
+    }
+
+    /// Why the run failed; none if it did not.
+    pub fn failure(&self) -> Option<&str> {
+        match &self.result {
+            RunResult::Done(_) => None,
+            RunResult::Failed(reason) => Some(reason),
+        }
+    }
+
+    /// Whether both have the same result apart from times and memory, which differ between equal runs.
+    pub fn has_same_results(&self, other: &Self) -> bool {
+        timeless(&self.result) == timeless(&other.result)
+    }
+}
+
+/// The result without times and memory.
+fn timeless(result: &RunResult) -> RunResult {
+    let mut result = result.clone();
+    if let RunResult::Done(done) = &mut result {
+        done.extra_memory_mb = None;
+        (done.record.baseline_time_ms, done.record.peak_memory_mb) = (None, None);
+        for step in &mut done.record.steps {
+            (step.plan_time_ms, step.map_time_ms, step.capture_time_ms) = (0.0, 0.0, 0.0);
+        }
+    }
+    result
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::made_up;
+
+    #[test]
+    fn times_and_memory_are_no_results() {
+        let run = made_up::campaign(&["a"], 1).remove(0);
+        let mut other = run.clone();
+        let done = made_up::done_mut(&mut other);
+        done.extra_memory_mb = None;
+        done.record.peak_memory_mb = Some(7.0);
+        done.record.steps[1].plan_time_ms += 1.0;
+        assert!(run != other && run.has_same_results(&other));
+        made_up::done_mut(&mut other).record.steps[1].entropy_nats += 1.0;
+        assert!(!run.has_same_results(&other));
+    }
+
+    #[test]
+    fn what_is_written_reads_back_to_the_same_bits() {
+        let mut runs = made_up::campaign(&["a", "b"], 2);
+        runs[1].result = RunResult::Failed("no \"luck\"\n".to_owned());
+        for run in runs {
+            let line = serde_json::to_string(&run).unwrap();
+            assert!(!line.contains('\n'));
+            assert_eq!(serde_json::from_str::<RunRecord>(&line).unwrap(), run);
+        }
+    }
+}

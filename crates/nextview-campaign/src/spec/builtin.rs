@@ -1,0 +1,25 @@
+//! The specifications of the paper's tables.
+
+const SPECS: [(&str, &str, &str); 7] = [
+    ("paper-1", "table I: voxel coverage of all planners", include_str!("specs/paper-1.toml")),
+    (
+        "paper-2",
+        "table II: time and memory; run it with one job at a time",
+        include_str!("specs/paper-2.toml"),
+    ),
+    ("paper-3", "table III: planning from coarse voxels to fine ones", include_str!("specs/paper-3.toml")),
+    ("paper-4", "table IV: gamma, with and without history", include_str!("specs/paper-4.toml")),
+    ("paper-5", "table V: q_thresh, when to go over to finer voxels", include_str!("specs/paper-5.toml")),
+    ("paper-6", "table VI: the compared planners alone", include_str!("specs/paper-6.toml")),
+    ("paper-7", "table VII: theta, the weight of movement", include_str!("specs/paper-7.toml")),
+];
+
+/// Name and purpose of each.
+pub fn list() -> impl Iterator<Item = (&'static str, &'static str)> {
+    SPECS.iter().map(|(name, about, _)| (*name, *about))
+}
+
+/// The specification of this name, as TOML.
+pub fn by_name(name: &str) -> Option<&'static str> {
+    SPECS.iter().find(|(known, ..)| *known == name).map(|(.., text)| *text)
+}

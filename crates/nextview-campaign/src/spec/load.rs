@@ -1,0 +1,55 @@
+use super::reading::Reading;
+use super::{Spec, builtin};
+use crate::runs;
+use nextview_scan::{Fault, Faults};
+use std::path::Path;
+
+/// A specification's faults are found all at once, with line and column where a file is behind it.
+impl Spec {
+    /// Reads a specification: a built-in one by its name, or else a file. Objects named here take the place
+    /// of its own.
+    ///
+    /// All its paths are whole then: relative ones are relative to the file, those of `objects` to the
+    /// current folder.
+    pub fn load(name: &str, objects: &[String]) -> Result<Self, Faults> {
+        if let Some(text) = builtin::by_name(name) {
+            return Self::complete(Reading::of(text, None)?, Path::new(""), objects);
+        }
+        let path = Path::new(name);
+        let text = std::fs::read_to_string(path).map_err(|e| {
+            let known = builtin::list().map(|(name, _)| name).collect::<Vec<_>>().join(", ");
+            let fault = Fault::data(format!("cannot be read: {e}")).in_file(path);
+            fault.with_remedy(format!("name a TOML file or one of {known}"))
+        })?;
+        let folder = path.parent().unwrap_or(Path::new(""));
+        Self::complete(Reading::of(&text, Some(path))?, folder, objects)
+    }
+
+    /// Reads a specification from a text; relative paths in it are relative to this folder.
+    pub fn parse(text: &str, folder: &Path) -> Result<Self, Faults> {
+        Self::complete(Reading::of(text, None)?, folder, &[])
+    }
+
+    /// Reads the specification that a campaign wrote into its folder.
+    pub fn of_folder(dir: &Path) -> Result<Self, Faults> {
+        let path = dir.join(Self::FILE);
+        let text = std::fs::read_to_string(&path)
+            .map_err(|e| Fault::data(format!("cannot be read: {e}")).in_file(&path))?;
+        finish(Reading::of(&text, Some(&path))?)
+    }
+
+    pub(super) fn complete(mut reading: Reading, folder: &Path, objects: &[String]) -> Result<Self, Faults> {
+        match objects {
+            [] => reading.complete_objects(folder),
+            objects => reading.replace_objects(objects),
+        }
+        reading.complete_variants(folder);
+        finish(reading)
+    }
+}
+
+/// The specification, if its runs can be identified and configured.
+fn finish(mut reading: Reading) -> Result<Spec, Faults> {
+    runs::all(&reading.spec, &mut reading.faults);
+    reading.faults.placed(&reading.positions).or(reading.spec)
+}

@@ -1,0 +1,117 @@
+use super::paths::{value_at, whole_path};
+use super::section::Section;
+use super::values::check_distinct;
+use super::{FaultList, ObjectSpec, Spec, VariantSpec};
+use nextview_scan::{Fault, Faults, Positions, ViewSpaceName};
+use std::path::Path;
+use toml::{Table, Value};
+
+/// A specification on its way from a text, with everything that is wrong in it so far.
+pub(super) struct Reading {
+    pub spec: Spec,
+    pub positions: Positions,
+    pub faults: FaultList,
+}
+
+impl Reading {
+    /// What the text itself says; only a text that is no TOML fails at once.
+    pub fn of(text: &str, file: Option<&Path>) -> Result<Self, Faults> {
+        let (positions, table) = Positions::read(text, file)?;
+        let mut faults = FaultList::default();
+        let spec = spec(table, &mut faults);
+        Ok(Self { spec, positions, faults })
+    }
+
+    /// Finds the files of the objects, relative to this folder; without objects, they are the built-in ones.
+    pub fn complete_objects(&mut self, folder: &Path) {
+        if self.spec.objects.is_empty() {
+            self.spec.objects = nextview_sim::builtin::names()
+                .map(|name| ObjectSpec::new(format!("builtin:{name}")))
+                .collect();
+            return;
+        }
+        let objects = std::mem::take(&mut self.spec.objects);
+        for (object, i) in objects.into_iter().zip(0..) {
+            match object.resolved(folder) {
+                Ok(objects) => self.spec.objects.extend(objects),
+                Err(fault) => self.faults.add(&format!("objects.{i}"), fault),
+            }
+        }
+    }
+
+    /// Puts these objects in place of those of the specification.
+    pub fn replace_objects(&mut self, objects: &[String]) {
+        self.spec.objects.clear();
+        for object in objects {
+            match ObjectSpec::new(object).resolved(Path::new("")) {
+                Ok(objects) => self.spec.objects.extend(objects),
+                Err(fault) => self.faults.add_without_key(fault),
+            }
+        }
+    }
+
+    /// Makes whole the paths in configurations; without variants, there is one.
+    pub fn complete_variants(&mut self, folder: &Path) {
+        if self.spec.variant.is_empty() {
+            self.spec.variant.push(VariantSpec::default());
+        }
+        complete_table(&mut self.spec.scan, "scan", folder, &mut self.faults);
+        for (variant, i) in self.spec.variant.iter_mut().zip(0..) {
+            complete_table(&mut variant.scan, &format!("variant.{i}.scan"), folder, &mut self.faults);
+            complete_table(&mut variant.sweep, &format!("variant.{i}.sweep"), folder, &mut self.faults);
+        }
+    }
+}
+
+fn spec(table: Table, faults: &mut FaultList) -> Spec {
+    let mut section = Section::top(table, faults);
+    if !section.has("name") {
+        section.fault("name", "is missing, expected a name for the campaign");
+    }
+    let name: Option<String> = section.take("name");
+    let seeds = section.take("seeds").unwrap_or_else(|| vec![0]);
+    let first_views = section.take("first_views").unwrap_or_else(|| vec![0]);
+    let scan = section.take("scan").unwrap_or_default();
+    let objects = section.take_list("objects");
+    let variants = section.take_list("variant");
+    section.end();
+    faults.check("name", name.as_deref().map_or(Ok(()), check_name));
+    faults.check("seeds", check_distinct("seeds", &seeds));
+    faults.check("first_views", check_distinct("first_views", &first_views));
+    let objects = objects.into_iter().zip(0..).filter_map(|(entry, i)| ObjectSpec::read(entry, i, faults));
+    let objects = objects.collect();
+    let variant = variants.into_iter().zip(0..).filter_map(|(entry, i)| VariantSpec::read(entry, i, faults));
+    let variant = variant.collect();
+    Spec { name: name.unwrap_or_default(), seeds, first_views, objects, scan, variant }
+}
+
+fn check_name(name: &str) -> Result<(), Fault> {
+    let is_plain = |c: char| c.is_alphanumeric() || "-_.".contains(c);
+    if !name.is_empty() && !name.starts_with('.') && name.chars().all(is_plain) {
+        return Ok(());
+    }
+    let expected = "letters, digits, '-', '_' and '.', since it names a folder";
+    Err(Fault::data(format!("name is {name:?}, expected {expected}")))
+}
+
+/// Makes whole the paths of the files that a configuration names.
+fn complete_table(table: &mut Table, key: &str, folder: &Path, faults: &mut FaultList) {
+    let is_file = |name: &str| ViewSpaceName(name.to_owned()).rule().is_none();
+    let views = value_at(table, "view_space").map_or(Ok(()), |value| complete(value, folder, is_file));
+    faults.check(&format!("{key}.view_space"), views);
+    let weights =
+        value_at(table, "nbv_net.weights").map_or(Ok(()), |value| complete(value, folder, |_| true));
+    faults.check(&format!("{key}.nbv_net.weights"), weights);
+}
+
+/// Makes whole the paths in a value; a sweep has several.
+fn complete(value: &mut Value, folder: &Path, is_file: impl Fn(&str) -> bool + Copy) -> Result<(), Fault> {
+    match value {
+        Value::Array(values) => values.iter_mut().try_for_each(|value| complete(value, folder, is_file)),
+        Value::String(name) if is_file(name) => {
+            *name = whole_path(&folder.join(&*name))?;
+            Ok(())
+        }
+        _ => Ok(()),
+    }
+}

@@ -1,0 +1,173 @@
+use super::reading::Reading;
+use super::*;
+use crate::made_up;
+use std::fs;
+use std::path::Path;
+
+/// What is wrong with a specification, a fault each, as in a file of this name.
+fn faults(text: &str) -> Vec<String> {
+    let reading = Reading::of(text, Some(Path::new("mine.toml")));
+    let faults = reading.and_then(|reading| Spec::complete(reading, Path::new(""), &[])).unwrap_err();
+    faults.iter().map(ToString::to_string).collect()
+}
+
+fn check(text: &str, expected: &[&str]) {
+    let faults = faults(text);
+    assert_eq!(faults.len(), expected.len(), "{faults:#?}");
+    for (fault, expected) in faults.iter().zip(expected) {
+        assert!(fault.starts_with("mine.toml") && fault.contains(expected), "{expected:?} in {faults:#?}");
+    }
+}
+
+#[test]
+fn all_faults_are_found_at_once_and_where_they_are() {
+    let text = r#"
+name = "a/b"
+seeds = [1, 2, 1]
+first_views = []
+sedes = 3
+objects = ["builtin:mug", 7, { file = "a.stl", size_m = 0, init = "mm" }, "none/*.ply"]
+
+[scan]
+candidates = 20
+views = 5
+max_flow.gamma = -1
+
+[[variant]]
+label = "{planer}"
+scan.planner = "random"
+scan.seed = 3
+seeds = [3, 3]
+
+[[variant]]
+label = "x"
+lable = "y"
+scan.planner = "fast"
+sweep.candidates = 100
+sweep.map.background = []
+
+[[variant]]
+first_views = [30]
+sweep."max_flow.theta" = [0, -2]
+"#;
+    check(
+        text,
+        &[
+            "line 2, column 1: name is \"a/b\", expected letters",
+            "line 3, column 1: seeds has 1 twice",
+            "line 4, column 1: first_views is empty",
+            "line 5, column 1: `sedes` is no key",
+            "line 6, column 1: object 2: is of the type integer, expected a file or a table",
+            "line 6, column 1: none/*.ply: matches no file",
+            "line 6, column 48: object 3: `objects.2.size_m`: is 0, expected a positive number of metres",
+            "line 6, column 60: object 3: `objects.2.init` is no key",
+            "line 11, column 10: `max_flow.gamma` is -1",
+            "line 16, column 6: variant 1 (\"{planer}\"): `seed` is not for [scan], `scan` or `sweep`",
+            "line 17, column 1: variant 1 (\"{planer}\"): seeds has 3 twice",
+            "line 21, column 1: variant 2: `variant.1.lable` is no key",
+            "line 22, column 6: variant 2 (\"x\"): `planner`",
+            "line 23, column 7: variant 2 (\"x\"): sweep.candidates is 100, expected a list of values",
+            "line 24, column 11: variant 2 (\"x\"): sweep.map.background is empty",
+            "line 28, column 7: variant 3: `max_flow.theta` is -2",
+        ],
+    );
+}
+
+#[test]
+fn what_only_the_whole_shows_is_found_too() {
+    let of = |rest: &str| format!("name = \"x\"\n[scan]\ncandidates = 20\n{rest}");
+    check(
+        &of("views = 30\n[[variant]]\nscan.planner = \"rse\""),
+        &["line 4, column 1: views is 30, expected 1 to 20"],
+    );
+    check(
+        &of("[[variant]]\nfirst_views = [20]"),
+        &["line 5, column 1: variant 1: first view 20 is none of the 20"],
+    );
+    check(
+        &of("[[variant]]\nlabel = \"{planer}\""),
+        &["line 5, column 1: variant 1 (\"{planer}\"): label \"{planer}\": {planer} is no value"],
+    );
+    check(&of("[[variant]]\nlabel = \"{planner\""), &["a '{' without '}'"]);
+    check(
+        &of("[[variant]]\n[[variant]]\nlabel = \"most-surface\""),
+        &["two variants are labelled \"most-surface\""],
+    );
+    check(&of("recording.frames = \"a\""), &["line 4, column 1: `recording` is for single scans"]);
+    let twice = "name = \"x\"\nobjects = [\"a.ply\", \"b/a.stl\"]";
+    check(twice, &["line 2, column 1: two objects are named \"a\": "]);
+    check(
+        "name = \"x\"\nvariant = [3]",
+        &["line 2, column 1: variant 1: is of the type integer, expected a table"],
+    );
+    check(
+        "seeds = \"x\"",
+        &["`name`: is missing", "line 1, column 1: `seeds`: invalid type: string \"x\", expected a sequence"],
+    );
+    check("name = \"x", &["line 1, column "]);
+    check(
+        "name = \"x\"\n[scan]\nplanner = \"rse\"\nstop.completeness = 0.9",
+        &["the planner rse cannot stop by completeness"],
+    );
+}
+
+#[test]
+fn paths_become_whole() {
+    let folder = made_up::folder("spec-paths");
+    for name in ["b.ply", "a.ply", "c.stl"] {
+        fs::write(folder.join(name), "").unwrap();
+    }
+    let text = r#"
+name = "x"
+objects = ["*.ply", { file = "c.stl", unit = "mm", name = "see" }, "builtin:mug"]
+scan.view_space = "sphere"
+[[variant]]
+label = "{view_space}"
+sweep.view_space = ["1.csv", "2.csv"]
+"#;
+    fs::write(folder.join("mine.toml"), text).unwrap();
+    let spec = Spec::load(folder.join("mine.toml").to_str().unwrap(), &[]).unwrap();
+    let whole = |name: &str| folder.join(name).into_os_string().into_string().unwrap();
+    let files: Vec<&str> = spec.objects.iter().map(|object| object.file.as_str()).collect();
+    assert_eq!(files, [&whole("a.ply"), &whole("b.ply"), &whole("c.stl"), "builtin:mug"]);
+    assert_eq!(spec.objects.iter().map(ObjectSpec::name).collect::<Vec<_>>(), ["a", "b", "see", "mug"]);
+    assert_eq!(spec.scan["view_space"].as_str(), Some("sphere"));
+    let runs = spec.runs().unwrap();
+    let labels: Vec<&str> = runs[..2].iter().map(|run| run.id.variant.as_str()).collect();
+    assert_eq!(labels, [whole("1.csv"), whole("2.csv")]);
+
+    // As a campaign keeps it.
+    fs::write(folder.join(Spec::FILE), spec.to_toml().unwrap()).unwrap();
+    assert_eq!(Spec::of_folder(&folder).unwrap(), spec);
+    let spec = Spec::load(folder.join("mine.toml").to_str().unwrap(), &[whole("c*.stl")]).unwrap();
+    assert_eq!(spec.objects, [ObjectSpec::new(whole("c.stl"))]);
+    let faults = Spec::load("paper-1", &[whole("*.obj")]).unwrap_err();
+    assert!(faults.to_string().contains("*.obj: matches no file"), "{faults}");
+    fs::remove_dir_all(&folder).unwrap();
+}
+
+#[test]
+fn paths_of_weights_become_whole_however_the_key_is_written() {
+    let text = r#"
+name = "x"
+[[variant]]
+scan = { nbv_net.weights = "net.bin" }
+sweep."nbv_net.weights" = ["1.bin", "2.bin"]
+"#;
+    let folder = std::path::absolute("folder").unwrap();
+    let mut reading = Reading::of(text, None).unwrap();
+    reading.complete_variants(&folder);
+    let whole = |name: &str| folder.join(name).into_os_string().into_string().unwrap();
+    let variant = &reading.spec.variant[0];
+    assert_eq!(variant.scan["nbv_net"]["weights"].as_str(), Some(&whole("net.bin")[..]));
+    let swept = variant.sweep["nbv_net.weights"].as_array().unwrap();
+    assert_eq!(swept[1].as_str(), Some(&whole("2.bin")[..]));
+}
+
+#[test]
+fn a_specification_that_is_not_there_lists_those_that_are() {
+    let faults = Spec::load("paper-9", &[]).unwrap_err();
+    let fault = faults.iter().next().unwrap();
+    assert!(fault.to_string().starts_with("paper-9: cannot be read"), "{fault}");
+    assert!(fault.remedy.as_ref().is_some_and(|remedy| remedy.contains("paper-1, paper-2")), "{fault:?}");
+}

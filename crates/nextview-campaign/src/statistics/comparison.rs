@@ -1,0 +1,75 @@
+use super::{Interval, Measure};
+use serde::Serialize;
+
+/// What differs between campaign A and campaign B.
+#[derive(Clone, Debug, Serialize)]
+pub struct Comparison {
+    /// Runs of A.
+    pub n_runs_a: usize,
+    /// Runs of B.
+    pub n_runs_b: usize,
+    /// Runs in both, failed ones included.
+    pub n_pairs: usize,
+    /// Runs of A that B does not have.
+    pub only_in_a: Vec<String>,
+    /// Runs of B that A does not have.
+    pub only_in_b: Vec<String>,
+    /// Runs in both that failed in A only.
+    pub failed_only_in_a: Vec<String>,
+    /// Runs in both that failed in B only.
+    pub failed_only_in_b: Vec<String>,
+    /// Whether all pairs are equal apart from times and memory.
+    pub pairs_are_identical: bool,
+    /// The variants in both, or the only one of A and the only one of B.
+    pub variants: Vec<VariantComparison>,
+}
+
+/// A variant of A and one of B on the objects that both have.
+#[derive(Clone, Debug, Serialize)]
+pub struct VariantComparison {
+    /// Label in A.
+    pub variant_a: String,
+    /// Label in B.
+    pub variant_b: String,
+    /// Objects that have a pair of measured runs.
+    pub n_objects: usize,
+    /// What is compared.
+    pub measures: Vec<MeasureComparison>,
+    /// Objects whose voxel coverage is better in B by more than 0.1 point: name and difference in points, the
+    /// largest differences first, ten at most.
+    pub better: Vec<(String, f64)>,
+    /// The same of those that are worse.
+    pub worse: Vec<(String, f64)>,
+}
+
+/// A measure of a variant: means over objects in the shown unit.
+#[derive(Clone, Debug, Serialize)]
+pub struct MeasureComparison {
+    /// Name with the shown unit.
+    pub name: &'static str,
+    /// Mean in A.
+    pub a: f64,
+    /// Mean in B.
+    pub b: f64,
+    /// Mean of B - A; of the planning time, of B / A.
+    pub difference: f64,
+    /// 95 % interval of the difference; none for fewer than two objects.
+    pub interval: Option<Interval>,
+    /// Whether the interval leaves out "no difference".
+    pub is_more_than_noise: bool,
+    /// Whether the mean of B is better; none if they are equal.
+    pub b_is_better: Option<bool>,
+    /// The measure, to show it.
+    #[serde(skip)]
+    pub measure: Measure,
+    /// Whether the difference is B / A.
+    #[serde(skip)]
+    pub is_ratio: bool,
+}
+
+impl Comparison {
+    /// Whether A and B have the same runs with the same results, apart from times and memory.
+    pub fn is_identical(&self) -> bool {
+        self.pairs_are_identical && self.only_in_a.is_empty() && self.only_in_b.is_empty()
+    }
+}

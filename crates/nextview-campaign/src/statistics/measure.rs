@@ -1,0 +1,173 @@
+//! What is read off a run, one number each: the list of measures that tables, figures and comparisons choose
+//! from.
+
+use super::{MeasuredRun, mean, percentile};
+
+/// A number that a run has, or a mean over runs.
+#[derive(Clone, Copy, Debug)]
+pub struct Measure {
+    /// With the unit it is shown in.
+    pub name: &'static str,
+    /// Shown units in one of the run's.
+    pub factor: f64,
+    /// Decimals to show.
+    pub decimals: usize,
+    /// Which way is better.
+    pub better: Better,
+    /// The number of a run; none where the run did not measure it.
+    pub of: fn(&MeasuredRun<'_>) -> Option<f64>,
+}
+
+/// Which way a number is better.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Better {
+    /// Large ones are good.
+    Higher,
+    /// Small ones are good.
+    Lower,
+}
+
+impl Measure {
+    /// The number as text in the shown unit, without the unit.
+    pub fn show(&self, value: f64) -> String {
+        // Plus zero turns a negative zero into zero.
+        format!("{:.*}", self.decimals, self.factor * value + 0.0)
+    }
+
+    /// A difference as text: with one digit more, and its sign.
+    pub fn show_difference(&self, value: f64) -> String {
+        format!("{:+.*}", self.decimals + 1, self.factor * value + 0.0).replace('-', "−")
+    }
+}
+
+/// Occupied object voxels over object voxels, with the last view.
+pub const VOXEL_COVERAGE: Measure = Measure {
+    name: "voxel coverage, %",
+    factor: 100.0,
+    decimals: 1,
+    better: Better::Higher,
+    of: |run| run.last()?.voxel_coverage,
+};
+
+/// Share of the reachable surface that was seen with the last view.
+pub const REACHABLE_COVERAGE: Measure = Measure {
+    name: "reachable coverage, %",
+    factor: 100.0,
+    decimals: 1,
+    better: Better::Higher,
+    of: |run| run.last()?.reachable_coverage,
+};
+
+/// Reachable coverage beyond the mean of random views from the same start.
+pub const COVERAGE_BEYOND_RANDOM: Measure = Measure {
+    name: "beyond random views, points",
+    of: |run| Some((REACHABLE_COVERAGE.of)(run)? - *run.record.random_curve.as_ref()?.last()?),
+    ..REACHABLE_COVERAGE
+};
+
+/// Area under the curve of reachable coverage on the scale from random views (0) to the clairvoyant planner
+/// (1).
+pub const SKILL: Measure =
+    Measure { name: "skill", factor: 1.0, decimals: 2, better: Better::Higher, of: |run| run.record.skill };
+
+/// Share of the true surface with a measured point within 2 mm.
+pub const SURFACE_2MM: Measure = Measure {
+    name: "surface coverage within 2 mm, %",
+    factor: 100.0,
+    decimals: 1,
+    better: Better::Higher,
+    of: |run| run.last()?.surface_coverage_2mm,
+};
+
+/// The same within 5 mm.
+pub const SURFACE_5MM: Measure = Measure {
+    name: "surface coverage within 5 mm, %",
+    of: |run| run.last()?.surface_coverage_5mm,
+    ..SURFACE_2MM
+};
+
+/// Mean distance from the points of the final cloud to the true surface.
+pub const ACCURACY: Measure = Measure {
+    name: "accuracy of the cloud, mm",
+    factor: 1.0,
+    decimals: 2,
+    better: Better::Lower,
+    of: |run| run.record.cloud_accuracy_mean_mm,
+};
+
+/// Share of the true surface with a point of the final cloud within 2 mm.
+pub const COMPLETENESS: Measure = Measure {
+    name: "completeness of the cloud within 2 mm, %",
+    of: |run| run.record.cloud_completeness_2mm,
+    ..SURFACE_2MM
+};
+
+/// Views until 95 % of the reachable surface was seen; one more than the run could take where it was not.
+pub const VIEWS_TO_95: Measure = Measure {
+    name: "views to 95 %",
+    factor: 1.0,
+    decimals: 1,
+    better: Better::Lower,
+    of: |run| run.views_to(0.95),
+};
+
+/// Length of the straight path through the positions of all views.
+pub const PATH: Measure = Measure {
+    name: "path length, m",
+    factor: 1.0,
+    decimals: 2,
+    better: Better::Lower,
+    of: |run| Some(run.last()?.path_length_m),
+};
+
+/// Of a run, the median over its views.
+pub const PLAN_TIME: Measure = Measure {
+    name: "planning time per view, ms",
+    factor: 1.0,
+    decimals: 1,
+    better: Better::Lower,
+    of: |run| percentile(&run.plan_times().collect::<Vec<_>>(), 0.5),
+};
+
+/// The same as a mean, as in the paper's tables.
+pub const COMPUTING_TIME: Measure = Measure {
+    name: "computing time per view, s",
+    factor: 1e-3,
+    decimals: 3,
+    better: Better::Lower,
+    of: |run| mean(&run.plan_times().collect::<Vec<_>>()),
+};
+
+/// Growth of the process's peak memory in a run.
+pub const MEMORY: Measure = Measure {
+    name: "extra memory, MB",
+    factor: 1.0,
+    decimals: 1,
+    better: Better::Lower,
+    of: |run| run.extra_memory_mb,
+};
+
+/// Time to plan all views and to write all frames into the map.
+pub const PLANNING: Measure = Measure {
+    name: "planning, s",
+    factor: 1.0,
+    decimals: 2,
+    better: Better::Lower,
+    of: |run| Some(run.planning_time()),
+};
+
+/// Time that a simulated robot would take to move to all views.
+pub const MOVING: Measure =
+    Measure { name: "moving, s", decimals: 1, of: |run| run.moving_time(), ..PLANNING };
+
+/// Time that it would stand at views.
+pub const SENSING: Measure =
+    Measure { name: "sensing, s", decimals: 1, of: |run| Some(run.sensing_time()), ..PLANNING };
+
+/// The sum of planning, moving and sensing.
+pub const RUNNING_TIME: Measure = Measure {
+    name: "total, minutes",
+    factor: 1.0 / 60.0,
+    of: |run| Some(run.planning_time() + run.moving_time()? + run.sensing_time()),
+    ..PLANNING
+};

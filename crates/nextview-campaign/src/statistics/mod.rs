@@ -1,0 +1,20 @@
+//! The statistics of campaigns: what is read off a run, a campaign by variant and object, and two campaigns
+//! beside each other. All from records, all as data; pages and texts are made of it elsewhere.
+
+mod compare;
+mod comparison;
+mod interval;
+pub mod measure;
+mod measured_run;
+mod pairing;
+mod study;
+
+pub use compare::compare;
+pub use comparison::{Comparison, MeasureComparison, VariantComparison};
+pub use interval::{Interval, deviation, mean, percentile};
+pub use measure::{Better, Measure};
+pub use measured_run::{Curve, MeasuredRun};
+pub use study::{Study, StudyObject, StudyVariant, differences};
+
+#[cfg(test)]
+mod tests;

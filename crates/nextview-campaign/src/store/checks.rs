@@ -1,0 +1,43 @@
+use super::difference::difference;
+use crate::{Run, RunRecord, Spec};
+use nextview_scan::{BuildIdentity, Fault};
+use toml::Table;
+
+/// Fails unless this build computed the record.
+pub(super) fn check_build(record: &RunRecord) -> Result<(), Fault> {
+    let (build, this) = (&record.build, BuildIdentity::this());
+    if *build == this {
+        return Ok(());
+    }
+    let message = format!("{} was computed by the build {build}, this is the build {this}", record.id());
+    Err(Fault::data(message).with_remedy("resume with that build, or begin anew in another folder"))
+}
+
+/// Fails unless the record has the configuration of its run.
+pub(super) fn check_config(run: &Run, record: &RunRecord) -> Result<(), Fault> {
+    // The voxel size may have been chosen in the run, to suit the object.
+    let mut expected = run.config.clone();
+    expected.voxel_size_m = expected.voxel_size_m.or(record.config.voxel_size_m);
+    if expected == record.config {
+        return Ok(());
+    }
+    let [there, here] = [&record.config, &expected].map(Table::try_from);
+    let problem = format!("{}: its configuration is not that of this program", run.id);
+    check_equal(&problem, &there.map_err(Fault::data)?, &here.map_err(Fault::data)?)
+        .map_err(|fault| fault.with_remedy("begin anew in another folder"))
+}
+
+/// Fails unless the specification in a folder is the given one.
+pub(super) fn check_same(saved: &Spec, given: &Spec) -> Result<(), Fault> {
+    let [there, here] = [saved, given].map(Table::try_from);
+    let problem = "the folder is that of another specification";
+    let remedy = "choose another folder (`out`), or resume the campaign in this one by its own specification";
+    check_equal(problem, &there.map_err(Fault::data)?, &here.map_err(Fault::data)?)
+        .map_err(|fault| fault.with_remedy(remedy))
+}
+
+fn check_equal(problem: &str, there: &Table, here: &Table) -> Result<(), Fault> {
+    difference(there, here).map_or(Ok(()), |it| {
+        Err(Fault::data(format!("{problem}: {} is {} there, {} here", it.key, it.first, it.second)))
+    })
+}

@@ -1,0 +1,33 @@
+//! The folder of a campaign: its specification, and `runs.jsonl`, which only this module reads and writes.
+//!
+//! A line of `runs.jsonl` is a [`RunRecord`](crate::RunRecord), written and synced when the run is done. The
+//! rules:
+//!
+//! - One process writes at a time: it holds a lock on the file, which ends with the process.
+//! - A last line without its line feed is a write that was torn. Readers leave it out and report it; who
+//!   resumes cuts it.
+//! - Any other line that is no record is a fault, with line and column.
+//! - Records of one run that are equal apart from times, memory and host count once; unequal ones are a fault
+//!   that names both lines.
+//! - Who resumes requires every record to be of its own build, of a run of the specification, and with the
+//!   configuration that this build gives that run. Who reads does not mind.
+//!
+//! [`read`] gives all records at once, [`records`] one after the other; [`Store`] writes.
+
+mod checks;
+mod difference;
+mod known_runs;
+mod records;
+#[expect(clippy::module_inception, reason = "the type that the module is about")]
+mod store;
+mod stored_runs;
+
+pub use records::{Records, StoredRecord, records};
+pub use store::Store;
+pub use stored_runs::{StoredRuns, read};
+
+/// Name of the file of records in a campaign's folder.
+const RUNS: &str = "runs.jsonl";
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,248 @@
+use super::*;
+use crate::{Run, RunRecord, RunResult, Spec, made_up};
+use nextview_scan::Faults;
+use std::fs;
+use std::path::{Path, PathBuf};
+
+fn spec() -> Spec {
+    let text = "name = \"x\"\nobjects = [\"builtin:mug\", \"builtin:bracket\"]\nseeds = [0, 1]\n";
+    Spec::parse(text, Path::new("")).unwrap()
+}
+
+/// The record of a run as this build would write it.
+fn record(run: &Run) -> RunRecord {
+    RunRecord {
+        object: run.id.object.clone(),
+        data_set: run.data_set.clone(),
+        variant: run.id.variant.clone(),
+        seed: run.id.seed,
+        first_view: run.id.first_view,
+        config: run.config.clone(),
+        ..made_up::campaign(&["a"], 1).remove(0)
+    }
+}
+
+fn records_of_spec() -> Vec<RunRecord> {
+    spec().runs().unwrap().iter().map(record).collect()
+}
+
+fn line(record: &RunRecord) -> String {
+    serde_json::to_string(record).unwrap() + "\n"
+}
+
+/// A folder with these lines of records.
+struct Folder(PathBuf);
+
+impl Folder {
+    fn new(name: &str) -> Self {
+        let dir = made_up::folder(name);
+        fs::write(dir.join(Spec::FILE), spec().to_toml().unwrap()).unwrap();
+        Self(dir)
+    }
+
+    fn with(self, text: impl AsRef<[u8]>) -> Self {
+        fs::write(self.0.join(RUNS), text).unwrap();
+        self
+    }
+
+    fn text(&self) -> String {
+        fs::read_to_string(self.0.join(RUNS)).unwrap()
+    }
+
+    fn resume(&self) -> Result<Store, Faults> {
+        Store::open(&self.0, &spec(), true)
+    }
+
+    /// What both a reader and who resumes say.
+    fn faults(&self) -> [String; 2] {
+        [read(&self.0).unwrap_err().to_string(), self.resume().unwrap_err().to_string()]
+    }
+}
+
+impl Drop for Folder {
+    fn drop(&mut self) {
+        // The next run of the tests would do it.
+        let _ = fs::remove_dir_all(&self.0);
+    }
+}
+
+#[test]
+fn what_is_appended_is_read() {
+    let folder = Folder::new("append");
+    let records = records_of_spec();
+    let mut store = Store::open(&folder.0, &spec(), false).unwrap();
+    assert!(store.records().iter().all(Option::is_none) && store.n_objects() == 2);
+    for (n, record) in records.iter().rev().zip(1..) {
+        store.append(n).unwrap();
+        assert_eq!(store.finished().len(), record);
+    }
+    let read = read(&folder.0).unwrap();
+    assert!(!read.torn && read.name.starts_with("nextview-campaign-append"));
+    let mut sorted = records.clone();
+    sorted.sort_by_key(RunRecord::id);
+    assert_eq!(read.runs, sorted);
+    assert!(store.finished().into_iter().eq(&records), "in the order of the runs");
+    drop(store);
+    assert!(folder.resume().unwrap().finished().into_iter().eq(&records));
+    let lines = super::records(&folder.0).unwrap().map(|stored| stored.map(|stored| stored.line));
+    assert_eq!(lines.collect::<Result<Vec<_>, _>>().unwrap(), [1, 2, 3, 4]);
+}
+
+#[test]
+fn a_torn_line_is_left_out_by_readers_and_cut_by_who_resumes() {
+    let records = records_of_spec();
+    let whole: String = records.iter().map(line).collect();
+    let last = line(&records[3]).len();
+    for n_missing in [1, 40, last - 1] {
+        let folder = Folder::new(&format!("torn-{n_missing}")).with(&whole[..whole.len() - n_missing]);
+        let stored = read(&folder.0).unwrap();
+        assert_eq!((stored.runs.len(), stored.torn), (3, true));
+        let mut store = folder.resume().unwrap();
+        assert!(store.was_torn() && store.records()[3].is_none() && store.finished().len() == 3);
+        assert_eq!(folder.text(), whole[..whole.len() - last]);
+        store.append(&records[3]).unwrap();
+        assert_eq!(folder.text(), whole);
+        drop(store);
+        assert!(!folder.resume().unwrap().was_torn());
+    }
+}
+
+#[test]
+fn a_malformed_line_is_named_wherever_it_is() {
+    let records = records_of_spec();
+    let good = line(&records[0]);
+    for (text, expected) in [
+        (
+            format!("{good}{{\"object\": 3}}\n{good}"),
+            "runs.jsonl, line 2, column 12: invalid type: integer `3`, expected",
+        ),
+        (
+            format!("{good}{{\"object\": 3}}\n"),
+            "runs.jsonl, line 2, column 12: invalid type: integer `3`, expected a string",
+        ),
+        (format!("{}\n", good.replace('}', "")), "runs.jsonl, line 1, column "),
+        (format!("{good}\n"), "runs.jsonl, line 2, column 1: EOF while parsing a value"),
+    ] {
+        let folder = Folder::new("malformed").with(&text);
+        for fault in folder.faults() {
+            assert!(fault.contains(expected), "{expected} in {fault}");
+        }
+        assert_eq!(folder.text(), text, "nothing is deleted");
+    }
+}
+
+#[test]
+fn equal_repeated_records_count_once() {
+    let records = records_of_spec();
+    let mut again = records[1].clone();
+    again.host.name = "another".to_owned();
+    made_up::done_mut(&mut again).extra_memory_mb = None;
+    made_up::steps_mut(&mut again)[2].plan_time_ms += 1.0;
+    let text: String = [&records[1], &records[0], &again].map(line).concat();
+    let folder = Folder::new("equal").with(&text);
+    assert_eq!(read(&folder.0).unwrap().runs.len(), 2);
+    let mut store = folder.resume().unwrap();
+    assert_eq!(store.finished(), [&records[0], &records[1]]);
+    store.append(&again).unwrap();
+    assert_eq!(folder.text(), text, "a third time is no line more");
+}
+
+#[test]
+fn unequal_repeated_records_name_both_lines() {
+    let records = records_of_spec();
+    let unequal = |change: fn(&mut RunRecord)| {
+        let mut again = records[1].clone();
+        change(&mut again);
+        let folder = Folder::new("unequal").with([&records[1], &records[0], &again].map(line).concat());
+        (read(&folder.0).unwrap_err().to_string(), again, folder)
+    };
+    let (fault, again, folder) = unequal(|run| made_up::steps_mut(run)[2].entropy_nats += 1.0);
+    for fault in [fault, folder.resume().unwrap_err().to_string()] {
+        assert!(fault.contains("runs.jsonl, line 3, column 1: lines 1 and 3 have unequal"), "{fault}");
+        assert!(
+            fault.contains("object mug, variant most-surface, seed 1") && fault.contains("results differ"),
+            "{fault}"
+        );
+    }
+    let folder = folder.with(line(&records[1]));
+    let fault = folder.resume().unwrap().append(&again).unwrap_err().to_string();
+    assert!(fault.contains("another record of object mug") && fault.contains("results differ"), "{fault}");
+    assert_eq!(folder.text(), line(&records[1]));
+
+    let (fault, ..) = unequal(|run| run.config.views = 3);
+    assert!(fault.contains("lines 1 and 3") && fault.contains("views is 10 and 3"), "{fault}");
+    let (fault, ..) = unequal(|run| run.build.source = "feed".to_owned());
+    assert!(fault.contains("lines 1 and 3") && fault.contains("feed"), "{fault}");
+    let (fault, ..) = unequal(|run| run.result = RunResult::Failed("no memory".to_owned()));
+    assert!(fault.contains("lines 1 and 3"), "{fault}");
+}
+
+#[test]
+fn records_of_another_build_are_read_but_not_resumed() {
+    let mut records = records_of_spec();
+    records[1].build.source = "feed".to_owned();
+    let folder = Folder::new("build").with(records.iter().map(line).collect::<String>());
+    assert_eq!(read(&folder.0).unwrap().runs.len(), 4);
+    let fault = folder.resume().unwrap_err().to_string();
+    let [theirs, ours] = [&records[1], &records[0]].map(|record| record.build.to_string());
+    assert!(fault.contains("runs.jsonl, line 2, column 1: object mug") && theirs != ours, "{fault}");
+    assert!(fault.contains(&format!("by the build {theirs}, this is the build {ours}")), "{fault}");
+    let folder = folder.with("");
+    let fault = folder.resume().unwrap().append(&records[1]).unwrap_err().to_string();
+    assert!(fault.contains(&theirs) && folder.text().is_empty(), "{fault}");
+}
+
+#[test]
+fn one_process_writes_at_a_time() {
+    let folder = Folder::new("lock").with(line(&records_of_spec()[0]));
+    let store = folder.resume().unwrap();
+    let faults = folder.resume().unwrap_err();
+    assert!(faults.to_string().contains("another process is writing there"), "{faults}");
+    assert!(faults.iter().all(|fault| fault.remedy.is_some()));
+    assert_eq!(read(&folder.0).unwrap().runs.len(), 1, "who reads does not mind");
+    drop(store);
+    folder.resume().unwrap();
+}
+
+#[test]
+fn a_folder_is_that_of_one_campaign() {
+    let records = records_of_spec();
+    let folder = Folder::new("one").with(line(&records[0]));
+    let faults = Store::open(&folder.0, &spec(), false).unwrap_err();
+    assert!(faults.to_string().contains("has the results of a campaign already"), "{faults}");
+    let mut other = spec();
+    other.seeds.push(2);
+    let faults = Store::open(&folder.0, &other, true).unwrap_err();
+    assert!(faults.to_string().contains("spec.toml: the folder is that of another"), "{faults}");
+    assert!(faults.to_string().contains("seeds is [0, 1] there, [0, 1, 2] here"), "{faults}");
+
+    let refused = |record: &RunRecord, part: &str| {
+        let folder = Folder::new("stranger").with([&records[0], record].map(line).concat());
+        let fault = folder.resume().unwrap_err().to_string();
+        assert!(fault.contains("line 2") && fault.contains(part), "{part} in {fault}");
+        assert_eq!(read(&folder.0).unwrap().runs.len(), 2);
+    };
+    refused(&RunRecord { seed: 9, ..records[1].clone() }, "no run of this campaign: object mug");
+    let mut other = records[1].clone();
+    other.config.views = 4;
+    refused(&other, "its configuration is not that of this program: views is 4 there, 10 here");
+    let mut chosen = records[1].clone();
+    chosen.config.voxel_size_m = Some(0.003);
+    let folder = folder.with(line(&chosen));
+    assert_eq!(folder.resume().unwrap().finished(), [&chosen], "the voxel size is chosen in the run");
+}
+
+#[test]
+fn a_folder_without_runs_is_no_campaign_to_read() {
+    let folder = Folder::new("none");
+    let faults = read(&folder.0).unwrap_err();
+    assert!(faults.to_string().contains("runs.jsonl: cannot be read"), "{faults}");
+    let folder = folder.with("");
+    let faults = read(&folder.0).unwrap_err();
+    assert!(faults.to_string().contains("runs.jsonl: holds no finished run"), "{faults}");
+    assert!(faults.iter().all(|fault| fault.remedy.is_some()));
+    assert!(
+        folder.resume().unwrap().finished().is_empty(),
+        "a campaign that was killed at its beginning is resumed"
+    );
+}

@@ -1,0 +1,61 @@
+use super::columns::{all_steps, identity, measure_columns, name_of, quality_columns, step_identity};
+use super::config::config_columns;
+use super::{Column, Table};
+use crate::RunRecord;
+use nextview_scan::{Fault, ScanRecord, StepRecord};
+
+/// A row per run. Equal campaigns give equal rows.
+pub fn runs(records: &[&RunRecord]) -> Result<Table, Fault> {
+    let mut table = identity(records.iter().copied());
+    config_columns(&mut table, records)?;
+    let scans = || records.iter().map(|record| Some(&record.done()?.record));
+    let builds: Vec<String> = records.iter().map(|record| record.build.to_string()).collect();
+    table.text("build", builds.iter().map(String::as_str));
+    table.text("status", scans().map(|scan| if scan.is_some() { "done" } else { "failed" }));
+    table.text("reason", records.iter().map(|record| record.failure()));
+    table.count("object_voxels", scans().map(|scan| scan?.object_voxels));
+    table.count("reachable_voxels", scans().map(|scan| scan?.reachable_voxels));
+    let stop_reasons =
+        scans().map(|scan| scan.and_then(|scan| scan.stop_reason.as_ref()).map(name_of).transpose());
+    table.push("stop_reason", Column::Text(stop_reasons.collect::<Result<_, _>>()?));
+    table.count("views", scans().map(|scan| Some(scan?.steps.len())));
+    measure_columns(&mut table, || scans().map(|scan| scan?.steps.last()));
+    quality_columns(&mut table, scans);
+    table.float("skill", scans().map(|scan| scan?.skill));
+    for (name, share) in [("views_to_90", 0.90), ("views_to_95", 0.95), ("views_to_99", 0.99)] {
+        table.count(name, scans().map(|scan| views_to(scan?, share)));
+    }
+    Ok(table)
+}
+
+/// A row per view of every run that is done. Equal campaigns give equal rows.
+pub fn steps(records: &[&RunRecord]) -> Result<Table, Fault> {
+    let steps = || all_steps(records).map(|(_, step)| step);
+    let mut table = step_identity(records);
+    table.count("view", steps().map(|step| step.view));
+    table.float("voxel_size_m", steps().map(|step| step.voxel_size_m));
+    measure_columns(&mut table, || steps().map(Some));
+    let verdicts = steps().map(|step| step.registration_verdict.as_ref().map(name_of).transpose());
+    table.push("registration_verdict", Column::Text(verdicts.collect::<Result<_, _>>()?));
+    Ok(table)
+}
+
+/// The same rows with what differs between equal campaigns.
+pub fn times(records: &[&RunRecord]) -> Table {
+    let steps = || all_steps(records);
+    let mut table = step_identity(records);
+    table.float("plan_time_ms", steps().map(|(_, step)| step.plan_time_ms));
+    table.float("map_time_ms", steps().map(|(_, step)| step.map_time_ms));
+    table.float("capture_time_ms", steps().map(|(_, step)| step.capture_time_ms));
+    table.float("extra_memory_mb", steps().map(|(record, _)| record.done()?.extra_memory_mb));
+    table.text("host", steps().map(|(record, _)| record.host.name.as_str()));
+    table.text("cpu", steps().map(|(record, _)| record.host.cpu.as_str()));
+    table.count("n_threads", steps().map(|(record, _)| record.host.n_threads));
+    table
+}
+
+/// Number of views until this share of the reachable surface was seen.
+fn views_to(scan: &ScanRecord, share: f64) -> Option<usize> {
+    let is_reached = |step: &StepRecord| step.reachable_coverage.is_some_and(|coverage| coverage >= share);
+    scan.steps.iter().position(is_reached).map(|i| i + 1)
+}

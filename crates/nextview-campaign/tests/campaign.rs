@@ -1,0 +1,258 @@
+//! Whole campaigns: the results do not depend on how they went.
+
+#![allow(clippy::unwrap_used, reason = "helpers of tests")]
+
+use nextview::Cancel;
+use nextview_campaign::execution::{CampaignEvent, RunList, WorkSource, execute, run_campaign};
+use nextview_campaign::store::{Store, read};
+use nextview_campaign::{RunRecord, Spec, failed_runs, tables};
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::sync::Mutex;
+
+/// Coarse and with a small camera: about a second.
+const SPEC: &str = r#"
+name = "tiny"
+objects = ["builtin:mug", "builtin:bracket"]
+[scan]
+profile = "paper"
+candidates = 20
+views = 3
+voxel_size_m = 0.02
+stop.entropy_share = 0
+camera = { width = 80, height = 60, fx = 76, fy = 76, cx = 40, cy = 30 }
+[[variant]]
+scan.planner = "random"
+seeds = [0, 1]
+[[variant]]
+label = "flow, \"gamma\" {max_flow.gamma}"
+sweep."max_flow.gamma" = [0, 0.5]
+[[variant]]
+scan = { planner = "clairvoyant", baselines = false }
+"#;
+
+const N_RUNS: usize = 10;
+
+fn spec() -> Spec {
+    Spec::parse(SPEC, Path::new("")).unwrap()
+}
+
+/// An empty folder, removed at the end.
+struct Folder(PathBuf);
+
+impl Folder {
+    fn new(name: &str) -> Self {
+        let path = std::env::temp_dir().join(format!("nextview-campaigns-{name}-{}", std::process::id()));
+        let _ = fs::remove_dir_all(&path);
+        Self(path)
+    }
+}
+
+impl Drop for Folder {
+    fn drop(&mut self) {
+        let _ = fs::remove_dir_all(&self.0);
+    }
+}
+
+/// What must not depend on how the campaign went.
+fn lasting_tables(folder: &Folder, store: &Store) -> Vec<Vec<u8>> {
+    tables::write(&folder.0, &store.finished()).unwrap();
+    let names = ["runs.csv", "steps.csv"].into_iter();
+    #[cfg(feature = "parquet")]
+    let names = names.chain(["runs.parquet", "steps.parquet"]);
+    names.map(|name| fs::read(folder.0.join(name)).unwrap()).collect()
+}
+
+fn campaign(folder: &Folder, n_jobs: Option<usize>) -> (Store, Vec<CampaignEvent>) {
+    let events = Mutex::new(Vec::new());
+    let mut store = Store::open(&folder.0, &spec(), true).unwrap();
+    let listener = |event| events.lock().unwrap().push(event);
+    run_campaign(&mut store, n_jobs, &Cancel::default(), &listener).unwrap();
+    (store, events.into_inner().unwrap())
+}
+
+#[test]
+fn results_do_not_depend_on_the_number_of_jobs_nor_on_who_hands_out_the_runs() {
+    let mut all = Vec::new();
+    for n_jobs in [1, 2, 5] {
+        let folder = Folder::new(&format!("jobs-{n_jobs}"));
+        let (store, events) = campaign(&folder, Some(n_jobs));
+        all.push(lasting_tables(&folder, &store));
+        let began = CampaignEvent::Began { n_objects: 2, n_runs: N_RUNS, n_finished: 0 };
+        assert_eq!(events[0], began);
+        let ended =
+            |event: &&CampaignEvent| matches!(event, CampaignEvent::RunFinished { failure: None, .. });
+        assert_eq!(events.iter().filter(ended).count(), N_RUNS);
+        let objects: Vec<&CampaignEvent> = events
+            .iter()
+            .filter(|event| matches!(event, CampaignEvent::ObjectFinished { n_runs: 5, .. }))
+            .collect();
+        assert_eq!(objects.len(), 2);
+        let has_memory = store.finished().iter().all(|run| run.done().unwrap().extra_memory_mb.is_some());
+        assert!(n_jobs > 1 || has_memory || !cfg!(target_os = "linux"));
+        assert!(n_jobs == 1 || !has_memory, "memory is that of a run only where there is no other beside it");
+        let stored = read(&folder.0).unwrap();
+        let mut finished: Vec<RunRecord> = store.finished().into_iter().cloned().collect();
+        finished.sort_by_key(RunRecord::id);
+        assert_eq!(stored.runs, finished, "the same bits on the disk");
+
+        let list = RunList::new(spec().runs().unwrap().into_iter().take(3));
+        execute(&list, n_jobs, &Cancel::default()).unwrap();
+        for record in list.into_records() {
+            let same = stored.runs.iter().find(|run| run.id() == record.id()).unwrap();
+            assert!(same.has_same_results(&record) && same.config == record.config);
+        }
+    }
+    assert!(all.iter().all(|tables| *tables == all[0]));
+}
+
+#[test]
+fn tables_hold_every_run_and_view() {
+    let folder = Folder::new("tables");
+    let (store, _) = campaign(&folder, None);
+    tables::write(store.dir(), &store.finished()).unwrap();
+    let n_steps = store.finished().iter().map(|run| run.done().unwrap().record.steps.len()).sum();
+    for (name, n_rows) in [("runs", N_RUNS), ("steps", n_steps), ("times", n_steps)] {
+        let csv = fs::read_to_string(folder.0.join(format!("{name}.csv"))).unwrap();
+        assert_eq!(csv.lines().count(), 1 + n_rows);
+        assert!(csv.contains("\nmug,builtin,\"flow, \"\"gamma\"\" 0.5\",0,0,"), "{csv}");
+        #[cfg(feature = "parquet")]
+        assert_eq!(parquet_table::as_csv(&folder.0.join(format!("{name}.parquet"))), csv);
+    }
+    let runs = tables::runs(&store.finished()).unwrap();
+    let names: Vec<&str> = runs.columns().iter().map(|(name, _)| name.as_str()).collect();
+    assert_eq!(names[..6], ["object", "data_set", "variant", "seed", "first_view", "config.baselines"]);
+    let measures = &names[names.iter().position(|name| *name == "build").unwrap()..];
+    let expected = "build status reason object_voxels reachable_voxels stop_reason views voxel_coverage \
+         false_voxels reachable_coverage estimated_completeness expected_new_voxels surface_coverage_1mm \
+         surface_coverage_2mm surface_coverage_5mm misplaced_mm registration_overlap entropy_nats \
+         entropy_share path_length_m trajectory_length_m trajectory_time_s cloud_accuracy_mean_mm \
+         cloud_accuracy_median_mm cloud_accuracy_p95_mm cloud_completeness_1mm cloud_completeness_2mm \
+         cloud_completeness_5mm cloud_completeness_mean_mm skill views_to_90 views_to_95 views_to_99";
+    assert_eq!(measures, expected.split_whitespace().collect::<Vec<_>>());
+    for (name, column) in runs.columns() {
+        let tables::Column::Float(values) = column else { continue };
+        if name.starts_with("cloud_accuracy_mean") || name.starts_with("cloud_completeness_2mm") {
+            assert!(values.iter().flatten().all(|value| (1e-6..2.0).contains(value)), "{name}: {values:?}");
+            assert!(values.iter().all(Option::is_some));
+        }
+    }
+}
+
+#[test]
+fn a_cancelled_campaign_keeps_what_is_finished_and_is_resumed() {
+    let folder = Folder::new("cancel");
+    let cancel = Cancel::default();
+    let mut store = Store::open(&folder.0, &spec(), false).unwrap();
+    let stop_at_third = |event| {
+        if let CampaignEvent::RunFinished { run, .. } = event
+            && (&run.object[..], run.seed) == ("mug", 1)
+        {
+            cancel.cancel();
+        }
+    };
+    run_campaign(&mut store, Some(1), &cancel, &stop_at_third).unwrap();
+    assert_eq!(store.finished().len(), 2, "in one job, the runs come one after the other");
+    assert!(failed_runs(&store.finished()).is_empty());
+    drop(store);
+    let (store, events) = campaign(&folder, Some(2));
+    assert_eq!(events[0], CampaignEvent::Began { n_objects: 2, n_runs: N_RUNS, n_finished: 2 });
+    let whole = Folder::new("not-cancelled");
+    let (expected, _) = campaign(&whole, Some(2));
+    assert_eq!(lasting_tables(&folder, &store), lasting_tables(&whole, &expected));
+}
+
+#[test]
+fn a_torn_line_is_noted_and_done_again() {
+    let folder = Folder::new("torn");
+    let (store, _) = campaign(&folder, Some(2));
+    let expected = lasting_tables(&folder, &store);
+    drop(store);
+    let path = folder.0.join("runs.jsonl");
+    let bytes = fs::read(&path).unwrap();
+    fs::write(&path, &bytes[..bytes.len() - 9]).unwrap();
+    let (store, events) = campaign(&folder, Some(1));
+    let note = "the last line of runs.jsonl is not whole; its run is done again";
+    assert_eq!(events[0], CampaignEvent::Note(note.to_owned()));
+    assert_eq!(events[1], CampaignEvent::Began { n_objects: 2, n_runs: N_RUNS, n_finished: N_RUNS - 1 });
+    assert_eq!(lasting_tables(&folder, &store), expected);
+}
+
+#[test]
+fn a_broken_object_does_not_stop_the_others() {
+    let folder = Folder::new("broken");
+    fs::create_dir_all(&folder.0).unwrap();
+    fs::write(folder.0.join("broken.ply"), "ply\n").unwrap();
+    fs::write(folder.0.join("m.obj"), "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n").unwrap();
+    let objects = r#"objects = ["builtin:mug", "broken.ply", { file = "m.obj", unit = "m", size_m = 9 }]"#;
+    let text = SPEC.replace(r#"objects = ["builtin:mug", "builtin:bracket"]"#, objects);
+    let spec = Spec::parse(&text, &folder.0).unwrap();
+    let mut store = Store::open(&folder.0.join("out"), &spec, false).unwrap();
+    let events = Mutex::new(Vec::new());
+    let listener = |event| events.lock().unwrap().push(event);
+    run_campaign(&mut store, None, &Cancel::default(), &listener).unwrap();
+    let failed = failed_runs(&store.finished());
+    let found: Vec<(&str, usize)> = failed.iter().map(|failed| (&failed.object[..], failed.n_runs)).collect();
+    assert_eq!(found, [("broken", 5), ("m", 5)]);
+    assert!(failed[0].reason.contains("broken.ply: ") && failed[1].reason.contains("9 m"), "{failed:?}");
+    let of_broken = CampaignEvent::ObjectFinished { object: "broken".to_owned(), n_runs: 5, n_failed: 5 };
+    assert!(events.lock().unwrap().contains(&of_broken));
+    let runs = tables::runs(&store.finished()).unwrap();
+    let mut csv = Vec::new();
+    runs.write_csv(&mut csv).unwrap();
+    let csv = String::from_utf8(csv).unwrap();
+    assert_eq!((csv.matches(",done,").count(), csv.matches(",failed,").count()), (5, 10), "{csv}");
+    assert_eq!(tables::steps(&store.finished()).unwrap().n_rows(), 5 * 3);
+}
+
+#[test]
+fn a_source_that_cannot_keep_a_record_ends_the_execution() {
+    struct Broken(RunList, Mutex<usize>);
+    impl WorkSource for Broken {
+        fn take(&self) -> Result<Option<Vec<nextview_campaign::Run>>, nextview_scan::Fault> {
+            self.0.take()
+        }
+
+        fn finish(&self, _: RunRecord) -> Result<(), nextview_scan::Fault> {
+            *self.1.lock().unwrap() += 1;
+            Err(nextview_scan::Fault::data("the disk is full"))
+        }
+    }
+    let source = Broken(RunList::new(spec().runs().unwrap()), Mutex::default());
+    let fault = execute(&source, 2, &Cancel::default()).unwrap_err();
+    assert_eq!(fault.message, "the disk is full");
+    assert!(*source.1.lock().unwrap() <= 2, "one run per job");
+}
+
+#[cfg(feature = "parquet")]
+mod parquet_table {
+    use parquet::file::reader::{FileReader, SerializedFileReader};
+    use parquet::record::Field;
+    use std::fs::File;
+    use std::path::Path;
+
+    /// The lines of a table of Parquet as CSV.
+    pub fn as_csv(path: &Path) -> String {
+        let reader = SerializedFileReader::new(File::open(path).unwrap()).unwrap();
+        let line = |fields: Vec<String>| fields.join(",") + "\n";
+        let fields = reader.metadata().file_metadata().schema().get_fields().to_vec();
+        let head = line(fields.iter().map(|field| field.name().to_owned()).collect());
+        let rows = reader.get_row_iter(None).unwrap().map(|row| {
+            let row = row.unwrap();
+            line(row.get_column_iter().map(|(_, field)| text(field)).collect())
+        });
+        head + &rows.collect::<String>()
+    }
+
+    fn text(field: &Field) -> String {
+        match field {
+            Field::Null => String::new(),
+            Field::Bool(value) => value.to_string(),
+            Field::Long(value) => value.to_string(),
+            Field::Double(value) => value.to_string(),
+            Field::Str(text) if text.contains([',', '"']) => format!("\"{}\"", text.replace('"', "\"\"")),
+            Field::Str(text) => text.clone(),
+            field => panic!("an unexpected type: {field:?}"),
+        }
+    }
+}
