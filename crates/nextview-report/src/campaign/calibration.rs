@@ -1,0 +1,151 @@
+//! How well planners estimate the completeness of their scans.
+
+use super::document::{Block, Cell, Column, Figure, Row, Section, Table};
+use crate::plot::{Axis, Curve, Marker, Plot};
+use nextview_campaign::statistics::{Study, StudyVariant, mean, percentile};
+
+/// Bounds between classes of estimates. They are close near 1, where estimates stop scans.
+const BOUNDS: [f64; 11] = [0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 0.95, 0.98];
+
+/// The section; none if no planner of the campaign estimates.
+pub(crate) fn section(study: &Study<'_>) -> Option<Section> {
+    let of_variant = |variant: &StudyVariant<'_>| {
+        let classes = classes(&estimates(variant));
+        (!classes.is_empty()).then(|| (variant.name.to_owned(), classes))
+    };
+    let variants: Vec<(String, Vec<Class>)> = study.variants.iter().filter_map(of_variant).collect();
+    if variants.is_empty() {
+        return None;
+    }
+    let caption = "Reachable coverage over the planner's estimated completeness, before each of its views: \
+                   mean, and 10th to 90th percentile; on the thin line they are equal.";
+    let figure = Figure {
+        caption: caption.to_owned(),
+        overview: None,
+        panels: variants.iter().map(|(name, classes)| (name.clone(), plot(classes))).collect(),
+        data: data(&variants),
+    };
+    Some(Section {
+        title: "How complete is the scan, as the planner estimates".to_owned(),
+        blocks: vec![Block::Figure(figure)],
+    })
+}
+
+/// Pairs of an estimate and the true coverage, of all runs of a variant after all their views but the last.
+fn estimates(variant: &StudyVariant<'_>) -> Vec<(f64, f64)> {
+    let pairs = variant.measured().flat_map(|run| run.record.steps.windows(2));
+    pairs.filter_map(|steps| Some((steps[1].estimated_completeness?, steps[0].reachable_coverage?))).collect()
+}
+
+/// Estimates of similar value, and the true coverage at each.
+struct Class {
+    low: f64,
+    high: f64,
+    estimate: f64,
+    truths: Vec<f64>,
+}
+
+/// The classes that are not empty.
+fn classes(estimates: &[(f64, f64)]) -> Vec<Class> {
+    let lows = std::iter::once(0.0).chain(BOUNDS);
+    let highs = BOUNDS.into_iter().chain([1.0]);
+    let class = |(low, high): (f64, f64)| {
+        let within = |estimate: f64| estimate >= low && (estimate < high || high == 1.0);
+        let (estimates, truths): (Vec<f64>, Vec<f64>) =
+            estimates.iter().filter(|(estimate, _)| within(*estimate)).copied().unzip();
+        Some(Class { low, high, estimate: mean(&estimates)?, truths })
+    };
+    lows.zip(highs).filter_map(class).collect()
+}
+
+impl Class {
+    fn truth(&self) -> [f64; 3] {
+        let [low, high] = [0.1, 0.9].map(|share| percentile(&self.truths, share).unwrap_or_default());
+        [low, mean(&self.truths).unwrap_or_default(), high]
+    }
+}
+
+fn plot(classes: &[Class]) -> Plot {
+    let at = |class: &Class| (100.0 * class.estimate).round() as usize;
+    let truth = Curve {
+        class: "v0".to_owned(),
+        label: String::new(),
+        marker: Marker::Circle,
+        points: classes.iter().map(|class| (at(class), class.truth()[1])).collect(),
+        band: classes.iter().map(|class| (at(class), class.truth()[0], class.truth()[2])).collect(),
+    };
+    let equal = Curve {
+        class: "other".to_owned(),
+        marker: Marker::None,
+        points: vec![(0, 0.0), (100, 1.0)],
+        band: Vec::new(),
+        ..truth.clone()
+    };
+    Plot {
+        x_axis: Axis::Percent("estimated completeness"),
+        y_label: "reachable coverage".to_owned(),
+        y_range: [0.0, 1.0],
+        size: [240.0, 8.0, 240.0],
+        curves: vec![truth, equal],
+    }
+}
+
+fn data(variants: &[(String, Vec<Class>)]) -> Table {
+    let percent = |share: f64| format!("{:.1}", 100.0 * share);
+    let row = |name: &str, class: &Class| {
+        let [low, truth, high] = class.truth();
+        let range = format!("{} to {}", percent(low), percent(high));
+        let cells = [
+            format!("{name}, {:.0} to {:.0} %", 100.0 * class.low, 100.0 * class.high).into(),
+            class.truths.len().to_string().into(),
+            percent(class.estimate).into(),
+            Cell::with_note(percent(truth), range),
+        ];
+        Row::new(cells.into())
+    };
+    let rows = variants.iter().flat_map(|(name, classes)| classes.iter().map(move |class| row(name, class)));
+    Table {
+        caption: String::new(),
+        head: std::iter::once(Column::text("estimate"))
+            .chain(["views", "mean estimate, %", "reachable coverage, %"].map(Column::number))
+            .collect(),
+        rows: rows.collect(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::made_up;
+    use super::*;
+
+    #[test]
+    fn campaigns_without_estimates_have_none() {
+        assert!(section(&Study::new(&made_up::campaign(&["a"], 2).runs)).is_none());
+    }
+
+    #[test]
+    fn every_estimate_is_held_against_the_view_before() {
+        let mut campaign = made_up::campaign(&["a", "b"], 2);
+        for run in campaign.runs.iter_mut().filter(|run| run.variant == "b") {
+            let steps = &mut made_up::record_mut(run).steps;
+            steps.truncate(3);
+            for (step, (estimate, truth)) in
+                steps.iter_mut().zip([(None, 0.5), (Some(0.97), 0.9), (Some(1.0), 1.0)])
+            {
+                (step.estimated_completeness, step.reachable_coverage) = (estimate, Some(truth));
+            }
+        }
+        let study = Study::new(&campaign.runs);
+        let [Block::Figure(figure)] = &section(&study).unwrap().blocks[..] else { panic!("one figure") };
+        let cells: Vec<Vec<&str>> = figure
+            .data
+            .rows
+            .iter()
+            .map(|row| row.cells.iter().map(|cell| &cell.text[..]).collect())
+            .collect();
+        assert_eq!(cells, [["b, 95 to 98 %", "2", "97.0", "50.0"], ["b, 98 to 100 %", "2", "100.0", "90.0"]]);
+        let (title, plot) = &figure.panels[0];
+        assert_eq!((&title[..], plot.x_axis), ("b", Axis::Percent("estimated completeness")));
+        assert_eq!(plot.curves[0].points, [(97, 0.5), (100, 0.9)]);
+    }
+}

@@ -1,0 +1,113 @@
+//! The report before it becomes HTML or Markdown. All strings are plain text.
+
+use crate::plot::Plot;
+
+/// A page.
+#[derive(Clone, Debug)]
+pub(crate) struct Document {
+    pub title: String,
+    pub subtitle: String,
+    pub sections: Vec<Section>,
+}
+
+/// A part of it with a heading.
+#[derive(Clone, Debug)]
+pub(crate) struct Section {
+    pub title: String,
+    pub blocks: Vec<Block>,
+}
+
+#[derive(Clone, Debug)]
+pub(crate) enum Block {
+    Text(String),
+    Table(Table),
+    Figure(Figure),
+    /// Literal text, folded away on the page: a title and the text.
+    Aside(String, String),
+}
+
+/// The first column names the rows.
+#[derive(Clone, Debug)]
+pub(crate) struct Table {
+    pub caption: String,
+    pub head: Vec<Column>,
+    pub rows: Vec<Row>,
+}
+
+#[derive(Clone, Debug)]
+pub(crate) struct Column {
+    pub name: String,
+    /// Numbers stand at the right.
+    pub is_number: bool,
+}
+
+#[derive(Clone, Debug)]
+pub(crate) struct Row {
+    pub cells: Vec<Cell>,
+    /// Whether it is a total of the rows above.
+    pub is_total: bool,
+}
+
+/// A value and a remark: its interval, the paper's number.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Cell {
+    pub text: String,
+    pub note: String,
+}
+
+/// Drawings and their numbers.
+#[derive(Clone, Debug)]
+pub(crate) struct Figure {
+    pub caption: String,
+    /// A drawing of all curves; none where there are too many.
+    pub overview: Option<Plot>,
+    /// Small drawings with their titles.
+    pub panels: Vec<(String, Plot)>,
+    pub data: Table,
+}
+
+impl Column {
+    pub fn text(name: impl Into<String>) -> Self {
+        Self { name: name.into(), is_number: false }
+    }
+
+    pub fn number(name: impl Into<String>) -> Self {
+        Self { name: name.into(), is_number: true }
+    }
+}
+
+impl Row {
+    pub fn new(cells: Vec<Cell>) -> Self {
+        Self { cells, is_total: false }
+    }
+
+    pub fn total(cells: Vec<Cell>) -> Self {
+        Self { cells, is_total: true }
+    }
+}
+
+impl Cell {
+    pub fn with_note(text: impl Into<String>, note: impl Into<String>) -> Self {
+        Self { text: text.into(), note: note.into() }
+    }
+}
+
+impl<T: Into<String>> From<T> for Cell {
+    fn from(text: T) -> Self {
+        Self { text: text.into(), note: String::new() }
+    }
+}
+
+impl Table {
+    /// Swaps rows and columns. All cells but the names must be numbers.
+    pub fn transposed(self) -> Self {
+        let mut lines: Vec<Vec<Cell>> = vec![self.head.into_iter().map(|c| c.name.into()).collect()];
+        lines.extend(self.rows.into_iter().map(|row| row.cells));
+        let n_columns = lines[0].len();
+        let mut columns =
+            (0..n_columns).map(|i| lines.iter().map(|line| line[i].clone()).collect::<Vec<Cell>>());
+        let names = columns.next().unwrap_or_default().into_iter().map(|cell| cell.text);
+        let head = names.enumerate().map(|(i, name)| Column { name, is_number: i > 0 }).collect();
+        Self { caption: self.caption, head, rows: columns.map(Row::new).collect() }
+    }
+}

@@ -1,0 +1,94 @@
+//! A curve of a figure with its numbers.
+
+use crate::plot::{self, Marker};
+use nextview_campaign::statistics::{Curve, Interval, MeasuredRun, Study, StudyVariant, mean};
+
+/// The number of styles of curves.
+pub(crate) const N_STYLES: usize = 6;
+
+const MARKERS: [Marker; N_STYLES] =
+    [Marker::Circle, Marker::Diamond, Marker::Circle, Marker::TriangleDown, Marker::Diamond, Marker::Cross];
+
+/// A curve with its numbers.
+#[derive(Clone)]
+pub(crate) struct Line {
+    pub name: String,
+    pub class: String,
+    pub marker: Marker,
+    pub means: Vec<f64>,
+    pub intervals: Vec<Option<Interval>>,
+}
+
+impl Line {
+    /// The line of a variant, with the style of this index.
+    pub fn of_variant(i: usize, variant: &StudyVariant<'_>, of: Curve) -> Self {
+        let style = i % N_STYLES;
+        Self::new(variant.name, &format!("v{style}"), MARKERS[style], &variant.curve(of))
+    }
+
+    fn new(name: &str, class: &str, marker: Marker, values: &[Vec<f64>]) -> Self {
+        Self {
+            name: name.to_owned(),
+            class: class.to_owned(),
+            marker,
+            means: values.iter().filter_map(|values| mean(values)).collect(),
+            intervals: values.iter().map(|values| Interval::of_mean(values)).collect(),
+        }
+    }
+
+    /// Its name with the last mean.
+    pub fn title(&self) -> String {
+        let last = self.means.last().copied().unwrap_or_default();
+        format!("{}: {:.1} %", self.name, 100.0 * last)
+    }
+
+    /// The curve of the drawing.
+    pub fn curve(&self, with_band: bool, label: &str) -> plot::Curve {
+        let band = self.intervals.iter().enumerate().filter(|_| with_band);
+        plot::Curve {
+            class: self.class.clone(),
+            label: shortened(label),
+            marker: self.marker,
+            points: self.means.iter().enumerate().map(|(i, &value)| (i + 1, value)).collect(),
+            band: band.filter_map(|(i, v)| v.map(|v| (i + 1, v.low, v.high))).collect(),
+        }
+    }
+
+    /// The same as a thin curve behind others.
+    pub fn ghost(&self) -> plot::Curve {
+        plot::Curve { class: "other".to_owned(), marker: Marker::None, ..self.curve(false, "") }
+    }
+}
+
+/// Random views and the clairvoyant planner on the objects of the campaign; empty for the entropy.
+pub(crate) fn baselines(study: &Study<'_>, of: Curve) -> Vec<Line> {
+    let share = move |run: &MeasuredRun<'_>| match of {
+        Curve::VoxelCoverage => {
+            Some(run.record.reachable_voxels? as f64 / run.record.object_voxels?.max(1) as f64)
+        }
+        Curve::ReachableCoverage => Some(1.0),
+        Curve::Entropy => None,
+    };
+    let scaled = |curve: &Option<Vec<f64>>, share: f64| -> Option<Vec<f64>> {
+        Some(curve.as_ref()?.iter().map(|coverage| share * coverage).collect())
+    };
+    // They are the same for all variants; the one with most objects says most.
+    let Some(variant) = study.variants.iter().max_by_key(|variant| variant.n_objects()) else {
+        return Vec::new();
+    };
+    let clairvoyant = variant.curve_by(|run| scaled(&run.record.clairvoyant_curve, share(run)?));
+    let random = variant.curve_by(|run| scaled(&run.record.random_curve, share(run)?));
+    let lines = [
+        Line::new("clairvoyant (baseline)", "clairvoyant", Marker::Triangle, &clairvoyant),
+        Line::new("random (baseline)", "random", Marker::Square, &random),
+    ];
+    lines.into_iter().filter(|line| !line.means.is_empty()).collect()
+}
+
+/// A label of at most 26 letters.
+pub(crate) fn shortened(label: &str) -> String {
+    if label.chars().count() <= 26 {
+        return label.to_owned();
+    }
+    label.chars().take(25).chain(['…']).collect()
+}

@@ -1,0 +1,23 @@
+//! Many scans: the report of a campaign, and the comparison of two as text.
+//!
+//! The numbers come from [`nextview_campaign::statistics`]; this module makes text, tables and drawings of
+//! them.
+
+mod calibration;
+mod comparison;
+mod document;
+mod figures;
+mod html;
+mod line;
+#[cfg(test)]
+mod made_up;
+mod markdown;
+mod paper;
+mod report;
+mod setup;
+mod summary;
+#[cfg(test)]
+mod tests;
+
+pub use comparison::comparison_text;
+pub use report::campaign_report;

@@ -1,0 +1,108 @@
+//! The parameters that make the rows and columns of the paper's tables.
+
+use super::published;
+use nextview_campaign::statistics::StudyVariant;
+use nextview_scan::PlannerName;
+use serde_json::Value;
+
+/// A parameter by which variants differ, or a few that belong together.
+#[derive(Clone, Copy)]
+pub(super) struct Axis {
+    pub name: &'static str,
+    /// Dotted keys of the configuration.
+    pub keys: &'static [&'static str],
+    /// The value of a variant; none if the variant has no place in the table.
+    pub label: fn(PlannerName, &Value) -> Option<String>,
+}
+
+pub(super) const METHOD: Axis =
+    Axis { name: "method", keys: &["planner"], label: |planner, _| Some(method(planner)) };
+
+pub(super) const MULTI: Axis = Axis {
+    name: "multi-resolution",
+    keys: &["multi_resolution"],
+    label: |_, config| {
+        let is_on = find(config, "multi_resolution.enabled") == Some(&Value::Bool(true));
+        let coarsest = find(config, "multi_resolution.coarsest_voxel_size_m").and_then(number);
+        Some(match (is_on, coarsest) {
+            (false, _) => "single".to_owned(),
+            (true, None) => "multi".to_owned(),
+            (true, Some(coarsest)) => format!("multi from {coarsest} m"),
+        })
+    },
+};
+
+pub(super) const HISTORY: Axis = Axis {
+    name: "history",
+    keys: &["max_flow.uses_history"],
+    label: |_, config| {
+        let is_off = find(config, "max_flow.uses_history") == Some(&Value::Bool(false));
+        Some(if is_off { "without history" } else { "with history" }.to_owned())
+    },
+};
+
+pub(super) const GAMMA: Axis = Axis {
+    name: "γ",
+    keys: &["max_flow.gamma"],
+    label: |planner, config| {
+        find(config, "max_flow.gamma").filter(|_| planner == PlannerName::MaxFlow).and_then(number)
+    },
+};
+
+pub(super) const Q_THRESH: Axis = Axis {
+    name: "q_thresh",
+    keys: &["multi_resolution.q_thresh"],
+    label: |_, config| find(config, "multi_resolution.q_thresh").and_then(number),
+};
+
+pub(super) const THETA: Axis = Axis {
+    name: "θ",
+    keys: &["most_surface.theta", "max_flow.theta", "greedy.theta", "batch.theta"],
+    label: |planner, config| find(config, &format!("{}.theta", planner_key(planner))).and_then(number),
+};
+
+fn method(planner: PlannerName) -> String {
+    published::method(planner).map_or_else(|| planner.to_string(), str::to_owned)
+}
+
+/// Sections of the configuration that hold the parameters of planners.
+const PLANNER_KEYS: [&str; 5] = ["most_surface", "max_flow", "greedy", "batch", "nbv_net"];
+
+/// The section of this planner.
+fn planner_key(planner: PlannerName) -> &'static str {
+    match planner {
+        PlannerName::MaxFlow | PlannerName::Local => "max_flow",
+        PlannerName::MostSurface => "most_surface",
+        PlannerName::Batch => "batch",
+        PlannerName::NbvNet => "nbv_net",
+        _ => "greedy",
+    }
+}
+
+/// The variant's parameters, without those that differ between its runs and those that its planner does not
+/// read.
+pub(super) fn configuration(variant: &StudyVariant<'_>) -> Value {
+    let mut config = serde_json::to_value(&variant.example.config).unwrap_or_default();
+    let unread = PLANNER_KEYS.into_iter().filter(|key| *key != planner_key(variant.planner));
+    for key in ["object", "unit", "size_m", "seed", "first_view"].into_iter().chain(unread) {
+        remove(&mut config, key);
+    }
+    config
+}
+
+fn find<'v>(config: &'v Value, key: &str) -> Option<&'v Value> {
+    key.split('.').try_fold(config, |value, part| value.get(part))
+}
+
+/// Removes a parameter by its dotted key.
+pub(super) fn remove(config: &mut Value, key: &str) {
+    let Value::Object(fields) = config else { return };
+    match key.split_once('.') {
+        Some((first, rest)) => fields.get_mut(first).into_iter().for_each(|inner| remove(inner, rest)),
+        None => drop(fields.remove(key)),
+    }
+}
+
+fn number(value: &Value) -> Option<String> {
+    value.as_f64().map(|number| number.to_string())
+}

@@ -1,0 +1,11 @@
+//! The paper's published numbers beside the same quantities of a campaign.
+
+mod axis;
+mod by_parameter;
+mod object_table;
+mod published;
+mod running_time;
+mod tables;
+
+pub(super) use object_table::section as object_table;
+pub(super) use tables::section as tables;

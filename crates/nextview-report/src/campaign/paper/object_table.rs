@@ -1,0 +1,67 @@
+//! Table I: the coverage of every variant on every object, beside the published one.
+
+use super::published;
+use crate::campaign::document::{Block, Cell, Column, Row, Section, Table};
+use nextview_campaign::statistics::measure::VOXEL_COVERAGE;
+use nextview_campaign::statistics::{Study, mean};
+
+/// The section.
+pub(in crate::campaign) fn section(study: &Study<'_>) -> Section {
+    let note = "Final voxel coverage in %, as in table I of the paper. The paper's columns stand beside \
+                objects that can be matched: Stanford models by name, LINEMOD and HomebrewedDB by the object's \
+                number, on the assumption that the paper's LMn is object n of the BOP benchmark. Its averages \
+                here are over the matched objects; its own are in the last row.";
+    let table = Table { caption: String::new(), head: head(study), rows: rows(study) };
+    Section {
+        title: "Voxel coverage by object".to_owned(),
+        blocks: vec![Block::Text(note.to_owned()), Block::Table(table)],
+    }
+}
+
+fn head(study: &Study<'_>) -> Vec<Column> {
+    let own = study.variants.iter().map(|variant| Column::number(variant.name));
+    let published = published::METHODS.map(|method| Column::number(format!("paper: {method}")));
+    std::iter::once(Column::text("object")).chain(own).chain(published).collect()
+}
+
+fn rows(study: &Study<'_>) -> Vec<Row> {
+    let columns = columns(study);
+    let show =
+        |value: Option<f64>| value.map_or("–".into(), |value| Cell::from(VOXEL_COVERAGE.show(value)));
+    let average = |objects: &[usize]| {
+        let of_column =
+            |column: &Vec<Option<f64>>| mean(&objects.iter().filter_map(|&i| column[i]).collect::<Vec<_>>());
+        columns.iter().map(of_column).map(show).collect::<Vec<Cell>>()
+    };
+    let total =
+        |label: String, cells: Vec<Cell>| Row::total(std::iter::once(label.into()).chain(cells).collect());
+    let indices: Vec<usize> = (0..study.objects.len()).collect();
+    let mut rows = Vec::new();
+    for set in indices.chunk_by(|&a, &b| study.objects[a].data_set == study.objects[b].data_set) {
+        for &i in set {
+            let name = published::object(study.objects[i]).map(|name| format!("paper's {name}"));
+            let name = Cell::with_note(study.objects[i].name, name.unwrap_or_default());
+            let cells = columns.iter().map(|column| show(column[i]));
+            rows.push(Row::new(std::iter::once(name).chain(cells).collect()));
+        }
+        rows.push(total(format!("average of {}", study.objects[set[0]].data_set), average(set)));
+    }
+    rows.push(total("total average".to_owned(), average(&indices)));
+    let blank = study.variants.iter().map(|_| Cell::default());
+    let published =
+        |method| show(published::number("I", "Total average", method, "coverage").map(|v| v / 100.0));
+    let cells = blank.chain(published::METHODS.map(published)).collect();
+    rows.push(total("the paper's, 49 objects".to_owned(), cells));
+    rows
+}
+
+/// The values of all variants and of the paper's methods for each object.
+fn columns(study: &Study<'_>) -> Vec<Vec<Option<f64>>> {
+    let own = study.variants.iter().map(|variant| variant.by_object(&VOXEL_COVERAGE));
+    let names: Vec<Option<String>> = study.objects.iter().map(|&object| published::object(object)).collect();
+    let published = published::METHODS.map(|method| {
+        let number = |name: &Option<String>| published::number("I", name.as_ref()?, method, "coverage");
+        names.iter().map(|name| number(name).map(|percent| percent / 100.0)).collect()
+    });
+    own.chain(published).collect()
+}

@@ -1,0 +1,40 @@
+//! Table VI in the paper's shape: the running time of a scan by a robot.
+
+use super::published;
+use crate::campaign::document::{Cell, Column, Row, Table};
+use nextview_campaign::statistics::measure::{MOVING, PLANNING, RUNNING_TIME, SENSING};
+use nextview_campaign::statistics::{Measure, Study, StudyVariant, deviation};
+
+/// The parts and their sum.
+const PARTS: [Measure; 4] = [PLANNING, MOVING, SENSING, RUNNING_TIME];
+
+/// The remark above the table.
+pub(super) const NOTE: &str = "Running times are those of a simulated robot, mean and standard deviation over objects: \
+     planning, with the updates of the map, as measured; moving around the object's ball and sensing at each \
+     view with the limits of [motion]. The paper's are of a real robot.";
+
+/// The table, a row for each variant; none if all runs failed.
+pub(super) fn table(study: &Study<'_>) -> Option<Table> {
+    let variants = study.variants.iter().filter(|variant| !variant.values(&RUNNING_TIME).is_empty());
+    let rows: Vec<Row> = variants.map(row).collect();
+    let head = PARTS.map(|part| Column::number(part.name));
+    (!rows.is_empty()).then(|| Table {
+        caption: "Table VI. Total running time".to_owned(),
+        head: std::iter::once(Column::text("method")).chain(head).collect(),
+        rows,
+    })
+}
+
+fn row(variant: &StudyVariant<'_>) -> Row {
+    let mut cells = PARTS.map(|part| Cell::from(with_spread(variant, &part)));
+    let published =
+        published::method(variant.planner).and_then(|method| published::number("VI", "", method, "minutes"));
+    cells[PARTS.len() - 1].note = published.map(|value| format!("paper {value}")).unwrap_or_default();
+    Row::new(std::iter::once(variant.name.into()).chain(cells).collect())
+}
+
+fn with_spread(variant: &StudyVariant<'_>, measure: &Measure) -> String {
+    let values = variant.values(measure);
+    let mean = variant.mean(measure).map_or_else(|| "–".to_owned(), |mean| measure.show(mean));
+    deviation(&values).map_or(mean.clone(), |spread| format!("{mean} ± {}", measure.show(spread)))
+}

@@ -1,0 +1,31 @@
+use super::document::Document;
+use super::{calibration, figures, html, markdown, paper, setup, summary};
+use nextview_campaign::statistics::Study;
+use nextview_campaign::store::StoredRuns;
+
+/// The report of a campaign as HTML and as Markdown, also of one that is still running. Equal campaigns give
+/// equal bytes.
+pub fn campaign_report(campaign: &StoredRuns) -> [String; 2] {
+    let document = document(campaign, &Study::new(&campaign.runs));
+    [html::render(&document), markdown::render(&document)]
+}
+
+fn document(campaign: &StoredRuns, study: &Study<'_>) -> Document {
+    let (n_variants, n_objects) = (study.variants.len(), study.objects.len());
+    let sections = [
+        Some(setup::section(study, campaign.torn)),
+        Some(figures::section(study)).filter(|section| !section.blocks.is_empty()),
+        Some(summary::section(study)),
+        calibration::section(study),
+        Some(paper::object_table(study)),
+        paper::tables(study),
+    ];
+    Document {
+        title: campaign.name.clone(),
+        subtitle: format!(
+            "campaign of {} runs · {n_variants} variants · {n_objects} objects",
+            study.runs.len()
+        ),
+        sections: sections.into_iter().flatten().collect(),
+    }
+}

@@ -1,0 +1,20 @@
+//! Pages and plots of scans and campaigns, from their records alone.
+//!
+//! Everything here is a function from records to text: nothing is printed and no file is opened. Start with
+//! [`scan_page`] for one scan, finished or under way, [`summary`] for its quantities as rows of text, and
+//! `campaign_report` for a campaign (feature `campaign`).
+//! Pages are single HTML files that need no network. Equal records give equal bytes.
+
+#[cfg(feature = "campaign")]
+mod campaign;
+#[cfg_attr(
+    not(feature = "campaign"),
+    allow(dead_code, unused_imports, reason = "campaigns draw more than scans")
+)]
+mod plot;
+mod scan;
+mod text;
+
+#[cfg(feature = "campaign")]
+pub use campaign::{campaign_report, comparison_text};
+pub use scan::{ScanPage, ViewPicture, heading, scan_page, step_line, stop_phrase, summary, summary_text};

@@ -1,0 +1,13 @@
+//! Curves over the number of views, or over a share, as an SVG drawing.
+//!
+//! Curves differ in dash and marker as well as in colour, which the style sheet gives their classes.
+
+mod draw;
+mod labels;
+mod layout;
+mod marker;
+mod ticks;
+
+pub(crate) use layout::{Axis, Curve, Plot};
+pub(crate) use marker::{Marker, legend_item};
+pub(crate) use ticks::view_ticks;

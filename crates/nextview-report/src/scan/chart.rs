@@ -1,0 +1,72 @@
+//! The coverage curve of a scan beside the baselines.
+
+use super::input::ScanPage;
+use crate::plot::{Axis, Curve, Marker, Plot, legend_item};
+use nextview_scan::ScanRecord;
+
+/// The chart with its legend; a sentence if no coverage is known.
+pub(super) fn draw(page: &ScanPage<'_>) -> String {
+    let curves = curves(page.record);
+    if curves[0].points.is_empty() {
+        return r#"<p class="note">Coverage is not known for this scan.</p>"#.to_owned();
+    }
+    let legend = legend(page.record, &curves);
+    let plot = Plot {
+        x_axis: Axis::Views,
+        y_label: "reachable coverage".to_owned(),
+        y_range: [0.0, 1.0],
+        size: [378.0, 130.0, 294.0],
+        curves,
+    };
+    plot.draw() + &legend
+}
+
+/// The curve of this scan, then the baselines.
+fn curves(record: &ScanRecord) -> Vec<Curve> {
+    let curve = |class: &str, label: &str, marker, coverage: Vec<Option<f64>>| Curve {
+        class: class.to_owned(),
+        label: label.to_owned(),
+        marker,
+        points: known(coverage),
+        band: Vec::new(),
+    };
+    let all_known = |coverage: &[f64]| coverage.iter().copied().map(Some).collect();
+    let scan = record.steps.iter().map(|step| step.reachable_coverage).collect();
+    let mut curves = vec![curve("scan", "this scan", Marker::Circle, scan)];
+    if let Some(coverage) = &record.clairvoyant_curve {
+        curves.push(curve("clairvoyant", "clairvoyant", Marker::Triangle, all_known(coverage)));
+    }
+    if let Some(mean) = &record.random_curve {
+        let mean = curve("random", "random", Marker::Square, all_known(mean));
+        curves.push(Curve { band: band(record), ..mean });
+    }
+    curves
+}
+
+fn known(coverage: Vec<Option<f64>>) -> Vec<(usize, f64)> {
+    let known = |(i, c): (usize, Option<f64>)| Some((i + 1, c.filter(|c| c.is_finite())?.clamp(0.0, 1.0)));
+    coverage.into_iter().enumerate().filter_map(known).collect()
+}
+
+/// The area between the 5th and the 95th percentile of random views.
+fn band(record: &ScanRecord) -> Vec<(usize, f64, f64)> {
+    let edges = record.random_low_curve.iter().flatten().zip(record.random_high_curve.iter().flatten());
+    let edges = edges.enumerate().map(|(i, (&low, &high))| (i + 1, low, high));
+    edges.filter(|(_, low, high)| low.is_finite() && high.is_finite()).collect()
+}
+
+fn legend(record: &ScanRecord, curves: &[Curve]) -> String {
+    let mut items = String::new();
+    for curve in curves {
+        let text = match curve.class.as_str() {
+            "scan" => format!("this scan ({})", record.planner),
+            "clairvoyant" => "clairvoyant: knows the object".to_owned(),
+            _ => "random views, mean".to_owned(),
+        };
+        items += &legend_item(&curve.class, Some(curve.marker), &text);
+    }
+    if curves.iter().any(|curve| !curve.band.is_empty()) {
+        items += &legend_item("random", None, "random views, 5th to 95th percentile");
+    }
+    format!(r#"<ul class="legend">{items}</ul>"#)
+}

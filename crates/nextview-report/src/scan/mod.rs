@@ -1,0 +1,23 @@
+//! One scan: its page, and its quantities as text.
+//!
+//! The page is a single HTML file for the screen and for print. Start with [`scan_page`].
+
+mod chart;
+mod color;
+mod headline;
+mod input;
+mod page;
+mod picture;
+mod step_line;
+mod steps;
+mod stop_phrase;
+mod summary;
+mod thumbnail;
+mod viewer;
+
+pub use input::ScanPage;
+pub use page::scan_page;
+pub use picture::ViewPicture;
+pub use step_line::{heading, step_line};
+pub use stop_phrase::stop_phrase;
+pub use summary::{summary, summary_text};

@@ -1,0 +1,105 @@
+//! The table of views: one row each.
+
+use super::input::ScanPage;
+use super::{color, thumbnail};
+use crate::text::{count, metres, percent, seconds};
+use nextview_scan::StepRecord;
+
+/// The table, with a thumbnail of each view.
+pub(super) fn table(page: &ScanPage<'_>) -> String {
+    if page.steps().is_empty() {
+        let yet = if page.record.stop_reason.is_none() { " yet" } else { "" };
+        return format!(r#"<p class="note">No view was taken{yet}.</p>"#);
+    }
+    let range = thumbnail::Range::of(page.views.iter().map(|picture| picture.depth));
+    let columns = columns(page);
+    let mut head = r#"<th scope="col">View</th><th scope="col">Depth</th>"#.to_owned();
+    for column in &columns {
+        head += &format!(r#"<th scope="col" class="number">{}</th>"#, column.name);
+    }
+    let thumbnail = |i: usize| {
+        let picture = page.picture(i);
+        picture.map_or_else(String::new, |p| thumbnail::img(p.depth, range.unwrap_or_default(), i + 1))
+    };
+    let rows: String = (0..page.steps().len()).map(|i| row(page, &columns, i, &thumbnail(i))).collect();
+    let legend = thumbnail::legend(range);
+    format!(r#"{legend}<table class="steps"><thead><tr>{head}</tr></thead><tbody>{rows}</tbody></table>"#)
+}
+
+struct Column {
+    name: &'static str,
+    cell: fn(&ScanPage<'_>, usize) -> String,
+}
+
+/// The columns of numbers; columns without any known value are left out.
+fn columns(page: &ScanPage<'_>) -> Vec<Column> {
+    let record = page.record;
+    let known = page.steps().iter().any(|step| step.reachable_coverage.is_some());
+    let estimated = page.steps().iter().any(|step| step.estimated_completeness.is_some());
+    let shown = |is_known: bool, name, cell| is_known.then_some(Column { name, cell });
+    [
+        shown(known, "Reachable coverage", |page, i| percent(coverage(page, i))),
+        shown(known, "Gained", |page, i| percent(gained(page, i))),
+        shown(known && record.random_curve.is_some(), "Random", |page, i| {
+            baseline(page.record.random_curve.as_deref(), i)
+        }),
+        shown(known && record.clairvoyant_curve.is_some(), "Clairvoyant", |page, i| {
+            baseline(page.record.clairvoyant_curve.as_deref(), i)
+        }),
+        shown(true, "New voxels", |page, i| new_voxels(&page.steps()[i])),
+        shown(estimated, "Estimated completeness", |page, i| {
+            percent(page.steps()[i].estimated_completeness.unwrap_or(f64::NAN))
+        }),
+        shown(true, "Planning", |page, i| seconds(page.steps()[i].plan_time_ms / 1e3)),
+        shown(true, "Path", |page, i| metres(page.travel(i))),
+        shown(true, "Position, m", |page, i| position(&page.steps()[i])),
+    ]
+    .into_iter()
+    .flatten()
+    .collect()
+}
+
+fn row(page: &ScanPage<'_>, columns: &[Column], i: usize, img: &str) -> String {
+    let color = color::css(color::view(i, page.steps().len()));
+    let mut out = format!(
+        r#"<tr><th scope="row"><i class="swatch" style="background:{color}"></i>{} <small>{}</small></th><td class="depth">{img}</td>"#,
+        i + 1,
+        candidate(&page.steps()[i])
+    );
+    for Column { name, cell } in columns {
+        let value = cell(page, i);
+        out += &format!(r#"<td class="number" data-label="{name}">{value}</td>"#);
+    }
+    out + "</tr>"
+}
+
+fn coverage(page: &ScanPage<'_>, i: usize) -> f64 {
+    page.steps()[i].reachable_coverage.unwrap_or(f64::NAN)
+}
+
+fn gained(page: &ScanPage<'_>, i: usize) -> f64 {
+    coverage(page, i) - if i == 0 { 0.0 } else { coverage(page, i - 1) }
+}
+
+fn baseline(curve: Option<&[f64]>, i: usize) -> String {
+    percent(curve.and_then(|curve| curve.get(i)).copied().unwrap_or(f64::NAN))
+}
+
+/// The number of voxels that the view made occupied, and the number that the planner expected.
+fn new_voxels(step: &StepRecord) -> String {
+    let expected = step.expected_new_voxels.map_or(String::new(), |expected| {
+        format!("<small>{} expected</small>", count(expected.round() as usize))
+    });
+    count(step.new_voxels) + &expected
+}
+
+/// The view, and the runner-up of the planner's choice.
+fn candidate(step: &StepRecord) -> String {
+    let view = step.view.map_or("given pose".to_owned(), |view| format!("candidate {view}"));
+    view + &step.runner_up.map_or(String::new(), |view| format!(", next best {view}"))
+}
+
+fn position(step: &StepRecord) -> String {
+    let [x, y, z] = step.position_m;
+    format!("{x:.3}, {y:.3}, {z:.3}").replace('-', "−")
+}

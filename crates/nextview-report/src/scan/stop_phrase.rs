@@ -1,0 +1,18 @@
+use nextview::session::StopReason;
+
+/// Why a scan stopped, as a clause that follows "because".
+pub fn stop_phrase(reason: StopReason) -> &'static str {
+    match reason {
+        StopReason::ViewLimit => "the view limit was reached",
+        StopReason::Converged => "the map's entropy fell below its threshold (converged)",
+        StopReason::Complete => "the surface is estimated to be as complete as asked for",
+        StopReason::LittleToGain => "the next view is expected to add less than asked for",
+        StopReason::TimeLimit => "the time allowed was over",
+        StopReason::PathLimit => "the path would become longer than allowed",
+        StopReason::Cancelled => "the scan was cancelled",
+        StopReason::NothingToGain => "no candidate gains anything",
+        StopReason::NoObject => "the camera saw no object",
+        StopReason::BoxTooLarge => "the object's box would need more memory than allowed",
+        _ => "another stop rule applied",
+    }
+}

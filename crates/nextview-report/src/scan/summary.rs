@@ -1,0 +1,152 @@
+use super::stop_phrase::stop_phrase;
+use nextview_scan::{BoxRule, QualityMm, ScanConfig, ScanRecord, StepRecord, TableRule};
+
+/// The quantities of a scan, finished or under way, as label and value with unit, in the order to show them.
+///
+/// Labels are the names in the record. Two spaces before a label make it a part of the row above.
+pub fn summary(record: &ScanRecord, config: &ScanConfig) -> Vec<(String, String)> {
+    let last = record.steps.last();
+    let mut rows = vec![
+        ("views taken", format!("{} of {} candidates", record.steps.len(), record.candidates)),
+        record.stop_reason.map_or(("state", "under way".to_owned()), |reason| {
+            ("stopped because", stop_phrase(reason).to_owned())
+        }),
+    ];
+    rows.extend(coverage(record));
+    if let Some(skill) = record.skill {
+        rows.push(("skill", format!("{skill:.2}  (0 = random views, 1 = knows the object)")));
+    }
+    rows.extend(last.iter().flat_map(|step| truth(step)));
+    let phrase = |label, quality: Option<QualityMm>| quality.map(|quality| (label, quality_phrase(quality)));
+    rows.extend(phrase("cloud", record.cloud()));
+    rows.extend(phrase("mesh", record.mesh()));
+    rows.extend(recorded(record));
+    rows.extend(found(config, last));
+    rows.extend(costs(record));
+    rows.into_iter().map(|(label, value)| (label.to_owned(), value)).collect()
+}
+
+/// The same as text, a line each.
+pub fn summary_text(record: &ScanRecord, config: &ScanConfig) -> String {
+    summary(record, config).iter().map(|(label, value)| format!("{label:<22} {value}\n")).collect()
+}
+
+type Row = (&'static str, String);
+
+fn percent(share: f64) -> String {
+    format!("{:.1} %", 100.0 * share)
+}
+
+/// Coverage beside that of random views and of the planner that knows the object: at their end, or while the
+/// scan is under way with as many views.
+fn coverage(record: &ScanRecord) -> Vec<Row> {
+    let (Some(last), Some(random), Some(clairvoyant)) =
+        (record.steps.last(), &record.random_curve, &record.clairvoyant_curve)
+    else {
+        return Vec::new();
+    };
+    let Some(reached) = last.reachable_coverage else { return Vec::new() };
+    let at = |curve: &[f64]| match record.stop_reason {
+        Some(_) => curve.last().copied(),
+        None => curve.get(record.steps.len() - 1).or(curve.last()).copied(),
+    };
+    vec![
+        ("reachable coverage", percent(reached)),
+        ("  random views", percent(at(random).unwrap_or_default())),
+        ("  clairvoyant", percent(at(clairvoyant).unwrap_or_default())),
+    ]
+}
+
+/// The measures beside the true object after a step, as far as they are known.
+fn truth(step: &StepRecord) -> Vec<Row> {
+    let rows = [
+        ("voxel coverage", step.voxel_coverage.map(percent)),
+        ("false voxels", step.false_voxels.map(|n| n.to_string())),
+        ("surface coverage 2 mm", step.surface_coverage_2mm.map(percent)),
+        ("surface coverage 5 mm", step.surface_coverage_5mm.map(percent)),
+    ];
+    rows.into_iter().filter_map(|(label, value)| Some((label, value?))).collect()
+}
+
+fn quality_phrase(quality: QualityMm) -> String {
+    format!(
+        "mean {:.2} mm off, 95 % within {:.2} mm; {:.1} % of the surface within 2 mm",
+        quality.accuracy_mean_mm,
+        quality.accuracy_p95_mm,
+        100.0 * quality.completeness_2mm
+    )
+}
+
+/// Rows that only scans of recorded frames have.
+fn recorded(record: &ScanRecord) -> Vec<Row> {
+    let mut rows = Vec::new();
+    let accuracy = record
+        .steps
+        .last()
+        .and_then(|s| Some([s.accuracy_mean_mm?, s.accuracy_median_mm?, s.accuracy_p95_mm?]));
+    if let Some([mean, median, p95]) = accuracy {
+        let value = format!("mean {mean:.2} mm, median {median:.2} mm, 95 % within {p95:.2} mm");
+        rows.push(("accuracy", value));
+    }
+    if !record.skipped.is_empty() {
+        rows.push(("skipped", format!("{} of the recording", record.skipped.len())));
+    }
+    let blind = record.steps.iter().filter(|step| step.hit_voxels == 0);
+    let blind: Vec<&str> = blind.filter_map(|step| step.frame.as_deref()).collect();
+    if !blind.is_empty() {
+        rows.push(("nothing in the box", blind.join(", ")));
+    }
+    rows
+}
+
+/// The places of the object and its table, if the scan had to find them.
+fn found(config: &ScanConfig, last: Option<&StepRecord>) -> Vec<Row> {
+    let bounds = last.and_then(StepRecord::bounds);
+    let table = last.and_then(StepRecord::table);
+    let mut rows = Vec::new();
+    if config.object_box.rule == BoxRule::Grows {
+        let size = bounds.map(|bounds| bounds.size() * 1e3);
+        let size = size.map(|mm| format!("{:.0} x {:.0} x {:.0} mm", mm.x, mm.y, mm.z));
+        rows.push(("box found", size.unwrap_or("none".to_owned())));
+    }
+    if config.object_box.table == TableRule::Fit {
+        let height =
+            table.zip(bounds).map(|(table, bounds)| -table.height(bounds.center().with_z(0.0)) * 1e3);
+        let height = height.map_or("none".to_owned(), |mm| {
+            // Added to 0, so that it does not read -0.0.
+            format!("at z = {:.1} mm", (mm * 10.0).round() / 10.0 + 0.0)
+        });
+        rows.push(("table found", height));
+    }
+    rows
+}
+
+/// Lengths, times and memory.
+fn costs(record: &ScanRecord) -> Vec<Row> {
+    let steps = &record.steps;
+    let [path, trajectory, time] =
+        steps.last().map_or([0.0; 3], |s| [s.path_length_m, s.trajectory_length_m, s.trajectory_time_s]);
+    // The first view is given and took no time to choose.
+    let plan_times: Vec<f64> = steps.iter().skip(1).map(|step| step.plan_time_ms).collect();
+    let map_times: Vec<f64> = steps.iter().map(|step| step.map_time_ms).collect();
+    let mut rows = vec![
+        ("path length", format!("{path:.2} m")),
+        ("trajectory", format!("{trajectory:.2} m in {time:.1} s")),
+        ("planning time", format!("{:.1} ms a view (median)", median(&plan_times))),
+        ("map update", format!("{:.1} ms a view (median)", median(&map_times))),
+    ];
+    if let Some(time) = record.baseline_time_ms {
+        rows.push(("baselines took", format!("{:.1} s, apart from the scan", time / 1000.0)));
+    }
+    if let Some(peak) = record.peak_memory_mb {
+        rows.push(("peak memory", format!("{peak:.0} MB")));
+    }
+    rows
+}
+
+/// The middle value; zero for an empty slice.
+fn median(values: &[f64]) -> f64 {
+    let mut sorted = values.to_vec();
+    sorted.sort_by(f64::total_cmp);
+    sorted.get(sorted.len() / 2).copied().unwrap_or_default()
+}

@@ -1,0 +1,231 @@
+//! The page of a scan, from made-up records.
+
+#[cfg(test)] // lets Clippy know that its `unwrap`s are those of a test
+mod made_up;
+
+use glam::{DVec3, IVec3, Vec3};
+use made_up::{MadeUp, scan};
+use nextview::geometry::Aabb;
+use nextview::planner::InOrder;
+use nextview::sensor::{DepthImage, Frame, Intrinsics};
+use nextview::session::{Session, SessionConfig};
+use nextview::view::generate;
+use nextview_report::{ViewPicture, summary, summary_text};
+use nextview_scan::{BoxRule, Next, ScanRecord, ScanRun, TableRule};
+use std::collections::HashSet;
+
+/// Writes the page, for a look at it, and prints its path.
+fn write(name: &str, page: &str) {
+    let path = std::path::Path::new(env!("CARGO_TARGET_TMPDIR")).join(name);
+    std::fs::write(&path, page).expect("the target folder is writable");
+    eprintln!("{} bytes in {}", page.len(), path.display());
+}
+
+#[test]
+fn a_whole_page() {
+    let page = scan(10, 640).page();
+    write("scan.html", &page);
+    assert!(page.len() < 3_000_000);
+    assert!(page.contains("<title>vase_with_ring – nextview scan</title>"));
+    assert!(page.contains("stopped: <b>the view limit was reached</b>") && !page.contains("under way"));
+    assert_eq!(page.matches("<img ").count(), 10);
+    assert_eq!(page.matches("src=\"data:image/png;base64,").count(), 10);
+}
+
+#[test]
+fn nothing_is_loaded_from_elsewhere() {
+    let page = scan(2, 64).page();
+    for word in ["http://", "https://", "@import", "url(", "srcset", "<iframe", "fetch(", "XMLHttp"] {
+        assert!(!page.contains(word), "the page contains {word}");
+    }
+    for attribute in ["src=\"", "href=\""] {
+        assert!(page.split(attribute).skip(1).all(|rest| rest.starts_with("data:")), "{attribute}");
+    }
+    assert!(page.contains("default-src 'none'"));
+}
+
+#[test]
+fn equal_scans_give_equal_bytes() {
+    assert_eq!(scan(3, 64).page(), scan(3, 64).page());
+}
+
+#[test]
+fn names_are_text_and_not_markup() {
+    let evil = "<script>alert(1)</script>\"'&{{config}}";
+    let mut scan = scan(2, 64);
+    for text in [&mut scan.record.object, &mut scan.command, &mut scan.config_text] {
+        *text = evil.to_owned();
+    }
+    // A frame that hit nothing is named in the summary.
+    (scan.record.steps[1].frame, scan.record.steps[1].hit_voxels) = (Some(evil.to_owned()), 0);
+    let page = scan.page();
+    assert!(!page.contains("<script>alert"));
+    let escaped = "&lt;script&gt;alert(1)&lt;/script&gt;&quot;&#39;&amp;{{config}}";
+    assert_eq!(page.matches(escaped).count(), 5, "title, heading, summary, command, config");
+}
+
+#[test]
+fn a_scan_under_way_is_a_page() {
+    for n_views in 0..4 {
+        let mut scan = scan(n_views, 64);
+        scan.record.stop_reason = None;
+        let page = scan.page();
+        assert!(page.contains("<b>under way</b>") && !page.contains("stopped"), "{n_views} views");
+        if n_views == 3 {
+            write("scan-under-way.html", &page);
+        }
+        // Nothing is known of the object, and the pictures are not there yet.
+        scan.record.steps.iter_mut().for_each(forget_truth);
+        scan.record = ScanRecord { steps: scan.record.steps, ..ScanRecord::default() };
+        scan.depths.clear();
+        let page = scan.page();
+        assert!(
+            page.contains("under way") && page.contains("Coverage is not known") && !page.contains("NaN")
+        );
+    }
+    assert!(scan(0, 64).page().contains("No view was taken.</p>"));
+    let scan = MadeUp { record: ScanRecord::default(), ..scan(0, 64) };
+    assert!(scan.page().contains("No view was taken yet.</p>"));
+}
+
+fn forget_truth(step: &mut nextview_scan::StepRecord) {
+    step.reachable_coverage = None;
+    step.voxel_coverage = None;
+    step.surface_coverage_2mm = None;
+}
+
+#[test]
+fn a_scan_without_baselines_and_coverage_has_no_empty_parts() {
+    let mut scan = scan(3, 64);
+    scan.record.random_curve = None;
+    scan.record.random_low_curve = None;
+    scan.record.random_high_curve = None;
+    scan.record.clairvoyant_curve = None;
+    scan.record.skill = None;
+    let page = scan.page();
+    assert!(
+        page.contains("this scan") && !page.contains("random views") && !page.contains("knows the object")
+    );
+    scan.record.steps.iter_mut().for_each(forget_truth);
+    let page = scan.page();
+    assert!(page.contains("Coverage is not known") && !page.contains("<svg"));
+}
+
+#[test]
+fn a_scan_of_one_view_or_none_is_a_page() {
+    assert!(scan(1, 64).page().contains("after view"));
+    let page = scan(0, 64).page();
+    assert!(page.contains("No view was taken") && !page.contains("NaN"));
+}
+
+#[test]
+fn numbers_that_are_none_do_not_reach_the_page() {
+    let mut scan = scan(5, 64);
+    scan.candidates.push(DVec3::NAN);
+    scan.points[1].push(Vec3::new(0.0, f32::INFINITY, 0.0));
+    scan.paths[1] = vec![DVec3::ZERO, DVec3::NAN];
+    scan.depths[1] = DepthImage::from_metres(4, 1, vec![f32::NAN, f32::INFINITY, 0.0, 1.0]).unwrap();
+    scan.record.random_curve.as_mut().unwrap()[0] = f64::NAN;
+    let step = &mut scan.record.steps[1];
+    step.reachable_coverage = Some(f64::NAN);
+    step.estimated_completeness = Some(f64::NAN);
+    step.plan_time_ms = f64::NAN;
+    step.path_length_m = f64::INFINITY;
+    step.quaternion_xyzw = [f64::NAN; 4];
+    let page = scan.page();
+    let (html, _) = page.split_once("<script>").unwrap();
+    assert!(!html.contains("NaN") && !html.contains("inf,") && !html.contains("inf]"));
+}
+
+#[test]
+fn images_without_surface_and_an_empty_cloud_are_fine() {
+    let mut scan = scan(2, 64);
+    scan.points.iter_mut().for_each(Vec::clear);
+    scan.depths.fill(DepthImage::from_metres(2, 2, vec![f32::NAN; 4]).unwrap());
+    let page = scan.page();
+    assert!(page.contains("\"points\":\"\"") && page.contains("no measurement"));
+}
+
+#[test]
+fn a_huge_cloud_stays_below_3_mb() {
+    let mut scan = scan(2, 64);
+    scan.points[0] = (0..2_000_000).map(|i| Vec3::new(i as f32, (i % 7) as f32, 1.0)).collect();
+    let page = scan.page();
+    assert!(page.len() < 3_000_000, "{} bytes", page.len());
+    assert!(page.contains("Shown are 150\u{202f}000 of 2\u{202f}00"));
+}
+
+#[test]
+fn the_summary_names_what_is_known() {
+    let MadeUp { mut record, mut config, .. } = scan(4, 64);
+    let text = summary_text(&record, &config);
+    let labels: Vec<&str> = text.lines().map(|line| line[..22].trim_end()).collect();
+    let expected = [
+        "views taken",
+        "stopped because",
+        "reachable coverage",
+        "  random views",
+        "  clairvoyant",
+        "skill",
+        "voxel coverage",
+        "false voxels",
+        "surface coverage 2 mm",
+        "surface coverage 5 mm",
+        "cloud",
+        "path length",
+        "trajectory",
+        "planning time",
+        "map update",
+        "peak memory",
+    ];
+    assert_eq!(labels, expected);
+
+    config.object_box.rule = BoxRule::Grows;
+    config.object_box.table = TableRule::Fit;
+    record.skipped = vec!["frame 7: no pose".to_owned()];
+    let last = record.steps.last_mut().unwrap();
+    (last.box_min_m, last.box_max_m) = (Some([-0.1, -0.1, 0.002]), Some([0.1, 0.15, 0.182]));
+    (last.table_normal, last.table_offset_m) = (Some([0.0, 0.0, 1.0]), Some(0.002));
+    (last.frame, last.hit_voxels) = (Some("frame-9".to_owned()), 0);
+    (last.accuracy_mean_mm, last.accuracy_median_mm, last.accuracy_p95_mm) =
+        (Some(0.5), Some(0.4), Some(1.5));
+    let rows = summary(&record, &config);
+    for (label, value) in [
+        ("box found", "200 x 250 x 180 mm"),
+        ("table found", "at z = 2.0 mm"),
+        ("skipped", "1 of the recording"),
+        ("nothing in the box", "frame-9"),
+        ("accuracy", "mean 0.50 mm, median 0.40 mm, 95 % within 1.50 mm"),
+    ] {
+        assert!(rows.contains(&(label.to_owned(), value.to_owned())), "{label}: {rows:?}");
+    }
+    let nothing = summary(&ScanRecord::default(), &config);
+    assert!(nothing.contains(&("state".to_owned(), "under way".to_owned())), "{nothing:?}");
+    assert!(nothing.contains(&("box found".to_owned(), "none".to_owned())), "{nothing:?}");
+}
+
+#[test]
+fn pictures_hold_the_points_that_are_new() {
+    // The camera looks at the middle of the box from 0.4 m and sees a wall there.
+    let camera = Intrinsics::d435i();
+    let bounds = Aabb::cube(DVec3::ZERO, 0.1);
+    let views = generate::fibonacci_sphere(DVec3::ZERO, 0.4, 3).unwrap();
+    let config = SessionConfig::new(0.01, bounds);
+    let mut run = ScanRun::new(Session::new(config, camera, views, Box::new(InOrder)).unwrap());
+    for pushes in 0..3 {
+        let Next::Capture(view) = run.next().unwrap() else { panic!("stopped after {pushes} views") };
+        let image = DepthImage::from_metres(640, 480, vec![0.4; camera.n_pixels()]).unwrap();
+        let frame = Frame::new(image, camera, view.world_from_camera, 1.0).unwrap();
+        run.push(frame).unwrap();
+    }
+    let scan = run.finish(None);
+    let pictures = ViewPicture::of_scan(&scan);
+    assert_eq!(pictures.len(), 3);
+    assert!(pictures[0].path.is_empty() && pictures[1].path.len() > 1);
+    let size = scan.detail(bounds);
+    let all = scan.session.frames().iter().flat_map(|frame| frame.points_in(bounds));
+    let cells: HashSet<IVec3> = all.map(|point| (point / size).floor().as_ivec3()).collect();
+    let n_points: Vec<usize> = pictures.iter().map(|picture| picture.points.len()).collect();
+    assert_eq!(n_points.iter().sum::<usize>(), cells.len());
+    assert!(n_points.iter().all(|&n| n > 0), "{n_points:?}");
+}
