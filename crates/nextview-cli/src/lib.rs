@@ -1,16 +1,13 @@
-//! The program `nextview`: its commands, its configuration, and what it writes.
+//! The program `nextview`: its options, its progress, and what it prints.
 //!
-//! It opens files, prints and reads the clock, which the library never does, and contains no planning logic. Data goes to
+//! It words faults, draws progress and holds no logic that another front end would need: scans are run by
+//! [`nextview_scan`], campaigns by [`nextview_campaign`], pages are made by [`nextview_report`]. Data goes to
 //! stdout, messages to stderr. Exit codes: 0 done, 1 bad data or a failing system, 2 bad usage.
 
-mod bench;
 pub mod commands;
-mod dataset;
 mod failure;
-mod files;
-pub mod report;
-mod scan;
+mod flags;
+mod progress;
 mod stdout;
-mod study;
 
 pub use failure::Failure;

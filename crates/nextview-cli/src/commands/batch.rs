@@ -3,7 +3,7 @@ use nextview::planner::{BatchPlan, BatchView};
 use nextview::view::ViewSpace;
 use serde::Serialize;
 
-/// What `nextview plan --batch` tells.
+/// The output of `nextview plan --batch`.
 #[derive(Debug, Serialize)]
 pub(super) struct BatchAnswer {
     /// In the order of the tour.
@@ -27,7 +27,7 @@ struct ViewAnswer {
     share: f64,
 }
 
-/// A share from which on the choice is told to be the best: what is missing may be rounding.
+/// From this share on the choice is reported as the best: the rest may be rounding.
 const IS_BEST: f64 = 1.0 - 1e-6;
 
 impl BatchAnswer {

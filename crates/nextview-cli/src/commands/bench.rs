@@ -1,13 +1,19 @@
-use crate::bench::{self, Request};
+use crate::progress::CampaignProgress;
 use crate::{Failure, stdout};
 use clap::Args;
-use std::path::PathBuf;
+use indicatif::HumanDuration;
+use nextview::Cancel;
+use nextview_campaign::execution::{CampaignEvent, run_campaign};
+use nextview_campaign::store::Store;
+use nextview_campaign::{FailedRuns, Spec, builtin, failed_runs, tables};
+use std::path::{Path, PathBuf};
+use std::time::Instant;
 
 /// Run a campaign: many scans of many objects by several planners, measured alike.
 ///
-/// A specification names the objects, the planners with their parameters, the seeds and the first views; all combinations
-/// are run. What fails is recorded and does not stop the rest. An interrupted campaign goes on with --resume; its
-/// results are the same, for any number of jobs and threads.
+/// A specification names the objects, the planners with their parameters, the seeds and the first views; all
+/// combinations are run. Failures are recorded and do not stop the rest. --resume resumes an interrupted
+/// campaign; the results are the same, for any number of jobs and threads.
 #[derive(Debug, Args)]
 #[command(after_help = EXAMPLES)]
 pub(super) struct BenchArgs {
@@ -21,7 +27,7 @@ pub(super) struct BenchArgs {
     /// Runs beside each other [default: one per thread]; with 1, times and memory are undisturbed
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
     jobs: Option<u16>,
-    /// Go on with the campaign in the folder; SPEC may be left out then
+    /// Resume the campaign in the folder; SPEC may be left out then
     #[arg(long)]
     resume: bool,
     /// Show the built-in specifications
@@ -34,9 +40,9 @@ Examples:
   nextview bench paper-1                            the paper's table I, on the built-in objects
   nextview bench paper-1 meshes/*.ply --out mine    on your own
   nextview bench mine.toml --jobs 4                 your own specification
-  nextview bench --resume --out mine                go on after an interruption
+  nextview bench --resume --out mine                resume after an interruption
 
-A specification (keys of `scan` as in config.toml; docs/bench.md tells all):
+A specification (keys of `scan` as in config.toml; see docs/bench.md):
   name = \"mine\"
   objects = [\"meshes/*.ply\", \"builtin:mug\", { file = \"a.stl\", unit = \"mm\" }]
   [scan]
@@ -54,14 +60,75 @@ tables runs (a row per run), steps (a row per view) and times, each as .csv and 
 impl BenchArgs {
     pub fn run(self) -> Result<(), Failure> {
         if self.list {
-            return stdout::print(bench::list());
+            let line = |(name, about)| format!("{name}  {about}\n");
+            return stdout::print(builtin::list().map(line).collect::<String>());
         }
-        bench::bench(&Request {
-            spec: self.spec,
-            meshes: self.mesh,
-            out: self.out,
-            jobs: self.jobs.map(usize::from),
-            resume: self.resume,
-        })
+        let start = Instant::now();
+        let spec = self.specification()?;
+        let dir = self.out.unwrap_or_else(|| PathBuf::from(format!("bench-{}", spec.name)));
+        let mut store = Store::open(&dir, &spec, self.resume)?;
+        let n_runs = store.runs().len();
+        let progress = CampaignProgress::new(n_runs);
+        let on_event = |event| on_event(event, &progress, &spec.name, &dir);
+        run_campaign(&mut store, self.jobs.map(usize::from), &Cancel::default(), &on_event)?;
+        drop(progress);
+        let records = store.finished();
+        tables::write(&dir, &records)?;
+        let (time, dir) = (HumanDuration(start.elapsed()), dir.display());
+        stdout::print(format!(
+            "\n{}, {time}; results in {dir} (runs, steps and times, as .csv and .parquet)\n",
+            counted(n_runs, "run")
+        ))?;
+        check(&failed_runs(&records), n_runs)
     }
+
+    fn specification(&self) -> Result<Spec, Failure> {
+        match (&self.spec, &self.out) {
+            (Some(spec), _) => Ok(Spec::load(spec, &self.mesh)?),
+            (None, Some(dir)) if self.resume => Ok(Spec::of_folder(dir)?),
+            (None, _) => Err(Failure::usage("there is no specification").with_hint(
+                "pass a TOML file or the name of a built-in one (--list shows them), or --resume and --out",
+            )),
+        }
+    }
+}
+
+/// Shows an event of the campaign. A closed stdout does not end the campaign.
+fn on_event(event: CampaignEvent, progress: &CampaignProgress, name: &str, dir: &Path) {
+    let text = match event {
+        CampaignEvent::Began { n_objects, n_runs, n_finished } => {
+            progress.begin(n_finished);
+            let before = if n_finished > 0 { format!(", {n_finished} done before") } else { String::new() };
+            let (objects, runs) = (counted(n_objects, "object"), counted(n_runs, "run"));
+            format!("{name}: {objects}, {runs}{before}, in {}\n", dir.display())
+        }
+        CampaignEvent::RunFinished { .. } => return progress.step(),
+        CampaignEvent::ObjectFinished { object, n_runs, n_failed: 0 } => {
+            format!("{object}: {}\n", counted(n_runs, "run"))
+        }
+        CampaignEvent::ObjectFinished { object, n_runs, n_failed } => {
+            format!("{object}: {}, {n_failed} failed\n", counted(n_runs, "run"))
+        }
+        CampaignEvent::Note(note) => return eprintln!("note: {note}"),
+        _ => return,
+    };
+    let _ = progress.print(&text);
+}
+
+/// Fails with the reasons if any run failed.
+fn check(failed: &[FailedRuns], n_runs: usize) -> Result<(), Failure> {
+    if failed.is_empty() {
+        return Ok(());
+    }
+    let n_failed: usize = failed.iter().map(|failed| failed.n_runs).sum();
+    let line = |FailedRuns { object, reason, n_runs }: &FailedRuns| {
+        format!("\n  {object} ({}): {reason}", counted(*n_runs, "run"))
+    };
+    let lines: String = failed.iter().map(line).collect();
+    Err(Failure::data(format!("{n_failed} of {n_runs} runs failed{lines}")))
+}
+
+/// `1 run`, `2 runs`.
+fn counted(n: usize, noun: &str) -> String {
+    format!("{n} {noun}{}", if n == 1 { "" } else { "s" })
 }

@@ -1,13 +1,14 @@
-use crate::study::{self, Campaign};
 use crate::{Failure, stdout};
 use clap::Args;
+use nextview_campaign::{statistics, store};
+use nextview_report::comparison_text;
 use std::path::PathBuf;
 
 /// Compare two campaigns run by run: is B better than A, and is that more than noise?
 ///
-/// Runs of the same object, variant, seed and first view are paired. Differences are B - A, averaged over objects; their
-/// 95 % intervals are by a bootstrap over objects. If A and B have one variant each, these two are compared whatever
-/// their names.
+/// Runs of the same object, variant, seed and first view are paired. Differences are B - A, averaged over
+/// objects; their 95 % intervals are by a bootstrap over objects. If A and B have one variant each, these two
+/// are compared whatever their names.
 #[derive(Debug, Args)]
 #[command(
     after_help = "Examples:\n  nextview compare before after\n  nextview compare max-flow apora --json"
@@ -24,11 +25,11 @@ pub(super) struct CompareArgs {
 
 impl CompareArgs {
     pub fn run(self) -> Result<(), Failure> {
-        let (a, b) = (Campaign::read(&self.a)?, Campaign::read(&self.b)?);
-        let comparison = study::compare(&a, &b);
+        let (a, b) = (store::read(&self.a)?, store::read(&self.b)?);
+        let comparison = statistics::compare(&a.runs, &b.runs);
         if self.json {
             return stdout::print(serde_json::to_string(&comparison).map_err(Failure::data)? + "\n");
         }
-        stdout::print(comparison.to_text(&self.a.to_string_lossy(), &self.b.to_string_lossy()))
+        stdout::print(comparison_text(&comparison, &self.a.to_string_lossy(), &self.b.to_string_lossy()))
     }
 }

@@ -1,9 +1,10 @@
-use crate::Failure;
-use crate::dataset::{self, DatasetConfig, Request};
+use crate::progress::Progress;
+use crate::{Failure, stdout};
 use clap::{Args, Subcommand};
+use nextview_learned::nbv_net::dataset::{self, DatasetConfig, DatasetError};
 use std::path::PathBuf;
 
-/// Make examples for learned planners to learn from.
+/// Make training data for learned planners.
 #[derive(Debug, Subcommand)]
 #[command(after_help = "Example:\n  nextview dataset nbv-net --out nbv-data")]
 pub(super) enum DatasetCommand {
@@ -18,11 +19,12 @@ impl DatasetCommand {
     }
 }
 
-/// Make examples for NBV-Net: what is known after a few views of an object, and the best of 14 next views.
+/// Make training data for NBV-Net: the known grid after a few views of an object, and the best of 14 views.
 ///
-/// The simulated camera looks at random objects, which no benchmark has, up to eight times each: from anywhere, from one of
-/// the 14 views, or from the best of them. After each view, what is known is an example, with what each of the 14 would truly show. The
-/// same objects and seed give the same bytes, for any number of threads and interruptions.
+/// The simulated camera looks at random objects, which no benchmark has, up to eight times each: from
+/// anywhere, from one of the 14 views, or from the best of them. Each view gives a sample: the known grid,
+/// and what each of the 14 would truly show. The same objects and seed give the same bytes, for any number of
+/// threads and interruptions.
 #[derive(Debug, Args)]
 #[command(after_help = EXAMPLES)]
 pub(super) struct NbvNetArgs {
@@ -32,10 +34,10 @@ pub(super) struct NbvNetArgs {
     /// Number of objects, each of which gives up to eight examples of 33 kB: 2 GB by default
     #[arg(long, value_name = "N", default_value = "8000", value_parser = clap::value_parser!(u32).range(1..=1_000_000), allow_negative_numbers = true)]
     objects: u32,
-    /// Which objects, and how they are looked at
+    /// Seed of the objects and the views
     #[arg(long, value_name = "S", default_value = "0", value_parser = clap::value_parser!(u32), allow_negative_numbers = true)]
     seed: u32,
-    /// Go on with the data set in the folder
+    /// Resume the data set in the folder
     #[arg(long)]
     resume: bool,
 }
@@ -43,7 +45,7 @@ pub(super) struct NbvNetArgs {
 const EXAMPLES: &str = "\
 Examples:
   nextview dataset nbv-net --out nbv-data
-  nextview dataset nbv-net --out nbv-data --resume         go on after an interruption
+  nextview dataset nbv-net --out nbv-data --resume         resume after an interruption
   nextview dataset nbv-net --out other --objects 100 --seed 1
 
 The folder holds dataset.toml and files of 64 objects, each a NumPy array of records: object (its
@@ -54,6 +56,22 @@ P(occupied) times 254). training/nbv_net.py learns from it.";
 impl NbvNetArgs {
     pub fn run(self) -> Result<(), Failure> {
         let config = DatasetConfig { objects: self.objects, seed: self.seed };
-        dataset::make(&Request { config, out: self.out, resume: self.resume })
+        let progress = Progress::new("scanning objects", config.objects as usize);
+        dataset::make(&config, &self.out, self.resume, || progress.step()).map_err(failure)?;
+        drop(progress);
+        let n_files = config.n_files();
+        stdout::print(format!("{} objects in {n_files} files in {}\n", config.objects, self.out.display()))
     }
+}
+
+/// The fault in the words of the command line.
+fn failure(error: DatasetError) -> Failure {
+    let hint = match &error {
+        DatasetError::Exists { .. } => "pass --resume to resume that data set, or another --out".to_owned(),
+        DatasetError::Differs { found, .. } => {
+            format!("pass --objects {} --seed {}, or another --out", found.objects, found.seed)
+        }
+        _ => return Failure::data(error),
+    };
+    Failure::data(error).with_hint(hint)
 }

@@ -11,18 +11,17 @@ mod scan;
 mod values;
 mod views;
 
-pub(crate) use views::Rule;
-
 use crate::Failure;
 use clap::{Parser, Subcommand};
 
-/// Decides where a depth camera should look next, so that an unknown object is scanned completely in as few views as
-/// possible.
+/// Decides where a depth camera should look next, so that an unknown object is scanned completely in as few
+/// views as possible.
 ///
-/// `nextview scan` scans a simulated object from the first view to the last and writes the map, the cloud, the mesh
-/// and a report. `nextview bench` scans many objects with many planners, `nextview report` and `nextview compare` tell
-/// what came of it. `nextview plan` gives the next view, or the next few, for a map that you have, `nextview map` looks into maps, `nextview
-/// views` makes the poses to choose from, `nextview dataset` examples for learned planners.
+/// `nextview scan` scans a simulated object from the first view to the last and writes the map, the cloud,
+/// the mesh and a report. `nextview bench` scans many objects with many planners, `nextview report` and
+/// `nextview compare` make figures and tables of that. `nextview plan` gives the next view, or the next few,
+/// for a saved map, `nextview map` summarises and converts maps, `nextview views` makes view candidates,
+/// `nextview dataset` training data for learned planners.
 #[derive(Debug, Parser)]
 #[command(name = "nextview", version, max_term_width = 100, after_help = EXAMPLES)]
 pub struct Cli {
@@ -40,10 +39,10 @@ Examples:
   nextview scan builtin:mug --planner local  another object, another planner
   nextview bench paper-1 meshes/*.ply        every planner on your meshes
   nextview report bench-paper-1              the figures and tables of that
-  nextview map info map.ot                   what a map knows
+  nextview map info map.ot                   summary of a map
   nextview views > views.csv                 poses to choose from
   nextview plan --map map.ot --views views.csv
-  nextview dataset nbv-net --out nbv-data    examples for NBV-Net to learn from
+  nextview dataset nbv-net --out nbv-data    training data for NBV-Net
 
 Conventions: metres, world frame right-handed with z up, camera frame x right, y down, z forward.
 Data goes to stdout, messages to stderr.

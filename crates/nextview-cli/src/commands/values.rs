@@ -1,7 +1,16 @@
 //! Values on the command line.
 
+use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use glam::DVec3;
 use nextview::geometry::Aabb;
+use nextview_scan::Named;
+
+/// A value by its name.
+pub(super) fn named<T: Named + Send + Sync>() -> impl TypedValueParser<Value = T> {
+    let values = T::ALL.iter().map(|value| PossibleValue::new(value.name()).help(value.about()));
+    PossibleValuesParser::new(values)
+        .map(|name| T::of_name(&name).expect("the parser knows all names and no other"))
+}
 
 /// A finite number.
 pub(super) fn number(text: &str) -> Result<f64, String> {

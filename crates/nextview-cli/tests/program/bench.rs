@@ -161,7 +161,7 @@ fn check_tables_but_leftovers(folder: &Folder, out: &str) {
 }
 
 #[test]
-fn a_torn_last_line_is_done_again_and_other_damage_told() {
+fn a_torn_last_line_is_done_again_and_other_damage_is_reported() {
     let folder = finished("bench-torn");
     std::fs::create_dir(folder.path("torn")).unwrap();
     let spec = folder.bytes("bench-tiny/spec.toml");
@@ -181,19 +181,22 @@ fn a_torn_last_line_is_done_again_and_other_damage_told() {
         check_tables(&folder, "torn");
     }
     let mut lines: Vec<&str> = runs.lines().collect();
+    put(&([&lines[..], &lines[..1]].concat().join("\n") + "\n"));
+    assert_eq!(folder.run(&resume).code, Some(0), "equal records of one run are one");
     let refused = |lines: &[&str], part: &str| {
         put(&(lines.join("\n") + "\n"));
         let run = folder.run(&resume);
         assert_eq!(run.code, Some(1));
-        assert!(run.stderr.contains("runs.jsonl: line ") && run.stderr.contains(part), "{}", run.stderr);
+        assert!(run.stderr.contains("runs.jsonl") && run.stderr.contains(part), "{}", run.stderr);
     };
-    refused(&[lines[0], "{", lines[1]], "line 2: ");
-    refused(&[lines[0], lines[1], lines[0]], "line 3: a second result of one run: object ");
+    refused(&[lines[0], "{", lines[1]], "line 2, column ");
+    let other = lines[0].replace("\"false_voxels\":", "\"false_voxels\":9");
+    refused(&[lines[0], lines[1], &other], "lines 1 and 3 have unequal records of one run");
     let other = lines[2].replace("\"views\":3", "\"views\":4");
     refused(&[lines[0], &other, lines[1]], "views is 4 there, 3 here");
     let other = lines[2].replace("\"seed\":", "\"seed\":9");
     lines[2] = &other;
-    refused(&lines, "line 3: no run of this campaign: object ");
+    refused(&lines, "no run of this campaign");
 }
 
 #[test]

@@ -1,4 +1,5 @@
-//! `report` and `compare` on folders that are none; what they tell of campaigns is tested where it is computed.
+//! `report` and `compare` on folders that are none; what they tell of campaigns is tested where it is
+//! computed.
 
 use crate::common::Folder;
 
@@ -22,6 +23,6 @@ fn a_malformed_run_is_named_by_file_and_line() {
     folder.write("a/runs.jsonl", "{\"object\": 7}\n");
     let run = folder.run(&["report", "a"]);
     assert_eq!(run.code, Some(1));
-    let expected = "error: a/runs.jsonl: line 1, column 12: invalid type: integer `7`, expected a string";
+    let expected = "error: a/runs.jsonl, line 1, column 12: invalid type: integer `7`, expected a string";
     assert!(run.stderr.starts_with(expected), "{}", run.stderr);
 }

@@ -10,12 +10,13 @@ pub const SMALL: [&str; 7] =
     ["scan", "builtin:mug", "--candidates", "20", "--voxel-size-m", "0.01", "--out=out"];
 
 /// What a scan leaves in its folder.
-pub const RESULT_FILES: [&str; 9] = [
+pub const RESULT_FILES: [&str; 10] = [
     "cloud.ply",
     "config.toml",
     "map.bt",
     "map.ot",
     "mesh.ply",
+    "record.json",
     "report.html",
     "steps.jsonl",
     "views.csv",
@@ -121,11 +122,20 @@ pub fn small<'a>(args: &[&'a str]) -> Vec<&'a str> {
     [&SMALL, args].concat()
 }
 
-/// The JSON without what differs between equal runs: times and memory.
-pub fn timeless(mut value: Value) -> Value {
-    let entries = value.as_object_mut().unwrap();
+/// A record without what differs between equal runs: times and memory.
+pub fn timeless(mut record: Value) -> Value {
+    let entries = record.as_object_mut().unwrap();
     entries.retain(|key, _| !key.ends_with("_time_ms") && key != "peak_memory_mb");
-    value
+    if let Some(steps) = entries.get_mut("steps").and_then(Value::as_array_mut) {
+        steps.iter_mut().for_each(|step| *step = timeless(step.take()));
+    }
+    record
+}
+
+/// A quantity of a record after each view; NaN where there is none.
+pub fn curve(record: &Value, key: &str) -> Vec<f64> {
+    let steps = record["steps"].as_array().unwrap();
+    steps.iter().map(|step| step[key].as_f64().unwrap_or(f64::NAN)).collect()
 }
 
 /// A file of the reference data; none, and a word about it, where there is no such data.

@@ -2,7 +2,8 @@ use crate::common::Folder;
 use std::io::{BufRead, BufReader};
 use std::process::{Command, Stdio};
 
-/// Interrupts scans after this many lines on stdout, and tells what they leave in the folder that they were to write.
+/// Interrupts scans after this many lines on stdout, and tells what they leave in the folder that they were
+/// to write.
 fn interrupt_after(n_lines: usize, name: &str, more: &[&str], left: &[&str]) {
     for out in ["new", "deep/er", "."] {
         let folder = Folder::new(name);

@@ -123,7 +123,8 @@ fn plan_agrees_with_the_scan_that_made_the_map() {
     let folder = Folder::new("plan");
     let args = ["--view-space", "sphere", "--planner", "local", "--baselines", "off", "--json"];
     let scan = folder.json(&small(&[args.as_slice(), &["--views", "3"]].concat()));
-    let chosen: Vec<u64> = scan["view_ids"].as_array().unwrap().iter().map(|v| v.as_u64().unwrap()).collect();
+    let chosen: Vec<u64> =
+        scan["steps"].as_array().unwrap().iter().map(|step| step["view"].as_u64().unwrap()).collect();
     folder.json(&small(&[args.as_slice(), &["--views", "2"]].concat()));
     // The candidates and the box of the scan: around the mug, which stands on z = 0.
     let bounds = nextview_sim::builtin::by_name("mug").unwrap().bounds();

@@ -33,11 +33,14 @@ fn every_view_is_reached_by_waypoints() {
             length += moved;
         }
         time += last[1];
-        assert!((step["way_m"].as_f64().unwrap() - length).abs() < 1e-9);
-        assert!((step["move_time_s"].as_f64().unwrap() - time).abs() < 1e-9);
+        assert!((step["trajectory_length_m"].as_f64().unwrap() - length).abs() < 1e-9);
+        assert!((step["trajectory_time_s"].as_f64().unwrap() - time).abs() < 1e-9);
         assert!(length >= step["path_length_m"].as_f64().unwrap() - 1e-9);
     }
-    assert_eq!((&steps[3]["way_m"], &steps[3]["move_time_s"]), (&result["way_m"], &result["move_time_s"]));
+    assert_eq!(
+        (&steps[3]["trajectory_length_m"], &steps[3]["trajectory_time_s"]),
+        (&result["trajectory_length_m"], &result["trajectory_time_s"])
+    );
     assert!(folder.text("out/config.toml").contains("speed_m_per_s = 0.1"));
 }
 
@@ -99,7 +102,8 @@ fn recorded_frames_out_of_reach_are_dropped() {
     let result: Value = serde_json::from_str(&result.stdout).unwrap();
     let near = |i: &usize| distance(&positions[*i][2..5], &[1.0, 0.0, 0.0]) <= 1.0;
     let left: Vec<usize> = (0..10).filter(near).collect();
-    assert_eq!(result["n_candidates"], left.len());
-    let names: Vec<&Value> = left[..2].iter().map(|i| &all["frames"][*i]).collect();
-    assert_eq!(result["frames"].as_array().unwrap().iter().collect::<Vec<_>>(), names);
+    assert_eq!(result["candidates"], left.len());
+    let names: Vec<&Value> = left[..2].iter().map(|i| &all["steps"][*i]["frame"]).collect();
+    let taken: Vec<&Value> = result["steps"].as_array().unwrap().iter().map(|step| &step["frame"]).collect();
+    assert_eq!(taken, names);
 }

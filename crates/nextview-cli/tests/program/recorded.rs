@@ -1,6 +1,7 @@
-//! Scans of recorded frames. Here the recordings are simulated; those of real cameras are tested where they are read.
+//! Scans of recorded frames. Here the recordings are simulated; those of real cameras are tested where they
+//! are read.
 
-use crate::common::{Folder, RESULT_FILES, data, timeless};
+use crate::common::{Folder, RESULT_FILES, curve, data, timeless};
 use crate::ply::Vertices;
 use crate::recording::{SCAN, color_at, write_colors, write_recording};
 use glam::DVec3;
@@ -10,31 +11,27 @@ fn scan<'a>(args: &[&'a str]) -> Vec<&'a str> {
     [&SCAN, args].concat()
 }
 
-fn numbers(value: &Value) -> Vec<f64> {
-    value.as_array().unwrap().iter().map(|v| v.as_f64().unwrap()).collect()
-}
-
 #[test]
 fn plans_over_the_recorded_views() {
     let folder = Folder::new("recorded");
     write_recording(&folder, 12);
     let result = folder.json(&scan(&["--views", "5", "--json"]));
     assert_eq!((&result["object"], &result["planner"]), (&"rec".into(), &"most-surface".into()));
-    assert_eq!((&result["n_candidates"], &result["views"]), (&12.into(), &5.into()));
+    assert_eq!((&result["candidates"], &result["views"]), (&12.into(), &5.into()));
     let with_truth = [
         "voxel_coverage",
         "surface_coverage_2mm",
         "reachable_coverage",
         "skill",
         "random_curve",
-        "cloud",
-        "mesh",
+        "cloud_accuracy_mean_mm",
+        "mesh_accuracy_mean_mm",
     ];
     for key in with_truth {
         assert!(result[key].is_null(), "{key} needs the truth");
     }
-    assert_eq!(result["frames"][0], "frame 0");
-    assert_eq!((&result["blind_frames"], &result["skipped"]), (&Value::Array(vec![]), &Value::Array(vec![])));
+    assert_eq!(result["steps"][0]["frame"], "frame 0");
+    assert!(result["skipped"].is_null() && curve(&result, "hit_voxels").iter().all(|hits| *hits > 0.0));
 
     assert_eq!(folder.names("out"), RESULT_FILES);
     let steps: Vec<Value> =
@@ -61,7 +58,7 @@ fn what_is_below_the_stated_table_is_not_the_object() {
         folder.ok(&scan(&[&["--views", "8"], args].concat()));
         let steps = folder.text("out/steps.jsonl");
         let last: Value = serde_json::from_str(steps.lines().last().unwrap()).unwrap();
-        last["bounds"]["min"][2].as_f64().unwrap()
+        last["box_min_m"][2].as_f64().unwrap()
     };
     let whole = lowest(&[]);
     let cut = lowest(&["--table-z-m", "0.03"]);
@@ -73,7 +70,7 @@ fn the_order_may_be_the_recorded_one_or_random() {
     let folder = Folder::new("recorded-order");
     write_recording(&folder, 6);
     let views =
-        |args: &[&str]| numbers(&folder.json(&scan(&[args, &["--views=5", "--json"]].concat()))["view_ids"]);
+        |args: &[&str]| curve(&folder.json(&scan(&[args, &["--views=5", "--json"]].concat())), "view");
     assert_eq!(views(&["--planner", "in-order"]), [0.0, 1.0, 2.0, 3.0, 4.0]);
     assert_eq!(views(&["--planner", "in-order", "--first-view", "4"]), [4.0, 5.0, 0.0, 1.0, 2.0]);
     let random = views(&["--planner", "random", "--seed", "3"]);
@@ -87,13 +84,11 @@ fn the_truth_measures_the_scan() {
     write_recording(&folder, 12);
     let options = ["--views", "4", "--truth", "mug.obj", "--unit", "m", "--json"];
     let there = folder.json(&scan(&options));
-    for key in ["voxel_coverage", "surface_coverage_1mm", "surface_coverage_5mm", "reachable_coverage_curve"]
-    {
-        let curve = numbers(&there[key]);
+    for key in ["voxel_coverage", "surface_coverage_1mm", "surface_coverage_5mm", "reachable_coverage"] {
+        let curve = curve(&there, key);
         assert!(curve.len() == 4 && curve.is_sorted() && curve[0] > 0.1, "{key}: {curve:?}");
     }
-    let accuracy = there["accuracy"].as_array().unwrap();
-    let millimetres = |key: &str| accuracy[3][key].as_f64().unwrap();
+    let millimetres = |key: &str| there["steps"][3][key].as_f64().unwrap();
     let [median, mean, p95] = ["accuracy_median_mm", "accuracy_mean_mm", "accuracy_p95_mm"].map(millimetres);
     assert!(
         median < 0.4 && mean < 0.5 && p95 < 1.0,
@@ -101,8 +96,8 @@ fn the_truth_measures_the_scan() {
     );
     assert!(there["skill"].is_f64());
     for model in ["cloud", "mesh"] {
-        let of = |key: &str| there[model][key].as_f64().unwrap();
-        assert!(of("accuracy_mean_mm") < 0.6 && of("completeness_5mm") > 0.5, "{}", there[model]);
+        let of = |key: &str| there[format!("{model}_{key}")].as_f64().unwrap();
+        assert!(of("accuracy_mean_mm") < 0.6 && of("completeness_5mm") > 0.5, "{model}");
     }
     let steps = folder.text("out/steps.jsonl");
     assert!(steps.contains("\"frame\":\"frame 0\"") && steps.contains("\"accuracy_p95_mm\":"), "{steps}");
@@ -111,7 +106,7 @@ fn the_truth_measures_the_scan() {
     folder.write("moved.txt", "0 -1 0 0.3\n1 0 0 -0.2\n0 0 1 0.1\n0 0 0 1\n");
     let moved = ["--views=4", "--truth=moved.obj", "--truth-from-world=moved.txt", "--unit=m", "--json"];
     let moved = folder.json(&scan(&moved));
-    let [a, b] = [&there, &moved].map(|result| numbers(&result["surface_coverage_2mm"])[3]);
+    let [a, b] = [&there, &moved].map(|result| curve(result, "surface_coverage_2mm")[3]);
     assert!((a - b).abs() < 0.02, "{a} {b}");
 
     let clairvoyant = folder.json(&scan(&[&options[..], &["--planner", "clairvoyant"]].concat()));
@@ -133,7 +128,8 @@ fn colour_is_in_cloud_and_mesh() {
         assert!(plain.colors.is_empty() && colored.columns[6..] == ["red", "green", "blue"]);
         assert!(plain.positions == colored.positions && plain.normals == colored.normals);
     }
-    // Colour tells where a point is; that of a vertex is of the point next to it, 4 cells of 2.5 mm away at most.
+    // Colour tells where a point is; that of a vertex is of the point next to it, 4 cells of 2.5 mm away at
+    // most.
     for (file, most_off) in [(&colored[0], 1), (&colored[1], 6)] {
         for ((position, normal), color) in file.positions.iter().zip(&file.normals).zip(&file.colors) {
             let expected = color_at(DVec3::from_array(position.map(f64::from)));
@@ -158,7 +154,7 @@ fn what_is_left_out_is_told() {
     let text = folder.ok(&scan(&["--views", "2", "--planner", "in-order"]));
     let head = "rec: 3 recorded frames of 160 x 120 pixels\nskipped: the pose of frame 2 (poses.csv, line 4) is left out: ";
     assert!(text.starts_with(head), "{text}");
-    assert!(text.contains("\nleft out               1 (see above)\n"), "{text}");
+    assert!(text.contains("\nskipped                1 of the recording\n"), "{text}");
     let run = folder.run(&scan(&["--views", "2", "--json"]));
     assert!(run.code == Some(0) && run.stderr.starts_with("skipped: the pose of frame 2"), "{}", run.stderr);
     let result: Value = serde_json::from_str(&run.stdout).unwrap();
@@ -200,10 +196,10 @@ fn a_real_bunny_is_measured() {
     let run = folder.run(&args);
     assert!(run.stderr.starts_with("note: the rotations in poses.csv have scale or shear"), "{}", run.stderr);
     let result: Value = serde_json::from_str(&run.stdout).unwrap();
-    let coverage = numbers(&result["surface_coverage_2mm"]);
+    let coverage = curve(&result, "surface_coverage_2mm");
     assert!(coverage[3] > 0.4, "{coverage:?}");
-    assert!(result["accuracy"][3]["accuracy_median_mm"].as_f64().unwrap() < 1.2, "{}", result["accuracy"][3]);
-    assert!(result["cloud"]["accuracy_median_mm"].as_f64().unwrap() < 1.5, "{}", result["cloud"]);
+    assert!(result["steps"][3]["accuracy_median_mm"].as_f64().unwrap() < 1.2, "{}", result["steps"][3]);
+    assert!(result["cloud_accuracy_median_mm"].as_f64().unwrap() < 1.5, "{result}");
     let colors = Vertices::read(&folder.bytes("out/cloud.ply")).colors;
     assert!(
         colors.iter().filter(|color| color.iter().all(|value| *value > 100)).count() > 9 * colors.len() / 10

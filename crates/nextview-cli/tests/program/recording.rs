@@ -11,7 +11,8 @@ use nextview_sim::{builtin, scene::Scene};
 /// A scan of the recording in the folder `rec`.
 pub const SCAN: [&str; 6] = ["scan", "--frames", "rec", "--voxel-size-m", "0.01", "--out=out"];
 
-/// Writes so many frames into the folder `rec`, and what they show as `mug.obj` and, in another place, `moved.obj`.
+/// Writes so many frames into the folder `rec`, and what they show as `mug.obj` and, in another place,
+/// `moved.obj`.
 pub fn write_recording(folder: &Folder, n: usize) {
     let camera = Intrinsics::pinhole(160, 120, DVec2::splat(150.0), DVec2::new(79.5, 59.5)).unwrap();
     let mesh = builtin::by_name("mug").unwrap();

@@ -1,9 +1,10 @@
 //! The tables in docs/reproduction are what this program finds: a few of their runs, done again.
 
-use crate::common::{Folder, data};
+use crate::common::{Folder, curve, data};
 use std::collections::BTreeMap;
 
-/// A report, a column of its table of objects, and the configuration that the column stands for, over the paper's protocol.
+/// A report, a column of its table of objects, and the configuration that the column stands for, over the
+/// paper's protocol.
 const COLUMNS: [(&str, &str, &str); 7] = [
     (include_str!("../../../../docs/reproduction/paper-1.md"), "max-flow", ""),
     (include_str!("../../../../docs/reproduction/paper-1.md"), "apora", "planner = 'apora'\n"),
@@ -49,7 +50,7 @@ fn check(object: &str, file: &str) {
         folder.write("config.toml", format!("{PROTOCOL}{config}"));
         let scan =
             folder.json(&["scan", mesh.to_str().unwrap(), "--config=config.toml", "--out=out", "--json"]);
-        let coverage = scan["voxel_coverage"].as_array().unwrap().last().unwrap().as_f64().unwrap();
+        let coverage = *curve(&scan, "voxel_coverage").last().unwrap();
         assert_eq!(
             format!("{:.1}", 100.0 * coverage),
             reported(report, object, column),

@@ -1,9 +1,9 @@
-//! Scans that are interrupted, and go on.
+//! Scans that are interrupted and resumed.
 
 use crate::common::{Folder, Run};
 use crate::recording::{self, write_recording};
 use nextview::geometry::random::Random;
-use nextview_recording::Journal;
+use nextview_scan::{Journal, JournalEntry};
 use std::fs;
 use std::io::{BufRead, BufReader};
 use std::process::{Child, Command, Stdio};
@@ -28,7 +28,7 @@ fn folder(name: &str) -> Folder {
     folder
 }
 
-/// The files that tell what came of a scan, and the views it took.
+/// The result files of a scan, and the views it took.
 fn results(folder: &Folder, name: &str) -> (Vec<Vec<u8>>, Vec<usize>) {
     let files =
         ["map.ot", "views.csv", "cloud.ply", "mesh.ply"].map(|file| folder.bytes(&format!("{name}/{file}")));
@@ -37,7 +37,7 @@ fn results(folder: &Folder, name: &str) -> (Vec<Vec<u8>>, Vec<usize>) {
     (files.to_vec(), views.collect())
 }
 
-/// The views that a process told, until it was killed after this time, and whether it had finished.
+/// The views that a process printed, until it was killed after this time, and whether it had finished.
 fn killed_after(mut child: Child, time: Duration) -> (Vec<usize>, bool) {
     let stdout = BufReader::new(child.stdout.take().unwrap());
     let reader = thread::spawn(move || stdout.lines().map_while(Result::ok).collect::<Vec<String>>());
@@ -82,7 +82,11 @@ fn whenever_it_is_killed_no_frame_is_lost_and_it_goes_on_alike() {
         // Before the first frame there may be no journal, and when all is written there is none any more.
         if journal.exists() {
             let (_, kept) = Journal::open(&journal).unwrap();
-            let views: Vec<usize> = kept.frames.iter().map(|kept| kept.view.unwrap()).collect();
+            let view = |entry: &JournalEntry| match entry {
+                JournalEntry::Frame(kept) => kept.view.unwrap(),
+                JournalEntry::Skip(_) => panic!("nothing is skipped"),
+            };
+            let views: Vec<usize> = kept.entries.iter().map(view).collect();
             assert!(
                 views.len() >= told.len().max(n_known),
                 "{} frames were lost",
@@ -135,11 +139,11 @@ fn an_interrupted_scan_is_not_overwritten() {
     assert_eq!(again.code, Some(1));
     assert_eq!(again.stdout, "", "told before anything is computed");
     assert!(again.stderr.contains("out: holds an interrupted scan"), "{}", again.stderr);
-    assert!(again.stderr.contains("--resume out goes on with it"), "{}", again.stderr);
+    assert!(again.stderr.contains("--resume out resumes it"), "{}", again.stderr);
     assert_eq!(folder.bytes("out/scan.journal"), journal);
     let resumed = folder.run(&["scan", "--resume", "out", "--json"]);
     assert_eq!(resumed.code, Some(0), "{}", resumed.stderr);
-    assert!(resumed.stderr.starts_with("note: goes on after "), "{}", resumed.stderr);
+    assert!(resumed.stderr.starts_with("note: resumes after "), "{}", resumed.stderr);
     assert!(!folder.names("out").contains(&"scan.journal".to_owned()), "{:?}", folder.names("out"));
     assert_eq!(folder.run(&SCAN).code, Some(0), "a finished scan may be made anew");
 }
@@ -198,7 +202,7 @@ fn a_full_disk_costs_no_frame_that_was_kept() {
     let run = Run::of(command);
     assert_eq!(run.code, Some(1), "{}", run.stderr);
     assert!(run.stderr.contains("scan.journal: cannot be written: "), "{}", run.stderr);
-    assert!(run.stderr.contains("--resume out goes on after "), "{}", run.stderr);
+    assert!(run.stderr.contains("--resume out resumes the scan after "), "{}", run.stderr);
     let resumed = folder.run(&["scan", "--resume", "out"]);
     assert_eq!(resumed.code, Some(0), "{}", resumed.stderr);
     assert!(results(&folder, "out") == results(&folder, "whole"));

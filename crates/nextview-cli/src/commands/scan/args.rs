@@ -1,50 +1,54 @@
-use super::values;
+use super::run::{Output, begin, resume};
 use crate::Failure;
-use crate::scan::{
-    self, BoxRule, NoiseModel, Output, PlannerName, Profile, RecordingConfig, ScanConfig, TableRule,
-    UnitName, ViewSpaceName,
-};
+use crate::commands::values::{self, named};
 use clap::{Args, ValueEnum};
 use nextview_recording::ReadOptions;
+use nextview_scan::{
+    BoxRule, Fault, NoiseModel, PlannerName, Profile, RecordingConfig, ScanConfig, TableRule, UnitName,
+    ViewSpaceName, short_name,
+};
 use std::path::PathBuf;
 
 /// Scan an object from the first view to the last, and write map, cloud, mesh and report.
 ///
-/// The object is a mesh that a simulated depth camera looks at; the planner knows only the box it lies in (or not even
-/// that) and what the camera saw. Because the truth is known, the scan is measured: against random views and against a clairvoyant planner
-/// that knows the object (skill 0 and 1).
+/// A simulated depth camera looks at a mesh; the planner knows only the box around it (or not even that) and
+/// the depth images. Because the true object is known, the scan is measured: against random views (skill 0)
+/// and against a clairvoyant planner that knows the object (skill 1).
 ///
-/// Every frame is on the disk before it counts: however it was interrupted, a scan goes on with --resume.
+/// Every frame is on the disk before it counts: --resume resumes a scan after any interruption.
 ///
-/// With --frames, a camera's recorded images take its place: the candidates are the recorded poses, and the box grows from the first
-/// image on unless --box-m states it. The scan is measured if --truth says what the object looks like.
+/// With --frames, recorded depth images take the camera's place: the candidates are the recorded poses, and
+/// the box grows from the first image on unless --box-m states it. The scan is measured if --truth names the
+/// true object's mesh.
 #[derive(Debug, Default, PartialEq, Args)]
 #[command(after_help = EXAMPLES)]
-pub(super) struct ScanArgs {
-    /// A mesh file (.ply, .obj, .stl, .off, .gltf, .glb) or builtin:NAME (teapot, mug, bracket, torus-knot, random-SEED
-    /// such as random-17) [default: builtin:teapot]
+pub struct ScanArgs {
+    /// A mesh file (.ply, .obj, .stl, .off, .gltf, .glb) or builtin:NAME (teapot, mug, bracket, torus-knot,
+    /// random-SEED such as random-17) [default: builtin:teapot]
     model: Option<String>,
-    /// Recorded frames instead of a simulation: a folder with poses.csv, intrinsics.txt and depth/, one of TUM RGB-D, or an .mcap file of ROS 2
+    /// Recorded frames instead of a simulation: a folder with poses.csv, intrinsics.txt and depth/, one of
+    /// TUM RGB-D, or an .mcap file of ROS 2
     #[arg(long, value_name = "PATH", conflicts_with_all = ["model", "candidates", "view_space", "object_box", "noise", "pose_error_mm", "pose_error_deg", "size_m"])]
     frames: Option<String>,
     #[command(flatten)]
     recording: RecordingArgs,
-    /// How to choose the next view [default: most-surface; profile paper: max-flow]
-    #[arg(long, value_enum)]
+    /// Planner that chooses the next view [default: most-surface; profile paper: max-flow]
+    #[arg(long, value_parser = named::<PlannerName>())]
     planner: Option<PlannerName>,
-    /// Weight of the movement cost against the gain, 0 to 1: the paper's theta [default: 0]
+    /// Penalty on long moves, 0 to 1: the weight of the movement cost, the paper's theta [default: 0]
     #[arg(long, value_name = "T", value_parser = values::share, allow_negative_numbers = true)]
     theta: Option<f64>,
-    /// Most views to take [default: 10]
+    /// Maximum number of views [default: 10]
     #[arg(long, value_name = "N", value_parser = values::count, allow_negative_numbers = true)]
     views: Option<usize>,
     /// Stop when the planner estimates that this share, 0 to 1, of the surface that can be seen has been seen
     #[arg(long, value_name = "SHARE", value_parser = values::share, allow_negative_numbers = true)]
     complete: Option<f64>,
-    /// Stop rather than let the path become longer than this, in metres
+    /// Maximum length of the path through the views, in metres
     #[arg(long, value_name = "M", value_parser = values::positive, allow_negative_numbers = true)]
     max_path_m: Option<f64>,
-    /// Stop after the view during which this time is over, in seconds; such a scan is not the same every time
+    /// Stop after this time, in seconds, once the view under way is done; such a scan is not the same every
+    /// time
     #[arg(long, value_name = "S", value_parser = values::not_negative, allow_negative_numbers = true)]
     max_time_s: Option<f64>,
     /// Number of view candidates [default: 1000; profile paper: 5000]
@@ -53,23 +57,24 @@ pub(super) struct ScanArgs {
     /// Number of the candidate, or recorded frame, to begin with [default: 0]
     #[arg(long, value_name = "I", value_parser = values::count, allow_negative_numbers = true)]
     first_view: Option<usize>,
-    /// Edge of a voxel in metres [default: about a fortieth of the object, 0.005 for recordings whose box grows; profile paper:
-    /// 0.01]
+    /// Edge of a voxel in metres [default: about a fortieth of the object, 0.005 for recordings whose box
+    /// grows; profile paper: 0.01]
     #[arg(long, value_name = "M", value_parser = values::positive, allow_negative_numbers = true)]
     voxel_size_m: Option<f64>,
     /// Whether planning begins in coarse voxels and halves them as the map becomes known [default: off]
     #[arg(long, value_enum, value_name = "on|off", hide_possible_values = true)]
     multi_resolution: Option<Switch>,
-    /// What planning knows of the object's place [default: known]
-    #[arg(long = "box", value_enum)]
+    /// Box around the object [default: known]
+    #[arg(long = "box", value_parser = named::<BoxRule>())]
     object_box: Option<BoxRule>,
-    /// What the object stands on [default: none]
-    #[arg(long, value_enum)]
+    /// Table that the object stands on [default: none]
+    #[arg(long, value_parser = named::<TableRule>())]
     table: Option<TableRule>,
     /// Errors and losses of the camera's depth [default: none]
-    #[arg(long, value_enum)]
+    #[arg(long, value_parser = named::<NoiseModel>())]
     noise: Option<NoiseModel>,
-    /// Standard deviation of the position that each image claims, along each axis, in millimetres [default: 0]
+    /// Standard deviation of the position that each image claims, along each axis, in millimetres [default:
+    /// 0]
     #[arg(long, value_name = "MM", value_parser = values::not_negative, allow_negative_numbers = true)]
     pose_error_mm: Option<f64>,
     /// Standard deviation of the rotation that each image claims, about each axis, in degrees [default: 0]
@@ -78,37 +83,40 @@ pub(super) struct ScanArgs {
     /// Whether each image is aligned to what was measured before, which corrects wrong poses [default: off]
     #[arg(long, value_enum, value_name = "on|off", hide_possible_values = true)]
     register: Option<Switch>,
-    /// Least share, 0 to 1, of known surface in what the next view shows, so that its image can be aligned [default: 0]
+    /// Least share, 0 to 1, of known surface in what the next view shows, so that its image can be aligned
+    /// [default: 0]
     #[arg(long, value_name = "SHARE", value_parser = values::share, allow_negative_numbers = true)]
     min_overlap: Option<f64>,
-    /// Where candidates are: shell (the paper's), sphere, hemisphere, or a CSV file of poses [default: shell]
+    /// View candidates: shell (the paper's), sphere, hemisphere, or a CSV file of poses [default: shell]
     #[arg(long, value_name = "RULE|FILE")]
     view_space: Option<String>,
-    /// Where a robot stands and how far it reaches, in metres; other candidates are dropped [default: everywhere]
+    /// Base of a robot and its reach, in metres; candidates beyond are dropped [default: everywhere]
     #[arg(long, value_name = "X,Y,Z,R", value_parser = values::sphere, allow_hyphen_values = true)]
     reach: Option<[f64; 4]>,
     /// Seed of the random shell and the random planner [default: 0]
     #[arg(long, value_name = "S", value_parser = values::seed, allow_negative_numbers = true)]
     seed: Option<u64>,
     /// Named set of defaults [default: default]
-    #[arg(long, value_enum)]
+    #[arg(long, value_parser = named::<Profile>())]
     profile: Option<Profile>,
     /// Unit of the mesh file [default: auto]
-    #[arg(long, value_enum)]
+    #[arg(long, value_parser = named::<UnitName>())]
     unit: Option<UnitName>,
     /// Scale the object so that its longest side has this length in metres
     #[arg(long, value_name = "M", value_parser = values::positive, allow_negative_numbers = true)]
     size_m: Option<f64>,
-    /// Whether to compute the random and clairvoyant curves and the skill, where the truth is known [default: on]
+    /// Whether to compute the random and clairvoyant curves and the skill, where the truth is known [default:
+    /// on]
     #[arg(long, value_enum, value_name = "on|off", hide_possible_values = true)]
     baselines: Option<Switch>,
-    /// Configuration to start from, such as the config.toml of an earlier scan; options given here override it
+    /// Configuration to start from, such as the config.toml of an earlier scan; options given here override
+    /// it
     #[arg(long, value_name = "FILE.toml")]
     config: Option<PathBuf>,
     /// Folder for the results [default: scan-OBJECT-PLANNER]
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
-    /// Go on with the scan in this folder, which was interrupted; no other option but --json can be given with it
+    /// Resume the interrupted scan in this folder; of the other options only --json can be given with it
     #[arg(long, value_name = "DIR")]
     resume: Option<PathBuf>,
     /// Print one JSON object instead of text
@@ -119,20 +127,23 @@ pub(super) struct ScanArgs {
 /// What only recordings need.
 #[derive(Debug, Default, PartialEq, Args)]
 struct RecordingArgs {
-    /// With --frames: what the names of the pose columns in poses.csv begin with [default: world_from_camera, or the only set]
+    /// With --frames: what the names of the pose columns in poses.csv begin with [default: world_from_camera,
+    /// or the only set]
     #[arg(long, value_name = "NAME")]
     pose_columns: Option<String>,
-    /// With --frames: the box that the object lies in, in metres, by its lowest and its highest corner [default: it grows]
+    /// With --frames: the box that the object lies in, in metres, by its lowest and its highest corner
+    /// [default: it grows]
     #[arg(long, value_name = "X0,Y0,Z0,X1,Y1,Z1", value_parser = values::corners, allow_hyphen_values = true)]
     box_m: Option<[f64; 6]>,
-    /// With --frames: height of the table that the object stands on, z in metres; what is below it, or less than 2 mm above,
-    /// is not the object [default: no table]
+    /// With --frames: height of the table that the object stands on, z in metres; what is below it, or less
+    /// than 2 mm above, is not the object [default: no table]
     #[arg(long, value_name = "Z", value_parser = values::number, allow_negative_numbers = true)]
     table_z_m: Option<f64>,
     /// With --frames: mesh of the true object, to measure the scan by
     #[arg(long, value_name = "MESH")]
     truth: Option<String>,
-    /// With --truth: file of the 4 x 4 matrix, row by row and in metres, that takes points of the recording to the mesh
+    /// With --truth: file of the 4 x 4 matrix, row by row and in metres, that takes points of the recording
+    /// to the mesh
     #[arg(long, value_name = "FILE")]
     truth_from_world: Option<String>,
 }
@@ -144,11 +155,11 @@ Examples:
   nextview scan bunny.ply --profile paper --json            the paper's protocol, as JSON
   nextview scan --config part/config.toml                   the same scan again
   nextview scan --frames recorded/ --truth part.stl         recorded frames, measured
-  nextview scan --resume part                               go on after an interruption
+  nextview scan --resume part                               resume after an interruption
 
-The folder holds config.toml (everything that decides the scan), steps.jsonl (a line per view),
-views.csv (poses), waypoints.csv (the ways between them), map.ot and map.bt (OctoMap), cloud.ply,
-mesh.ply and report.html.";
+The folder holds config.toml (everything that decides the scan), record.json (all measures),
+steps.jsonl (a line per view), views.csv (poses), waypoints.csv (trajectories between them), map.ot
+and map.bt (OctoMap), cloud.ply, mesh.ply and report.html.";
 
 /// On or off.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
@@ -160,21 +171,21 @@ enum Switch {
 impl ScanArgs {
     pub fn run(self) -> Result<(), Failure> {
         match &self.resume {
-            None => self.begin(),
+            None => self.scan(),
             Some(dir) => {
                 let alone = Self { resume: self.resume.clone(), json: self.json, ..Self::default() };
                 if self != alone {
                     return Err(Failure::usage(
-                        "--resume goes on with a scan as it was begun; leave out all else but --json",
+                        "--resume resumes a scan as it was begun; leave out all else but --json",
                     ));
                 }
-                scan::resume(&Output { dir: dir.clone(), json: self.json })
+                resume(Output { dir: dir.clone(), json: self.json })
             }
         }
     }
 
-    fn begin(self) -> Result<(), Failure> {
-        let mut config = ScanConfig::load(self.profile, self.config.as_deref())?;
+    fn scan(self) -> Result<(), Failure> {
+        let mut config = self.configuration()?;
         if self.model.is_some() {
             config.recording = None;
         }
@@ -202,14 +213,29 @@ impl ScanArgs {
         config.min_overlap = self.min_overlap.or(config.min_overlap);
         set(&mut config.baselines, self.baselines.map(|switch| switch == Switch::On));
         config.stop.completeness = self.complete.or(config.stop.completeness);
-        config.stop.path_length_m = self.max_path_m.or(config.stop.path_length_m);
-        config.stop.time_s = self.max_time_s.or(config.stop.time_s);
+        config.stop.path_length = self.max_path_m.or(config.stop.path_length);
+        config.time_limit_s = self.max_time_s.or(config.time_limit_s);
         config.voxel_size_m = self.voxel_size_m.or(config.voxel_size_m);
         config.size_m = self.size_m.or(config.size_m);
-        config.check_given()?;
-        let dir = self.out.unwrap_or_else(|| scan::default_dir(&config));
-        scan::scan(config, &Output { dir, json: self.json })
+        config.check()?;
+        let dir = self.out.unwrap_or_else(|| default_dir(&config));
+        begin(config, Output { dir, json: self.json })
     }
+
+    /// The values to start from: those of a file, or else of a profile.
+    fn configuration(&self) -> Result<ScanConfig, Failure> {
+        let Some(path) = &self.config else {
+            return Ok(ScanConfig::of_profile(self.profile.unwrap_or_default()));
+        };
+        let text = std::fs::read_to_string(path)
+            .map_err(|e| Fault::data(format!("cannot be read: {e}")).in_file(path))?;
+        Ok(ScanConfig::parse(&text, Some(path), self.profile)?)
+    }
+}
+
+/// The folder for the results where none is named.
+fn default_dir(config: &ScanConfig) -> PathBuf {
+    PathBuf::from(format!("scan-{}-{}", short_name(&config.object), config.planner))
 }
 
 impl RecordingArgs {

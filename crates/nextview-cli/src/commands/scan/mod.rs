@@ -1,0 +1,6 @@
+//! `nextview scan`: one scan, simulated or of recorded frames.
+
+mod args;
+mod run;
+
+pub(super) use args::ScanArgs;

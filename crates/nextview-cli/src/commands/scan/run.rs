@@ -1,0 +1,140 @@
+use crate::progress::Progress;
+use crate::{Failure, stdout};
+use nextview::Cancel;
+use nextview_report::{ScanPage, ViewPicture, heading, scan_page, step_line, summary_text};
+use nextview_scan::files::ResultFolder;
+use nextview_scan::{
+    Begin, Damage, FrameSource, Interrupted, Measured, RecordedScan, ScanConfig, ScanJournal, ScanRun,
+    SimulatedObject, Simulation, Truth, write_results,
+};
+use std::io::Write;
+use std::path::PathBuf;
+
+/// Where results go and how they are printed.
+pub(super) struct Output {
+    /// The folder.
+    pub dir: PathBuf,
+    /// Whether to print one JSON object instead of text.
+    pub json: bool,
+}
+
+/// Scans the configured object and writes the results.
+pub(super) fn begin(config: ScanConfig, output: Output) -> Result<(), Failure> {
+    ScanJournal::check_free(&output.dir)?;
+    scan(config, None, &output)
+}
+
+/// Resumes the scan in a folder, and writes its results as if it had not been interrupted.
+pub(super) fn resume(output: Output) -> Result<(), Failure> {
+    let Interrupted { heading, journal, n_frames, damage } = ScanJournal::resume(&output.dir)?;
+    let path = output.dir.join(ScanJournal::FILE);
+    let config = ScanConfig::parse(&heading, Some(&path), None)?;
+    if let Some(Damage { at, length, problem, moved_to }) = damage {
+        let (path, moved_to) = (path.display(), moved_to.display());
+        eprintln!(
+            "note: {path}: damaged from byte {at} on ({problem}); these {length} bytes are now in {moved_to}"
+        );
+    }
+    eprintln!("note: resumes after {n_frames} frame{}", if n_frames == 1 { "" } else { "s" });
+    scan(config, Some(journal), &output)
+}
+
+fn scan(config: ScanConfig, journal: Option<ScanJournal>, output: &Output) -> Result<(), Failure> {
+    if config.recording.is_some() {
+        recorded(config, journal, output)
+    } else {
+        simulated(config, journal, output)
+    }
+}
+
+fn simulated(mut config: ScanConfig, journal: Option<ScanJournal>, output: &Output) -> Result<(), Failure> {
+    let object = SimulatedObject::new(&config)?;
+    config.voxel_size_m = Some(object.voxel_size);
+    let folder = ResultFolder::begin(&output.dir)?;
+    let notes = object.notes().into_iter().map(|note| format!("note: {note}"));
+    output.begin(&config, &object.description(), notes, object.views.len())?;
+    let truth = config.needs_truth().then(|| {
+        let progress = Progress::new("baselines: looking from every view", object.views.len());
+        Truth::new(&object, &Cancel::default(), || progress.step())
+    });
+    let truth = truth.transpose()?;
+    drive(&Simulation::new(&object, &config, truth.as_ref()), &config, journal, folder, output)
+}
+
+fn recorded(mut config: ScanConfig, journal: Option<ScanJournal>, output: &Output) -> Result<(), Failure> {
+    let mut scan = RecordedScan::open(&mut config)?;
+    let folder = ResultFolder::begin(&output.dir)?;
+    let skipped = scan.skipped().into_iter().map(|skipped| format!("skipped: {skipped}"));
+    let notes = scan.notes().iter().map(|note| format!("note: {note}")).chain(skipped);
+    output.begin(&config, &scan.description(&config), notes, scan.n_views())?;
+    scan.look(&config, &Cancel::default())?;
+    drive(&scan, &config, journal, folder, output)
+}
+
+/// Runs the scan to its end, and writes and prints the results.
+fn drive(
+    source: &dyn FrameSource,
+    config: &ScanConfig,
+    journal: Option<ScanJournal>,
+    mut folder: ResultFolder,
+    output: &Output,
+) -> Result<(), Failure> {
+    let text = toml::to_string(config).map_err(Failure::data)?;
+    let journal = journal.map_or_else(|| ScanJournal::begin(&output.dir, &text), Ok)?;
+    let mut run = ScanRun::begin(source, config, Begin { journal: Some(journal), ..Begin::default() })?;
+    let progress = Progress::new("scanning", config.views);
+    let mut printed = Ok(());
+    let stop_reason = run.drive(|step| {
+        progress.step();
+        if !output.json && printed.is_ok() {
+            printed = progress.print(&step_line(step));
+        }
+        Ok(())
+    })?;
+    drop(progress);
+    printed?;
+    let mut scan = run.finish(Some(stop_reason));
+    if scan.bounds().is_none() {
+        scan.forget_journal();
+    }
+    let model = scan.model()?;
+    let record = scan.record(config, Measured::Model(&model))?;
+    write_results(&mut folder, config, &scan, &record, &model)?;
+    let candidates: Vec<_> = scan.session.views().poses().iter().map(|pose| pose.translation()).collect();
+    let page = scan_page(&ScanPage {
+        record: &record,
+        config,
+        views: &ViewPicture::of_scan(&scan),
+        candidates: &candidates,
+        command: "nextview scan --config config.toml",
+        config_text: &text,
+    });
+    folder.add("report.html", |w| Ok(w.write_all(page.as_bytes())?))?;
+    folder.publish()?;
+    scan.forget_journal();
+    stdout::print(match output.json {
+        true => serde_json::to_string(&record).map_err(Failure::data)? + "\n",
+        false => {
+            let dir = output.dir.display();
+            format!("\n{}\nresults in {dir} (open report.html there)\n", summary_text(&record, config))
+        }
+    })
+}
+
+impl Output {
+    /// Prints what is scanned and how; notes go before the table, or to stderr where stdout is JSON.
+    fn begin(
+        &self,
+        config: &ScanConfig,
+        what: &str,
+        notes: impl Iterator<Item = String>,
+        n_views: usize,
+    ) -> Result<(), Failure> {
+        let notes: String = notes.map(|note| note + "\n").collect();
+        if self.json {
+            eprint!("{notes}");
+            return Ok(());
+        }
+        stdout::print(heading(config, &format!("{what}\n{notes}"), n_views))
+    }
+}

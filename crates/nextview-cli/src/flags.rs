@@ -1,0 +1,78 @@
+//! The options of the command line that keys of the configuration have.
+
+/// Keys and their options.
+const FLAGS: [(&str, &str); 34] = [
+    ("planner", "--planner"),
+    ("views", "--views"),
+    ("stop.completeness", "--complete"),
+    ("stop.path_length_m", "--max-path-m"),
+    ("time_limit_s", "--max-time-s"),
+    ("candidates", "--candidates"),
+    ("first_view", "--first-view"),
+    ("voxel_size_m", "--voxel-size-m"),
+    ("multi_resolution.enabled", "--multi-resolution"),
+    ("object_box.rule", "--box"),
+    ("object_box.table", "--table"),
+    ("noise.model", "--noise"),
+    ("noise.pose_error_mm", "--pose-error-mm"),
+    ("noise.pose_error_deg", "--pose-error-deg"),
+    ("registration.enabled", "--register"),
+    ("min_overlap", "--min-overlap"),
+    ("view_space", "--view-space"),
+    ("reach", "--reach"),
+    ("seed", "--seed"),
+    ("profile", "--profile"),
+    ("unit", "--unit"),
+    ("size_m", "--size-m"),
+    ("baselines", "--baselines"),
+    ("recording", "--frames"),
+    ("recording.box_m", "--box-m"),
+    ("recording.table_z_m", "--table-z-m"),
+    ("recording.truth", "--truth"),
+    ("recording.truth_from_world", "--truth-from-world"),
+    ("recording.read.pose_columns", "--pose-columns"),
+    ("jobs", "--jobs"),
+    ("out", "--out"),
+    ("resume", "--resume"),
+    ("visited", "--visited"),
+    ("box", "--box"),
+];
+
+/// Keys that a message may name and only a configuration file can hold.
+const FILE_KEYS: [&str; 5] =
+    ["memory_limit_mb", "view_seed", "reach.base_m", "reach.min_radius_m", "reach.max_radius_m"];
+
+/// The text with options in the place of keys, which stand in backticks: `` `table` = fit `` becomes `--table
+/// fit`. Other keys are those of a configuration file.
+pub(crate) fn word(text: &str) -> String {
+    let mut worded = String::new();
+    let mut parts = text.split('`');
+    worded += parts.next().unwrap_or_default();
+    while let (Some(key), Some(rest)) = (parts.next(), parts.next()) {
+        match FLAGS.iter().find(|(known, _)| *known == key) {
+            Some((_, flag)) => {
+                worded += flag;
+                worded += &rest.strip_prefix(" = ").map_or(rest.to_owned(), |value| format!(" {value}"));
+            }
+            None if FILE_KEYS.contains(&key) => worded += &format!("{key} in --config{rest}"),
+            // A quotation.
+            None => worded += &format!("`{key}`{rest}"),
+        }
+    }
+    worded
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn keys_become_options() {
+        assert_eq!(
+            word("use a larger `voxel_size_m`, or `memory_limit_mb`"),
+            "use a larger --voxel-size-m, or memory_limit_mb in --config"
+        );
+        assert_eq!(word("`object_box.table` = fit finds it"), "--table fit finds it");
+        assert_eq!(word("integer `7`, expected"), "integer `7`, expected");
+    }
+}

@@ -1,0 +1,33 @@
+use crate::{Failure, stdout};
+use indicatif::{ProgressBar, ProgressStyle};
+use std::time::Duration;
+
+/// A bar on stderr that shows how far the work is; nothing where stderr is no terminal. It disappears when
+/// dropped.
+pub(crate) struct Progress(ProgressBar);
+
+impl Progress {
+    pub fn new(work: &'static str, n: usize) -> Self {
+        let style = ProgressStyle::with_template("{msg} [{bar:30}] {pos}/{len}, {elapsed} ({eta} left)");
+        let bar = ProgressBar::new(n as u64).with_style(style.expect("the template is well formed"));
+        bar.set_message(work);
+        // A single step may take long; the clock shows that it goes on.
+        bar.enable_steady_tick(Duration::from_millis(200));
+        Self(bar)
+    }
+
+    pub fn step(&self) {
+        self.0.inc(1);
+    }
+
+    /// Prints to stdout, which may be the same terminal.
+    pub fn print(&self, text: &str) -> Result<(), Failure> {
+        self.0.suspend(|| stdout::print(text))
+    }
+}
+
+impl Drop for Progress {
+    fn drop(&mut self) {
+        self.0.finish_and_clear();
+    }
+}
