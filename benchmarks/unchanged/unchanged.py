@@ -124,7 +124,12 @@ def flat(value, prefix=""):
 def renamed(value, names, keys):
     """The known quantities under the names used here."""
     entries = ((names.get(key, key), entry) for key, entry in flat(value))
-    return {key: entry for key, entry in entries if key in keys}
+    return {key: whole(entry) if key.startswith("explanation.") else entry for key, entry in entries if key in keys}
+
+
+def whole(number):
+    """A count as an integer: explanations hold numbers of one kind only."""
+    return int(number) if float(number).is_integer() else number
 
 
 def digest(content):
