@@ -86,6 +86,7 @@ pub struct ScanConfig {
     /// When the scan stops before its last view.
     pub stop: StopConfig,
     /// The camera's optics.
+    #[cfg_attr(feature = "schema", schemars(with = "std::collections::BTreeMap<String, serde_json::Value>"))]
     pub camera: Intrinsics,
     /// Errors of the simulated camera.
     #[cfg(feature = "simulated")]
