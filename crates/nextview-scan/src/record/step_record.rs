@@ -148,7 +148,8 @@ pub struct StepRecord {
     #[serde(skip_serializing_if = "Option::is_none")]
     pub accuracy_p95_mm: Option<f64>,
 
-    /// Length of the straight path through the positions of all views so far.
+    /// Length of the straight path through the positions of all frames so far, as they are mapped: where the
+    /// poses are measured, not where the views were asked for.
     pub path_length_m: f64,
     /// Length of the trajectory so far, around the object and above its table.
     pub trajectory_length_m: f64,

@@ -180,7 +180,6 @@ impl<'a> ScanRun<'a> {
             Some(Asked { next, trajectory, plan_time, .. }) => (Some(next), trajectory, plan_time),
             None => (None, self.session.trajectory_to(&frame.world_from_camera()), Duration::ZERO),
         };
-        let place = next.as_ref().map_or(frame.world_from_camera(), |next| next.world_from_camera);
         let start = Instant::now();
         let report = self.session.observe(&frame);
         let map_time = start.elapsed();
@@ -189,7 +188,7 @@ impl<'a> ScanRun<'a> {
             evaluator.measure(&self.session, next.as_ref(), mapped, &mut record)?;
         }
         let last = self.steps.last();
-        record.path_length_m = self.path.extend_to(place.translation());
+        record.path_length_m = self.path.extend_to(report.world_from_camera.translation());
         record.trajectory_length_m = last.map_or(0.0, |last| last.trajectory_length_m) + trajectory.length();
         record.trajectory_time_s = last.map_or(0.0, |last| last.trajectory_time_s) + trajectory.duration();
         record.plan_time_ms = milliseconds(plan_time);
