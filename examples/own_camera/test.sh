@@ -3,7 +3,7 @@
 # views are those of a scan that nobody disturbed.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")"
-cargo build --release --quiet
+cargo build --release --quiet --locked
 program=$PWD/target/release/own_camera
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
@@ -12,15 +12,13 @@ cd "$work"
 "$program" >undisturbed.txt
 for n_views in 1 2 3 5 8; do
     rm -rf own-scan
-    coproc "$program"
-    for _ in $(seq "$n_views"); do
-        read -r line <&"${COPROC[0]}"
-        echo "$line"
-    done >disturbed.txt
-    kill -KILL "$COPROC_PID" 2>/dev/null || true
-    # What it printed before it died counts, too.
-    cat <&"${COPROC[0]}" >>disturbed.txt || true
-    wait "$COPROC_PID" 2>/dev/null || true
+    "$program" >disturbed.txt &
+    pid=$!
+    until [ "$(grep -c asked disturbed.txt)" -ge "$n_views" ]; do
+        sleep 0.01
+    done
+    kill -KILL "$pid"
+    wait "$pid" 2>/dev/null || true
     n_kept=$(grep -c asked disturbed.txt)
     if [ -e own-scan/scan.journal ]; then
         "$program" >>disturbed.txt

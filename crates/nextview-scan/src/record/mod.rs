@@ -7,3 +7,10 @@ mod step_record;
 pub use build::BuildIdentity;
 pub use scan_record::{QualityMm, ScanRecord};
 pub use step_record::StepRecord;
+
+use std::time::Duration;
+
+/// A time as records hold it.
+pub(crate) fn milliseconds(time: Duration) -> f64 {
+    time.as_secs_f64() * 1e3
+}

@@ -6,5 +6,4 @@ mod scan_run;
 
 pub use evaluator::Evaluator;
 pub use finished::{FinishedScan, Measured};
-pub(crate) use scan_run::milliseconds;
 pub use scan_run::{Begin, Next, ScanRun};

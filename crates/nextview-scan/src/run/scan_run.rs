@@ -1,5 +1,6 @@
 use super::{Evaluator, FinishedScan};
 use crate::journal::{JournalEntry, KeptFrame, SkippedView};
+use crate::record::milliseconds;
 use crate::{Fault, Faults, FrameSource, ScanConfig, ScanJournal, StepRecord};
 use glam::DVec3;
 use nextview::Cancel;
@@ -343,8 +344,4 @@ impl Path {
         self.end = Some(position);
         self.length
     }
-}
-
-pub(crate) fn milliseconds(time: Duration) -> f64 {
-    time.as_secs_f64() * 1e3
 }

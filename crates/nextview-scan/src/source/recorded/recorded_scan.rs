@@ -5,8 +5,8 @@ use crate::source::{
     simulated::{Baselines, Truth, quality_mm},
 };
 use crate::{
-    BoxRule, Evaluator, Fault, Faults, FrameSource, PlannerName, QualityMm, RecordingConfig, ScanConfig,
-    ScanRecord, StepRecord, TableRule, short_name,
+    BoxRule, Evaluator, Fault, Faults, FrameSource, QualityMm, RecordingConfig, ScanConfig, ScanRecord,
+    StepRecord, TableRule, short_name,
 };
 use glam::DVec3;
 #[cfg(feature = "simulated")]
@@ -56,7 +56,9 @@ impl RecordedScan {
             if truth.is_none() {
                 // Before anything is computed.
                 config.planner(None).map(drop).map_err(|fault| match config.planner {
-                    PlannerName::Clairvoyant => fault.with_remedy("name its mesh as `recording.truth`"),
+                    crate::PlannerName::Clairvoyant => {
+                        fault.with_remedy("name its mesh as `recording.truth`")
+                    }
                     _ => fault,
                 })?;
             }

@@ -83,6 +83,6 @@ impl Baselines {
         record.random_low_curve = Some(self.random.low.clone());
         record.random_high_curve = Some(self.random.high.clone());
         record.clairvoyant_curve = Some(self.clairvoyant.clone());
-        record.baseline_time_ms = Some(crate::run::milliseconds(self.time));
+        record.baseline_time_ms = Some(crate::record::milliseconds(self.time));
     }
 }
