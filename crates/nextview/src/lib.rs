@@ -51,7 +51,7 @@
 //!
 //! # Features
 //!
-//! - `mint`: vectors and quaternions of [`glam`] from and to other mathematics libraries, such as nalgebra,
+//! - `mint`: vectors and quaternions of `glam` from and to other mathematics libraries, such as nalgebra,
 //!   through `mint`.
 //! - `schema`: JSON Schemas of configurations and records.
 #![cfg_attr(feature = "mint", doc = "")]
