@@ -122,7 +122,8 @@ impl Workload {
         let integration =
             Integration { rays: RayRule::EveryPoint, region: Some(block(voxel_size)), ..Default::default() };
         for (cloud, pose) in self.clouds(set).iter().zip(&self.poses).take(n_images) {
-            map.integrate_points(cloud, pose.translation(), &integration);
+            let update = map.integrate_points(cloud, pose.translation(), &integration);
+            update.expect("a cloud near the origin");
         }
         map
     }

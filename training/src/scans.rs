@@ -65,7 +65,8 @@ impl Source {
         let mut samples = Vec::new();
         while let Decision::Move(next) = session.decide() {
             let frame = scan.scene.camera().capture(&next.world_from_camera);
-            session.observe(&frame.expect("candidates are in the room"));
+            let frame = frame.expect("candidates are in the room");
+            session.observe(&frame).expect("nobody cancels");
             let Some(snapshot) = session.snapshot() else { continue };
             let all = match target {
                 Target::Stops => scan.rays(&snapshot, &mut random),

@@ -95,16 +95,8 @@ fn decision_ms(
     let snapshot = workload.snapshot(Set::B, voxel_size, 3);
     let views = generate::fibonacci_sphere(glam::DVec3::ZERO, 0.5, n_candidates)?;
     let planner = MaxFlow::new(config)?;
-    let optics = intrinsics();
-    let situation = Situation {
-        snapshot: &snapshot,
-        frames: &[],
-        views: &views,
-        intrinsics: &optics,
-        visited: &[],
-        finest_voxel_size: voxel_size,
-        cancel: &Cancel::default(),
-    };
+    let (optics, cancel) = (intrinsics(), Cancel::default());
+    let situation = Situation::new(&snapshot, &views, &optics, &cancel);
     // A planner that remembers its plans would do different work each time.
     Ok(median_ms(|| _ = planner.clone().plan(&situation)))
 }

@@ -128,7 +128,7 @@ impl Object {
         let mut n_seen = Vec::new();
         while let Decision::Move(next) = session.decide() {
             let (frame, shown) = camera.capture(&next)?;
-            let report = session.observe(&frame);
+            let report = session.observe(&frame)?;
             let measures = evaluator.measure(&session, &frame.with_pose(report.world_from_camera), shown);
             n_seen.push(measures.n_seen as f64 / self.truth.n_reachable() as f64);
         }
@@ -146,14 +146,14 @@ impl ViewPlanner for VariantPlanner {
     fn plan(&mut self, situation: &Situation<'_>) -> Result<Plan, Cancelled> {
         let scene = Beliefs::new(self.variant.belief, &self.prior, situation)?;
         let sight = Sight { free_space: FreeSpace::Fades, fade_limit: FADED };
-        let caster = RayCaster::new(&scene.passes, situation.intrinsics, RAY_SPACING, sight);
+        let caster = RayCaster::new(&scene.passes, situation.intrinsics(), RAY_SPACING, sight);
         let caster = caster.expect("the spacing is positive");
         let open = situation.open_views();
         let evidence: Vec<Evidence> = open
             .par_iter()
             .map(|&view| {
-                situation.cancel.check()?;
-                Ok(scene.evidence(&caster, &situation.views.pose(view), self.variant.counts))
+                situation.cancel().check()?;
+                Ok(scene.evidence(&caster, &situation.views().pose(view), self.variant.counts))
             })
             .collect::<Result<_, _>>()?;
         let mut values: Vec<f64> = evidence.iter().map(|one| one.gain).collect();
@@ -204,8 +204,8 @@ struct Evidence {
 
 impl Beliefs {
     fn new(belief: Belief, prior: &SurfacePrior, situation: &Situation<'_>) -> Result<Self, Cancelled> {
-        let snapshot = situation.snapshot;
-        let estimate = prior.estimate(snapshot, situation.cancel)?;
+        let snapshot = situation.snapshot();
+        let estimate = prior.estimate(snapshot, situation.cancel())?;
         let mut item_of = vec![None; snapshot.occupancy().len()];
         estimate.voxels().iter().enumerate().for_each(|(i, &voxel)| item_of[voxel as usize] = Some(i as u32));
         let learned: Vec<f32> = (0..estimate.len()).map(|i| estimate.stops(i)).collect();

@@ -76,15 +76,8 @@ fn decision(
 ) -> Work<'_> {
     let (optics, cancel) = (intrinsics(), Cancel::default());
     Box::new(move || {
-        let situation = Situation {
-            snapshot: &snapshot,
-            frames: &[],
-            views: &workload.views,
-            intrinsics: &optics,
-            visited: &visited,
-            finest_voxel_size: snapshot.lattice().voxel_size(),
-            cancel: &cancel,
-        };
+        let situation = Situation::new(&snapshot, &workload.views, &optics, &cancel);
+        let situation = situation.with_visited(&visited).expect("views of the workload were taken");
         // A planner that remembers its plans would do different work each time.
         _ = black_box(planner.clone().plan(&situation));
     })

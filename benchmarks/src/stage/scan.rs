@@ -1,4 +1,5 @@
 use super::Stage;
+use nextview::Cancel;
 use nextview::geometry::Lattice;
 use nextview::planner::{MaxFlow, MaxFlowConfig};
 use nextview::sensor::Intrinsics;
@@ -28,7 +29,8 @@ fn scan(scene: &Scene) {
     let mut session =
         Session::new(config, Intrinsics::d435i(), views, Box::new(planner)).expect("a sound configuration");
     while let Decision::Move(next) = session.decide() {
-        session.observe(&scene.camera().capture(&next.world_from_camera).expect("a view in the room"));
+        let frame = scene.camera().capture(&next.world_from_camera).expect("a view in the room");
+        session.observe(&frame).expect("nobody cancels");
     }
     // The cells of cloud and mesh are those of `nextview scan`.
     let detail = (0.25 * VOXEL_SIZE).max(bounds.longest_side() / 128.0);
@@ -37,6 +39,7 @@ fn scan(scene: &Scene) {
     let lattice = Lattice::new(detail).expect("a size written in the source");
     let cells = lattice.block_inside(&bounds).expect("the box is larger than a cell");
     let mut field = DistanceField::new(lattice, cells, 2.0 * detail).expect("a field of few megabytes");
-    session.frames().iter().for_each(|frame| field.integrate(frame));
-    black_box(field.surface());
+    let never = &Cancel::default();
+    session.frames().iter().for_each(|frame| field.integrate(frame, never).expect("nobody cancels"));
+    _ = black_box(field.surface(never));
 }

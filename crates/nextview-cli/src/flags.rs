@@ -1,7 +1,7 @@
 //! The options of the command line that keys of the configuration have.
 
 /// Keys and their options.
-const FLAGS: [(&str, &str); 34] = [
+const FLAGS: [(&str, &str); 35] = [
     ("planner", "--planner"),
     ("views", "--views"),
     ("stop.completeness", "--complete"),
@@ -12,6 +12,7 @@ const FLAGS: [(&str, &str); 34] = [
     ("voxel_size_m", "--voxel-size-m"),
     ("multi_resolution.enabled", "--multi-resolution"),
     ("object_box.rule", "--box"),
+    ("object_box.max_gap_m", "--max-gap-m"),
     ("object_box.table", "--table"),
     ("noise.model", "--noise"),
     ("noise.pose_error_mm", "--pose-error-mm"),

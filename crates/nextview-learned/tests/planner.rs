@@ -24,16 +24,9 @@ fn snapshot() -> Snapshot {
 }
 
 fn plan(snapshot: &Snapshot, views: &ViewSpace, visited: &[usize]) -> Plan {
-    let plan = NbvNet::default().plan(&Situation {
-        snapshot,
-        frames: &[],
-        views,
-        intrinsics: &Intrinsics::d435i(),
-        visited,
-        finest_voxel_size: 0.01,
-        cancel: &Cancel::default(),
-    });
-    plan.unwrap()
+    let (camera, cancel) = (Intrinsics::d435i(), Cancel::default());
+    let situation = Situation::new(snapshot, views, &camera, &cancel);
+    NbvNet::default().plan(&situation.with_visited(visited).unwrap()).unwrap()
 }
 
 /// The 14 views, from the best to the worst that the network names.
@@ -50,7 +43,7 @@ fn candidates(snapshot: &Snapshot) -> ViewSpace {
     let mut random = Random::new(4, 0);
     let poses = views::positions(&bounds).into_iter().rev().flat_map(|position| {
         let near = position + 0.01 * random.in_cube();
-        [near, position + 0.1 * random.in_cube().normalize()].map(|at| look_at(at, DVec3::ZERO))
+        [near, position + 0.1 * random.in_cube().normalize()].map(|at| look_at(at, DVec3::ZERO).unwrap())
     });
     ViewSpace::new(poses.collect()).unwrap()
 }

@@ -40,6 +40,8 @@ pub enum FaultKind {
     Request,
     /// A file or the system is at fault.
     Data,
+    /// Nobody: a computation was cancelled, and can be asked for again.
+    Cancelled,
 }
 
 /// A place in a file.
@@ -128,8 +130,15 @@ impl From<nextview::Error> for Fault {
                 Self { message: error.to_string(), ..Self::of_value(name, value, expected) }
             }
             nextview::Error::TooLarge { .. } => Self::request(error),
+            nextview::Error::Cancelled(cancelled) => (*cancelled).into(),
             _ => Self::data(error),
         }
+    }
+}
+
+impl From<nextview::Cancelled> for Fault {
+    fn from(cancelled: nextview::Cancelled) -> Self {
+        Self::new(FaultKind::Cancelled, cancelled)
     }
 }
 
@@ -209,6 +218,6 @@ macro_rules! faults_from {
         }
     )* };
 }
-faults_from!(nextview::Error, RecordingError, std::io::Error);
+faults_from!(nextview::Error, nextview::Cancelled, RecordingError, std::io::Error);
 #[cfg(feature = "simulated")]
 faults_from!(nextview_sim::SimError);

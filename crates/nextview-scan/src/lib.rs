@@ -31,8 +31,8 @@ pub use journal::{Damage, Interrupted, Journal, JournalEntry, Kept, KeptFrame, S
 pub use map_summary::{MapSummary, convert_map};
 pub use model::FinalModel;
 pub use names::Named;
-pub use record::{BuildIdentity, QualityMm, ScanRecord, StepRecord};
-pub use results::write_results;
+pub use record::{BuildIdentity, OtherBodyRecord, QualityMm, ScanRecord, StepRecord};
+pub use results::{Results, write_results};
 pub use run::{Begin, Evaluator, FinishedScan, Measured, Next, ScanRun};
 pub use saved_map::SavedMap;
 pub use source::*;

@@ -2,7 +2,7 @@
 
 use crate::{Fault, SavedMap, files};
 use glam::{DVec3, IVec3};
-use nextview::geometry::{Aabb, Lattice, VoxelBlock};
+use nextview::geometry::{Aabb, Lattice};
 use nextview::map::octree::TreeKind;
 use nextview::map::{LogOdds, Octree, entropy};
 use serde::Serialize;
@@ -47,7 +47,7 @@ impl MapSummary {
     /// Counts the whole map, or only voxels whose centre lies in this cube.
     pub fn new(octree: &Octree, cube: Option<&Aabb>) -> Result<Self, Fault> {
         let lattice = Lattice::new(octree.voxel_size())?;
-        let block = cube.map(|cube| block_inside(&lattice, cube)).transpose()?;
+        let cube = cube.map(|cube| keys_inside(octree, &lattice, cube)).transpose()?;
         let mut summary = Self {
             kind: match octree.kind() {
                 TreeKind::OcTree => "OcTree",
@@ -66,7 +66,7 @@ impl MapSummary {
         let (mut low, mut high) = (IVec3::MAX, IVec3::MIN);
         for leaf in octree.leaves() {
             let (min, max) = (leaf.min, leaf.min + leaf.edge() as i32 - 1);
-            let Some((min, max)) = overlap(block.as_ref(), min, max) else { continue };
+            let Some((min, max)) = overlap(cube, min, max) else { continue };
             let n_voxels = (max - min + 1).as_u64vec3().element_product();
             let p = LogOdds(leaf.log_odds).probability();
             summary.measured_voxels += n_voxels;
@@ -74,8 +74,9 @@ impl MapSummary {
             summary.entropy_nats += n_voxels as f64 * entropy(p);
             (low, high) = (low.min(min), high.max(max));
         }
-        if let Some(block) = block {
-            let unmeasured = block.n_voxels() as u64 - summary.measured_voxels;
+        if let Some((min, max)) = cube {
+            let n_voxels = (max - min + 1).as_u64vec3().element_product();
+            let unmeasured = n_voxels - summary.measured_voxels;
             summary.unknown_voxels += unmeasured;
             summary.entropy_nats += unmeasured as f64 * LN_2;
         }
@@ -95,21 +96,26 @@ impl MapSummary {
     }
 }
 
-/// The voxels in a cube, which must lie in the space of an OctoMap.
-fn block_inside(lattice: &Lattice, cube: &Aabb) -> Result<VoxelBlock, Fault> {
+/// The lowest and the highest voxel in a cube, which must lie in the space of the map.
+fn keys_inside(octree: &Octree, lattice: &Lattice, cube: &Aabb) -> Result<(IVec3, IVec3), Fault> {
     let reach = OCTOMAP_REACH * lattice.voxel_size();
-    if cube.min.abs().max(cube.max.abs()).max_element() > reach {
+    let origin = octree.origin().as_dvec3() * lattice.voxel_size();
+    if (cube.min - origin).abs().max((cube.max - origin).abs()).max_element() > reach {
+        let place = match octree.origin() {
+            IVec3::ZERO => "the origin".to_owned(),
+            _ => format!("{origin} m"),
+        };
         return Err(Fault::request(format!(
-            "`box` goes beyond the space of the map, {reach:.3} m from the origin on each axis"
+            "`box` goes beyond the space of the map, {reach:.3} m from {place} on each axis"
         )));
     }
     let none = || Fault::request("`box` holds no voxel centre, expected a cube of at least one voxel");
-    lattice.block_inside(cube).ok_or_else(none)
+    lattice.keys_inside(cube).ok_or_else(none)
 }
 
-/// The part of a leaf inside the block.
-fn overlap(block: Option<&VoxelBlock>, min: IVec3, max: IVec3) -> Option<(IVec3, IVec3)> {
-    let (min, max) = block.map_or((min, max), |block| (min.max(block.min()), max.min(block.max())));
+/// The part of a leaf inside the cube.
+fn overlap(cube: Option<(IVec3, IVec3)>, min: IVec3, max: IVec3) -> Option<(IVec3, IVec3)> {
+    let (min, max) = cube.map_or((min, max), |(low, high)| (min.max(low), max.min(high)));
     min.cmple(max).all().then_some((min, max))
 }
 

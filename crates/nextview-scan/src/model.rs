@@ -1,6 +1,7 @@
 //! The final model of a scan: the measured points, thinned, and a surface through them.
 
 use crate::Fault;
+use nextview::Cancel;
 use nextview::geometry::{Aabb, Lattice};
 use nextview::sensor::{ColorImage, Frame};
 use nextview::surface::{
@@ -26,12 +27,13 @@ impl FinalModel {
         color: impl Fn(usize) -> Result<Option<ColorImage>, Fault>,
         bounds: Aabb,
         detail: f64,
+        cancel: &Cancel,
     ) -> Result<Self, Fault> {
-        let cloud = cloud(frames, color, bounds, detail)?;
-        let mesh = field(frames, bounds, detail)?.surface();
+        let cloud = cloud(frames, color, bounds, detail, cancel)?;
+        let mesh = field(frames, bounds, detail, cancel)?.surface(cancel)?;
         let mut vertices = mesh.points();
         if cloud.iter().any(|point| point.color.is_some()) {
-            take_colors(&mut vertices, &cloud, detail)?;
+            take_colors(&mut vertices, &cloud, detail, cancel)?;
         }
         Ok(Self { cloud, mesh, vertices })
     }
@@ -42,8 +44,10 @@ fn cloud(
     color: impl Fn(usize) -> Result<Option<ColorImage>, Fault>,
     bounds: Aabb,
     detail: f64,
+    cancel: &Cancel,
 ) -> Result<Vec<CloudPoint>, Fault> {
     let points_of = |(i, frame): (usize, &Frame)| -> Result<Vec<CloudPoint>, Fault> {
+        cancel.check()?;
         Ok(frame_points(frame, color(i)?.as_ref(), bounds)?)
     };
     let mut loaded = Ok(());
@@ -51,14 +55,15 @@ fn cloud(
         points_of(frame).map_err(|fault| loaded = Err(fault)).ok() // ends at the first fault
     });
     let mut cloud = downsample(points.flatten(), detail)?;
-    fit_normals(&mut cloud, detail)?;
-    loaded.map(|()| cloud)
+    loaded?;
+    fit_normals(&mut cloud, detail, cancel)?;
+    Ok(cloud)
 }
 
-fn field(frames: &[Frame], bounds: Aabb, detail: f64) -> Result<DistanceField, Fault> {
+fn field(frames: &[Frame], bounds: Aabb, detail: f64, cancel: &Cancel) -> Result<DistanceField, Fault> {
     let lattice = Lattice::new(detail)?;
     let block = lattice.block_inside(&bounds).expect("the box holds many cells of 1/128 of it");
     let mut field = DistanceField::new(lattice, block, 2.0 * detail)?;
-    frames.iter().for_each(|frame| field.integrate(frame));
+    frames.iter().try_for_each(|frame| field.integrate(frame, cancel))?;
     Ok(field)
 }

@@ -1,13 +1,13 @@
 //! Planning from a saved map, without the frames behind it.
 
 use crate::{Fault, Faults, PlannerConfigs, PlannerName, files};
-use nextview::Cancel;
 use nextview::geometry::{Aabb, VoxelBlock};
 use nextview::map::{Occupancy, OccupancyMap, Octree, SensorModel, Snapshot};
 use nextview::planner::{Batch, BatchPlan, Choice, Situation};
 use nextview::sensor::Intrinsics;
 use nextview::session::{SessionConfig, planning_box};
 use nextview::view::ViewSpace;
+use nextview::{Cancel, Error};
 use std::path::Path;
 
 /// A map from a file, the box that the object lies in, and the views to choose from.
@@ -43,6 +43,7 @@ impl SavedMap {
         let octree = Self::read_octree(map)?;
         let occupancy = OccupancyMap::from_octree(&octree, SensorModel::default(), MAX_VOXELS)
             .map_err(|e| Fault::from(e).in_file(map))?;
+        let is_given = bounds.is_some();
         let bounds = match bounds {
             Some(bounds) => bounds,
             None => box_around(&occupancy).ok_or_else(|| no_object().in_file(map))?,
@@ -50,6 +51,9 @@ impl SavedMap {
         let views = ViewSpace::read_csv(files::open(views)?, bounds.center())
             .map_err(|e| Fault::from(e).in_file(views))?;
         let block = block(&occupancy, &bounds)?;
+        if is_given {
+            check_holds_map(&occupancy, &block)?;
+        }
         if let Some(view) = visited.iter().find(|view| **view >= views.len()) {
             return Err(Fault::of_value("visited", view, format!("0 to {}", views.len() - 1)).into());
         }
@@ -78,32 +82,47 @@ impl SavedMap {
             check_shows_object(&self.snapshot)?;
         }
         let mut planner = planner.build(configs, seed, None)?;
-        let plan = planner.plan(&self.situation(&Cancel::default())).map_err(Fault::request)?;
+        let plan = planner.plan(&self.situation(&Cancel::default()))?;
         Ok(plan.choice)
     }
 
     /// Several views at once, the tour through them, and a bound on what as many could show.
     pub fn next_views(&self, configs: &PlannerConfigs) -> Result<BatchPlan, Fault> {
         let batch = Batch::new(configs.batch)?;
-        batch.plan_batch(&self.situation(&Cancel::default())).map_err(Fault::request)
+        Ok(batch.plan_batch(&self.situation(&Cancel::default()))?)
     }
 
     fn situation<'a>(&'a self, cancel: &'a Cancel) -> Situation<'a> {
-        Situation {
-            snapshot: &self.snapshot,
-            frames: &[],
-            views: &self.views,
-            intrinsics: &self.intrinsics,
-            visited: &self.visited,
-            finest_voxel_size: self.snapshot.lattice().voxel_size(),
-            cancel,
-        }
+        let situation = Situation::new(&self.snapshot, &self.views, &self.intrinsics, cancel);
+        situation.with_visited(&self.visited).expect("the numbers were checked")
     }
 }
 
 fn block(map: &OccupancyMap, bounds: &Aabb) -> Result<VoxelBlock, Fault> {
-    let block = SessionConfig::new(map.lattice().voxel_size(), *bounds).block(bounds);
-    block.map_err(|error| Fault::from(error).with_remedy("state another cube as `box`"))
+    let config = SessionConfig::new(map.lattice().voxel_size(), *bounds);
+    config.block(bounds).map_err(|error| match error {
+        Error::TooLarge { needed_mb, limit_mb, .. } => {
+            let share = (limit_mb as f64 / needed_mb as f64).cbrt();
+            let half = 0.5 * bounds.longest_side() * share;
+            let remedy =
+                format!("state a smaller cube as `box`: with half its edge up to {half:.2} m, it fits");
+            Fault::from(error).with_remedy(remedy)
+        }
+        error => Fault::from(error).with_remedy("state another cube as `box`"),
+    })
+}
+
+/// Fails if the map measured something, but nothing in the box: all views would gain the same.
+fn check_holds_map(map: &OccupancyMap, block: &VoxelBlock) -> Result<(), Fault> {
+    let (voxels, lattice) = (map.voxels(), map.lattice());
+    if voxels.is_empty() || voxels.iter().any(|(key, _)| block.index(*key).is_some()) {
+        return Ok(());
+    }
+    let Some(Aabb { min, max }) = Aabb::around(voxels.iter().map(|(key, _)| lattice.center(*key))) else {
+        return Ok(());
+    };
+    let message = format!("`box` holds none of the map's voxels, which lie from {min:.3} to {max:.3} m");
+    Err(Fault::request(message).with_remedy("state the cube that the object lies in"))
 }
 
 /// The planning box around the occupied voxels; none if there are none.

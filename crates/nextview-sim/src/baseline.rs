@@ -14,7 +14,7 @@ pub struct Clairvoyant {
 }
 
 impl Clairvoyant {
-    /// The planner with this knowledge.
+    /// The planner with this knowledge, which must be of the candidates that it chooses from.
     pub fn new(truth: Arc<TrueVisibility>) -> Self {
         Self { truth }
     }
@@ -22,8 +22,8 @@ impl Clairvoyant {
 
 impl ViewPlanner for Clairvoyant {
     fn plan(&mut self, situation: &Situation<'_>) -> Result<Plan, Cancelled> {
-        let is_within_reach = |view: usize| situation.views.is_within_reach(view);
-        let next = next_clairvoyant(&self.truth, situation.visited, is_within_reach);
+        let is_within_reach = |view: usize| situation.views().is_within_reach(view);
+        let next = next_clairvoyant(&self.truth, situation.visited(), is_within_reach);
         let choice = next.map(|(view, n_new)| Choice::new(view, n_new as f64));
         Ok(Plan { choice, ..Plan::default() })
     }

@@ -25,7 +25,7 @@ fn main() -> Result<(), Error> {
     let reason = loop {
         match session.decide() {
             Decision::Move(next) => {
-                let report = session.observe(&capture(&camera, &next.world_from_camera)?);
+                let report = session.observe(&capture(&camera, &next.world_from_camera)?)?;
                 println!("view {:?}: {} new voxels", report.view, report.update.n_newly_occupied);
             }
             Decision::Stop(reason) => break reason,

@@ -52,7 +52,7 @@ fn main() -> Result<(), Error> {
     let mut gains = Vec::new();
     while let Decision::Move(next) = session.decide() {
         gains.extend(next.choice.map(|choice| choice.score));
-        session.observe(&capture(&camera, &next.world_from_camera)?);
+        session.observe(&capture(&camera, &next.world_from_camera)?)?;
     }
 
     println!("shares of all gain: {gains:.4?}");

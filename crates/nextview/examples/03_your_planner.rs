@@ -19,11 +19,11 @@ struct FarthestView {
 
 impl ViewPlanner for FarthestView {
     fn plan(&mut self, situation: &Situation<'_>) -> Result<Plan, Cancelled> {
-        let position = |view: usize| situation.views.pose(view).translation();
+        let position = |view: usize| situation.views().pose(view).translation();
         let mut best: Option<Choice> = None;
         for view in situation.open_views() {
-            situation.cancel.check()?;
-            let distances = situation.visited.iter().map(|&other| position(view).distance(position(other)));
+            situation.cancel().check()?;
+            let distances = situation.visited().iter().map(|&other| position(view).distance(position(other)));
             let nearest = distances.fold(f64::INFINITY, f64::min);
             // Of views as far away, the lowest number wins.
             if nearest > best.as_ref().map_or(self.least_distance, |best| best.score) {
@@ -50,7 +50,7 @@ fn main() -> Result<(), Error> {
             Decision::Move(next) => {
                 let explanation = next.choice.and_then(|choice| choice.explanation);
                 distances.extend(explanation.and_then(|explanation| explanation.get("nearest_view_m")));
-                session.observe(&capture(&camera, &next.world_from_camera)?);
+                session.observe(&capture(&camera, &next.world_from_camera)?)?;
             }
             Decision::Stop(reason) => break reason,
         }

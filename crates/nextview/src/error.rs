@@ -43,6 +43,9 @@ pub enum Error {
         /// The fault, and the content expected.
         problem: String,
     },
+    /// The computation was cancelled and has no result.
+    #[error(transparent)]
+    Cancelled(#[from] crate::Cancelled),
     /// Reading or writing failed.
     #[error(transparent)]
     Io(#[from] std::io::Error),

@@ -32,7 +32,7 @@
 //!     while let Decision::Move(next) = session.decide() {
 //!         let depth = take_depth_image(&camera, &next.world_from_camera);
 //!         let image = DepthImage::from_metres(camera.width(), camera.height(), depth)?;
-//!         session.observe(&Frame::new(image, camera, next.world_from_camera, 3.0)?);
+//!         session.observe(&Frame::new(image, camera, next.world_from_camera, 3.0)?)?;
 //!     }
 //!     assert!(!session.frames().is_empty());
 //!     Ok(())

@@ -36,15 +36,9 @@ fn views() -> ViewSpace {
 }
 
 fn with_situation<T>(snapshot: &Snapshot, views: &ViewSpace, use_it: impl FnOnce(&Situation<'_>) -> T) -> T {
-    use_it(&Situation {
-        snapshot,
-        frames: &[],
-        views,
-        intrinsics: &Intrinsics::d435i(),
-        visited: &VISITED,
-        finest_voxel_size: snapshot.lattice().voxel_size(),
-        cancel: &Cancel::default(),
-    })
+    let (camera, cancel) = (Intrinsics::d435i(), Cancel::default());
+    let situation = Situation::new(snapshot, views, &camera, &cancel);
+    use_it(&situation.with_visited(&VISITED).unwrap())
 }
 
 fn plan(config: BatchConfig) -> BatchPlan {

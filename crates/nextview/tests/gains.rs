@@ -159,7 +159,7 @@ fn look_along_row(x: f64, surface: f64) -> Frame {
     let on_axis = |x: f64| DVec3::new(x, 0.005, 0.005);
     let camera = Intrinsics::pinhole(1, 1, DVec2::ONE, DVec2::ZERO).unwrap();
     let image = DepthImage::from_metres(1, 1, vec![(surface - x).abs() as f32]).unwrap();
-    Frame::new(image, camera, look_at(on_axis(x), on_axis(surface)), 1.0).unwrap()
+    Frame::new(image, camera, look_at(on_axis(x), on_axis(surface)).unwrap(), 1.0).unwrap()
 }
 
 #[test]
@@ -209,7 +209,7 @@ fn frames(seed: u64) -> Vec<Frame> {
         };
         let depths = (0..camera.n_pixels()).map(depth).collect();
         let image = DepthImage::from_metres(8, 6, depths).unwrap();
-        Frame::new(image, camera, look_at(position, DVec3::new(0.001, 0.002, 0.003)), 1.0).unwrap()
+        Frame::new(image, camera, look_at(position, DVec3::new(0.001, 0.002, 0.003)).unwrap(), 1.0).unwrap()
     };
     (0..3).map(|_| frame()).collect()
 }
@@ -407,7 +407,7 @@ proptest! {
             _ => Occupancy::Free,
         };
         let snapshot = snapshot(IVec3::new(-3, -4, -2), UVec3::new(7, 8, 6), state);
-        let pose = look_at(DVec3::new(x, y, z), DVec3::new(0.0034, -0.0021, 0.0057));
+        let pose = look_at(DVec3::new(x, y, z), DVec3::new(0.0034, -0.0021, 0.0057)).unwrap();
         let frames = frames(seed);
         let definitions = Definitions { snapshot: &snapshot, frames: &frames, rays: walked(&snapshot, &pose) };
         for (name, found, expected) in [

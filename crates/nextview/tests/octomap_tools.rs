@@ -268,7 +268,7 @@ fn scans_are_integrated_as_by_octomap() {
             theirs.leaves().map(|leaf| (leaf.min.to_array(), leaf.log_odds)).collect();
         let mut map = OccupancyMap::new(Lattice::new(0.05).unwrap(), SensorModel::default()).unwrap();
         for (origin, points) in two_scans() {
-            map.integrate_points(&points, origin, &Integration { rays, ..Integration::default() });
+            map.integrate_points(&points, origin, &Integration { rays, ..Integration::default() }).unwrap();
         }
         let ours: BTreeMap<[i32; 3], f32> =
             map.voxels().into_iter().map(|(k, v)| (k.to_array(), v.0)).collect();

@@ -46,7 +46,7 @@ fn frame_of_ball() -> Frame {
         if root < 0.0 { f32::INFINITY } else { ((0.4 - root.sqrt()) / direction_sq) as f32 }
     };
     let image = DepthImage::from_metres(64, 48, (0..64 * 48).map(depth).collect()).unwrap();
-    Frame::new(image, camera, look_at(DVec3::X * 0.4, DVec3::ZERO), 1.0).unwrap()
+    Frame::new(image, camera, look_at(DVec3::X * 0.4, DVec3::ZERO).unwrap(), 1.0).unwrap()
 }
 
 fn unknown() -> Snapshot {
@@ -59,16 +59,10 @@ fn views() -> ViewSpace {
 }
 
 fn plan(planner: &mut dyn ViewPlanner, snapshot: &Snapshot, visited: &[usize]) -> Plan {
-    let plan = planner.plan(&Situation {
-        snapshot,
-        frames: &[],
-        views: &views(),
-        intrinsics: &Intrinsics::d435i(),
-        visited,
-        finest_voxel_size: snapshot.lattice().voxel_size(),
-        cancel: &Cancel::default(),
-    });
-    plan.unwrap()
+    let views = &views();
+    let (camera, cancel) = (Intrinsics::d435i(), Cancel::default());
+    let situation = Situation::new(snapshot, views, &camera, &cancel);
+    planner.plan(&situation.with_visited(visited).unwrap()).unwrap()
 }
 
 fn max_flow(config: MaxFlowConfig) -> MaxFlow {
@@ -236,18 +230,10 @@ fn gains<G: InformationGain>(snapshot: &Snapshot, ray_spacing: f64) -> Vec<f64> 
 }
 
 fn greedy<G: InformationGain>(config: GreedyConfig, snapshot: &Snapshot, visited: &[usize]) -> Plan {
-    let (views, intrinsics) = (&views(), &Intrinsics::d435i());
-    let frames = &[frame_of_ball()];
-    let situation = Situation {
-        snapshot,
-        frames,
-        views,
-        intrinsics,
-        visited,
-        finest_voxel_size: snapshot.lattice().voxel_size(),
-        cancel: &Cancel::default(),
-    };
-    Greedy::<G>::new(config).unwrap().plan(&situation).unwrap()
+    let (views, frames) = (views(), [frame_of_ball()]);
+    let (camera, cancel) = (Intrinsics::d435i(), Cancel::default());
+    let situation = Situation::new(snapshot, &views, &camera, &cancel).with_frames(&frames);
+    Greedy::<G>::new(config).unwrap().plan(&situation.with_visited(visited).unwrap()).unwrap()
 }
 
 /// Each view's share, less theta times its share of the distances from where the camera is, as section V.D

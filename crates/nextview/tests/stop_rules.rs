@@ -22,7 +22,7 @@ struct Told(Vec<Outlook>);
 
 impl ViewPlanner for Told {
     fn plan(&mut self, situation: &Situation<'_>) -> Result<Plan, Cancelled> {
-        let view = situation.visited.len();
+        let view = situation.visited().len();
         let outlook = self.0.get(view - 1).copied();
         Ok(Plan { choice: outlook.map(|_| choice(view)), outlook, ..Plan::default() })
     }
@@ -39,7 +39,8 @@ fn outlook(n_expected: f64, n_unseen: f64) -> Outlook {
 /// Views in a row that look across the box.
 fn views() -> ViewSpace {
     let position = |i: usize| DVec3::new(i as f64 * STEP, -1.0, 0.0);
-    ViewSpace::new((0..12).map(|i| look_at(position(i), DVec3::X * position(i).x)).collect()).unwrap()
+    ViewSpace::new((0..12).map(|i| look_at(position(i), DVec3::X * position(i).x).unwrap()).collect())
+        .unwrap()
 }
 
 fn config(stop: StopConfig) -> SessionConfig {
@@ -57,7 +58,7 @@ fn session(planner: impl ViewPlanner + 'static, stop: StopConfig) -> Session {
 /// A frame that shows a wall across the box, farther from each view than from the last.
 fn observe(session: &mut Session, view: usize) -> StepReport {
     let image = DepthImage::from_metres(32, 24, vec![1.0 + 0.01 * view as f32; 32 * 24]).unwrap();
-    session.observe(&Frame::new(image, camera(), views().pose(view), 2.0).unwrap())
+    session.observe(&Frame::new(image, camera(), views().pose(view), 2.0).unwrap()).unwrap()
 }
 
 fn scan(session: &mut Session) -> (Vec<(NextView, StepReport)>, StopReason) {
@@ -181,7 +182,7 @@ struct Nearer;
 
 impl ViewPlanner for Nearer {
     fn plan(&mut self, situation: &Situation<'_>) -> Result<Plan, Cancelled> {
-        let view = if situation.frames.len() < 2 { 3 } else { 2 };
+        let view = if situation.frames().len() < 2 { 3 } else { 2 };
         Ok(Plan { choice: Some(choice(view)), ..Plan::default() })
     }
 }
@@ -218,7 +219,7 @@ struct Tour;
 
 impl ViewPlanner for Tour {
     fn plan(&mut self, situation: &Situation<'_>) -> Result<Plan, Cancelled> {
-        let views = if situation.visited.len() == 1 { vec![1, 9] } else { vec![2, 3] };
+        let views = if situation.visited().len() == 1 { vec![1, 9] } else { vec![2, 3] };
         let leg = |view: &usize| Leg { choice: choice(*view), expected: 1.0 };
         let itinerary = Itinerary { legs: views.iter().map(leg).collect(), tolerance: f64::INFINITY };
         Ok(Plan { choice: Some(choice(views[0])), itinerary: Some(itinerary), ..Plan::default() })

@@ -3,6 +3,7 @@
 #![allow(clippy::unwrap_used, reason = "helpers of a test")]
 
 use glam::{DVec2, DVec3};
+use nextview::Cancel;
 use nextview::geometry::{Aabb, Lattice, Pose, sphere};
 use nextview::sensor::{DepthImage, Distortion, Frame, Intrinsics};
 use nextview::surface::{DistanceField, SurfaceMesh};
@@ -67,8 +68,8 @@ fn empty_field() -> DistanceField {
 fn scan(shape: Shape, directions: impl IntoIterator<Item = DVec3>) -> DistanceField {
     let mut field = empty_field();
     for direction in directions {
-        let pose = look_at(0.4 * direction, DVec3::ZERO);
-        field.integrate(&render(shape, pinhole(), pose, f32::INFINITY));
+        let pose = look_at(0.4 * direction, DVec3::ZERO).unwrap();
+        field.integrate(&render(shape, pinhole(), pose, f32::INFINITY), &Cancel::default()).unwrap();
     }
     field
 }
@@ -117,7 +118,7 @@ fn mean_and_max(mesh: &SurfaceMesh, distance: impl Fn(DVec3) -> f64) -> (f64, f6
 
 #[test]
 fn a_ball_seen_from_all_sides_is_closed_and_in_place() {
-    let mesh = scan(ball, around(12)).surface();
+    let mesh = scan(ball, around(12)).surface(&Cancel::default()).unwrap();
     let (mean, max) = mean_and_max(&mesh, |v| v.length() - RADIUS);
     assert!(mean < 0.05 && max < 0.3, "{mean} {max} voxels");
     assert_watertight(&mesh);
@@ -128,7 +129,7 @@ fn a_ball_seen_from_all_sides_is_closed_and_in_place() {
 
 #[test]
 fn a_cube_keeps_its_faces_and_rounds_its_edges() {
-    let mesh = scan(cube, around(12)).surface();
+    let mesh = scan(cube, around(12)).surface(&Cancel::default()).unwrap();
     let distance = |v: DVec3| {
         let beyond = v.abs() - CUBE_HALF;
         beyond.max(DVec3::ZERO).length() + beyond.max_element().min(0.0)
@@ -149,7 +150,7 @@ fn a_cube_keeps_its_faces_and_rounds_its_edges() {
 
 #[test]
 fn a_ball_seen_from_one_side_is_an_open_cap() {
-    let mesh = scan(ball, [DVec3::X]).surface();
+    let mesh = scan(ball, [DVec3::X]).surface(&Cancel::default()).unwrap();
     let (_, max) = mean_and_max(&mesh, |v| v.length() - RADIUS);
     assert!(max < 0.3, "{max} voxels");
     assert!(mesh.vertices.len() > 500 && mesh.vertices.iter().all(|v| v.x > 0.0), "nothing behind");
@@ -163,7 +164,7 @@ fn a_ball_seen_from_one_side_is_an_open_cap() {
 
 #[test]
 fn a_plate_of_two_voxels_keeps_both_sides() {
-    let mesh = scan(plate, around(12)).surface();
+    let mesh = scan(plate, around(12)).surface(&Cancel::default()).unwrap();
     let inner = mesh.vertices.iter().filter(|v| v.truncate().abs().max_element() < 0.045);
     let (mut up, mut down) = (0, 0);
     for v in inner {
@@ -181,21 +182,39 @@ fn a_plate_of_two_voxels_keeps_both_sides() {
 fn a_wall_in_the_background_is_as_good_as_nothing() {
     let mut field = empty_field();
     for direction in around(12) {
-        field.integrate(&render(ball, pinhole(), look_at(0.4 * direction, DVec3::ZERO), 1.0));
+        field
+            .integrate(
+                &render(ball, pinhole(), look_at(0.4 * direction, DVec3::ZERO).unwrap(), 1.0),
+                &Cancel::default(),
+            )
+            .unwrap();
     }
-    assert_eq!(field.surface(), scan(ball, around(12)).surface());
+    assert_eq!(
+        field.surface(&Cancel::default()).unwrap(),
+        scan(ball, around(12)).surface(&Cancel::default()).unwrap()
+    );
 }
 
 #[test]
 fn missing_pixels_leave_holes_and_make_no_surface() {
     let mut field = empty_field();
     for direction in around(12) {
-        field.integrate(&render(ball, pinhole(), look_at(0.4 * direction, DVec3::ZERO), f32::NAN));
+        field
+            .integrate(
+                &render(ball, pinhole(), look_at(0.4 * direction, DVec3::ZERO).unwrap(), f32::NAN),
+                &Cancel::default(),
+            )
+            .unwrap();
     }
-    let (_, max) = mean_and_max(&field.surface(), |v| v.length() - RADIUS);
+    let (_, max) = mean_and_max(&field.surface(&Cancel::default()).unwrap(), |v| v.length() - RADIUS);
     assert!(max < 0.3, "{max} voxels");
     field = empty_field();
-    field.integrate(&render(|_, _| None, pinhole(), look_at(DVec3::X * 0.4, DVec3::ZERO), f32::NAN));
+    field
+        .integrate(
+            &render(|_, _| None, pinhole(), look_at(DVec3::X * 0.4, DVec3::ZERO).unwrap(), f32::NAN),
+            &Cancel::default(),
+        )
+        .unwrap();
     assert_eq!(field.distance(glam::IVec3::ZERO), None);
 }
 
@@ -205,9 +224,14 @@ fn a_lens_does_not_show() {
     for camera in [pinhole().with_distortion(strong).unwrap(), Intrinsics::d435i()] {
         let mut field = empty_field();
         for direction in around(12) {
-            field.integrate(&render(ball, camera, look_at(0.3 * direction, DVec3::ZERO), f32::INFINITY));
+            field
+                .integrate(
+                    &render(ball, camera, look_at(0.3 * direction, DVec3::ZERO).unwrap(), f32::INFINITY),
+                    &Cancel::default(),
+                )
+                .unwrap();
         }
-        let mesh = field.surface();
+        let mesh = field.surface(&Cancel::default()).unwrap();
         let (_, max) = mean_and_max(&mesh, |v| v.length() - RADIUS);
         assert!(max < 0.3, "{max} voxels");
         assert_watertight(&mesh);
@@ -216,14 +240,24 @@ fn a_lens_does_not_show() {
 
 #[test]
 fn nothing_seen_is_no_surface() {
-    assert_eq!(empty_field().surface(), SurfaceMesh::default());
-    assert_eq!(scan(|_, _| None, around(3)).surface(), SurfaceMesh::default());
+    assert_eq!(empty_field().surface(&Cancel::default()).unwrap(), SurfaceMesh::default());
+    assert_eq!(scan(|_, _| None, around(3)).surface(&Cancel::default()).unwrap(), SurfaceMesh::default());
     let mut behind = empty_field();
-    behind.integrate(&render(ball, pinhole(), look_at(DVec3::X * 0.4, DVec3::X), 1.0));
-    assert_eq!(behind.surface(), SurfaceMesh::default());
+    behind
+        .integrate(
+            &render(ball, pinhole(), look_at(DVec3::X * 0.4, DVec3::X).unwrap(), 1.0),
+            &Cancel::default(),
+        )
+        .unwrap();
+    assert_eq!(behind.surface(&Cancel::default()).unwrap(), SurfaceMesh::default());
     let mut inside = empty_field();
-    inside.integrate(&render(|_, _| None, pinhole(), look_at(DVec3::ZERO, DVec3::X), 1.0));
-    assert_eq!(inside.surface(), SurfaceMesh::default());
+    inside
+        .integrate(
+            &render(|_, _| None, pinhole(), look_at(DVec3::ZERO, DVec3::X).unwrap(), 1.0),
+            &Cancel::default(),
+        )
+        .unwrap();
+    assert_eq!(inside.surface(&Cancel::default()).unwrap(), SurfaceMesh::default());
 }
 
 #[test]
@@ -232,7 +266,7 @@ fn refuses_what_is_no_field() {
     for truncation in [0.0, VOXEL, -1.0, f64::NAN, f64::INFINITY] {
         assert!(DistanceField::new(lattice, block, truncation).is_err(), "{truncation}");
     }
-    let huge = nextview::geometry::VoxelBlock::new(glam::IVec3::ZERO, glam::UVec3::MAX).unwrap();
+    let huge = nextview::geometry::VoxelBlock::new(glam::IVec3::ZERO, glam::UVec3::splat(812)).unwrap();
     let error = DistanceField::new(lattice, huge, 2.0 * VOXEL).unwrap_err().to_string();
     assert!(error.contains("more than the limit of 4096 MB"), "{error}");
 }
@@ -241,7 +275,7 @@ fn refuses_what_is_no_field() {
 fn threads_do_not_show() {
     let run = |threads| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-        pool.install(|| scan(cube, around(5)).surface())
+        pool.install(|| scan(cube, around(5)).surface(&Cancel::default()).unwrap())
     };
     assert_eq!(run(1), run(4));
 }

@@ -24,12 +24,12 @@ impl NbvNet {
 impl ViewPlanner for NbvNet {
     fn plan(&mut self, situation: &Situation<'_>) -> Result<Plan, Cancelled> {
         let stand_ins = stand_ins(situation);
-        situation.cancel.check()?;
-        let logits = self.network.logits(&Grid::new(situation.snapshot));
+        situation.cancel().check()?;
+        let logits = self.network.logits(&Grid::new(situation.snapshot()));
         let mut ranked: Vec<usize> = (0..N_VIEWS).collect();
         ranked.sort_by(|&a, &b| logits[b].total_cmp(&logits[a]).then(a.cmp(&b)));
         let probability = probabilities(&logits);
-        let is_open = |candidate: &usize| !situation.visited.contains(candidate);
+        let is_open = |candidate: &usize| !situation.visited().contains(candidate);
         let mut open = ranked.iter().filter_map(|&view| Some((stand_ins[view].filter(is_open)?, view)));
         let choice = open.next().map(|(candidate, view)| Choice {
             runner_up: open.map(|(other, _)| other).find(|&other| other != candidate),
@@ -41,7 +41,7 @@ impl ViewPlanner for NbvNet {
 
 /// The candidate within reach that is nearest to each view; none if there is no candidate within reach.
 fn stand_ins(situation: &Situation<'_>) -> [Option<usize>; N_VIEWS] {
-    let Situation { snapshot, views, .. } = situation;
+    let (snapshot, views) = (situation.snapshot(), situation.views());
     let bounds = snapshot.lattice().bounds(&snapshot.block());
     views::positions(&bounds).map(|position| {
         let candidates = (0..views.len()).filter(|&view| views.is_within_reach(view));

@@ -1,6 +1,7 @@
 //! The 14 views that NBV-Net knows: its classes.
 
 use glam::DVec3;
+use nextview::Error;
 use nextview::geometry::{Aabb, Pose};
 use nextview::view::look_at;
 
@@ -44,9 +45,9 @@ pub fn positions(bounds: &Aabb) -> [DVec3; N_VIEWS] {
     DIRECTIONS.map(|direction| bounds.center() + distance * direction)
 }
 
-/// Their poses: all look at the centre of the box.
-pub fn poses(bounds: &Aabb) -> [Pose; N_VIEWS] {
-    positions(bounds).map(|position| look_at(position, bounds.center()))
+/// Their poses: all look at the centre of the box. Fails if one is beyond [`Pose::REACH`].
+pub fn poses(bounds: &Aabb) -> Result<Vec<Pose>, Error> {
+    positions(bounds).into_iter().map(|position| look_at(position, bounds.center())).collect()
 }
 
 #[cfg(test)]
@@ -76,7 +77,7 @@ mod tests {
     #[test]
     fn views_stand_around_the_box_and_look_at_its_centre() {
         let bounds = Aabb { min: DVec3::new(0.1, 0.0, -0.1), max: DVec3::new(0.3, 0.1, 0.0) };
-        for (pose, direction) in poses(&bounds).iter().zip(DIRECTIONS) {
+        for (pose, direction) in poses(&bounds).unwrap().iter().zip(DIRECTIONS) {
             let offset = pose.translation() - bounds.center();
             assert!((offset.length() - 0.25).abs() < 1e-12);
             assert!(offset.normalize().distance(direction) < 1e-12);

@@ -10,7 +10,7 @@ use nextview_recording::{ReadOptions, Recording};
 fn map(recording: &Recording) -> Vec<(IVec3, LogOdds)> {
     let mut map = OccupancyMap::new(Lattice::new(0.02).unwrap(), SensorModel::default()).unwrap();
     for frame in &recording.frames {
-        map.integrate(&frame.load().unwrap(), &Integration::default());
+        map.integrate(&frame.load().unwrap(), &Integration::default()).unwrap();
     }
     map.voxels()
 }

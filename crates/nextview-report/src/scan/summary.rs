@@ -1,5 +1,5 @@
 use super::stop_phrase::stop_phrase;
-use nextview_scan::{BoxRule, QualityMm, ScanConfig, ScanRecord, StepRecord, TableRule};
+use nextview_scan::{BoxRule, OtherBodyRecord, QualityMm, ScanConfig, ScanRecord, StepRecord, TableRule};
 
 /// The quantities of a scan, finished or under way, as label and value with unit, in the order to show them.
 ///
@@ -22,6 +22,7 @@ pub fn summary(record: &ScanRecord, config: &ScanConfig) -> Vec<(String, String)
     rows.extend(phrase("mesh", record.mesh()));
     rows.extend(recorded(record));
     rows.extend(found(config, last));
+    rows.extend(record.other_bodies.iter().map(other_body));
     rows.extend(costs(record));
     rows.into_iter().map(|(label, value)| (label.to_owned(), value)).collect()
 }
@@ -97,6 +98,16 @@ fn recorded(record: &ScanRecord) -> Vec<Row> {
         rows.push(("nothing in the box", blind.join(", ")));
     }
     rows
+}
+
+/// A body that was not scanned, and the gap that would make it a part of the object.
+fn other_body(body: &OtherBodyRecord) -> Row {
+    let [size, center] = [body.size_m.map(|m| 1e3 * m), body.center_m];
+    let size = format!("{:.0} x {:.0} x {:.0} mm", size[0], size[1], size[2]);
+    let center = format!("({:.3}, {:.3}, {:.3}) m", center[0], center[1], center[2]);
+    // Rounded up, so that it is enough.
+    let gap = (1e3 * body.gap_m).ceil();
+    ("other body", format!("{size} at {center}; object_box.max_gap_m from {} on joins it", gap / 1e3))
 }
 
 /// The places of the object and its table, if the scan had to find them.

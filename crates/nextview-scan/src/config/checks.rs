@@ -32,6 +32,10 @@ fn faults(config: &ScanConfig) -> Vec<Fault> {
     if let Some(share) = config.min_overlap.filter(|share| !(0.0..=1.0).contains(share)) {
         faults.push(Fault::of_value("min_overlap", share, "a number in 0..=1"));
     }
+    let gap = config.object_box.max_gap_m;
+    if !(0.0..=1000.0).contains(&gap) {
+        faults.push(Fault::of_value("object_box.max_gap_m", gap, "a number of metres, 0 to 1000"));
+    }
     let parts = [
         ("stop", config.stop.check()),
         ("map.sensor_model", config.map.sensor_model.check()),

@@ -118,6 +118,13 @@ pub struct ObjectBoxConfig {
     pub rule: BoxRule,
     /// What the object stands on.
     pub table: TableRule,
+    /// Where the box grows, parts of the object may be this far apart, 0..=1000. By default they must touch.
+    #[serde(skip_serializing_if = "is_zero")]
+    pub max_gap_m: f64,
+}
+
+fn is_zero(number: &f64) -> bool {
+    *number == 0.0
 }
 
 impl ScanConfig {
@@ -208,7 +215,7 @@ impl ScanConfig {
             multi_resolution: neutral.multi_resolution,
             registration: neutral.registration,
             motion: neutral.motion,
-            object_box: ObjectBoxConfig { rule: neutral.object_box.rule, ..self.object_box },
+            object_box: ObjectBoxConfig { table: self.object_box.table, ..neutral.object_box },
             ..self.clone()
         }
     }

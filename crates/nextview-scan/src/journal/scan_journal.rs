@@ -83,6 +83,11 @@ impl ScanJournal {
         self.replays.pop_front();
     }
 
+    /// The scan comes to this frame, which is kept, again.
+    pub(crate) fn replay_again(&mut self, kept: KeptFrame) {
+        self.replays.push_front(JournalEntry::Frame(kept));
+    }
+
     /// Keeps a frame: on the disk when this returns.
     pub(crate) fn keep(&mut self, kept: &KeptFrame) -> Result<(), Fault> {
         self.journal.keep(kept).map_err(|fault| self.not_kept(fault))?;

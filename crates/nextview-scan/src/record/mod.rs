@@ -5,7 +5,7 @@ mod scan_record;
 mod step_record;
 
 pub use build::BuildIdentity;
-pub use scan_record::{QualityMm, ScanRecord};
+pub use scan_record::{OtherBodyRecord, QualityMm, ScanRecord};
 pub use step_record::StepRecord;
 
 use std::time::Duration;

@@ -1,6 +1,6 @@
 use super::StepRecord;
 use crate::{PlannerName, Profile};
-use nextview::session::StopReason;
+use nextview::session::{OtherBody, StopReason};
 use serde::{Deserialize, Serialize};
 
 /// A scan, finished or under way: `record.json`, and what `nextview scan --json` prints.
@@ -110,6 +110,9 @@ pub struct ScanRecord {
     /// Frames and poses that were left out of the recording, and why.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub skipped: Vec<String>,
+    /// Bodies beside the object, nearest first, which do not belong to it; where the box grows.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub other_bodies: Vec<OtherBodyRecord>,
     /// What else is odd in the recording.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub notes: Vec<String>,
@@ -122,6 +125,25 @@ pub struct ScanRecord {
 
     /// The views, in the order in which they were taken.
     pub steps: Vec<StepRecord>,
+}
+
+/// A body that was seen beside the object.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(deny_unknown_fields)]
+pub struct OtherBodyRecord {
+    /// Middle of the box around its measured points, in the world.
+    pub center_m: [f64; 3],
+    /// Size of that box.
+    pub size_m: [f64; 3],
+    /// Its distance from the object: with a larger `object_box.max_gap_m`, it belongs to the object.
+    pub gap_m: f64,
+}
+
+impl From<OtherBody> for OtherBodyRecord {
+    fn from(OtherBody { bounds, gap }: OtherBody) -> Self {
+        Self { center_m: bounds.center().to_array(), size_m: bounds.size().to_array(), gap_m: gap }
+    }
 }
 
 /// How good a cloud or a mesh is beside the true surface.

@@ -1,33 +1,52 @@
 //! The files of a scan's results.
 
 use crate::files::ResultFolder;
-use crate::run::FinishedScan;
-use crate::{Fault, FinalModel, ScanConfig, ScanRecord};
+use crate::run::{FinishedScan, Measured};
+use crate::{Fault, Faults, FinalModel, ScanConfig, ScanRecord};
 use nextview::geometry::Pose;
+use nextview::map::Octree;
 use nextview::motion::Waypoint;
 use nextview::surface::{write_cloud, write_mesh};
 use std::io::Write;
 
+/// The results of a scan.
+pub struct Results {
+    /// The record; without measures of the model where there is none.
+    pub record: ScanRecord,
+    /// What failed; none if the results are complete.
+    pub faults: Option<Faults>,
+}
+
 /// Adds everything that a scan leaves, but for pages that show it: configuration, record, poses, waypoints,
-/// map, model.
-pub fn write_results(
-    folder: &mut ResultFolder,
-    config: &ScanConfig,
-    scan: &FinishedScan<'_>,
-    record: &ScanRecord,
-    model: &FinalModel,
-) -> Result<(), Fault> {
-    let text = toml::to_string(config).map_err(Fault::data)?;
-    folder.add("config.toml", |w| Ok(w.write_all(text.as_bytes())?))?;
-    folder.add("record.json", |w| write_json(w, record))?;
-    folder.add("steps.jsonl", |w| record.steps.iter().try_for_each(|step| write_json(w, step)))?;
-    folder.add("views.csv", |w| write_views(w, record))?;
-    folder.add("waypoints.csv", |w| write_waypoints(w, scan))?;
-    let octree = scan.session.map().to_octree()?.pruned();
-    folder.add("map.ot", |w| Ok(octree.write_ot(w)?))?;
-    folder.add("map.bt", |w| Ok(octree.write_bt(w)?))?;
-    folder.add("cloud.ply", |w| Ok(write_cloud(w, &model.cloud)?))?;
-    folder.add("mesh.ply", |w| Ok(write_mesh(w, &model.vertices, &model.mesh.triangles)?))
+/// map, model. What fails is left out and reported; all else is added.
+pub fn write_results(folder: &mut ResultFolder, config: &ScanConfig, scan: &FinishedScan<'_>) -> Results {
+    let mut faults = Vec::new();
+    let model = scan.model().map_err(|fault| faults.push(fault.within("cloud and mesh"))).ok();
+    let measured = model.as_ref().map_or(Measured::Nothing, Measured::Model);
+    let record = scan.record(config, measured).unwrap_or_else(|fault| {
+        faults.push(fault.within("bodies beside the object"));
+        scan.bare_record(config)
+    });
+    let mut add = |name: &'static str, content: &dyn Fn(&mut Vec<u8>) -> Result<(), Fault>| {
+        faults.extend(folder.add(name, content).err().map(|fault| fault.within(name)));
+    };
+    add("config.toml", &|w| Ok(w.write_all(toml::to_string(config).map_err(Fault::data)?.as_bytes())?));
+    add("record.json", &|w| write_json(w, &record));
+    add("steps.jsonl", &|w| record.steps.iter().try_for_each(|step| write_json(w, step)));
+    add("views.csv", &|w| write_views(w, &record));
+    add("waypoints.csv", &|w| write_waypoints(w, scan));
+    let octree = scan.session.map().to_octree().map(|octree| octree.pruned());
+    add("map.ot", &|w| Ok(octree_of(&octree)?.write_ot(w)?));
+    add("map.bt", &|w| Ok(octree_of(&octree)?.write_bt(w)?));
+    if let Some(FinalModel { cloud, mesh, vertices }) = &model {
+        add("cloud.ply", &|w| Ok(write_cloud(w, cloud)?));
+        add("mesh.ply", &|w| Ok(write_mesh(w, vertices, &mesh.triangles)?));
+    }
+    Results { record, faults: Faults::of(faults) }
+}
+
+fn octree_of(octree: &Result<Octree, nextview::Error>) -> Result<&Octree, Fault> {
+    octree.as_ref().map_err(Fault::data)
 }
 
 /// One JSON object on a line.

@@ -47,15 +47,33 @@ impl FinishedScan<'_> {
         (0.25 * voxel_size).max(bounds.longest_side() / 128.0)
     }
 
-    /// Makes cloud and mesh; fails if no object was found, or a colour image cannot be loaded.
+    /// Makes cloud and mesh; fails if no object was found, a colour image cannot be loaded, or if it is
+    /// cancelled: reset the flag to make the model of a scan that was cancelled.
     pub fn model(&self) -> Result<FinalModel, Fault> {
         let bounds = self.bounds().ok_or_else(no_object)?;
         let color = |i: usize| self.source.map_or(Ok(None), |source| source.color(self.steps[i].view));
-        FinalModel::new(self.session.frames(), color, bounds, self.detail(bounds))
+        let cancel = self.session.cancel();
+        FinalModel::new(self.session.frames(), color, bounds, self.detail(bounds), cancel)
     }
 
-    /// The record.
+    /// The record. Fails if the cloud to be measured cannot be made, or if it is cancelled.
     pub fn record(&self, config: &ScanConfig, measured: Measured<'_>) -> Result<ScanRecord, Fault> {
+        let mut record = self.bare_record(config);
+        record.other_bodies = self.session.other_bodies()?.into_iter().map(Into::into).collect();
+        let Some(source) = self.source else { return Ok(record) };
+        match measured {
+            Measured::Nothing => (),
+            Measured::CloudOnly => record.set_cloud(self.quality_of(source, &self.plain_cloud()?)),
+            Measured::Model(model) => {
+                record.set_cloud(self.quality_of(source, &model.cloud));
+                record.set_mesh(source.quality_of_mesh(&above(self.table(), &model.mesh)));
+            }
+        }
+        Ok(record)
+    }
+
+    /// The record without the model's measures and other bodies.
+    pub(crate) fn bare_record(&self, config: &ScanConfig) -> ScanRecord {
         let last = self.steps.last();
         let mut record = ScanRecord {
             object: short_name(&config.object),
@@ -73,17 +91,10 @@ impl FinishedScan<'_> {
             steps: self.steps.clone(),
             ..ScanRecord::default()
         };
-        let Some(source) = self.source else { return Ok(record) };
-        source.describe(&mut record);
-        match measured {
-            Measured::Nothing => (),
-            Measured::CloudOnly => record.set_cloud(self.quality_of(source, &self.plain_cloud()?)),
-            Measured::Model(model) => {
-                record.set_cloud(self.quality_of(source, &model.cloud));
-                record.set_mesh(source.quality_of_mesh(&above(self.table(), &model.mesh)));
-            }
+        if let Some(source) = self.source {
+            source.describe(&mut record);
         }
-        Ok(record)
+        record
     }
 
     /// The results are on the disk, or there will be none: the journal is removed.

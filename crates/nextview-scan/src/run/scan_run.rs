@@ -1,12 +1,12 @@
 use super::{Evaluator, FinishedScan};
 use crate::journal::{JournalEntry, KeptFrame, SkippedView};
 use crate::record::milliseconds;
-use crate::{Fault, Faults, FrameSource, ScanConfig, ScanJournal, StepRecord};
+use crate::{Fault, FaultKind, Faults, FrameSource, ScanConfig, ScanJournal, StepRecord};
 use glam::DVec3;
-use nextview::Cancel;
 use nextview::motion::Trajectory;
 use nextview::sensor::Frame;
 use nextview::session::{Decision, NextView, Session, StopReason};
+use nextview::{Cancel, Cancelled};
 use std::time::{Duration, Instant};
 
 /// One scan under way. It never blocks: whoever owns the camera asks for the [`next`](Self::next) step, takes
@@ -153,7 +153,7 @@ impl<'a> ScanRun<'a> {
                 if is_over && !self.steps.is_empty() && self.replay().is_none() {
                     return Ok(Next::Stop(StopReason::TimeLimit));
                 }
-                if let Some(reason) = self.decide() {
+                if let Some(reason) = self.decide()? {
                     return self.check_stop(reason).map(|()| Next::Stop(reason));
                 }
             }
@@ -172,18 +172,27 @@ impl<'a> ScanRun<'a> {
     /// Takes in a frame, in any pose: keeps it, writes it into the map, measures. If a view was asked for, it
     /// counts as visited.
     ///
-    /// Fails before anything has changed if the frame cannot be kept.
+    /// Fails before anything has changed if the frame cannot be kept, and if it is [cancelled](Begin::cancel):
+    /// it is then asked for again, or [replayed](Next::Replay) from the journal.
     pub fn push(&mut self, frame: Frame) -> Result<&StepRecord, Fault> {
         let capture_time = self.asked.as_ref().map_or(Duration::ZERO, |asked| asked.since.elapsed());
-        let frame = self.keep(frame)?;
-        let asked = self.asked.take();
-        let (next, trajectory, plan_time) = match asked {
-            Some(Asked { next, trajectory, plan_time, .. }) => (Some(next), trajectory, plan_time),
-            None => (None, self.session.trajectory_to(&frame.world_from_camera()), Duration::ZERO),
+        let unasked = match &self.asked {
+            Some(_) => None,
+            None => Some(self.session.trajectory_to(&frame.world_from_camera())?),
         };
+        let frame = self.keep(frame)?;
         let start = Instant::now();
-        let report = self.session.observe(&frame);
+        let report = match self.session.observe(&frame) {
+            Ok(report) => report,
+            Err(cancelled) => return Err(self.put_back(frame, cancelled)),
+        };
         let map_time = start.elapsed();
+        let (next, trajectory, plan_time) = match self.asked.take() {
+            Some(Asked { next, trajectory, plan_time, .. }) => (Some(next), trajectory, plan_time),
+            None => {
+                (None, unasked.unwrap_or_else(|| Trajectory::at(frame.world_from_camera())), Duration::ZERO)
+            }
+        };
         let mut record = StepRecord::of_report(self.steps.len() + 1, &report);
         if let (Some(evaluator), Some(mapped)) = (&mut self.evaluator, self.session.frames().last()) {
             evaluator.measure(&self.session, next.as_ref(), mapped, &mut record)?;
@@ -231,7 +240,11 @@ impl<'a> ScanRun<'a> {
                 Next::Capture(view) => source.capture(&view, self.steps.is_empty())?,
                 Next::Stop(reason) => return Ok(reason),
             };
-            on_step(self.push(frame)?)?;
+            match self.push(frame) {
+                Ok(step) => on_step(step)?,
+                Err(fault) if fault.kind == FaultKind::Cancelled => return Ok(StopReason::Cancelled),
+                Err(fault) => return Err(fault),
+            }
         }
     }
 
@@ -256,15 +269,15 @@ impl<'a> ScanRun<'a> {
     }
 
     /// Decides on the next view; a reason if the scan stops instead.
-    fn decide(&mut self) -> Option<StopReason> {
+    fn decide(&mut self) -> Result<Option<StopReason>, Fault> {
         let start = Instant::now();
         match self.session.decide() {
-            Decision::Stop(reason) => Some(reason),
+            Decision::Stop(reason) => Ok(Some(reason)),
             Decision::Move(next) => {
                 let plan_time = start.elapsed();
-                let trajectory = self.session.trajectory_to(&next.world_from_camera);
+                let trajectory = self.session.trajectory_to(&next.world_from_camera)?;
                 self.asked = Some(Asked { next, trajectory, plan_time, since: Instant::now() });
-                None
+                Ok(None)
             }
         }
     }
@@ -290,6 +303,15 @@ impl<'a> ScanRun<'a> {
                 Err(fault.with_remedy("ask for the next step, and push the frame that it returns unchanged"))
             }
         }
+    }
+
+    /// The frame comes again, since it does not count.
+    fn put_back(&mut self, frame: Frame, cancelled: Cancelled) -> Fault {
+        let (view, was_asked) = (self.asked.as_ref().and_then(|asked| asked.next.view), self.asked.is_some());
+        if let Some(journal) = &mut self.journal {
+            journal.replay_again(KeptFrame { view, was_asked, frame });
+        }
+        cancelled.into()
     }
 
     fn forget(&mut self, view: usize) {

@@ -13,6 +13,7 @@ pub(super) fn session_config(
         voxel_size,
         multi_resolution: config.multi_resolution,
         object_box,
+        max_gap: config.object_box.max_gap_m,
         table,
         first_view: config.first_view,
         sensor_model: config.map.sensor_model,

@@ -86,7 +86,7 @@ fn wrong_values_are_named() {
         ("[noise.depth]\nedge_loss = 2\n", "edge_loss` is 2"),
         ("[motion]\nspeed_m_per_s = 0\n", "`motion.speed_m_per_s` is 0, expected 0.001 to 100"),
         ("[motion]\nacceleration_m_per_s2 = nan\n", "`motion.acceleration_m_per_s2` is nan"),
-        ("[motion]\nclearance_m = -1\n", "`motion.clearance_m` is -1, expected a number from 0 on"),
+        ("[motion]\nclearance_m = -1\n", "`motion.clearance_m` is -1, expected 0 to 1e6"),
         ("[motion]\nsensing_time_s = inf\n", "`motion.sensing_time_s` is inf"),
         ("[reach]\nmax_radius_m = 1\n", "`reach.base_m` and `reach.max_radius_m` need each other"),
         ("[reach]\nmin_radius_m = 1\n", "`reach.min_radius_m` needs `reach.base_m`"),
@@ -104,6 +104,13 @@ fn wrong_values_are_named() {
         ("[batch]\nn_views = 0\n", "`batch.n_views` is 0"),
         ("[batch]\nleast_share = 2\n", "`batch.least_share` is 2"),
         ("[nbv_net]\nweights = 'no-such-file'\n", "no-such-file: cannot be read"),
+        ("[max_flow]\nray_spacing = 1e-4\n", "`max_flow.ray_spacing` is 0.0001, expected a number of voxels"),
+        ("[greedy]\nray_spacing = 0.05\n", "`greedy.ray_spacing` is 0.05"),
+        ("[batch]\nray_spacing = nan\n", "`batch.ray_spacing` is nan"),
+        (
+            "[object_box]\nmax_gap_m = -1\n",
+            "`object_box.max_gap_m` is -1, expected a number of metres, 0 to 1000",
+        ),
         ("[object_box]\ntable = \"oak\"\n", "`object_box.table` is \"oak\""),
         ("planner = \"random\"\nstop.completeness = 0.9\n", "the planner random cannot stop by completeness"),
     ] {

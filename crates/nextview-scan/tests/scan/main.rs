@@ -4,6 +4,7 @@
 
 mod common;
 mod configuration;
+mod far;
 mod journal;
 mod resume;
 mod run;

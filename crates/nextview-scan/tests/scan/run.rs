@@ -1,8 +1,10 @@
 //! Runs are pushed: asked for the next step, given a frame.
 
-use crate::common::{image, image_from, session};
+use crate::common::{Folder, image, image_from, session};
+use glam::{DQuat, DVec3};
+use nextview::geometry::Pose;
 use nextview::session::StopReason;
-use nextview_scan::{Next, ScanRun};
+use nextview_scan::{FaultKind, Next, ScanJournal, ScanRun};
 
 fn asked(run: &mut ScanRun<'_>) -> nextview::session::NextView {
     match run.next().unwrap() {
@@ -86,5 +88,44 @@ fn a_cancelled_decision_can_be_asked_for_again() {
             (Next::Stop(reason), Next::Stop(expected)) => break assert_eq!(reason, expected),
             (other, expected) => panic!("{other:?}, expected {expected:?}"),
         }
+    }
+}
+
+#[test]
+fn a_cancelled_frame_comes_again() {
+    let folder = Folder::new("cancelled-frame");
+    let cancel = nextview::Cancel::default();
+    for with_journal in [false, true] {
+        let mut run = ScanRun::new(session().with_cancel(cancel.clone()));
+        if with_journal {
+            run = run.with_journal(ScanJournal::begin(&folder.path("scan"), "a test").unwrap());
+        }
+        for n_steps in 0..3 {
+            let view = asked(&mut run);
+            cancel.cancel();
+            let fault = run.push(image(&view)).unwrap_err();
+            assert_eq!((fault.kind, run.steps().len()), (FaultKind::Cancelled, n_steps));
+            cancel.reset();
+            match run.next().unwrap() {
+                Next::Replay(frame) if with_journal => _ = run.push(frame).unwrap(),
+                Next::Capture(again) if !with_journal => _ = run.push(image(&again)).unwrap(),
+                other => panic!("{other:?}"),
+            }
+            assert_eq!(run.steps()[n_steps].view, view.view);
+        }
+        assert_eq!((run.steps().len(), run.session().visited().len()), (3, 3));
+    }
+}
+
+#[test]
+fn poses_that_are_nowhere_do_not_exist() {
+    for x in [1e300, f64::NAN, f64::INFINITY, 1e9] {
+        assert!(Pose::new(DQuat::IDENTITY, DVec3::X * x).is_err());
+    }
+    let mut run = ScanRun::new(session());
+    let far = Pose::new(DQuat::IDENTITY, DVec3::X * 1e8).unwrap();
+    for _ in 0..2 {
+        let step = run.push(image_from(&far)).unwrap();
+        assert!(step.trajectory_length_m.is_finite());
     }
 }

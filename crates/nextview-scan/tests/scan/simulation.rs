@@ -1,11 +1,16 @@
 //! A simulated scan through the library, from the configuration to the folder.
 
 use crate::common::Folder;
+use glam::DVec3;
 use nextview::Cancel;
+use nextview::geometry::Aabb;
+use nextview::sensor::{ColorImage, Frame};
+use nextview::session::{NextView, Session};
+use nextview::surface::SurfaceMesh;
 use nextview_scan::files::ResultFolder;
 use nextview_scan::{
-    Begin, FinishedScan, FrameSource, Measured, Next, PlannerName, ScanConfig, ScanRecord, ScanRun,
-    SimulatedObject, Simulation, Truth, write_results,
+    Begin, Evaluator, Fault, Faults, FinishedScan, FrameSource, Measured, Next, PlannerName, QualityMm,
+    Results, ScanConfig, ScanRecord, ScanRun, SimulatedObject, Simulation, Truth, write_results,
 };
 
 fn config() -> ScanConfig {
@@ -32,17 +37,16 @@ fn a_scan_is_measured_and_written() {
     let truth = Truth::new(&object, &Cancel::default(), || ()).unwrap();
     let simulation = Simulation::new(&object, &config, Some(&truth));
     let scan = scanned(&simulation, &config);
-    let model = scan.model().unwrap();
-    let record = scan.record(&config, Measured::Model(&model)).unwrap();
+    let folder = Folder::new("simulation");
+    let dir = folder.path("results");
+    let mut results = ResultFolder::begin(&dir).unwrap();
+    let Results { record, faults } = write_results(&mut results, &config, &scan);
+    assert_eq!(faults, None);
     assert_eq!((record.views, record.steps.len(), record.candidates), (4, 4, 20));
     assert_eq!(record.reachable_coverage, record.steps[3].reachable_coverage);
     assert!(record.reachable_coverage.unwrap() > 0.5 && record.skill.is_some());
     assert!(record.cloud().unwrap().accuracy_mean_mm < 0.1 && record.mesh().unwrap().completeness_5mm > 0.3);
 
-    let folder = Folder::new("simulation");
-    let dir = folder.path("results");
-    let mut results = ResultFolder::begin(&dir).unwrap();
-    write_results(&mut results, &config, &scan, &record, &model).unwrap();
     results.publish().unwrap();
     let read: ScanRecord = serde_json::from_slice(&std::fs::read(dir.join("record.json")).unwrap()).unwrap();
     assert_eq!(read, record);
@@ -94,4 +98,65 @@ fn without_the_truth_there_is_no_clairvoyant_planner() {
         panic!("it needs the truth")
     };
     assert!(faults.to_string().contains("needs the true object"));
+}
+
+/// A simulation whose colour images cannot be loaded.
+struct WithoutColor<'a>(Simulation<'a>);
+
+impl FrameSource for WithoutColor<'_> {
+    fn session(&self, config: &ScanConfig) -> Result<Session, Faults> {
+        self.0.session(config)
+    }
+
+    fn capture(&self, next: &NextView, is_first: bool) -> Result<Frame, Fault> {
+        self.0.capture(next, is_first)
+    }
+
+    fn evaluator(&self, config: &ScanConfig) -> Option<Box<dyn Evaluator + '_>> {
+        self.0.evaluator(config)
+    }
+
+    fn color(&self, view: Option<usize>) -> Result<Option<ColorImage>, Fault> {
+        Err(Fault::data(format!("no colour of view {view:?}")))
+    }
+
+    fn bounds(&self) -> Option<Aabb> {
+        self.0.bounds()
+    }
+
+    fn describe(&self, record: &mut ScanRecord) {
+        self.0.describe(record);
+    }
+
+    fn quality_of_points(&self, points: &[DVec3]) -> Option<QualityMm> {
+        self.0.quality_of_points(points)
+    }
+
+    fn quality_of_mesh(&self, mesh: &SurfaceMesh) -> Option<QualityMm> {
+        self.0.quality_of_mesh(mesh)
+    }
+}
+
+#[test]
+fn all_is_written_but_what_fails() {
+    let config = ScanConfig { baselines: false, ..config() };
+    let object = SimulatedObject::new(&config).unwrap();
+    let source = WithoutColor(Simulation::new(&object, &config, None));
+    let scan = scanned(&source, &config);
+    let folder = Folder::new("incomplete");
+    let dir = folder.path("results");
+    let mut results = ResultFolder::begin(&dir).unwrap();
+    let Results { record, faults } = write_results(&mut results, &config, &scan);
+    results.publish().unwrap();
+    let faults = faults.unwrap().to_string();
+    assert_eq!(faults, "cloud and mesh: no colour of view Some(0)");
+    assert!(record.views == 4 && record.cloud().is_none());
+    let mut names: Vec<String> = std::fs::read_dir(&dir)
+        .unwrap()
+        .map(|entry| entry.unwrap().file_name().to_string_lossy().into_owned())
+        .collect();
+    names.sort();
+    let whole =
+        ["config.toml", "map.bt", "map.ot", "record.json", "steps.jsonl", "views.csv", "waypoints.csv"];
+    assert_eq!(names, whole);
 }

@@ -142,7 +142,7 @@ mod tests {
         let bounds = mesh.bounds();
         let scene = Scene::new(mesh, Intrinsics::d435i()).unwrap();
         let position = scene.center() + scene.size() * DVec3::new(2.0, 2.0, 1.0);
-        let frame = scene.camera().capture(&look_at(position, scene.center())).unwrap();
+        let frame = scene.camera().capture(&look_at(position, scene.center()).unwrap()).unwrap();
         frame.points_in(Aabb { min: bounds.min - 1e-3, max: bounds.max + 1e-3 }).count()
     }
 

@@ -1,21 +1,25 @@
 //! Decisions that are cancelled leave no trace, and views that are skipped do not come back.
 
 use glam::DVec3;
-use nextview::Cancel;
+use nextview::geometry::Lattice;
 use nextview::geometry::random::Random;
 use nextview::map::LogOdds;
 use nextview::planner::{
     Batch, BatchConfig, MaxFlow, MaxFlowConfig, MostSurface, MostSurfaceConfig, RandomViews, ViewPlanner,
 };
-use nextview::sensor::Intrinsics;
+use nextview::registration::RegistrationConfig;
+use nextview::sensor::{Frame, Intrinsics};
 use nextview::session::{
     Decision, MultiResolutionConfig, NextView, ObjectBox, Session, SessionConfig, StepReport, StopReason,
     Table, Views,
 };
+use nextview::surface::{DistanceField, downsample, fit_normals, take_colors};
 use nextview::view::{Reach, generate, look_at};
+use nextview::{Cancel, Cancelled};
 use nextview_sim::builtin;
 use nextview_sim::evaluator::ScanCamera;
 use nextview_sim::scene::Scene;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
 const VOXEL_SIZE: f64 = 0.01;
@@ -51,7 +55,7 @@ fn scan(scene: &Scene, session: &mut Session, mut decide: impl FnMut(&mut Sessio
     let (mut camera, mut reports) = (ScanCamera::new(scene), Vec::new());
     loop {
         match decide(session) {
-            Decision::Move(next) => reports.push(session.observe(&camera.capture(&next).unwrap().0)),
+            Decision::Move(next) => reports.push(session.observe(&camera.capture(&next).unwrap().0).unwrap()),
             Decision::Stop(reason) => return (reports, reason, session.map().voxels()),
         }
     }
@@ -106,7 +110,12 @@ fn a_decision_that_was_made_stays_until_it_is_used() {
     cancel.cancel();
     assert_eq!(session.decide(), first);
     let Decision::Move(next) = first else { panic!("a first view") };
-    session.observe(&scene.camera().capture(&next.world_from_camera).unwrap());
+    let frame = scene.camera().capture(&next.world_from_camera).unwrap();
+    assert_eq!(session.observe(&frame), Err(Cancelled));
+    assert!(session.frames().is_empty() && session.visited().is_empty());
+    cancel.reset();
+    session.observe(&frame).unwrap();
+    cancel.cancel();
     assert_eq!(session.decide(), Decision::Stop(StopReason::Cancelled));
     cancel.reset();
     assert!(matches!(session.decide(), Decision::Move(_)));
@@ -127,7 +136,7 @@ fn cancelling_takes_no_time() {
         let session = Session::new(config, Intrinsics::d435i(), views.clone(), planner).unwrap();
         let mut session = session.with_cancel(cancel.clone());
         session.decide();
-        frames.iter().for_each(|frame| _ = session.observe(frame));
+        frames.iter().for_each(|frame| _ = session.observe(frame).unwrap());
         for delay in [1, 20, 100, 300, 700, 1500] {
             let (decision, late) = std::thread::scope(|scope| {
                 let cancelled = scope.spawn(|| {
@@ -146,6 +155,113 @@ fn cancelling_takes_no_time() {
                 break;
             }
         }
+    }
+}
+
+/// A session whose box grows and whose voxels are halved, so that maps are rebuilt, with registration.
+fn busy_session(scene: &Scene, voxel_size: f64) -> Session {
+    let config = SessionConfig {
+        object_box: ObjectBox::Growing,
+        table: Table::Fitted,
+        max_gap: 0.02,
+        multi_resolution: MultiResolutionConfig { q_thresh: 0.9, ..MultiResolutionConfig::enabled() },
+        registration: RegistrationConfig::enabled(),
+        ..SessionConfig::new(voxel_size, scene.planning_box(voxel_size))
+    };
+    let unit = generate::shell(DVec3::ZERO, 1.0, 100, 1).unwrap();
+    let first = look_at(scene.center() + DVec3::new(0.3, 0.2, 0.4), scene.center()).unwrap();
+    let views = Views::Following { first, unit, reach: Reach::default().within(scene.room()) };
+    let planner = Box::new(RandomViews { seed: 1 });
+    Session::new(config, Intrinsics::d435i(), views, planner).unwrap()
+}
+
+/// Frames of a scan of this scene.
+fn frames(scene: &Scene, n: usize) -> Vec<Frame> {
+    let views = generate::hemisphere(scene.center(), 3.0 * scene.size(), n).unwrap();
+    views.poses().iter().map(|pose| scene.camera().capture(pose).unwrap()).collect()
+}
+
+#[test]
+fn a_cancelled_observation_leaves_no_trace() {
+    let (scene, mut random) = (scene().with_table().unwrap(), Random::new(5, 0));
+    let (mut undisturbed, cancel) = (busy_session(&scene, VOXEL_SIZE), Cancel::default());
+    let mut disturbed = busy_session(&scene, VOXEL_SIZE).with_cancel(cancel.clone());
+    let mut n_cancelled = 0;
+    for frame in frames(&scene, 5) {
+        let expected = undisturbed.observe(&frame).unwrap();
+        let mut patience = 1e-3;
+        let found = loop {
+            let delay = Duration::from_secs_f64(patience * random.unit());
+            let report = std::thread::scope(|scope| {
+                scope.spawn(|| {
+                    std::thread::sleep(delay);
+                    cancel.cancel();
+                });
+                disturbed.observe(&frame)
+            });
+            cancel.reset();
+            match report {
+                Ok(report) => break report,
+                Err(Cancelled) => n_cancelled += 1,
+            }
+            patience *= 1.3;
+        };
+        assert_eq!(found, expected);
+        assert_eq!(disturbed.map().voxels(), undisturbed.map().voxels());
+        assert_eq!(disturbed.views(), undisturbed.views());
+        assert_eq!(disturbed.other_bodies().unwrap(), undisturbed.other_bodies().unwrap());
+    }
+    assert!(n_cancelled > 10, "{n_cancelled} observations were cancelled");
+}
+
+/// Voxels of 1 mm. A cancelled observation ends within 50 ms on an idle machine; the bound leaves room for a
+/// busy one.
+#[test]
+fn cancelling_an_observation_or_the_model_takes_no_time() {
+    let scene = scene().with_table().unwrap();
+    let (cancel, frames) = (Cancel::default(), frames(&scene, 4));
+    let mut session = busy_session(&scene, 0.001).with_cancel(cancel.clone());
+    let late = |what: &str, delay: u64, work: &mut dyn FnMut() -> bool| {
+        let is_over = AtomicBool::new(false);
+        let is_done = std::thread::scope(|scope| {
+            let cancelled = scope.spawn(|| {
+                let start = Instant::now();
+                while start.elapsed() < Duration::from_millis(delay) && !is_over.load(Ordering::Relaxed) {
+                    std::thread::sleep(Duration::from_millis(1));
+                }
+                cancel.cancel();
+                Instant::now()
+            });
+            let is_done = work();
+            let now = Instant::now();
+            is_over.store(true, Ordering::Relaxed);
+            let late = now.saturating_duration_since(cancelled.join().unwrap());
+            println!("{what}: cancelled after {delay} ms, ended {late:?} later");
+            assert!(late < Duration::from_secs(1), "{what}: {late:?}");
+            is_done
+        });
+        cancel.reset();
+        is_done
+    };
+    for frame in &frames {
+        // The last delay is long enough for a busy machine.
+        let mut delays = [1, 10, 30, 60, 100, 200, 400, 800, 60_000].into_iter();
+        assert!(delays.any(|delay| late("observation", delay, &mut || session.observe(frame).is_ok())));
+    }
+    let bounds = session.bounds().unwrap();
+    let detail = bounds.longest_side() / 128.0;
+    let lattice = Lattice::new(detail).unwrap();
+    let block = lattice.block_inside(&bounds).unwrap();
+    for delay in [1, 10, 30, 60, 100, 200, 400] {
+        late("distance field", delay, &mut || {
+            let mut field = DistanceField::new(lattice, block, 2.0 * detail).unwrap();
+            let integrated = session.frames().iter().try_for_each(|frame| field.integrate(frame, &cancel));
+            integrated.and_then(|()| field.surface(&cancel)).is_ok()
+        });
+        let points = session.frames().iter().flat_map(|frame| frame.points_in(bounds));
+        let cloud = downsample(points, detail).unwrap();
+        late("normals", delay, &mut || fit_normals(&mut cloud.clone(), detail, &cancel).is_ok());
+        late("colours", delay, &mut || take_colors(&mut cloud.clone(), &cloud, detail, &cancel).is_ok());
     }
 }
 
@@ -205,7 +321,7 @@ fn a_skipped_candidate_stays_skipped_when_the_box_grows() {
         ..SessionConfig::new(VOXEL_SIZE, scene.planning_box(VOXEL_SIZE))
     };
     let unit = generate::shell(DVec3::ZERO, 1.0, 200, 1).unwrap();
-    let first = look_at(scene.center() + DVec3::new(0.3, 0.2, 0.4), scene.center());
+    let first = look_at(scene.center() + DVec3::new(0.3, 0.2, 0.4), scene.center()).unwrap();
     let views = Views::Following { first, unit, reach: Reach::default().within(scene.room()) };
     let planner = Box::new(MaxFlow::new(MaxFlowConfig::default()).unwrap());
     let mut session = Session::new(config, Intrinsics::d435i(), views, planner).unwrap();

@@ -24,7 +24,7 @@ pub fn scan(session: &mut Session, scene: &Scene, object: &ObjectVoxels) -> (Vec
             Decision::Stop(reason) => return (steps, reason),
         };
         let (frame, shown) = camera.capture(&next).expect("candidates are in the room");
-        let report = session.observe(&frame);
+        let report = session.observe(&frame).unwrap();
         let frame = frame.with_pose(report.world_from_camera);
         let measures = evaluator.measure(session, &frame, shown);
         steps.push(Step { report, frame, measures });

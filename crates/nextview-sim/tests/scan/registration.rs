@@ -3,6 +3,7 @@
 
 use crate::common::Step;
 use glam::{DQuat, DVec2, DVec3};
+use nextview::Cancel;
 use nextview::geometry::random::Random;
 use nextview::geometry::{Aabb, Pose};
 use nextview::planner::{MinOverlap, RandomViews, ViewPlanner};
@@ -21,7 +22,7 @@ const VOXEL_SIZE: f64 = 0.005;
 
 fn known_from(frames: &[Frame], bounds: Aabb) -> KnownSurface {
     let mut known = KnownSurface::new(RegistrationConfig::default()).unwrap();
-    frames.iter().for_each(|frame| known.add(frame, bounds));
+    frames.iter().for_each(|frame| known.add(frame, bounds, &Cancel::default()).unwrap());
     known
 }
 
@@ -60,7 +61,7 @@ fn check_recovers(depth: Option<DepthNoise>) {
         let mut random = Random::new(seed, 0);
         for frame in (12..15).map(capture) {
             let (truth, wrong) = (frame.world_from_camera(), displaced(&frame, 0.02, 0.03, &mut random));
-            let found = known.register(&wrong, bounds);
+            let found = known.register(&wrong, bounds, &Cancel::default()).unwrap();
             if !found.is_accepted() {
                 assert_eq!(found.world_from_camera, wrong.world_from_camera(), "the given pose stays");
                 continue;
@@ -91,7 +92,7 @@ fn wrong_poses_are_found_out_in_spite_of_noise() {
 fn look(mesh: &TriangleMesh, camera_position: DVec3) -> Frame {
     let camera = Intrinsics::pinhole(320, 240, DVec2::splat(320.0), DVec2::new(159.5, 119.5)).unwrap();
     let camera = SimulatedCamera::new(mesh.clone().into(), camera, Background::None, 3.0).unwrap();
-    camera.capture(&look_at(camera_position, DVec3::ZERO)).unwrap()
+    camera.capture(&look_at(camera_position, DVec3::ZERO).unwrap()).unwrap()
 }
 
 /// A plate of 1 m at z = 0.
@@ -120,7 +121,7 @@ fn ball() -> TriangleMesh {
 
 fn register(known: &[Frame], frame: &Frame) -> Registration {
     let bounds = Aabb::cube(DVec3::ZERO, 0.15);
-    known_from(known, bounds).register(frame, bounds)
+    known_from(known, bounds).register(frame, bounds, &Cancel::default()).unwrap()
 }
 
 #[test]
@@ -143,16 +144,22 @@ fn without_overlap_the_frame_stays_where_it_is() {
     let scene = scene(3, None);
     let bounds = scene.planning_box(VOXEL_SIZE);
     let capture = |camera_position: DVec3| {
-        scene.camera().capture(&look_at(scene.center() + camera_position, scene.center())).unwrap()
+        scene.camera().capture(&look_at(scene.center() + camera_position, scene.center()).unwrap()).unwrap()
     };
     let known = known_from(&[capture(DVec3::new(0.4, 0.0, 0.05))], bounds);
     let other_side = capture(DVec3::new(-0.4, 0.0, 0.05));
-    assert_eq!(known.register(&other_side, bounds).verdict, Verdict::LittleOverlap);
+    assert_eq!(
+        known.register(&other_side, bounds, &Cancel::default()).unwrap().verdict,
+        Verdict::LittleOverlap
+    );
     let nothing = look(&plate(), DVec3::new(0.0, 0.0, 0.5));
-    let found = known.register(&nothing, Aabb::cube(DVec3::splat(5.0), 0.1));
+    let found = known.register(&nothing, Aabb::cube(DVec3::splat(5.0), 0.1), &Cancel::default()).unwrap();
     assert_eq!((found.verdict, found.overlap, found.moved), (Verdict::LittleOverlap, 0.0, 0.0));
     let empty = KnownSurface::new(RegistrationConfig::default()).unwrap();
-    assert_eq!(empty.register(&other_side, bounds).verdict, Verdict::LittleOverlap);
+    assert_eq!(
+        empty.register(&other_side, bounds, &Cancel::default()).unwrap().verdict,
+        Verdict::LittleOverlap
+    );
 }
 
 #[test]
@@ -163,16 +170,19 @@ fn what_moves_farther_than_poses_can_be_wrong_is_refused() {
     let frames: Vec<Frame> = views.poses().iter().map(|pose| scene.camera().capture(pose).unwrap()).collect();
     let sure = RegistrationConfig { position_uncertainty: 0.004, ..RegistrationConfig::default() };
     let mut known = KnownSurface::new(sure).unwrap();
-    frames.iter().for_each(|frame| known.add(frame, bounds));
+    frames.iter().for_each(|frame| known.add(frame, bounds, &Cancel::default()).unwrap());
     let shifted = |shift: f64| {
         let pose = frames[0].world_from_camera();
         let wrong = Pose::new(pose.rotation(), pose.translation() + DVec3::X * shift).unwrap();
-        known.register(&frames[0].clone().with_pose(wrong), bounds)
+        known.register(&frames[0].clone().with_pose(wrong), bounds, &Cancel::default()).unwrap()
     };
     assert_eq!(shifted(0.003).verdict, Verdict::Aligned);
     let far = shifted(0.007);
     assert!(far.verdict == Verdict::TooFar && far.moved > 0.004, "{far:?}");
-    assert!(known.register(&frames[0], bounds).moved < 0.001, "the right pose stays");
+    assert!(
+        known.register(&frames[0], bounds, &Cancel::default()).unwrap().moved < 0.001,
+        "the right pose stays"
+    );
 }
 
 const NOISE: Noise = Noise {

@@ -57,7 +57,7 @@ impl Setup {
         let (center, size) = (self.scene.center(), self.scene.size());
         Views::Following {
             first,
-            unit: self.views.around(-center / size, 1.0 / size),
+            unit: self.views.around(-center / size, 1.0 / size).unwrap(),
             reach: Reach::default(),
         }
     }
@@ -69,7 +69,7 @@ impl Setup {
     /// The first view turned so that it looks past the object, which stays in the image.
     fn off_centre(&self) -> Pose {
         let beside = self.scene.center() + self.first().rotation() * DVec3::X * 1.3 * self.scene.size();
-        look_at(self.first().translation(), beside)
+        look_at(self.first().translation(), beside).unwrap()
     }
 
     fn run(&self, session: &mut Session) -> (Vec<Step>, StopReason) {
@@ -189,12 +189,12 @@ fn a_first_frame_without_an_object_ends_the_scan_until_another_shows_one() {
     let Decision::Move(first) = session.decide() else { panic!("the first view is given") };
     assert_eq!(first.view, None);
     let position = first.world_from_camera.translation();
-    let away = look_at(position, 2.0 * position - setup.scene.center());
-    let report = session.observe(&empty_frame(away));
+    let away = look_at(position, 2.0 * position - setup.scene.center()).unwrap();
+    let report = session.observe(&empty_frame(away)).unwrap();
     assert_eq!((report.bounds, report.map.n_unknown), (None, 0));
     assert_eq!(session.decide(), Decision::Stop(StopReason::NoObject));
     assert!(session.snapshot().is_none() && session.map().voxels().is_empty());
-    session.observe(&setup.scene.camera().capture(&first.world_from_camera).unwrap());
+    session.observe(&setup.scene.camera().capture(&first.world_from_camera).unwrap()).unwrap();
     assert!(matches!(session.decide(), Decision::Move(next) if next.view.is_some()));
 }
 

@@ -4,7 +4,7 @@ use crate::map::{Occupancy, Snapshot};
 use crate::prior::{SurfaceEstimate, ViewingClass};
 use crate::sensor::Intrinsics;
 use crate::visibility::{Paths, RayCaster, ValueCaster};
-use glam::Vec3;
+use glam::{DVec3, Vec3};
 
 /// The number of surface voxels not seen before that a view is expected to show, under a
 /// [`SurfacePrior`](crate::prior::SurfacePrior).
@@ -16,8 +16,10 @@ use glam::Vec3;
 pub struct ExpectedSurface<'a> {
     estimate: &'a SurfaceEstimate,
     caster: ValueCaster<'a>,
-    /// The middle of each voxel of the estimate, metres, world coordinates.
+    /// The middle of each voxel of the estimate, metres from `origin`.
     centers: Vec<Vec3>,
+    /// A place near the block, metres, so that single precision is enough; the world's origin where it is.
+    origin: DVec3,
 }
 
 /// The visibility behind an occupied voxel: the surface in it may leave a part of it open.
@@ -45,9 +47,10 @@ impl<'a> ExpectedSurface<'a> {
         let mut is_item = vec![0.0; passes.len()];
         estimate.voxels().iter().for_each(|&voxel| is_item[voxel as usize] = 1.0);
         let (lattice, block) = (snapshot.lattice(), snapshot.block());
-        let center = |&voxel: &u32| lattice.center(block.key(voxel as usize)).as_vec3();
+        let (local, origin) = (block.localized(), block.local_origin().as_dvec3() * lattice.voxel_size());
+        let center = |&voxel: &u32| lattice.center(local.key(voxel as usize)).as_vec3();
         let centers = estimate.voxels().iter().map(center).collect();
-        Ok(Self { estimate, caster: ValueCaster::new(caster, snapshot, &is_item), centers })
+        Ok(Self { estimate, caster: ValueCaster::new(caster, snapshot, &is_item), centers, origin })
     }
 
     /// An evaluator of view candidates, one after the other.
@@ -86,7 +89,7 @@ impl ViewEvaluator<'_> {
                 *best = value;
             }
         });
-        let camera = world_from_camera.translation().as_vec3();
+        let camera = (world_from_camera.translation() - gain.origin).as_vec3();
         for item in seen.drain(..).map(|item| item as usize) {
             let facing = (camera - gain.centers[item]).normalize().dot(gain.estimate.normal(item));
             visit(item, ViewingClass::new(std::mem::take(&mut visibility[item]), facing));

@@ -31,8 +31,12 @@ impl Lattice {
     /// km.
     pub const MIN_VOXEL_SIZE: f64 = 1e-4;
 
+    /// Largest distance of a mapped voxel from the origin, voxels along each axis: 268 km in voxels of 1 mm.
+    /// Keys in voxels a quarter as large, such as those of the final mesh, still fit 32 bits.
+    pub const REACH: i32 = 1 << 28;
+
     /// A lattice of cubes with edges of `voxel_size` metres, which must be at least
-    /// [`MIN_VOXEL_SIZE`](Self::MIN_VOXEL_SIZE) and finite.
+    /// [`MIN_VOXEL_SIZE`](Self::MIN_VOXEL_SIZE) and at most 1e12.
     pub fn new(voxel_size: f64) -> Result<Self, Error> {
         let lattice = Self { voxel_size };
         lattice.check()?;
@@ -41,10 +45,15 @@ impl Lattice {
 
     fn check(&self) -> Result<(), Error> {
         let voxel_size = self.voxel_size;
-        if voxel_size >= Self::MIN_VOXEL_SIZE && voxel_size.is_finite() {
+        if (Self::MIN_VOXEL_SIZE..=1e12).contains(&voxel_size) {
             return Ok(());
         }
         Err(Error::invalid("voxel_size_m", voxel_size, "a finite length of at least 0.0001 m"))
+    }
+
+    /// The lattice of voxels twice as large.
+    pub(crate) fn doubled(&self) -> Self {
+        Self { voxel_size: 2.0 * self.voxel_size }
     }
 
     /// Edge of a voxel in metres.
@@ -73,12 +82,31 @@ impl Lattice {
         Aabb { min: min * self.voxel_size, max: max * self.voxel_size }
     }
 
-    /// The block of voxels whose centres lie in the box (within 1e-6 of a voxel); none if there are none.
-    pub fn block_inside(&self, aabb: &Aabb) -> Option<VoxelBlock> {
-        let low = (self.to_voxels(aabb.min) - 0.5 - 1e-6).ceil().as_ivec3();
-        let high = (self.to_voxels(aabb.max) - 0.5 + 1e-6).floor().as_ivec3();
-        VoxelBlock::new(low, (high - low + 1).max(IVec3::ZERO).as_uvec3())
+    /// The lowest and the highest of the voxels whose centres lie in the box (within 1e-6 of a voxel); none if
+    /// there are none, or if they are beyond [`REACH`](Self::REACH).
+    pub fn keys_inside(&self, aabb: &Aabb) -> Option<(VoxelKey, VoxelKey)> {
+        let low = (self.to_voxels(aabb.min) - 0.5 - 1e-6).ceil();
+        let high = (self.to_voxels(aabb.max) - 0.5 + 1e-6).floor();
+        let reach = DVec3::splat(Self::REACH as f64);
+        let is_there = low.cmple(high) & low.cmpge(-reach) & high.cmple(reach);
+        is_there.all().then(|| (low.as_ivec3(), high.as_ivec3()))
     }
+
+    /// The block of voxels whose centres lie in the box (within 1e-6 of a voxel); none if there are none, or
+    /// too many or too far away for a [block](VoxelBlock::new).
+    pub fn block_inside(&self, aabb: &Aabb) -> Option<VoxelBlock> {
+        let (low, high) = self.keys_inside(aabb)?;
+        VoxelBlock::new(low, (high - low + 1).as_uvec3())
+    }
+}
+
+/// A voxel from which those between two, both included, are at most 32,768 away along each axis if they span
+/// 65,536 or less: the lattice's origin where that is one, or else the voxel in their middle.
+///
+/// Relative to it, keys fit the 16 bits of an OctoMap and are exact in single precision.
+pub(crate) fn local_origin(min: VoxelKey, max: VoxelKey) -> VoxelKey {
+    let fits = min.cmpge(IVec3::splat(-(1 << 15))).all() && max.cmplt(IVec3::splat(1 << 15)).all();
+    if fits { IVec3::ZERO } else { min + (max - min + 1) / 2 }
 }
 
 /// A box of voxels, numbered with x varying fastest.
@@ -89,9 +117,34 @@ pub struct VoxelBlock {
 }
 
 impl VoxelBlock {
-    /// The block of `dims` voxels from `min` on; none if it is empty.
+    /// Maximum number of voxels of a block: their indices, and those of a layer around it, fit 32 bits.
+    pub const MOST_VOXELS: usize = 1 << 29;
+
+    /// Maximum number of voxels along an axis, that of an OctoMap.
+    const MOST_ALONG: u32 = 1 << 16;
+
+    /// The block of `dims` voxels from `min` on; none if it is empty, has more than 65,536 voxels along an
+    /// axis or more than [`MOST_VOXELS`](Self::MOST_VOXELS), or begins beyond 2^30 voxels from the origin.
     pub fn new(min: VoxelKey, dims: UVec3) -> Option<Self> {
-        (dims.min_element() > 0).then_some(Self { min, dims })
+        let is_near = min.cmpge(IVec3::splat(-(1 << 30))).all() && min.cmple(IVec3::splat(1 << 30)).all();
+        let is_small = dims.min_element() > 0 && dims.max_element() <= Self::MOST_ALONG;
+        let block = Self { min, dims };
+        (is_near && is_small && block.n_voxels() <= Self::MOST_VOXELS).then_some(block)
+    }
+
+    /// The voxel near the block from which its coordinates are exact in single precision.
+    pub(crate) fn local_origin(&self) -> VoxelKey {
+        local_origin(self.min, self.max())
+    }
+
+    /// The block with its keys relative to that voxel.
+    pub(crate) fn localized(&self) -> Self {
+        Self { min: self.min - self.local_origin(), ..*self }
+    }
+
+    /// The block with a layer of voxels around it.
+    pub(crate) fn padded(&self) -> Self {
+        Self { min: self.min - 1, dims: self.dims + 2 }
     }
 
     /// The voxel with the lowest coordinates.
@@ -121,7 +174,8 @@ impl VoxelBlock {
 
     /// The index of a voxel; none if it lies outside.
     pub fn index(&self, key: VoxelKey) -> Option<usize> {
-        let local = key - self.min;
+        // A difference that does not fit wraps to one that is outside, too.
+        let local = key.wrapping_sub(self.min);
         let inside = local.cmpge(IVec3::ZERO).all() && local.cmplt(self.dims.as_ivec3()).all();
         inside.then(|| self.index_of_local(local))
     }
@@ -186,6 +240,35 @@ mod tests {
         let block = lattice.block_inside(&Aabb { min: DVec3::ZERO, max: DVec3::splat(0.024) }).unwrap();
         assert_eq!((block.min(), block.dims()), (IVec3::ZERO, UVec3::splat(2)));
         assert_eq!(lattice.block_inside(&Aabb { min: DVec3::ZERO, max: DVec3::splat(0.004) }), None);
+    }
+
+    #[test]
+    fn local_keys_have_16_bits() {
+        let block = |min: i32, n: u32| VoxelBlock::new(IVec3::new(min, -5, 7), UVec3::new(n, 9, 1)).unwrap();
+        for near in [block(-32768, 1), block(32767, 1), block(-100, 32868)] {
+            assert_eq!((near.local_origin(), near.localized()), (IVec3::ZERO, near));
+        }
+        for far in [block(-32769, 1), block(32760, 9), block(1 << 28, 1 << 16), block(-(1 << 28), 65535)] {
+            let local = far.localized();
+            assert!(local.min().min_element() >= -32768 && local.max().max_element() < 32768, "{local:?}");
+            assert_eq!(local.min() + far.local_origin(), far.min());
+        }
+    }
+
+    #[test]
+    fn refuses_blocks_without_bounds() {
+        let block = |min: i32, dims: u32| VoxelBlock::new(IVec3::splat(min), UVec3::splat(dims));
+        assert!(block(0, 0).is_none() && block(0, 1 << 21).is_none() && block(0, 1 << 16).is_none());
+        assert!(block(i32::MIN, 1).is_none() && block(i32::MAX, 1).is_none() && block(1 << 30, 1).is_some());
+        assert!(VoxelBlock::new(IVec3::ZERO, UVec3::new(1 << 16, 1 << 13, 1)).is_some());
+        assert!(VoxelBlock::new(IVec3::ZERO, UVec3::new((1 << 16) + 1, 1, 1)).is_none());
+        let lattice = Lattice::new(0.01).unwrap();
+        for half in [f64::NAN, f64::INFINITY, 1e300, 1e4] {
+            assert_eq!(lattice.block_inside(&Aabb::cube(DVec3::ZERO, half)), None);
+            assert_eq!(lattice.block_inside(&Aabb::cube(DVec3::X * half * 1e6, 0.1)), None);
+        }
+        let (low, high) = lattice.keys_inside(&Aabb::cube(DVec3::ZERO, 1e4)).unwrap();
+        assert_eq!((low, high), (IVec3::splat(-1_000_000), IVec3::splat(999_999)));
     }
 
     #[test]

@@ -1,5 +1,6 @@
 use super::Plane;
 use super::random::Random;
+use crate::{Cancel, Cancelled};
 use glam::{DMat2, DVec2, DVec3};
 
 /// Distance, metres, within which a point belongs to a plane: several times the noise of a depth camera that
@@ -38,40 +39,64 @@ pub struct PlaneFit {
 /// RANSAC (Fischler & Bolles 1981) with fixed draws, then least squares over the points within 5 and then 2
 /// mm.
 pub fn fit_ground(points: &[DVec3], viewpoint: DVec3) -> Option<PlaneFit> {
-    fit(points, viewpoint, N_DRAWS)
+    fit_ground_unless(points, viewpoint, &Cancel::default()).expect("nobody cancels")
+}
+
+/// [`fit_ground`], unless cancelled.
+pub(crate) fn fit_ground_unless(
+    points: &[DVec3],
+    viewpoint: DVec3,
+    cancel: &Cancel,
+) -> Result<Option<PlaneFit>, Cancelled> {
+    fit(points, viewpoint, N_DRAWS, cancel)
 }
 
 /// The same for the points at most `distance` metres from a rough estimate of the plane; none if the result
 /// is tilted against the estimate by more than 3 degrees.
 pub fn fit_ground_near(rough: Plane, distance: f64, points: &[DVec3], viewpoint: DVec3) -> Option<PlaneFit> {
     let near: Vec<DVec3> = inliers(points, rough, distance).collect();
-    let found = fit(&near, viewpoint, N_DRAWS_NEAR)?;
+    let found = fit(&near, viewpoint, N_DRAWS_NEAR, &Cancel::default()).expect("nobody cancels")?;
     (found.plane.normal().dot(rough.normal()) >= ALIKE).then_some(found)
 }
 
-fn fit(points: &[DVec3], viewpoint: DVec3, n_draws: usize) -> Option<PlaneFit> {
+fn fit(
+    points: &[DVec3],
+    viewpoint: DVec3,
+    n_draws: usize,
+    cancel: &Cancel,
+) -> Result<Option<PlaneFit>, Cancelled> {
     let tried: Vec<DVec3> = points.iter().step_by(points.len().div_ceil(N_TRIED).max(1)).copied().collect();
-    let (n, plane) = fullest_plane(&tried, viewpoint, n_draws)?;
-    if (n as f64) < LEAST_SHARE * tried.len() as f64 {
-        return None;
-    }
+    let fullest = fullest_plane(&tried, viewpoint, n_draws, cancel)?;
+    let is_enough = |(n, _): &(usize, Plane)| *n as f64 >= LEAST_SHARE * tried.len() as f64;
+    let Some((_, plane)) = fullest.filter(is_enough) else { return Ok(None) };
     let plane = least_squares(points, least_squares(points, plane, INLIER_DISTANCE), CLOSE_DISTANCE);
     let (n, sum) = inliers(points, plane, INLIER_DISTANCE)
         .fold((0, 0.0), |(n, sum), p| (n + 1, sum + plane.height(p).powi(2)));
-    (n > 0).then(|| PlaneFit { plane, deviation: (sum / n as f64).sqrt() })
+    Ok((n > 0).then(|| PlaneFit { plane, deviation: (sum / n as f64).sqrt() }))
 }
 
 /// Of the planes through three drawn points, the one with most points near, and how many.
-fn fullest_plane(points: &[DVec3], viewpoint: DVec3, n_draws: usize) -> Option<(usize, Plane)> {
+fn fullest_plane(
+    points: &[DVec3],
+    viewpoint: DVec3,
+    n_draws: usize,
+    cancel: &Cancel,
+) -> Result<Option<(usize, Plane)>, Cancelled> {
     if points.len() < 3 {
-        return None;
+        return Ok(None);
     }
     let mut random = Random::new(0, 0);
     let mut draw = || points[random.index(points.len())];
-    let triples = (0..n_draws).map(|_| [draw(), draw(), draw()]);
-    let planes = triples.filter_map(|triple| ground_through(triple, viewpoint));
-    let counted = planes.map(|plane| (inliers(points, plane, INLIER_DISTANCE).count(), plane));
-    counted.reduce(|best, next| if next.0 > best.0 { next } else { best })
+    let mut fullest: Option<(usize, Plane)> = None;
+    for _ in 0..n_draws {
+        cancel.check()?;
+        let Some(plane) = ground_through([draw(), draw(), draw()], viewpoint) else { continue };
+        let n = inliers(points, plane, INLIER_DISTANCE).count();
+        if fullest.is_none_or(|(most, _)| n > most) {
+            fullest = Some((n, plane));
+        }
+    }
+    Ok(fullest)
 }
 
 fn ground_through([a, b, c]: [DVec3; 3], viewpoint: DVec3) -> Option<Plane> {
@@ -158,7 +183,11 @@ mod tests {
                     }
                 }
             }
-            assert_eq!(fullest_plane(&points, EYE, N_DRAWS).unwrap().0, most, "seed {seed}");
+            assert_eq!(
+                fullest_plane(&points, EYE, N_DRAWS, &Cancel::default()).unwrap().unwrap().0,
+                most,
+                "seed {seed}"
+            );
         }
     }
 }

@@ -35,32 +35,40 @@ impl Pose {
     /// The identity transform.
     pub const IDENTITY: Self = Self { rotation: DQuat::IDENTITY, translation: DVec3::ZERO };
 
-    /// A transform from a rotation and a translation in metres.
+    /// Largest coordinate of a translation, metres: ten times what geodetic coordinates need. Double
+    /// precision resolves 15 nm there.
+    pub const REACH: f64 = 1e8;
+
+    /// A transform from a rotation and a translation in metres, whose coordinates must be within
+    /// [`REACH`](Self::REACH).
     ///
     /// The quaternion may be off unit length by 1e-3 (text files carry few digits) and is normalised.
     pub fn new(rotation: DQuat, translation: DVec3) -> Result<Self, Error> {
         if !rotation.is_finite() || !translation.is_finite() {
             return Err(Error::invalid("pose", format!("{rotation}, {translation}"), "finite numbers"));
         }
+        check_position("translation", translation)?;
         if (rotation.length() - 1.0).abs() > 1e-3 {
             return Err(Error::invalid("length of the quaternion", rotation.length(), "1 (within 1e-3)"));
         }
         Ok(Self { rotation: rotation.normalize(), translation })
     }
 
-    /// Fails unless the quaternion is of length 1, within 1e-6, and the translation finite.
+    /// Fails unless the quaternion is of length 1, within 1e-6, and the translation within reach.
     fn check(&self) -> Result<(), Error> {
         let length = self.rotation.length();
         check_range("length of the quaternion", length, 1.0 - 1e-6..=1.0 + 1e-6, "1 (within 1e-6)")?;
-        if !self.translation.is_finite() {
-            return Err(Error::invalid("translation_m", self.translation, "finite numbers of metres"));
-        }
-        Ok(())
+        check_position("translation_m", self.translation)
     }
 
     /// A transform from an orthonormal, right-handed basis that the caller has built.
     pub(crate) fn from_basis(basis: DMat3, translation: DVec3) -> Self {
         Self { rotation: DQuat::from_mat3(&basis).normalize(), translation }
+    }
+
+    /// A transform from a rotation of unit length and a translation that the caller has bounded.
+    pub(crate) fn from_unit(rotation: DQuat, translation: DVec3) -> Self {
+        Self { rotation, translation }
     }
 
     /// The same rotation with another translation.
@@ -94,6 +102,15 @@ impl Pose {
         let rotation = self.rotation.conjugate();
         Self { rotation, translation: -(rotation * self.translation) }
     }
+}
+
+/// Fails unless all coordinates are numbers within [`Pose::REACH`].
+pub(crate) fn check_position(name: &'static str, position: DVec3) -> Result<(), Error> {
+    // Of NaN, no comparison is true.
+    if position.abs().cmple(DVec3::splat(Pose::REACH)).all() {
+        return Ok(());
+    }
+    Err(Error::invalid(name, position, "metres, at most 1e8 on each axis"))
 }
 
 impl Mul for Pose {

@@ -8,6 +8,8 @@ use glam::{DVec3, IVec3};
 /// the whole walk that lies in the block. A segment's steps along each axis are counted, so that rounding
 /// cannot make the walk miss its end.
 ///
+/// Positions must be within 2^30 voxels of the origin: coordinates beyond count as 2^30, and NaN as 0.
+///
 /// ```
 /// use glam::{DVec3, IVec3};
 /// use nextview::geometry::SegmentWalk;
@@ -79,16 +81,18 @@ impl Axis {
         goes_on
     }
 
-    /// Makes all steps that come before `t`, and at `t` if `also_at`; returns their number.
-    fn skip_to(&mut self, t: f64, also_at: bool) -> i32 {
+    /// Makes all steps that come before `t`, and at `t` if `also_at`, but not more than `most`; returns their
+    /// number.
+    fn skip_to(&mut self, t: f64, also_at: bool, most: i32) -> i32 {
         let crossed = |axis: &Self, n: f64| axis.crossing(n) < t || (also_at && axis.crossing(n) == t);
         // A guess that rounding may put one off; NaN, where the walk is parallel to the borders, becomes 0.
         let guess = ((t - self.t_first) * self.speed) as u32;
-        let mut n = (guess as f64 + 1.0).min(self.n_end);
+        let most = self.n_end.min(most.into());
+        let mut n = (guess as f64 + 1.0).min(most);
         while n > 0.0 && !crossed(self, n - 1.0) {
             n -= 1.0;
         }
-        while n < self.n_end && crossed(self, n) {
+        while n < most && crossed(self, n) {
             n += 1.0;
         }
         self.n = n;
@@ -104,9 +108,17 @@ impl Axis {
     }
 }
 
+/// A position from which keys and their differences fit 32 bits.
+fn bounded(position: DVec3) -> DVec3 {
+    const REACH: f64 = (1 << 30) as f64;
+    DVec3::select(position.is_nan_mask(), DVec3::ZERO, position)
+        .clamp(DVec3::splat(-REACH), DVec3::splat(REACH))
+}
+
 impl SegmentWalk {
     /// The walk between two positions in units of voxels.
     pub fn new(from: DVec3, to: DVec3) -> Self {
+        let (from, to) = (bounded(from), bounded(to));
         let n_steps = (to.floor() - from.floor()).abs();
         Self::with_steps(from, to - from, n_steps)
     }
@@ -120,7 +132,7 @@ impl SegmentWalk {
     /// The same for the endless ray from a position along a direction.
     pub fn ray_within(from: DVec3, direction: DVec3, min: VoxelKey, max: VoxelKey) -> Option<Self> {
         let n_steps = DVec3::select(direction.cmpeq(DVec3::ZERO), DVec3::ZERO, DVec3::INFINITY);
-        Self::with_steps(from, direction, n_steps).enter(min, max)
+        Self::with_steps(bounded(from), direction, n_steps).enter(min, max)
     }
 
     fn with_steps(from: DVec3, direction: DVec3, n_steps: DVec3) -> Self {
@@ -135,7 +147,10 @@ impl SegmentWalk {
         // The last crossing that brings the walk into the block's slabs.
         let mut last: Option<(f64, usize)> = None;
         for (i, axis) in axes.iter().enumerate() {
-            let short = if self.step[i] < 0 { self.key[i] - max[i] } else { min[i] - self.key[i] };
+            let short = match self.step[i] < 0 {
+                true => self.key[i].saturating_sub(max[i]),
+                false => min[i].saturating_sub(self.key[i]),
+            };
             if short > 0 {
                 if axis.n_end < short as f64 {
                     return None;
@@ -146,7 +161,10 @@ impl SegmentWalk {
         }
         for (i, axis) in axes.iter_mut().enumerate() {
             if let Some((t, entering)) = last {
-                self.key[i] += self.step[i] * axis.skip_to(t, i <= entering);
+                // One step past the block is enough to miss it.
+                let far = if self.step[i] < 0 { min[i] } else { max[i] };
+                let most = i32::try_from(self.key[i].abs_diff(far)).unwrap_or(i32::MAX).saturating_add(1);
+                self.key[i] += self.step[i] * axis.skip_to(t, i <= entering, most);
             }
             if self.key[i] < min[i] || self.key[i] > max[i] {
                 return None;

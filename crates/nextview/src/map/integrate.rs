@@ -6,37 +6,65 @@ use super::key_box::KeyBox;
 use super::marks::{HIT, MISS, Marks};
 use super::scan::{Scan, ScanRules};
 use super::{LogOdds, OccupancyMap, SensorModel};
+use crate::geometry::check_position;
 use crate::sensor::Frame;
+use crate::{Cancel, Cancelled, Error};
 use glam::DVec3;
 use pulp::{Arch, Simd, WithSimd};
 use rayon::prelude::*;
 
 impl OccupancyMap {
     /// Writes a depth frame into the map.
-    pub fn integrate(&mut self, frame: &Frame, integration: &Integration) -> MapUpdate {
+    ///
+    /// Without a [region](Integration::region), it fails and changes nothing if a ray ends beyond
+    /// [`Lattice::REACH`](crate::geometry::Lattice::REACH), if the rays cross more than 2^33 voxels in all
+    /// (some ten seconds), or if they touch more than 2^21 bricks of 8 x 8 x 8 voxels (4.3 GB).
+    pub fn integrate(&mut self, frame: &Frame, integration: &Integration) -> Result<MapUpdate, Error> {
         let rules = ScanRules::new(self.lattice(), frame.world_from_camera().translation(), integration);
-        let rows = (0..frame.image().height()).into_par_iter();
-        let parts = rows.map(|v| rules.scan(frame.row_ray_ends(v)));
-        self.write(parts.collect(), &rules)
+        self.check_and_write(rules.scan_of_frame(frame), &rules)
     }
 
-    /// Writes a cloud of surface points, seen from `origin`, into the map (world coordinates, metres).
+    /// [`integrate`](Self::integrate) in a region, unless cancelled; the map is of no use then.
+    pub(crate) fn integrate_unless(
+        &mut self,
+        frame: &Frame,
+        integration: &Integration,
+        cancel: &Cancel,
+    ) -> Result<MapUpdate, Cancelled> {
+        debug_assert!(integration.region.is_some(), "a region bounds the scan");
+        let rules = ScanRules::new(self.lattice(), frame.world_from_camera().translation(), integration);
+        self.write(rules.scan_of_frame(frame), &rules, cancel)
+    }
+
+    /// Writes a cloud of surface points, seen from `origin`, into the map (world coordinates, metres). Points
+    /// that are not finite are left out.
+    ///
+    /// Fails and changes nothing if the origin is not within [`Pose::REACH`](crate::geometry::Pose::REACH),
+    /// and as [`integrate`](Self::integrate) does.
     pub fn integrate_points(
         &mut self,
         points: &[DVec3],
         origin: DVec3,
         integration: &Integration,
-    ) -> MapUpdate {
+    ) -> Result<MapUpdate, Error> {
+        check_position("origin", origin)?;
         let rules = ScanRules::new(self.lattice(), origin, integration);
         let parts = points.par_chunks(1 << 14).map(|points| {
             let finite = points.iter().filter(|point| point.is_finite());
             rules.scan(finite.map(|&point| (point, true)))
         });
-        self.write(parts.collect(), &rules)
+        self.check_and_write(Scan::union(parts.collect(), &rules), &rules)
     }
 
-    fn write(&mut self, parts: Vec<Scan>, rules: &ScanRules) -> MapUpdate {
-        let scan = Scan::union(parts, rules);
+    fn check_and_write(&mut self, scan: Scan, rules: &ScanRules) -> Result<MapUpdate, Error> {
+        if rules.region.is_none() {
+            scan.check_size(rules.origin)?;
+        }
+        Ok(self.write(scan, rules, &Cancel::default())?)
+    }
+
+    fn write(&mut self, scan: Scan, rules: &ScanRules, cancel: &Cancel) -> Result<MapUpdate, Cancelled> {
+        cancel.check()?;
         let keys = rules.region.or_else(|| scan.reach(rules.origin));
         let mut writer = Writer {
             origin: rules.origin,
@@ -44,11 +72,10 @@ impl OccupancyMap {
             map: self,
             marks: Marks::default(),
             update: MapUpdate::default(),
+            cancel,
         };
-        if let Some(keys) = keys {
-            writer.write(scan, keys);
-        }
-        writer.update
+        keys.map_or(Ok(()), |keys| writer.write(scan, keys))?;
+        Ok(writer.update)
     }
 }
 
@@ -63,18 +90,23 @@ struct Writer<'a> {
     map: &'a mut OccupancyMap,
     marks: Marks,
     update: MapUpdate,
+    cancel: &'a Cancel,
 }
 
 impl Writer<'_> {
-    fn write(&mut self, scan: Scan, keys: KeyBox) {
+    fn write(&mut self, scan: Scan, keys: KeyBox) -> Result<(), Cancelled> {
         if scan.ends.is_empty() {
-            return;
+            return Ok(());
         }
+        self.cancel.check()?;
         match keys.halves(TILE_EDGE) {
             Some(halves) => {
-                halves.into_iter().for_each(|half| self.write(scan.within(self.origin, &half), half));
+                halves.into_iter().try_for_each(|half| self.write(scan.within(self.origin, &half), half))
             }
-            None => self.write_tile(&scan, keys),
+            None => {
+                self.write_tile(&scan, keys);
+                Ok(())
+            }
         }
     }
 
@@ -94,7 +126,7 @@ impl WithSimd for WriteTile<'_, '_> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, _: S) {
-        let Writer { origin, steps, map, marks, update } = self.writer;
+        let Writer { origin, steps, map, marks, update, .. } = self.writer;
         marks.visit(
             *origin,
             self.scan,
@@ -151,7 +183,7 @@ impl Steps {
 mod tests {
     use super::*;
     use crate::geometry::VoxelBlock;
-    use crate::geometry::{Lattice, Pose, SegmentWalk};
+    use crate::geometry::{Lattice, Pose, SegmentWalk, sphere};
     use crate::map::{Background, RayRule};
     use crate::sensor::{DepthImage, Intrinsics};
     use glam::{DVec2, IVec3, UVec3};
@@ -199,7 +231,7 @@ mod tests {
             let rays = if per_end { RayRule::OnePerEndVoxel } else { RayRule::EveryPoint };
             let origin = DVec3::new(0.03, -2.0, 0.4);
             let mut map = empty_map();
-            let update = map.integrate_points(&points, origin, &Integration { rays, ..Default::default() });
+            let update = map.integrate_points(&points, origin, &Integration { rays, ..Default::default() }).unwrap();
             let expected = by_definition(&points, origin, rays);
             prop_assert_eq!(update.n_hits + update.n_misses, expected.len());
             prop_assert_eq!(update.n_first_measured, expected.len());
@@ -214,8 +246,8 @@ mod tests {
             let region = VoxelBlock::new(IVec3::new(-6, -5, -4), UVec3::new(9, 12, 7));
             let origin = DVec3::new(0.03, -2.0, 0.4);
             let (mut whole, mut clipped) = (empty_map(), empty_map());
-            whole.integrate_points(&points, origin, &Integration { rays, ..Default::default() });
-            clipped.integrate_points(&points, origin, &Integration { rays, region, ..Default::default() });
+            whole.integrate_points(&points, origin, &Integration { rays, ..Default::default() }).unwrap();
+            clipped.integrate_points(&points, origin, &Integration { rays, region, ..Default::default() }).unwrap();
             let mut expected = cells(&whole);
             expected.retain(|&key, _| region.unwrap().index(key.into()).is_some());
             prop_assert_eq!(cells(&clipped), expected);
@@ -229,8 +261,8 @@ mod tests {
             let on_object: Vec<DVec3> = points.iter().filter(inside).copied().collect();
             let (mut ignoring, mut object_only) = (empty_map(), empty_map());
             let background = Background::Ignore;
-            ignoring.integrate_points(&points, origin, &Integration { background, region, ..Default::default() });
-            object_only.integrate_points(&on_object, origin, &Integration { region, ..Default::default() });
+            ignoring.integrate_points(&points, origin, &Integration { background, region, ..Default::default() }).unwrap();
+            object_only.integrate_points(&on_object, origin, &Integration { region, ..Default::default() }).unwrap();
             prop_assert_eq!(cells(&ignoring), cells(&object_only));
         }
     }
@@ -243,7 +275,8 @@ mod tests {
                 &[DVec3::new(0.55, 0.05, 0.05)],
                 DVec3::splat(0.05),
                 &Integration::default(),
-            );
+            )
+            .unwrap();
         }
         let low = LogOdds::from_probability(0.1192);
         let high = LogOdds::from_probability(0.971);
@@ -257,7 +290,7 @@ mod tests {
         let image = DepthImage::from_metres(3, 1, vec![0.55, f32::INFINITY, f32::NAN]).unwrap();
         let frame = Frame::new(image, camera, Pose::IDENTITY, 1.0).unwrap();
         let mut map = empty_map();
-        let update = map.integrate(&frame, &Integration::default());
+        let update = map.integrate(&frame, &Integration::default()).unwrap();
         assert_eq!(update.n_hits, 1);
         assert_eq!(map.log_odds(IVec3::new(-6, 0, 5)).map(|v| v.0 > 0.0), Some(true), "the surface");
         assert_eq!(map.log_odds(IVec3::new(0, 0, 9)).map(|v| v.0 < 0.0), Some(true), "free up to the range");
@@ -274,11 +307,53 @@ mod tests {
             let run = |threads| {
                 let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
                 let mut map = empty_map();
-                let update =
-                    pool.install(|| map.integrate(&frame, &Integration { rays, ..Default::default() }));
+                let update = pool
+                    .install(|| map.integrate(&frame, &Integration { rays, ..Default::default() }).unwrap());
                 (update, cells(&map))
             };
             assert_eq!(run(1), run(4));
+        }
+    }
+
+    /// A bound on time and memory, and the map as it was before.
+    #[test]
+    fn refuses_scans_without_bounds() {
+        let check = |points: &[DVec3], origin: DVec3, expected: &str| {
+            let mut map = empty_map();
+            let error =
+                map.integrate_points(points, origin, &Integration::default()).unwrap_err().to_string();
+            assert!(error.contains(expected), "{error}");
+            assert!(map.voxels().is_empty());
+        };
+        check(&[DVec3::X * 1e300], DVec3::ZERO, "distance of a point from the origin");
+        check(&[DVec3::X], DVec3::X * f64::NAN, "origin is");
+        check(&[DVec3::X], DVec3::X * 1e300, "origin is");
+        let far: Vec<DVec3> = (0..3000).map(|i| DVec3::new(1e6, i as f64, 0.0)).collect();
+        check(&far, DVec3::ZERO, "voxels crossed");
+        let spread: Vec<DVec3> = (0..3000).map(|i| sphere::fibonacci(i, 3000) * 1000.0).collect();
+        check(&spread, DVec3::ZERO, "more than the limit of 4294 MB");
+    }
+
+    #[test]
+    fn a_region_bounds_any_scan() {
+        let region = VoxelBlock::new(IVec3::splat(-4), UVec3::splat(9));
+        let integration = Integration { region, ..Default::default() };
+        let mut map = empty_map();
+        let ends =
+            [1e4, 1e30, 1e300, f64::MAX, f64::INFINITY, f64::NAN].map(|x| DVec3::new(x, 1e-3 * x, 0.0));
+        let update = map.integrate_points(&ends, DVec3::new(-1.0, 0.05, 0.05), &integration).unwrap();
+        assert_eq!((update.n_hits, update.n_misses), (0, 9), "one line through the region");
+        let far = DVec3::new(-1e8, 0.05, 0.05);
+        assert_eq!(map.integrate_points(&ends[..1], far, &integration).unwrap().n_hits, 0);
+    }
+
+    #[test]
+    fn a_frame_of_a_far_wall_ends() {
+        let camera = Intrinsics::pinhole(64, 48, DVec2::splat(40.0), DVec2::new(32.0, 24.0)).unwrap();
+        for depth in [1e4, 1e6, f32::MAX] {
+            let image = DepthImage::from_metres(64, 48, vec![depth; 64 * 48]).unwrap();
+            let frame = Frame::new(image, camera, Pose::IDENTITY, 2.0).unwrap();
+            assert!(empty_map().integrate(&frame, &Integration::default()).is_err());
         }
     }
 }

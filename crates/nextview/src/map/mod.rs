@@ -13,6 +13,7 @@ mod marks;
 mod occupancy_map;
 pub mod octree;
 mod scan;
+mod scan_size;
 mod snapshot;
 
 pub use frontier::frontier;

@@ -1,8 +1,10 @@
 use super::integration::{Background, Integration, RayRule};
 use super::key_box::KeyBox;
 use crate::geometry::{Lattice, VoxelKey};
+use crate::sensor::Frame;
 use glam::DVec3;
 use pulp::Arch;
+use rayon::prelude::*;
 use rustc_hash::FxHashSet;
 
 /// The content of a scan, in units of voxels: the ends of its rays and the voxels that hold a surface.
@@ -34,6 +36,13 @@ impl ScanRules {
             lattice,
             integration: *integration,
         }
+    }
+
+    /// The scan of a frame.
+    pub fn scan_of_frame(&self, frame: &Frame) -> Scan {
+        let rows = (0..frame.image().height()).into_par_iter();
+        let parts = rows.map(|v| self.scan(frame.row_ray_ends(v)));
+        Scan::union(parts.collect(), self)
     }
 
     /// The scan whose rays have these ends, in world coordinates, each with whether it is a surface.
@@ -77,10 +86,26 @@ impl ScanRules {
     }
 }
 
+/// Rays are cut at this distance from the lattice's origin, in voxels along each axis: far beyond all keys,
+/// and near enough for exact whole numbers.
+const FAR: f64 = (1_u64 << 45) as f64;
+
+impl ScanRules {
+    /// The end of a ray, or where the ray is cut; none where the end is no number.
+    fn shortened(&self, end: DVec3) -> Option<DVec3> {
+        if end.abs().cmple(DVec3::splat(FAR)).all() {
+            return Some(end);
+        }
+        let along = end - self.origin;
+        along.is_finite().then(|| self.origin + along * (0.5 * FAR / along.abs().max_element()))
+    }
+}
+
 impl Scan {
     /// Merges several scans into one; each end counts once if that is the rule.
     pub fn union(parts: Vec<Self>, rules: &ScanRules) -> Self {
-        let mut ends: Vec<DVec3> = parts.iter().flat_map(|part| &part.ends).copied().collect();
+        let ends = parts.iter().flat_map(|part| &part.ends);
+        let mut ends: Vec<DVec3> = ends.filter_map(|end| rules.shortened(*end)).collect();
         if rules.integration.rays == RayRule::OnePerEndVoxel {
             let mut seen = FxHashSet::with_capacity_and_hasher(ends.len(), Default::default());
             ends.retain(|end| seen.insert((end - 0.5).as_ivec3()));

@@ -112,19 +112,29 @@ impl Snapshot {
         self.probability.iter().map(|&p| entropy(p as f64)).sum()
     }
 
-    /// [`entropy_share`](Self::entropy_share), unless cancelled.
-    pub(crate) fn entropy_share_unless(&self, cancel: &Cancel) -> Result<f64, Cancelled> {
+    /// [`entropy`](Self::entropy), unless cancelled.
+    pub(crate) fn entropy_unless(&self, cancel: &Cancel) -> Result<f64, Cancelled> {
         let mut sum = 0.0;
         for part in self.probability.chunks(CHUNK) {
             cancel.check()?;
             sum = part.iter().fold(sum, |sum, &p| sum + entropy(p as f64));
         }
-        Ok(sum / (self.block.n_voxels() as f64 * LN_2))
+        Ok(sum)
+    }
+
+    /// [`entropy_share`](Self::entropy_share), unless cancelled.
+    pub(crate) fn entropy_share_unless(&self, cancel: &Cancel) -> Result<f64, Cancelled> {
+        Ok(self.share_of_unknown(self.entropy_unless(cancel)?))
     }
 
     /// The paper's eqs. (8) and (9): entropy as a share, 0..=1, of that of a block nothing is known of.
     pub fn entropy_share(&self) -> f64 {
-        self.entropy() / (self.block.n_voxels() as f64 * LN_2)
+        self.share_of_unknown(self.entropy())
+    }
+
+    /// An entropy, nats, as a share of that of a block nothing is known of.
+    pub(crate) fn share_of_unknown(&self, entropy: f64) -> f64 {
+        entropy / (self.block.n_voxels() as f64 * LN_2)
     }
 }
 

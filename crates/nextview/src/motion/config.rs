@@ -16,7 +16,7 @@ pub struct MotionConfig {
     /// sways when it stops.
     #[serde(rename = "acceleration_m_per_s2")]
     pub acceleration: f64,
-    /// Distance from the ball around the object's box, metres, at least 0. Default 0.02: most of the depth of
+    /// Distance from the ball around the object's box, metres, 0..=1e6. Default 0.02: most of the depth of
     /// a small camera, as above tables.
     #[serde(rename = "clearance_m")]
     pub clearance: f64,
@@ -37,11 +37,11 @@ impl Default for MotionConfig {
 impl MotionConfig {
     /// Fails on the first value out of range.
     pub fn check(&self) -> Result<(), Error> {
-        let (limit, length) = (0.001..=100.0, 0.0..=f64::MAX);
+        let limit = 0.001..=100.0;
         check_range("speed_m_per_s", self.speed, limit.clone(), "0.001 to 100")?;
         check_range("acceleration_m_per_s2", self.acceleration, limit, "0.001 to 100")?;
-        check_range("clearance_m", self.clearance, length.clone(), "a number from 0 on")?;
-        check_range("sensing_time_s", self.sensing_time, length, "a number from 0 on")
+        check_range("clearance_m", self.clearance, 0.0..=1e6, "0 to 1e6")?;
+        check_range("sensing_time_s", self.sensing_time, 0.0..=f64::MAX, "a number from 0 on")
     }
 }
 
@@ -60,6 +60,6 @@ mod tests {
             assert!(MotionConfig { sensing_time: bad, ..Default::default() }.check().is_err());
         }
         let error = MotionConfig { clearance: -0.1, ..Default::default() }.check().unwrap_err();
-        assert_eq!(error.to_string(), "clearance_m is -0.1, expected a number from 0 on");
+        assert_eq!(error.to_string(), "clearance_m is -0.1, expected 0 to 1e6");
     }
 }

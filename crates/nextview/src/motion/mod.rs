@@ -5,6 +5,7 @@
 //! Robot joints and other obstacles are not modelled.
 
 mod config;
+mod long_tour;
 mod path;
 mod profile;
 mod route;
@@ -16,6 +17,7 @@ mod waypoint;
 pub use config::MotionConfig;
 pub use path::KeepOut;
 pub use profile::Profile;
+pub(crate) use tour::tour_unless;
 pub use tour::{detour, tour, tour_length};
 pub use trajectory::{Surroundings, Trajectory};
 pub use waypoint::Waypoint;

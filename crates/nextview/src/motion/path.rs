@@ -1,5 +1,6 @@
 use crate::Error;
-use crate::geometry::Aabb;
+use crate::checked::check_range;
+use crate::geometry::{Aabb, check_position};
 use glam::{DQuat, DVec3};
 use std::f64::consts::PI;
 
@@ -28,16 +29,16 @@ pub struct KeepOut {
 /// arc.
 pub(super) const MAX_TURN: f64 = 5.0 * PI / 180.0;
 
+/// Largest radius and clearance, metres.
+const LARGEST: f64 = 1e9;
+
 impl KeepOut {
-    /// The ball of this radius around `center`, wider by `clearance` (metres, none negative).
+    /// The ball of this radius around `center`, wider by `clearance` (metres, 0 to 1e9). The centre must be
+    /// within [`Pose::REACH`](crate::geometry::Pose::REACH).
     pub fn new(center: DVec3, radius: f64, clearance: f64) -> Result<Self, Error> {
-        if !center.is_finite() {
-            return Err(Error::invalid("center", center, "a finite position"));
-        }
+        check_position("center", center)?;
         for (name, length) in [("radius", radius), ("clearance", clearance)] {
-            if !(length >= 0.0 && length.is_finite()) {
-                return Err(Error::invalid(name, length, "a length in metres, at least 0"));
-            }
+            check_range(name, length, 0.0..=LARGEST, "a length in metres, 0 to 1e9")?;
         }
         Ok(Self { center, radius: radius + clearance })
     }

@@ -1,8 +1,18 @@
 use super::KeepOut;
+use super::long_tour::long_tour;
+use crate::geometry::check_position;
+use crate::{Cancel, Cancelled, Error};
 use glam::DVec3;
 
 /// Maximum number of views whose shortest order is found exactly; a heuristic orders more.
 const MOST_EXACT: usize = 12;
+
+/// Maximum number of views that are ordered by cheapest insertion and all moves, which takes up to a second or
+/// two; a search among neighbours orders more.
+const MOST_INSERTED: usize = 1000;
+
+/// Maximum number of sweeps over all moves; a test finds far fewer.
+const MOST_SWEEPS: usize = 100;
 
 /// Relative differences below this may be rounding errors.
 const TOLERANCE: f64 = 1e-12;
@@ -11,12 +21,30 @@ const TOLERANCE: f64 = 1e-12;
 /// each leg goes around the ball. Without a start, the path begins at the first position of the order.
 ///
 /// Up to 12 positions, the path is the shortest possible (Held and Karp 1962). More positions are inserted
-/// one by one where they cost least, and then moved as long as that shortens the path: by reversing a part of
-/// it (2-opt, Croes 1958), or by moving up to three positions elsewhere (Or-opt, Or 1976). The path is never
-/// longer than in the order given.
-pub fn tour(start: Option<DVec3>, positions: &[DVec3], ball: &KeepOut) -> Vec<usize> {
+/// one by one where they cost least, and then moved as long as that shortens the path, in up to 100 sweeps: by
+/// reversing a part of it (2-opt, Croes 1958), or by moving up to three positions elsewhere (Or-opt, Or 1976).
+/// Of more than 1000 positions, the order begins along a space-filling curve, and only moves that lead to
+/// neighbours are tried, so that the time grows little faster than their number. The path is never longer than
+/// in the order given.
+///
+/// Fails if a position or the start is not within [`Pose::REACH`](crate::geometry::Pose::REACH).
+pub fn tour(start: Option<DVec3>, positions: &[DVec3], ball: &KeepOut) -> Result<Vec<usize>, Error> {
+    start.iter().chain(positions).try_for_each(|position| check_position("position", *position))?;
+    Ok(tour_unless(start, positions, ball, &Cancel::default())?)
+}
+
+/// [`tour`] through positions within reach, unless cancelled.
+pub(crate) fn tour_unless(
+    start: Option<DVec3>,
+    positions: &[DVec3],
+    ball: &KeepOut,
+    cancel: &Cancel,
+) -> Result<Vec<usize>, Cancelled> {
+    if positions.len() > MOST_INSERTED {
+        return long_tour(start, positions, ball, cancel);
+    }
     let ways = Ways::new(start, positions, ball);
-    if positions.len() <= MOST_EXACT { shortest(&ways) } else { short(&ways) }
+    if positions.len() <= MOST_EXACT { Ok(shortest(&ways)) } else { short(&ways, cancel) }
 }
 
 /// Length of the path through positions in their order, metres.
@@ -115,16 +143,18 @@ fn shortest(ways: &Ways) -> Vec<usize> {
 }
 
 /// The better of two local optima: one from cheapest insertion, one from the order given.
-fn short(ways: &Ways) -> Vec<usize> {
-    let [inserted, given] = [inserted(ways), (0..ways.n).collect()].map(|order| improved(ways, order));
-    if ways.length(&given) < ways.length(&inserted) { given } else { inserted }
+fn short(ways: &Ways, cancel: &Cancel) -> Result<Vec<usize>, Cancelled> {
+    let inserted = improved(ways, inserted(ways, cancel)?, cancel)?;
+    let given = improved(ways, (0..ways.n).collect(), cancel)?;
+    Ok(if ways.length(&given) < ways.length(&inserted) { given } else { inserted })
 }
 
 /// All positions, inserted one after the other, each time the one that lengthens the path least.
-fn inserted(ways: &Ways) -> Vec<usize> {
+fn inserted(ways: &Ways, cancel: &Cancel) -> Result<Vec<usize>, Cancelled> {
     let mut order = Vec::new();
     let mut left: Vec<usize> = (0..ways.n).collect();
     while !left.is_empty() {
+        cancel.check()?;
         let cheapest = |&position: &usize| {
             let costs = (0..=order.len()).map(|place| (place, insertion(ways, &order, place, position)));
             costs.min_by(|a, b| a.1.total_cmp(&b.1)).unwrap_or_default()
@@ -133,7 +163,7 @@ fn inserted(ways: &Ways) -> Vec<usize> {
         let next = (0..left.len()).min_by(|&a, &b| costs[a].1.total_cmp(&costs[b].1)).unwrap_or_default();
         order.insert(costs[next].0, left.remove(next));
     }
-    order
+    Ok(order)
 }
 
 /// The added length of a visit to a position between those at `place - 1` and `place`.
@@ -147,17 +177,20 @@ fn around(order: &[usize], begin: usize, end: usize) -> (Option<usize>, Option<u
     (begin.checked_sub(1).map(|place| order[place]), order.get(end).copied())
 }
 
-/// The order after sweeps over all moves, each made if it shortens the path, until none does.
-fn improved(ways: &Ways, mut order: Vec<usize>) -> Vec<usize> {
+/// The order after sweeps over all moves, each made if it shortens the path, until none does or there were too
+/// many sweeps.
+fn improved(ways: &Ways, mut order: Vec<usize>, cancel: &Cancel) -> Result<Vec<usize>, Cancelled> {
     let least_gain = TOLERANCE * ways.length(&order);
-    loop {
+    for _ in 0..MOST_SWEEPS {
+        cancel.check()?;
         let is_turned = turn_parts(ways, &mut order, least_gain);
         let is_moved =
             (1..=3).fold(false, |moved, len| move_parts(ways, &mut order, len, least_gain) | moved);
         if !is_turned && !is_moved {
-            return order;
+            break;
         }
     }
+    Ok(order)
 }
 
 /// Reverses parts of the order where that shortens the path; returns whether any was reversed.
@@ -245,7 +278,7 @@ mod tests {
             for seed in 0..20 {
                 let positions = positions(n, seed);
                 for start in [None, Some(DVec3::new(0.0, 0.8, 0.1))] {
-                    let found = length(start, &positions, &tour(start, &positions, &ball()));
+                    let found = length(start, &positions, &tour(start, &positions, &ball()).unwrap());
                     let best = by_trial(&Ways::new(start, &positions, &ball()), &mut Vec::new());
                     assert!((found - best).abs() < 1e-12, "{n} views, seed {seed}: {found}, not {best}");
                 }
@@ -275,7 +308,9 @@ mod tests {
         for n in 10..=12 {
             for seed in 0..10 {
                 let ways = Ways::new(Some(DVec3::X), &positions(n, seed), &ball());
-                let excess = ways.length(&short(&ways)) / ways.length(&shortest(&ways)) - 1.0;
+                let excess = ways.length(&short(&ways, &Cancel::default()).unwrap())
+                    / ways.length(&shortest(&ways))
+                    - 1.0;
                 assert!(excess > -1e-12);
                 (sum, worst, count) = (sum + excess, worst.max(excess), count + 1.0);
             }
@@ -287,13 +322,75 @@ mod tests {
     fn the_heuristic_never_makes_the_way_longer() {
         for seed in 0..10 {
             let positions = positions(25, seed);
-            let order = tour(Some(DVec3::X), &positions, &ball());
+            let order = tour(Some(DVec3::X), &positions, &ball()).unwrap();
             // Its own result, given back to it, is a start that is hard to better.
             let sorted: Vec<DVec3> = order.iter().map(|&i| positions[i]).collect();
-            let again = tour(Some(DVec3::X), &sorted, &ball());
+            let again = tour(Some(DVec3::X), &sorted, &ball()).unwrap();
             let found = length(Some(DVec3::X), &positions, &order);
             assert!(length(Some(DVec3::X), &sorted, &again) <= found * (1.0 + TOLERANCE));
             assert!(found < length(Some(DVec3::X), &positions, &(0..25).collect::<Vec<_>>()));
         }
+    }
+
+    /// Both searches on the same positions.
+    #[test]
+    fn long_tours_are_hardly_longer() {
+        for (n, seed) in [(13, 0), (100, 1), (300, 2), (300, 3)] {
+            let positions = positions(n, seed);
+            for start in [None, Some(DVec3::X)] {
+                let (ways, never) = (Ways::new(start, &positions, &ball()), &Cancel::default());
+                let [thorough, quick] =
+                    [short(&ways, never).unwrap(), long_tour(start, &positions, &ball(), never).unwrap()]
+                        .map(|order| length(start, &positions, &order));
+                println!("{n} views: {quick:.3} m, thorough {thorough:.3} m");
+                assert!(quick < 1.15 * thorough, "{n} views: {quick} m, not {thorough} m");
+            }
+        }
+    }
+
+    #[test]
+    fn thousands_of_views_take_no_time() {
+        let positions = positions(20_000, 7);
+        let start = std::time::Instant::now();
+        let order = tour(Some(DVec3::X), &positions, &ball()).unwrap();
+        let time = start.elapsed();
+        println!("{} m in {time:?}", length(Some(DVec3::X), &positions, &order));
+        assert!(time.as_secs_f64() < 20.0, "{time:?}");
+        // Its own result, in the order given, does not get longer.
+        let sorted: Vec<DVec3> = order.iter().take(3000).map(|&i| positions[i]).collect();
+        let again = tour(Some(DVec3::X), &sorted, &ball()).unwrap();
+        let given: Vec<usize> = (0..3000).collect();
+        assert!(length(Some(DVec3::X), &sorted, &again) <= length(Some(DVec3::X), &sorted, &given));
+    }
+
+    #[test]
+    fn positions_that_are_none_are_refused() {
+        for bad in [f64::NAN, f64::INFINITY, 1e300].map(|x| DVec3::new(0.0, x, 0.0)) {
+            for n in [1, 12, 13, 1001] {
+                let positions = [positions(n, 0), vec![bad]].concat();
+                assert!(tour(None, &positions, &ball()).is_err());
+            }
+            assert!(tour(Some(bad), &[], &ball()).is_err());
+        }
+        assert_eq!(tour(None, &[DVec3::X; 2000], &ball()).unwrap().len(), 2000, "all at one place");
+    }
+
+    #[test]
+    fn sweeps_are_bounded_without_effect() {
+        let most = (0..40).map(|seed| {
+            let ways = Ways::new(Some(DVec3::X), &positions(13 + 7 * seed as usize, seed), &ball());
+            let sweeps = |mut order: Vec<usize>| {
+                let least_gain = TOLERANCE * ways.length(&order);
+                (1..).find(|_| {
+                    let is_turned = turn_parts(&ways, &mut order, least_gain);
+                    !((1..=3)
+                        .fold(is_turned, |moved, len| move_parts(&ways, &mut order, len, least_gain) | moved))
+                })
+            };
+            sweeps(inserted(&ways, &Cancel::default()).unwrap()).max(sweeps((0..ways.n).collect()))
+        });
+        let most = most.max().flatten().unwrap();
+        println!("at most {most} sweeps");
+        assert!(most < MOST_SWEEPS / 2, "{most}");
     }
 }

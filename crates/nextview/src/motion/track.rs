@@ -144,7 +144,7 @@ impl Track {
         let position = from.position.lerp(to.position, t.clamp(0.0, 1.0));
         let rotation = self.following(from.position, position) * from.rotation;
         let turned = (rotation * DQuat::IDENTITY.slerp(self.rest, share)).normalize();
-        let world_from_camera = Pose::new(turned, position).expect("between two poses");
+        let world_from_camera = Pose::from_unit(turned, position);
         Waypoint { time, world_from_camera }
     }
 }

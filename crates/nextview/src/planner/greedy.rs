@@ -14,7 +14,7 @@ use std::marker::PhantomData;
 #[serde(default, deny_unknown_fields, remote = "Self")]
 pub struct GreedyConfig {
     /// Distance between neighbouring planning rays at the far side of the box, in voxels of the finest size,
-    /// positive. Default 2, as for [`MaxFlow`](super::MaxFlow).
+    /// at least 0.1. Default 2, as for [`MaxFlow`](super::MaxFlow).
     pub ray_spacing: f64,
     /// Weight of the movement cost against the gain, 0..=1; the paper's theta (section V.D). Default 0:
     /// moving is free.
@@ -61,15 +61,15 @@ impl<G: InformationGain> Greedy<G> {
 
     /// The gain of each of the views.
     fn gains(&self, situation: &Situation<'_>, views: &[usize]) -> Result<Vec<f64>, Cancelled> {
-        let gain = G::new(situation.snapshot, situation.frames, situation.cancel)?;
+        let gain = G::new(situation.snapshot(), situation.frames(), situation.cancel())?;
         let spacing = situation.in_snapshot_voxels(self.config.ray_spacing);
-        let caster = RayCaster::new(situation.snapshot, situation.intrinsics, spacing, G::SIGHT)
+        let caster = RayCaster::new(situation.snapshot(), situation.intrinsics(), spacing, G::SIGHT)
             .expect("the constructor checked the ray spacing");
         let gain_of = |&view: &usize| {
             let mut tally = G::Tally::default();
-            caster.try_cast(&situation.views.pose(view), |ray| {
+            caster.try_cast(&situation.views().pose(view), |ray| {
                 gain.add(&ray, &mut tally);
-                situation.cancel.check()
+                situation.cancel().check()
             })?;
             Ok(G::total(&tally))
         };

@@ -9,7 +9,7 @@ pub struct InOrder;
 impl ViewPlanner for InOrder {
     fn plan(&mut self, situation: &Situation<'_>) -> Result<Plan, Cancelled> {
         let open = situation.open_views();
-        let last = situation.visited.last();
+        let last = situation.visited().last();
         let next = open.iter().find(|view| last.is_none_or(|last| *view > last)).or(open.first());
         Ok(Plan { choice: next.map(|&view| Choice::new(view, 0.0)), ..Plan::default() })
     }

@@ -50,24 +50,24 @@ impl ViewPlanner for MinOverlap {
         let open = situation.open_views();
         let overlaps = overlaps(situation, &open)?;
         let most = overlaps.iter().copied().fold(0.0, f64::max);
-        let mut is_left = vec![false; situation.views.len()];
+        let mut is_left = vec![false; situation.views().len()];
         for (view, overlap) in open.into_iter().zip(overlaps) {
             is_left[view] = overlap >= self.share.min(most);
         }
-        let views = situation.views.clone().only(|view| is_left[view]);
-        self.planner.plan(&Situation { views: &views, ..*situation })
+        let views = situation.views().clone().only(|view| is_left[view]);
+        self.planner.plan(&situation.with_views(&views))
     }
 }
 
 /// The overlap of each of the views, 0..=1; 0 where they show nothing.
 fn overlaps(situation: &Situation<'_>, views: &[usize]) -> Result<Vec<f64>, Cancelled> {
-    let Situation { snapshot, intrinsics, cancel, .. } = *situation;
+    let (snapshot, cancel) = (situation.snapshot(), situation.cancel());
     let spacing = situation.in_snapshot_voxels(RAY_SPACING);
-    let caster = RayCaster::new(snapshot, intrinsics, spacing, Sight::endless(FreeSpace::Clear))
+    let caster = RayCaster::new(snapshot, situation.intrinsics(), spacing, Sight::endless(FreeSpace::Clear))
         .expect("the spacing is positive");
     let overlap = |&view: &usize| {
         let mut tally = Tally::default();
-        caster.try_cast(&situation.views.pose(view), |ray| {
+        caster.try_cast(&situation.views().pose(view), |ray| {
             tally.add(&ray, snapshot.occupancy());
             cancel.check()
         })?;
@@ -132,15 +132,7 @@ mod tests {
 
         fn situation<'a>(&'a self, visited: &'a [usize]) -> Situation<'a> {
             let Self { snapshot, views, intrinsics, .. } = self;
-            Situation {
-                snapshot,
-                frames: &[],
-                views,
-                intrinsics,
-                visited,
-                finest_voxel_size: 0.01,
-                cancel: &self.cancel,
-            }
+            Situation::new(snapshot, views, intrinsics, &self.cancel).with_visited(visited).unwrap()
         }
     }
 

@@ -16,7 +16,7 @@ impl ViewPlanner for RandomViews {
         if open.is_empty() {
             return Ok(Plan::default());
         }
-        let view = open[Random::new(self.seed, situation.visited.len() as u64).index(open.len())];
+        let view = open[Random::new(self.seed, situation.visited().len() as u64).index(open.len())];
         Ok(Plan { choice: Some(Choice::new(view, 0.0)), ..Plan::default() })
     }
 }

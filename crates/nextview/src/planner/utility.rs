@@ -1,5 +1,6 @@
 use super::{Choice, Situation};
 use crate::Error;
+use crate::checked::check_range;
 
 /// The value of a view after the cost of moving there (the paper, section V.D): (1 - theta) times its share
 /// of all gain, less theta times its share of all distances from where the camera is.
@@ -14,9 +15,9 @@ impl Utility {
     /// Distances are straight lines from where the camera is to the open views, and are shares of the sum
     /// over those; all are zero before the first view.
     pub fn new(situation: &Situation<'_>, theta: f64) -> Self {
-        let mut distance_share = vec![0.0; situation.views.len()];
+        let mut distance_share = vec![0.0; situation.views().len()];
         if let Some(position) = situation.camera_position() {
-            let distance = |view: usize| situation.views.pose(view).translation().distance(position);
+            let distance = |view: usize| situation.views().pose(view).translation().distance(position);
             let open = situation.open_views();
             let total: f64 = open.iter().map(|&view| distance(view)).sum();
             open.into_iter().for_each(|view| distance_share[view] = share(distance(view), total));
@@ -38,12 +39,13 @@ pub(super) fn check_theta(theta: f64) -> Result<(), Error> {
     Err(Error::invalid("theta", theta, "a number in 0..=1"))
 }
 
+/// Smallest distance between planning rays, voxels: a hundred rays then meet every voxel, fifty times as many
+/// as needed to [miss none](crate::visibility::NO_VOXEL_MISSED).
+const LEAST_SPACING: f64 = 0.1;
+
 /// Fails unless the ray spacing is valid.
 pub(super) fn check_ray_spacing(ray_spacing: f64) -> Result<(), Error> {
-    if ray_spacing > 0.0 && ray_spacing.is_finite() {
-        return Ok(());
-    }
-    Err(Error::invalid("ray_spacing", ray_spacing, "a positive number of voxels"))
+    check_range("ray_spacing", ray_spacing, LEAST_SPACING..=f64::MAX, "a number of voxels, at least 0.1")
 }
 
 /// A part of a total that may be zero.

@@ -2,7 +2,7 @@ use super::Explanation;
 use crate::map::Snapshot;
 use crate::sensor::{Frame, Intrinsics};
 use crate::view::ViewSpace;
-use crate::{Cancel, Cancelled};
+use crate::{Cancel, Cancelled, Error};
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
 
@@ -20,7 +20,7 @@ use serde::{Deserialize, Serialize};
 ///
 /// impl ViewPlanner for FromAbove {
 ///     fn plan(&mut self, situation: &Situation<'_>) -> Result<Plan, Cancelled> {
-///         let height = |view: usize| situation.views.pose(view).translation().z;
+///         let height = |view: usize| situation.views().pose(view).translation().z;
 ///         let highest = situation.open_views().into_iter().max_by(|&a, &b| height(a).total_cmp(&height(b)));
 ///         Ok(Plan { choice: highest.map(|view| Choice::new(view, height(view))), ..Plan::default() })
 ///     }
@@ -32,10 +32,8 @@ use serde::{Deserialize, Serialize};
 /// # let block = VoxelBlock::new(IVec3::ZERO, UVec3::splat(2)).unwrap();
 /// # let snapshot = Snapshot::from_fn(Lattice::new(0.01).unwrap(), block, |_| None);
 /// # let views = generate::fibonacci_sphere(DVec3::ZERO, 0.4, 10).unwrap();
-/// # let situation = Situation {
-/// #     snapshot: &snapshot, frames: &[], views: &views, intrinsics: &Intrinsics::d435i(), visited: &[0],
-/// #     finest_voxel_size: 0.01, cancel: &Cancel::default(),
-/// # };
+/// # let (camera, cancel) = (Intrinsics::d435i(), Cancel::default());
+/// # let situation = Situation::new(&snapshot, &views, &camera, &cancel).with_visited(&[0]).unwrap();
 /// assert_eq!(FromAbove.plan(&situation).unwrap().choice.unwrap().view, 1);
 /// ```
 pub trait ViewPlanner: Send {
@@ -48,25 +46,104 @@ pub trait ViewPlanner: Send {
 /// All information that a planner may use.
 #[derive(Clone, Copy, Debug)]
 pub struct Situation<'a> {
+    snapshot: &'a Snapshot,
+    frames: &'a [Frame],
+    views: &'a ViewSpace,
+    intrinsics: &'a Intrinsics,
+    /// Numbers of candidates.
+    visited: &'a [usize],
+    /// At most the voxel size of the snapshot, metres, and at least that which [`MOST_VOXELS`] allows.
+    finest_voxel_size: f64,
+    cancel: &'a Cancel,
+}
+
+/// Maximum number of the finest voxels along the longest side of the box, so that planning rays, whose
+/// distances are in these, stay finite in number: as many as an OctoMap has.
+const MOST_VOXELS: f64 = 65_536.0;
+
+impl<'a> Situation<'a> {
+    /// The situation before the first view: a map of the box around the object, the view candidates, the
+    /// optics of the camera, and a flag that ends planning without a plan. The scan ends in the voxels of the
+    /// snapshot.
+    pub fn new(
+        snapshot: &'a Snapshot,
+        views: &'a ViewSpace,
+        intrinsics: &'a Intrinsics,
+        cancel: &'a Cancel,
+    ) -> Self {
+        let finest_voxel_size = snapshot.lattice().voxel_size();
+        Self { snapshot, frames: &[], views, intrinsics, visited: &[], finest_voxel_size, cancel }
+    }
+
+    /// The same with the frames that the snapshot was made from, oldest first.
+    pub fn with_frames(self, frames: &'a [Frame]) -> Self {
+        Self { frames, ..self }
+    }
+
+    /// The same after these views were taken, in order; fails if one is not a candidate.
+    pub fn with_visited(self, visited: &'a [usize]) -> Result<Self, Error> {
+        match visited.iter().find(|view| **view >= self.views.len()) {
+            Some(view) => Err(Error::invalid("visited", view, "numbers below that of view candidates")),
+            None => Ok(Self { visited, ..self }),
+        }
+    }
+
+    /// The same for a scan that ends in voxels of this size, metres: that of the snapshot, or finer.
+    ///
+    /// Fails if they are coarser, or if more than 65,536 of them fit along the box.
+    pub fn with_finest_voxel_size(self, voxel_size: f64) -> Result<Self, Error> {
+        let size = self.snapshot.lattice().voxel_size();
+        let n_along = self.snapshot.block().dims().max_element() as f64 * (size / voxel_size);
+        // Rounding may make the same size a little larger.
+        if voxel_size > 0.0 && voxel_size <= size * (1.0 + 1e-9) && n_along <= MOST_VOXELS {
+            return Ok(Self { finest_voxel_size: voxel_size, ..self });
+        }
+        let expected = "at most the snapshot's, and at most 65,536 voxels along the box";
+        Err(Error::invalid("finest_voxel_size", voxel_size, expected))
+    }
+
+    /// The same with other candidates, as many as before.
+    pub(super) fn with_views(self, views: &'a ViewSpace) -> Self {
+        Self { views, ..self }
+    }
+
     /// The known state of the box around the object.
-    pub snapshot: &'a Snapshot,
+    pub fn snapshot(&self) -> &'a Snapshot {
+        self.snapshot
+    }
+
     /// The frames that the snapshot was made from, oldest first; none where only a map of them remains.
-    pub frames: &'a [Frame],
+    pub fn frames(&self) -> &'a [Frame] {
+        self.frames
+    }
+
     /// Where the camera could go.
-    pub views: &'a ViewSpace,
+    pub fn views(&self) -> &'a ViewSpace {
+        self.views
+    }
+
     /// The optics of the camera.
-    pub intrinsics: &'a Intrinsics,
-    /// The views taken so far, in order.
-    pub visited: &'a [usize],
+    pub fn intrinsics(&self) -> &'a Intrinsics {
+        self.intrinsics
+    }
+
+    /// The views taken so far, in order; all are candidates.
+    pub fn visited(&self) -> &'a [usize] {
+        self.visited
+    }
+
     /// Voxel size in which the scan ends, metres: that of the snapshot, or finer. Distances between rays are
     /// in voxels of this size, so that plans in coarser voxels have as many rays: ten coarse voxels may be
     /// wider than the box.
-    pub finest_voxel_size: f64,
-    /// A flag that ends planning without a plan.
-    pub cancel: &'a Cancel,
-}
+    pub fn finest_voxel_size(&self) -> f64 {
+        self.finest_voxel_size
+    }
 
-impl Situation<'_> {
+    /// A flag that ends planning without a plan.
+    pub fn cancel(&self) -> &'a Cancel {
+        self.cancel
+    }
+
     /// The views within reach and not yet visited, in increasing order.
     pub fn open_views(&self) -> Vec<usize> {
         let mut is_open: Vec<bool> =

@@ -1,4 +1,4 @@
-use crate::geometry::{Lattice, VoxelBlock, VoxelKey};
+use crate::geometry::{VoxelBlock, VoxelKey};
 use crate::map::{LogOdds, Occupancy, Snapshot};
 use crate::{Cancel, Cancelled};
 use std::borrow::Cow;
@@ -28,8 +28,7 @@ pub fn coarse_enough<'a>(snapshot: &'a Snapshot, cancel: &Cancel) -> Result<Cow<
 /// The same block in voxels twice as large.
 fn halved(snapshot: &Snapshot, cancel: &Cancel) -> Result<Snapshot, Cancelled> {
     let fine = snapshot.block();
-    let lattice = Lattice::new(2.0 * snapshot.lattice().voxel_size())
-        .expect("larger voxels are allowed where smaller ones are");
+    let lattice = snapshot.lattice().doubled();
     let (low, high): (VoxelKey, VoxelKey) = (fine.min() >> 1, fine.max() >> 1);
     let block = VoxelBlock::new(low, (high - low + 1).as_uvec3()).expect("not smaller than a voxel");
     let mut known = vec![None; block.n_voxels()];
@@ -53,6 +52,7 @@ fn halved(snapshot: &Snapshot, cancel: &Cancel) -> Result<Snapshot, Cancelled> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::geometry::Lattice;
     use crate::geometry::random::Random;
     use glam::{IVec3, UVec3};
     use proptest::prelude::*;

@@ -89,7 +89,8 @@ impl Extent {
 
 impl Surroundings {
     fn new(snapshot: &Snapshot) -> Self {
-        let (block, occupancy) = (snapshot.block(), snapshot.occupancy());
+        // Places are computed in single precision.
+        let (block, occupancy) = (snapshot.block().localized(), snapshot.occupancy());
         let is = |state: Occupancy| move |voxel: usize| occupancy[voxel] == state;
         let distances = |state: Occupancy| NearestSource::new(&block, is(state));
         let ((occupied, free), (unknown, n_occupied)) = rayon::join(

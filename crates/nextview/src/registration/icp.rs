@@ -3,6 +3,7 @@ use super::pair::Pair;
 use super::point_tree::PointTree;
 use super::surface_points::SurfacePoint;
 use crate::geometry::Pose;
+use crate::{Cancel, Cancelled};
 use rayon::prelude::*;
 
 /// Minimum cosine between the normals of a pair: 45 degrees. The other side of a thin wall does not match.
@@ -35,31 +36,44 @@ pub(super) struct Reach {
 ///
 /// Iterative closest points (Besl & McKay 1992) with the distance from the tangent plane (Chen & Medioni
 /// 1992).
-pub(super) fn align(points: &[SurfacePoint], known: &PointTree, given: Pose, reach: Reach) -> (Pose, usize) {
+pub(super) fn align(
+    points: &[SurfacePoint],
+    known: &PointTree,
+    given: Pose,
+    reach: Reach,
+    cancel: &Cancel,
+) -> Result<(Pose, usize), Cancelled> {
     let (mut pose, mut distance) = (given, reach.first);
     for n_steps in 1..=MAX_STEPS {
-        let pairs = pairs(points, known, &pose, distance);
+        let pairs = pairs(points, known, &pose, distance, cancel)?;
         let Some(equations) = NormalEquations::new(&pairs, SCALE * distance) else {
-            return (pose, n_steps);
+            return Ok((pose, n_steps));
         };
         let (motion, size) = equations.step();
         pose = motion * pose;
         if distance <= reach.last && size < SMALL_STEP * reach.last {
-            return (pose, n_steps);
+            return Ok((pose, n_steps));
         }
         distance = (NARROWING * distance).max(reach.last);
     }
-    (pose, MAX_STEPS)
+    Ok((pose, MAX_STEPS))
 }
 
 /// The points with the nearest known ones that face the same way and are within `reach` metres, in the order
 /// of the points.
-pub(super) fn pairs(points: &[SurfacePoint], known: &PointTree, pose: &Pose, reach: f64) -> Vec<Pair> {
+pub(super) fn pairs(
+    points: &[SurfacePoint],
+    known: &PointTree,
+    pose: &Pose,
+    reach: f64,
+    cancel: &Cancel,
+) -> Result<Vec<Pair>, Cancelled> {
     let pair = |point: &SurfacePoint| {
         let SurfacePoint { position, normal } = point.moved(pose);
         let nearest = known.nearest(position, reach, |known| known.normal.dot(normal) >= LEAST_AGREEMENT)?;
         let normal = (normal + nearest.normal).normalize();
         Some(Pair { point: position, known: nearest.position, normal })
     };
-    points.par_iter().map(pair).collect::<Vec<_>>().into_iter().flatten().collect()
+    let found = points.par_iter().map(|point| cancel.check().map(|()| pair(point)));
+    Ok(found.collect::<Result<Vec<_>, _>>()?.into_iter().flatten().collect())
 }

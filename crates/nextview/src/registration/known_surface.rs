@@ -4,9 +4,9 @@ use super::pair::Pair;
 use super::point_tree::PointTree;
 use super::surface_points::{SurfacePoint, surface_points};
 use super::{Registration, RegistrationConfig, Verdict};
-use crate::Error;
 use crate::geometry::{Aabb, Lattice, Pose};
 use crate::sensor::Frame;
+use crate::{Cancel, Cancelled, Error};
 use glam::{DVec3, IVec3};
 use rustc_hash::FxHashMap;
 
@@ -17,6 +17,7 @@ use rustc_hash::FxHashMap;
 ///
 /// ```
 /// use glam::{DQuat, DVec2, DVec3};
+/// use nextview::Cancel;
 /// use nextview::geometry::{Aabb, Pose};
 /// use nextview::registration::{KnownSurface, RegistrationConfig};
 /// use nextview::sensor::{DepthImage, Frame, Intrinsics};
@@ -30,9 +31,10 @@ use rustc_hash::FxHashMap;
 ///
 /// let bounds = Aabb::cube(DVec3::new(0.0, 0.0, 0.45), 0.1);
 /// let mut known = KnownSurface::new(RegistrationConfig::default()).unwrap();
-/// known.add(&frame, bounds);
+/// let never = &Cancel::default();
+/// known.add(&frame, bounds, never).unwrap();
 /// let wrong = Pose::new(DQuat::from_rotation_z(0.02), DVec3::new(0.01, 0.0, -0.005)).unwrap();
-/// let found = known.register(&frame.with_pose(wrong), bounds);
+/// let found = known.register(&frame.with_pose(wrong), bounds, never).unwrap();
 /// assert!(found.is_accepted() && found.world_from_camera.translation().length() < 1e-3);
 /// ```
 #[derive(Clone, Debug)]
@@ -74,30 +76,34 @@ impl KnownSurface {
         self.pools.len()
     }
 
-    /// Adds the surface that a frame shows in and around a box (world coordinates, finite).
-    pub fn add(&mut self, frame: &Frame, bounds: Aabb) {
+    /// Adds the surface that a frame shows in and around a box (world coordinates, finite), unless cancelled.
+    pub fn add(&mut self, frame: &Frame, bounds: Aabb, cancel: &Cancel) -> Result<(), Cancelled> {
         let pose = frame.world_from_camera();
-        for point in surface_points(frame, self.around(bounds), self.config.spacing) {
+        let shown = surface_points(frame, self.around(bounds), self.config.spacing, cancel)?;
+        let (mut slots, mut pools) = (self.slots.clone(), self.pools.clone());
+        for point in shown {
             let point = point.moved(&pose);
             let key = (self.lattice.key(point.position), side(point.normal));
-            let slot = *self.slots.entry(key).or_insert(self.pools.len());
-            if slot == self.pools.len() {
-                self.pools.push(Pool::default());
+            let slot = *slots.entry(key).or_insert(pools.len());
+            if slot == pools.len() {
+                pools.push(Pool::default());
             }
-            self.pools[slot].add(&point);
+            pools[slot].add(&point);
         }
-        let points: Vec<SurfacePoint> = self.pools.iter().map(Pool::mean).collect();
-        self.tree = PointTree::new(&points);
+        cancel.check()?;
+        let points: Vec<SurfacePoint> = pools.iter().map(Pool::mean).collect();
+        (self.tree, self.slots, self.pools) = (PointTree::new(&points, cancel)?, slots, pools);
+        Ok(())
     }
 
     /// Aligns the surface that a frame shows in and around a box (world coordinates, finite) to the known
-    /// surface.
-    pub fn register(&self, frame: &Frame, bounds: Aabb) -> Registration {
-        let points = surface_points(frame, self.around(bounds), self.config.spacing);
+    /// surface, unless cancelled.
+    pub fn register(&self, frame: &Frame, bounds: Aabb, cancel: &Cancel) -> Result<Registration, Cancelled> {
+        let points = surface_points(frame, self.around(bounds), self.config.spacing, cancel)?;
         let given = frame.world_from_camera();
         let reach = self.reach();
-        let (aligned, n_iterations) = align(&points, &self.tree, given, reach);
-        let pairs = pairs(&points, &self.tree, &aligned, reach.last);
+        let (aligned, n_iterations) = align(&points, &self.tree, given, reach, cancel)?;
+        let pairs = pairs(&points, &self.tree, &aligned, reach.last, cancel)?;
         let motion = aligned * given.inverse();
         let [residual_before, residual_after] =
             [motion.inverse(), Pose::IDENTITY].map(|to| residual(&pairs, &to));
@@ -113,26 +119,33 @@ impl KnownSurface {
                 .map_or(0.0, |equations| equations.stiffness()),
             n_iterations,
         };
-        let verdict = self.judged(&found, &points, &given, pairs.len());
+        let verdict = self.judged(&found, &points, &given, pairs.len(), cancel)?;
         let world_from_camera = if verdict == Verdict::Aligned { aligned } else { given };
-        Registration { world_from_camera, verdict, ..found }
+        Ok(Registration { world_from_camera, verdict, ..found })
     }
 
     /// The first reason to refuse an alignment, if there is one.
-    fn judged(&self, found: &Registration, points: &[SurfacePoint], given: &Pose, n_pairs: usize) -> Verdict {
+    fn judged(
+        &self,
+        found: &Registration,
+        points: &[SurfacePoint],
+        given: &Pose,
+        n_pairs: usize,
+        cancel: &Cancel,
+    ) -> Result<Verdict, Cancelled> {
         let config = &self.config;
-        let misfit = |pose: &Pose| misfit(points, &self.tree, pose, self.reach().last);
-        if found.overlap < config.min_overlap || n_pairs < LEAST_PAIRS {
+        let misfit = |pose: &Pose| misfit(points, &self.tree, pose, self.reach().last, cancel);
+        Ok(if found.overlap < config.min_overlap || n_pairs < LEAST_PAIRS {
             Verdict::LittleOverlap
         } else if found.stiffness < config.min_stiffness {
             Verdict::Sliding
         } else if found.moved > config.position_uncertainty || found.turned > config.rotation_uncertainty {
             Verdict::TooFar
-        } else if misfit(&found.world_from_camera) >= misfit(given) {
+        } else if misfit(&found.world_from_camera)? >= misfit(given)? {
             Verdict::NoBetter
         } else {
             Verdict::Aligned
-        }
+        })
     }
 
     fn reach(&self) -> Reach {
@@ -176,10 +189,16 @@ fn residual(pairs: &[Pair], motion: &Pose) -> f64 {
 
 /// How badly the points lie on the known surface: the sum of squared residuals, in which a point without
 /// correspondence counts as one at `reach`.
-fn misfit(points: &[SurfacePoint], known: &PointTree, pose: &Pose, reach: f64) -> f64 {
-    let pairs = pairs(points, known, pose, reach);
+fn misfit(
+    points: &[SurfacePoint],
+    known: &PointTree,
+    pose: &Pose,
+    reach: f64,
+    cancel: &Cancel,
+) -> Result<f64, Cancelled> {
+    let pairs = pairs(points, known, pose, reach, cancel)?;
     let n_alone = (points.len() - pairs.len()) as f64;
-    n_alone * reach * reach + pairs.iter().map(|pair| pair.residual().powi(2)).sum::<f64>()
+    Ok(n_alone * reach * reach + pairs.iter().map(|pair| pair.residual().powi(2)).sum::<f64>())
 }
 
 /// The angle that a motion turns by, radians.

@@ -1,4 +1,5 @@
 use super::surface_points::SurfacePoint;
+use crate::{Cancel, Cancelled};
 use glam::DVec3;
 
 /// Nearest-neighbour search among points: a k-d tree (Bentley 1975).
@@ -24,12 +25,12 @@ struct Best<'a> {
 }
 
 impl PointTree {
-    /// A tree of these points.
-    pub fn new(points: &[SurfacePoint]) -> Self {
+    /// A tree of these points, unless cancelled.
+    pub fn new(points: &[SurfacePoint], cancel: &Cancel) -> Result<Self, Cancelled> {
         let node = |(number, &point): (usize, &SurfacePoint)| Node { point, number, axis: 0 };
         let mut nodes: Vec<Node> = points.iter().enumerate().map(node).collect();
-        arrange(&mut nodes);
-        Self { nodes }
+        arrange(&mut nodes, cancel)?;
+        Ok(Self { nodes })
     }
 
     /// The nearest of the points that are at most `reach` metres away and fit; the first on ties.
@@ -46,17 +47,18 @@ impl PointTree {
 }
 
 /// Halves the points along the longest side of the box around them, and so on.
-fn arrange(nodes: &mut [Node]) {
+fn arrange(nodes: &mut [Node], cancel: &Cancel) -> Result<(), Cancelled> {
     if nodes.len() < 2 {
-        return;
+        return Ok(());
     }
+    cancel.check()?;
     let axis = longest_axis(nodes);
     let coordinate = |node: &Node| node.point.position[axis];
     let order = |a: &Node, b: &Node| coordinate(a).total_cmp(&coordinate(b)).then(a.number.cmp(&b.number));
     let (before, root, behind) = nodes.select_nth_unstable_by(nodes.len() / 2, order);
     root.axis = axis;
-    arrange(before);
-    arrange(behind);
+    arrange(before, cancel)?;
+    arrange(behind, cancel)
 }
 
 fn longest_axis(nodes: &[Node]) -> usize {
@@ -113,7 +115,7 @@ mod tests {
             let dist_sq = |point: &SurfacePoint| point.position.distance_squared(to);
             let within = points.iter().filter(|point| fits(point) && dist_sq(point) <= (reach * reach) as f64);
             let expected = within.min_by(|a, b| dist_sq(a).total_cmp(&dist_sq(b)));
-            let tree = PointTree::new(&points);
+            let tree = PointTree::new(&points, &Cancel::default()).unwrap();
             let found = tree.nearest(to, reach as f64, fits);
             prop_assert_eq!(found, expected);
             let number = |found: &SurfacePoint| tree.nodes.iter().find(|node| std::ptr::eq(&node.point, found)).unwrap().number;

@@ -1,5 +1,6 @@
 use crate::geometry::{Aabb, Lattice, Moments, Pose};
 use crate::sensor::Frame;
+use crate::{Cancel, Cancelled};
 use glam::{DVec3, IVec3};
 use rustc_hash::FxHashMap;
 use std::ops::Add;
@@ -20,6 +21,9 @@ impl SurfacePoint {
     }
 }
 
+/// Cells processed between two checks for cancellation.
+const CHUNK: usize = 1 << 12;
+
 /// Minimum number of pixels around a point for a normal.
 const LEAST_PIXELS: f64 = 8.0;
 
@@ -33,15 +37,28 @@ const LEAST_COSINE: f64 = 0.2;
 ///
 /// The normal is that of the plane through the pixels of the cell and the 26 around it (principal components,
 /// Hoppe et al. 1992), since the noise of neighbouring pixels is often as large as the distance between them.
-pub(super) fn surface_points(frame: &Frame, bounds: Aabb, spacing: f64) -> Vec<SurfacePoint> {
+pub(super) fn surface_points(
+    frame: &Frame,
+    bounds: Aabb,
+    spacing: f64,
+    cancel: &Cancel,
+) -> Result<Vec<SurfacePoint>, Cancelled> {
     let camera_from_world = frame.world_from_camera().inverse();
     let lattice = Lattice::new(spacing).expect("the configuration was checked");
     let mut cells = Cells::default();
-    for point in frame.points_in(bounds) {
-        let point = camera_from_world.transform_point(point);
-        cells.add(lattice.key(point), point);
+    for v in 0..frame.image().height() {
+        cancel.check()?;
+        for point in frame.row_points_in(v, bounds) {
+            let point = camera_from_world.transform_point(point);
+            cells.add(lattice.key(point), point);
+        }
     }
-    cells.moments.iter().filter_map(|(key, moments)| cells.surface_point(*key, moments)).collect()
+    let mut points = Vec::new();
+    for part in cells.moments.chunks(CHUNK) {
+        cancel.check()?;
+        points.extend(part.iter().filter_map(|(key, moments)| cells.surface_point(*key, moments)));
+    }
+    Ok(points)
 }
 
 /// Points pooled in cells.
@@ -61,7 +78,8 @@ impl Cells {
     }
 
     fn surface_point(&self, key: IVec3, moments: &Moments) -> Option<SurfacePoint> {
-        let at = |offset: IVec3| self.slots.get(&(key + offset)).map(|slot| self.moments[*slot].1);
+        let at =
+            |offset: IVec3| self.slots.get(&key.saturating_add(offset)).map(|slot| self.moments[*slot].1);
         let around = neighborhood().filter_map(at).fold(Moments::NONE, Moments::add);
         let position = moments.sum / moments.n;
         let normal = around.normal().filter(|_| around.n >= LEAST_PIXELS)?;
@@ -82,8 +100,9 @@ mod tests {
 
     #[test]
     fn normals_of_a_ball_point_outwards() {
-        let frame = ball(look_at(DVec3::new(0.3, -0.2, 0.3), DVec3::ZERO), 0.1);
-        let points = surface_points(&frame, Aabb::cube(DVec3::ZERO, 0.2), 0.01);
+        let frame = ball(look_at(DVec3::new(0.3, -0.2, 0.3), DVec3::ZERO).unwrap(), 0.1);
+        let never = &Cancel::default();
+        let points = surface_points(&frame, Aabb::cube(DVec3::ZERO, 0.2), 0.01, never).unwrap();
         assert!(points.len() > 100, "{}", points.len());
         for point in points.iter().map(|point| point.moved(&frame.world_from_camera())) {
             assert!((point.position.length() - 0.1).abs() < 0.001, "{point:?}");
@@ -93,11 +112,12 @@ mod tests {
 
     #[test]
     fn what_is_outside_the_box_is_left_out() {
-        let frame = ball(look_at(DVec3::new(0.3, -0.2, 0.3), DVec3::ZERO), 0.1);
+        let frame = ball(look_at(DVec3::new(0.3, -0.2, 0.3), DVec3::ZERO).unwrap(), 0.1);
         let upper = Aabb { min: DVec3::new(-0.2, -0.2, 0.0), max: DVec3::splat(0.2) };
-        let points = surface_points(&frame, upper, 0.01);
+        let never = &Cancel::default();
+        let points = surface_points(&frame, upper, 0.01, never).unwrap();
         let lowest = points.iter().map(|point| point.moved(&frame.world_from_camera()).position.z);
         assert!(!points.is_empty() && lowest.fold(f64::INFINITY, f64::min) > -1e-9);
-        assert!(surface_points(&frame, Aabb::cube(DVec3::ONE, 0.1), 0.01).is_empty());
+        assert!(surface_points(&frame, Aabb::cube(DVec3::ONE, 0.1), 0.01, never).unwrap().is_empty());
     }
 }

@@ -124,7 +124,7 @@ mod tests {
     fn points_in_a_box_are_all_points_that_lie_in_it() {
         let camera = Intrinsics::d435i();
         let depth = (0..camera.n_pixels()).map(|i| 0.2 + (i % 97) as f32 * 0.005).collect();
-        let pose = look_at(DVec3::new(0.3, 0.2, 0.1), DVec3::ZERO);
+        let pose = look_at(DVec3::new(0.3, 0.2, 0.1), DVec3::ZERO).unwrap();
         let frame = Frame::new(DepthImage::from_metres(640, 480, depth).unwrap(), camera, pose, 1.0).unwrap();
         for bounds in [Aabb::cube(DVec3::ZERO, 0.1), Aabb::cube(DVec3::new(0.3, 0.2, 0.1), 0.15)] {
             let ends = (0..480).flat_map(|v| frame.row_ray_ends(v)).map(|(end, _)| end);

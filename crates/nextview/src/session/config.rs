@@ -1,15 +1,23 @@
 use super::{MultiResolutionConfig, ObjectBox, StopConfig, Table, Views};
 use crate::Error;
-use crate::checked::checked_when_read;
-use crate::geometry::{Aabb, Lattice, VoxelBlock};
+use crate::checked::{check_range, checked_when_read};
+use crate::geometry::{Aabb, Lattice, Pose, VoxelBlock};
 use crate::map::{Background, RayRule, SensorModel};
 use crate::motion::MotionConfig;
 use crate::registration::RegistrationConfig;
+use glam::DVec3;
 use serde::{Deserialize, Serialize};
 
 /// Bytes per voxel of the box that a session and its planner hold at their peak: map, snapshot, nearest
 /// frontier voxels, weights, flow.
 const BYTES_PER_VOXEL: u64 = 200;
+
+/// Largest voxel size, metres; coarser ones, in which planning may begin, are up to 32768 times as large.
+const LARGEST_VOXEL: f64 = 1e6;
+
+/// Maximum number of voxels along a side of the box: a map of them, moved to the middle, fits the 16-bit keys
+/// of an OctoMap.
+const MOST_VOXELS: f64 = 32_768.0;
 
 /// Configuration of a [`Session`](super::Session).
 ///
@@ -32,6 +40,10 @@ pub struct SessionConfig {
     pub memory_limit_mb: u64,
     /// The box in which the object lies. Only voxels with their centre inside are mapped and planned for.
     pub object_box: ObjectBox,
+    /// Parts whose measured points are no farther apart than this are one object, metres, 0..=1000. Default 0:
+    /// parts must touch. It has an effect only where the box grows.
+    #[serde(default, rename = "max_gap_m")]
+    pub max_gap: f64,
     /// The surface that the object stands on. Default: none.
     #[serde(default)]
     pub table: Table,
@@ -69,6 +81,11 @@ fn default_memory_limit_mb() -> u64 {
     4096
 }
 
+fn is_within_reach(corner: DVec3, voxel_size: f64) -> bool {
+    let reach = (Lattice::REACH as f64 * voxel_size).min(Pose::REACH);
+    corner.abs().cmple(DVec3::splat(reach)).all()
+}
+
 impl SessionConfig {
     /// The defaults, for voxels of this size (metres) and an object in this box.
     pub fn new(voxel_size: f64, bounds: Aabb) -> Self {
@@ -78,6 +95,7 @@ impl SessionConfig {
             first_view: 0,
             memory_limit_mb: default_memory_limit_mb(),
             object_box: ObjectBox::Known(bounds),
+            max_gap: 0.0,
             table: Table::None,
             rays: RayRule::default(),
             background: Background::default(),
@@ -110,6 +128,8 @@ impl SessionConfig {
         self.stop.check()?;
         self.motion.check()?;
         Lattice::new(self.voxel_size)?;
+        check_range("voxel_size_m", self.voxel_size, 0.0..=LARGEST_VOXEL, "at most 1e6")?;
+        check_range("max_gap_m", self.max_gap, 0.0..=1000.0, "0 to 1000")?;
         self.multi_resolution.check_for(self.voxel_size)?;
         self.sensor_model.check()?;
         self.table.check()?;
@@ -125,20 +145,31 @@ impl SessionConfig {
         if !(bounds.min.is_finite() && bounds.max.is_finite()) {
             return Err(Error::invalid("bounds", format!("{bounds:?}"), "a finite box"));
         }
-        self.check_memory(bounds)?;
+        self.check_size(bounds)?;
         let block = Lattice::new(self.voxel_size)?.block_inside(bounds);
         block.ok_or_else(|| {
             Error::invalid("bounds", format!("{bounds:?}"), "a box that holds at least one voxel")
         })
     }
 
-    fn check_memory(&self, bounds: &Aabb) -> Result<(), Error> {
-        let n_voxels = (bounds.size() / self.voxel_size).ceil().max(glam::DVec3::ONE).element_product();
+    /// Fails if a box has too many voxels or is too far from the origin.
+    pub(super) fn check_size(&self, bounds: &Aabb) -> Result<(), Error> {
+        let along = (bounds.size() / self.voxel_size).ceil().max(DVec3::ONE);
+        let (n_voxels, size) = (along.element_product(), self.voxel_size);
         let needed_mb = (n_voxels * BYTES_PER_VOXEL as f64 / 1e6) as u64;
-        if needed_mb <= self.memory_limit_mb {
+        if needed_mb > self.memory_limit_mb {
+            let what =
+                format!("a box of {:.3} m with {n_voxels:.0} voxels of {size} m", bounds.longest_side());
+            return Err(Error::TooLarge { what, needed_mb, limit_mb: self.memory_limit_mb });
+        }
+        let limits =
+            "at most 32,768 voxels along a side, 536,870,912 in all, and 268,435,456 from the origin";
+        let is_near = [bounds.min, bounds.max].iter().all(|corner| is_within_reach(*corner, size));
+        let is_small = along.max_element() <= MOST_VOXELS && n_voxels <= VoxelBlock::MOST_VOXELS as f64;
+        if is_near && is_small {
             return Ok(());
         }
-        let what = format!("a box of {:.3} m with voxels of {} m", bounds.longest_side(), self.voxel_size);
-        Err(Error::TooLarge { what, needed_mb, limit_mb: self.memory_limit_mb })
+        let value = format!("{} to {} m in voxels of {size} m", bounds.min, bounds.max);
+        Err(Error::invalid("bounds", value, limits))
     }
 }

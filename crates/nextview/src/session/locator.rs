@@ -1,14 +1,16 @@
 use super::location::Location;
 use super::object_box::ObjectBox;
 use super::object_points::ObjectPoints;
+use super::other_body::{OtherBody, other_bodies};
 use super::planning_box::growing_box;
 use super::scan_map::Place;
 use super::table::{ShownTable, Table};
 use crate::geometry::Aabb;
 use crate::sensor::Frame;
+use crate::{Cancel, Cancelled};
 
 /// Finds the place of the object, frame by frame.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub(super) struct Locator {
     object_box: ObjectBox,
     table: Table,
@@ -17,19 +19,21 @@ pub(super) struct Locator {
 }
 
 impl Locator {
-    /// For checked parameters; the voxel size in metres.
-    pub fn new(object_box: ObjectBox, table: Table, voxel_size: f64) -> Self {
-        Self { object_box, table, voxel_size, points: ObjectPoints::new(voxel_size) }
+    /// For checked parameters; voxel size and gap in metres.
+    pub fn new(object_box: ObjectBox, table: Table, voxel_size: f64, max_gap: f64) -> Self {
+        Self { object_box, table, voxel_size, points: ObjectPoints::new(voxel_size, max_gap) }
     }
 
-    /// The place after these frames, of which the last is new.
-    pub fn locate(&mut self, frames: &[Frame]) -> Location {
-        let table = self.table.find(frames);
+    /// The place after these frames, of which the last is new. The locator is of no use if cancelled.
+    pub fn locate(&mut self, frames: &[Frame], cancel: &Cancel) -> Result<Location, Cancelled> {
+        let table = self.table.find(frames, cancel)?;
         let (object, bounds) = match self.object_box {
             ObjectBox::Known(bounds) => (Some(bounds), Some(bounds)),
             ObjectBox::Growing => {
                 if let Some(frame) = frames.last() {
-                    self.points.add(frame, table.map(|table| ShownTable::new(table, frame)));
+                    cancel.check()?;
+                    let table = table.map(|table| ShownTable::new(table, frame));
+                    self.points.add(frame, table, cancel)?;
                 }
                 let object = self.points.bounds();
                 (object, object.map(|object| growing_box(&object, self.voxel_size)))
@@ -37,9 +41,19 @@ impl Locator {
         };
         let bounds = bounds.map(|bounds| table.map_or(bounds, |table| table.clip(bounds)));
         let size = |object: Aabb| (0.5 * object.longest_side()).max(self.voxel_size);
-        Location {
+        Ok(Location {
             place: Place { bounds, table },
             object: object.map(|object| (object.center(), size(object))),
+        })
+    }
+
+    /// The bodies beside an object whose box grows; none where the box is known.
+    pub fn other_bodies(&self, frames: &[Frame], cancel: &Cancel) -> Result<Vec<OtherBody>, Cancelled> {
+        match self.object_box {
+            ObjectBox::Known(_) => Ok(Vec::new()),
+            ObjectBox::Growing => {
+                other_bodies(&self.points, frames, self.table.find(frames, cancel)?, cancel)
+            }
         }
     }
 }

@@ -2,12 +2,15 @@
 
 mod alignment;
 mod config;
+mod connected_cells;
 mod decision;
 mod itinerary_progress;
+mod known_scene;
 mod location;
 mod locator;
 mod object_box;
 mod object_points;
+mod other_body;
 mod planning_box;
 mod report;
 mod resolution;
@@ -19,6 +22,7 @@ mod views;
 pub use config::SessionConfig;
 pub use decision::{Decision, NextView, StopReason};
 pub use object_box::ObjectBox;
+pub use other_body::OtherBody;
 pub use planning_box::planning_box;
 pub use report::{MapReport, StepReport};
 pub use resolution::MultiResolutionConfig;
@@ -27,18 +31,16 @@ pub use table::{ON_TABLE, Table};
 pub use views::Views;
 
 use crate::geometry::{Aabb, Plane, Pose};
-use crate::map::{MapUpdate, OccupancyMap, Snapshot};
+use crate::map::{OccupancyMap, Snapshot};
 use crate::motion::{Surroundings, Trajectory};
 use crate::planner::{Plan, Situation, ViewPlanner};
-use crate::registration::{KnownSurface, Registration};
+use crate::registration::Registration;
 use crate::sensor::{Frame, Intrinsics};
 use crate::view::ViewSpace;
 use crate::{Cancel, Cancelled, Error};
-use alignment::Alignment;
 use itinerary_progress::ItineraryProgress;
-use location::Location;
-use locator::Locator;
-use scan_map::{MapRules, Place, ScanMap};
+use known_scene::{Added, KnownScene};
+use scan_map::Place;
 use std::collections::BTreeSet;
 
 /// A scan in progress: the map so far, the views taken, and the planner.
@@ -57,7 +59,7 @@ use std::collections::BTreeSet;
 /// let mut session = Session::new(config, camera, views, Box::new(RandomViews { seed: 1 })).unwrap();
 /// while let Decision::Move(view) = session.decide() {
 ///     let image = DepthImage::from_metres(640, 480, vec![f32::INFINITY; camera.n_pixels()]).unwrap();
-///     session.observe(&Frame::new(image, camera, view.world_from_camera, 1.0).unwrap());
+///     session.observe(&Frame::new(image, camera, view.world_from_camera, 1.0).unwrap()).unwrap();
 /// }
 /// assert_eq!(session.visited().len(), 10);
 /// ```
@@ -67,11 +69,7 @@ pub struct Session {
     views: Views,
     candidates: ViewSpace,
     planner: Box<dyn ViewPlanner>,
-    locator: Locator,
-    map: ScanMap,
-    alignment: Alignment,
-    /// The box that was found exceeds the memory limit and was not adopted.
-    is_box_too_large: bool,
+    scene: KnownScene,
     frames: Vec<Frame>,
     /// Number of requested frames.
     n_taken: usize,
@@ -94,18 +92,14 @@ impl Session {
     ) -> Result<Self, Error> {
         let views = views.into();
         config.check_with(&views)?;
-        let SessionConfig { voxel_size, sensor_model, rays, background, registration, .. } = config;
-        let known = registration.enabled.then(|| KnownSurface::new(registration)).transpose()?;
-        let mut session = Self {
-            locator: Locator::new(config.object_box, config.table, config.voxel_size),
-            map: ScanMap::new(MapRules { voxel_size, sensor_model, rays, background }, Place::default()),
-            alignment: Alignment::new(known),
-            candidates: views.candidates(&Location::default()),
+        let (scene, location) = KnownScene::new(&config)?;
+        Ok(Self {
+            scene,
+            candidates: views.candidates(&location.unwrap_or_default()),
             config,
             intrinsics,
             views,
             planner,
-            is_box_too_large: false,
             frames: Vec::new(),
             n_taken: 0,
             visited: Vec::new(),
@@ -113,35 +107,36 @@ impl Session {
             decision: None,
             itinerary: ItineraryProgress::default(),
             cancel: Cancel::default(),
-        };
-        session.locate();
-        Ok(session)
+        })
     }
 
-    /// The same session, whose decisions another thread can cancel.
+    /// The same session, whose decisions and observations another thread can cancel.
     pub fn with_cancel(self, cancel: Cancel) -> Self {
         Self { cancel, ..self }
     }
 
     /// Writes a frame into the map, keeps it, and, if a view was decided on, counts it as taken. With
-    /// registration, all that is done with the corrected pose. It is never cancelled: a frame is a part of
-    /// the scan once this returns.
-    pub fn observe(&mut self, frame: &Frame) -> StepReport {
-        let planned_in = self.map.planning_voxel_size();
-        let registration = self.alignment.register(frame, self.bounds());
+    /// registration, all that is done with the corrected pose.
+    ///
+    /// A [cancelled](Self::with_cancel) observation changes nothing: the frame can be observed again.
+    pub fn observe(&mut self, frame: &Frame) -> Result<StepReport, Cancelled> {
+        let planned_in = self.planning_voxel_size();
+        let registration = self.scene.alignment.register(frame, self.bounds(), &self.cancel)?;
         let pose = registration.map_or(frame.world_from_camera(), |found| found.world_from_camera);
         self.frames.push(frame.clone().with_pose(pose));
-        self.locate();
-        let (bounds, frame) = (self.bounds(), self.frames.last().expect("a frame was added"));
-        self.alignment.remember(frame, bounds, registration);
-        let update = self.map.integrate(frame);
-        self.refine_what_is_known();
+        let mut scene = self.scene.clone();
+        let added = scene.add(&self.config, &self.frames, registration, &self.cancel);
+        let added = added.inspect_err(|Cancelled| _ = self.frames.pop())?;
+        self.scene = scene;
+        if let Some(location) = &added.moved {
+            self.candidates = self.without_skipped(self.views.candidates(location));
+        }
         let taken = self.decision.take().and_then(Decision::next_view);
         self.n_taken += taken.is_some() as usize;
         self.visited.extend(taken.as_ref().and_then(|next| next.view));
         let is_planned = taken.as_ref().is_some_and(|next| next.choice.is_some());
-        let voxel_size = if is_planned { planned_in } else { self.map.planning_voxel_size() };
-        self.report(taken, voxel_size, update, registration)
+        let voxel_size = if is_planned { planned_in } else { self.planning_voxel_size() };
+        Ok(self.report(taken, voxel_size, added, registration))
     }
 
     /// Decides on the next view. Repeated calls before the next observation return the same decision, unless
@@ -170,38 +165,50 @@ impl Session {
     /// The trajectory from where the last frame was taken to a view, such as the next one: around the ball
     /// around the known part of the object, and above its table. Before the first frame, the camera is there
     /// already.
-    pub fn trajectory_to(&self, world_from_camera: &Pose) -> Trajectory {
-        let Some(last) = self.frames.last() else { return Trajectory::at(*world_from_camera) };
-        let Place { bounds: object, table } = self.map.place();
+    ///
+    /// Fails if it would leave [`Pose::REACH`].
+    pub fn trajectory_to(&self, world_from_camera: &Pose) -> Result<Trajectory, Error> {
+        let Some(last) = self.frames.last() else { return Ok(Trajectory::at(*world_from_camera)) };
+        let Place { bounds: object, table } = self.scene.map.place();
         let surroundings = Surroundings { object, floor: table.map(|table| table.floor()) };
-        let trajectory =
-            Trajectory::new(&last.world_from_camera(), world_from_camera, &surroundings, &self.config.motion);
-        trajectory.expect("the configuration was checked, a box that is planned in is finite, and so are cameras' distances")
+        Trajectory::new(&last.world_from_camera(), world_from_camera, &surroundings, &self.config.motion)
     }
 
     /// The map so far, in the finest voxels.
     pub fn map(&self) -> &OccupancyMap {
-        self.map.finest()
+        self.scene.map.finest()
     }
 
     /// The known state of the box around the object, in the finest voxels; none before an object was found.
     pub fn snapshot(&self) -> Option<Snapshot> {
-        self.map.finest_snapshot()
+        self.scene.map.finest_snapshot(&Cancel::default()).expect("nobody cancels")
     }
 
     /// The box around the object, metres, without the part below its table; none before an object was found.
     pub fn bounds(&self) -> Option<Aabb> {
-        self.map.place().bounds
+        self.scene.map.place().bounds
     }
 
     /// The table that the object stands on; none without one, or before it was found.
     pub fn table(&self) -> Option<Plane> {
-        self.map.place().table.map(|table| table.plane)
+        self.scene.map.place().table.map(|table| table.plane)
+    }
+
+    /// The bodies that the frames show beside an object whose box grows, nearest first; none where the box is
+    /// known. They are connected points, at least 20 of them, with free space around most of their outline:
+    /// walls and floors are no bodies.
+    pub fn other_bodies(&self) -> Result<Vec<OtherBody>, Cancelled> {
+        self.scene.locator.other_bodies(&self.frames, &self.cancel)
+    }
+
+    /// The flag that cancels decisions and observations.
+    pub fn cancel(&self) -> &Cancel {
+        &self.cancel
     }
 
     /// Edge of the voxels that the next view is planned in, metres.
     pub fn planning_voxel_size(&self) -> f64 {
-        self.map.planning_voxel_size()
+        self.scene.map.planning_voxel_size()
     }
 
     /// The frames observed so far, oldest first.
@@ -227,11 +234,11 @@ impl Session {
         if self.n_taken >= self.config.max_views {
             return Ok(Decision::Stop(StopReason::ViewLimit));
         }
-        if self.is_box_too_large {
+        if self.scene.is_box_too_large {
             return Ok(Decision::Stop(StopReason::BoxTooLarge));
         }
         loop {
-            let Some(snapshot) = self.map.planning_snapshot(&self.cancel)? else {
+            let Some(snapshot) = self.scene.map.planning_snapshot(&self.cancel)? else {
                 return Ok(Decision::Stop(StopReason::NoObject));
             };
             if self.is_converged(&snapshot)? {
@@ -245,10 +252,10 @@ impl Session {
                 self.itinerary.depart(&snapshot);
                 return Ok(Decision::go_to(Some(view), self.candidates.pose(view), plan));
             }
-            if self.map.is_finest() {
+            if self.scene.map.is_finest() {
                 return Ok(Decision::Stop(StopReason::NothingToGain));
             }
-            self.map.refine(&self.frames, &self.cancel)?; // finer voxels may show more than coarse ones
+            self.scene.map.refine(&self.frames, &self.cancel)?; // finer voxels may show more than coarse ones
         }
     }
 
@@ -277,43 +284,8 @@ impl Session {
         views.only(|view| !self.skipped.contains(&view))
     }
 
-    /// Adopts the box found from all frames, the last of which is not mapped yet, unless it is too large.
-    fn locate(&mut self) {
-        let location = self.locator.locate(&self.frames);
-        let block = location.place.bounds.map(|bounds| self.config.block(&bounds));
-        self.is_box_too_large = matches!(block, Some(Err(Error::TooLarge { .. })));
-        if location.place == self.map.place() || self.is_box_too_large {
-            return;
-        }
-        let known = &self.frames[..self.frames.len().saturating_sub(1)];
-        let is_first_box = self.map.place().bounds.is_none();
-        self.candidates = self.without_skipped(self.views.candidates(&location));
-        self.map.move_to(location.place, known);
-        let rule = self.config.multi_resolution;
-        if let (true, Some(bounds)) = (is_first_box && rule.enabled, location.place.bounds) {
-            self.map.plan_in(rule.n_halvings(self.config.voxel_size, bounds.longest_side()), known);
-        }
-    }
-
-    /// Halves the voxels that planning uses as long as the map in them is known well enough: algorithm 1, eq.
-    /// (9).
-    fn refine_what_is_known(&mut self) {
-        let rule = self.config.multi_resolution;
-        if !rule.enabled {
-            return;
-        }
-        let never = &Cancel::default();
-        let is_known = |map: &ScanMap| {
-            let snapshot = map.planning_snapshot(never).expect("nobody cancels");
-            snapshot.is_some_and(|snapshot| snapshot.entropy_share() < rule.q_thresh)
-        };
-        while !self.map.is_finest() && is_known(&self.map) {
-            self.map.refine(&self.frames, never).expect("nobody cancels");
-        }
-    }
-
     fn is_converged(&self, snapshot: &Snapshot) -> Result<bool, Cancelled> {
-        let Some(q_thresh) = self.config.stop.entropy_share.filter(|_| self.map.is_finest()) else {
+        let Some(q_thresh) = self.config.stop.entropy_share.filter(|_| self.scene.map.is_finest()) else {
             return Ok(false);
         };
         Ok(snapshot.entropy_share_unless(&self.cancel)? < q_thresh)
@@ -322,7 +294,7 @@ impl Session {
     /// The reason not to take the plan's next view, if there is one.
     fn reason_to_stop(&self, plan: &Plan) -> Option<StopReason> {
         let StopConfig { completeness, expected_gain, path_length, .. } = self.config.stop;
-        let outlook = plan.outlook.filter(|_| self.map.is_finest());
+        let outlook = plan.outlook.filter(|_| self.scene.map.is_finest());
         if outlook.zip(completeness).is_some_and(|(outlook, enough)| outlook.completeness() >= enough) {
             return Some(StopReason::Complete);
         }
@@ -352,15 +324,12 @@ impl Session {
         if let Some(choice) = self.itinerary.next(snapshot) {
             return Ok(Plan { choice: Some(choice), ..Plan::default() });
         }
-        let mut plan = self.planner.plan(&Situation {
-            snapshot,
-            frames: &self.frames,
-            views: &self.candidates,
-            intrinsics: &self.intrinsics,
-            visited: &self.visited,
-            finest_voxel_size: self.config.voxel_size,
-            cancel: &self.cancel,
-        })?;
+        let situation = Situation::new(snapshot, &self.candidates, &self.intrinsics, &self.cancel)
+            .with_frames(&self.frames)
+            .with_visited(&self.visited)
+            .and_then(|situation| situation.with_finest_voxel_size(self.config.voxel_size));
+        let mut plan =
+            self.planner.plan(&situation.expect("the session visits candidates in checked voxels"))?;
         self.itinerary.follow(plan.itinerary.take());
         Ok(plan)
     }
@@ -369,11 +338,11 @@ impl Session {
         &self,
         taken: Option<NextView>,
         voxel_size: f64,
-        update: MapUpdate,
+        Added { update, report: map, .. }: Added,
         registration: Option<Registration>,
     ) -> StepReport {
         let frame = self.frames.last().expect("a report follows a frame");
-        let Place { bounds, table } = self.map.place();
+        let Place { bounds, table } = self.scene.map.place();
         StepReport {
             step: self.n_taken,
             view: taken.as_ref().and_then(|next| next.view),
@@ -386,7 +355,7 @@ impl Session {
             bounds,
             table: table.map(|table| table.plane),
             update,
-            map: self.snapshot().map_or_else(MapReport::default, |snapshot| MapReport::new(&snapshot)),
+            map,
         }
     }
 }

@@ -14,7 +14,7 @@ pub enum ObjectBox {
     /// show that hangs together with it. The box is the cube around the middle of the points seen so far, a
     /// tenth wider than their longest side and two voxels more on each side, rounded to whole voxels; so it
     /// grows as more is seen (the dynamic box of Daudelin & Campbell 2017). What the object touches belongs
-    /// to it, unless it is a [`Table`](super::Table), which may be 25 mm and 3 degrees off in a frame whose
-    /// pose is wrong.
+    /// to it, and so does what is no farther away than [`max_gap`](super::SessionConfig::max_gap), unless it
+    /// is a [`Table`](super::Table), which may be 25 mm and 3 degrees off in a frame whose pose is wrong.
     Growing,
 }

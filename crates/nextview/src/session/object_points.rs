@@ -1,8 +1,10 @@
 //! Finds the measured points of an object of unknown size and place.
 
+use super::connected_cells::{ConnectedCells, gap};
 use super::table::ShownTable;
 use crate::geometry::{Aabb, Lattice};
 use crate::sensor::Frame;
+use crate::{Cancel, Cancelled};
 use glam::{DVec2, DVec3, IVec3};
 use rustc_hash::{FxHashMap, FxHashSet};
 
@@ -10,7 +12,7 @@ use rustc_hash::{FxHashMap, FxHashSet};
 const CELL_IN_VOXELS: f64 = 2.0;
 
 /// Minimum number of points of an object.
-const LEAST_POINTS: usize = 20;
+pub(super) const LEAST_POINTS: usize = 20;
 
 /// Factor on the distance of things that do not reach into the middle of the first image. A wall in the
 /// middle is usually more than twice as far as the object beside it, and anything nearer at the image's edge
@@ -18,16 +20,19 @@ const LEAST_POINTS: usize = 20;
 const BESIDE_THE_MIDDLE: f64 = 2.0;
 
 /// The points of all frames that are not the table's, pooled in cells; and the object among them: the cells
-/// connected, by faces, edges or corners, to those that were the object in the first frame that shows one.
+/// connected, by faces, edges or corners, or across gaps, to those that were the object in the first frame
+/// that shows one.
 ///
 /// That first object is the nearest thing of at least 20 points, where something that does not reach into the
 /// middle half of the image counts as twice as far.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub(super) struct ObjectPoints {
     lattice: Lattice,
     /// The box around the points of every cell that holds one.
     cells: FxHashMap<IVec3, Aabb>,
     object: FxHashSet<IVec3>,
+    /// Parts that are no farther apart are one object, metres; 0 where they must touch.
+    max_gap: f64,
 }
 
 /// Connected cells, and their place in the first image.
@@ -41,65 +46,102 @@ struct Thing {
 }
 
 impl ObjectPoints {
-    /// No points yet, for voxels of a valid size (metres).
-    pub fn new(voxel_size: f64) -> Self {
+    /// No points yet, for voxels of a valid size and gaps up to this (metres).
+    pub fn new(voxel_size: f64, max_gap: f64) -> Self {
         let lattice = Lattice::new(CELL_IN_VOXELS * voxel_size).expect("the session checked the voxel size");
-        Self { lattice, cells: FxHashMap::default(), object: FxHashSet::default() }
+        Self { lattice, cells: FxHashMap::default(), object: FxHashSet::default(), max_gap }
     }
 
-    /// Adds the points of a frame.
-    pub fn add(&mut self, frame: &Frame, table: Option<ShownTable>) {
+    /// Adds the points of a frame. The points are of no use if cancelled.
+    pub fn add(
+        &mut self,
+        frame: &Frame,
+        table: Option<ShownTable>,
+        cancel: &Cancel,
+    ) -> Result<(), Cancelled> {
         let points: Vec<DVec3> = surface_points(frame, table).collect();
+        cancel.check()?;
         for &point in &points {
             let cell = self.cells.entry(self.lattice.key(point)).or_insert(Aabb { min: point, max: point });
             *cell = Aabb { min: cell.min.min(point), max: cell.max.max(point) };
         }
+        cancel.check()?;
         let start = match self.object.is_empty() {
-            true => self.first_object(frame, &points),
+            true => self.first_object(frame, &points, cancel)?,
             false => std::mem::take(&mut self.object),
         };
-        self.object = self.connected(start);
+        cancel.check()?;
+        self.object = self.search(cancel).around(start)?;
+        Ok(())
     }
 
     /// The box around the object's points; none before there is an object.
     pub fn bounds(&self) -> Option<Aabb> {
+        self.bounds_of(&self.object)
+    }
+
+    /// The box around the points of some cells; none without cells.
+    pub fn bounds_of(&self, cells: &FxHashSet<IVec3>) -> Option<Aabb> {
         // The box does not depend on the order of the cells.
-        Aabb::around(self.object.iter().flat_map(|key| {
+        Aabb::around(cells.iter().flat_map(|key| {
             let cell = &self.cells[key];
             [cell.min, cell.max]
         }))
     }
 
-    /// All cells connected to these.
-    fn connected(&self, start: FxHashSet<IVec3>) -> FxHashSet<IVec3> {
-        let mut open: Vec<IVec3> = start.iter().copied().collect();
-        let mut found = start;
-        while let Some(cell) = open.pop() {
-            let fresh = around(cell).filter(|key| self.cells.contains_key(key));
-            open.extend(fresh.filter(|key| found.insert(*key)));
-        }
-        found
+    /// The cells of the object.
+    pub fn object(&self) -> &FxHashSet<IVec3> {
+        &self.object
+    }
+
+    /// The cell of a point.
+    pub fn cell(&self, point: DVec3) -> IVec3 {
+        self.lattice.key(point)
+    }
+
+    /// Smallest distance of these cells from the object's, metres; none without an object.
+    pub fn gap_to_object(&self, cells: &FxHashSet<IVec3>) -> Option<f64> {
+        let whole = self.bounds()?;
+        let nearest = |nearest: f64, cell: &IVec3| {
+            let bounds = &self.cells[cell];
+            if gap(bounds, &whole) >= nearest {
+                return nearest;
+            }
+            self.object.iter().map(|other| gap(bounds, &self.cells[other])).fold(nearest, f64::min)
+        };
+        Some(cells.iter().fold(f64::INFINITY, nearest))
+    }
+
+    /// To find connected cells.
+    pub fn search<'a>(&'a self, cancel: &'a Cancel) -> ConnectedCells<'a> {
+        ConnectedCells::new(&self.cells, self.lattice.voxel_size(), self.max_gap, cancel)
     }
 
     /// The cells of the frame's points that are the object; none if no thing is large enough.
-    fn first_object(&self, frame: &Frame, points: &[DVec3]) -> FxHashSet<IVec3> {
-        let things = self.things(frame, points);
+    fn first_object(
+        &self,
+        frame: &Frame,
+        points: &[DVec3],
+        cancel: &Cancel,
+    ) -> Result<FxHashSet<IVec3>, Cancelled> {
+        let things = self.things(frame, points, cancel)?;
         let distance =
             |thing: &Thing| thing.nearest * if thing.is_in_the_middle { 1.0 } else { BESIDE_THE_MIDDLE };
         let large = things.into_iter().filter(|thing| thing.n_points >= LEAST_POINTS);
         let object = large.min_by(|a, b| distance(a).total_cmp(&distance(b)));
-        object.map(|thing| thing.cells).unwrap_or_default()
+        Ok(object.map(|thing| thing.cells).unwrap_or_default())
     }
 
     /// The things that the points (of this frame) form, in the order of their first points.
-    fn things(&self, frame: &Frame, points: &[DVec3]) -> Vec<Thing> {
+    fn things(&self, frame: &Frame, points: &[DVec3], cancel: &Cancel) -> Result<Vec<Thing>, Cancelled> {
         let camera_from_world = frame.world_from_camera().inverse();
+        let mut search = self.search(cancel);
         let (mut things, mut thing_of): (Vec<Thing>, FxHashMap<IVec3, usize>) = Default::default();
         for &point in points {
             let key = self.lattice.key(point);
             let idx = *thing_of.entry(key).or_insert(things.len());
             if idx == things.len() {
-                let cells = self.connected(FxHashSet::from_iter([key]));
+                let cells = search.around(FxHashSet::from_iter([key]))?;
                 things.push(Thing { cells, nearest: f64::INFINITY, ..Thing::default() });
                 thing_of.extend(things[idx].cells.iter().map(|cell| (*cell, idx)));
             }
@@ -109,7 +151,7 @@ impl ObjectPoints {
             thing.nearest = thing.nearest.min(in_camera.z);
             thing.is_in_the_middle |= is_in_the_middle(frame, in_camera);
         }
-        things
+        Ok(things)
     }
 }
 
@@ -125,17 +167,12 @@ fn is_in_the_middle(frame: &Frame, point_in_camera: DVec3) -> bool {
     pixel.is_some_and(|pixel| (pixel - middle).abs().cmple(0.25 * size).all())
 }
 
-/// The 26 cells around a cell.
-fn around(cell: IVec3) -> impl Iterator<Item = IVec3> {
-    let offsets = (0..27).filter(|&i| i != 13).map(|i| IVec3::new(i % 3, i / 3 % 3, i / 9) - 1);
-    offsets.map(move |offset| cell.saturating_add(offset))
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::sensor::{DepthImage, Intrinsics};
     use crate::session::Table;
+    use crate::session::other_body::{OtherBody, other_bodies};
     use crate::view::look_at;
 
     const VOXEL_SIZE: f64 = 0.01;
@@ -146,7 +183,7 @@ mod tests {
         let optics = Intrinsics::pinhole(200, 200, DVec2::splat(100.0), DVec2::splat(99.5)).unwrap();
         let depth = (0..40_000).map(|i| (1.0 - height(i % 200 - 100, i / 200 - 100)) as f32).collect();
         let image = DepthImage::from_metres(200, 200, depth).unwrap();
-        Frame::new(image, optics, look_at(DVec3::Z, DVec3::ZERO), 3.0).unwrap()
+        Frame::new(image, optics, look_at(DVec3::Z, DVec3::ZERO).unwrap(), 3.0).unwrap()
     }
 
     fn square(u: i32, v: i32, at: (i32, i32), half: i32) -> bool {
@@ -154,11 +191,64 @@ mod tests {
     }
 
     fn bounds(frames: &[Frame], table: Table) -> Option<Aabb> {
-        let mut points = ObjectPoints::new(VOXEL_SIZE);
-        frames.iter().for_each(|frame| {
-            points.add(frame, table.find(frames).map(|table| ShownTable::new(table, frame)))
-        });
-        points.bounds()
+        points(frames, table, 0.0).bounds()
+    }
+
+    fn points(frames: &[Frame], table: Table, max_gap: f64) -> ObjectPoints {
+        let mut points = ObjectPoints::new(VOXEL_SIZE, max_gap);
+        for frame in frames {
+            let table =
+                table.find(frames, &Cancel::default()).unwrap().map(|table| ShownTable::new(table, frame));
+            points.add(frame, table, &Cancel::default()).unwrap();
+        }
+        points
+    }
+
+    /// Two squares, 0.16 m apart, of which the second is the larger and lower one.
+    fn two() -> Frame {
+        frame(|u, v| match () {
+            _ if square(u, v, (0, 0), 10) => 0.3,
+            _ if square(u, v, (45, 0), 15) => 0.25,
+            _ => 0.0,
+        })
+    }
+
+    #[test]
+    fn bodies_are_one_object_across_a_gap() {
+        for table in [Table::None, Table::AtHeight(0.0), Table::Fitted] {
+            let apart = points(&[two()], table, 0.0).bounds().unwrap();
+            assert!(apart.size().x < 0.2, "{apart:?}");
+            let near = points(&[two()], table, 0.14).bounds().unwrap();
+            assert_eq!(near, apart, "the gap is wider");
+            let both = points(&[two()], table, 0.18).bounds().unwrap();
+            assert!((both.min.z - 0.25).abs() < 1e-6 && both.size().x > 0.5, "{both:?}");
+        }
+    }
+
+    #[test]
+    fn other_bodies_are_found_and_walls_are_not() {
+        let never = &Cancel::default();
+        for table in [Table::None, Table::AtHeight(0.0), Table::Fitted] {
+            // A wall along one side of the image, and a speck.
+            let scene = frame(|u, v| match () {
+                _ if square(u, v, (0, 0), 10) => 0.3,
+                _ if square(u, v, (45, 0), 15) => 0.25,
+                _ if v > 80 => 0.6,
+                _ if square(u, v, (-60, -60), 1) => 0.2,
+                _ => 0.0,
+            });
+            let found = points(std::slice::from_ref(&scene), table, 0.0);
+            let bodies = other_bodies(&found, &[scene], table.find(&[two()], never).unwrap(), never).unwrap();
+            assert_eq!(bodies.len(), 1, "{bodies:?}");
+            let OtherBody { bounds, gap } = bodies[0];
+            assert!((bounds.size().x - 2.0 * half(15.0, 0.25)).abs() < 0.02, "{bounds:?}");
+            assert!(gap > 0.14 && gap < 0.18, "{gap}");
+            let joined = points(&[two()], table, 0.18);
+            assert_eq!(
+                other_bodies(&joined, &[two()], table.find(&[two()], never).unwrap(), never).unwrap(),
+                []
+            );
+        }
     }
 
     /// Pixels to metres at this height.

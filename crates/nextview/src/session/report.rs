@@ -2,6 +2,7 @@ use crate::geometry::{Aabb, Plane, Pose};
 use crate::map::{MapUpdate, Occupancy, Snapshot};
 use crate::planner::{Choice, Outlook};
 use crate::registration::Registration;
+use crate::{Cancel, Cancelled};
 use serde::{Deserialize, Serialize};
 
 /// One step of a scan: the choice of a view and the changes of the map by the frame taken there.
@@ -59,12 +60,20 @@ pub struct MapReport {
 impl MapReport {
     /// Counts a snapshot.
     pub fn new(snapshot: &Snapshot) -> Self {
-        Self {
-            n_occupied: snapshot.count(Occupancy::Occupied),
-            n_free: snapshot.count(Occupancy::Free),
-            n_unknown: snapshot.count(Occupancy::Unknown),
-            entropy: snapshot.entropy(),
-            entropy_share: snapshot.entropy_share(),
-        }
+        Self::unless(snapshot, &Cancel::default()).expect("nobody cancels")
+    }
+
+    /// [`new`](Self::new), unless cancelled.
+    pub(super) fn unless(snapshot: &Snapshot, cancel: &Cancel) -> Result<Self, Cancelled> {
+        let [n_occupied, n_free] = [Occupancy::Occupied, Occupancy::Free].map(|state| snapshot.count(state));
+        cancel.check()?;
+        let entropy = snapshot.entropy_unless(cancel)?;
+        Ok(Self {
+            n_occupied,
+            n_free,
+            n_unknown: snapshot.block().n_voxels() - n_occupied - n_free,
+            entropy,
+            entropy_share: snapshot.share_of_unknown(entropy),
+        })
     }
 }

@@ -27,7 +27,7 @@ pub(super) struct Place {
 ///
 /// Both are functions of the frames, the place and the voxel size alone: when the box grows or the voxels are
 /// halved, maps are rebuilt from all frames, so that no measurement is lost or made up.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub(super) struct ScanMap {
     rules: MapRules,
     place: Place,
@@ -37,7 +37,7 @@ pub(super) struct ScanMap {
 }
 
 /// A map of a box in voxels of one size.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 struct BoxMap {
     map: OccupancyMap,
     /// None where the box is unknown or holds no voxel.
@@ -62,8 +62,8 @@ impl ScanMap {
     }
 
     /// The known state of the box in the finest voxels; none before there is a box.
-    pub fn finest_snapshot(&self) -> Option<Snapshot> {
-        self.finest.snapshot(&Cancel::default()).expect("nobody cancels")
+    pub fn finest_snapshot(&self, cancel: &Cancel) -> Result<Option<Snapshot>, Cancelled> {
+        self.finest.snapshot(cancel)
     }
 
     /// The known state of the box in the voxels that planning uses; none before there is a box.
@@ -81,26 +81,27 @@ impl ScanMap {
         self.coarse.is_none()
     }
 
-    /// Writes a frame into all maps and returns its changes in the finest.
-    pub fn integrate(&mut self, frame: &Frame) -> MapUpdate {
+    /// Writes a frame into all maps and returns its changes in the finest. The maps are of no use if
+    /// cancelled.
+    pub fn integrate(&mut self, frame: &Frame, cancel: &Cancel) -> Result<MapUpdate, Cancelled> {
         if let Some((_, coarse)) = &mut self.coarse {
-            coarse.integrate(frame);
+            coarse.integrate(frame, cancel)?;
         }
-        self.finest.integrate(frame)
+        self.finest.integrate(frame, cancel)
     }
 
-    /// Rebuilds the maps for another place, from all frames.
-    pub fn move_to(&mut self, place: Place, frames: &[Frame]) {
+    /// Rebuilds the maps for another place, from all frames. They are of no use if cancelled.
+    pub fn move_to(&mut self, place: Place, frames: &[Frame], cancel: &Cancel) -> Result<(), Cancelled> {
         self.place = place;
-        let finest = BoxMap::of(&self.rules, 0, place, frames, &Cancel::default());
-        self.finest = finest.expect("nobody cancels");
-        self.plan_in(self.coarse.as_ref().map_or(0, |(n_halvings, _)| *n_halvings), frames);
+        self.finest = BoxMap::of(&self.rules, 0, place, frames, cancel)?;
+        self.plan_in(self.coarse.as_ref().map_or(0, |(n_halvings, _)| *n_halvings), frames, cancel)
     }
 
     /// Continues planning in voxels with this many halvings left, or in finer ones if the box holds none of
     /// those.
-    pub fn plan_in(&mut self, n_halvings: u32, frames: &[Frame]) {
-        self.coarse = self.coarse_map(n_halvings, frames, &Cancel::default()).expect("nobody cancels");
+    pub fn plan_in(&mut self, n_halvings: u32, frames: &[Frame], cancel: &Cancel) -> Result<(), Cancelled> {
+        self.coarse = self.coarse_map(n_halvings, frames, cancel)?;
+        Ok(())
     }
 
     fn coarse_map(
@@ -148,16 +149,16 @@ impl BoxMap {
     ) -> Result<Self, Cancelled> {
         let mut map = Self::new(rules, n_halvings, place);
         for frame in frames {
-            cancel.check()?;
-            map.integrate(frame);
+            map.integrate(frame, cancel)?;
         }
         Ok(map)
     }
 
-    fn integrate(&mut self, frame: &Frame) -> MapUpdate {
+    fn integrate(&mut self, frame: &Frame, cancel: &Cancel) -> Result<MapUpdate, Cancelled> {
+        cancel.check()?;
         match self.block {
-            Some(_) => self.map.integrate(frame, &self.integration),
-            None => MapUpdate::default(),
+            Some(_) => self.map.integrate_unless(frame, &self.integration, cancel),
+            None => Ok(MapUpdate::default()),
         }
     }
 
@@ -191,7 +192,7 @@ mod tests {
         let mut frame = || {
             let depth = (0..1200).map(|_| random.range(0.25, 0.75) as f32).collect();
             let image = DepthImage::from_metres(40, 30, depth).unwrap();
-            let pose = look_at(random.in_cube().normalize() * 0.5, DVec3::ZERO);
+            let pose = look_at(random.in_cube().normalize() * 0.5, DVec3::ZERO).unwrap();
             Frame::new(image, optics, pose, 1.0).unwrap()
         };
         (0..n).map(|_| frame()).collect()
@@ -207,7 +208,10 @@ mod tests {
     }
 
     fn place(half: f64, table: Table) -> Place {
-        Place { bounds: Some(Aabb::cube(DVec3::splat(0.013), half)), table: table.find(&[]) }
+        Place {
+            bounds: Some(Aabb::cube(DVec3::splat(0.013), half)),
+            table: table.find(&[], &Cancel::default()).unwrap(),
+        }
     }
 
     /// However they came to be, the maps equal those built from scratch from the frames, the place and the
@@ -229,20 +233,20 @@ mod tests {
     #[test]
     fn growth_refinement_and_frames_in_any_order_give_the_map_from_scratch() {
         let frames = frames(6);
-        let mut random = Random::new(3, 0);
+        let (mut random, never) = (Random::new(3, 0), &Cancel::default());
         for _ in 0..10 {
             let mut map = ScanMap::new(rules(), Place::default());
-            map.plan_in(3, &[]);
+            map.plan_in(3, &[], never).unwrap();
             let (mut seen, mut half) = (0, 0.08);
             while seen < frames.len() {
                 match random.index(4) {
                     0 => {
                         half += 0.02;
-                        map.move_to(place(half, Table::AtHeight(-0.05)), &frames[..seen]);
+                        map.move_to(place(half, Table::AtHeight(-0.05)), &frames[..seen], never).unwrap();
                     }
-                    1 if !map.is_finest() => map.refine(&frames[..seen], &Cancel::default()).unwrap(),
+                    1 if !map.is_finest() => map.refine(&frames[..seen], never).unwrap(),
                     _ => {
-                        map.integrate(&frames[seen]);
+                        map.integrate(&frames[seen], never).unwrap();
                         seen += 1;
                     }
                 }
@@ -254,7 +258,7 @@ mod tests {
     #[test]
     fn voxel_sizes_that_the_box_holds_none_of_are_passed_over() {
         let mut map = ScanMap::new(rules(), place(0.02, Table::None));
-        map.plan_in(10, &[]);
+        map.plan_in(10, &[], &Cancel::default()).unwrap();
         assert!(
             map.planning_snapshot(&Cancel::default()).unwrap().is_some() && map.planning_voxel_size() < 0.1
         );
@@ -263,11 +267,12 @@ mod tests {
     #[test]
     fn nothing_is_to_be_found_inside_the_table() {
         let mut map = ScanMap::new(rules(), place(0.05, Table::AtHeight(-0.011)));
-        frames(2).iter().for_each(|frame| _ = map.integrate(frame));
+        let never = &Cancel::default();
+        frames(2).iter().for_each(|frame| _ = map.integrate(frame, never).unwrap());
         let below = |key: glam::IVec3| (key.z + 1) as f64 * 0.01 <= -0.009;
         // As a tilted table would leave them in the box.
         map.finest.block = Lattice::new(0.01).unwrap().block_inside(&Aabb::cube(DVec3::ZERO, 0.05));
-        let snapshot = map.finest_snapshot().unwrap();
+        let snapshot = map.finest_snapshot(never).unwrap().unwrap();
         let block = snapshot.block();
         assert!((0..block.n_voxels()).any(|i| below(block.key(i))));
         for i in (0..block.n_voxels()).filter(|&i| below(block.key(i))) {

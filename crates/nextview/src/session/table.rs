@@ -1,7 +1,8 @@
 use crate::Error;
 use crate::checked::checked_when_read;
-use crate::geometry::{Aabb, Plane, PlaneFit, fit_ground, fit_ground_near};
+use crate::geometry::{Aabb, Plane, PlaneFit, fit_ground_near, fit_ground_unless};
 use crate::sensor::Frame;
+use crate::{Cancel, Cancelled};
 use glam::{DVec2, DVec3};
 use serde::{Deserialize, Serialize};
 
@@ -97,11 +98,13 @@ impl Table {
     }
 
     /// The table, as far as the frames (oldest first) show it.
-    pub(super) fn find(self, frames: &[Frame]) -> Option<KnownTable> {
-        match self {
-            Self::None => None,
-            Self::AtHeight(z) => Plane::horizontal(z).ok().map(|plane| KnownTable::new(plane, ON_TABLE)),
-            Self::Fitted => frames.first().and_then(fit),
+    pub(super) fn find(self, frames: &[Frame], cancel: &Cancel) -> Result<Option<KnownTable>, Cancelled> {
+        match (self, frames.first()) {
+            (Self::None, _) | (Self::Fitted, None) => Ok(None),
+            (Self::AtHeight(z), _) => {
+                Ok(Plane::horizontal(z).ok().map(|plane| KnownTable::new(plane, ON_TABLE)))
+            }
+            (Self::Fitted, Some(first)) => fit(first, cancel),
         }
     }
 }
@@ -137,9 +140,10 @@ impl KnownTable {
     }
 }
 
-fn fit(frame: &Frame) -> Option<KnownTable> {
+fn fit(frame: &Frame, cancel: &Cancel) -> Result<Option<KnownTable>, Cancelled> {
     let points: Vec<DVec3> = frame.points().collect();
-    fit_ground(&points, frame.world_from_camera().translation()).map(KnownTable::fitted)
+    let found = fit_ground_unless(&points, frame.world_from_camera().translation(), cancel)?;
+    Ok(found.map(KnownTable::fitted))
 }
 
 #[cfg(test)]
@@ -148,7 +152,7 @@ mod tests {
 
     #[test]
     fn the_box_ends_at_the_top() {
-        let table = Table::AtHeight(0.1).find(&[]).unwrap();
+        let table = Table::AtHeight(0.1).find(&[], &Cancel::default()).unwrap().unwrap();
         let clipped = table.clip(Aabb::cube(DVec3::ZERO, 0.5));
         assert!((clipped.min.z - 0.102).abs() < 1e-15 && clipped.min.x == -0.5 && clipped.max.z == 0.5);
         let above = Aabb::cube(DVec3::ONE, 0.5);
@@ -161,9 +165,9 @@ mod tests {
 
     #[test]
     fn cameras_keep_clear() {
-        let table = Table::AtHeight(0.0).find(&[]).unwrap();
+        let table = Table::AtHeight(0.0).find(&[], &Cancel::default()).unwrap().unwrap();
         assert!(table.is_clear(DVec3::Z * 0.03) && !table.is_clear(DVec3::Z * 0.01));
-        assert_eq!(Table::Fitted.find(&[]), None);
+        assert_eq!(Table::Fitted.find(&[], &Cancel::default()), Ok(None));
         assert!(Table::AtHeight(f64::NAN).check().is_err());
     }
 }

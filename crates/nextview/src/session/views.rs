@@ -44,7 +44,7 @@ impl Views {
         let views = match (self, location.object) {
             (Self::Fixed(views), _) => views.clone(),
             (Self::Following { unit, reach, .. }, Some((center, size))) => {
-                unit.around(center, size).restricted(|position| reach.contains(position))
+                unit.following(center, size).restricted(|position| reach.contains(position))
             }
             (Self::Following { unit, .. }, None) => unit.clone(),
         };

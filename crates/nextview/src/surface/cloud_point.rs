@@ -85,7 +85,7 @@ mod tests {
     #[test]
     fn normals_of_a_ball_are_radial_and_face_the_camera() {
         let camera_position = DVec3::new(0.3, -0.2, 0.3);
-        let frame = ball(look_at(camera_position, DVec3::ZERO), 0.1);
+        let frame = ball(look_at(camera_position, DVec3::ZERO).unwrap(), 0.1);
         let bounds = Aabb::cube(DVec3::ZERO, 0.2);
         let points = frame_points(&frame, None, bounds).unwrap();
         let positions: Vec<DVec3> = points.iter().map(|point| point.position).collect();
@@ -103,7 +103,7 @@ mod tests {
 
     #[test]
     fn colours_are_those_of_the_pixels() {
-        let frame = ball(look_at(DVec3::Z * 0.4, DVec3::ZERO), 0.1);
+        let frame = ball(look_at(DVec3::Z * 0.4, DVec3::ZERO).unwrap(), 0.1);
         let pixels = (0..160 * 120).map(|i| [(i % 160) as u8, (i / 160) as u8, 7]).collect();
         let color = ColorImage::new(160, 120, pixels).unwrap();
         for point in frame_points(&frame, Some(&color), Aabb::cube(DVec3::ZERO, 0.2)).unwrap() {

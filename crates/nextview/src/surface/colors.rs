@@ -1,6 +1,6 @@
 use super::CloudPoint;
-use crate::Error;
 use crate::geometry::Lattice;
+use crate::{Cancel, Error};
 use glam::{DVec3, IVec3};
 use rustc_hash::FxHashMap;
 
@@ -15,19 +15,28 @@ const REACH: i32 = 4;
 ///
 /// ```
 /// use glam::DVec3;
+/// use nextview::Cancel;
 /// use nextview::surface::{CloudPoint, take_colors};
 ///
 /// let red = CloudPoint { color: Some([255, 0, 0]), ..CloudPoint::from(DVec3::ZERO) };
 /// let mut points = [DVec3::X * 0.01, DVec3::X].map(CloudPoint::from);
-/// take_colors(&mut points, &[red], 0.01).unwrap();
+/// take_colors(&mut points, &[red], 0.01, &Cancel::default()).unwrap();
 /// assert_eq!(points.map(|point| point.color), [Some([255, 0, 0]), None]);
 /// ```
-pub fn take_colors(points: &mut [CloudPoint], cloud: &[CloudPoint], cell: f64) -> Result<(), Error> {
+///
+/// If cancelled, some points may have their colours and others not.
+pub fn take_colors(
+    points: &mut [CloudPoint],
+    cloud: &[CloudPoint],
+    cell: f64,
+    cancel: &Cancel,
+) -> Result<(), Error> {
     let lattice = Lattice::new(cell)?;
     let colored = cloud.iter().filter(|point| point.color.is_some());
     let cells: FxHashMap<IVec3, &CloudPoint> =
         colored.map(|point| (lattice.key(point.position), point)).collect();
     for point in points {
+        cancel.check()?;
         let colored = (1..=REACH).find_map(|reach| {
             let (nearest, distance) = nearest_in(&cells, lattice.key(point.position), reach, point.position)?;
             // A nearer one may lie outside of the cells that were asked.
@@ -47,7 +56,7 @@ fn nearest_in<'a>(
 ) -> Option<(&'a CloudPoint, f64)> {
     let side = || -reach..=reach;
     let offsets = side().flat_map(|z| side().flat_map(move |y| side().map(move |x| IVec3::new(x, y, z))));
-    let near = offsets.filter_map(|offset| cells.get(&(key + offset)));
+    let near = offsets.filter_map(|offset| cells.get(&key.saturating_add(offset)));
     let near = near.map(|point| (*point, point.position.distance(to)));
     near.min_by(|a, b| a.1.total_cmp(&b.1))
 }
@@ -69,7 +78,7 @@ mod tests {
             .collect();
         let cloud = super::super::downsample(cloud, 0.3).unwrap();
         let mut points: Vec<CloudPoint> = (0..200).map(|_| (random.in_cube() * 0.9).into()).collect();
-        take_colors(&mut points, &cloud, 0.3).unwrap();
+        take_colors(&mut points, &cloud, 0.3, &Cancel::default()).unwrap();
         for point in points {
             let colored = cloud.iter().filter(|other| other.color.is_some());
             let distance = |other: &&CloudPoint| other.position.distance(point.position);
@@ -82,8 +91,8 @@ mod tests {
     #[test]
     fn nothing_near_is_no_colour() {
         let mut points = [CloudPoint { color: Some([1; 3]), ..DVec3::ZERO.into() }];
-        take_colors(&mut points, &[], 0.1).unwrap();
+        take_colors(&mut points, &[], 0.1, &Cancel::default()).unwrap();
         assert_eq!(points[0].color, None);
-        assert!(take_colors(&mut points, &[], 0.0).is_err());
+        assert!(take_colors(&mut points, &[], 0.0, &Cancel::default()).is_err());
     }
 }

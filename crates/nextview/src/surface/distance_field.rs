@@ -1,8 +1,9 @@
+use super::SurfaceMesh;
 use super::frame_surface::{Evidence, FrameSurface};
-use super::{SurfaceMesh, surface_nets};
-use crate::Error;
+use super::surface_nets::surface_nets_unless;
 use crate::geometry::{Aabb, Lattice, Pose, VoxelBlock};
 use crate::sensor::Frame;
+use crate::{Cancel, Cancelled, Error};
 use glam::{DVec3, IVec3};
 use rayon::prelude::*;
 
@@ -25,6 +26,7 @@ const MEMORY_LIMIT_MB: u64 = 4096;
 ///
 /// ```
 /// use glam::{DVec2, IVec3, UVec3};
+/// use nextview::Cancel;
 /// use nextview::geometry::{Lattice, Pose, VoxelBlock};
 /// use nextview::surface::DistanceField;
 /// use nextview::sensor::{DepthImage, Frame, Intrinsics};
@@ -36,7 +38,7 @@ const MEMORY_LIMIT_MB: u64 = 4096;
 ///
 /// let block = VoxelBlock::new(IVec3::new(0, 0, 40), UVec3::new(1, 1, 20)).unwrap();
 /// let mut field = DistanceField::new(Lattice::new(0.01).unwrap(), block, 0.02).unwrap();
-/// field.integrate(&frame);
+/// field.integrate(&frame, &Cancel::default()).unwrap();
 /// let found = field.distance(IVec3::new(0, 0, 49)).unwrap();
 /// assert!((found - 0.005).abs() < 1e-6, "its centre is 5 mm in front of the wall");
 /// assert_eq!(field.distance(IVec3::new(0, 0, 55)), None, "behind the wall nothing was measured");
@@ -80,15 +82,17 @@ impl DistanceField {
         Ok(Self { lattice, block, truncation, cells: vec![Cell::default(); block.n_voxels()] })
     }
 
-    /// Adds a frame.
-    pub fn integrate(&mut self, frame: &Frame) {
+    /// Adds a frame. If cancelled, a part of it may be in the field, which is of no use then.
+    pub fn integrate(&mut self, frame: &Frame, cancel: &Cancel) -> Result<(), Cancelled> {
+        cancel.check()?;
         let camera_from_world = frame.world_from_camera().inverse();
-        let Some(nearest) = self.nearest_depth(&camera_from_world) else { return };
-        let surface = FrameSurface::new(frame, self.truncation, self.lattice.voxel_size(), nearest);
+        let Some(nearest) = self.nearest_depth(&camera_from_world) else { return Ok(()) };
+        let surface = FrameSurface::new(frame, self.truncation, self.lattice.voxel_size(), nearest, cancel)?;
         let (rotation, translation) = (camera_from_world.rotation_matrix(), camera_from_world.translation());
         let (lattice, block) = (self.lattice, self.block);
         let row = block.dims().x as usize;
-        self.cells.par_chunks_mut(row).enumerate().for_each(|(i, cells)| {
+        self.cells.par_chunks_mut(row).enumerate().try_for_each(|(i, cells)| {
+            cancel.check()?;
             let first = block.key(i * row);
             for (x, cells) in (0..).step_by(LANES).zip(cells.chunks_mut(LANES)) {
                 // The last ones may lie beyond the block: the results for those are dropped.
@@ -97,7 +101,8 @@ impl DistanceField {
                 let evidence = surface.evidence(&points);
                 cells.iter_mut().zip(evidence).for_each(|(cell, e)| e.into_iter().for_each(|e| cell.add(e)));
             }
-        });
+            Ok(())
+        })
     }
 
     /// The signed distance from a voxel's centre to the surface in metres, positive outside, at most the
@@ -106,9 +111,10 @@ impl DistanceField {
         self.at(self.block.index(voxel)?)
     }
 
-    /// The surface, by [`surface_nets`]; open where nothing was measured.
-    pub fn surface(&self) -> SurfaceMesh {
-        surface_nets(&self.lattice, &self.block, |index| self.at(index).map(f64::from))
+    /// The surface, by [`surface_nets`](super::surface_nets), unless cancelled; open where nothing was
+    /// measured.
+    pub fn surface(&self, cancel: &Cancel) -> Result<SurfaceMesh, Cancelled> {
+        surface_nets_unless(&self.lattice, &self.block, |index| self.at(index).map(f64::from), cancel)
     }
 
     /// The lattice of the voxels.

@@ -2,6 +2,7 @@
 
 use super::tangent_plane::{TangentPlane, tangent_planes};
 use crate::sensor::{Depth, Frame, Intrinsics};
+use crate::{Cancel, Cancelled};
 use glam::{DVec2, DVec3};
 use rayon::prelude::*;
 
@@ -41,14 +42,21 @@ pub(super) struct FrameSurface {
 impl FrameSurface {
     /// The frame with distances truncated at `truncation` metres. Points count as free only if there is no
     /// surface within `margin` metres beside them. No point may be queried at depths below `nearest` metres.
-    pub(super) fn new(frame: &Frame, truncation: f64, margin: f64, nearest: f64) -> Self {
+    pub(super) fn new(
+        frame: &Frame,
+        truncation: f64,
+        margin: f64,
+        nearest: f64,
+        cancel: &Cancel,
+    ) -> Result<Self, Cancelled> {
         let (intrinsics, planes) = (*frame.intrinsics(), tangent_planes(frame));
         let clear_depth = vec![free_depth(frame)];
         let mut surface = Self { intrinsics, planes, clear_depth, truncation, margin };
         for level in 0..surface.margin_in_pixels(nearest) {
+            cancel.check()?;
             surface.clear_depth.push(eroded(&surface.clear_depth[level], intrinsics.width() as usize));
         }
-        surface
+        Ok(surface)
     }
 
     /// The frame's evidence about points of the camera frame; nothing outside the image, where nothing was
@@ -148,7 +156,7 @@ mod tests {
     fn the_distance_to_a_slanted_wall_is_exact() {
         // The plane x + 2 z = 1.
         let frame = frame(21, 17, |u, _| (1.0 / ((u as f64 - 10.0) / 50.0 + 2.0)) as f32);
-        let surface = FrameSurface::new(&frame, 0.05, 0.01, 0.4);
+        let surface = FrameSurface::new(&frame, 0.05, 0.01, 0.4, &Cancel::default()).unwrap();
         for point in
             [DVec3::new(0.013, 0.02, 0.5), DVec3::new(-0.05, -0.01, 0.54), DVec3::new(0.0, 0.0, 0.46)]
         {
@@ -170,7 +178,7 @@ mod tests {
     fn beside_a_silhouette_the_distance_is_the_one_to_it() {
         // A surface in the left half, nothing in the right.
         let frame = frame(21, 17, |u, _| if u < 10 { 0.5 } else { f32::INFINITY });
-        let surface = FrameSurface::new(&frame, 0.02, 0.04, 0.5);
+        let surface = FrameSurface::new(&frame, 0.02, 0.04, 0.5, &Cancel::default()).unwrap();
         let at = |x: f64| surface.evidence(&[DVec3::new(x, 0.0, 0.5)])[0];
         // A pixel is 1 cm wide there.
         for (x, expected) in [(0.0, 0.005), (0.01, 0.015), (0.02, 0.025)] {

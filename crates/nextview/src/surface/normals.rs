@@ -1,6 +1,6 @@
 use super::CloudPoint;
-use crate::Error;
 use crate::geometry::{Lattice, Moments};
+use crate::{Cancel, Error};
 use glam::{DVec3, IVec3};
 use rayon::prelude::*;
 use rustc_hash::FxHashMap;
@@ -18,13 +18,16 @@ const LEAST_POINTS: f64 = 4.0;
 /// The normals of pixels are those of planes through three points less than a millimetre apart, often less
 /// than the noise of the depth: on a ball of 0.2 m before a D435i, their means are off by 26 degrees
 /// (median), and by 2 degrees after this.
-pub fn fit_normals(cloud: &mut [CloudPoint], cell: f64) -> Result<(), Error> {
+///
+/// If cancelled, some normals may be fitted and others not.
+pub fn fit_normals(cloud: &mut [CloudPoint], cell: f64, cancel: &Cancel) -> Result<(), Error> {
     let lattice = Lattice::new(cell)?;
     let with_normal = cloud.iter().filter_map(|point| Some((point.position, point.normal?)));
     let cells: FxHashMap<IVec3, (DVec3, DVec3)> =
         with_normal.map(|(position, normal)| (lattice.key(position), (position, normal))).collect();
-    cloud.par_iter_mut().for_each(|point| {
-        let Some(normal) = point.normal else { return };
+    cloud.par_iter_mut().try_for_each(|point| {
+        cancel.check()?;
+        let Some(normal) = point.normal else { return Ok(()) };
         let near = around(lattice.key(point.position)).filter_map(|key| cells.get(&key));
         let same_side = near.filter(|(_, other)| other.dot(normal) > 0.0);
         // From the point on, so that sums far from the origin lose nothing.
@@ -33,13 +36,13 @@ pub fn fit_normals(cloud: &mut [CloudPoint], cell: f64) -> Result<(), Error> {
         if let Some(fitted) = moments.normal().filter(|_| moments.n >= LEAST_POINTS) {
             point.normal = Some(if fitted.dot(normal) < 0.0 { -fitted } else { fitted });
         }
-    });
-    Ok(())
+        Ok(())
+    })
 }
 
 /// A cell and the 26 around it.
 fn around(key: IVec3) -> impl Iterator<Item = IVec3> {
-    (0..27).map(move |i| key + IVec3::new(i % 3, i / 3 % 3, i / 9) - 1)
+    (0..27).map(move |i| key.saturating_add(IVec3::new(i % 3, i / 3 % 3, i / 9) - 1))
 }
 
 #[cfg(test)]
@@ -63,7 +66,7 @@ mod tests {
     fn rough_normals_become_smooth() {
         let offset = DVec3::new(3.0, -2.0, 1.0);
         let mut cloud = rough_ball(offset);
-        fit_normals(&mut cloud, 0.002).unwrap();
+        fit_normals(&mut cloud, 0.002, &Cancel::default()).unwrap();
         let cosine = |point: &CloudPoint| point.normal.unwrap().dot((point.position - offset).normalize());
         let good = cloud.iter().filter(|point| cosine(point) > 0.98).count();
         assert!(good as f64 > 0.95 * cloud.len() as f64, "{good} of {}", cloud.len());
@@ -79,7 +82,7 @@ mod tests {
                 .map(move |p| CloudPoint { normal: Some(normal), ..(p + 0.006 * z * DVec3::Z).into() })
         };
         let mut cloud: Vec<CloudPoint> = side(1.0).chain(side(-1.0)).collect();
-        fit_normals(&mut cloud, 0.01).unwrap();
+        fit_normals(&mut cloud, 0.01, &Cancel::default()).unwrap();
         for (i, point) in cloud.iter().enumerate() {
             let expected = if i < 900 { DVec3::Z } else { -DVec3::Z };
             assert!(point.normal.unwrap().distance(expected) < 1e-6, "{point:?}");
@@ -90,8 +93,8 @@ mod tests {
     fn what_tells_no_plane_keeps_its_normal() {
         let lone = CloudPoint { normal: Some(DVec3::X), ..DVec3::ZERO.into() };
         let mut cloud = [lone, DVec3::ONE.into()];
-        fit_normals(&mut cloud, 0.01).unwrap();
+        fit_normals(&mut cloud, 0.01, &Cancel::default()).unwrap();
         assert_eq!(cloud, [lone, DVec3::ONE.into()]);
-        assert!(fit_normals(&mut cloud, 0.0).is_err());
+        assert!(fit_normals(&mut cloud, 0.0, &Cancel::default()).is_err());
     }
 }

@@ -1,4 +1,6 @@
-//! Writers of PLY, the binary little-endian form with single precision that common viewers read.
+//! Writers of PLY, the binary little-endian form that common viewers read, with single precision; positions
+//! have double precision if one is farther than 32 m from the origin along an axis, where single precision
+//! resolves 4 micrometres.
 //!
 //! Vertices have the columns `nx ny nz` if any of them has a normal, and `red green blue` if any has a
 //! colour. PLY knows no missing values: a vertex without normal has 0 0 0, which viewers draw unshaded and
@@ -12,7 +14,7 @@ use std::io::{BufWriter, Write};
 /// Writes points, metres.
 pub fn write_points(writer: impl Write, points: &[DVec3]) -> Result<(), Error> {
     let mut writer = BufWriter::new(writer);
-    let columns = Columns::default();
+    let columns = Columns { is_far: points.iter().any(|point| is_far(*point)), ..Columns::default() };
     columns.write_header(&mut writer, points.len(), None)?;
     points.iter().try_for_each(|&point| columns.write_vertex(&mut writer, &point.into()))?;
     Ok(writer.flush()?)
@@ -46,6 +48,8 @@ pub fn write_mesh(writer: impl Write, vertices: &[CloudPoint], triangles: &[[u32
 /// The columns of every vertex besides its position.
 #[derive(Clone, Copy, Default)]
 struct Columns {
+    /// Positions are in double precision.
+    is_far: bool,
     normal: bool,
     color: bool,
 }
@@ -53,6 +57,7 @@ struct Columns {
 impl Columns {
     fn of(points: &[CloudPoint]) -> Self {
         Self {
+            is_far: points.iter().any(|point| is_far(point.position)),
             normal: points.iter().any(|point| point.normal.is_some()),
             color: points.iter().any(|point| point.color.is_some()),
         }
@@ -65,7 +70,8 @@ impl Columns {
         n_faces: Option<usize>,
     ) -> Result<(), Error> {
         writeln!(writer, "ply\nformat binary_little_endian 1.0\nelement vertex {n_vertices}")?;
-        writeln!(writer, "property float x\nproperty float y\nproperty float z")?;
+        let number = if self.is_far { "double" } else { "float" };
+        writeln!(writer, "property {number} x\nproperty {number} y\nproperty {number} z")?;
         if self.normal {
             writeln!(writer, "property float nx\nproperty float ny\nproperty float nz")?;
         }
@@ -79,7 +85,10 @@ impl Columns {
     }
 
     fn write_vertex(self, writer: &mut impl Write, point: &CloudPoint) -> Result<(), Error> {
-        write_vector(writer, point.position)?;
+        match self.is_far {
+            true => point.position.to_array().iter().try_for_each(|x| writer.write_all(&x.to_le_bytes()))?,
+            false => write_vector(writer, point.position)?,
+        }
         if self.normal {
             write_vector(writer, point.normal.unwrap_or_default())?;
         }
@@ -88,6 +97,11 @@ impl Columns {
         }
         Ok(())
     }
+}
+
+/// Whether single precision would resolve less than 4 micrometres.
+fn is_far(position: DVec3) -> bool {
+    position.abs().max_element() >= 32.0
 }
 
 fn write_vector(writer: &mut impl Write, vector: DVec3) -> Result<(), Error> {

@@ -1,5 +1,6 @@
 use super::SurfaceMesh;
 use crate::geometry::{Lattice, VoxelBlock};
+use crate::{Cancel, Cancelled};
 use glam::{DVec3, IVec3};
 
 /// The surface where a signed distance is zero (naive surface nets, after Gibson 1998). `distance` gives it
@@ -27,12 +28,23 @@ pub fn surface_nets(
     block: &VoxelBlock,
     distance: impl Fn(usize) -> Option<f64>,
 ) -> SurfaceMesh {
+    surface_nets_unless(lattice, block, distance, &Cancel::default()).expect("nobody cancels")
+}
+
+/// [`surface_nets`], unless cancelled.
+pub(super) fn surface_nets_unless(
+    lattice: &Lattice,
+    block: &VoxelBlock,
+    distance: impl Fn(usize) -> Option<f64>,
+    cancel: &Cancel,
+) -> Result<SurfaceMesh, Cancelled> {
     let mut mesh = SurfaceMesh::default();
     let dims = block.dims().as_ivec3();
     let (n_x, n_y) = (dims.x as usize - 1, dims.y as usize - 1);
     // Edges at the lower sides of a slice also touch the slice below; older ones are done.
     let mut below = Slice { n_x, vertices: Vec::new() };
     for z in 0..dims.z - 1 {
+        cancel.check()?;
         let mut slice = Slice { n_x, vertices: vec![None; n_x * n_y] };
         for cell in (0..dims.y - 1).flat_map(|y| (0..dims.x - 1).map(move |x| IVec3::new(x, y, z))) {
             let Some(corners) = corners(block, &distance, cell) else { continue };
@@ -45,7 +57,7 @@ pub fn surface_nets(
         }
         below = slice;
     }
-    mesh
+    Ok(mesh)
 }
 
 impl SurfaceMesh {

@@ -97,7 +97,7 @@ impl Columns {
         let [x, y, z] = self.position;
         let position = DVec3::new(number(x)?, number(y)?, number(z)?);
         match self.quaternion {
-            None => Ok(look_at(position, target)),
+            None => look_at(position, target).map_err(|e| e.to_string()),
             Some([x, y, z, w]) => {
                 let rotation = DQuat::from_xyzw(number(x)?, number(y)?, number(z)?, number(w)?);
                 Pose::new(rotation, position).map_err(|e| e.to_string())

@@ -1,9 +1,10 @@
-//! Rules that make view candidates around an object. All look at the object's centre.
+//! Rules that make view candidates around an object. All look at the object's centre, which must be within
+//! [`Pose::REACH`](crate::geometry::Pose::REACH).
 
 use super::{ViewSpace, look_at};
 use crate::Error;
 use crate::geometry::random::Random;
-use crate::geometry::sphere;
+use crate::geometry::{check_position, sphere};
 use glam::DVec3;
 
 /// The paper's random shell: positions uniform outside the cube of half-side `2 * size` and inside the sphere
@@ -17,7 +18,7 @@ pub fn shell(center: DVec3, size: f64, n: usize, seed: u64) -> Result<ViewSpace,
             return center + offset * size;
         }
     };
-    ViewSpace::new((0..n).map(|_| look_at(position(), center)).collect())
+    looking_at(center, (0..n).map(|_| position()))
 }
 
 /// Positions on a Fibonacci sphere of this radius (metres) around `center`.
@@ -38,7 +39,12 @@ fn on_sphere(
     direction: fn(usize, usize) -> DVec3,
 ) -> Result<ViewSpace, Error> {
     check(radius, n)?;
-    ViewSpace::new((0..n).map(|i| look_at(center + direction(i, n) * radius, center)).collect())
+    looking_at(center, (0..n).map(|i| center + direction(i, n) * radius))
+}
+
+fn looking_at(center: DVec3, positions: impl Iterator<Item = DVec3>) -> Result<ViewSpace, Error> {
+    check_position("center", center)?;
+    ViewSpace::new(positions.map(|position| look_at(position, center)).collect::<Result<_, _>>()?)
 }
 
 fn check(length: f64, n: usize) -> Result<(), Error> {
@@ -86,5 +92,16 @@ mod tests {
         assert!(shell(DVec3::ZERO, 0.1, 0, 0).is_err());
         assert!(shell(DVec3::ZERO, -0.1, 5, 0).is_err());
         assert!(fibonacci_sphere(DVec3::ZERO, f64::NAN, 5).is_err());
+        assert!(fibonacci_sphere(DVec3::ZERO, 1e9, 5).is_err());
+    }
+
+    #[test]
+    fn refuses_a_centre_that_is_no_place() {
+        for bad in [f64::NAN, f64::INFINITY, 1e300].map(|x| DVec3::new(x, 0.0, 0.0)) {
+            let all = [shell(bad, 0.1, 5, 0), fibonacci_sphere(bad, 0.4, 5), hemisphere(bad, 0.4, 5)];
+            for views in all {
+                assert!(views.unwrap_err().to_string().starts_with("center is "));
+            }
+        }
     }
 }

@@ -1,5 +1,6 @@
 use super::csv;
-use crate::{Error, geometry::Pose};
+use crate::Error;
+use crate::geometry::{Pose, check_position};
 use glam::DVec3;
 use std::io::{Read, Write};
 
@@ -35,9 +36,29 @@ impl ViewSpace {
 
     /// These candidates, made for an object of size 1 at the origin, around an object elsewhere: in the same
     /// directions from `center`, `size` times as far away (metres).
-    pub fn around(&self, center: DVec3, size: f64) -> Self {
-        let moved = |pose: &Pose| pose.with_translation(center + pose.translation() * size);
-        Self { poses: self.poses.iter().map(moved).collect(), within_reach: self.within_reach.clone() }
+    ///
+    /// Fails if a position would be beyond [`Pose::REACH`].
+    pub fn around(&self, center: DVec3, size: f64) -> Result<Self, Error> {
+        let moved = |pose: &Pose| {
+            let position = center + pose.translation() * size;
+            check_position("position of a view", position).map(|()| pose.with_translation(position))
+        };
+        let poses = self.poses.iter().map(moved).collect::<Result<_, _>>()?;
+        Ok(Self { poses, within_reach: self.within_reach.clone() })
+    }
+
+    /// The same where the object is known not to be beyond [`Pose::REACH`]: candidates that would be are out
+    /// of reach, and stay where they are.
+    pub(crate) fn following(&self, center: DVec3, size: f64) -> Self {
+        let mut moved = self.clone();
+        for (pose, within_reach) in moved.poses.iter_mut().zip(&mut moved.within_reach) {
+            let position = center + pose.translation() * size;
+            match check_position("position of a view", position) {
+                Ok(()) => *pose = pose.with_translation(position),
+                Err(_) => *within_reach = false,
+            }
+        }
+        moved
     }
 
     /// The same candidates; only those whose camera can stand at its position stay within reach.
@@ -91,7 +112,7 @@ mod tests {
     #[test]
     fn a_rule_for_size_one_serves_every_object() {
         let (center, size) = (DVec3::new(0.3, -0.1, 0.2), 0.07);
-        let moved = generate::shell(DVec3::ZERO, 1.0, 40, 5).unwrap().around(center, size);
+        let moved = generate::shell(DVec3::ZERO, 1.0, 40, 5).unwrap().around(center, size).unwrap();
         let made = generate::shell(center, size, 40, 5).unwrap();
         for (a, b) in moved.poses().iter().zip(made.poses()) {
             assert!(a.translation().distance(b.translation()) < 1e-15);

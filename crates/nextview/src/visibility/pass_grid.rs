@@ -44,7 +44,7 @@ impl PassGrid {
     }
 
     fn with_passes(snapshot: &Snapshot, block: VoxelBlock, pass: impl Fn(usize) -> f32) -> Self {
-        let padded = VoxelBlock::new(block.min() - 1, block.dims() + 2).expect("larger than a block");
+        let padded = block.padded();
         let mut grid = Self { block, padded, passes: vec![Self::OUTSIDE; padded.n_voxels()] };
         for (cells, voxels) in grid.rows(snapshot) {
             grid.passes[cells].iter_mut().zip(voxels).for_each(|(cell, voxel)| *cell = pass(voxel));

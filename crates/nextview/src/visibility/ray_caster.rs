@@ -25,7 +25,7 @@ use std::convert::Infallible;
 /// let unknown = Snapshot::from_fn(Lattice::new(0.01).unwrap(), block, |_| None);
 /// let caster = RayCaster::new(&unknown, &Intrinsics::d435i(), NO_VOXEL_MISSED, FreeSpace::Clear).unwrap();
 /// let mut first_visibility = None;
-/// caster.cast(&look_at(DVec3::X, DVec3::ZERO), |ray| {
+/// caster.cast(&look_at(DVec3::X, DVec3::ZERO).unwrap(), |ray| {
 ///     first_visibility = ray.crossings.first().map(|crossing| crossing.visibility);
 /// });
 /// assert_eq!(first_visibility, Some(1.0));
@@ -252,7 +252,7 @@ mod tests {
             let position = DVec3::new(x, y, z);
             let snapshot = snapshot(UVec3::from_array(dims), |_| Some(-20.0));
             let intrinsics = cameras()[camera];
-            let pose = look_at(position, DVec3::ZERO);
+            let pose = look_at(position, DVec3::ZERO).unwrap();
             let mut seen = vec![false; snapshot.block().n_voxels()];
             let caster = RayCaster::new(&snapshot, &intrinsics, NO_VOXEL_MISSED, FreeSpace::Fades).unwrap();
             caster.cast(&pose, |ray| ray.crossings.iter().for_each(|c| seen[c.voxel as usize] = true));
@@ -298,7 +298,7 @@ mod tests {
                 3 => Some(0.85),
                 n => Some(-0.3 * n as f32),
             });
-            let pose = look_at(DVec3::new(x, y, z), DVec3::ZERO);
+            let pose = look_at(DVec3::new(x, y, z), DVec3::ZERO).unwrap();
             let caster = RayCaster::new(&snapshot, &Intrinsics::d435i(), 2.0, FreeSpace::Fades).unwrap();
             let mut directions = caster.grid.directions(&pose, &caster.bounds, caster.spacing);
             let mut traced = Vec::new();
@@ -392,9 +392,9 @@ mod tests {
         let snapshot = snapshot(UVec3::splat(4), |_| None);
         let caster = RayCaster::new(&snapshot, &Intrinsics::d435i(), 1.0, FreeSpace::Clear).unwrap();
         let mut n_rays = 0;
-        caster.cast(&look_at(DVec3::X, DVec3::X * 2.0), |_| n_rays += 1);
+        caster.cast(&look_at(DVec3::X, DVec3::X * 2.0).unwrap(), |_| n_rays += 1);
         assert_eq!(n_rays, 0);
-        caster.cast(&look_at(DVec3::ZERO, DVec3::X), |ray| {
+        caster.cast(&look_at(DVec3::ZERO, DVec3::X).unwrap(), |ray| {
             n_rays += 1;
             assert!(!ray.crossings.is_empty());
         });

@@ -3,6 +3,7 @@ use crate::geometry::lanes::LANES;
 use crate::geometry::{Aabb, Pose};
 use crate::sensor::{Distortion, Intrinsics, Points};
 use glam::{DMat3, DVec2, DVec3};
+use std::f64::consts::FRAC_PI_2;
 
 /// The ray spacing at which no voxel of the box is missed: 1 / sqrt(2) of a voxel. A voxel contains a ball as
 /// wide as its edge, whose image holds a disc as wide as the voxel at its depth, and a square grid hits every
@@ -16,7 +17,12 @@ pub struct RayGrid {
     intrinsics: Intrinsics,
     /// Largest length on the plane z = 1 that a step of one pixel covers, along x and y.
     pixel_on_plane: f64,
+    /// Largest angle between a ray through the image and the optical axis, radians.
+    widest: f64,
 }
+
+/// Maximum number of rays of a view: 2048 x 2048.
+const MOST_RAYS: f64 = (1 << 22) as f64;
 
 /// Equal cells of an image with a ray through the middle of each, row by row.
 #[derive(Clone, Copy, Debug)]
@@ -42,11 +48,14 @@ impl Cells {
 impl RayGrid {
     /// The grid rule of a camera.
     pub fn new(intrinsics: &Intrinsics) -> Self {
-        Self { intrinsics: *intrinsics, pixel_on_plane: largest_pixel(intrinsics) }
+        let (pixel_on_plane, widest) = (largest_pixel(intrinsics), widest_angle(intrinsics));
+        Self { intrinsics: *intrinsics, pixel_on_plane, widest }
     }
 
     /// The directions, in the camera frame and with z = 1, of the rays of a view towards the box. Their
     /// distance at the far side of the box is `spacing` metres or less. None reaches a box behind the camera.
+    ///
+    /// If there were more than 2^22, they are farther apart, or none if the box is outside the image.
     pub fn directions(
         &self,
         world_from_camera: &Pose,
@@ -67,7 +76,31 @@ impl RayGrid {
         let step = spacing / (farthest.max(f64::MIN_POSITIVE) * self.pixel_on_plane);
         let (low, high) = if farthest > 0.0 { self.window(&corners) } else { (DVec2::ZERO, DVec2::ZERO) };
         let n = ((high - low) / step).ceil().max(DVec2::ZERO);
+        let n = if n.element_product() > MOST_RAYS { self.bounded(n, &corners) } else { n };
         Cells { low, size: (high - low) / n.max(DVec2::ONE), columns: n.x as usize, rows: n.y as usize }
+    }
+
+    /// Columns and rows for as many rays as are allowed; none if the box is outside the image. The whole image
+    /// is searched for a box far beside it, with rays as close as it is small.
+    fn bounded(&self, n: DVec2, corners: &[DVec3; 8]) -> DVec2 {
+        if !self.may_show(corners) {
+            return DVec2::ZERO;
+        }
+        // The ratio of columns to rows stays, but for a row alone.
+        let scale = (MOST_RAYS / n.x / n.y).sqrt();
+        let [columns, rows] = (n * scale).floor().max(DVec2::ONE).to_array();
+        let columns = columns.min(MOST_RAYS);
+        DVec2::new(columns, rows.min((MOST_RAYS / columns).floor()))
+    }
+
+    /// Whether the ball around the corners (camera frame) reaches into the cone around the image.
+    fn may_show(&self, corners: &[DVec3; 8]) -> bool {
+        let middle = corners.iter().sum::<DVec3>() / 8.0;
+        let radius = middle.distance(corners[0]);
+        if middle.length() <= radius {
+            return true;
+        }
+        middle.angle_between(DVec3::Z) <= self.widest + (radius / middle.length()).asin()
     }
 
     /// The directions, turned by `rotation`, of the rays through the cells from `start` on, which is one of
@@ -114,6 +147,18 @@ impl RayGrid {
     }
 }
 
+/// The largest angle between the optical axis and a ray through a mesh of 17 x 17 places of the image, borders
+/// included, and a hundredth more; pi / 2 if one has no ray.
+fn widest_angle(intrinsics: &Intrinsics) -> f64 {
+    let size = DVec2::new(intrinsics.width() as f64, intrinsics.height() as f64);
+    let places = (0..17).flat_map(|i| (0..17).map(move |j| DVec2::new(i as f64, j as f64) / 16.0));
+    let angle = |place: DVec2| match intrinsics.deproject(size * place - 0.5) {
+        Some(ideal) => ideal.extend(1.0).angle_between(DVec3::Z),
+        None => FRAC_PI_2,
+    };
+    (places.map(angle).fold(0.0, f64::max) * 1.01).min(FRAC_PI_2)
+}
+
 /// The largest image of a pixel step on the plane z = 1, over a mesh of the image. A lens changes it by a few
 /// per cent, smoothly, so that a mesh of 17 x 17 finds it to well under 1 %.
 fn largest_pixel(intrinsics: &Intrinsics) -> f64 {
@@ -128,4 +173,33 @@ fn largest_pixel(intrinsics: &Intrinsics) -> f64 {
         }
     }
     largest
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::view::look_at;
+
+    #[test]
+    fn views_have_a_bounded_number_of_rays() {
+        let grid = RayGrid::new(&Intrinsics::d435i());
+        let camera = look_at(DVec3::X, DVec3::ZERO).unwrap();
+        let check = |bounds: Aabb, spacing: f64| grid.cells(&camera, &bounds, spacing).len();
+        let corners = |middle: DVec3| Aabb::cube(middle, 1.0).corners();
+        let near = Aabb::cube(DVec3::ZERO, 0.1);
+        assert!((1..100_000).contains(&check(near, 0.005)));
+        let dense = check(near, 1e-9);
+        assert!(dense > 1 << 21 && dense <= 1 << 22, "{dense}");
+        assert!(
+            !grid.may_show(&corners(DVec3::new(0.0, 2e6, 1e6))) && !grid.may_show(&corners(DVec3::Z * -1e3))
+        );
+        assert!(grid.may_show(&corners(DVec3::Z * 1e6)) && grid.may_show(&corners(DVec3::Y * 0.5)));
+        for middle in [DVec3::new(-1e6, 2e6, 0.0), DVec3::new(-1.0, 1e6, 0.0), DVec3::X * 1e6] {
+            assert!(check(Aabb::cube(middle, 1.0), 0.01) <= 1 << 22);
+        }
+        let far = check(Aabb::cube(DVec3::new(-1e6, 0.0, 0.0), 1.0), 0.01);
+        assert!((1..=1 << 22).contains(&far), "{far}");
+        let thin = Aabb { min: DVec3::new(-1e-9, -0.1, 0.0), max: DVec3::new(1e-9, 0.1, 1e-12) };
+        assert!((1..=1 << 22).contains(&check(thin, 1e-9)));
+    }
 }

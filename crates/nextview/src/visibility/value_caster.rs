@@ -145,7 +145,7 @@ mod tests {
             let has_value = |i: usize| states[i].is_none() && !i.is_multiple_of(5);
             let value: Vec<f64> = (0..states.len()).map(|i| if has_value(i) { 1.0 / i as f64 } else { 0.0 }).collect();
             let caster = || RayCaster::new(&snapshot, &cameras()[camera], spacing, sight).unwrap();
-            check(caster, &snapshot, &value, &look_at(DVec3::from_array(position), DVec3::ZERO))?;
+            check(caster, &snapshot, &value, &look_at(DVec3::from_array(position), DVec3::ZERO).unwrap())?;
         }
 
         /// The same with given shares of visibility: rays then go through occupied voxels, and free ones may
@@ -164,7 +164,7 @@ mod tests {
             let passes: Vec<f32> = (0..states.len()).map(pass).collect();
             let value: Vec<f64> = passes.iter().map(|&pass| if pass == 0.25 || pass == 1.0 { 0.0 } else { 1.0 }).collect();
             let caster = || RayCaster::through(&snapshot, &cameras()[camera], spacing, &passes, fade_limit).unwrap();
-            check(caster, &snapshot, &value, &look_at(DVec3::from_array(position), DVec3::ZERO))?;
+            check(caster, &snapshot, &value, &look_at(DVec3::from_array(position), DVec3::ZERO).unwrap())?;
         }
     }
 

@@ -24,16 +24,9 @@ fn plan_with(
     views: &ViewSpace,
     visited: &[usize],
 ) -> Plan {
-    let plan = planner.plan(&Situation {
-        snapshot,
-        frames: &[],
-        views,
-        intrinsics: &Intrinsics::d435i(),
-        visited,
-        finest_voxel_size: snapshot.lattice().voxel_size(),
-        cancel: &Cancel::default(),
-    });
-    plan.unwrap()
+    let (camera, cancel) = (Intrinsics::d435i(), Cancel::default());
+    let situation = Situation::new(snapshot, views, &camera, &cancel);
+    planner.plan(&situation.with_visited(visited).unwrap()).unwrap()
 }
 
 fn plan(
@@ -233,7 +226,7 @@ fn of_views_of_no_use_forty_are_tried() {
     let chosen = |n_blind: usize| {
         let place = |i: usize| DVec3::X * (0.4 + 0.01 * i as f64);
         let target = |i: usize| if i <= n_blind { DVec3::X } else { DVec3::ZERO };
-        let views = ViewSpace::new((0..50).map(|i| look_at(place(i), target(i))).collect()).unwrap();
+        let views = ViewSpace::new((0..50).map(|i| look_at(place(i), target(i)).unwrap()).collect()).unwrap();
         let config = MostSurfaceConfig { theta: 1.0, ..MostSurfaceConfig::default() };
         plan(config, &even_prior(0.1, 0.5), &half_seen_ball(), &views, &[0]).choice.map(|choice| choice.view)
     };
@@ -246,7 +239,8 @@ fn of_views_of_no_use_forty_are_tried() {
 fn half_a_voxel_is_the_least_gain_of_a_view() {
     let block = VoxelBlock::new(IVec3::splat(-2), UVec3::splat(4)).unwrap();
     let one_unknown = snapshot(block, |key| (key != IVec3::ZERO).then_some(0.85));
-    let views = ViewSpace::new(vec![look_at(DVec3::new(0.3, 0.2, 0.1), DVec3::splat(0.005))]).unwrap();
+    let views =
+        ViewSpace::new(vec![look_at(DVec3::new(0.3, 0.2, 0.1), DVec3::splat(0.005)).unwrap()]).unwrap();
     for (shows, is_chosen) in [(0.4, false), (0.6, true)] {
         let plan = plan(MostSurfaceConfig::default(), &even_prior(0.5, shows), &one_unknown, &views, &[]);
         let outlook = plan.outlook.unwrap();

@@ -67,6 +67,9 @@ pub struct ScanArgs {
     /// Box around the object [default: known]
     #[arg(long = "box", value_parser = named::<BoxRule>())]
     object_box: Option<BoxRule>,
+    /// Where the box grows: how far apart parts of the object may be, in metres [default: 0, they touch]
+    #[arg(long, value_name = "M", value_parser = values::not_negative, allow_negative_numbers = true)]
+    max_gap_m: Option<f64>,
     /// Table that the object stands on [default: none]
     #[arg(long, value_parser = named::<TableRule>())]
     table: Option<TableRule>,
@@ -205,6 +208,7 @@ impl ScanArgs {
         set(&mut config.unit, self.unit);
         set(&mut config.multi_resolution.enabled, self.multi_resolution.map(|switch| switch == Switch::On));
         set(&mut config.object_box.rule, self.object_box);
+        set(&mut config.object_box.max_gap_m, self.max_gap_m);
         set(&mut config.object_box.table, self.table);
         set(&mut config.noise.model, self.noise);
         set(&mut config.noise.pose_error_mm, self.pose_error_mm);

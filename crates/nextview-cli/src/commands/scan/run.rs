@@ -4,7 +4,7 @@ use nextview::Cancel;
 use nextview_report::{ScanPage, ViewPicture, heading, scan_page, step_line, summary_text};
 use nextview_scan::files::ResultFolder;
 use nextview_scan::{
-    Begin, Damage, FrameSource, Interrupted, Measured, RecordedScan, ScanConfig, ScanJournal, ScanRun,
+    Begin, Damage, FrameSource, Interrupted, RecordedScan, Results, ScanConfig, ScanJournal, ScanRun,
     SimulatedObject, Simulation, Truth, write_results,
 };
 use std::io::Write;
@@ -97,9 +97,7 @@ fn drive(
     if scan.bounds().is_none() {
         scan.forget_journal();
     }
-    let model = scan.model()?;
-    let record = scan.record(config, Measured::Model(&model))?;
-    write_results(&mut folder, config, &scan, &record, &model)?;
+    let Results { record, faults } = write_results(&mut folder, config, &scan);
     let candidates: Vec<_> = scan.session.views().poses().iter().map(|pose| pose.translation()).collect();
     let page = scan_page(&ScanPage {
         record: &record,
@@ -111,6 +109,7 @@ fn drive(
     });
     folder.add("report.html", |w| Ok(w.write_all(page.as_bytes())?))?;
     folder.publish()?;
+    faults.map_or(Ok(()), Err)?;
     scan.forget_journal();
     stdout::print(match output.json {
         true => serde_json::to_string(&record).map_err(Failure::data)? + "\n",

@@ -97,7 +97,7 @@ struct Scan<'a> {
     truth: ObjectVoxels,
     map: OccupancyMap,
     integration: Integration,
-    views: [Pose; views::N_VIEWS],
+    views: Vec<Pose>,
     /// The object voxels that each view sees.
     seen: [FixedBitSet; views::N_VIEWS],
     /// The object voxels seen so far.
@@ -109,7 +109,7 @@ impl<'a> Scan<'a> {
         let lattice = Lattice::new(voxel_size)?;
         let block = lattice.block_inside(&scene.planning_box(voxel_size)).expect("the box holds many voxels");
         let truth = ObjectVoxels::new(scene.camera().mesh(), lattice, block);
-        let views = views::poses(&lattice.bounds(&block));
+        let views = views::poses(&lattice.bounds(&block))?;
         let mut seen = [const { FixedBitSet::new() }; views::N_VIEWS];
         for (seen, pose) in seen.iter_mut().zip(&views) {
             *seen = truth.seen_from(scene.camera(), pose)?;
@@ -123,7 +123,7 @@ impl<'a> Scan<'a> {
     fn take(&mut self, pose: &Pose) -> Result<(), SimError> {
         let frame = self.scene.camera().capture(pose)?;
         self.covered.union_with(&self.truth.seen_in(&frame));
-        self.map.integrate(&frame, &self.integration);
+        self.map.integrate(&frame, &self.integration)?;
         Ok(())
     }
 

@@ -53,7 +53,7 @@ impl TrueShape {
         let start = Instant::now();
         let nothing = SurfaceCoverage::new(&self.mesh);
         let shown = recording.frames.par_iter().map(|frame| {
-            cancel.check().map_err(Fault::request)?;
+            cancel.check()?;
             let mut coverage = nothing.clone();
             coverage.add(&frame.load()?);
             Ok(coverage.within(SEEN))

@@ -25,7 +25,7 @@ impl Truth {
         let start = Instant::now();
         let camera = object.scene.camera();
         let look = |pose: &Pose| {
-            cancel.check().map_err(Fault::request)?;
+            cancel.check()?;
             let seen = object.object_voxels.seen_from(camera, pose).map_err(Fault::from)?;
             progress();
             Ok(seen)

@@ -48,7 +48,7 @@ impl SimulatedObject {
     pub fn session(&self, config: &ScanConfig, planner: Box<dyn ViewPlanner>) -> Result<Session, Faults> {
         config.check_views(self.views.len())?;
         let session_config = simulated_session(config, &self.scene, self.voxel_size);
-        Ok(Session::new(session_config, config.camera, self.session_views(config), planner)?)
+        Ok(Session::new(session_config, config.camera, self.session_views(config)?, planner)?)
     }
 
     /// Name, size and number of triangles of the object.
@@ -63,15 +63,15 @@ impl SimulatedObject {
 
     /// The candidates as the session has them. Those of a rule move along with a box that grows, which begins
     /// where the first of the views around the true object is; those of a file stay where they are.
-    fn session_views(&self, config: &ScanConfig) -> Views {
+    fn session_views(&self, config: &ScanConfig) -> Result<Views, Fault> {
         if config.object_box.rule == BoxRule::Known || config.view_space.rule().is_none() {
-            return Views::Fixed(self.views.clone());
+            return Ok(Views::Fixed(self.views.clone()));
         }
         let (center, size) = (self.scene.center(), self.scene.size());
-        let unit = self.views.around(-center / size, 1.0 / size);
+        let unit = self.views.around(-center / size, 1.0 / size)?;
         // The box may grow by what is not there, when poses are wrong, and candidates with it.
         let reach = config.reach.rule().within(self.scene.room());
-        Views::Following { first: self.views.pose(config.first_view), unit, reach }
+        Ok(Views::Following { first: self.views.pose(config.first_view), unit, reach })
     }
 }
 

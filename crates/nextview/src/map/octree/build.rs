@@ -1,7 +1,7 @@
 use super::preorder::{DEPTH, KEY_OFFSET};
 use super::tree::{Node, Octree, TreeKind};
 use crate::Error;
-use crate::geometry::VoxelKey;
+use crate::geometry::{Lattice, VoxelKey, local_origin};
 use glam::IVec3;
 
 impl Octree {
@@ -9,8 +9,10 @@ impl Octree {
     /// metres. Inner nodes get the highest log-odds of their children (OctoMap's `updateInnerOccupancy`).
     /// Without voxels the tree has no nodes.
     ///
-    /// Fails if the voxel size is not positive and finite, a key lies outside -32768..32768, log-odds are not
-    /// finite, or a key comes twice.
+    /// If a key lies outside -32768..32768, the [origin](Self::origin) is in the middle of all voxels.
+    ///
+    /// Fails if the voxel size is not positive and finite, the keys along an axis span more than 65,536,
+    /// log-odds are not finite, or a key comes twice.
     pub fn from_voxels(
         voxel_size: f64,
         voxels: impl IntoIterator<Item = (VoxelKey, f32)>,
@@ -18,16 +20,41 @@ impl Octree {
         if !(voxel_size > 0.0 && voxel_size.is_finite()) {
             return Err(Error::invalid("voxel_size", voxel_size, "a positive number of metres"));
         }
-        let mut voxels = voxels
-            .into_iter()
-            .map(|(key, log_odds)| Ok((preorder_code(key)?, check_log_odds(key, log_odds)?)))
-            .collect::<Result<Vec<_>, Error>>()?;
+        let voxels: Vec<(VoxelKey, f32)> = voxels.into_iter().collect();
+        let origin = origin_of(&voxels)?;
+        let coded = |&(key, log_odds): &(VoxelKey, f32)| {
+            Ok((preorder_code(key - origin)?, check_log_odds(key, log_odds)?))
+        };
+        let mut voxels = voxels.iter().map(coded).collect::<Result<Vec<_>, Error>>()?;
         voxels.sort_unstable_by_key(|&(code, _)| code);
         if let Some(pair) = voxels.windows(2).find(|pair| pair[0].0 == pair[1].0) {
-            return Err(Error::invalid("voxel key", key_of(pair[0].0), "each voxel only once"));
+            return Err(Error::invalid("voxel key", key_of(pair[0].0) + origin, "each voxel only once"));
         }
-        Ok(from_sorted(voxel_size, &voxels))
+        Ok(from_sorted(voxel_size, &voxels).with_origin(origin))
     }
+}
+
+/// The middle of a tree that holds these voxels, if one does.
+fn origin_of(voxels: &[(VoxelKey, f32)]) -> Result<VoxelKey, Error> {
+    let keys = || voxels.iter().map(|(key, _)| *key);
+    let (min, max) = (keys().fold(IVec3::MAX, IVec3::min), keys().fold(IVec3::MIN, IVec3::max));
+    if voxels.is_empty() {
+        return Ok(IVec3::ZERO);
+    }
+    let (low, high) = (min.as_i64vec3(), max.as_i64vec3());
+    let reach = i64::from(Lattice::REACH);
+    if let Some(far) = [low, high].into_iter().find(|key| key.abs().max_element() > reach) {
+        return Err(Error::invalid("voxel key", far, "at most 268435456 voxels from the origin"));
+    }
+    if (high - low).max_element() >= 2 * i64::from(KEY_OFFSET) {
+        let span = format!("{low} to {high}");
+        return Err(Error::invalid(
+            "voxel keys",
+            span,
+            "at most 65536 voxels along an axis, as in an octree",
+        ));
+    }
+    Ok(local_origin(min, max))
 }
 
 /// Orders voxels by preorder: the octants on the way down from the root, three bits each.
@@ -100,6 +127,49 @@ mod tests {
     }
 
     #[test]
+    fn maps_far_away_have_their_origin_in_their_middle() {
+        for corner in [IVec3::new(34_992, 0, 0), IVec3::new(-40_000, 7, 1 << 28), IVec3::new(-32769, 3, 2)] {
+            let voxels = [(corner, 1.0), (corner + IVec3::new(65_535, 9, -3), -0.5)];
+            let tree = Octree::from_voxels(0.002, voxels).unwrap();
+            let mut found: Vec<_> = tree.leaves().map(|leaf| (leaf.min, leaf.log_odds)).collect();
+            found.sort_by_key(|(key, _)| key.x);
+            assert_eq!(found, voxels);
+            assert_ne!(tree.origin(), IVec3::ZERO);
+            for is_ot in [true, false] {
+                let mut file = Vec::new();
+                if is_ot { tree.write_ot(&mut file) } else { tree.write_bt(&mut file) }.unwrap();
+                let read = Octree::read(&file[..]).unwrap();
+                assert_eq!(read.origin(), tree.origin());
+                assert!(read.leaves().map(|leaf| leaf.min).eq(tree.leaves().map(|leaf| leaf.min)));
+            }
+            assert_eq!(tree.pruned().expanded(10).unwrap().origin(), tree.origin());
+        }
+        let near = Octree::from_voxels(0.002, [(IVec3::splat(-32768), 1.0)]).unwrap();
+        let mut file = Vec::new();
+        near.write_ot(&mut file).unwrap();
+        assert!(!String::from_utf8_lossy(&file).contains("offset_m"));
+    }
+
+    #[test]
+    fn offsets_that_are_no_voxel_are_refused() {
+        let tree = Octree::from_voxels(0.5, [(IVec3::new(40_000, 0, 0), 1.0)]).unwrap();
+        let mut file = Vec::new();
+        tree.write_ot(&mut file).unwrap();
+        let stated = "# offset_m 20000 0 0";
+        for (wrong, expected) in [
+            ("# offset_m 20000 0", "expected three numbers of metres"),
+            ("# offset_m 20000 0 nan", "expected three numbers of metres"),
+            ("# offset_m 20000 0.1 0", "expected multiples of the voxel size"),
+            ("# offset_m 1e300 0 0", "expected multiples of the voxel size"),
+        ] {
+            let at = file.windows(stated.len()).position(|part| part == stated.as_bytes()).unwrap();
+            let changed = [&file[..at], wrong.as_bytes(), &file[at + stated.len()..]].concat();
+            let problem = Octree::read(&changed[..]).unwrap_err().to_string();
+            assert!(problem.contains(expected), "{problem}");
+        }
+    }
+
+    #[test]
     fn inner_nodes_get_the_highest_log_odds_below_them() {
         let voxels = [([0, 0, 0], -1.0), ([1, 0, 0], 0.5), ([0, 0, 2], 2.0), ([-1, 0, 0], -3.0)];
         let tree = Octree::from_voxels(0.1, voxels.map(|(key, l)| (key.into(), l))).unwrap();
@@ -124,10 +194,14 @@ mod tests {
             &[(key, 0.5), (IVec3::ZERO, 0.0), (key, 0.5)],
             "voxel key is [1, -2, 3], expected each voxel only once",
         );
-        for outside in [IVec3::new(0, 32768, 0), IVec3::new(-32769, 0, 0), IVec3::MAX, IVec3::MIN] {
-            let range = "expected -32768 to 32767 on each axis, the reach of an octree";
+        for outside in [IVec3::MAX, IVec3::MIN] {
+            let range = "expected at most 268435456 voxels from the origin";
             check(&[(outside, 0.0)], &format!("voxel key is {outside}, {range}"));
         }
+        check(
+            &[(IVec3::ZERO, 0.0), (IVec3::X * 65536, 0.0)],
+            "voxel keys is [0, 0, 0] to [65536, 0, 0], expected at most 65536 voxels along an axis, as in an octree",
+        );
         check(&[(key, f32::NAN)], "log-odds is NaN at voxel [1, -2, 3], expected a finite number");
         for voxel_size in [0.0, -1.0, f64::NAN, f64::INFINITY] {
             assert!(Octree::from_voxels(voxel_size, []).is_err());

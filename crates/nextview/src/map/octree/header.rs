@@ -1,6 +1,8 @@
 use super::source::Source;
 use super::tree::{Octree, TreeKind};
 use crate::Error;
+use crate::geometry::{Lattice, VoxelKey};
+use glam::DVec3;
 use std::io::{self, Read, Write};
 
 /// How the nodes follow the header.
@@ -28,6 +30,8 @@ pub(super) struct Header {
     pub encoding: Encoding,
     pub kind: TreeKind,
     pub voxel_size: f64,
+    /// The voxel in the middle of the tree.
+    pub origin: VoxelKey,
     /// As stated in the file; no memory may be reserved on its basis.
     pub n_nodes: u64,
 }
@@ -47,10 +51,18 @@ impl Header {
     }
 }
 
-/// Writes OctoMap's header, with its invitation to edit the comments.
+/// The first word of a comment that states where the map is.
+const OFFSET: &str = "offset_m";
+
+/// Writes OctoMap's header, with its invitation to edit the comments, and with the offset of a map that is far
+/// away.
 pub(super) fn write_header(out: &mut impl Write, encoding: Encoding, tree: &Octree) -> io::Result<()> {
     writeln!(out, "{}", encoding.magic())?;
     writeln!(out, "# (feel free to add / change comments, but leave the first line as it is!)\n#")?;
+    if tree.origin() != VoxelKey::ZERO {
+        let [x, y, z] = (tree.origin().as_dvec3() * tree.voxel_size()).to_array();
+        writeln!(out, "# {OFFSET} {x} {y} {z}")?;
+    }
     writeln!(out, "id {}", id(tree.kind()))?;
     writeln!(out, "size {}", tree.n_nodes())?;
     writeln!(out, "res {}", format_like_cpp(tree.voxel_size()))?;
@@ -88,10 +100,15 @@ struct Fields {
     id: Option<TreeKind>,
     size: Option<u64>,
     res: Option<f64>,
+    offset_m: Option<DVec3>,
 }
 
 impl Fields {
     fn take_line(&mut self, line: &str) -> Result<(), String> {
+        if let Some(numbers) = line.strip_prefix("# ").and_then(|line| line.strip_prefix(OFFSET)) {
+            self.offset_m = Some(parse_offset(numbers)?);
+            return Ok(());
+        }
         let mut words = line.split_whitespace();
         match (words.next(), words.next(), words.next()) {
             (None, ..) => Ok(()),
@@ -113,11 +130,13 @@ impl Fields {
 
     fn complete(self, encoding: Encoding) -> Result<Header, String> {
         let missing = |name| move || format!("the header ends here without the field {name}");
+        let voxel_size = self.res.ok_or_else(missing("res"))?;
         Ok(Header {
             encoding,
             kind: self.id.ok_or_else(missing("id"))?,
             n_nodes: self.size.ok_or_else(missing("size"))?,
-            voxel_size: self.res.ok_or_else(missing("res"))?,
+            voxel_size,
+            origin: self.offset_m.map_or(Ok(VoxelKey::ZERO), |offset| origin_at(offset, voxel_size))?,
         })
     }
 }
@@ -136,6 +155,23 @@ fn parse_size(value: &str) -> Result<u64, String> {
 fn parse_res(value: &str) -> Result<f64, String> {
     let res = value.parse().ok().filter(|&res: &f64| res > 0.0 && res.is_finite());
     res.ok_or_else(|| format!("res is {:?}, expected a positive number of metres", start_of(value)))
+}
+
+fn parse_offset(text: &str) -> Result<DVec3, String> {
+    let numbers: Option<Vec<f64>> = text.split_whitespace().map(|word| word.parse().ok()).collect();
+    let numbers = numbers.and_then(|numbers| <[f64; 3]>::try_from(numbers).ok()).map(DVec3::from_array);
+    let finite = numbers.filter(|offset| offset.is_finite());
+    finite.ok_or_else(|| format!("{OFFSET} is {:?}, expected three numbers of metres", start_of(text.trim())))
+}
+
+/// The voxel at this offset, metres.
+fn origin_at(offset: DVec3, voxel_size: f64) -> Result<VoxelKey, String> {
+    let voxels = offset / voxel_size;
+    let is_near = voxels.abs().max_element() <= Lattice::REACH as f64;
+    if is_near && (voxels - voxels.round()).abs().max_element() < 1e-3 {
+        return Ok(voxels.round().as_ivec3());
+    }
+    Err(format!("{OFFSET} is {offset}, expected multiples of the voxel size, at most 2^28 times as large"))
 }
 
 /// Enough of a text to recognise it in an error.

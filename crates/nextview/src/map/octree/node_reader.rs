@@ -16,7 +16,7 @@ pub(super) struct NodeReader<R> {
 impl<R: Read> NodeReader<R> {
     pub fn new(source: Source<R>, header: &Header) -> Self {
         let position = source.position();
-        let tree = Octree::new(header.kind, header.voxel_size);
+        let tree = Octree::new(header.kind, header.voxel_size).with_origin(header.origin);
         Self { source, tree, n_expected: header.n_nodes, position }
     }
 

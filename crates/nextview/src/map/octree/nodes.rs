@@ -5,7 +5,7 @@ impl Octree {
     /// The leaves in preorder: octant by octant, x varying fastest, then y, then z.
     pub fn leaves(&self) -> impl Iterator<Item = Leaf> {
         self.nodes().filter(|(_, node)| node.child_mask == 0).map(|(place, node)| Leaf {
-            min: place.min,
+            min: place.min + self.origin(),
             depth: place.depth,
             log_odds: node.log_odds,
             color: (self.kind() == TreeKind::ColorOcTree).then_some(node.color),

@@ -34,7 +34,7 @@ impl Octree {
                 limit_mb: self.megabytes(max_leaves as u64),
             });
         }
-        let mut tree = Self::new(self.kind(), self.voxel_size());
+        let mut tree = Self::new(self.kind(), self.voxel_size()).with_origin(self.origin());
         for (place, node) in self.nodes() {
             match node.child_mask {
                 0 => tree.push_cube(node, place.depth),
@@ -45,7 +45,7 @@ impl Octree {
     }
 
     fn pruned_at(&self, depth: u8) -> Self {
-        let mut tree = Self::new(self.kind(), self.voxel_size());
+        let mut tree = Self::new(self.kind(), self.voxel_size()).with_origin(self.origin());
         let mut nodes = self.nodes();
         while let Some((place, node)) = nodes.next() {
             let first_child = nodes.next_idx();

@@ -12,8 +12,8 @@ pub enum TreeKind {
 
 /// The nodes of an OctoMap octree: an immutable copy of a file.
 ///
-/// The root covers the keys -32768 to 32767 on each axis (OctoMap's own keys are 32768 higher), halved
-/// [16 times](Self::MAX_DEPTH) down to single voxels. Space without a leaf is unknown. Inner nodes keep the
+/// The root covers the keys -32768 to 32767 on each axis around its [origin](Self::origin) (OctoMap's own
+/// keys are 32768 higher), halved [16 times](Self::MAX_DEPTH) down to single voxels. Space without a leaf is unknown. Inner nodes keep the
 /// log-odds and colours they were read with.
 ///
 /// ```
@@ -33,6 +33,7 @@ pub enum TreeKind {
 pub struct Octree {
     kind: TreeKind,
     voxel_size: f64,
+    origin: VoxelKey,
     /// One entry per node in preorder, as in `child_masks`; all finite.
     log_odds: Vec<f32>,
     /// One entry per node of a `ColorOcTree`, empty otherwise.
@@ -55,6 +56,17 @@ impl Octree {
         self.voxel_size
     }
 
+    /// The voxel in the middle of the root. It is 0 but for maps far away, of which files state it in a comment
+    /// `# offset_m X Y Z`, in metres: OctoMap's own programs show them that much displaced.
+    pub fn origin(&self) -> VoxelKey {
+        self.origin
+    }
+
+    /// The same tree elsewhere.
+    pub(super) fn with_origin(self, origin: VoxelKey) -> Self {
+        Self { origin, ..self }
+    }
+
     /// Number of nodes, inner nodes and leaves.
     pub fn n_nodes(&self) -> usize {
         self.child_masks.len()
@@ -66,7 +78,8 @@ impl Octree {
     }
 
     pub(super) fn new(kind: TreeKind, voxel_size: f64) -> Self {
-        Self { kind, voxel_size, log_odds: Vec::new(), colors: Vec::new(), child_masks: Vec::new() }
+        let (log_odds, colors, child_masks) = Default::default();
+        Self { kind, voxel_size, origin: VoxelKey::ZERO, log_odds, colors, child_masks }
     }
 
     pub(super) fn node(&self, idx: usize) -> Node {
@@ -107,7 +120,7 @@ impl Octree {
 /// A node without children: a cube of space with one occupancy.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Leaf {
-    /// The voxel of the cube with the lowest coordinates.
+    /// The voxel of the cube with the lowest coordinates, relative to the lattice of the world.
     pub min: VoxelKey,
     /// How often the root was halved to get the cube, 0 to 16; 16 is a single voxel.
     pub depth: u8,

@@ -1,7 +1,7 @@
-use crate::Cancelled;
 use crate::flow::{Selection, SetValues};
-use crate::motion::{KeepOut, tour, tour_length};
+use crate::motion::{KeepOut, tour_length, tour_unless};
 use crate::planner::Situation;
+use crate::{Cancel, Cancelled};
 use glam::DVec3;
 
 /// The sets from which a batch is chosen: one for each open view, in their order.
@@ -21,14 +21,14 @@ impl<'a> Field<'a> {
     pub fn new(situation: &Situation<'_>, open: &[usize], values: &'a SetValues) -> Result<Self, Cancelled> {
         let mut all = Selection::new(values);
         for set in 0..values.n_sets() as u32 {
-            situation.cancel.check()?;
+            situation.cancel().check()?;
             all.add(set);
         }
-        let bounds = situation.snapshot.lattice().bounds(&situation.snapshot.block());
+        let bounds = situation.snapshot().lattice().bounds(&situation.snapshot().block());
         Ok(Self {
             values,
             total: all.value(),
-            positions: open.iter().map(|&view| situation.views.pose(view).translation()).collect(),
+            positions: open.iter().map(|&view| situation.views().pose(view).translation()).collect(),
             start: situation.camera_position(),
             ball: KeepOut::around(&bounds, 0.0).expect("a block of voxels is a finite box"),
         })
@@ -39,9 +39,10 @@ impl<'a> Field<'a> {
     }
 
     /// The sets in the order of a short tour, whatever the order given.
-    pub fn tour(&self, mut sets: Vec<u32>) -> Vec<u32> {
+    pub fn tour(&self, mut sets: Vec<u32>, cancel: &Cancel) -> Result<Vec<u32>, Cancelled> {
         sets.sort_unstable();
-        tour(self.start, &self.route(&sets), &self.ball).into_iter().map(|i| sets[i]).collect()
+        let order = tour_unless(self.start, &self.route(&sets), &self.ball, cancel)?;
+        Ok(order.into_iter().map(|i| sets[i]).collect())
     }
 
     pub fn length(&self, tour: &[u32]) -> f64 {

@@ -33,7 +33,7 @@ pub struct BatchConfig {
     /// Default 0.5.
     pub tolerance: f64,
     /// Distance between neighbouring planning rays at the far side of the box, in voxels as for
-    /// [`MostSurface`](super::MostSurface), positive. Default 2.
+    /// [`MostSurface`](super::MostSurface), at least 0.1. Default 2.
     pub ray_spacing: f64,
 }
 
@@ -108,16 +108,17 @@ impl Batch {
     }
 
     fn choose(&self, situation: &Situation<'_>, cover: Cover) -> Result<BatchPlan, Cancelled> {
-        let cancel = situation.cancel;
+        let cancel = situation.cancel();
         let open = situation.open_views();
         let values = values_of_views(situation, &open, self.config.ray_spacing)?;
         let field = Field::new(situation, &open, &values)?;
         let free = self.without_regard_to_path(&field, cover, cancel)?;
         let tour = if self.config.theta > 0.0 {
             let BatchConfig { theta, n_views, .. } = self.config;
-            TradeOff::new(&field, theta, &free.sets, n_views, self.least_gain(&field)).tour(cancel)?
+            TradeOff::new(&field, theta, &free.sets, n_views, self.least_gain(&field), cancel)?
+                .tour(cancel)?
         } else {
-            field.tour(free.sets.clone())
+            field.tour(free.sets.clone(), cancel)?
         };
         let bound = if tour.len() == free.sets.len() {
             free.bound

@@ -40,11 +40,18 @@ struct Insertion {
 impl<'a> TradeOff<'a> {
     /// Compares tours of up to `n_sets` sets with the tour through the sets of the reference, which come in
     /// the order of their gains.
-    pub fn new(field: &'a Field<'a>, theta: f64, reference: &[u32], n_sets: usize, least_gain: f64) -> Self {
+    pub fn new(
+        field: &'a Field<'a>,
+        theta: f64,
+        reference: &[u32],
+        n_sets: usize,
+        least_gain: f64,
+        cancel: &Cancel,
+    ) -> Result<Self, Cancelled> {
         let first_gain = field.values.value_of(reference.first().copied());
-        let reference = field.tour(reference.to_vec());
+        let reference = field.tour(reference.to_vec(), cancel)?;
         let value = field.values.value_of(reference.iter().copied());
-        Self {
+        Ok(Self {
             theta,
             value,
             length: field.length(&reference),
@@ -53,13 +60,13 @@ impl<'a> TradeOff<'a> {
             least_gain,
             least_first_gain: least_gain.min(first_gain),
             field,
-        }
+        })
     }
 
     /// A tour of large score: the better of two, one grown set by set and one that begins as the reference,
     /// both after sets were left out, exchanged and added as long as that helped.
     pub fn tour(&self, cancel: &Cancel) -> Result<Vec<u32>, Cancelled> {
-        let grown = self.improved(self.field.tour(self.grown(cancel)?), cancel)?;
+        let grown = self.improved(self.field.tour(self.grown(cancel)?, cancel)?, cancel)?;
         let from_reference = self.improved(self.reference.clone(), cancel)?;
         Ok(if self.score(&from_reference) > self.score(&grown) { from_reference } else { grown })
     }
@@ -129,6 +136,6 @@ impl<'a> TradeOff<'a> {
         if let Some(insertion) = self.insertion(&other, cancel)? {
             other.insert(insertion.place, insertion.set);
         }
-        Ok(self.field.tour(other))
+        self.field.tour(other, cancel)
     }
 }

@@ -16,17 +16,17 @@ pub(super) fn values_of_views(
     views: &[usize],
     ray_spacing: f64,
 ) -> Result<SetValues, Cancelled> {
-    let cancel = situation.cancel;
-    let snapshot = coarse_enough(situation.snapshot, cancel)?;
+    let cancel = situation.cancel();
+    let snapshot = coarse_enough(situation.snapshot(), cancel)?;
     let estimate = SurfacePrior::default().estimate(&snapshot, cancel)?;
-    let gain = ExpectedSurface::new(&snapshot, situation.intrinsics, &estimate, ray_spacing)
+    let gain = ExpectedSurface::new(&snapshot, situation.intrinsics(), &estimate, ray_spacing)
         .expect("the planner checked the ray spacing");
     let rows = views.par_iter().map_init(
         || gain.evaluator(),
         |evaluator, &view| {
             cancel.check()?;
             let mut row = Vec::new();
-            evaluator.survey(&situation.views.pose(view), |item, class| {
+            evaluator.survey(&situation.views().pose(view), |item, class| {
                 row.push((item as u32, estimate.shows(item, class)));
             });
             row.sort_unstable_by_key(|(item, _)| *item);

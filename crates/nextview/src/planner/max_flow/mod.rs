@@ -26,7 +26,7 @@ pub struct MaxFlowConfig {
     /// others.
     pub uses_history: bool,
     /// Distance between neighbouring planning rays at the far side of the box, in voxels of the finest size,
-    /// positive. Default 2, which plans as well as 1 / sqrt(2), where [no voxel is
+    /// at least 0.1. Default 2, which plans as well as 1 / sqrt(2), where [no voxel is
     /// missed](crate::visibility::NO_VOXEL_MISSED), at an eighth of the time; the paper thins its rays to
     /// about 10.
     pub ray_spacing: f64,
@@ -81,7 +81,7 @@ impl MaxFlow {
 impl ViewPlanner for MaxFlow {
     fn plan(&mut self, situation: &Situation<'_>) -> Result<Plan, Cancelled> {
         let Survey { local, best } = self.survey(situation)?;
-        let optimal_views = fewest_sets(best.candidates(), situation.cancel)?;
+        let optimal_views = fewest_sets(best.candidates(), situation.cancel())?;
         let history = if self.config.uses_history { self.history.as_slice() } else { &[] };
         let past = history.iter().map(Vec::as_slice);
         let flow = flow_gain(past.chain([optimal_views.as_slice()]), local.len()); // eqs. (4), (5)
@@ -104,10 +104,10 @@ impl MaxFlow {
 
     /// Eqs. (1) to (3).
     fn survey(&self, situation: &Situation<'_>) -> Result<Survey, Cancelled> {
-        let (snapshot, cancel) = (situation.snapshot, situation.cancel);
+        let (snapshot, cancel) = (situation.snapshot(), situation.cancel());
         let spacing = situation.in_snapshot_voxels(self.config.ray_spacing);
         let gain = LocalGain::new(snapshot, cancel)?;
-        let caster = RayCaster::new(snapshot, situation.intrinsics, spacing, self.config.free_space)
+        let caster = RayCaster::new(snapshot, situation.intrinsics(), spacing, self.config.free_space)
             .expect("the constructor checked the ray spacing");
         cancel.check()?;
         let caster = ValueCaster::new(caster, snapshot, gain.weights());

@@ -26,8 +26,8 @@ impl Survey {
         caster: &ValueCaster<'_>,
         solves_flow: bool,
     ) -> Result<Self, Cancelled> {
-        let cancel = situation.cancel;
-        let (open, n_views) = (situation.open_views(), situation.views.len());
+        let cancel = situation.cancel();
+        let (open, n_views) = (situation.open_views(), situation.views().len());
         let n_items = if solves_flow { caster.n_items() } else { 0 };
         let n_taken = AtomicUsize::new(0);
         let take = || {
@@ -41,7 +41,7 @@ impl Survey {
             let mut paths = caster.paths();
             while !views.is_empty() {
                 for &view in views {
-                    let pose = situation.views.pose(view);
+                    let pose = situation.views().pose(view);
                     if let Err(cancelled) = part.survey(view, &pose, caster, &mut paths, cancel) {
                         return Some(Err(cancelled));
                     }

@@ -84,8 +84,8 @@ impl MostSurface {
 
 impl ViewPlanner for MostSurface {
     fn plan(&mut self, situation: &Situation<'_>) -> Result<Plan, Cancelled> {
-        let snapshot = coarse_enough(situation.snapshot, situation.cancel)?;
-        let estimate = self.prior.estimate(&snapshot, situation.cancel)?;
+        let snapshot = coarse_enough(situation.snapshot(), situation.cancel())?;
+        let estimate = self.prior.estimate(&snapshot, situation.cancel())?;
         let scene = Scene { situation, snapshot: &snapshot, estimate: &estimate };
         let open = situation.open_views();
         let ray_spacing = snapshot.block().dims().max_element() as f64 / self.config.rays_across;
@@ -195,13 +195,14 @@ struct Survey {
 impl Scene<'_> {
     /// Surveys these views with rays `ray_spacing` voxels apart.
     fn survey(&self, views: &[usize], ray_spacing: f64) -> Result<Survey, Cancelled> {
-        let gain = ExpectedSurface::new(self.snapshot, self.situation.intrinsics, self.estimate, ray_spacing);
+        let gain =
+            ExpectedSurface::new(self.snapshot, self.situation.intrinsics(), self.estimate, ray_spacing);
         let gain = gain.expect("the constructor checked the number of rays");
         let nothing = || Survey { gains: Vec::new(), shown: vec![0.0; self.estimate.len()] };
         let parts = views.par_iter().try_fold(
             || (nothing(), gain.evaluator()),
             |(mut survey, mut evaluator), &view| {
-                self.situation.cancel.check()?;
+                self.situation.cancel().check()?;
                 survey.add(view, self.estimate, &mut evaluator, self.situation);
                 Ok((survey, evaluator))
             },
@@ -222,7 +223,7 @@ impl Survey {
         situation: &Situation<'_>,
     ) {
         let mut gain = 0.0;
-        evaluator.survey(&situation.views.pose(view), |item, class| {
+        evaluator.survey(&situation.views().pose(view), |item, class| {
             let p = estimate.shows(item, class);
             self.shown[item] = self.shown[item].max(p);
             gain += p as f64;

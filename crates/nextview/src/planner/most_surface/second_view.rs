@@ -23,9 +23,9 @@ const FARTHEST: f64 = 2.5;
 /// other side, from directions where the box looks large, and from farther away. The weights are a linear
 /// regression of true gains on objects for development: `docs/planner.md`.
 pub(super) fn advantages(situation: &Situation<'_>, snapshot: &Snapshot) -> Vec<f64> {
-    let n_taken = situation.frames.len().max(situation.visited.len());
+    let n_taken = situation.frames().len().max(situation.visited().len());
     let first = situation.camera_position().filter(|_| n_taken == 1);
-    let Some(first) = first else { return vec![0.0; situation.views.len()] };
+    let Some(first) = first else { return vec![0.0; situation.views().len()] };
     let bounds = snapshot.lattice().bounds(&snapshot.block());
     let toward = |camera: DVec3| (camera - bounds.center()).normalize_or_zero();
     let advantage = |camera: DVec3| {
@@ -34,7 +34,7 @@ pub(super) fn advantages(situation: &Situation<'_>, snapshot: &Snapshot) -> Vec<
             + PER_OUTLINE * outline(&bounds, toward(camera))
             + PER_DISTANCE * distance.min(FARTHEST)
     };
-    situation.views.poses().iter().map(|pose| advantage(pose.translation())).collect()
+    situation.views().poses().iter().map(|pose| advantage(pose.translation())).collect()
 }
 
 /// The area of the box's outline as seen from far away in this direction, over the largest there is.
@@ -58,20 +58,14 @@ mod tests {
         let lattice = Lattice::new(0.01).unwrap();
         let block = VoxelBlock::new(IVec3::splat(-10), UVec3::splat(20)).unwrap();
         let snapshot = Snapshot::from_fn(lattice, block, |_| None);
-        let poses = [-0.4, 0.4, 0.6, 50.0].map(|x| look_at(DVec3::new(x, 0.0, 0.0), DVec3::ZERO));
+        let poses = [-0.4, 0.4, 0.6, 50.0].map(|x| look_at(DVec3::new(x, 0.0, 0.0), DVec3::ZERO).unwrap());
         let views = ViewSpace::new(poses.to_vec()).unwrap();
-        let situation = Situation {
-            snapshot: &snapshot,
-            frames: &[],
-            views: &views,
-            intrinsics: &Intrinsics::d435i(),
-            visited: &[0],
-            finest_voxel_size: 0.01,
-            cancel: &Cancel::default(),
-        };
+        let (camera, cancel) = (Intrinsics::d435i(), Cancel::default());
+        let before = Situation::new(&snapshot, &views, &camera, &cancel);
+        let situation = before.with_visited(&[0]).unwrap();
         let [_, near, far, farther] = advantages(&situation, &snapshot)[..] else { panic!("four views") };
         assert!(near < far && (far - farther).abs() < 1e-12, "{near} {far} {farther}");
-        let later = Situation { visited: &[0, 1], ..situation };
+        let later = before.with_visited(&[0, 1]).unwrap();
         assert_eq!(advantages(&later, &snapshot), [0.0; 4]);
     }
 
