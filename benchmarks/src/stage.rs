@@ -61,3 +61,19 @@ fn name_of(voxel_size: f64) -> String {
     let mm = (voxel_size * 1e3).round();
     if mm >= 10.0 { format!("{} cm", mm / 10.0) } else { format!("{mm} mm") }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_are_fields_of_a_line() {
+        let stages = stages();
+        let is_field = |text: &str| !text.contains(',') && !text.contains('|');
+        assert!(stages.iter().all(|stage| is_field(stage.name) && is_field(&stage.case)));
+        let mut names: Vec<String> = stages.iter().map(Stage::to_string).collect();
+        names.sort();
+        names.dedup();
+        assert_eq!(names.len(), stages.len());
+    }
+}

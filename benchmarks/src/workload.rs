@@ -75,6 +75,17 @@ impl Workload {
         Ok(Self { meshes, poses, views: views_on_sphere(N_VIEWS)?, clouds })
     }
 
+    /// The same with a hundredth of the points and the views, to see that everything runs.
+    ///
+    /// # Errors
+    /// If there are no views.
+    pub fn thinned(self) -> Result<Self, Box<dyn Error>> {
+        let views = self.views.poses().iter().step_by(100).copied().collect();
+        let thin = |cloud: Vec<DVec3>| cloud.into_iter().step_by(100).collect();
+        let clouds = self.clouds.map(|set| set.into_iter().map(thin).collect());
+        Ok(Self { views: ViewSpace::new(views)?, clouds, ..self })
+    }
+
     /// Reads a workload from a folder of [plain files](plain_files).
     ///
     /// # Errors

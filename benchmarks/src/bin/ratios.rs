@@ -3,8 +3,9 @@
 //!
 //!     ratios < results.csv
 //!
-//! Exits with 1 if a target is missed.
+//! Exits with 1 if a target is missed, unless the variable QUICK is set.
 
+use nextview_benchmarks::is_quick;
 use std::collections::BTreeMap;
 use std::error::Error;
 use std::io::Read;
@@ -39,8 +40,8 @@ const TIMES: [(&str, &str, &str, f64); 8] = [
     ("nextview wall", "decision; rays of the authors' code", "1 cm", 3.0),
     ("nextview wall", "decision; 32 x 24 rays", "1 cm", 150.0),
     ("nextview wall", "decision; no voxel missed", "1 cm", 150.0),
-    ("nextview wall", "decision; most-surface, second view", "5 mm", 300.0),
-    ("nextview wall", "decision; most-surface, fourth view", "5 mm", 300.0),
+    ("nextview wall", "decision; most-surface; second view", "5 mm", 300.0),
+    ("nextview wall", "decision; most-surface; fourth view", "5 mm", 300.0),
     ("nextview wall", "scan of ten views", "5 mm", 2000.0),
 ];
 
@@ -95,7 +96,7 @@ fn main() -> Result<ExitCode, Box<dyn Error>> {
             limits.collect::<String>()
         );
     }
-    Ok(if n_missed == 0 { ExitCode::SUCCESS } else { ExitCode::FAILURE })
+    Ok(if n_missed == 0 || is_quick() { ExitCode::SUCCESS } else { ExitCode::FAILURE })
 }
 
 fn verdict(is_met: bool, n_missed: &mut usize) -> &'static str {

@@ -2,8 +2,9 @@
 //!
 //!     cargo run --release -p nextview-benchmarks --bin workload -- OBJECT FOLDER
 //!
-//! OBJECT is a mesh file or the name of a built-in object.
+//! OBJECT is a mesh file or the name of a built-in object. With the variable QUICK, the workload is tiny.
 
+use nextview_benchmarks::is_quick;
 use nextview_benchmarks::network::Network;
 use nextview_benchmarks::workload::Workload;
 use std::error::Error;
@@ -19,7 +20,8 @@ fn main() -> Result<(), Box<dyn Error>> {
     let workload = if folder.join("mesh0.bin").exists() {
         Workload::read(&folder)?
     } else {
-        let workload = Workload::around(&object)?;
+        let whole = Workload::around(&object)?;
+        let workload = if is_quick() { whole.thinned()? } else { whole };
         workload.write(&folder)?;
         workload
     };

@@ -41,7 +41,7 @@ pub(super) fn stages() -> Vec<Stage> {
     });
     // One image leaves most unknown, and rays long.
     let most_surface =
-        [("decision; most-surface, second view", 1), ("decision; most-surface, fourth view", 3)].map(
+        [("decision; most-surface; second view", 1), ("decision; most-surface; fourth view", 3)].map(
             |(name, n_images)| {
                 Stage::new(name, name_of(0.005), 1, move |workload| {
                     let planner = MostSurface::new(MostSurfaceConfig::default());

@@ -1,7 +1,7 @@
 //! The options of the command line that keys of the configuration have.
 
 /// Keys and their options.
-const FLAGS: [(&str, &str); 35] = [
+const FLAGS: [(&str, &str); 37] = [
     ("planner", "--planner"),
     ("views", "--views"),
     ("stop.completeness", "--complete"),
@@ -25,6 +25,7 @@ const FLAGS: [(&str, &str); 35] = [
     ("profile", "--profile"),
     ("unit", "--unit"),
     ("size_m", "--size-m"),
+    ("center", "--center"),
     ("baselines", "--baselines"),
     ("recording", "--frames"),
     ("recording.box_m", "--box-m"),
@@ -34,14 +35,23 @@ const FLAGS: [(&str, &str); 35] = [
     ("recording.read.pose_columns", "--pose-columns"),
     ("jobs", "--jobs"),
     ("out", "--out"),
+    ("force", "--force"),
     ("resume", "--resume"),
     ("visited", "--visited"),
     ("box", "--box"),
 ];
 
 /// Keys that a message may name and only a configuration file can hold.
-const FILE_KEYS: [&str; 5] =
-    ["memory_limit_mb", "view_seed", "reach.base_m", "reach.min_radius_m", "reach.max_radius_m"];
+const FILE_KEYS: [&str; 8] = [
+    "memory_limit_mb",
+    "view_seed",
+    "reach.base_m",
+    "reach.min_radius_m",
+    "reach.max_radius_m",
+    "recording.read.depth_topic",
+    "recording.read.pose_topic",
+    "recording.read.pose_tolerance_s",
+];
 
 /// The text with options in the place of keys, which stand in backticks: `` `table` = fit `` becomes `--table
 /// fit`. Other keys are those of a configuration file.

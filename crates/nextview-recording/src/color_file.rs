@@ -1,7 +1,7 @@
 //! Colour images as PNG or JPEG files.
 
-use crate::RecordingError;
 use crate::depth_png::broken;
+use crate::{RecordingError, limits};
 use jpeg_decoder::{Error as JpegError, PixelFormat};
 use nextview::sensor::{ColorImage, Intrinsics};
 use png::{BitDepth, ColorType, Transformations};
@@ -15,7 +15,8 @@ const JPEG: [u8; 2] = [0xff, 0xd8];
 /// of the depth state.
 pub(crate) fn read(path: &Path, intrinsics: &Intrinsics) -> Result<ColorImage, RecordingError> {
     let decode = || {
-        let bytes = std::fs::read(path)?;
+        // A few times the pixels: what a file holds beside them, such as a preview, is less.
+        let bytes = limits::read(path, (1 << 20) + 12 * intrinsics.n_pixels() as u64)?;
         let pixels = match bytes.starts_with(&JPEG) {
             true => decode_jpeg(&bytes, intrinsics)?,
             false => decode_png(&bytes, intrinsics)?,
@@ -29,6 +30,8 @@ pub(crate) fn read(path: &Path, intrinsics: &Intrinsics) -> Result<ColorImage, R
 fn decode_png(bytes: &[u8], intrinsics: &Intrinsics) -> Result<Vec<u8>, RecordingError> {
     let mut decoder = png::Decoder::new(Cursor::new(bytes));
     decoder.set_transformations(Transformations::IDENTITY);
+    decoder.set_ignore_text_chunk(true);
+    decoder.set_ignore_iccp_chunk(true);
     let mut reader = decoder.read_info().map_err(broken)?;
     let info = reader.info();
     check_kind((info.color_type, info.bit_depth) == (ColorType::Rgb, BitDepth::Eight), || {

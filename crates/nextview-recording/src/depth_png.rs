@@ -1,9 +1,8 @@
 //! Depth images as PNG files.
 
-use crate::RecordingError;
+use crate::{RecordingError, limits};
 use nextview::sensor::{DepthImage, Intrinsics};
 use png::{BitDepth, ColorType, Decoder, DecodingError};
-use std::fs::File;
 use std::io::BufReader;
 use std::path::Path;
 
@@ -42,7 +41,10 @@ fn pixels(
     what: &str,
 ) -> Result<Vec<u8>, RecordingError> {
     let decode = || {
-        let mut reader = Decoder::new(BufReader::new(File::open(path)?)).read_info().map_err(broken)?;
+        let mut decoder = Decoder::new(BufReader::new(limits::open(path)?));
+        decoder.set_ignore_text_chunk(true);
+        decoder.set_ignore_iccp_chunk(true);
+        let mut reader = decoder.read_info().map_err(broken)?;
         let info = reader.info();
         check_kind((info.color_type, info.bit_depth), bits, what)?;
         check_size(info.width, info.height, intrinsics)?;

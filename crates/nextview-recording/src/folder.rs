@@ -192,7 +192,8 @@ fn pose_prefix(names: &[&str], options: &ReadOptions) -> Result<String, String> 
             Err(format!("there are no pose columns {prefix}_00 to {prefix}_23, but {}", others.join(", ")))
         }
         (None, several) => {
-            Err(format!("there are several sets of pose columns, {}: choose one by name", several.join(", ")))
+            let names = several.join(", ");
+            Err(format!("there are several sets of pose columns, {names}: choose one as `pose_columns`"))
         }
     }
 }

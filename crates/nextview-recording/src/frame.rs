@@ -52,6 +52,23 @@ impl RecordedFrame {
         Ok(Frame::new(image, self.intrinsics, self.world_from_camera, RANGE)?)
     }
 
+    /// Memory that loading takes, bytes, about.
+    pub(crate) fn cost(&self) -> usize {
+        let record = match &self.depth {
+            DepthSource::Png { .. } => 0,
+            DepthSource::Message { place, .. } => 3 * place.n_bytes,
+        };
+        16 * self.intrinsics.n_pixels() + record
+    }
+
+    /// Size of the file that holds the image, bytes; none if it is one of a file of many.
+    pub(crate) fn file_size(&self) -> std::io::Result<Option<u64>> {
+        match &self.depth {
+            DepthSource::Png { path, .. } => Ok(Some(path.metadata()?.len())),
+            DepthSource::Message { .. } => Ok(None),
+        }
+    }
+
     /// Whether there is a colour image.
     pub fn has_color(&self) -> bool {
         self.color.is_some()

@@ -10,6 +10,7 @@ mod error;
 mod folder;
 mod frame;
 mod lens;
+mod limits;
 mod mcap;
 mod open;
 mod recording;

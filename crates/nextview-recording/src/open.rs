@@ -1,6 +1,6 @@
 use crate::frame::uselessness;
 use crate::recording::{ReadOptions, Recording, Skipped};
-use crate::{RecordingError, folder, mcap, tum};
+use crate::{RecordedFrame, RecordingError, folder, limits, mcap, tum};
 use rayon::prelude::*;
 use std::path::Path;
 
@@ -26,17 +26,31 @@ impl Recording {
             RecordingError::InFile { .. } => error,
             error => error.in_file(path),
         });
-        let recording = recording?.without_useless_frames().map_err(|error| match error {
+        let recording = recording?;
+        recording.check_pixels(path).map_err(|error| error.in_file(path))?;
+        let recording = recording.without_useless_frames().map_err(|error| match error {
             RecordingError::Content(_) => error.in_file(path),
             error => error,
         })?;
         recording.with_checked_colors()
     }
 
+    /// Fails if the images are larger than the files can stand for.
+    fn check_pixels(&self, path: &Path) -> Result<(), RecordingError> {
+        let sizes: Vec<Option<u64>> =
+            self.frames.iter().map(RecordedFrame::file_size).collect::<Result<_, _>>()?;
+        let shared = if sizes.contains(&None) { path.metadata()?.len() } else { 0 };
+        let n_bytes = sizes.iter().flatten().sum::<u64>() + shared;
+        limits::check_pixels(&self.intrinsics, self.frames.len(), n_bytes)
+    }
+
     /// Reads all images and leaves out those that show nothing.
     fn without_useless_frames(mut self) -> Result<Self, RecordingError> {
-        let checks = self.frames.par_iter().map(|frame| Ok(uselessness(frame.load()?.image())));
-        let checks: Vec<Option<String>> = checks.collect::<Result<_, RecordingError>>()?;
+        let check = |frame: &RecordedFrame| Ok(uselessness(frame.load()?.image()));
+        let mut checks: Vec<Option<String>> = Vec::new();
+        for group in self.groups() {
+            checks.append(&mut group.par_iter().map(check).collect::<Result<_, RecordingError>>()?);
+        }
         let mut kept = Vec::new();
         for (frame, why) in self.frames.into_iter().zip(checks) {
             match why {
@@ -53,7 +67,9 @@ impl Recording {
 
     /// Reads all colour images, and notes where some frames lack one.
     fn with_checked_colors(mut self) -> Result<Self, RecordingError> {
-        self.frames.par_iter().try_for_each(|frame| frame.load_color().map(drop))?;
+        for group in self.groups() {
+            group.par_iter().try_for_each(|frame| frame.load_color().map(drop))?;
+        }
         let n_colored = self.frames.iter().filter(|frame| frame.has_color()).count();
         if n_colored > 0 && n_colored < self.frames.len() {
             let n_frames = self.frames.len();

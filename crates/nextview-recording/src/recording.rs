@@ -32,6 +32,27 @@ pub struct Recording {
     pub notes: Vec<String>,
 }
 
+/// Memory that loading the frames of a group may take, bytes.
+const GROUP: usize = 1 << 26;
+
+impl Recording {
+    /// The frames in groups, in their order, that can be loaded at the same time without filling the memory.
+    pub fn groups(&self) -> impl Iterator<Item = &[RecordedFrame]> {
+        let mut rest = self.frames.as_slice();
+        std::iter::from_fn(move || {
+            let mut cost = 0;
+            let is_within = |frame: &&RecordedFrame| {
+                cost += frame.cost();
+                cost <= GROUP
+            };
+            let n = rest.iter().take_while(is_within).count().max(1).min(rest.len());
+            let (group, after) = rest.split_at(n);
+            rest = after;
+            (!group.is_empty()).then_some(group)
+        })
+    }
+}
+
 /// Something that was left out of a recording.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct Skipped {
@@ -90,7 +111,7 @@ impl ReadOptions {
             return Ok(());
         }
         Err(RecordingError::Content(format!(
-            "pose_tolerance_s is {tolerance}, expected a number of seconds, at least 0"
+            "`pose_tolerance_s` is {tolerance}, expected a number of seconds, at least 0"
         )))
     }
 }

@@ -1,6 +1,6 @@
 //! Text files: lines with content, numbers in them, and errors that name the line.
 
-use crate::RecordingError;
+use crate::{RecordingError, limits};
 use std::fmt::Display;
 use std::path::Path;
 use std::str::FromStr;
@@ -14,12 +14,15 @@ pub(crate) struct Line<'a> {
     pub text: &'a str,
 }
 
-/// Reads a file of UTF-8 text.
+/// Reads a file of UTF-8 text: one of bounded size, whose lines are bounded as well.
 pub(crate) fn read(path: &Path) -> Result<String, RecordingError> {
-    String::from_utf8(std::fs::read(path)?).map_err(|error| {
+    let text = String::from_utf8(limits::read(path, limits::MAX_TEXT)?).map_err(|error| {
         let offset = error.utf8_error().valid_up_to();
         RecordingError::format(format!("byte {offset}"), "is no text (UTF-8)")
-    })
+    })?;
+    limits::check_lines(&text)?;
+    limits::check_entries(lines(&text).count(), text.len() as u64)?;
+    Ok(text)
 }
 
 /// The lines with content: empty ones and those that start with `#` are skipped.

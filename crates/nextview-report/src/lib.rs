@@ -16,5 +16,5 @@ mod scan;
 mod text;
 
 #[cfg(feature = "campaign")]
-pub use campaign::{campaign_report, comparison_text};
+pub use campaign::{campaign_report, comparison_text, is_campaign_report};
 pub use scan::{ScanPage, ViewPicture, heading, scan_page, step_line, stop_phrase, summary, summary_text};

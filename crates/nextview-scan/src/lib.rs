@@ -32,7 +32,7 @@ pub use map_summary::{MapSummary, convert_map};
 pub use model::FinalModel;
 pub use names::Named;
 pub use record::{BuildIdentity, OtherBodyRecord, QualityMm, ScanRecord, StepRecord};
-pub use results::{Results, write_results};
+pub use results::{RESULT_FILES, Results, result_folder, write_results};
 pub use run::{Begin, Evaluator, FinishedScan, Measured, Next, ScanRun};
 pub use saved_map::SavedMap;
 pub use source::*;

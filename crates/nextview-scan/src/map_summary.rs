@@ -1,13 +1,13 @@
 //! What a saved map knows, and its other forms.
 
-use crate::{Fault, SavedMap, files};
+use crate::files::{self, Overwrite};
+use crate::{Fault, SavedMap};
 use glam::{DVec3, IVec3};
 use nextview::geometry::{Aabb, Lattice};
-use nextview::map::octree::TreeKind;
+use nextview::map::octree::{Leaf, TreeKind};
 use nextview::map::{LogOdds, Octree, entropy};
 use serde::Serialize;
 use std::f64::consts::LN_2;
-use std::io::Write;
 use std::path::Path;
 
 /// What a map knows, counted with the bounds of the paper's authors: a voxel is occupied above P = 0.65, free
@@ -65,8 +65,7 @@ impl MapSummary {
         };
         let (mut low, mut high) = (IVec3::MAX, IVec3::MIN);
         for leaf in octree.leaves() {
-            let (min, max) = (leaf.min, leaf.min + leaf.edge() as i32 - 1);
-            let Some((min, max)) = overlap(cube, min, max) else { continue };
+            let Some((min, max)) = overlap(cube, leaf.min, leaf.max()) else { continue };
             let n_voxels = (max - min + 1).as_u64vec3().element_product();
             let p = LogOdds(leaf.log_odds).probability();
             summary.measured_voxels += n_voxels;
@@ -114,39 +113,63 @@ fn keys_inside(octree: &Octree, lattice: &Lattice, cube: &Aabb) -> Result<(IVec3
 }
 
 /// The part of a leaf inside the cube.
-fn overlap(cube: Option<(IVec3, IVec3)>, min: IVec3, max: IVec3) -> Option<(IVec3, IVec3)> {
+pub(crate) fn overlap(cube: Option<(IVec3, IVec3)>, min: IVec3, max: IVec3) -> Option<(IVec3, IVec3)> {
     let (min, max) = cube.map_or((min, max), |(low, high)| (min.max(low), max.min(high)));
     min.cmple(max).all().then_some((min, max))
 }
 
 /// Maximum number of voxels that merged leaves may become when they are written one by one.
-const MAX_VOXELS: usize = 50_000_000;
+const MAX_VOXELS: u64 = 50_000_000;
 
 /// Writes a map in the form that the target's name asks for: `.ot`, `.bt`, or the centres of its occupied
-/// voxels as `.ply`.
-pub fn convert_map(from: &Path, to: &Path) -> Result<(), Fault> {
+/// voxels as `.ply`. The rule says whether a target that exists is replaced; the map itself never is.
+pub fn convert_map(from: &Path, to: &Path, rule: Overwrite) -> Result<(), Fault> {
     let extension = to.extension().map(|e| e.to_string_lossy().to_lowercase()).unwrap_or_default();
-    let write = |octree: &Octree, bytes: &mut Vec<u8>| -> Result<(), Fault> {
-        match extension.as_str() {
-            "ot" => Ok(octree.write_ot(bytes)?),
-            "bt" => Ok(octree.write_bt(bytes)?),
-            _ => Ok(nextview::surface::write_points(bytes, &occupied_centers(octree)?)?),
-        }
-    };
     if !["ot", "bt", "ply"].contains(&extension.as_str()) {
         let name = to.display();
         return Err(Fault::request(format!(
             "{name}: unknown format, expected a file name that ends in .ot, .bt or .ply"
         )));
     }
-    let mut bytes = Vec::new();
-    write(&SavedMap::read_octree(from)?, &mut bytes).map_err(|fault| fault.in_file(from))?;
-    files::write(to, |writer| Ok(writer.write_all(&bytes)?))
+    let rule = rule.but(vec![from.to_owned()]);
+    rule.check_file(to)?;
+    let octree = SavedMap::read_octree(from)?;
+    let lattice = Lattice::new(octree.voxel_size()).map_err(|e| Fault::from(e).in_file(from))?;
+    if extension == "ply" {
+        check_expanded(&octree).map_err(|fault| fault.in_file(from))?;
+    }
+    files::write(to, &rule, |writer| match extension.as_str() {
+        "ot" => Ok(octree.write_ot(writer)?),
+        "bt" => Ok(octree.write_bt(writer)?),
+        _ => Ok(nextview::surface::write_points(writer, || occupied_centers(&octree, lattice))?),
+    })
 }
 
-fn occupied_centers(octree: &Octree) -> Result<Vec<DVec3>, Fault> {
-    let lattice = Lattice::new(octree.voxel_size())?;
-    let expanded = octree.expanded(MAX_VOXELS)?;
-    let occupied = expanded.leaves().filter(|leaf| leaf.log_odds > 0.0);
-    Ok(occupied.map(|leaf| lattice.center(leaf.min)).collect())
+/// Fails if merged leaves are too many voxels to write one by one.
+fn check_expanded(octree: &Octree) -> Result<(), Fault> {
+    let n_voxels: u64 = occupied(octree).map(|leaf| u64::from(leaf.edge()).pow(3)).sum();
+    if n_voxels <= MAX_VOXELS {
+        return Ok(());
+    }
+    let message = format!("has {n_voxels} occupied voxels, expected at most {MAX_VOXELS} to write as points");
+    Err(Fault::data(message))
+}
+
+fn occupied(octree: &Octree) -> impl Iterator<Item = Leaf> {
+    octree.leaves().filter(|leaf| leaf.log_odds > 0.0)
+}
+
+/// The centres of the occupied voxels, octant by octant as the leaves are. They are not kept: a leaf may be
+/// millions of voxels.
+fn occupied_centers(octree: &Octree, lattice: Lattice) -> impl Iterator<Item = DVec3> {
+    occupied(octree).flat_map(move |leaf| {
+        let n_voxels = u64::from(leaf.edge()).pow(3);
+        (0..n_voxels).map(move |i| lattice.center(leaf.min + octants(i)))
+    })
+}
+
+/// The place that a number stands for whose bits are, from the lowest on, those of x, y and z in turn.
+fn octants(number: u64) -> IVec3 {
+    let coordinate = |axis: u32| (0..16).map(|bit| ((number >> (3 * bit + axis) & 1) << bit) as i32).sum();
+    IVec3::new(coordinate(0), coordinate(1), coordinate(2))
 }

@@ -46,9 +46,9 @@ fn cloud(
     detail: f64,
     cancel: &Cancel,
 ) -> Result<Vec<CloudPoint>, Fault> {
-    let points_of = |(i, frame): (usize, &Frame)| -> Result<Vec<CloudPoint>, Fault> {
+    let points_of = |(i, frame): (usize, &Frame)| -> Result<_, Fault> {
         cancel.check()?;
-        Ok(frame_points(frame, color(i)?.as_ref(), bounds)?)
+        Ok(frame_points(frame, color(i)?, bounds)?)
     };
     let mut loaded = Ok(());
     let points = frames.iter().enumerate().map_while(|frame| {

@@ -1,8 +1,11 @@
 //! Planning from a saved map, without the frames behind it.
 
+use crate::map_summary::overlap;
 use crate::{Fault, Faults, PlannerConfigs, PlannerName, files};
-use nextview::geometry::{Aabb, VoxelBlock};
-use nextview::map::{Occupancy, OccupancyMap, Octree, SensorModel, Snapshot};
+use glam::{DVec3, IVec3};
+use nextview::geometry::{Aabb, Lattice, VoxelBlock};
+use nextview::map::octree::Leaf;
+use nextview::map::{LogOdds, Occupancy, Octree, Snapshot};
 use nextview::planner::{Batch, BatchPlan, Choice, Situation};
 use nextview::sensor::Intrinsics;
 use nextview::session::{SessionConfig, planning_box};
@@ -21,8 +24,15 @@ pub struct SavedMap {
     visited: Vec<usize>,
 }
 
-/// Maximum number of voxels of a map, about 4 GB.
-const MAX_VOXELS: usize = 200_000_000;
+/// How far the camera sees, metres: the range that the D435i is specified for. Views farther from the box show
+/// nothing of it.
+const RANGE: f64 = 10.0;
+
+/// Memory that planning takes for a voxel of the box, bytes: 35 with max-flow, 8 with the default planner.
+const BYTES_PER_VOXEL: u64 = 40;
+
+/// Memory that a box around the occupied voxels may take however small the file is, bytes.
+const FREE_MEMORY: u64 = 180_000_000;
 
 impl SavedMap {
     /// Reads an OctoMap file.
@@ -32,7 +42,9 @@ impl SavedMap {
 
     /// Reads a map and view candidates for a camera with these optics, after these views were taken.
     ///
-    /// Without bounds, the object lies in the planning box around the map's occupied voxels.
+    /// Without bounds, the object lies in the planning box around the map's occupied voxels; that one must not
+    /// take more memory than suits the size of the file. Fails if all views are too far from the box to show
+    /// anything of it.
     pub fn open(
         map: &Path,
         views: &Path,
@@ -41,23 +53,24 @@ impl SavedMap {
         visited: Vec<usize>,
     ) -> Result<Self, Faults> {
         let octree = Self::read_octree(map)?;
-        let occupancy = OccupancyMap::from_octree(&octree, SensorModel::default(), MAX_VOXELS)
-            .map_err(|e| Fault::from(e).in_file(map))?;
+        let lattice = Lattice::new(octree.voxel_size()).map_err(|e| Fault::from(e).in_file(map))?;
         let is_given = bounds.is_some();
         let bounds = match bounds {
             Some(bounds) => bounds,
-            None => box_around(&occupancy).ok_or_else(|| no_object().in_file(map))?,
+            None => suitable_box(&octree, &lattice, map).map_err(|fault| fault.in_file(map))?,
         };
-        let views = ViewSpace::read_csv(files::open(views)?, bounds.center())
-            .map_err(|e| Fault::from(e).in_file(views))?;
-        let block = block(&occupancy, &bounds)?;
+        let block = block(&lattice, &bounds)?;
         if is_given {
-            check_holds_map(&occupancy, &block)?;
+            check_holds_map(&octree, &lattice, &block)?;
         }
+        let path = views;
+        let views = ViewSpace::read_csv(files::open(path)?, bounds.center())
+            .map_err(|e| Fault::from(e).in_file(path))?;
+        check_near(&views, &bounds).map_err(|fault| fault.in_file(path))?;
         if let Some(view) = visited.iter().find(|view| **view >= views.len()) {
             return Err(Fault::of_value("visited", view, format!("0 to {}", views.len() - 1)).into());
         }
-        Ok(Self { snapshot: occupancy.snapshot(block), views, intrinsics, visited })
+        Ok(Self { snapshot: snapshot(&octree, lattice, block), views, intrinsics, visited })
     }
 
     /// The view candidates.
@@ -98,8 +111,71 @@ impl SavedMap {
     }
 }
 
-fn block(map: &OccupancyMap, bounds: &Aabb) -> Result<VoxelBlock, Fault> {
-    let config = SessionConfig::new(map.lattice().voxel_size(), *bounds);
+/// The known voxels of a block. Only these are looked at: a leaf may stand for 2^48. Log-odds of exactly 0
+/// say nothing, as in [`OccupancyMap::from_octree`](nextview::map::OccupancyMap::from_octree).
+fn snapshot(octree: &Octree, lattice: Lattice, block: VoxelBlock) -> Snapshot {
+    let mut values = vec![f32::NAN; block.n_voxels()];
+    for (leaf, min, max) in known_inside(octree, &block) {
+        for z in min.z..=max.z {
+            for y in min.y..=max.y {
+                let row = |x| block.index(IVec3::new(x, y, z)).expect("the leaf was cut to the block");
+                values[row(min.x)..=row(max.x)].fill(leaf.log_odds);
+            }
+        }
+    }
+    Snapshot::from_fn(lattice, block, |key| {
+        let value = values[block.index(key)?];
+        (!value.is_nan()).then_some(LogOdds(value))
+    })
+}
+
+/// The leaves that say something, each with the lowest and highest of its voxels in the block.
+fn known_inside<'a>(
+    octree: &'a Octree,
+    block: &VoxelBlock,
+) -> impl Iterator<Item = (Leaf, IVec3, IVec3)> + 'a {
+    let inside = Some((block.min(), block.max()));
+    known(octree).filter_map(move |leaf| {
+        let (min, max) = overlap(inside, leaf.min, leaf.max())?;
+        Some((leaf, min, max))
+    })
+}
+
+fn known(octree: &Octree) -> impl Iterator<Item = Leaf> {
+    octree.leaves().filter(|leaf| leaf.log_odds != 0.0)
+}
+
+/// Fails if the map measured something, but nothing in the box: all views would gain the same.
+fn check_holds_map(octree: &Octree, lattice: &Lattice, block: &VoxelBlock) -> Result<(), Fault> {
+    if known_inside(octree, block).next().is_some() {
+        return Ok(());
+    }
+    let centers = known(octree).flat_map(|leaf| [leaf.min, leaf.max()]).map(|key| lattice.center(key));
+    let Some(Aabb { min, max }) = Aabb::around(centers) else { return Ok(()) };
+    let message = format!("`box` holds none of the map's voxels, which lie from {min:.3} to {max:.3} m");
+    Err(Fault::request(message).with_remedy("state the cube that the object lies in"))
+}
+
+/// Fails if no view is near enough to show anything of the box.
+fn check_near(views: &ViewSpace, bounds: &Aabb) -> Result<(), Fault> {
+    let distance =
+        |position: DVec3| (bounds.min - position).max(position - bounds.max).max(DVec3::ZERO).length();
+    let distances = views.poses().iter().map(|pose| distance(pose.translation()));
+    let nearest = distances.enumerate().min_by(|a, b| a.1.total_cmp(&b.1));
+    let Some((view, distance)) = nearest.filter(|(_, distance)| *distance > RANGE) else { return Ok(()) };
+    let Aabb { min, max } = bounds;
+    let fault = Fault::data(format!(
+        "no view is within {RANGE} m, as far as the camera sees, of the box from {min:.3} to {max:.3} m: the \
+         nearest, view {view} (counted from 0), is {distance:.1} m away"
+    ));
+    Err(fault.with_remedy(match distance / 1000.0 <= RANGE {
+        true => "positions are in metres; these may be in millimetres",
+        false => "positions are in metres, in the coordinates of the map",
+    }))
+}
+
+fn block(lattice: &Lattice, bounds: &Aabb) -> Result<VoxelBlock, Fault> {
+    let config = SessionConfig::new(lattice.voxel_size(), *bounds);
     config.block(bounds).map_err(|error| match error {
         Error::TooLarge { needed_mb, limit_mb, .. } => {
             let share = (limit_mb as f64 / needed_mb as f64).cbrt();
@@ -112,30 +188,28 @@ fn block(map: &OccupancyMap, bounds: &Aabb) -> Result<VoxelBlock, Fault> {
     })
 }
 
-/// Fails if the map measured something, but nothing in the box: all views would gain the same.
-fn check_holds_map(map: &OccupancyMap, block: &VoxelBlock) -> Result<(), Fault> {
-    let (voxels, lattice) = (map.voxels(), map.lattice());
-    if voxels.is_empty() || voxels.iter().any(|(key, _)| block.index(*key).is_some()) {
-        return Ok(());
+/// The planning box around the occupied voxels, if it is in proportion to the file.
+fn suitable_box(octree: &Octree, lattice: &Lattice, map: &Path) -> Result<Aabb, Fault> {
+    let remedy = "state the cube that the object lies in as `box`";
+    let occupied = octree.leaves().filter(|leaf| leaf.log_odds > 0.0);
+    let corners = occupied.flat_map(|leaf| [leaf.min, leaf.max()]);
+    let bounds = Aabb::around(corners.map(|key| lattice.center(key))).ok_or_else(|| {
+        Fault::data("no occupied voxel, so the object's place is unknown").with_remedy(remedy)
+    })?;
+    let bounds = planning_box(&bounds, lattice.voxel_size());
+    let n_voxels = (bounds.size() / lattice.voxel_size()).ceil().element_product();
+    let (n_bytes, needed) = (map.metadata()?.len(), n_voxels * BYTES_PER_VOXEL as f64);
+    let limit = FREE_MEMORY.saturating_add(n_bytes.saturating_mul(20));
+    if needed <= limit as f64 {
+        return Ok(bounds);
     }
-    let Some(Aabb { min, max }) = Aabb::around(voxels.iter().map(|(key, _)| lattice.center(*key))) else {
-        return Ok(());
-    };
-    let message = format!("`box` holds none of the map's voxels, which lie from {min:.3} to {max:.3} m");
-    Err(Fault::request(message).with_remedy("state the cube that the object lies in"))
-}
-
-/// The planning box around the occupied voxels; none if there are none.
-fn box_around(map: &OccupancyMap) -> Option<Aabb> {
-    let lattice = map.lattice();
-    let occupied = map.voxels().into_iter().filter(|(_, value)| value.0 > 0.0);
-    let bounds = Aabb::around(occupied.map(|(key, _)| lattice.center(key)))?;
-    Some(planning_box(&bounds, lattice.voxel_size()))
-}
-
-fn no_object() -> Fault {
-    let fault = Fault::data("no occupied voxel, so the object's place is unknown");
-    fault.with_remedy("state the cube that it lies in as `box`")
+    let [needed_mb, limit_mb] = [needed, limit as f64].map(|bytes| (bytes / 1e6).ceil());
+    let fault = Fault::data(format!(
+        "planning in the box around its occupied voxels, from {:.3} to {:.3} m, would need {needed_mb} MB, more than \
+         the limit of {limit_mb} MB for a map of {n_bytes} bytes",
+        bounds.min, bounds.max
+    ));
+    Err(fault.with_remedy(remedy))
 }
 
 /// Fails if the box, which is NBV-Net's grid, shows nothing of an object: the network would name a view all

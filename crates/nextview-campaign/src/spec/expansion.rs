@@ -150,13 +150,17 @@ fn load(mut table: Table) -> Result<ScanConfig, Faults> {
         return Err(faults);
     }
     table.entry("view_seed").or_insert(Value::Integer(0));
-    ScanConfig::from_table(table)
+    let mut config = ScanConfig::from_table(table)?;
+    let n_candidates = config.view_space.rule().map_or(usize::MAX, |_| config.candidates);
+    config.views = Some(config.max_views(n_candidates));
+    Ok(config)
 }
 
 /// Where a rule makes the candidates, their number is known before the run. Returns the key that decides,
 /// too.
 fn check_first_view(config: &ScanConfig, first_view: usize) -> (&'static str, Result<(), Fault>) {
-    let (n, views) = (config.candidates, config.views);
+    let n = config.candidates;
+    let views = config.max_views(n);
     if config.view_space.rule().is_none() {
         ("first_views", Ok(()))
     } else if first_view >= n {

@@ -1,8 +1,11 @@
 use super::reading::Reading;
 use super::{Spec, builtin};
 use crate::runs;
-use nextview_scan::{Fault, Faults};
+use nextview_scan::{Faults, files};
 use std::path::Path;
+
+/// Largest specification, bytes: that of a folder lists every object by its whole path.
+const MAX_BYTES: u64 = 1 << 22;
 
 /// A specification's faults are found all at once, with line and column where a file is behind it.
 impl Spec {
@@ -16,9 +19,8 @@ impl Spec {
             return Self::complete(Reading::of(text, None)?, Path::new(""), objects);
         }
         let path = Path::new(name);
-        let text = std::fs::read_to_string(path).map_err(|e| {
+        let text = files::read_text(path, MAX_BYTES).map_err(|fault| {
             let known = builtin::list().map(|(name, _)| name).collect::<Vec<_>>().join(", ");
-            let fault = Fault::data(format!("cannot be read: {e}")).in_file(path);
             fault.with_remedy(format!("name a TOML file or one of {known}"))
         })?;
         let folder = path.parent().unwrap_or(Path::new(""));
@@ -33,8 +35,7 @@ impl Spec {
     /// Reads the specification that a campaign wrote into its folder.
     pub fn of_folder(dir: &Path) -> Result<Self, Faults> {
         let path = dir.join(Self::FILE);
-        let text = std::fs::read_to_string(&path)
-            .map_err(|e| Fault::data(format!("cannot be read: {e}")).in_file(&path))?;
+        let text = files::read_text(&path, MAX_BYTES)?;
         finish(Reading::of(&text, Some(&path))?)
     }
 

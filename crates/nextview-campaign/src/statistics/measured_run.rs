@@ -40,7 +40,7 @@ impl<'a> MeasuredRun<'a> {
         });
         let mut values = values.collect::<Option<Vec<f64>>>()?;
         let last = *values.last()?;
-        values.resize(self.config.views.max(values.len()), last);
+        values.resize(self.config.views.unwrap_or_default().max(values.len()), last);
         Some(values)
     }
 

@@ -16,12 +16,14 @@
 
 mod checks;
 mod difference;
+mod folder;
 mod known_runs;
 mod records;
 #[expect(clippy::module_inception, reason = "the type that the module is about")]
 mod store;
 mod stored_runs;
 
+pub use folder::campaign_folder;
 pub use records::{Records, StoredRecord, records};
 pub use store::Store;
 pub use stored_runs::{StoredRuns, read};

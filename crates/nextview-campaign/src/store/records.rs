@@ -1,9 +1,19 @@
 use super::RUNS;
 use crate::RunRecord;
-use nextview_scan::{Fault, Place};
+use nextview_scan::{Fault, Place, files};
 use std::fs::File;
-use std::io::{BufRead, BufReader};
+use std::io::{BufRead, BufReader, Read};
 use std::path::{Path, PathBuf};
+
+/// Longest line, bytes: the record of a scan of about 50,000 views.
+const MAX_LINE: u64 = 1 << 26;
+
+/// Fewest bytes of an object in the text of a record, on average. In memory a step takes a thousand, so that
+/// empty ones could fill it.
+const OBJECT: usize = 64;
+
+/// Objects that a line of any length may have.
+const FREE_OBJECTS: usize = 100;
 
 /// Records of a file, one after the other in the order in which the runs ended; repeated ones as they stand.
 #[derive(Debug)]
@@ -28,11 +38,9 @@ pub struct StoredRecord {
 /// The records in a campaign's folder, also while the campaign runs.
 pub fn records(dir: &Path) -> Result<Records, Fault> {
     let path = dir.join(RUNS);
-    let file = File::open(&path).map_err(|e| {
-        let fault = Fault::data(format!("cannot be read: {e}")).in_file(&path);
-        fault.with_remedy("expected the folder of a campaign")
-    })?;
-    Ok(Records::new(BufReader::new(file), &path))
+    let reader =
+        files::open(&path).map_err(|fault| fault.with_remedy("expected the folder of a campaign"))?;
+    Ok(Records::new(reader, &path))
 }
 
 impl<R: BufRead> Records<R> {
@@ -52,6 +60,12 @@ impl<R: BufRead> Records<R> {
     }
 
     fn parse(&self, line: &[u8]) -> Result<StoredRecord, Fault> {
+        let n_objects = line.iter().filter(|byte| **byte == b'{').count();
+        if n_objects > FREE_OBJECTS + line.len() / OBJECT {
+            let problem =
+                format!("{n_objects} objects in {} bytes, expected the record of a run", line.len());
+            return Err(in_line(Fault::data(problem), self.n_lines, &self.path));
+        }
         let parsed = serde_json::from_slice(line);
         let record = parsed.map_err(|error| malformed(&error, self.n_lines, &self.path))?;
         Ok(StoredRecord { line: self.n_lines, record })
@@ -63,12 +77,17 @@ impl<R: BufRead> Iterator for Records<R> {
 
     fn next(&mut self) -> Option<Self::Item> {
         let mut line = Vec::new();
-        let n_bytes = match self.reader.read_until(b'\n', &mut line) {
+        let n_bytes = match self.reader.by_ref().take(MAX_LINE).read_until(b'\n', &mut line) {
             Ok(0) => return None,
             Ok(n_bytes) => n_bytes as u64,
             Err(e) => return Some(Err(Fault::from(e).in_file(&self.path))),
         };
         let Some(whole) = line.strip_suffix(b"\n") else {
+            if n_bytes == MAX_LINE {
+                let fault =
+                    Fault::data(format!("is longer than {MAX_LINE} bytes, expected the record of a run"));
+                return Some(Err(in_line(fault, self.n_lines + 1, &self.path)));
+            }
             self.is_torn = true;
             return None;
         };

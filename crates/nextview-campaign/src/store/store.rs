@@ -2,8 +2,9 @@ use super::RUNS;
 use super::checks::{check_build, check_config, check_same};
 use super::known_runs::{KnownRuns, conflict};
 use super::records::{Records, in_line};
-use crate::{Run, RunId, RunRecord, Spec};
-use nextview_scan::{Fault, Faults, files};
+use crate::{Run, RunId, RunRecord, Spec, tables};
+use nextview_scan::files::{self, Overwrite};
+use nextview_scan::{Fault, Faults};
 use std::collections::BTreeMap;
 use std::fs::{self, File, TryLockError};
 use std::io::{self, BufReader, Write};
@@ -27,25 +28,34 @@ pub struct Store {
 
 impl Store {
     /// Opens the folder for this specification: a new one, or, if it may be resumed, one of the very same
-    /// specification.
+    /// specification. A new one may hold other files, but none that the campaign would replace.
     pub fn open(dir: &Path, spec: &Spec, resume: bool) -> Result<Self, Faults> {
         let runs = spec.runs()?;
+        let (path, saved) = (dir.join(RUNS), dir.join(Spec::FILE));
+        if !resume && !path.exists() {
+            let remedy = "choose another folder (`out`)";
+            let checked = Overwrite::nothing().check_folder(dir, tables::FILES);
+            checked.map_err(|faults| faults.map(|fault| fault.with_remedy(remedy)))?;
+        }
+        if saved.exists() {
+            check_same(&Spec::of_folder(dir)?, spec).map_err(|fault| fault.in_file(&saved))?;
+        }
         let writing = |e: io::Error| Fault::from(e).while_writing(dir);
         fs::create_dir_all(dir).map_err(writing)?;
-        let path = dir.join(RUNS);
-        let file = File::options().read(true).append(true).create(true).open(path).map_err(writing)?;
+        let file = File::options().read(true).append(true).create(true).open(&path).map_err(writing)?;
+        if !file.metadata().map_err(writing)?.is_file() {
+            return Err(Fault::data("is no regular file").in_file(&path).into());
+        }
         lock(&file).map_err(|fault| fault.in_file(dir))?;
         let has_runs = file.metadata().map_err(writing)?.len() > 0;
         if has_runs && !resume {
             let fault = Fault::data("has the results of a campaign already").in_file(dir);
             return Err(fault.with_remedy("resume it (`resume`), or choose another folder (`out`)").into());
         }
-        let saved = dir.join(Spec::FILE);
-        if has_runs || (resume && saved.exists()) {
-            check_same(&Spec::of_folder(dir)?, spec).map_err(|fault| fault.in_file(&saved))?;
-        } else {
-            let text = spec.to_toml()?;
-            files::write(&saved, |w| Ok(w.write_all(text.as_bytes())?))?;
+        if !saved.exists() {
+            let missing = || Fault::data("is missing, expected that of runs.jsonl").in_file(&saved);
+            let text = if has_runs { Err(missing()) } else { spec.to_toml() }?;
+            files::write(&saved, &Overwrite::nothing(), |w| Ok(w.write_all(text.as_bytes())?))?;
         }
         let numbers = runs.iter().map(|run| run.id.clone()).zip(0..).collect();
         let (records, n_objects) = (vec![None; runs.len()], spec.objects.len());

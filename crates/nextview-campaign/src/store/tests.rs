@@ -169,7 +169,7 @@ fn unequal_repeated_records_name_both_lines() {
     assert!(fault.contains("another record of object mug") && fault.contains("results differ"), "{fault}");
     assert_eq!(folder.text(), line(&records[1]));
 
-    let (fault, ..) = unequal(|run| run.config.views = 3);
+    let (fault, ..) = unequal(|run| run.config.views = Some(3));
     assert!(fault.contains("lines 1 and 3") && fault.contains("views is 10 and 3"), "{fault}");
     let (fault, ..) = unequal(|run| run.build.source = "feed".to_owned());
     assert!(fault.contains("lines 1 and 3") && fault.contains("feed"), "{fault}");
@@ -224,7 +224,7 @@ fn a_folder_is_that_of_one_campaign() {
     };
     refused(&RunRecord { seed: 9, ..records[1].clone() }, "no run of this campaign: object mug");
     let mut other = records[1].clone();
-    other.config.views = 4;
+    other.config.views = Some(4);
     refused(&other, "its configuration is not that of this program: views is 4 there, 10 here");
     let mut chosen = records[1].clone();
     chosen.config.voxel_size_m = Some(0.003);

@@ -1,10 +1,11 @@
+use super::values;
 use crate::progress::CampaignProgress;
 use crate::{Failure, stdout};
 use clap::Args;
 use indicatif::HumanDuration;
 use nextview::Cancel;
 use nextview_campaign::execution::{CampaignEvent, run_campaign};
-use nextview_campaign::store::Store;
+use nextview_campaign::store::{self, Store};
 use nextview_campaign::{FailedRuns, Spec, builtin, failed_runs, tables};
 use std::path::{Path, PathBuf};
 use std::time::Instant;
@@ -18,10 +19,13 @@ use std::time::Instant;
 #[command(after_help = EXAMPLES)]
 pub(super) struct BenchArgs {
     /// A TOML file or a built-in specification (see --list)
+    #[arg(value_parser = values::file_name())]
     spec: Option<String>,
     /// Mesh files or builtin:NAME (see scan), in place of the objects of the specification
+    #[arg(value_parser = values::file_name())]
     mesh: Vec<String>,
-    /// Folder for the results [default: bench-NAME]
+    /// Folder for the results [default: bench-NAME, followed by -2, -3, ... where that holds a finished
+    /// campaign]
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
     /// Runs beside each other [default: one per thread]; with 1, times and memory are undisturbed
@@ -65,7 +69,7 @@ impl BenchArgs {
         }
         let start = Instant::now();
         let spec = self.specification()?;
-        let dir = self.out.unwrap_or_else(|| PathBuf::from(format!("bench-{}", spec.name)));
+        let dir = self.out.unwrap_or_else(|| store::campaign_folder(&spec.name, self.resume));
         let mut store = Store::open(&dir, &spec, self.resume)?;
         let n_runs = store.runs().len();
         let progress = CampaignProgress::new(n_runs);

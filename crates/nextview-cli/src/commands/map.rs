@@ -52,6 +52,9 @@ pub(super) struct ConvertArgs {
     from: PathBuf,
     /// The file to write, .ot, .bt or .ply
     to: PathBuf,
+    /// Replace the file to write if it exists
+    #[arg(long)]
+    force: bool,
 }
 
 impl InfoArgs {
@@ -66,7 +69,7 @@ impl InfoArgs {
 
 impl ConvertArgs {
     fn run(self) -> Result<(), Failure> {
-        Ok(convert_map(&self.from, &self.to)?)
+        Ok(convert_map(&self.from, &self.to, values::overwrite(self.force))?)
     }
 }
 

@@ -1,8 +1,9 @@
+use super::values;
 use crate::{Failure, stdout};
 use clap::Args;
 use nextview_campaign::store;
-use nextview_report::campaign_report;
-use nextview_scan::files::ResultFolder;
+use nextview_report::{campaign_report, is_campaign_report};
+use nextview_scan::files::{self, ResultFolder};
 use std::io::Write;
 use std::path::PathBuf;
 
@@ -16,13 +17,22 @@ use std::path::PathBuf;
 pub(super) struct ReportArgs {
     /// The campaign's folder
     dir: PathBuf,
+    /// Replace report.html and report.md even if they are no reports of a campaign
+    #[arg(long)]
+    force: bool,
 }
+
+const FILES: &[&str] = &["report.html", "report.md"];
+
+/// Longest report that is recognised, bytes.
+const MAX_BYTES: u64 = 1 << 28;
 
 impl ReportArgs {
     pub fn run(self) -> Result<(), Failure> {
         let campaign = store::read(&self.dir)?;
         let [html, markdown] = campaign_report(&campaign);
-        let mut folder = ResultFolder::begin(&self.dir)?;
+        let rule = values::overwrite(self.force || FILES.iter().all(|name| self.may_replace(name)));
+        let mut folder = ResultFolder::begin(&self.dir, FILES, rule)?;
         folder.add("report.html", |w| Ok(w.write_all(html.as_bytes())?))?;
         folder.add("report.md", |w| Ok(w.write_all(markdown.as_bytes())?))?;
         folder.publish()?;
@@ -31,5 +41,11 @@ impl ReportArgs {
         }
         let path = self.dir.join("report.html");
         stdout::print(format!("{} runs; open {}\n", campaign.runs.len(), path.display()))
+    }
+
+    /// Whether the file is a report of before, or not there.
+    fn may_replace(&self, name: &str) -> bool {
+        let path = self.dir.join(name);
+        !path.exists() || files::read_text(&path, MAX_BYTES).is_ok_and(|text| is_campaign_report(&text))
     }
 }

@@ -1,15 +1,36 @@
 //! Values on the command line.
 
-use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
+use clap::builder::{OsStringValueParser, PossibleValue, PossibleValuesParser, TypedValueParser};
 use glam::DVec3;
 use nextview::geometry::Aabb;
 use nextview_scan::Named;
+use nextview_scan::files::Overwrite;
+use std::ffi::OsString;
 
 /// A value by its name.
 pub(super) fn named<T: Named + Send + Sync>() -> impl TypedValueParser<Value = T> {
-    let values = T::ALL.iter().map(|value| PossibleValue::new(value.name()).help(value.about()));
+    some_named(|_: T| true)
+}
+
+/// One of the values that are suitable, by its name.
+pub(super) fn some_named<T: Named + Send + Sync>(
+    is_suitable: fn(T) -> bool,
+) -> impl TypedValueParser<Value = T> {
+    let values = T::ALL.iter().filter(|value| is_suitable(**value));
+    let values = values.map(|value| PossibleValue::new(value.name()).help(value.about()));
     PossibleValuesParser::new(values)
         .map(|name| T::of_name(&name).expect("the parser knows all names and no other"))
+}
+
+/// The name of a file that configurations and results hold, which are text.
+pub(super) fn file_name() -> impl TypedValueParser<Value = String> {
+    let text = |name: OsString| name.into_string().map_err(|_| "the name is not Unicode: rename the file");
+    OsStringValueParser::new().try_map(text)
+}
+
+/// What may be written over with and without `--force`.
+pub(super) fn overwrite(force: bool) -> Overwrite {
+    if force { Overwrite::results() } else { Overwrite::nothing() }
 }
 
 /// A finite number.

@@ -33,13 +33,19 @@ pub(super) struct ViewsArgs {
     /// File to write [default: stdout]
     #[arg(long, value_name = "FILE")]
     out: Option<PathBuf>,
+    /// Replace the file to write if it exists
+    #[arg(long, requires = "out")]
+    force: bool,
 }
 
 impl ViewsArgs {
     pub fn run(self) -> Result<(), Failure> {
         let views = self.rule.views(self.center, self.size_m, self.count, self.seed)?;
         match &self.out {
-            Some(path) => Ok(files::write(path, |writer| Ok(views.write_csv(writer)?))?),
+            Some(path) => {
+                let rule = values::overwrite(self.force);
+                Ok(files::write(path, &rule, |writer| Ok(views.write_csv(writer)?))?)
+            }
             None => {
                 let mut csv = Vec::new();
                 views.write_csv(&mut csv)?;

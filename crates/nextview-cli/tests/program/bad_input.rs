@@ -289,6 +289,17 @@ fn recordings_with_faults() {
     text("rec/poses.csv", "\n1,", "\n0,", &["line 3: frame 0 is in line 2 already"]);
     let poses = folder.bytes("rec/poses.csv");
     with("rec/poses.csv", poses[..poses.len() - 50].to_vec(), &["line 4: ", "columns, expected 13"]);
+    let poses = folder.text("rec/poses.csv");
+    let twice = poses.lines().map(|line| {
+        let (frame, pose) = line.split_once(',').unwrap();
+        format!(
+            "{frame},{},{}\n",
+            pose.replace("world_from_camera", "given"),
+            pose.replace("world_from", "other")
+        )
+    });
+    let parts = ["several sets of pose columns, given, other_camera: choose one as --pose-columns"];
+    with("rec/poses.csv", twice.collect::<String>().into(), &parts);
     folder.refused(&["scan", "--frames", "missing"], DATA, &["missing: cannot be read"]);
     folder.refused(&["scan", "--frames", "."], DATA, &["is no recording", "poses.csv"]);
 }
@@ -308,6 +319,7 @@ fn questions_that_recordings_cannot_answer() {
     refused(&["--table", "known"], &["--table is for simulations", "hint: --table-z-m states its height"]);
     refused(&["--table", "fit", "--table-z-m", "0"], &["--table-z-m states the table", "hint: leave out "]);
     refused(&["--views", "4"], &["--views is 4, expected 1 to 3"]);
+    refused(&["--views", "10"], &["--views is 10, expected 1 to 3"]);
     refused(&["--views", "2", "--first-view", "3"], &["--first-view is 3, expected 0 to 2"]);
     refused(&["--views", "2", "--planner", "clairvoyant"], &["true object", "--truth"]);
     refused(
@@ -386,13 +398,30 @@ fn questions_that_a_map_cannot_answer() {
     };
     plan(&["--visited", "1"], USAGE, &["--visited is 1", "0 to 0"]);
     plan(&["--visited", "-1"], USAGE, &["--visited"]);
-    plan(&["--planner", "clairvoyant"], USAGE, &["hint: ", "use it in a simulation"]);
-    plan(&["--planner", "proximity-count"], USAGE, &["depth images", "hint: ", "use it in a scan"]);
+    for planner in ["clairvoyant", "proximity-count"] {
+        let parts = [&format!("invalid value '{planner}'"), "possible values: most-surface, max-flow, local"];
+        plan(&["--planner", planner], USAGE, &parts);
+    }
     plan(&["--theta", "1.5"], USAGE, &["--theta", "1.5 is not in 0 to 1"]);
     plan(&["--box", "0,0,0,100"], USAGE, &["MB, more than the limit", "--box"]);
     plan(&["--box", "0,0,0,1e30"], USAGE, &["--box"]);
     folder.refused(&["plan", "--map", map, "--views", "missing.csv"], DATA, &["missing.csv: cannot be read"]);
+    folder.write("mm.csv", "400,0,100\n0,400,100\n");
+    let parts = ["mm.csv: no view is within 10 m", "nearest, view 0", "may be in millimetres"];
+    folder.refused(&["plan", "--map", map, "--views", "mm.csv"], DATA, &parts);
     folder.refused(&["views", "--count", "0"], USAGE, &["candidates is 0"]);
+    for size in ["1e308", "1e-320"] {
+        folder.refused(
+            &["views", "--size-m", size],
+            USAGE,
+            &["--size-m is ", "expected 0.000001 to 1000000 m"],
+        );
+    }
+    folder.refused(
+        &["views", "--center", "0,0,1e300"],
+        USAGE,
+        &["--center is [0, 0, 1000000", "expected coord"],
+    );
     folder.refused(&["views", "--center", "1,2"], USAGE, &["--center", "x,y,z"]);
 }
 

@@ -239,7 +239,8 @@ fn a_folder_is_that_of_one_campaign() {
             assert!(run.stderr.contains(part), "{part:?} in {}", run.stderr);
         }
     };
-    refused(&["bench", "tiny.toml"], &["has the results of a campaign already", "--resume"]);
+    let again = ["bench", "tiny.toml", "--out", "bench-tiny"];
+    refused(&again, &["has the results of a campaign already", "--resume"]);
     folder.write("other.toml", SPEC.replace("views = 3", "views = 4"));
     refused(&["bench", "other.toml", "--resume"], &["spec.toml: ", "scan.views is 3 there, 4 here"]);
     let runs = File::options().append(true).open(folder.path("bench-tiny/runs.jsonl")).unwrap();
@@ -247,6 +248,46 @@ fn a_folder_is_that_of_one_campaign() {
     refused(&["bench", "tiny.toml", "--resume"], &["another process is writing there"]);
     drop(runs);
     folder.ok(&["bench", "tiny.toml", "--resume"]);
+}
+
+#[test]
+fn a_finished_campaign_is_not_that_of_the_next() {
+    let folder = finished("bench-again");
+    let first = folder.bytes("bench-tiny/runs.jsonl");
+    let told = folder.ok(&["bench", "tiny.toml"]);
+    assert!(told.contains("results in bench-tiny-2 ("), "{told}");
+    check_tables(&folder, "bench-tiny-2");
+    assert_eq!(folder.bytes("bench-tiny/runs.jsonl"), first);
+    // The last one is resumed, or the one after it that was interrupted.
+    let resumed = folder.ok(&["bench", "tiny.toml", "--resume"]);
+    assert!(resumed.contains("10 runs, 10 done before, in bench-tiny-2\n"), "{resumed}");
+    let lines = folder.text("bench-tiny/runs.jsonl");
+    folder.write("bench-tiny-3/runs.jsonl", lines.lines().next().unwrap().to_owned() + "\n");
+    folder.write("bench-tiny-3/spec.toml", folder.bytes("bench-tiny/spec.toml"));
+    let run = folder.run(&["bench", "tiny.toml"]);
+    assert!(run.code == Some(1) && run.stderr.contains("bench-tiny-3: has the results of"), "{}", run.stderr);
+    let resumed = folder.ok(&["bench", "tiny.toml", "--resume"]);
+    assert!(resumed.contains("10 runs, 1 done before, in bench-tiny-3\n"), "{resumed}");
+}
+
+#[test]
+fn other_files_are_neither_specification_nor_tables() {
+    let folder = Folder::new("bench-others");
+    // The campaign's own would hold the whole path.
+    let spec = SPEC.replace("builtin:mug", "part.obj");
+    folder.write("spec.toml", &spec);
+    folder.write("part.obj", "v 0 0 0\nv 0.2 0 0\nv 0 0.2 0\nf 1 2 3\n");
+    let refused = |name: &str, part: &str| {
+        let run = folder.run(&["bench", "spec.toml", "--out", "."]);
+        assert!(run.code == Some(1) && run.stderr.contains(part), "{name}: {}", run.stderr);
+        assert!(run.stderr.contains("choose another folder (--out)") && !run.stderr.contains("--force"));
+        assert!(!folder.path("runs.jsonl").exists());
+    };
+    refused("specification", "spec.toml: the folder is that of another specification");
+    assert_eq!(folder.text("spec.toml"), spec);
+    folder.write("steps.csv", "mine");
+    refused("table", ".: holds results already: steps.csv");
+    assert_eq!(folder.text("steps.csv"), "mine");
 }
 
 #[test]

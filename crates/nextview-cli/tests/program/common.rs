@@ -5,9 +5,9 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 
-/// A scan that takes a second or two.
-pub const SMALL: [&str; 7] =
-    ["scan", "builtin:mug", "--candidates", "20", "--voxel-size-m", "0.01", "--out=out"];
+/// A scan that takes a second or two; another one may follow it in the folder.
+pub const SMALL: [&str; 8] =
+    ["scan", "builtin:mug", "--candidates", "20", "--voxel-size-m", "0.01", "--out=out", "--force"];
 
 /// What a scan leaves in its folder.
 pub const RESULT_FILES: [&str; 10] = [

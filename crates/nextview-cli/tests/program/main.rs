@@ -6,6 +6,9 @@ mod bad_input;
 #[cfg(test)]
 mod bench;
 #[cfg(test)]
+#[cfg(target_os = "linux")]
+mod bombs;
+#[cfg(test)]
 mod campaigns;
 #[cfg(test)]
 mod common;
@@ -19,9 +22,14 @@ mod help;
 #[cfg(unix)]
 mod interrupt;
 #[cfg(test)]
+#[cfg(unix)]
+mod irregular;
+#[cfg(test)]
 mod map_and_views;
 #[cfg(test)]
 mod motion;
+#[cfg(test)]
+mod overwriting;
 #[cfg(test)]
 mod ply;
 #[cfg(test)]

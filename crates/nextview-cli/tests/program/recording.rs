@@ -8,8 +8,8 @@ use nextview_recording::{ReadOptions, Recording};
 use nextview_sim::mesh::TriangleMesh;
 use nextview_sim::{builtin, scene::Scene};
 
-/// A scan of the recording in the folder `rec`.
-pub const SCAN: [&str; 6] = ["scan", "--frames", "rec", "--voxel-size-m", "0.01", "--out=out"];
+/// A scan of the recording in the folder `rec`; another one may follow it in the folder.
+pub const SCAN: [&str; 7] = ["scan", "--frames", "rec", "--voxel-size-m", "0.01", "--force", "--out=out"];
 
 /// Writes so many frames into the folder `rec`, and what they show as `mug.obj` and, in another place,
 /// `moved.obj`.

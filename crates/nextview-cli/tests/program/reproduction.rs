@@ -48,8 +48,8 @@ fn check(object: &str, file: &str) {
     let folder = Folder::new(&format!("reproduction-{object}"));
     for (report, column, config) in COLUMNS {
         folder.write("config.toml", format!("{PROTOCOL}{config}"));
-        let scan =
-            folder.json(&["scan", mesh.to_str().unwrap(), "--config=config.toml", "--out=out", "--json"]);
+        let args = ["--config=config.toml", "--out=out", "--force", "--json"];
+        let scan = folder.json(&[&["scan", mesh.to_str().unwrap()], &args[..]].concat());
         let coverage = *curve(&scan, "voxel_coverage").last().unwrap();
         assert_eq!(
             format!("{:.1}", 100.0 * coverage),

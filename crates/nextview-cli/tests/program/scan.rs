@@ -110,12 +110,17 @@ fn results_feed_the_next_scan() {
     assert_eq!(timeless(again), timeless(first.clone()));
     assert_eq!(folder.bytes("again/config.toml"), folder.bytes("out/config.toml"));
 
-    let args = ["--views", "3", "--view-space", "out/views.csv", "--json"];
-    let same_views = folder.json(&small(&args));
-    assert_eq!(same_views["candidates"], 3);
+    let args = ["scan", "builtin:mug", "--voxel-size-m=0.01", "--view-space=out/views.csv", "--out=third"];
+    let same_views = folder.json(&[&args[..], &["--json"]].concat());
+    assert_eq!(
+        (&same_views["candidates"], &same_views["views"]),
+        (&3.into(), &3.into()),
+        "no more than there are"
+    );
     assert_eq!(curve(&same_views, "voxel_coverage")[0], curve(&first, "voxel_coverage")[0]);
+    assert!(folder.text("third/config.toml").contains("view_space = \"out/views.csv\""));
+    folder.json(&small(&["--views", "2", "--json"]));
     assert_eq!(folder.names("out"), RESULT_FILES, "results are replaced");
-    assert!(folder.text("out/config.toml").contains("view_space = \"out/views.csv\""));
 }
 
 #[test]

@@ -1,5 +1,5 @@
 use super::cursor::Cursor;
-use crate::RecordingError;
+use crate::{RecordingError, limits};
 use std::io::Read;
 
 /// The records that a chunk holds, decompressed.
@@ -11,6 +11,7 @@ pub(super) fn records(content: &[u8]) -> Result<Vec<u8>, RecordingError> {
     let compression = cursor.text()?;
     let length = u64::from_le_bytes(cursor.array()?);
     let packed = cursor.take(usize::try_from(length).unwrap_or(usize::MAX))?;
+    limits::check_chunk(size, length)?;
     let plain = decompressed(compression, packed, size)?;
     let found = crc32fast::hash(&plain);
     if plain.len() as u64 != size || (crc != 0 && crc != found) {

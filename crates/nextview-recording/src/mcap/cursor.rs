@@ -1,5 +1,8 @@
 use crate::RecordingError;
 
+/// Longest name of a topic, a type or an encoding, bytes: each message is named by its topic.
+const MAX_NAME: u32 = 256;
+
 /// Reads bytes from front to back and never past the end.
 #[derive(Clone, Debug)]
 pub(super) struct Cursor<'a> {
@@ -40,6 +43,10 @@ impl<'a> Cursor<'a> {
     /// A text, preceded by its length.
     pub fn text(&mut self) -> Result<&'a str, RecordingError> {
         let length = u32::from_le_bytes(self.array()?);
+        if length > MAX_NAME {
+            let problem = format!("a name has {length} bytes, expected at most {MAX_NAME}");
+            return Err(RecordingError::Content(problem));
+        }
         str::from_utf8(self.take(length as usize)?)
             .map_err(|_| RecordingError::Content("a name is no text (UTF-8)".into()))
     }

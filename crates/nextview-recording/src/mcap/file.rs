@@ -5,7 +5,7 @@
 
 use super::chunk;
 use super::cursor::Cursor;
-use crate::RecordingError;
+use crate::{RecordingError, limits};
 use std::fs::File;
 use std::io::{BufReader, ErrorKind, Read, Seek, SeekFrom};
 use std::path::Path;
@@ -19,6 +19,8 @@ pub(crate) struct Place {
     byte: u64,
     /// Byte among the chunk's records, if there is a chunk.
     in_chunk: Option<usize>,
+    /// Size of the record, or of the chunk's records.
+    pub(crate) n_bytes: usize,
 }
 
 /// The records that concern messages.
@@ -52,6 +54,7 @@ pub(super) fn walk(
     mut visit: impl FnMut(Place, Record<'_>) -> Result<(), RecordingError>,
 ) -> Result<(), RecordingError> {
     let mut records = Records::open(path)?;
+    let mut n_plain = 0;
     loop {
         let byte = records.byte;
         let (opcode, content) = records.next()?;
@@ -60,15 +63,18 @@ pub(super) fn walk(
             opcode::DATA_END => return Ok(()),
             opcode::CHUNK => {
                 let plain = chunk::records(&content).map_err(in_record)?;
+                n_plain += plain.len() as u64;
+                limits::check_chunks(n_plain, records.size).map_err(in_record)?;
                 let mut cursor = Cursor::new(&plain);
                 while !cursor.rest().is_empty() {
-                    let place = Place { byte, in_chunk: Some(cursor.at()) };
+                    let place = Place { byte, in_chunk: Some(cursor.at()), n_bytes: plain.len() };
                     let (opcode, content) = next_in_chunk(&mut cursor).map_err(in_record)?;
                     show(place, opcode, content, &mut visit).map_err(in_record)?;
                 }
             }
             opcode => {
-                show(Place { byte, in_chunk: None }, opcode, &content, &mut visit).map_err(in_record)?;
+                let place = Place { byte, in_chunk: None, n_bytes: content.len() };
+                show(place, opcode, &content, &mut visit).map_err(in_record)?;
             }
         }
     }
@@ -141,7 +147,7 @@ fn short(cursor: &mut Cursor<'_>) -> Result<u16, RecordingError> {
 
 impl Records {
     fn open(path: &Path) -> Result<Self, RecordingError> {
-        let file = File::open(path)?;
+        let file = limits::open(path)?;
         let size = file.metadata()?.len();
         let mut records = Self { file: BufReader::new(file), byte: MAGIC.len() as u64, size };
         let mut magic = [0; MAGIC.len()];

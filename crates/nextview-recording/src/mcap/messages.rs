@@ -26,9 +26,19 @@ pub(super) fn camera_info(message: &[u8]) -> Result<Intrinsics, RecordingError> 
     lens::checked(intrinsics.with_distortion(distortion)?)
 }
 
+/// Most coefficients of a distortion that OpenCV knows.
+const MAX_COEFFICIENTS: usize = 14;
+
 /// Distortion by ROS's name for it (REP 104).
 fn distortion(model: &str, coefficients: &[f64]) -> Result<Distortion, RecordingError> {
     let five: [f64; 5] = std::array::from_fn(|i| coefficients.get(i).copied().unwrap_or(0.0));
+    if coefficients.len() > MAX_COEFFICIENTS {
+        let problem = format!(
+            "the distortion has {} coefficients, expected at most {MAX_COEFFICIENTS}",
+            coefficients.len()
+        );
+        return Err(RecordingError::Content(problem));
+    }
     let is_polynomial = coefficients.iter().skip(5).all(|k| *k == 0.0);
     match model {
         _ if coefficients.iter().all(|k| *k == 0.0) => Ok(Distortion::None),

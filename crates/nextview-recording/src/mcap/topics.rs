@@ -3,7 +3,7 @@ use super::messages::{self, Image};
 use crate::frame::DepthSource;
 use crate::recording::{ReadOptions, Recording, Skipped};
 use crate::trajectory::{Stamped, Trajectory};
-use crate::{RecordedFrame, RecordingError};
+use crate::{RecordedFrame, RecordingError, limits};
 use nextview::geometry::Pose;
 use nextview::sensor::Intrinsics;
 use std::collections::{BTreeMap, HashMap};
@@ -15,10 +15,12 @@ struct Topics {
     cameras: BTreeMap<String, Intrinsics>,
     images: BTreeMap<String, Vec<Stamped<Place>>>,
     poses: BTreeMap<String, Vec<Stamped<Pose>>>,
+    /// Number of images and poses.
+    n_entries: usize,
 }
 
 pub(crate) fn read(path: &Path, options: &ReadOptions) -> Result<Recording, RecordingError> {
-    let Topics { cameras, mut images, mut poses } = Topics::read(path)?;
+    let Topics { cameras, mut images, mut poses, .. } = Topics::read(path)?;
     let depth_topic = chosen("depth image", &images, "depth_topic", options.depth_topic.as_deref())?;
     let pose_topic = chosen("PoseStamped", &poses, "pose_topic", options.pose_topic.as_deref())?;
     let intrinsics = cameras[&camera_topic(&cameras, &depth_topic)?];
@@ -48,6 +50,7 @@ impl Topics {
         let mut schemas: HashMap<u16, String> = HashMap::new();
         let mut channels: HashMap<u16, (u16, String)> = HashMap::new();
         let mut counts: HashMap<u16, usize> = HashMap::new();
+        let n_bytes = path.metadata()?.len();
         file::walk(path, |place, record| {
             match record {
                 Record::Schema { id, name } => _ = schemas.insert(id, name.to_owned()),
@@ -64,6 +67,7 @@ impl Topics {
                     topics
                         .add(schema, topic, &name, place, data)
                         .map_err(|error| RecordingError::format(name, error.to_string()))?;
+                    limits::check_entries(topics.n_entries, n_bytes)?;
                 }
             }
             Ok(())
@@ -94,12 +98,14 @@ impl Topics {
                 if image.is_depth() {
                     let stamped = Stamped { time: image.time, place: place_name, value: place };
                     self.images.entry(topic.to_owned()).or_default().push(stamped);
+                    self.n_entries += 1;
                 }
             }
             "geometry_msgs/msg/PoseStamped" => {
                 let (time, value) = messages::pose_stamped(data)?;
                 let stamped = Stamped { time, place: place_name, value };
                 self.poses.entry(topic.to_owned()).or_default().push(stamped);
+                self.n_entries += 1;
             }
             _ => {}
         }
@@ -120,9 +126,11 @@ fn chosen<T>(
         (None, [only]) => return Ok((*only).to_owned()),
         (_, []) => format!("there is no {what} topic, expected ROS 2 messages in CDR"),
         (Some(wanted), _) => {
-            format!("{option} is {wanted}, but there are the {what} topics {}", names.join(", "))
+            format!("`{option}` is {wanted}, but there are the {what} topics {}", names.join(", "))
         }
-        (None, _) => format!("there are several {what} topics, {}: choose one as {option}", names.join(", ")),
+        (None, _) => {
+            format!("there are several {what} topics, {}: choose one as `{option}`", names.join(", "))
+        }
     };
     Err(RecordingError::Content(problem))
 }

@@ -247,13 +247,13 @@ fn topics_that_lack_or_are_several_are_named() {
     let bytes = file(Form::PLAIN, &messages);
     let several = open(&folder, &bytes, &ReadOptions::default()).unwrap_err();
     let names =
-        format!("several depth image topics, /camera/color/image_raw, {DEPTH}: choose one as depth_topic");
+        format!("several depth image topics, /camera/color/image_raw, {DEPTH}: choose one as `depth_topic`");
     assert_parts(&several, &[&names]);
     let choose = |topic: &str| ReadOptions { depth_topic: Some(topic.to_owned()), ..ReadOptions::default() };
     assert_eq!(open(&folder, &bytes, &choose(DEPTH)).unwrap().frames.len(), 3);
     assert_parts(
         &open(&folder, &bytes, &choose("/depth")).unwrap_err(),
-        &["depth_topic is /depth, but there are"],
+        &["`depth_topic` is /depth, but there are"],
     );
 }
 

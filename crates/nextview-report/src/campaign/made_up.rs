@@ -42,10 +42,13 @@ pub(crate) fn record_mut(run: &mut RunRecord) -> &mut ScanRecord {
     }
 }
 
+const N_VIEWS: usize = 10;
+
 fn run(variant: &str, (data_set, object): (&str, &str), rank: usize, object_idx: usize) -> RunRecord {
     let config = ScanConfig {
         object: format!("meshes/{object}.ply"),
         planner: planner(variant),
+        views: Some(N_VIEWS),
         voxel_size_m: Some(0.005),
         ..ScanConfig::of_profile(Profile::Default)
     };
@@ -57,10 +60,10 @@ fn run(variant: &str, (data_set, object): (&str, &str), rank: usize, object_idx:
         object_voxels: Some(1000),
         reachable_voxels: Some(960),
         stop_reason: Some(StopReason::ViewLimit),
-        views: config.views,
-        steps: (1..=config.views).map(|view| step(view, rate)).collect(),
-        random_curve: Some((1..=config.views).map(|view| saturating(0.32, view)).collect()),
-        clairvoyant_curve: Some((1..=config.views).map(|view| saturating(0.8, view)).collect()),
+        views: N_VIEWS,
+        steps: (1..=N_VIEWS).map(|view| step(view, rate)).collect(),
+        random_curve: Some((1..=N_VIEWS).map(|view| saturating(0.32, view)).collect()),
+        clairvoyant_curve: Some((1..=N_VIEWS).map(|view| saturating(0.8, view)).collect()),
         skill: Some((rate - 0.32) / 0.48),
         ..ScanRecord::default()
     };

@@ -20,4 +20,4 @@ mod summary;
 mod tests;
 
 pub use comparison::comparison_text;
-pub use report::campaign_report;
+pub use report::{campaign_report, is_campaign_report};

@@ -10,6 +10,17 @@ pub fn campaign_report(campaign: &StoredRuns) -> [String; 2] {
     [html::render(&document), markdown::render(&document)]
 }
 
+/// Whether a text is such a report, so that a newer one may take its place.
+pub fn is_campaign_report(text: &str) -> bool {
+    let is_html = text.starts_with("<!DOCTYPE html>") && text.contains(" – nextview campaign</title>");
+    let is_markdown =
+        text.starts_with("# ") && text.lines().nth(2).is_some_and(|line| line.starts_with(SUBTITLE));
+    is_html || is_markdown
+}
+
+/// How the line below the title begins.
+const SUBTITLE: &str = "campaign of ";
+
 fn document(campaign: &StoredRuns, study: &Study<'_>) -> Document {
     let (n_variants, n_objects) = (study.variants.len(), study.objects.len());
     let sections = [
@@ -23,7 +34,7 @@ fn document(campaign: &StoredRuns, study: &Study<'_>) -> Document {
     Document {
         title: campaign.name.clone(),
         subtitle: format!(
-            "campaign of {} runs · {n_variants} variants · {n_objects} objects",
+            "{SUBTITLE}{} runs · {n_variants} variants · {n_objects} objects",
             study.runs.len()
         ),
         sections: sections.into_iter().flatten().collect(),

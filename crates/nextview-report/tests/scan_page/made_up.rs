@@ -48,7 +48,7 @@ pub fn scan(n_views: usize, width: u32) -> MadeUp {
     let candidates: Vec<DVec3> =
         (0..N_CANDIDATES).map(|i| CENTER + 0.42 * fibonacci_hemisphere(i, N_CANDIDATES)).collect();
     let camera = camera(width);
-    let config = ScanConfig { camera, views: n_views, ..ScanConfig::of_profile(Profile::Default) };
+    let config = ScanConfig { camera, views: Some(n_views), ..ScanConfig::of_profile(Profile::Default) };
     let record = ScanRecord {
         object: "vase_with_ring".into(),
         planner: PlannerName::MostSurface,

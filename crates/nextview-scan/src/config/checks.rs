@@ -91,8 +91,8 @@ fn of_views(config: &ScanConfig, n_views: usize) -> Vec<Fault> {
             false => fault.with_remedy("only candidates within reach count; they are numbered anew"),
         });
     }
-    if config.views == 0 || config.views > n_views {
-        faults.push(Fault::of_value("views", config.views, format!("1 to {n_views} (the candidates)")));
+    if let Some(views) = config.views.filter(|views| *views == 0 || *views > n_views) {
+        faults.push(Fault::of_value("views", views, format!("1 to {n_views} (the candidates)")));
     }
     faults
 }

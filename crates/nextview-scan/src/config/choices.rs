@@ -1,9 +1,11 @@
 //! Choices that users make by name.
 
+use crate::Fault;
 use crate::names::{Named, named};
 use glam::DVec3;
 use nextview::view::{ViewSpace, generate};
 use serde::{Deserialize, Serialize};
+use std::ops::RangeInclusive;
 
 named! {
     /// A named set of defaults.
@@ -64,14 +66,24 @@ named! {
     }
 }
 
+/// Half-sides of objects that there can be views of, metres.
+const SIZES_M: RangeInclusive<f64> = 1e-6..=1e6;
+
 impl ViewRule {
     /// The candidates around an object of this centre and half-side, metres.
-    pub fn views(self, center: DVec3, size: f64, n: usize, seed: u64) -> Result<ViewSpace, nextview::Error> {
-        match self {
-            Self::Shell => generate::shell(center, size, n, seed),
-            Self::Sphere => generate::fibonacci_sphere(center, 3.0 * size, n),
-            Self::Hemisphere => generate::hemisphere(center, 3.0 * size, n),
+    pub fn views(self, center: DVec3, size: f64, n: usize, seed: u64) -> Result<ViewSpace, Fault> {
+        if !SIZES_M.contains(&size) {
+            return Err(Fault::of_value("size_m", size, "0.000001 to 1000000 m"));
         }
+        // Farther away, positions are not exact beside the smallest objects.
+        if !(center.is_finite() && center.abs().max_element() <= *SIZES_M.end()) {
+            return Err(Fault::of_value("center", center, "coordinates of -1000000 to 1000000 m"));
+        }
+        Ok(match self {
+            Self::Shell => generate::shell(center, size, n, seed)?,
+            Self::Sphere => generate::fibonacci_sphere(center, 3.0 * size, n)?,
+            Self::Hemisphere => generate::hemisphere(center, 3.0 * size, n)?,
+        })
     }
 }
 

@@ -1,11 +1,20 @@
 //! From a text or a table to a configuration, with everything that is wrong in it at once.
 
 use super::{Positions, Profile, ScanConfig};
-use crate::{Fault, FaultKind, Faults, Place};
+use crate::{Fault, FaultKind, Faults, Place, files};
 use std::path::Path;
 use toml::{Table, Value};
 
+/// Largest configuration file, bytes: two hundred times that of a scan with all its keys. Reading one takes a
+/// hundred times its size.
+const MAX_BYTES: u64 = 1 << 20;
+
 impl ScanConfig {
+    /// Reads a TOML file; see [`parse`](Self::parse).
+    pub fn load(file: &Path, profile: Option<Profile>) -> Result<Self, Faults> {
+        Self::parse(&files::read_text(file, MAX_BYTES)?, Some(file), profile)
+    }
+
     /// The values of a TOML text over those of its profile. Every fault says where it is, where the text is a
     /// file's.
     ///

@@ -1,5 +1,5 @@
-use crate::Fault;
 use crate::names::named;
+use crate::{Fault, files};
 use nextview::gain::{
     Apora, AreaFactor, AverageEntropy, InformationGain, Krainin, OcclusionAware, ProximityCount,
     RearSideEntropy, RearSideVoxel, UnobservedVoxel,
@@ -46,6 +46,9 @@ pub struct NbvNetConfig {
     pub weights: Option<PathBuf>,
 }
 
+/// Largest file of weights, bytes: ten times that of NBV-Net in 32 bits.
+const MAX_WEIGHTS_BYTES: u64 = 1 << 26;
+
 /// The parameters of all planners.
 #[derive(Clone, Debug, Default)]
 pub struct PlannerConfigs {
@@ -65,8 +68,7 @@ impl NbvNetConfig {
     /// The planner; fails if the weights cannot be read.
     pub fn planner(&self) -> Result<NbvNet, Fault> {
         let Some(path) = &self.weights else { return Ok(NbvNet::default()) };
-        let file =
-            std::fs::read(path).map_err(|e| Fault::data(format!("cannot be read: {e}")).in_file(path))?;
+        let file = files::read(path, MAX_WEIGHTS_BYTES)?;
         let network = Network::from_safetensors(&file).map_err(|e| {
             Fault::data(e)
                 .in_file(path)
@@ -80,6 +82,11 @@ impl PlannerName {
     /// Whether the planner needs the depth images behind the map.
     pub fn needs_frames(self) -> bool {
         self == Self::ProximityCount
+    }
+
+    /// Whether a map is all that the planner needs: neither frames nor the true object.
+    pub fn plans_from_map(self) -> bool {
+        !self.needs_frames() && self != Self::Clairvoyant
     }
 
     /// Whether the planner estimates how complete the scan is, which some rules to stop need.

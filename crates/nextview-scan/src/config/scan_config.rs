@@ -13,6 +13,10 @@ use nextview::sensor::Intrinsics;
 use nextview::session::{MultiResolutionConfig, StopConfig};
 use nextview::visibility::FreeSpace;
 use serde::{Deserialize, Serialize};
+use std::path::PathBuf;
+
+/// Maximum number of views, where none is stated.
+const DEFAULT_VIEWS: usize = 10;
 
 /// Everything that decides a scan: what a configuration file holds, and `config.toml` in the results.
 ///
@@ -27,8 +31,9 @@ pub struct ScanConfig {
     pub profile: Profile,
     /// How the next view is chosen.
     pub planner: PlannerName,
-    /// Maximum number of views.
-    pub views: usize,
+    /// Maximum number of views; by default 10, or all candidates where there are fewer.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub views: Option<usize>,
     /// Number of view candidates, where a rule makes them.
     pub candidates: usize,
     /// Number of the view to begin with.
@@ -134,7 +139,7 @@ impl ScanConfig {
             object: "builtin:teapot".to_owned(),
             profile,
             planner: PlannerName::MostSurface,
-            views: 10,
+            views: None,
             candidates: 1000,
             first_view: 0,
             voxel_size_m: None,
@@ -191,6 +196,22 @@ impl ScanConfig {
         self.baselines || self.planner == PlannerName::Clairvoyant
     }
 
+    /// Maximum number of views, where there are so many candidates.
+    pub fn max_views(&self, n_candidates: usize) -> usize {
+        self.views.unwrap_or(DEFAULT_VIEWS.min(n_candidates))
+    }
+
+    /// The files and folders that the configuration names, which a scan reads.
+    pub fn inputs(&self) -> Vec<PathBuf> {
+        let object =
+            (self.recording.is_some() || !self.object.starts_with("builtin:")).then_some(&self.object);
+        let views = self.view_space.rule().is_none().then_some(&self.view_space.0);
+        let recording = self.recording.iter();
+        let truth = recording.flat_map(|recording| [&recording.truth, &recording.truth_from_world]).flatten();
+        let named = object.into_iter().chain(views).chain(truth).map(PathBuf::from);
+        named.chain(self.nbv_net.weights.clone()).collect()
+    }
+
     /// The part of the configuration that decides the simulated object and its truth; all else is as in the
     /// default profile. Scans with equal ones can share them.
     pub fn of_object(&self) -> Self {
@@ -198,7 +219,7 @@ impl ScanConfig {
         Self {
             profile: neutral.profile,
             planner: neutral.planner,
-            views: 1,
+            views: Some(1),
             first_view: 0,
             seed: neutral.seed,
             view_seed: Some(self.view_seed()),

@@ -1,13 +1,37 @@
 //! The files of a scan's results.
 
-use crate::files::ResultFolder;
+use crate::files::{Overwrite, ResultFolder, numbered};
 use crate::run::{FinishedScan, Measured};
-use crate::{Fault, Faults, FinalModel, ScanConfig, ScanRecord};
+use crate::{Fault, Faults, FinalModel, ScanConfig, ScanJournal, ScanRecord, short_name};
 use nextview::geometry::Pose;
 use nextview::map::Octree;
 use nextview::motion::Waypoint;
 use nextview::surface::{write_cloud, write_mesh};
 use std::io::Write;
+use std::path::{Path, PathBuf};
+
+/// The files of a scan's results: those of [`write_results`] and a page that shows them.
+pub const RESULT_FILES: &[&str] = &[
+    "config.toml",
+    "record.json",
+    "steps.jsonl",
+    "views.csv",
+    "waypoints.csv",
+    "map.ot",
+    "map.bt",
+    "cloud.ply",
+    "mesh.ply",
+    "report.html",
+];
+
+/// The folder for the results of a scan where none is named: `scan-OBJECT-PLANNER`, followed by -2, -3, ...
+/// where that one holds results that the rule does not allow to replace. One that holds an interrupted scan is
+/// not passed over, since that scan is to be resumed or given up first.
+pub fn result_folder(config: &ScanConfig, rule: &Overwrite) -> PathBuf {
+    let is_refused = |dir: &Path| dir.is_file() || rule.check_folder(dir, RESULT_FILES).is_err();
+    let is_taken = |dir: &Path| !ScanJournal::is_in(dir) && is_refused(dir);
+    numbered(&format!("scan-{}-{}", short_name(&config.object), config.planner), is_taken).1
+}
 
 /// The results of a scan.
 pub struct Results {

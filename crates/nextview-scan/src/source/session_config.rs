@@ -2,9 +2,10 @@ use crate::{Fault, ScanConfig};
 use nextview::geometry::{Aabb, VoxelBlock};
 use nextview::session::{ObjectBox, SessionConfig, Table};
 
-/// The session's part of a configuration, for an object in this box on this table.
+/// The session's part of a configuration, for so many candidates and an object in this box on this table.
 pub(super) fn session_config(
     config: &ScanConfig,
+    n_candidates: usize,
     voxel_size: f64,
     object_box: ObjectBox,
     table: Table,
@@ -21,7 +22,7 @@ pub(super) fn session_config(
         background: config.map.background,
         registration: config.registration,
         motion: config.motion,
-        max_views: config.views,
+        max_views: config.max_views(n_candidates),
         stop: config.stop,
         memory_limit_mb: config.memory_limit_mb,
     }

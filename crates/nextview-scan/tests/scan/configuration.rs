@@ -30,7 +30,7 @@ fn what_is_saved_loads_to_the_same() {
 fn a_file_overrides_its_profile_and_an_option_the_file() {
     let text = "profile = \"paper\"\nviews = 3\n[max_flow]\ngamma = 0.25\n";
     let config = parse(text).unwrap();
-    assert_eq!((config.views, config.candidates, config.max_flow.gamma), (3, 5000, 0.25));
+    assert_eq!((config.views, config.candidates, config.max_flow.gamma), (Some(3), 5000, 0.25));
     assert_eq!(config.max_flow.ray_spacing, 10.0);
     let config = ScanConfig::parse(text, None, Some(Profile::Default)).unwrap();
     assert_eq!((config.candidates, config.max_flow.gamma, config.max_flow.ray_spacing), (1000, 0.25, 2.0));

@@ -3,9 +3,9 @@
 use crate::common::Folder;
 use glam::DVec3;
 use nextview::map::Octree;
-use nextview_scan::files::ResultFolder;
+use nextview_scan::files::{Overwrite, ResultFolder};
 use nextview_scan::{
-    Begin, BoxRule, FinishedScan, MapSummary, ObjectBoxConfig, Results, ScanConfig, ScanRecord, ScanRun,
+    Begin, BoxRule, FinishedScan, MapSummary, ObjectBoxConfig, RESULT_FILES, Results, ScanConfig, ScanRecord, ScanRun,
     SimulatedObject, Simulation, write_results,
 };
 use std::fmt::Write as _;
@@ -48,7 +48,7 @@ fn config(path: &Path, views: usize) -> ScanConfig {
     ScanConfig {
         object: path.to_string_lossy().into_owned(),
         candidates: 100,
-        views,
+        views: Some(views),
         baselines: false,
         ..ScanConfig::default()
     }
@@ -65,7 +65,7 @@ fn issue_17_an_object_far_away_is_scanned_as_well_as_one_nearby() {
         let config = ScanConfig { voxel_size_m: Some(0.002), ..config(&path, 4) };
         let dir = folder.path(&format!("results-{far}"));
         let (record, faults) = scanned(&config, |scan| {
-            let mut results = ResultFolder::begin(&dir).unwrap();
+            let mut results = ResultFolder::begin(&dir, RESULT_FILES, Overwrite::nothing()).unwrap();
             let Results { faults, .. } = write_results(&mut results, &config, scan);
             results.publish().unwrap();
             faults

@@ -7,10 +7,10 @@ use nextview::geometry::Aabb;
 use nextview::sensor::{ColorImage, Frame};
 use nextview::session::{NextView, Session};
 use nextview::surface::SurfaceMesh;
-use nextview_scan::files::ResultFolder;
+use nextview_scan::files::{Overwrite, ResultFolder};
 use nextview_scan::{
     Begin, Evaluator, Fault, Faults, FinishedScan, FrameSource, Measured, Next, PlannerName, QualityMm,
-    Results, ScanConfig, ScanRecord, ScanRun, SimulatedObject, Simulation, Truth, write_results,
+    RESULT_FILES, Results, ScanConfig, ScanRecord, ScanRun, SimulatedObject, Simulation, Truth, write_results,
 };
 
 fn config() -> ScanConfig {
@@ -18,7 +18,7 @@ fn config() -> ScanConfig {
         object: "builtin:mug".to_owned(),
         planner: PlannerName::MaxFlow,
         candidates: 20,
-        views: 4,
+        views: Some(4),
         voxel_size_m: Some(0.01),
         ..ScanConfig::default()
     }
@@ -39,7 +39,7 @@ fn a_scan_is_measured_and_written() {
     let scan = scanned(&simulation, &config);
     let folder = Folder::new("simulation");
     let dir = folder.path("results");
-    let mut results = ResultFolder::begin(&dir).unwrap();
+    let mut results = ResultFolder::begin(&dir, RESULT_FILES, Overwrite::nothing()).unwrap();
     let Results { record, faults } = write_results(&mut results, &config, &scan);
     assert_eq!(faults, None);
     assert_eq!((record.views, record.steps.len(), record.candidates), (4, 4, 20));
@@ -145,7 +145,7 @@ fn all_is_written_but_what_fails() {
     let scan = scanned(&source, &config);
     let folder = Folder::new("incomplete");
     let dir = folder.path("results");
-    let mut results = ResultFolder::begin(&dir).unwrap();
+    let mut results = ResultFolder::begin(&dir, RESULT_FILES, Overwrite::nothing()).unwrap();
     let Results { record, faults } = write_results(&mut results, &config, &scan);
     results.publish().unwrap();
     let faults = faults.unwrap().to_string();

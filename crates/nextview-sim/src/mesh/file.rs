@@ -1,6 +1,7 @@
 use super::raw::RawMesh;
-use super::{TriangleMesh, gltf, obj, off, ply, stl};
+use super::{TriangleMesh, gltf, limit, obj, off, ply, stl};
 use crate::SimError;
+use std::cell::RefCell;
 use std::path::{Component, Path, PathBuf};
 
 /// A mesh as a file states it, in a unit that the file may not name. [`to_metres`](Self::to_metres) makes it
@@ -20,14 +21,16 @@ pub struct FileMesh {
 /// glTF is turned from y up to z up; the other formats define no axes and are left as they are. The file is
 /// read into memory as a whole.
 ///
-/// Fails if the file cannot be read, breaks its format, or holds no valid surface; the error names the file
-/// and the place.
+/// Fails if the file cannot be read, breaks its format, holds no valid surface, or stands for a mesh of more
+/// than 20 times its size and 100 MB; the error names the file and the place.
 pub fn load(path: &Path) -> Result<FileMesh, SimError> {
     let in_file = |error| SimError::InFile { path: path.to_owned(), error: Box::new(error) };
     let extension = path.extension().unwrap_or_default().to_string_lossy().to_ascii_lowercase();
     let parse = parser(&extension).map_err(in_file)?;
-    let raw = read(path).and_then(|bytes| parse(&bytes, path)).map_err(in_file)?;
-    let (mesh, n_dropped) = raw.check().map_err(in_file)?;
+    let files = Files { mesh: path, read: RefCell::default() };
+    let parsed = files.read(path).and_then(|bytes| parse(&bytes, &files));
+    let checked = parsed.and_then(|raw| raw.check(files.n_bytes()));
+    let (mesh, n_dropped) = checked.map_err(in_file)?;
     let has_metres = matches!(extension.as_str(), "gltf" | "glb");
     Ok(FileMesh { path: path.to_owned(), mesh, n_dropped, has_metres })
 }
@@ -59,7 +62,7 @@ impl FileMesh {
     }
 }
 
-type Parser = fn(&[u8], &Path) -> Result<RawMesh, SimError>;
+type Parser = fn(&[u8], &Files<'_>) -> Result<RawMesh, SimError>;
 
 fn parser(extension: &str) -> Result<Parser, SimError> {
     Ok(match extension {
@@ -67,30 +70,59 @@ fn parser(extension: &str) -> Result<Parser, SimError> {
         "obj" => |bytes, _| obj::parse(bytes),
         "stl" => |bytes, _| stl::parse(bytes),
         "off" => |bytes, _| off::parse(bytes),
-        "gltf" | "glb" => |bytes, path| gltf::parse(bytes, &|uri| read_beside(path, uri)),
+        "gltf" | "glb" => |bytes, files| gltf::parse(bytes, &|uri| files.read_beside(uri)),
         _ => return Err(SimError::UnknownFormat { extension: extension.to_owned() }),
     })
 }
 
-/// Reads a regular file; anything else (a directory, a pipe) may never end.
-fn read(path: &Path) -> Result<Vec<u8>, SimError> {
-    if !std::fs::metadata(path)?.is_file() {
-        return Err(SimError::NotAFile);
-    }
-    Ok(std::fs::read(path)?)
+/// The file of a mesh and those that it names.
+struct Files<'a> {
+    mesh: &'a Path,
+    /// Those that were read, and their sizes.
+    read: RefCell<Vec<(PathBuf, u64)>>,
 }
 
-/// Reads the file that a relative URI names, from the folder of `path` or below: a mesh has no business
-/// elsewhere.
-fn read_beside(path: &Path, uri: &str) -> Result<Vec<u8>, SimError> {
-    let relative = PathBuf::from(decode_percent(uri));
-    if relative.components().any(|part| !matches!(part, Component::Normal(_) | Component::CurDir)) {
-        return Err(SimError::format(
-            "uri",
-            "leads out of the file's folder, expected a file beside the mesh",
-        ));
+impl Files<'_> {
+    /// Reads a regular file; anything else (a directory, a pipe) may never end.
+    fn read(&self, path: &Path) -> Result<Vec<u8>, SimError> {
+        let kind = std::fs::metadata(path)?;
+        if !kind.is_file() {
+            return Err(SimError::NotAFile);
+        }
+        if kind.len() > limit::MAX_BYTES {
+            let problem = format!("has {} bytes, expected at most {}", kind.len(), limit::MAX_BYTES);
+            return Err(SimError::format("file", problem));
+        }
+        let whole = path.canonicalize()?;
+        let mut read = self.read.borrow_mut();
+        if read.iter().any(|(other, _)| *other == whole) {
+            return Err(SimError::format(
+                "uri",
+                "names a file that was read already, expected each file once",
+            ));
+        }
+        let bytes = std::fs::read(path)?;
+        read.push((whole, bytes.len() as u64));
+        Ok(bytes)
     }
-    read(&path.with_file_name("").join(relative))
+
+    /// Size of all files read so far, bytes.
+    fn n_bytes(&self) -> u64 {
+        self.read.borrow().iter().map(|(_, n_bytes)| n_bytes).sum()
+    }
+
+    /// Reads the file that a relative URI names, from the folder of the mesh or below: a mesh has no business
+    /// elsewhere.
+    fn read_beside(&self, uri: &str) -> Result<Vec<u8>, SimError> {
+        let relative = PathBuf::from(decode_percent(uri));
+        if relative.components().any(|part| !matches!(part, Component::Normal(_) | Component::CurDir)) {
+            return Err(SimError::format(
+                "uri",
+                "leads out of the file's folder, expected a file beside the mesh",
+            ));
+        }
+        self.read(&self.mesh.with_file_name("").join(relative))
+    }
 }
 
 /// Replaces `%20` and its like; invalid codes stay as they are.

@@ -5,6 +5,7 @@
 
 mod file;
 mod gltf;
+mod limit;
 mod obj;
 mod off;
 mod ply;

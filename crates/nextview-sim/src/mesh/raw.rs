@@ -1,4 +1,4 @@
-use super::TriangleMesh;
+use super::{TriangleMesh, limit};
 use crate::SimError;
 use glam::DVec3;
 
@@ -22,8 +22,9 @@ impl RawMesh {
         }
     }
 
-    /// The checked mesh, and the number of faces left out because they have no area.
-    pub fn check(self) -> Result<(TriangleMesh, usize), SimError> {
+    /// The checked mesh of a file of this size, and the number of faces left out because they have no area.
+    pub fn check(self, n_bytes: u64) -> Result<(TriangleMesh, usize), SimError> {
+        limit::check(self.vertices.len(), self.triangles.len(), n_bytes)?;
         let mesh = TriangleMesh::new(self.vertices, self.triangles).map_err(|error| match error {
             SimError::NoFaces { n_degenerate } => {
                 SimError::NoFaces { n_degenerate: n_degenerate + self.n_too_small }

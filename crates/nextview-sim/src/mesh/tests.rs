@@ -169,7 +169,7 @@ fn understands_units_by_size() {
 fn survives(parse: fn(&[u8]) -> Result<RawMesh, SimError>, bytes: &[u8]) {
     if let Ok(raw) = parse(bytes) {
         assert!(raw.vertices.len() <= bytes.len() && raw.triangles.len() <= bytes.len());
-        raw.check().ok();
+        raw.check(bytes.len() as u64).ok();
     }
 }
 

@@ -30,6 +30,8 @@ impl From<DVec3> for CloudPoint {
 /// of less than 12 degrees to it: the error of the depth would be most of the normal. Fails if the colour
 /// image has another size.
 ///
+/// The points are made one by one: those of a large image would take twice the memory of all else.
+///
 /// ```
 /// use glam::{DVec2, DVec3};
 /// use nextview::geometry::{Aabb, Pose};
@@ -42,27 +44,28 @@ impl From<DVec3> for CloudPoint {
 /// let frame = Frame::new(image, camera, Pose::IDENTITY, 1.0).unwrap();
 /// let color = ColorImage::new(64, 48, vec![[255, 0, 0]; 64 * 48]).unwrap();
 ///
-/// let points = frame_points(&frame, Some(&color), Aabb::cube(DVec3::ZERO, 1.0)).unwrap();
+/// let points = frame_points(&frame, Some(color), Aabb::cube(DVec3::ZERO, 1.0)).unwrap();
+/// let points: Vec<_> = points.collect();
 /// assert_eq!(points.len(), 64 * 48);
 /// assert!(points.iter().all(|point| point.normal.unwrap().distance(-DVec3::Z) < 1e-6));
 /// assert!(points.iter().all(|point| point.color == Some([255, 0, 0])));
 /// ```
 pub fn frame_points(
     frame: &Frame,
-    color: Option<&ColorImage>,
+    color: Option<ColorImage>,
     bounds: Aabb,
-) -> Result<Vec<CloudPoint>, Error> {
-    color.map_or(Ok(()), |color| check_size(frame, color))?;
+) -> Result<impl Iterator<Item = CloudPoint>, Error> {
+    color.as_ref().map_or(Ok(()), |color| check_size(frame, color))?;
     let (width, planes) = (frame.image().width(), tangent_planes(frame));
     let rotation = frame.world_from_camera().rotation_matrix();
     let rows = 0..frame.image().height();
-    let pixels = rows.flat_map(|v| frame.row_pixels_in(v, bounds).map(move |(u, point)| (u, v, point)));
-    let point = |(u, v, position)| CloudPoint {
+    let pixels = rows.flat_map(move |v| frame.row_pixels_in(v, bounds).map(move |(u, point)| (u, v, point)));
+    let point = move |(u, v, position)| CloudPoint {
         position,
         normal: planes[(v * width + u) as usize].map(|plane| rotation * plane.normal.as_dvec3()),
-        color: color.map(|color| color.get(u, v)),
+        color: color.as_ref().map(|color| color.get(u, v)),
     };
-    Ok(pixels.map(point).collect())
+    Ok(pixels.map(point))
 }
 
 fn check_size(frame: &Frame, color: &ColorImage) -> Result<(), Error> {
@@ -87,7 +90,7 @@ mod tests {
         let camera_position = DVec3::new(0.3, -0.2, 0.3);
         let frame = ball(look_at(camera_position, DVec3::ZERO).unwrap(), 0.1);
         let bounds = Aabb::cube(DVec3::ZERO, 0.2);
-        let points = frame_points(&frame, None, bounds).unwrap();
+        let points: Vec<CloudPoint> = frame_points(&frame, None, bounds).unwrap().collect();
         let positions: Vec<DVec3> = points.iter().map(|point| point.position).collect();
         assert_eq!(positions, frame.points_in(bounds).collect::<Vec<_>>());
         let with_normal: Vec<(DVec3, DVec3)> =
@@ -106,14 +109,17 @@ mod tests {
         let frame = ball(look_at(DVec3::Z * 0.4, DVec3::ZERO).unwrap(), 0.1);
         let pixels = (0..160 * 120).map(|i| [(i % 160) as u8, (i / 160) as u8, 7]).collect();
         let color = ColorImage::new(160, 120, pixels).unwrap();
-        for point in frame_points(&frame, Some(&color), Aabb::cube(DVec3::ZERO, 0.2)).unwrap() {
+        for point in frame_points(&frame, Some(color), Aabb::cube(DVec3::ZERO, 0.2)).unwrap() {
             let in_camera = frame.world_from_camera().inverse().transform_point(point.position);
             let shown = frame.intrinsics().project(in_camera).unwrap();
             let [u, v, blue] = point.color.unwrap();
             assert!(shown.distance(DVec2::new(u as f64, v as f64)) < 1e-3 && blue == 7, "{shown}");
         }
         let small = ColorImage::new(80, 60, vec![[0; 3]; 80 * 60]).unwrap();
-        let error = frame_points(&frame, Some(&small), Aabb::cube(DVec3::ZERO, 0.2)).unwrap_err().to_string();
-        assert_eq!(error, "colour image is 80 x 60 pixels, expected the size of the depth image");
+        let refused = frame_points(&frame, Some(small), Aabb::cube(DVec3::ZERO, 0.2)).err().unwrap();
+        assert_eq!(
+            refused.to_string(),
+            "colour image is 80 x 60 pixels, expected the size of the depth image"
+        );
     }
 }

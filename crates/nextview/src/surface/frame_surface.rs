@@ -1,10 +1,10 @@
 //! The evidence of one frame about the distance of a point to the surface.
 
+use super::clear_depth::ClearDepth;
 use super::tangent_plane::{TangentPlane, tangent_planes};
 use crate::sensor::{Depth, Frame, Intrinsics};
 use crate::{Cancel, Cancelled};
 use glam::{DVec2, DVec3};
-use rayon::prelude::*;
 
 /// How far along the ray a pixel's tangent plane stands for the surface, in truncation distances. Enough for
 /// the whole truncation band of surfaces seen at 60 degrees; a plane carried on further would cut through
@@ -33,8 +33,7 @@ pub(super) enum Evidence {
 pub(super) struct FrameSurface {
     intrinsics: Intrinsics,
     planes: Vec<Option<TangentPlane>>,
-    /// Up to which depth each pixel and all those at most 0, 1, 2, ... pixels away from it are free.
-    clear_depth: Vec<Vec<f32>>,
+    clear_depth: ClearDepth,
     truncation: f64,
     margin: f64,
 }
@@ -50,13 +49,10 @@ impl FrameSurface {
         cancel: &Cancel,
     ) -> Result<Self, Cancelled> {
         let (intrinsics, planes) = (*frame.intrinsics(), tangent_planes(frame));
-        let clear_depth = vec![free_depth(frame)];
-        let mut surface = Self { intrinsics, planes, clear_depth, truncation, margin };
-        for level in 0..surface.margin_in_pixels(nearest) {
-            cancel.check()?;
-            surface.clear_depth.push(eroded(&surface.clear_depth[level], intrinsics.width() as usize));
-        }
-        Ok(surface)
+        let (depth, width) = (free_depth(frame), intrinsics.width() as usize);
+        let half_width = margin_in_pixels(&intrinsics, margin, nearest);
+        let clear_depth = ClearDepth::new(depth, width, half_width, cancel)?;
+        Ok(Self { intrinsics, planes, clear_depth, truncation, margin })
     }
 
     /// The frame's evidence about points of the camera frame; nothing outside the image, where nothing was
@@ -69,7 +65,8 @@ impl FrameSurface {
     /// The evidence of the pixel nearest to `shown`, the image of the point.
     fn evidence_at(&self, point: DVec3, shown: DVec2) -> Option<Evidence> {
         let pixel = self.pixel(shown)?;
-        let wanted = self.margin_in_pixels(point.z).min(self.clear_depth.len() - 1);
+        let wanted =
+            margin_in_pixels(&self.intrinsics, self.margin, point.z).min(self.clear_depth.max_half_width());
         if self.is_clear(point, pixel, wanted) {
             return Some(Evidence::Free);
         }
@@ -79,7 +76,7 @@ impl FrameSurface {
 
     /// Whether the ray continues behind the point, at all pixels at most `n_pixels` away.
     fn is_clear(&self, point: DVec3, pixel: usize, n_pixels: usize) -> bool {
-        point.z + self.truncation < self.clear_depth[n_pixels][pixel] as f64
+        point.z + self.truncation < self.clear_depth.around(pixel, n_pixels) as f64
     }
 
     fn near_plane(&self, plane: &TangentPlane, point: DVec3) -> Option<Evidence> {
@@ -101,12 +98,6 @@ impl FrameSurface {
         Some(Evidence::Near { distance: distance as f32, weight: SILHOUETTE_WEIGHT })
     }
 
-    fn margin_in_pixels(&self, depth: f64) -> usize {
-        // Half a pixel more, since a point is looked up at the nearest pixel.
-        let pixels = self.margin / depth * self.intrinsics.focal().max_element() + 0.5;
-        (pixels.ceil() as usize).min(MAX_MARGIN)
-    }
-
     /// The index of the pixel nearest to a place on the image; none outside.
     fn pixel(&self, shown: DVec2) -> Option<usize> {
         self.intrinsics.contains(shown).then_some(())?;
@@ -115,6 +106,13 @@ impl FrameSurface {
         let [width, height] = [self.intrinsics.width(), self.intrinsics.height()].map(|n| n as usize);
         Some(v.min(height - 1) * width + u.min(width - 1))
     }
+}
+
+/// So many pixels are `margin` metres at this depth.
+fn margin_in_pixels(intrinsics: &Intrinsics, margin: f64, depth: f64) -> usize {
+    // Half a pixel more, since a point is looked up at the nearest pixel.
+    let pixels = margin / depth * intrinsics.focal().max_element() + 0.5;
+    (pixels.ceil() as usize).min(MAX_MARGIN)
 }
 
 /// Up to which depth each pixel is free; 0 where it was not measured.
@@ -126,24 +124,6 @@ fn free_depth(frame: &Frame) -> Vec<f32> {
         Depth::Surface(depth) => depth,
     };
     (0..image.width() * image.height()).map(depth).collect()
-}
-
-/// The smallest value among each pixel and its eight neighbours.
-fn eroded(image: &[f32], width: usize) -> Vec<f32> {
-    let (mut in_rows, mut result) = (image.to_vec(), image.to_vec());
-    in_rows.par_chunks_mut(width).zip(image.par_chunks(width)).for_each(|(to, from)| {
-        keep_smaller(&mut to[1..], from);
-        keep_smaller(to, &from[1..]);
-    });
-    result.par_chunks_mut(width).enumerate().for_each(|(v, to)| {
-        let rows = in_rows.chunks(width).skip(v.saturating_sub(1)).take(if v == 0 { 2 } else { 3 });
-        rows.for_each(|row| keep_smaller(to, row));
-    });
-    result
-}
-
-fn keep_smaller(values: &mut [f32], others: &[f32]) {
-    values.iter_mut().zip(others).for_each(|(value, other)| *value = value.min(*other));
 }
 
 #[cfg(test)]
@@ -186,22 +166,5 @@ mod tests {
             assert!((distance - expected).abs() < 1e-6, "{x}: {distance}");
         }
         assert_eq!(at(0.06), Some(Evidence::Free));
-    }
-
-    /// The dumb twin: check all nine.
-    #[test]
-    fn erosion_takes_the_smallest_of_nine() {
-        for (width, height) in [(1, 1), (1, 4), (5, 1), (2, 2), (7, 5)] {
-            let image: Vec<f32> = (0..width * height).map(|i| (i * 37 % 23) as f32).collect();
-            let expected: Vec<f32> = (0..width * height)
-                .map(|i| {
-                    let near = |j: &usize| {
-                        (j % width).abs_diff(i % width) <= 1 && (j / width).abs_diff(i / width) <= 1
-                    };
-                    (0..width * height).filter(near).map(|j| image[j]).fold(f32::INFINITY, f32::min)
-                })
-                .collect();
-            assert_eq!(eroded(&image, width), expected, "{width} x {height}");
-        }
     }
 }

@@ -6,6 +6,7 @@
 //! normals, [`take_colors`] transfers their colours to a mesh; [`write_mesh`], [`write_cloud`] and
 //! [`write_points`] write PLY. Planning reads none of this. Not here: filling of holes.
 
+mod clear_depth;
 mod cloud;
 mod cloud_point;
 mod colors;

@@ -12,11 +12,16 @@ use glam::DVec3;
 use std::io::{BufWriter, Write};
 
 /// Writes points, metres.
-pub fn write_points(writer: impl Write, points: &[DVec3]) -> Result<(), Error> {
+///
+/// The points are asked for twice, to count and to write them, so that they need not be in memory.
+pub fn write_points<I: Iterator<Item = DVec3>>(
+    writer: impl Write,
+    points: impl Fn() -> I,
+) -> Result<(), Error> {
     let mut writer = BufWriter::new(writer);
-    let columns = Columns { is_far: points.iter().any(|point| is_far(*point)), ..Columns::default() };
-    columns.write_header(&mut writer, points.len(), None)?;
-    points.iter().try_for_each(|&point| columns.write_vertex(&mut writer, &point.into()))?;
+    let columns = Columns { is_far: points().any(is_far), ..Columns::default() };
+    columns.write_header(&mut writer, points().count(), None)?;
+    points().try_for_each(|point| columns.write_vertex(&mut writer, &point.into()))?;
     Ok(writer.flush()?)
 }
 
@@ -153,7 +158,7 @@ mod tests {
         assert_eq!(body[27..], [&xyz[..], &[0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 64], &[1, 2, 3]].concat());
         let [mut cloud, mut points] = [Vec::new(), Vec::new()];
         write_cloud(&mut cloud, &[POINT; 2]).unwrap();
-        write_points(&mut points, &[POINT.position; 2]).unwrap();
+        write_points(&mut points, || [POINT.position; 2].into_iter()).unwrap();
         assert_eq!(cloud, points);
     }
 
@@ -169,7 +174,7 @@ mod tests {
     #[test]
     fn a_writer_that_fails_is_an_error() {
         let mut too_short = [0_u8; 100];
-        let error = write_points(too_short.as_mut_slice(), &[DVec3::ZERO; 9]).unwrap_err();
+        let error = write_points(too_short.as_mut_slice(), || [DVec3::ZERO; 9].into_iter()).unwrap_err();
         assert!(matches!(error, Error::Io(_)), "{error}");
     }
 }

@@ -6,6 +6,9 @@ use std::io::{BufRead, BufReader, Read, Write};
 const POSITION: [&str; 3] = ["x_m", "y_m", "z_m"];
 const QUATERNION: [&str; 4] = ["qx", "qy", "qz", "qw"];
 
+/// Bytes that no line has. Stops a file without line ends from filling the memory.
+const MAX_LINE: u64 = 1 << 16;
+
 /// Where the numbers of a row stand.
 struct Columns {
     position: [usize; 3],
@@ -15,14 +18,17 @@ struct Columns {
 pub(super) fn read(reader: impl Read, target: DVec3) -> Result<Vec<Pose>, Error> {
     let mut columns = None;
     let mut poses = Vec::new();
-    for (line_idx, line) in BufReader::new(reader).lines().enumerate() {
-        let place = || format!("line {}", line_idx + 1);
-        let problem = |problem: String| Error::Format { place: place(), problem };
-        let line = line.map_err(|e| match e.kind() {
-            std::io::ErrorKind::InvalidData => problem("not text (UTF-8)".into()),
-            _ => e.into(),
-        })?;
-        let row = line.trim();
+    let (mut reader, mut line) = (BufReader::new(reader), Vec::new());
+    for number in 1.. {
+        let problem = |problem: String| Error::Format { place: format!("line {number}"), problem };
+        line.clear();
+        if reader.by_ref().take(MAX_LINE).read_until(b'\n', &mut line)? == 0 {
+            break;
+        }
+        if line.len() as u64 == MAX_LINE {
+            return Err(problem(format!("{MAX_LINE} bytes or more, expected the numbers of a pose")));
+        }
+        let row = str::from_utf8(&line).map_err(|_| problem("not text (UTF-8)".into()))?.trim();
         if row.is_empty() || row.starts_with('#') {
             continue;
         }
@@ -138,6 +144,7 @@ mod tests {
 
     #[test]
     fn errors_name_the_line_and_the_remedy() {
+        let long = format!("1,2,3\n1,2,3{}\n", " ".repeat(70_000));
         for (text, expected) in [
             ("1,2,3\n1,x,3\n", "line 2: column 2: 'x' is not a number"),
             ("1,2,3\n1,2\n", "line 2: 2 columns, expected at least 3"),
@@ -145,6 +152,7 @@ mod tests {
             ("1,2\n", "line 1: 2 columns without a header"),
             ("x_m,y_m\n", "line 1: the header has no column z_m"),
             ("1,2,3,0,0,0,2\n", "line 1: length of the quaternion is 2"),
+            (long.as_str(), "line 2: 65536 bytes or more"),
             ("", "at least one view candidate"),
         ] {
             let error = read(text).unwrap_err();

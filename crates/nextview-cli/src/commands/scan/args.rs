@@ -3,9 +3,10 @@ use crate::Failure;
 use crate::commands::values::{self, named};
 use clap::{Args, ValueEnum};
 use nextview_recording::ReadOptions;
+use nextview_scan::files::Overwrite;
 use nextview_scan::{
-    BoxRule, Fault, NoiseModel, PlannerName, Profile, RecordingConfig, ScanConfig, TableRule, UnitName,
-    ViewSpaceName, short_name,
+    BoxRule, NoiseModel, PlannerName, Profile, RecordingConfig, ScanConfig, TableRule, UnitName,
+    ViewSpaceName, result_folder,
 };
 use std::path::PathBuf;
 
@@ -25,10 +26,11 @@ use std::path::PathBuf;
 pub struct ScanArgs {
     /// A mesh file (.ply, .obj, .stl, .off, .gltf, .glb) or builtin:NAME (teapot, mug, bracket, torus-knot,
     /// random-SEED such as random-17) [default: builtin:teapot]
+    #[arg(value_parser = values::file_name())]
     model: Option<String>,
     /// Recorded frames instead of a simulation: a folder with poses.csv, intrinsics.txt and depth/, one of
     /// TUM RGB-D, or an .mcap file of ROS 2
-    #[arg(long, value_name = "PATH", conflicts_with_all = ["model", "candidates", "view_space", "object_box", "noise", "pose_error_mm", "pose_error_deg", "size_m"])]
+    #[arg(long, value_name = "PATH", value_parser = values::file_name(), conflicts_with_all = ["model", "candidates", "view_space", "object_box", "noise", "pose_error_mm", "pose_error_deg", "size_m"])]
     frames: Option<String>,
     #[command(flatten)]
     recording: RecordingArgs,
@@ -38,7 +40,7 @@ pub struct ScanArgs {
     /// Penalty on long moves, 0 to 1: the weight of the movement cost, the paper's theta [default: 0]
     #[arg(long, value_name = "T", value_parser = values::share, allow_negative_numbers = true)]
     theta: Option<f64>,
-    /// Maximum number of views [default: 10]
+    /// Maximum number of views [default: 10, or all candidates if there are fewer]
     #[arg(long, value_name = "N", value_parser = values::count, allow_negative_numbers = true)]
     views: Option<usize>,
     /// Stop when the planner estimates that this share, 0 to 1, of the surface that can be seen has been seen
@@ -91,7 +93,7 @@ pub struct ScanArgs {
     #[arg(long, value_name = "SHARE", value_parser = values::share, allow_negative_numbers = true)]
     min_overlap: Option<f64>,
     /// View candidates: shell (the paper's), sphere, hemisphere, or a CSV file of poses [default: shell]
-    #[arg(long, value_name = "RULE|FILE")]
+    #[arg(long, value_name = "RULE|FILE", value_parser = values::file_name())]
     view_space: Option<String>,
     /// Base of a robot and its reach, in metres; candidates beyond are dropped [default: everywhere]
     #[arg(long, value_name = "X,Y,Z,R", value_parser = values::sphere, allow_hyphen_values = true)]
@@ -116,9 +118,12 @@ pub struct ScanArgs {
     /// it
     #[arg(long, value_name = "FILE.toml")]
     config: Option<PathBuf>,
-    /// Folder for the results [default: scan-OBJECT-PLANNER]
+    /// Folder for the results [default: scan-OBJECT-PLANNER, followed by -2, -3, ... where that holds results]
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
+    /// Replace results that the folder holds; files that the scan reads are never replaced
+    #[arg(long)]
+    force: bool,
     /// Resume the interrupted scan in this folder; of the other options only --json can be given with it
     #[arg(long, value_name = "DIR")]
     resume: Option<PathBuf>,
@@ -143,11 +148,11 @@ struct RecordingArgs {
     #[arg(long, value_name = "Z", value_parser = values::number, allow_negative_numbers = true)]
     table_z_m: Option<f64>,
     /// With --frames: mesh of the true object, to measure the scan by
-    #[arg(long, value_name = "MESH")]
+    #[arg(long, value_name = "MESH", value_parser = values::file_name())]
     truth: Option<String>,
     /// With --truth: file of the 4 x 4 matrix, row by row and in metres, that takes points of the recording
     /// to the mesh
-    #[arg(long, value_name = "FILE")]
+    #[arg(long, value_name = "FILE", value_parser = values::file_name())]
     truth_from_world: Option<String>,
 }
 
@@ -182,7 +187,9 @@ impl ScanArgs {
                         "--resume resumes a scan as it was begun; leave out all else but --json",
                     ));
                 }
-                resume(Output { dir: dir.clone(), json: self.json })
+                // The folder was the scan's when it began.
+                let rule = Overwrite::results();
+                resume(Output { dir: dir.clone(), rule, config: None, json: self.json })
             }
         }
     }
@@ -199,7 +206,7 @@ impl ScanArgs {
         set(&mut config.max_flow.theta, self.theta);
         set(&mut config.greedy.theta, self.theta);
         set(&mut config.batch.theta, self.theta);
-        set(&mut config.views, self.views);
+        config.views = self.views.or(config.views);
         set(&mut config.candidates, self.candidates);
         set(&mut config.first_view, self.first_view);
         set(&mut config.view_space, self.view_space.map(ViewSpaceName));
@@ -222,8 +229,9 @@ impl ScanArgs {
         config.voxel_size_m = self.voxel_size_m.or(config.voxel_size_m);
         config.size_m = self.size_m.or(config.size_m);
         config.check()?;
-        let dir = self.out.unwrap_or_else(|| default_dir(&config));
-        begin(config, Output { dir, json: self.json })
+        let rule = values::overwrite(self.force);
+        let dir = self.out.unwrap_or_else(|| result_folder(&config, &rule));
+        begin(config, Output { dir, rule, config: self.config, json: self.json })
     }
 
     /// The values to start from: those of a file, or else of a profile.
@@ -231,15 +239,8 @@ impl ScanArgs {
         let Some(path) = &self.config else {
             return Ok(ScanConfig::of_profile(self.profile.unwrap_or_default()));
         };
-        let text = std::fs::read_to_string(path)
-            .map_err(|e| Fault::data(format!("cannot be read: {e}")).in_file(path))?;
-        Ok(ScanConfig::parse(&text, Some(path), self.profile)?)
+        Ok(ScanConfig::load(path, self.profile)?)
     }
-}
-
-/// The folder for the results where none is named.
-fn default_dir(config: &ScanConfig) -> PathBuf {
-    PathBuf::from(format!("scan-{}-{}", short_name(&config.object), config.planner))
 }
 
 impl RecordingArgs {

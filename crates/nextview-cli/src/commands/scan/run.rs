@@ -2,10 +2,10 @@ use crate::progress::Progress;
 use crate::{Failure, stdout};
 use nextview::Cancel;
 use nextview_report::{ScanPage, ViewPicture, heading, scan_page, step_line, summary_text};
-use nextview_scan::files::ResultFolder;
+use nextview_scan::files::{Overwrite, ResultFolder};
 use nextview_scan::{
-    Begin, Damage, FrameSource, Interrupted, RecordedScan, Results, ScanConfig, ScanJournal, ScanRun,
-    SimulatedObject, Simulation, Truth, write_results,
+    Begin, Damage, FrameSource, Interrupted, RESULT_FILES, RecordedScan, Results, ScanConfig, ScanJournal,
+    ScanRun, SimulatedObject, Simulation, Truth, write_results,
 };
 use std::io::Write;
 use std::path::PathBuf;
@@ -14,6 +14,10 @@ use std::path::PathBuf;
 pub(super) struct Output {
     /// The folder.
     pub dir: PathBuf,
+    /// Which files in it may be replaced, besides those that the scan reads.
+    pub rule: Overwrite,
+    /// The configuration file that the scan was begun with.
+    pub config: Option<PathBuf>,
     /// Whether to print one JSON object instead of text.
     pub json: bool,
 }
@@ -48,9 +52,10 @@ fn scan(config: ScanConfig, journal: Option<ScanJournal>, output: &Output) -> Re
 }
 
 fn simulated(mut config: ScanConfig, journal: Option<ScanJournal>, output: &Output) -> Result<(), Failure> {
+    let folder = output.folder(&config)?;
     let object = SimulatedObject::new(&config)?;
     config.voxel_size_m = Some(object.voxel_size);
-    let folder = ResultFolder::begin(&output.dir)?;
+    config.views = Some(config.max_views(object.views.len()));
     let notes = object.notes().into_iter().map(|note| format!("note: {note}"));
     output.begin(&config, &object.description(), notes, object.views.len())?;
     let truth = config.needs_truth().then(|| {
@@ -62,8 +67,8 @@ fn simulated(mut config: ScanConfig, journal: Option<ScanJournal>, output: &Outp
 }
 
 fn recorded(mut config: ScanConfig, journal: Option<ScanJournal>, output: &Output) -> Result<(), Failure> {
+    let folder = output.folder(&config)?;
     let mut scan = RecordedScan::open(&mut config)?;
-    let folder = ResultFolder::begin(&output.dir)?;
     let skipped = scan.skipped().into_iter().map(|skipped| format!("skipped: {skipped}"));
     let notes = scan.notes().iter().map(|note| format!("note: {note}")).chain(skipped);
     output.begin(&config, &scan.description(&config), notes, scan.n_views())?;
@@ -82,7 +87,7 @@ fn drive(
     let text = toml::to_string(config).map_err(Failure::data)?;
     let journal = journal.map_or_else(|| ScanJournal::begin(&output.dir, &text), Ok)?;
     let mut run = ScanRun::begin(source, config, Begin { journal: Some(journal), ..Begin::default() })?;
-    let progress = Progress::new("scanning", config.views);
+    let progress = Progress::new("scanning", config.views.unwrap_or_default());
     let mut printed = Ok(());
     let stop_reason = run.drive(|step| {
         progress.step();
@@ -121,6 +126,12 @@ fn drive(
 }
 
 impl Output {
+    /// Begins the folder; fails if it cannot take the results.
+    fn folder(&self, config: &ScanConfig) -> Result<ResultFolder, Failure> {
+        let inputs = config.inputs().into_iter().chain(self.config.clone()).collect();
+        Ok(ResultFolder::begin(&self.dir, RESULT_FILES, self.rule.clone().but(inputs))?)
+    }
+
     /// Prints what is scanned and how; notes go before the table, or to stderr where stdout is JSON.
     fn begin(
         &self,

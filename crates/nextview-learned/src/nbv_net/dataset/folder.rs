@@ -47,7 +47,12 @@ fn check_same(path: &Path, config: &DatasetConfig, resume: bool) -> Result<(), D
     if !resume {
         return Err(DatasetError::Exists { path: path.to_owned() });
     }
-    let text = fs::read_to_string(path).map_err(|error| failed(path, error))?;
+    // A pipe may never end.
+    let read = || match path.is_file() {
+        true => fs::read_to_string(path),
+        false => Err(io::Error::other("it is no regular file")),
+    };
+    let text = read().map_err(|error| failed(path, error))?;
     let malformed = |error: toml::de::Error| DatasetError::Malformed {
         path: path.to_owned(),
         problem: error.to_string().trim_end().to_owned(),

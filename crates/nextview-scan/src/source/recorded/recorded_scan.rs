@@ -38,7 +38,7 @@ const VOXEL_SIZE: f64 = 0.005;
 
 impl RecordedScan {
     /// Opens the recording that the configuration names, and completes the configuration by what it decides:
-    /// the camera, the voxel size, whether the box grows.
+    /// the camera, the number of views, the voxel size, whether the box grows.
     pub fn open(config: &mut ScanConfig) -> Result<Self, Faults> {
         let Some(recording_config) = config.recording.clone() else {
             return Err(Fault::request("there is no `recording`").into());
@@ -223,6 +223,8 @@ fn resolve(
 ) -> Result<SessionConfig, Faults> {
     config.check_views(recording.frames.len())?;
     config.camera = recording.intrinsics;
+    let n_frames = recording.frames.len();
+    config.views = Some(config.max_views(n_frames));
     let bounds = recording_config.bounds();
     let suitable = bounds.map_or(VOXEL_SIZE, |bounds| suitable_voxel_size(bounds.longest_side()));
     let voxel_size = *config.voxel_size_m.get_or_insert(suitable);
@@ -233,7 +235,7 @@ fn resolve(
         _ => Table::None,
     };
     let object_box = bounds.map_or(ObjectBox::Growing, ObjectBox::Known);
-    let session_config = session_config(config, voxel_size, object_box, table);
+    let session_config = session_config(config, n_frames, voxel_size, object_box, table);
     bounds.map(|bounds| voxel_block(&session_config, &bounds)).transpose()?;
     Ok(session_config)
 }

@@ -6,7 +6,7 @@ use nextview::Cancel;
 use nextview::geometry::Lattice;
 use nextview::sensor::Frame;
 use nextview::session::{Session, SessionConfig, planning_box};
-use nextview_recording::{Recording, read_transform};
+use nextview_recording::{RecordedFrame, Recording, read_transform};
 use nextview_sim::accuracy::Accuracy;
 use nextview_sim::mesh::{self, TriangleMesh, UnitSource};
 use nextview_sim::quality::TrueSurface;
@@ -52,13 +52,16 @@ impl TrueShape {
     pub fn shown_by(&self, recording: &Recording, cancel: &Cancel) -> Result<Truth, Fault> {
         let start = Instant::now();
         let nothing = SurfaceCoverage::new(&self.mesh);
-        let shown = recording.frames.par_iter().map(|frame| {
+        let shown_by = |frame: &RecordedFrame| {
             cancel.check()?;
             let mut coverage = nothing.clone();
             coverage.add(&frame.load()?);
             Ok(coverage.within(SEEN))
-        });
-        let shown: Vec<_> = shown.collect::<Result<_, Fault>>()?;
+        };
+        let mut shown = Vec::new();
+        for group in recording.groups() {
+            shown.append(&mut group.par_iter().map(shown_by).collect::<Result<Vec<_>, Fault>>()?);
+        }
         let visibility = TrueVisibility::of_seen(shown).ok_or_else(|| {
             Fault::data(
                 "no frame has a point within 2 mm of the true object, so that they do not belong together",

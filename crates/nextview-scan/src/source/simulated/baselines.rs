@@ -59,9 +59,10 @@ impl Baselines {
     pub fn new(truth: &Truth, config: &ScanConfig) -> Self {
         let start = Instant::now();
         let visibility = truth.visibility.clone();
+        let n_views = config.max_views(visibility.n_views());
         Self {
-            random: RandomCurve::new(&visibility, config.first_view, config.views),
-            clairvoyant: clairvoyant_curve(&visibility, config.first_view, config.views),
+            random: RandomCurve::new(&visibility, config.first_view, n_views),
+            clairvoyant: clairvoyant_curve(&visibility, config.first_view, n_views),
             truth: visibility,
             time: truth.time + start.elapsed(),
         }

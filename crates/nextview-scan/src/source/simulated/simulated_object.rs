@@ -36,8 +36,8 @@ impl SimulatedObject {
         let scene = object.scene(config)?.with_noise(config.noise.noise())?;
         let (views, reach_note) = config.reach.views(view_space(config, &scene)?)?;
         config.check_views(views.len())?;
-        let block =
-            voxel_block(&simulated_session(config, &scene, voxel_size), &scene.planning_box(voxel_size))?;
+        let session = simulated_session(config, views.len(), &scene, voxel_size);
+        let block = voxel_block(&session, &scene.planning_box(voxel_size))?;
         let mesh = scene.camera().mesh();
         let object_voxels = ObjectVoxels::new(mesh, Lattice::new(voxel_size)?, block);
         let true_surface = TrueSurface::new(mesh);
@@ -47,7 +47,7 @@ impl SimulatedObject {
     /// The session of a scan of it by this planner.
     pub fn session(&self, config: &ScanConfig, planner: Box<dyn ViewPlanner>) -> Result<Session, Faults> {
         config.check_views(self.views.len())?;
-        let session_config = simulated_session(config, &self.scene, self.voxel_size);
+        let session_config = simulated_session(config, self.views.len(), &self.scene, self.voxel_size);
         Ok(Session::new(session_config, config.camera, self.session_views(config)?, planner)?)
     }
 
@@ -75,7 +75,12 @@ impl SimulatedObject {
     }
 }
 
-fn simulated_session(config: &ScanConfig, scene: &Scene, voxel_size: f64) -> SessionConfig {
+fn simulated_session(
+    config: &ScanConfig,
+    n_candidates: usize,
+    scene: &Scene,
+    voxel_size: f64,
+) -> SessionConfig {
     let object_box = match config.object_box.rule {
         BoxRule::Known => ObjectBox::Known(scene.planning_box(voxel_size)),
         BoxRule::Grows => ObjectBox::Growing,
@@ -85,7 +90,7 @@ fn simulated_session(config: &ScanConfig, scene: &Scene, voxel_size: f64) -> Ses
         TableRule::Known => Table::AtHeight(scene.room().min.z),
         TableRule::Fit => Table::Fitted,
     };
-    session_config(config, voxel_size, object_box, table)
+    session_config(config, n_candidates, voxel_size, object_box, table)
 }
 
 /// The candidates around the true object that are above its table, if it has one.

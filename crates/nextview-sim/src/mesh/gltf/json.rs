@@ -1,19 +1,32 @@
 //! The parts of a glTF 2.0 document that make up its shape.
 
 use crate::SimError;
-use serde::Deserialize;
+use serde::de::{Error, SeqAccess, Visitor};
+use serde::{Deserialize, Deserializer};
+use std::fmt;
+use std::marker::PhantomData;
+
+/// Most entries of a list: a node takes 400 bytes of memory, however few the file spends on it.
+const MAX_ENTRIES: usize = 200_000;
 
 #[derive(Debug, Deserialize)]
 #[serde(default, rename_all = "camelCase")]
 #[derive(Default)]
 pub(super) struct Document {
+    #[serde(deserialize_with = "list")]
     pub extensions_required: Vec<String>,
     pub scene: Option<usize>,
+    #[serde(deserialize_with = "list")]
     pub scenes: Vec<Scene>,
+    #[serde(deserialize_with = "list")]
     pub nodes: Vec<Node>,
+    #[serde(deserialize_with = "list")]
     pub meshes: Vec<Mesh>,
+    #[serde(deserialize_with = "list")]
     pub accessors: Vec<Accessor>,
+    #[serde(deserialize_with = "list")]
     pub buffer_views: Vec<BufferView>,
+    #[serde(deserialize_with = "list")]
     pub buffers: Vec<Buffer>,
 }
 
@@ -80,6 +93,32 @@ pub(super) struct BufferView {
 pub(super) struct Buffer {
     pub uri: Option<String>,
     pub byte_length: usize,
+}
+
+/// Reads a list of bounded length.
+fn list<'de, D: Deserializer<'de>, T: Deserialize<'de>>(deserializer: D) -> Result<Vec<T>, D::Error> {
+    deserializer.deserialize_seq(List(PhantomData))
+}
+
+struct List<T>(PhantomData<T>);
+
+impl<'de, T: Deserialize<'de>> Visitor<'de> for List<T> {
+    type Value = Vec<T>;
+
+    fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "a list of at most {MAX_ENTRIES} entries")
+    }
+
+    fn visit_seq<A: SeqAccess<'de>>(self, mut entries: A) -> Result<Vec<T>, A::Error> {
+        let mut list = Vec::new();
+        while let Some(entry) = entries.next_element()? {
+            if list.len() == MAX_ENTRIES {
+                return Err(A::Error::invalid_length(MAX_ENTRIES + 1, &self));
+            }
+            list.push(entry);
+        }
+        Ok(list)
+    }
 }
 
 /// Element `i` of an array of the document.

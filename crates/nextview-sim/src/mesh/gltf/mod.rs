@@ -4,6 +4,7 @@
 mod buffers;
 mod json;
 
+use super::limit;
 use super::raw::RawMesh;
 use crate::SimError;
 use buffers::{Resolve, elements};
@@ -11,19 +12,23 @@ use glam::{DMat4, DQuat, DVec3};
 use json::{Document, Node, Primitive, field};
 use std::borrow::Cow;
 
-/// Nodes may share meshes, so that a small file can stand for any number of vertices.
-const MAX_VERTICES: usize = 100_000_000;
-
 pub(super) fn parse(bytes: &[u8], resolve: &Resolve) -> Result<RawMesh, SimError> {
     let (json, chunk) = if bytes.starts_with(b"glTF") { split_glb(bytes)? } else { (bytes, None) };
     let document: Document = serde_json::from_slice(json)
         .map_err(|error| SimError::format(format!("JSON line {}", error.line()), error.to_string()))?;
     check_extensions(&document)?;
     let buffers = buffers::load(&document, chunk, resolve)?;
+    let n_bytes = bytes.len() + buffers.iter().map(|buffer| buffer.len()).sum::<usize>();
     let mut mesh = RawMesh::default();
     for (node, world_from_node) in placed_nodes(&document)? {
         let Some(i) = node.mesh else { continue };
         for primitive in &field(&document.meshes, i, "meshes")?.primitives {
+            // Nodes may share meshes: before any is read, so that a small file does not fill the memory.
+            let [n_vertices, n_corners] = counts(&document, primitive)?;
+            // More than there are bytes is a fault of the accessor.
+            let n_vertices = mesh.vertices.len() + n_vertices.min(n_bytes);
+            let n_triangles = mesh.triangles.len() + n_corners.min(n_bytes) / 3;
+            limit::check(n_vertices, n_triangles, n_bytes as u64)?;
             add_primitive(&document, &buffers, primitive, world_from_node, &mut mesh)?;
         }
     }
@@ -84,20 +89,35 @@ fn placed_nodes(document: &Document) -> Result<Vec<(&Node, DMat4)>, SimError> {
         }
     };
     let z_up = DMat4::from_rotation_x(std::f64::consts::FRAC_PI_2);
-    let mut open: Vec<(usize, DMat4)> = roots.into_iter().rev().map(|i| (i, z_up)).collect();
-    let mut visited = vec![false; document.nodes.len()];
+    let mut reached = vec![false; document.nodes.len()];
+    let mut open = Vec::new();
+    reach(&roots, z_up, &mut reached, &mut open)?;
     let mut placed = Vec::new();
     while let Some((i, world_from_parent)) = open.pop() {
         let node = field(&document.nodes, i, "nodes")?;
-        if std::mem::replace(&mut visited[i], true) {
-            let problem = "is reached twice, expected a tree of nodes";
-            return Err(SimError::format(format!("nodes[{i}]"), problem));
-        }
         let world_from_node = world_from_parent * local_transform(node);
-        open.extend(node.children.iter().rev().map(|&child| (child, world_from_node)));
+        reach(&node.children, world_from_node, &mut reached, &mut open)?;
         placed.push((node, world_from_node));
     }
     Ok(placed)
+}
+
+/// Opens nodes of one parent, the first on top; fails if one was reached before.
+fn reach(
+    nodes: &[usize],
+    world_from_parent: DMat4,
+    reached: &mut [bool],
+    open: &mut Vec<(usize, DMat4)>,
+) -> Result<(), SimError> {
+    for &i in nodes.iter().rev() {
+        field(reached, i, "nodes")?;
+        if std::mem::replace(&mut reached[i], true) {
+            let problem = "is reached twice, expected a tree of nodes";
+            return Err(SimError::format(format!("nodes[{i}]"), problem));
+        }
+        open.push((i, world_from_parent));
+    }
+    Ok(())
 }
 
 fn local_transform(node: &Node) -> DMat4 {
@@ -112,6 +132,13 @@ fn local_transform(node: &Node) -> DMat4 {
             DMat4::from_scale_rotation_translation(scale, rotation, translation)
         }
     }
+}
+
+/// Numbers of vertices and corners that a primitive states.
+fn counts(document: &Document, primitive: &Primitive) -> Result<[usize; 2], SimError> {
+    let count = |i: usize| field(&document.accessors, i, "accessors").map(|accessor| accessor.count);
+    let n_vertices = primitive.attributes.position.map_or(Ok(0), count)?;
+    Ok([n_vertices, primitive.indices.map_or(Ok(n_vertices), count)?])
 }
 
 fn add_primitive(
@@ -131,10 +158,6 @@ fn add_primitive(
         Some(i) => read_indices(document, buffers, i, positions.len())?,
         None => (0..positions.len() as u32).collect(),
     };
-    if first + positions.len() > MAX_VERTICES || 3 * mesh.triangles.len() + corners.len() > 3 * MAX_VERTICES {
-        let problem = format!("more than {MAX_VERTICES} vertices or triangles");
-        return Err(SimError::format("scene", problem));
-    }
     mesh.vertices.extend(positions.into_iter().map(|p| world_from_node.transform_point3(p)));
     mesh.triangles.extend(triangles(mode, &corners).map(|t| t.map(|i| first as u32 + i)));
     Ok(())

@@ -1,6 +1,7 @@
 use super::preorder::DEPTH;
 use super::tree::{Node, Octree, TreeKind};
 use crate::Error;
+use std::borrow::Cow;
 
 impl Octree {
     /// The tree with eight equal leaves merged into one, as OctoMap's `prune()` does it.
@@ -10,15 +11,16 @@ impl Octree {
     /// rounded down. OctoMap starts with the voxels and stops at the first level on which it can merge
     /// nothing, and it never merges the root's children; so do we, to get the same bytes.
     pub fn pruned(&self) -> Self {
-        let mut tree = self.clone();
+        let mut tree = Cow::Borrowed(self);
         for depth in (1..DEPTH).rev() {
-            let n_nodes_before = tree.n_nodes();
-            tree = tree.pruned_at(depth);
-            if tree.n_nodes() == n_nodes_before {
+            let pruned = tree.pruned_at(depth);
+            let is_done = pruned.n_nodes() == tree.n_nodes();
+            tree = Cow::Owned(pruned);
+            if is_done {
                 break;
             }
         }
-        tree
+        tree.into_owned()
     }
 
     /// The tree with every leaf split into single voxels of its occupancy and colour: the inverse of

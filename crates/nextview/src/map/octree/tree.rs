@@ -135,6 +135,11 @@ impl Leaf {
     pub fn edge(&self) -> u32 {
         1 << (DEPTH - self.depth)
     }
+
+    /// The voxel of the cube with the highest coordinates.
+    pub fn max(&self) -> VoxelKey {
+        self.min + self.edge() as i32 - 1
+    }
 }
 
 /// One node as the files store it.

@@ -1,0 +1,16 @@
+use super::RUNS;
+use crate::tables;
+use nextview_scan::files::numbered;
+use std::path::{Path, PathBuf};
+
+/// The folder of the campaign of this name where none is given: `bench-NAME`, followed by -2, -3, ... where
+/// that one holds a finished campaign. A campaign that is resumed is the last one, finished or not.
+pub fn campaign_folder(name: &str, resume: bool) -> PathBuf {
+    // Tables are written when all runs are done.
+    let has_tables = |dir: &Path| tables::FILES.iter().any(|file| dir.join(file).exists());
+    let (finished, next) = numbered(&format!("bench-{name}"), |dir| dir.is_file() || has_tables(dir));
+    match finished.last() {
+        Some(last) if resume && !next.join(RUNS).exists() => last.clone(),
+        _ => next,
+    }
+}

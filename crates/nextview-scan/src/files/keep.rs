@@ -1,0 +1,124 @@
+use crate::{Fault, Faults};
+use std::fs;
+use std::path::{Path, PathBuf};
+
+/// What may be written over: never a file that is read, and other files only if that was asked for.
+///
+/// A file counts as the one that is read under any of its names, through symbolic and hard links.
+///
+/// ```
+/// use nextview_scan::files::{Overwrite, write};
+/// use std::io::Write;
+///
+/// let path = std::env::temp_dir().join(format!("nextview-doc-{}.txt", std::process::id()));
+/// let put = |rule: &Overwrite| write(&path, rule, |w| Ok(w.write_all(b"text")?));
+/// put(&Overwrite::nothing())?;
+/// assert!(put(&Overwrite::nothing()).is_err(), "it exists");
+/// put(&Overwrite::results())?;
+/// assert!(put(&Overwrite::results().but(vec![path.clone()])).is_err(), "it is read");
+/// # std::fs::remove_file(&path).unwrap();
+/// # Ok::<(), nextview_scan::Faults>(())
+/// ```
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Overwrite {
+    replaces: bool,
+    inputs: Vec<PathBuf>,
+}
+
+impl Overwrite {
+    /// No file that exists.
+    pub fn nothing() -> Self {
+        Self { replaces: false, inputs: Vec::new() }
+    }
+
+    /// Files that exist, such as results of before.
+    pub fn results() -> Self {
+        Self { replaces: true, inputs: Vec::new() }
+    }
+
+    /// The same, but none of these files, which are read.
+    pub fn but(self, inputs: Vec<PathBuf>) -> Self {
+        Self { inputs, ..self }
+    }
+
+    /// Fails if a file must not be written here.
+    pub fn check_file(&self, file: &Path) -> Result<(), Fault> {
+        if self.is_input(file) {
+            return Err(input(file).with_remedy("choose another file"));
+        }
+        if file.exists() && !self.replaces {
+            let remedy = "choose another file, or replace this one (`force`)";
+            return Err(Fault::data("exists already").in_file(file).with_remedy(remedy));
+        }
+        Ok(())
+    }
+
+    /// Fails if files of these names must not be written into this folder.
+    pub fn check_folder(&self, folder: &Path, names: &[&str]) -> Result<(), Faults> {
+        let inputs = names.iter().map(|name| folder.join(name)).filter(|file| self.is_input(file));
+        let faults = inputs.map(|file| input(&file).with_remedy("choose another folder (`out`)"));
+        if let Some(faults) = Faults::of(faults.collect()) {
+            return Err(faults);
+        }
+        let existing: Vec<&str> = names.iter().copied().filter(|name| folder.join(name).exists()).collect();
+        if existing.is_empty() || self.replaces {
+            return Ok(());
+        }
+        let fault = Fault::data(format!("holds results already: {}", existing.join(", "))).in_file(folder);
+        Err(fault.with_remedy("choose another folder (`out`), or replace them (`force`)").into())
+    }
+
+    fn is_input(&self, file: &Path) -> bool {
+        self.inputs.iter().any(|input| is_same(input, file))
+    }
+}
+
+fn input(file: &Path) -> Fault {
+    Fault::data("is read, and would be written over").in_file(file)
+}
+
+/// Whether two paths lead to one file.
+#[cfg(unix)]
+fn is_same(a: &Path, b: &Path) -> bool {
+    use std::os::unix::fs::MetadataExt;
+    let [a, b] = [a, b].map(|path| fs::metadata(path).ok().map(|of| (of.dev(), of.ino())));
+    a.is_some() && a == b
+}
+
+/// Whether two paths lead to one file; hard links are not recognised.
+#[cfg(not(unix))]
+fn is_same(a: &Path, b: &Path) -> bool {
+    let [a, b] = [a, b].map(|path| fs::canonicalize(path).ok());
+    a.is_some() && a == b
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[cfg(unix)]
+    #[test]
+    fn an_input_is_recognised_under_any_name() {
+        let folder = std::env::temp_dir().join(format!("nextview-keep-{}", std::process::id()));
+        fs::create_dir_all(folder.join("in/deep")).unwrap();
+        fs::create_dir_all(folder.join("out")).unwrap();
+        let mesh = folder.join("in/mesh.ply");
+        fs::write(&mesh, "mesh").unwrap();
+        fs::hard_link(&mesh, folder.join("out/hard.ply")).unwrap();
+        std::os::unix::fs::symlink("../in/mesh.ply", folder.join("out/soft.ply")).unwrap();
+        std::os::unix::fs::symlink(folder.join("in"), folder.join("linked")).unwrap();
+        fs::write(folder.join("out/other.ply"), "mesh").unwrap();
+        let keeps = Overwrite::results().but(vec![mesh]);
+        for name in ["in/mesh.ply", "in/deep/../mesh.ply", "out/hard.ply", "out/soft.ply", "linked/mesh.ply"]
+        {
+            let fault = keeps.check_file(&folder.join(name)).unwrap_err().to_string();
+            assert!(fault.ends_with(&format!("{name}: is read, and would be written over")), "{fault}");
+        }
+        for name in ["out/other.ply", "out/new.ply"] {
+            keeps.check_file(&folder.join(name)).unwrap();
+        }
+        let faults = keeps.check_folder(&folder.join("out"), &["hard.ply", "other.ply", "soft.ply"]);
+        assert_eq!(faults.unwrap_err().iter().count(), 2, "all inputs are named");
+        fs::remove_dir_all(&folder).unwrap();
+    }
+}

@@ -1,0 +1,14 @@
+//! Files: those that are read are regular and of bounded size; those that are written are never half
+//! written, and replace nothing that must stay.
+
+mod keep;
+mod numbered;
+mod read;
+mod results;
+mod write;
+
+pub use keep::Overwrite;
+pub use numbered::numbered;
+pub use read::{open, read, read_text};
+pub use results::{ResultFolder, remove_unfinished};
+pub use write::write;

@@ -1,0 +1,42 @@
+use crate::Fault;
+use std::fs::File;
+use std::io::{BufReader, Read};
+use std::path::Path;
+
+/// Opens a regular file for reading. Devices and pipes may never end.
+pub fn open(path: &Path) -> Result<BufReader<File>, Fault> {
+    let open = || {
+        let kind = path.metadata()?;
+        match () {
+            _ if kind.is_dir() => Err(Fault::data("it is a folder, expected a file")),
+            _ if !kind.is_file() => Err(Fault::data("it is a device, a pipe or a socket, expected a file")),
+            _ => Ok(BufReader::new(File::open(path)?)),
+        }
+    };
+    open().map_err(|fault| unreadable(path, &fault))
+}
+
+/// Reads a regular file that may have at most this many bytes.
+pub fn read(path: &Path, max_bytes: u64) -> Result<Vec<u8>, Fault> {
+    let mut bytes = Vec::new();
+    let read = open(path)?.take(max_bytes.saturating_add(1)).read_to_end(&mut bytes);
+    read.map_err(|error| unreadable(path, &error.into()))?;
+    if bytes.len() as u64 > max_bytes {
+        let size = path.metadata().map_or(bytes.len() as u64, |of| of.len());
+        let problem = format!("it has {size} bytes, expected at most {max_bytes}");
+        return Err(unreadable(path, &Fault::data(problem)));
+    }
+    Ok(bytes)
+}
+
+/// The same for a text.
+pub fn read_text(path: &Path, max_bytes: u64) -> Result<String, Fault> {
+    String::from_utf8(read(path, max_bytes)?).map_err(|error| {
+        let offset = error.utf8_error().valid_up_to();
+        unreadable(path, &Fault::data(format!("it is no text (UTF-8) from byte {offset} on")))
+    })
+}
+
+fn unreadable(path: &Path, fault: &Fault) -> Fault {
+    Fault::data(format!("cannot be read: {}", fault.message)).in_file(path)
+}

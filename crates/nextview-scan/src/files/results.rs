@@ -1,0 +1,149 @@
+use super::Overwrite;
+use super::write::{name_of, unfinished};
+use crate::{Fault, Faults};
+use std::fs::{self, File};
+use std::io::{self, Write};
+use std::path::{Path, PathBuf};
+
+/// A folder of results that appears as a whole or not at all. Until then its files are kept in memory.
+#[derive(Debug)]
+pub struct ResultFolder {
+    target: PathBuf,
+    /// The files that it will hold.
+    names: &'static [&'static str],
+    rule: Overwrite,
+    /// Where the files are written first: on the same file system as the target.
+    staging: PathBuf,
+    files: Vec<(&'static str, Vec<u8>)>,
+}
+
+impl ResultFolder {
+    /// Begins a folder of these files. Fails at once if it could not be written later, or if the rule does not
+    /// allow it.
+    pub fn begin(target: &Path, names: &'static [&'static str], rule: Overwrite) -> Result<Self, Faults> {
+        if target.exists() && !target.is_dir() {
+            let fault = Fault::data("exists and is no folder").in_file(target);
+            return Err(fault.with_remedy("choose another folder (`out`)").into());
+        }
+        rule.check_folder(target, names)?;
+        let staging = nearest_existing(target).join(unfinished(target));
+        fs::create_dir(&staging)
+            .and_then(|()| fs::remove_dir(&staging))
+            .map_err(|e| Fault::from(e).while_writing(target))?;
+        Ok(Self { target: target.to_owned(), names, rule, staging, files: Vec::new() })
+    }
+
+    /// Adds a file, which must be one of those the folder was begun with.
+    pub fn add(
+        &mut self,
+        name: &'static str,
+        content: impl FnOnce(&mut Vec<u8>) -> Result<(), Fault>,
+    ) -> Result<(), Fault> {
+        assert!(self.names.contains(&name), "{name} is none of {:?}", self.names);
+        let mut bytes = Vec::new();
+        content(&mut bytes)?;
+        self.files.push((name, bytes));
+        Ok(())
+    }
+
+    /// Shows the finished folder under its name. Fails if files of its names have appeared there that the rule
+    /// does not allow to replace.
+    pub fn publish(self) -> Result<(), Faults> {
+        self.rule.check_folder(&self.target, self.names)?;
+        let result = self.write().and_then(|()| {
+            let moved = if self.target.exists() { self.move_files() } else { self.move_folder() };
+            moved.map_err(|e| Fault::from(e).while_writing(&self.target))
+        });
+        Ok(result.inspect_err(|_| {
+            let _ = fs::remove_dir_all(&self.staging);
+        })?)
+    }
+
+    fn write(&self) -> Result<(), Fault> {
+        fs::create_dir(&self.staging).map_err(|e| Fault::from(e).while_writing(&self.target))?;
+        for (name, bytes) in &self.files {
+            let written = File::create(self.staging.join(name)).and_then(|mut file| {
+                file.write_all(bytes)?;
+                file.sync_all()
+            });
+            written.map_err(|e| Fault::from(e).while_writing(&self.target.join(name)))?;
+        }
+        Ok(())
+    }
+
+    fn move_folder(&self) -> io::Result<()> {
+        if let Some(parent) = self.target.parent() {
+            fs::create_dir_all(parent)?;
+        }
+        fs::rename(&self.staging, &self.target)
+    }
+
+    fn move_files(&self) -> io::Result<()> {
+        for (name, _) in &self.files {
+            fs::rename(self.staging.join(name), self.target.join(name))?;
+        }
+        fs::remove_dir(&self.staging)
+    }
+}
+
+/// Removes what writing into this folder has left unfinished; nobody must be writing into it.
+pub fn remove_unfinished(folder: &Path) -> io::Result<()> {
+    let prefix = format!(".{}.", name_of(folder));
+    for entry in fs::read_dir(folder)? {
+        let entry = entry?;
+        let name = entry.file_name();
+        let is_unfinished =
+            name.to_str().is_some_and(|name| name.starts_with(&prefix) && name.ends_with(".partial"));
+        if is_unfinished && entry.file_type()?.is_dir() {
+            fs::remove_dir_all(entry.path())?;
+        }
+    }
+    Ok(())
+}
+
+/// The path itself if it exists, or else the nearest folder above it that does.
+fn nearest_existing(path: &Path) -> &Path {
+    path.ancestors().find(|path| path.exists()).unwrap_or(Path::new("."))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn unfinished(path: &Path, rule: Overwrite) -> Result<ResultFolder, Faults> {
+        let mut results = ResultFolder::begin(path, &["x", "y"], rule)?;
+        results.add("x", |w| Ok(w.write_all(b"x")?))?;
+        Ok(results)
+    }
+
+    #[test]
+    fn a_folder_of_results_appears_as_a_whole() {
+        let folder = std::env::temp_dir().join(format!("nextview-results-{}", std::process::id()));
+        fs::create_dir_all(&folder).unwrap();
+        let path = folder.join("new/results");
+        drop(unfinished(&path, Overwrite::nothing()));
+        assert_eq!(fs::read_dir(&folder).unwrap().count(), 0, "an unfinished folder leaves nothing");
+        for rule in [Overwrite::nothing(), Overwrite::results()] {
+            unfinished(&path, rule).unwrap().publish().unwrap();
+            assert_eq!(fs::read(path.join("x")).unwrap(), b"x");
+            assert_eq!(fs::read_dir(&path).unwrap().count(), 1);
+        }
+        assert_eq!(fs::read_dir(folder.join("new")).unwrap().count(), 1);
+        fs::remove_dir_all(&folder).unwrap();
+    }
+
+    #[test]
+    fn files_that_are_there_or_have_appeared_stay() {
+        let folder = std::env::temp_dir().join(format!("nextview-kept-results-{}", std::process::id()));
+        fs::create_dir_all(&folder).unwrap();
+        let begun = unfinished(&folder, Overwrite::nothing()).unwrap();
+        fs::write(folder.join("y"), "mine").unwrap();
+        for fault in [begun.publish().err(), unfinished(&folder, Overwrite::nothing()).err()] {
+            let fault = fault.unwrap().to_string();
+            assert!(fault.ends_with("holds results already: y"), "{fault}");
+        }
+        assert_eq!(fs::read(folder.join("y")).unwrap(), b"mine");
+        assert_eq!(fs::read_dir(&folder).unwrap().count(), 1);
+        fs::remove_dir_all(&folder).unwrap();
+    }
+}
