@@ -40,6 +40,13 @@ struct Node {
     content: Content,
 }
 
+/// The nearest triangle so far, by its number in the tree.
+#[derive(Clone, Copy, Debug)]
+struct Nearest {
+    dist_sq: f64,
+    triangle: usize,
+}
+
 #[derive(Clone, Debug)]
 enum Content {
     /// From one triangle up to another.
@@ -69,26 +76,45 @@ impl SurfaceDistance {
         Self { triangles, root }
     }
 
-    /// The distance of a finite point from the nearest point of the surface, metres.
-    pub fn at(&self, point: DVec3) -> f64 {
-        let mut nearest_sq = f64::INFINITY;
-        self.search(&self.root, point, &mut nearest_sq);
-        nearest_sq.sqrt()
+    /// The box around the surface.
+    pub fn bounds(&self) -> Aabb {
+        self.root.bounds
     }
 
-    fn search(&self, node: &Node, point: DVec3, nearest_sq: &mut f64) {
+    /// The distance of a finite point from the nearest point of the surface, metres.
+    pub fn at(&self, point: DVec3) -> f64 {
+        self.nearest(point).dist_sq.sqrt()
+    }
+
+    /// The point of the surface that is nearest to a finite point, and the normal of its triangle, which is
+    /// zero for a triangle without size.
+    pub(crate) fn foot(&self, point: DVec3) -> (DVec3, DVec3) {
+        let triangle = self.triangles[self.nearest(point).triangle];
+        let [a, b, c] = triangle;
+        (nearest_point(triangle, point), (b - a).cross(c - a).normalize_or_zero())
+    }
+
+    fn nearest(&self, point: DVec3) -> Nearest {
+        let mut nearest = Nearest { dist_sq: f64::INFINITY, triangle: 0 };
+        self.search(&self.root, point, &mut nearest);
+        nearest
+    }
+
+    fn search(&self, node: &Node, point: DVec3, nearest: &mut Nearest) {
         match &node.content {
             Content::Leaf { start, end } => {
-                for triangle in &self.triangles[*start..*end] {
-                    let dist_sq = nearest_point(*triangle, point).distance_squared(point);
-                    *nearest_sq = nearest_sq.min(dist_sq);
+                for (triangle, corners) in (*start..*end).zip(&self.triangles[*start..*end]) {
+                    let dist_sq = nearest_point(*corners, point).distance_squared(point);
+                    if dist_sq < nearest.dist_sq {
+                        *nearest = Nearest { dist_sq, triangle };
+                    }
                 }
             }
             Content::Halves(halves) => {
                 let [a, b] = halves.each_ref().map(|half| (half, half.distance_sq(point)));
                 for (half, dist_sq) in if a.1 <= b.1 { [a, b] } else { [b, a] } {
-                    if dist_sq < *nearest_sq {
-                        self.search(half, point, nearest_sq);
+                    if dist_sq < nearest.dist_sq {
+                        self.search(half, point, nearest);
                     }
                 }
             }
@@ -155,6 +181,8 @@ mod tests {
             let of_triangle = |i| nearest_point(mesh.corners(i), point).distance(point);
             let expected = (0..mesh.triangles().len()).map(of_triangle).fold(f64::INFINITY, f64::min);
             assert!((distance.at(point) - expected).abs() < 1e-12, "{point}");
+            let (foot, normal) = distance.foot(point);
+            assert!((foot.distance(point) - expected).abs() < 1e-12 && normal.is_normalized(), "{point}");
         }
     }
 

@@ -14,7 +14,7 @@ use nextview::session::{NextView, Session};
 pub struct Measures {
     /// The map in the finest voxels against the object voxels, in the block of those: object voxels outside
     /// the session's box do not count as covered, and occupied voxels outside the block are not counted at
-    /// all.
+    /// all. With the reachable object voxels, if the evaluator knows them.
     pub voxels: VoxelScore,
     /// Number of object voxels truly seen so far: those with a point of the true surface that a pixel
     /// measured, wherever noise and a wrong pose put that point in the map. All other measures are of what
@@ -45,6 +45,7 @@ pub struct Shown {
 /// Measures a scan, frame by frame.
 pub struct Evaluator<'a> {
     object: &'a ObjectVoxels,
+    reachable: Option<&'a FixedBitSet>,
     surface: SurfaceCoverage,
     seen: FixedBitSet,
 }
@@ -82,7 +83,12 @@ impl<'a> Evaluator<'a> {
     /// An evaluator before the first frame.
     pub fn new(scene: &Scene, object: &'a ObjectVoxels) -> Self {
         let surface = SurfaceCoverage::new(scene.camera().mesh());
-        Self { object, surface, seen: FixedBitSet::with_capacity(object.len()) }
+        Self { object, reachable: None, surface, seen: FixedBitSet::with_capacity(object.len()) }
+    }
+
+    /// The same that compares the map with the reachable ones of the object voxels, too.
+    pub fn with_reachable(self, reachable: &'a FixedBitSet) -> Self {
+        Self { reachable: Some(reachable), ..self }
     }
 
     /// Measures the session after this frame, which has the pose in which it was mapped.
@@ -92,7 +98,7 @@ impl<'a> Evaluator<'a> {
         self.seen.union_with(&self.object.seen_in(&truth));
         self.surface.add(&of_object.with_pose(mapped_from));
         Measures {
-            voxels: self.object.compare(&session.map().snapshot(self.object.block())),
+            voxels: self.object.compare(&session.map().snapshot(self.object.block()), self.reachable),
             n_seen: self.seen.count_ones(..),
             surface_coverage: self.surface.shares(),
             misplacement: Some(misplacement(&truth, &mapped_from)),

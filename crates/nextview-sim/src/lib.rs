@@ -6,6 +6,7 @@
 //! look at the truth.
 
 pub mod accuracy;
+pub mod area;
 pub mod baseline;
 pub mod builtin;
 pub mod camera;
@@ -13,6 +14,7 @@ mod error;
 pub mod evaluator;
 pub mod mesh;
 pub mod noise;
+mod overlap;
 pub mod quality;
 pub mod random_object;
 pub mod scene;

@@ -1,15 +1,11 @@
 //! How completely the true surface was measured.
 
-use crate::mesh::{TriangleMesh, sample_surface};
-use crate::truth::SEED;
+use crate::mesh::{TriangleMesh, surface_samples};
 use fixedbitset::FixedBitSet;
 use glam::{DVec3, IVec3};
 use nextview::geometry::Aabb;
 use nextview::sensor::Frame;
 use rustc_hash::FxHashMap;
-
-/// Number of surface samples: the standard error of a share is then at most 0.5 %.
-const N_SAMPLES: usize = 10_000;
 
 /// Distances beyond this, metres, are not distinguished.
 const FAR: f64 = 0.005;
@@ -29,7 +25,7 @@ pub struct SurfaceCoverage {
 impl SurfaceCoverage {
     /// Nothing of this mesh is measured yet.
     pub fn new(mesh: &TriangleMesh) -> Self {
-        let samples = sample_surface(mesh, N_SAMPLES, SEED);
+        let samples = surface_samples(mesh);
         let mut cells: FxHashMap<IVec3, Vec<u32>> = FxHashMap::default();
         for (i, sample) in samples.iter().enumerate() {
             for offset in neighbor_offsets() {
@@ -91,6 +87,7 @@ fn neighbor_offsets() -> impl Iterator<Item = IVec3> {
 mod tests {
     use super::*;
     use crate::builtin;
+    use crate::mesh::{N_SAMPLES, sample_surface};
 
     #[test]
     fn equals_the_distance_to_every_point() {
@@ -111,7 +108,7 @@ mod tests {
         let mesh = builtin::by_name("mug").unwrap();
         let mut coverage = SurfaceCoverage::new(&mesh);
         assert_eq!(coverage.share_within(0.005), 0.0);
-        coverage.add_points(sample_surface(&mesh, N_SAMPLES, SEED));
+        coverage.add_points(surface_samples(&mesh));
         assert_eq!(coverage.share_within(0.001), 1.0);
     }
 }

@@ -1,8 +1,9 @@
 //! The true object, and the part of it that each view candidate would truly see.
 
 use crate::SimError;
-use crate::camera::SimulatedCamera;
-use crate::mesh::{TriangleMesh, sample_surface};
+use crate::camera::{Look, SimulatedCamera};
+use crate::mesh::TriangleMesh;
+use crate::overlap::VoxelTriangle;
 use fixedbitset::FixedBitSet;
 use glam::DVec3;
 use nextview::Error;
@@ -11,42 +12,47 @@ use nextview::map::{Occupancy, Snapshot};
 use nextview::sensor::Frame;
 use nextview::view::ViewSpace;
 use rayon::prelude::*;
+use std::sync::atomic::{AtomicU32, Ordering};
 
-/// The seed of all samples of the true surface; fixed, so that the truth is the same in every scan.
-pub(crate) const SEED: u64 = 0;
-
-/// Surface samples per voxel face: enough that hardly any voxel that the surface crosses has none.
-const SAMPLES_PER_FACE: f64 = 16.0;
-
-/// Maximum number of samples, for voxels that are tiny beside the object.
-const MAX_SAMPLES: f64 = 8e6;
-
-/// The voxels of the true surface: those that hold at least one of many samples, uniform by area (as in the
-/// paper).
+/// The voxels of the true surface: those that hold at least one point of it, exactly.
+///
+/// A surface that lies in the face between two voxels is in the voxel that [`Lattice::key`] assigns its
+/// points to. Half of the measured points of such a surface are in the other voxel, only because the depths of
+/// images are rounded; a map with that voxel is not wrong. So voxels within a micrometre of the surface are
+/// kept apart: they are neither object voxels nor false. (The paper takes the voxels of many random points of the surface. However dense these are, they
+/// miss voxels of which the surface cuts off a corner; a camera finds them, and they count as false.)
 #[derive(Clone, Debug)]
 pub struct ObjectVoxels {
     lattice: Lattice,
     block: VoxelBlock,
-    /// For each voxel of the block its number among the object voxels, or `NO_OBJECT`.
+    /// For each voxel of the block its number among the object voxels, `TOUCHED` or `NO_OBJECT`.
     number: Vec<u32>,
     n_voxels: usize,
 }
 
 const NO_OBJECT: u32 = u32::MAX;
+const TOUCHED: u32 = NO_OBJECT - 1;
+
+/// Rounding of points measured within a camera's range of 10 m, metres: depths have 24 bits.
+const ROUNDING: f64 = 1e-6;
 
 impl ObjectVoxels {
     /// The object voxels of a mesh within the block.
     pub fn new(mesh: &TriangleMesh, lattice: Lattice, block: VoxelBlock) -> Self {
-        let face = lattice.voxel_size() * lattice.voxel_size();
-        let n_samples = (mesh.area() / face * SAMPLES_PER_FACE).clamp(20_000.0, MAX_SAMPLES) as usize;
-        let mut number = vec![NO_OBJECT; block.n_voxels()];
-        for point in sample_surface(mesh, n_samples, SEED) {
-            if let Some(index) = block.index(lattice.key(point)) {
-                number[index] = 0;
-            }
-        }
+        let number: Vec<AtomicU32> =
+            (0..block.n_voxels()).into_par_iter().map(|_| AtomicU32::new(NO_OBJECT)).collect();
+        (0..mesh.triangles().len()).into_par_iter().for_each(|i| {
+            let triangle = VoxelTriangle::new(mesh.corners(i), &lattice);
+            let mark = |voxel, as_: u32| {
+                let index = block.index(voxel).expect("voxels of the block are visited");
+                number[index].fetch_min(as_, Ordering::Relaxed);
+            };
+            triangle.for_each_voxel_within(ROUNDING / lattice.voxel_size(), &block, |v| mark(v, TOUCHED));
+            triangle.for_each_voxel(&block, |voxel| mark(voxel, 0));
+        });
+        let mut number: Vec<u32> = number.into_iter().map(AtomicU32::into_inner).collect();
         let mut n_voxels = 0;
-        for number in number.iter_mut().filter(|number| **number != NO_OBJECT) {
+        for number in number.iter_mut().filter(|number| **number == 0) {
             *number = n_voxels as u32;
             n_voxels += 1;
         }
@@ -71,7 +77,13 @@ impl ObjectVoxels {
     /// The number of an object voxel among them; none for other voxels.
     pub fn number(&self, voxel: VoxelKey) -> Option<usize> {
         let number = self.number[self.block.index(voxel)?];
-        (number != NO_OBJECT).then_some(number as usize)
+        (number < TOUCHED).then_some(number as usize)
+    }
+
+    /// Whether a voxel of the block is false where it is occupied: no object voxel, and not as near to the
+    /// surface as measured points are rounded. Voxels beyond the block are not false.
+    pub fn is_false(&self, voxel: VoxelKey) -> bool {
+        self.block.index(voxel).is_some_and(|index| self.number[index] == NO_OBJECT)
     }
 
     /// Which object voxels hold a measured point of the frame.
@@ -81,18 +93,28 @@ impl ObjectVoxels {
 
     /// The same for the truth of the frame that the camera would take from a pose, in less time.
     pub fn seen_from(&self, camera: &SimulatedCamera, pose: &Pose) -> Result<FixedBitSet, Error> {
-        Ok(self.hit_by(camera.points_in(pose, self.lattice.bounds(&self.block))?))
+        Ok(self.seen_by(&camera.look(pose)?))
     }
 
-    /// How a map compares with the object; the snapshot must be of the same block.
-    pub fn compare(&self, snapshot: &Snapshot) -> VoxelScore {
+    /// The same for a look that was taken.
+    pub fn seen_by(&self, look: &Look<'_>) -> FixedBitSet {
+        self.hit_by(look.points_in(self.lattice.bounds(&self.block)))
+    }
+
+    /// How a map compares with the object, and with the reachable ones of the object's voxels if they are
+    /// known; the snapshot must be of the same block.
+    pub fn compare(&self, snapshot: &Snapshot, reachable: Option<&FixedBitSet>) -> VoxelScore {
         assert_eq!(snapshot.block(), self.block, "map and truth must cover the same voxels");
         let mut score = VoxelScore { n_object: self.n_voxels, ..VoxelScore::default() };
+        let mut n_reached = 0;
         for (number, occupancy) in self.number.iter().zip(snapshot.occupancy()) {
             if *occupancy == Occupancy::Occupied {
-                *(if *number == NO_OBJECT { &mut score.n_false } else { &mut score.n_true }) += 1;
+                score.n_true += (*number < TOUCHED) as usize;
+                score.n_false += (*number == NO_OBJECT) as usize;
+                n_reached += reachable.is_some_and(|voxels| voxels.contains(*number as usize)) as usize;
             }
         }
+        score.reachable = reachable.map(|voxels| (n_reached, voxels.count_ones(..)));
         score
     }
 
@@ -114,15 +136,42 @@ pub struct VoxelScore {
     pub n_object: usize,
     /// Occupied voxels that are object voxels.
     pub n_true: usize,
-    /// Occupied voxels that are not.
+    /// Occupied voxels that are [false](ObjectVoxels::is_false).
     pub n_false: usize,
+    /// Of the object voxels that any view candidate sees, the number of occupied ones and that of all; none
+    /// where they are not known.
+    pub reachable: Option<(usize, usize)>,
 }
 
 impl VoxelScore {
-    /// The paper's voxel coverage, 0..=1, counting true voxels only.
+    /// The paper's voxel coverage, 0..=1, counting true voxels only: the recall over the whole object.
     pub fn coverage(&self) -> f64 {
         self.n_true as f64 / self.n_object as f64
     }
+
+    /// Share, 0..=1, of the occupied voxels that are object voxels, but for those that are neither; none
+    /// without occupied voxels.
+    pub fn precision(&self) -> Option<f64> {
+        share(self.n_true, self.n_true + self.n_false)
+    }
+
+    /// Share, 0..=1, of the reachable object voxels that are occupied; none where they are not known.
+    pub fn recall(&self) -> Option<f64> {
+        let (n_reached, n_reachable) = self.reachable?;
+        share(n_reached, n_reachable)
+    }
+
+    /// Intersection over union, 0..=1, of the occupied and the reachable object voxels; none where those are
+    /// not known. Occupied object voxels that no candidate sees are in neither: they are right, but nobody
+    /// misses them.
+    pub fn iou(&self) -> Option<f64> {
+        let (n_reached, n_reachable) = self.reachable?;
+        share(n_reached, n_reachable + self.n_false)
+    }
+}
+
+fn share(part: usize, whole: usize) -> Option<f64> {
+    (whole > 0).then(|| part as f64 / whole as f64)
 }
 
 /// The object voxels that every view candidate truly sees: only the clairvoyant planner knows them. A camera
@@ -171,6 +220,11 @@ impl TrueVisibility {
     /// The object voxels that a view sees.
     pub fn seen(&self, view: usize) -> &FixedBitSet {
         &self.seen[view]
+    }
+
+    /// The object voxels that any candidate sees, by number.
+    pub fn reachable(&self) -> &FixedBitSet {
+        &self.reachable
     }
 
     /// Number of object voxels that any candidate sees.

@@ -102,6 +102,57 @@ pub const COMPLETENESS: Measure = Measure {
     ..SURFACE_2MM
 };
 
+/// Share of the occupied voxels that are object voxels, with the last view.
+pub const MAP_PRECISION: Measure =
+    Measure { name: "precision of the map, %", of: |run| run.last()?.map_precision, ..SURFACE_2MM };
+
+/// Share of the reachable object voxels that are occupied, with the last view.
+pub const MAP_RECALL: Measure =
+    Measure { name: "recall of the map, %", of: |run| run.last()?.map_recall, ..SURFACE_2MM };
+
+/// Intersection over union of the occupied and the reachable object voxels, with the last view.
+pub const MAP_IOU: Measure =
+    Measure { name: "IoU of the map, %", of: |run| run.last()?.map_iou, ..SURFACE_2MM };
+
+/// Harmonic mean of precision and recall of the final cloud at 1 mm.
+pub const F_SCORE_1MM: Measure = Measure {
+    name: "F-score of the cloud at 1 mm, %",
+    of: |run| run.record.cloud_f_score_1mm,
+    ..SURFACE_2MM
+};
+
+/// The same at 2 mm.
+pub const F_SCORE_2MM: Measure = Measure {
+    name: "F-score of the cloud at 2 mm, %",
+    of: |run| run.record.cloud_f_score_2mm,
+    ..SURFACE_2MM
+};
+
+/// The same at 5 mm.
+pub const F_SCORE_5MM: Measure = Measure {
+    name: "F-score of the cloud at 5 mm, %",
+    of: |run| run.record.cloud_f_score_5mm,
+    ..SURFACE_2MM
+};
+
+/// Mean of accuracy and completeness of the final cloud beside the reachable surface.
+pub const CHAMFER: Measure =
+    Measure { name: "Chamfer distance of the cloud, mm", of: |run| run.record.cloud_chamfer_mm, ..ACCURACY };
+
+/// Mean of the reachable coverage over the views that a run could take.
+pub const AREA_OVER_VIEWS: Measure = Measure {
+    name: "area under coverage over views, %",
+    of: |run| run.record.coverage_auc_views,
+    ..SURFACE_2MM
+};
+
+/// Mean of the reachable coverage over the time of a robot.
+pub const AREA_OVER_TIME: Measure = Measure {
+    name: "area under coverage over time, %",
+    of: |run| run.record.coverage_auc_time,
+    ..SURFACE_2MM
+};
+
 /// Views until 95 % of the reachable surface was seen; one more than the run could take where it was not.
 pub const VIEWS_TO_95: Measure = Measure {
     name: "views to 95 %",

@@ -38,6 +38,9 @@ pub(super) fn measure_columns<'a, I: Iterator<Item = Option<&'a StepRecord>>>(
 ) {
     table.float("voxel_coverage", steps().map(|s| s?.voxel_coverage));
     table.count("false_voxels", steps().map(|s| s?.false_voxels));
+    table.float("map_precision", steps().map(|s| s?.map_precision));
+    table.float("map_recall", steps().map(|s| s?.map_recall));
+    table.float("map_iou", steps().map(|s| s?.map_iou));
     table.float("reachable_coverage", steps().map(|s| s?.reachable_coverage));
     table.float("estimated_completeness", steps().map(|s| s?.estimated_completeness));
     table.float("expected_new_voxels", steps().map(|s| s?.expected_new_voxels));
@@ -59,13 +62,28 @@ pub(super) fn quality_columns<'a, I: Iterator<Item = Option<&'a ScanRecord>>>(
     scans: impl Fn() -> I,
 ) {
     let cloud = |of: fn(QualityMm) -> f64| scans().map(move |scan| scan?.cloud().map(of));
+    let known = |of: fn(QualityMm) -> Option<f64>| scans().map(move |scan| scan?.cloud().and_then(of));
     table.float("cloud_accuracy_mean_mm", cloud(|cloud| cloud.accuracy_mean_mm));
     table.float("cloud_accuracy_median_mm", cloud(|cloud| cloud.accuracy_median_mm));
     table.float("cloud_accuracy_p95_mm", cloud(|cloud| cloud.accuracy_p95_mm));
+    table.float("cloud_precision_1mm", known(|cloud| cloud.precision_1mm));
+    table.float("cloud_precision_2mm", known(|cloud| cloud.precision_2mm));
+    table.float("cloud_precision_5mm", known(|cloud| cloud.precision_5mm));
     table.float("cloud_completeness_1mm", cloud(|cloud| cloud.completeness_1mm));
     table.float("cloud_completeness_2mm", cloud(|cloud| cloud.completeness_2mm));
     table.float("cloud_completeness_5mm", cloud(|cloud| cloud.completeness_5mm));
     table.float("cloud_completeness_mean_mm", cloud(|cloud| cloud.completeness_mean_mm));
+    table.float("cloud_recall_1mm", known(|cloud| cloud.recall_1mm));
+    table.float("cloud_recall_2mm", known(|cloud| cloud.recall_2mm));
+    table.float("cloud_recall_5mm", known(|cloud| cloud.recall_5mm));
+    let of_reachable = known(|cloud| cloud.reachable_completeness_mean_mm);
+    table.float("cloud_reachable_completeness_mean_mm", of_reachable);
+    table.float("cloud_f_score_1mm", known(|cloud| cloud.f_score_1mm));
+    table.float("cloud_f_score_2mm", known(|cloud| cloud.f_score_2mm));
+    table.float("cloud_f_score_5mm", known(|cloud| cloud.f_score_5mm));
+    table.float("cloud_chamfer_mm", known(|cloud| cloud.chamfer_mm));
+    table.float("alignment_moved_mm", scans().map(|scan| scan?.alignment_moved_mm));
+    table.float("alignment_turned_deg", scans().map(|scan| scan?.alignment_turned_deg));
 }
 
 /// The name that serde gives a value.

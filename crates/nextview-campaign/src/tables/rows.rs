@@ -22,6 +22,8 @@ pub fn runs(records: &[&RunRecord]) -> Result<Table, Fault> {
     measure_columns(&mut table, || scans().map(|scan| scan?.steps.last()));
     quality_columns(&mut table, scans);
     table.float("skill", scans().map(|scan| scan?.skill));
+    table.float("coverage_auc_views", scans().map(|scan| scan?.coverage_auc_views));
+    table.float("coverage_auc_time", scans().map(|scan| scan?.coverage_auc_time));
     for (name, share) in [("views_to_90", 0.90), ("views_to_95", 0.95), ("views_to_99", 0.99)] {
         table.count(name, scans().map(|scan| views_to(scan?, share)));
     }

@@ -65,6 +65,9 @@ fn run(variant: &str, (data_set, object): (&str, &str), rank: usize, object_idx:
         random_curve: Some((1..=N_VIEWS).map(|view| saturating(0.32, view)).collect()),
         clairvoyant_curve: Some((1..=N_VIEWS).map(|view| saturating(0.8, view)).collect()),
         skill: Some((rate - 0.32) / 0.48),
+        coverage_auc_views: Some(0.5 + 0.5 * rate),
+        coverage_auc_time: Some(0.4 + 0.5 * rate),
+        coverage_auc_horizon_s: Some(60.0),
         ..ScanRecord::default()
     };
     record.set_cloud(Some(QualityMm {
@@ -75,6 +78,11 @@ fn run(variant: &str, (data_set, object): (&str, &str), rank: usize, object_idx:
         completeness_2mm: 0.6 + 0.5 * rate,
         completeness_5mm: 0.7 + 0.4 * rate,
         completeness_mean_mm: 1.5 - rate,
+        f_score_1mm: Some(0.5 + 0.4 * rate),
+        f_score_2mm: Some(0.6 + 0.5 * rate),
+        f_score_5mm: Some(0.7 + 0.4 * rate),
+        chamfer_mm: Some(1.2 - rate),
+        ..QualityMm::default()
     }));
     RunRecord {
         object: object.to_owned(),
@@ -101,6 +109,9 @@ fn step(view: usize, rate: f64) -> StepRecord {
         voxel_size_m: 0.005,
         voxel_coverage: Some(0.95 * coverage),
         false_voxels: Some(3),
+        map_precision: Some(0.98),
+        map_recall: Some(0.97 * coverage),
+        map_iou: Some(0.95 * coverage),
         reachable_coverage: Some(coverage),
         surface_coverage_1mm: Some(0.8 * coverage),
         surface_coverage_2mm: Some(0.9 * coverage),

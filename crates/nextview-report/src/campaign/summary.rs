@@ -2,8 +2,9 @@
 
 use super::document::{Block, Cell, Column, Row, Section, Table};
 use nextview_campaign::statistics::measure::{
-    ACCURACY, COMPLETENESS, COVERAGE_BEYOND_RANDOM, MEMORY, PATH, PLAN_TIME, REACHABLE_COVERAGE, SKILL,
-    SURFACE_2MM, SURFACE_5MM, VOXEL_COVERAGE,
+    ACCURACY, AREA_OVER_TIME, AREA_OVER_VIEWS, CHAMFER, COMPLETENESS, COVERAGE_BEYOND_RANDOM, F_SCORE_1MM,
+    F_SCORE_2MM, F_SCORE_5MM, MAP_IOU, MAP_PRECISION, MAP_RECALL, MEMORY, PATH, PLAN_TIME,
+    REACHABLE_COVERAGE, SKILL, SURFACE_2MM, SURFACE_5MM, VOXEL_COVERAGE,
 };
 use nextview_campaign::statistics::{
     Interval, Measure, MeasuredRun, Study, StudyVariant, differences, mean, percentile,
@@ -22,7 +23,9 @@ pub(crate) fn section(study: &Study<'_>) -> Section {
                   over objects. Ranges are 95 % intervals by a bootstrap over objects with 10 000 resamples \
                   and a fixed seed; with fewer than about ten objects they are too narrow. Differences are \
                   paired by object.";
-    let blocks = [reached(study), views(study), costs(study), against(study)];
+    let mut blocks = vec![reached(study)];
+    blocks.extend(has(study));
+    blocks.extend([views(study), costs(study), against(study)]);
     let mut texts = vec![method];
     if study.variants.iter().any(|variant| variant.n_objects() != study.variants[0].n_objects()) {
         texts.push(
@@ -31,7 +34,10 @@ pub(crate) fn section(study: &Study<'_>) -> Section {
         );
     }
     let texts = texts.into_iter().map(|text| Block::Text(text.to_owned()));
-    Section { title: "Summary".to_owned(), blocks: texts.chain(blocks.map(Block::Table)).collect() }
+    Section {
+        title: "Summary".to_owned(),
+        blocks: texts.chain(blocks.into_iter().map(Block::Table)).collect(),
+    }
 }
 
 /// The mean with its interval; a dash where there are no values.
@@ -74,6 +80,21 @@ fn reached(study: &Study<'_>) -> Table {
         cells.extend(measures.iter().map(|measure| with_interval(&variant.values(measure), measure)));
         cells.push(lowest_skill(study, variant));
         cells
+    })
+}
+
+/// What map and model have; without the measures that no run has, and none without any.
+fn has(study: &Study<'_>) -> Option<Table> {
+    let mut measures =
+        vec![MAP_PRECISION, MAP_RECALL, MAP_IOU, F_SCORE_1MM, F_SCORE_2MM, F_SCORE_5MM, CHAMFER];
+    measures.extend([AREA_OVER_VIEWS, AREA_OVER_TIME]);
+    measures.retain(|measure| study.variants.iter().any(|variant| variant.mean(measure).is_some()));
+    let head: Vec<&str> = measures.iter().map(|measure| measure.name).collect();
+    let caption = "What the map and the cloud have in the end, and how early (docs/measures.md)";
+    (!measures.is_empty()).then(|| {
+        table(study, caption, &head, |variant| {
+            measures.iter().map(|measure| with_interval(&variant.values(measure), measure)).collect()
+        })
     })
 }
 

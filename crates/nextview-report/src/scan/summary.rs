@@ -16,10 +16,15 @@ pub fn summary(record: &ScanRecord, config: &ScanConfig) -> Vec<(String, String)
     if let Some(skill) = record.skill {
         rows.push(("skill", format!("{skill:.2}  (0 = random views, 1 = knows the object)")));
     }
+    rows.extend(areas(record));
     rows.extend(last.iter().flat_map(|step| truth(step)));
     let phrase = |label, quality: Option<QualityMm>| quality.map(|quality| (label, quality_phrase(quality)));
+    let scores = |label, quality: Option<QualityMm>| Some((label, score_phrase(quality?)?));
     rows.extend(phrase("cloud", record.cloud()));
+    rows.extend(scores("  F-score", record.cloud()));
     rows.extend(phrase("mesh", record.mesh()));
+    rows.extend(scores("  F-score", record.mesh()));
+    rows.extend(alignment(record));
     rows.extend(recorded(record));
     rows.extend(found(config, last));
     rows.extend(record.other_bodies.iter().map(other_body));
@@ -63,10 +68,43 @@ fn truth(step: &StepRecord) -> Vec<Row> {
     let rows = [
         ("voxel coverage", step.voxel_coverage.map(percent)),
         ("false voxels", step.false_voxels.map(|n| n.to_string())),
+        ("map", map_phrase(step)),
         ("surface coverage 2 mm", step.surface_coverage_2mm.map(percent)),
         ("surface coverage 5 mm", step.surface_coverage_5mm.map(percent)),
     ];
     rows.into_iter().filter_map(|(label, value)| Some((label, value?))).collect()
+}
+
+/// Precision, recall and IoU of the map; the latter two are unknown without baselines.
+fn map_phrase(step: &StepRecord) -> Option<String> {
+    let precision = format!("precision {}", percent(step.map_precision?));
+    let reachable = step.map_recall.zip(step.map_iou);
+    let reachable = reachable.map(|(r, iou)| format!(", recall {}, IoU {}", percent(r), percent(iou)));
+    Some(precision + &reachable.unwrap_or_default())
+}
+
+/// F-scores and Chamfer distance; none without baselines.
+fn score_phrase(quality: QualityMm) -> Option<String> {
+    let at = [quality.f_score_1mm?, quality.f_score_2mm?, quality.f_score_5mm?].map(percent);
+    Some(format!(
+        "{} at 1 mm, {} at 2 mm, {} at 5 mm; Chamfer distance {:.2} mm",
+        at[0], at[1], at[2], quality.chamfer_mm?
+    ))
+}
+
+/// The areas under the coverage curve.
+fn areas(record: &ScanRecord) -> Option<Row> {
+    let [views, time, horizon] =
+        [record.coverage_auc_views?, record.coverage_auc_time?, record.coverage_auc_horizon_s?];
+    let phrase = format!("{} over the views, {} over {horizon:.0} s", percent(views), percent(time));
+    Some(("mean coverage", phrase))
+}
+
+/// How the model was moved before it was measured; nothing where it was not.
+fn alignment(record: &ScanRecord) -> Option<Row> {
+    let (moved, turned) = (record.alignment_moved_mm?, record.alignment_turned_deg?);
+    let phrase = format!("by {moved:.1} mm and {turned:.2} degrees to the true object, to measure it");
+    (moved > 0.0 || turned > 0.0).then_some(("model aligned", phrase))
 }
 
 fn quality_phrase(quality: QualityMm) -> String {

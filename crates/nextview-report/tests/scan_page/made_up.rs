@@ -88,6 +88,9 @@ fn measure(record: &mut ScanRecord, total: f64) {
         step.reachable_coverage = Some(coverage);
         step.voxel_coverage = Some(0.99 * coverage);
         step.false_voxels = Some(12);
+        step.map_precision = Some(0.991);
+        step.map_recall = Some(0.985 * coverage);
+        step.map_iou = Some(0.98 * coverage);
         step.surface_coverage_2mm = Some(0.98 * coverage);
         step.surface_coverage_5mm = Some(coverage);
     }
@@ -98,6 +101,9 @@ fn measure(record: &mut ScanRecord, total: f64) {
     record.random_low_curve = Some(curve(0.26, 0.9));
     record.random_high_curve = Some(curve(0.52, 0.97));
     record.clairvoyant_curve = Some(curve(0.75, 0.985));
+    record.coverage_auc_views = Some(0.774);
+    record.coverage_auc_time = Some(0.702);
+    record.coverage_auc_horizon_s = Some(60.0);
     record.reachable_coverage = record.steps.last().and_then(|step| step.reachable_coverage);
     record.set_cloud(Some(QualityMm {
         accuracy_mean_mm: 0.41,
@@ -107,6 +113,11 @@ fn measure(record: &mut ScanRecord, total: f64) {
         completeness_2mm: 0.946,
         completeness_5mm: 0.97,
         completeness_mean_mm: 0.5,
+        f_score_1mm: Some(0.902),
+        f_score_2mm: Some(0.961),
+        f_score_5mm: Some(0.984),
+        chamfer_mm: Some(0.43),
+        ..QualityMm::default()
     }));
 }
 

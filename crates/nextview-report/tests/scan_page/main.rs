@@ -167,11 +167,14 @@ fn the_summary_names_what_is_known() {
         "  random views",
         "  clairvoyant",
         "skill",
+        "mean coverage",
         "voxel coverage",
         "false voxels",
+        "map",
         "surface coverage 2 mm",
         "surface coverage 5 mm",
         "cloud",
+        "  F-score",
         "path length",
         "trajectory",
         "planning time",
@@ -183,6 +186,7 @@ fn the_summary_names_what_is_known() {
     config.object_box.rule = BoxRule::Grows;
     config.object_box.table = TableRule::Fit;
     record.skipped = vec!["frame 7: no pose".to_owned()];
+    (record.alignment_moved_mm, record.alignment_turned_deg) = (Some(3.2), Some(0.5));
     let last = record.steps.last_mut().unwrap();
     (last.box_min_m, last.box_max_m) = (Some([-0.1, -0.1, 0.002]), Some([0.1, 0.15, 0.182]));
     (last.table_normal, last.table_offset_m) = (Some([0.0, 0.0, 1.0]), Some(0.002));
@@ -196,6 +200,9 @@ fn the_summary_names_what_is_known() {
         ("skipped", "1 of the recording"),
         ("nothing in the box", "frame-9"),
         ("accuracy", "mean 0.50 mm, median 0.40 mm, 95 % within 1.50 mm"),
+        ("mean coverage", "77.4 % over the views, 70.2 % over 60 s"),
+        ("  F-score", "90.2 % at 1 mm, 96.1 % at 2 mm, 98.4 % at 5 mm; Chamfer distance 0.43 mm"),
+        ("model aligned", "by 3.2 mm and 0.50 degrees to the true object, to measure it"),
     ] {
         assert!(rows.contains(&(label.to_owned(), value.to_owned())), "{label}: {rows:?}");
     }

@@ -1,11 +1,13 @@
 //! The record of a scan: all that front ends, tables and reports read.
 
 mod build;
+mod quality_mm;
 mod scan_record;
 mod step_record;
 
 pub use build::BuildIdentity;
-pub use scan_record::{OtherBodyRecord, QualityMm, ScanRecord};
+pub use quality_mm::QualityMm;
+pub use scan_record::{OtherBodyRecord, ScanRecord};
 pub use step_record::StepRecord;
 
 use std::time::Duration;

@@ -1,5 +1,5 @@
 use super::StepRecord;
-use crate::{PlannerName, Profile};
+use crate::{BoxRule, PlannerName, Profile};
 use nextview::session::{OtherBody, StopReason};
 use serde::{Deserialize, Serialize};
 
@@ -56,6 +56,35 @@ pub struct ScanRecord {
     #[serde(skip_serializing_if = "Option::is_none")]
     pub skill: Option<f64>,
 
+    /// Mean of `reachable_coverage` over the views that the scan could take, 0..=1; after an early end, the last
+    /// value stays. This and the next two none without baselines.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub coverage_auc_views: Option<f64>,
+    /// Mean of `reachable_coverage` over the time of a robot, moving and sensing, up to
+    /// `coverage_auc_horizon_s`, 0..=1.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub coverage_auc_time: Option<f64>,
+    /// The end of that time.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub coverage_auc_horizon_s: Option<f64>,
+
+    /// Whether the box around the object was known or grew; this and the next two none for a camera of one's
+    /// own.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub box_rule: Option<BoxRule>,
+    /// Side of the box over the object's longest side, without the next; none where the box was given.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub box_margin_factor: Option<f64>,
+    /// Voxels by which the box is wider on each side.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub box_margin_voxels: Option<f64>,
+    /// Lowest and highest corner of the box at the end; none if no object was found.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub box_min_m: Option<[f64; 3]>,
+    /// See `box_min_m`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub box_max_m: Option<[f64; 3]>,
+
     /// Length of the straight path through the positions of all views.
     pub path_length_m: f64,
     /// Length of the trajectory around the object and above its table.
@@ -63,8 +92,22 @@ pub struct ScanRecord {
     /// Time that a robot would take for it.
     pub trajectory_time_s: f64,
 
-    /// Mean distance from the points of the final cloud to the true surface; this and the six after it none
-    /// where the truth is not known or the cloud holds nothing of the object.
+    /// Rigid motion by which the model was moved before it was measured, true world from mapped world: the
+    /// translation. The identity where the first pose is right; this and the next three none where no model was
+    /// measured.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub alignment_translation_m: Option<[f64; 3]>,
+    /// Its rotation, scalar last.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub alignment_quaternion_xyzw: Option<[f64; 4]>,
+    /// How far it moves the middle of the true object.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub alignment_moved_mm: Option<f64>,
+    /// The angle that it turns by.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub alignment_turned_deg: Option<f64>,
+    /// Mean distance from the points of the final cloud to the true surface; this and what follows of the cloud
+    /// none where the truth is not known or the cloud holds nothing of the object.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub cloud_accuracy_mean_mm: Option<f64>,
     /// Median of these distances.
@@ -73,7 +116,16 @@ pub struct ScanRecord {
     /// 95th percentile of these distances.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub cloud_accuracy_p95_mm: Option<f64>,
-    /// Share, 0..=1, of the true surface with a point of the cloud within 1 mm.
+    /// Share, 0..=1, of the points of the cloud within 1 mm of the true surface.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub cloud_precision_1mm: Option<f64>,
+    /// The same within 2 mm.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub cloud_precision_2mm: Option<f64>,
+    /// The same within 5 mm.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub cloud_precision_5mm: Option<f64>,
+    /// Share, 0..=1, of the true surface, all of it, with a point of the cloud within 1 mm.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub cloud_completeness_1mm: Option<f64>,
     /// The same within 2 mm.
@@ -85,7 +137,32 @@ pub struct ScanRecord {
     /// Mean distance from the true surface to the cloud.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub cloud_completeness_mean_mm: Option<f64>,
-    /// The same seven of the final mesh.
+    /// Share, 0..=1, of the reachable surface with a point of the cloud within 1 mm; this and what follows of the
+    /// cloud none without baselines.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub cloud_recall_1mm: Option<f64>,
+    /// The same within 2 mm.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub cloud_recall_2mm: Option<f64>,
+    /// The same within 5 mm.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub cloud_recall_5mm: Option<f64>,
+    /// Mean distance from the reachable surface to the cloud.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub cloud_reachable_completeness_mean_mm: Option<f64>,
+    /// Harmonic mean of precision and recall at 1 mm, 0..=1.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub cloud_f_score_1mm: Option<f64>,
+    /// The same at 2 mm.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub cloud_f_score_2mm: Option<f64>,
+    /// The same at 5 mm.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub cloud_f_score_5mm: Option<f64>,
+    /// Chamfer distance: mean of `cloud_accuracy_mean_mm` and `cloud_reachable_completeness_mean_mm`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub cloud_chamfer_mm: Option<f64>,
+    /// The same of the final mesh, whose points are its vertices.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub mesh_accuracy_mean_mm: Option<f64>,
     /// See `cloud_accuracy_median_mm`.
@@ -94,6 +171,15 @@ pub struct ScanRecord {
     /// See `cloud_accuracy_p95_mm`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub mesh_accuracy_p95_mm: Option<f64>,
+    /// See `cloud_precision_1mm`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub mesh_precision_1mm: Option<f64>,
+    /// See `cloud_precision_2mm`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub mesh_precision_2mm: Option<f64>,
+    /// See `cloud_precision_5mm`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub mesh_precision_5mm: Option<f64>,
     /// See `cloud_completeness_1mm`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub mesh_completeness_1mm: Option<f64>,
@@ -106,6 +192,30 @@ pub struct ScanRecord {
     /// See `cloud_completeness_mean_mm`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub mesh_completeness_mean_mm: Option<f64>,
+    /// See `cloud_recall_1mm`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub mesh_recall_1mm: Option<f64>,
+    /// See `cloud_recall_2mm`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub mesh_recall_2mm: Option<f64>,
+    /// See `cloud_recall_5mm`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub mesh_recall_5mm: Option<f64>,
+    /// See `cloud_reachable_completeness_mean_mm`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub mesh_reachable_completeness_mean_mm: Option<f64>,
+    /// See `cloud_f_score_1mm`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub mesh_f_score_1mm: Option<f64>,
+    /// See `cloud_f_score_2mm`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub mesh_f_score_2mm: Option<f64>,
+    /// See `cloud_f_score_5mm`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub mesh_f_score_5mm: Option<f64>,
+    /// See `cloud_chamfer_mm`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub mesh_chamfer_mm: Option<f64>,
 
     /// Frames and poses that were left out of the recording, and why.
     #[serde(skip_serializing_if = "Vec::is_empty")]
@@ -146,74 +256,7 @@ impl From<OtherBody> for OtherBodyRecord {
     }
 }
 
-/// How good a cloud or a mesh is beside the true surface.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct QualityMm {
-    /// Distance from its points to the true surface: mean, median and 95th percentile.
-    pub accuracy_mean_mm: f64,
-    /// See `accuracy_mean_mm`.
-    pub accuracy_median_mm: f64,
-    /// See `accuracy_mean_mm`.
-    pub accuracy_p95_mm: f64,
-    /// Share, 0..=1, of the true surface that is within 1, 2 and 5 mm of it.
-    pub completeness_1mm: f64,
-    /// See `completeness_1mm`.
-    pub completeness_2mm: f64,
-    /// See `completeness_1mm`.
-    pub completeness_5mm: f64,
-    /// Mean distance from the true surface to it.
-    pub completeness_mean_mm: f64,
-}
-
 impl ScanRecord {
-    /// Quality of the final cloud; none where it was not measured.
-    pub fn cloud(&self) -> Option<QualityMm> {
-        Some(QualityMm {
-            accuracy_mean_mm: self.cloud_accuracy_mean_mm?,
-            accuracy_median_mm: self.cloud_accuracy_median_mm?,
-            accuracy_p95_mm: self.cloud_accuracy_p95_mm?,
-            completeness_1mm: self.cloud_completeness_1mm?,
-            completeness_2mm: self.cloud_completeness_2mm?,
-            completeness_5mm: self.cloud_completeness_5mm?,
-            completeness_mean_mm: self.cloud_completeness_mean_mm?,
-        })
-    }
-
-    /// Quality of the final mesh; none where it was not measured.
-    pub fn mesh(&self) -> Option<QualityMm> {
-        Some(QualityMm {
-            accuracy_mean_mm: self.mesh_accuracy_mean_mm?,
-            accuracy_median_mm: self.mesh_accuracy_median_mm?,
-            accuracy_p95_mm: self.mesh_accuracy_p95_mm?,
-            completeness_1mm: self.mesh_completeness_1mm?,
-            completeness_2mm: self.mesh_completeness_2mm?,
-            completeness_5mm: self.mesh_completeness_5mm?,
-            completeness_mean_mm: self.mesh_completeness_mean_mm?,
-        })
-    }
-
-    /// Sets the quality of the final cloud.
-    pub fn set_cloud(&mut self, quality: Option<QualityMm>) {
-        self.cloud_accuracy_mean_mm = quality.map(|q| q.accuracy_mean_mm);
-        self.cloud_accuracy_median_mm = quality.map(|q| q.accuracy_median_mm);
-        self.cloud_accuracy_p95_mm = quality.map(|q| q.accuracy_p95_mm);
-        self.cloud_completeness_1mm = quality.map(|q| q.completeness_1mm);
-        self.cloud_completeness_2mm = quality.map(|q| q.completeness_2mm);
-        self.cloud_completeness_5mm = quality.map(|q| q.completeness_5mm);
-        self.cloud_completeness_mean_mm = quality.map(|q| q.completeness_mean_mm);
-    }
-
-    /// Sets the quality of the final mesh.
-    pub fn set_mesh(&mut self, quality: Option<QualityMm>) {
-        self.mesh_accuracy_mean_mm = quality.map(|q| q.accuracy_mean_mm);
-        self.mesh_accuracy_median_mm = quality.map(|q| q.accuracy_median_mm);
-        self.mesh_accuracy_p95_mm = quality.map(|q| q.accuracy_p95_mm);
-        self.mesh_completeness_1mm = quality.map(|q| q.completeness_1mm);
-        self.mesh_completeness_2mm = quality.map(|q| q.completeness_2mm);
-        self.mesh_completeness_5mm = quality.map(|q| q.completeness_5mm);
-        self.mesh_completeness_mean_mm = quality.map(|q| q.completeness_mean_mm);
-    }
-
     /// Share of the reachable surface seen after each view; none without baselines.
     pub fn reachable_coverage_curve(&self) -> Option<Vec<f64>> {
         self.steps.iter().map(|step| step.reachable_coverage).collect()

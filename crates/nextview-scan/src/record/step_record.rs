@@ -120,6 +120,16 @@ pub struct StepRecord {
     /// Occupied voxels that are no object voxels.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub false_voxels: Option<usize>,
+    /// Share, 0..=1, of the occupied voxels that are object voxels; none if no voxel is occupied.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub map_precision: Option<f64>,
+    /// Share, 0..=1, of the reachable object voxels that are occupied; this and the next none without
+    /// baselines.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub map_recall: Option<f64>,
+    /// Occupied reachable object voxels over the sum of all reachable object voxels and `false_voxels`, 0..=1.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub map_iou: Option<f64>,
     /// Share, 0..=1, of the reachable surface that was seen: object voxels truly seen over those that any
     /// candidate sees; none without baselines.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -214,6 +224,16 @@ impl StepRecord {
         self.registration_turned_deg = Some(found.turned.to_degrees());
         self.registration_stiffness = Some(found.stiffness);
         self.registration_n_iterations = Some(found.n_iterations);
+    }
+
+    /// Sets the measures of the map.
+    #[cfg(feature = "simulated")]
+    pub(crate) fn set_voxels(&mut self, score: &nextview_sim::truth::VoxelScore) {
+        self.voxel_coverage = Some(score.coverage());
+        self.false_voxels = Some(score.n_false);
+        self.map_precision = score.precision();
+        self.map_recall = score.recall();
+        self.map_iou = score.iou();
     }
 
     /// The pose of the camera as the map has it.

@@ -63,10 +63,12 @@ impl FinishedScan<'_> {
         let Some(source) = self.source else { return Ok(record) };
         match measured {
             Measured::Nothing => (),
-            Measured::CloudOnly => record.set_cloud(self.quality_of(source, &self.plain_cloud()?)),
+            Measured::CloudOnly => {
+                source.measure_model(&self.of_object(&self.plain_cloud()?), None, &mut record);
+            }
             Measured::Model(model) => {
-                record.set_cloud(self.quality_of(source, &model.cloud));
-                record.set_mesh(source.quality_of_mesh(&above(self.table(), &model.mesh)));
+                let mesh = above(self.table(), &model.mesh);
+                source.measure_model(&self.of_object(&model.cloud), Some(&mesh), &mut record);
             }
         }
         Ok(record)
@@ -75,6 +77,7 @@ impl FinishedScan<'_> {
     /// The record without the model's measures and other bodies.
     pub(crate) fn bare_record(&self, config: &ScanConfig) -> ScanRecord {
         let last = self.steps.last();
+        let bounds = self.session.bounds();
         let mut record = ScanRecord {
             object: short_name(&config.object),
             planner: config.planner,
@@ -84,6 +87,8 @@ impl FinishedScan<'_> {
             voxel_size_m: self.session.map().lattice().voxel_size(),
             candidates: self.session.views().len(),
             views: self.steps.len(),
+            box_min_m: bounds.map(|bounds| bounds.min.to_array()),
+            box_max_m: bounds.map(|bounds| bounds.max.to_array()),
             path_length_m: last.map_or(0.0, |step| step.path_length_m),
             trajectory_length_m: last.map_or(0.0, |step| step.trajectory_length_m),
             trajectory_time_s: last.map_or(0.0, |step| step.trajectory_time_s),
@@ -111,12 +116,11 @@ impl FinishedScan<'_> {
         Ok(downsample(points, self.detail(bounds))?)
     }
 
-    /// Quality of a cloud without the points of the table.
-    fn quality_of(&self, source: &dyn FrameSource, cloud: &[CloudPoint]) -> Option<crate::QualityMm> {
+    /// The points of a cloud that are not the table's.
+    fn of_object(&self, cloud: &[CloudPoint]) -> Vec<DVec3> {
         let table = self.table();
         let positions = cloud.iter().map(|point| point.position);
-        let points: Vec<DVec3> = positions.filter(|point| is_above(table, *point)).collect();
-        source.quality_of_points(&points)
+        positions.filter(|point| is_above(table, *point)).collect()
     }
 
     fn table(&self) -> Option<Plane> {

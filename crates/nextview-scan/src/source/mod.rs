@@ -9,7 +9,7 @@ pub use recorded::RecordedScan;
 #[cfg(feature = "simulated")]
 pub use simulated::{Baselines, SimulatedObject, Simulation, Truth};
 
-use crate::{Evaluator, Fault, Faults, QualityMm, ScanConfig, ScanRecord};
+use crate::{Evaluator, Fault, Faults, ScanConfig, ScanRecord};
 use glam::DVec3;
 use nextview::geometry::Aabb;
 use nextview::sensor::{ColorImage, Frame};
@@ -38,9 +38,7 @@ pub trait FrameSource: Send + Sync {
     /// Fills in what is known of the object and of other planners on it.
     fn describe(&self, record: &mut ScanRecord);
 
-    /// Quality of points of the object, metres; none where the truth is not known or there are no points.
-    fn quality_of_points(&self, points: &[DVec3]) -> Option<QualityMm>;
-
-    /// Quality of a mesh of the object; none where the truth is not known or the mesh is empty.
-    fn quality_of_mesh(&self, mesh: &SurfaceMesh) -> Option<QualityMm>;
+    /// Fills in the quality of the final model: that of the points of its cloud, metres, and of its mesh if
+    /// there is one. Nothing where the truth is not known.
+    fn measure_model(&self, cloud: &[DVec3], mesh: Option<&SurfaceMesh>, record: &mut ScanRecord);
 }

@@ -6,6 +6,7 @@ mod common;
 mod configuration;
 mod far;
 mod journal;
+mod measures;
 mod resume;
 mod run;
 mod simulation;

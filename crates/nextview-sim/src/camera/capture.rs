@@ -1,8 +1,8 @@
+use super::look::Look;
 use super::simulated_camera::SimulatedCamera;
 use crate::noise::{DepthNoise, Readings, Use};
-use glam::DVec3;
 use nextview::Error;
-use nextview::geometry::{Aabb, Pose};
+use nextview::geometry::Pose;
 use nextview::sensor::{DepthImage, Frame};
 
 /// A frame, and its pixels of the object.
@@ -29,23 +29,12 @@ impl SimulatedCamera {
         Capture::new(self, world_from_camera)
     }
 
-    /// The points of the object that a [`capture`](Self::capture) from this pose would truly measure inside
-    /// the box, in world coordinates, row by row: those of [`Frame::points_in`] of [`Capture::truth`], in
-    /// less time because the camera knows every pixel's ray.
+    /// What a [`capture`](Self::capture) from this pose would truly measure of the object, in less time than
+    /// a capture.
     ///
     /// Fails if there is a room and the camera stands outside.
-    pub fn points_in(
-        &self,
-        world_from_camera: &Pose,
-        bounds: Aabb,
-    ) -> Result<impl Iterator<Item = DVec3> + '_, Error> {
-        let depth = truly_measured(self, world_from_camera)?;
-        let (rotation, origin) = (world_from_camera.rotation_matrix(), world_from_camera.translation());
-        let pixels = depth.into_iter().zip(self.samples().ideal_points());
-        let surface = pixels.filter(|(depth, _)| depth.is_finite());
-        let points =
-            surface.map(move |(depth, ideal)| rotation * (ideal.extend(1.0) * depth as f64) + origin);
-        Ok(points.filter(move |point| bounds.contains(*point)))
+    pub fn look(&self, world_from_camera: &Pose) -> Result<Look<'_>, Error> {
+        Ok(Look::new(self, world_from_camera, truly_measured(self, world_from_camera)?))
     }
 }
 

@@ -9,6 +9,7 @@ mod clip;
 mod depth_buffer;
 mod draw_list;
 mod locator;
+mod look;
 mod pixel_box;
 mod polynomial;
 mod projection;
@@ -20,4 +21,5 @@ mod simulated_camera;
 mod tests;
 
 pub use capture::Capture;
+pub use look::Look;
 pub use simulated_camera::{Background, SimulatedCamera};

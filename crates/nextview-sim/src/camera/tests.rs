@@ -252,7 +252,30 @@ fn gives_the_points_of_a_frame() {
     let bounds = Aabb::cube(DVec3::new(0.01, 0.03, 0.0), 0.08);
     let expected: Vec<DVec3> = camera.capture(&pose).unwrap().points_in(bounds).collect();
     assert!(expected.len() > 1000);
-    assert_eq!(camera.points_in(&pose, bounds).unwrap().collect::<Vec<_>>(), expected);
+    assert_eq!(camera.look(&pose).unwrap().points_in(bounds).collect::<Vec<_>>(), expected);
+}
+
+/// The near half of a ball, and nothing that is beside the image.
+#[test]
+fn a_look_shows_the_points_that_nothing_hides() {
+    let camera = camera(ball(20), Intrinsics::d435i());
+    let eye = DVec3::new(0.1, 0.3, 0.2);
+    let look = camera.look(&look_at(eye, DVec3::ZERO)).unwrap();
+    let surface = crate::mesh::sample_surface(camera.mesh(), 2000, 1);
+    let mut n_shown = 0;
+    for point in surface {
+        // The ball is made of flat triangles: near its horizon, a point may be on either side.
+        let facing = point.normalize().dot((eye - point).normalize());
+        if facing.abs() > 0.2 {
+            assert_eq!(look.shows(point, 0.002), facing > 0.0, "{point}");
+            assert!(!look.shows(point + 0.02 * (eye - point), 0.002), "before the surface");
+        }
+        n_shown += look.shows(point, 0.002) as usize;
+        assert!(!look.shows(eye + (eye - point), 0.002), "behind the camera");
+    }
+    assert!(n_shown > 500);
+    let beside = camera.look(&look_at(eye, eye + DVec3::Z)).unwrap();
+    assert!(!beside.shows(DVec3::ZERO, 10.0));
 }
 
 #[test]

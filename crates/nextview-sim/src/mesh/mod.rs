@@ -19,6 +19,9 @@ mod triangle_mesh;
 mod unit;
 
 pub use file::{FileMesh, load};
+#[cfg(test)]
+pub(crate) use sample::N_SAMPLES;
 pub use sample::sample_surface;
+pub(crate) use sample::surface_samples;
 pub use triangle_mesh::TriangleMesh;
 pub use unit::{Scaling, Unit, UnitSource};

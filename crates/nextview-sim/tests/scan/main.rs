@@ -7,4 +7,5 @@ mod closed_loop;
 mod common;
 mod noise;
 mod registration;
+mod truth;
 mod unknown_object;

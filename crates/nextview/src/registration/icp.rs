@@ -17,36 +17,36 @@ const SCALE: f64 = 1.0 / 3.0;
 const NARROWING: f64 = 0.7;
 
 /// Maximum number of steps: by then at most a few points still switch back and forth between partners.
-const MAX_STEPS: usize = 30;
+pub const MAX_STEPS: usize = 30;
 
 /// A step that moves points by less than this share of the reach is the last.
 const SMALL_STEP: f64 = 5e-3;
 
-/// Search distance for correspondences, metres.
+/// Search distance for correspondences, metres. It shrinks from step to step.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Reach {
+pub struct SearchReach {
     /// At first.
     pub first: f64,
     /// In the end.
     pub last: f64,
 }
 
-/// Aligns points (in the camera frame) to the known surface from a given pose that is roughly right; returns
-/// the pose and the number of steps.
+/// Aligns points to a surface from a given pose that is roughly right; returns the pose and the number of
+/// steps, at most [`MAX_STEPS`].
+///
+/// `pairs` returns the points in a pose beside the surface, those that are within a distance (metres) of it,
+/// in a fixed order.
 ///
 /// Iterative closest points (Besl & McKay 1992) with the distance from the tangent plane (Chen & Medioni
-/// 1992).
-pub(super) fn align(
-    points: &[SurfacePoint],
-    known: &PointTree,
+/// 1992). Far points weigh little (Geman & McClure 1987). Fails as `pairs` does.
+pub fn align<E>(
     given: Pose,
-    reach: Reach,
-    cancel: &Cancel,
-) -> Result<(Pose, usize), Cancelled> {
+    reach: SearchReach,
+    pairs: impl Fn(&Pose, f64) -> Result<Vec<Pair>, E>,
+) -> Result<(Pose, usize), E> {
     let (mut pose, mut distance) = (given, reach.first);
     for n_steps in 1..=MAX_STEPS {
-        let pairs = pairs(points, known, &pose, distance, cancel)?;
-        let Some(equations) = NormalEquations::new(&pairs, SCALE * distance) else {
+        let Some(equations) = NormalEquations::new(&pairs(&pose, distance)?, SCALE * distance) else {
             return Ok((pose, n_steps));
         };
         let (motion, size) = equations.step();
@@ -71,6 +71,8 @@ pub(super) fn pairs(
     let pair = |point: &SurfacePoint| {
         let SurfacePoint { position, normal } = point.moved(pose);
         let nearest = known.nearest(position, reach, |known| known.normal.dot(normal) >= LEAST_AGREEMENT)?;
+        // On a curved surface, the line between both points is at right angles to the mean of both normals
+        // and not to either normal (Rusinkiewicz 2019).
         let normal = (normal + nearest.normal).normalize();
         Some(Pair { point: position, known: nearest.position, normal })
     };

@@ -1,4 +1,4 @@
-use super::icp::{Reach, align, pairs};
+use super::icp::{SearchReach, align, pairs};
 use super::normal_equations::NormalEquations;
 use super::pair::Pair;
 use super::point_tree::PointTree;
@@ -102,8 +102,9 @@ impl KnownSurface {
         let points = surface_points(frame, self.around(bounds), self.config.spacing, cancel)?;
         let given = frame.world_from_camera();
         let reach = self.reach();
-        let (aligned, n_iterations) = align(&points, &self.tree, given, reach, cancel)?;
-        let pairs = pairs(&points, &self.tree, &aligned, reach.last, cancel)?;
+        let paired = |pose: &Pose, reach| pairs(&points, &self.tree, pose, reach, cancel);
+        let (aligned, n_iterations) = align(given, reach, paired)?;
+        let pairs = paired(&aligned, reach.last)?;
         let motion = aligned * given.inverse();
         let [residual_before, residual_after] =
             [motion.inverse(), Pose::IDENTITY].map(|to| residual(&pairs, &to));
@@ -148,9 +149,9 @@ impl KnownSurface {
         })
     }
 
-    fn reach(&self) -> Reach {
+    fn reach(&self) -> SearchReach {
         let last = REACH_IN_CELLS * self.config.spacing;
-        Reach { first: self.config.position_uncertainty.max(last), last }
+        SearchReach { first: self.config.position_uncertainty.max(last), last }
     }
 
     /// A frame in a wrong pose shows the box's surface beside the box.

@@ -2,9 +2,9 @@
 //!
 //! Start with [`KnownSurface`]: it [registers](KnownSurface::register) a frame by point-to-plane ICP and adds
 //! the frames that fit. An alignment that cannot be trusted is refused: the given pose stays, and the
-//! [`Verdict`] says why. Not here: correction of earlier frames (loop closure), and alignment from anywhere
-//! (global registration), because a robot knows roughly where it is. The formulas are in
-//! `docs/methods/registration.md`.
+//! [`Verdict`] says why. [`align`] is the same ICP for other surfaces. Not here: correction of earlier frames
+//! (loop closure), and alignment from anywhere (global registration), because a robot knows roughly where it
+//! is. The formulas are in `docs/methods/registration.md`.
 
 mod config;
 mod icp;
@@ -16,5 +16,7 @@ mod point_tree;
 mod surface_points;
 
 pub use config::RegistrationConfig;
+pub use icp::{MAX_STEPS, SearchReach, align};
 pub use known_surface::KnownSurface;
 pub use outcome::{Registration, Verdict};
+pub use pair::Pair;

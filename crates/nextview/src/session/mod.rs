@@ -23,7 +23,7 @@ pub use config::SessionConfig;
 pub use decision::{Decision, NextView, StopReason};
 pub use object_box::ObjectBox;
 pub use other_body::OtherBody;
-pub use planning_box::planning_box;
+pub use planning_box::{BOX_MARGIN_FACTOR, BOX_MARGIN_VOXELS, planning_box};
 pub use report::{MapReport, StepReport};
 pub use resolution::MultiResolutionConfig;
 pub use stop::StopConfig;

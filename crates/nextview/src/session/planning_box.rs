@@ -1,11 +1,14 @@
 use crate::geometry::Aabb;
 
-/// Room around the object, as a share of its size and in voxels on each side.
-const MARGIN: f64 = 1.1;
-const MARGIN_IN_VOXELS: f64 = 2.0;
+/// Side of the box to plan in, without the voxels of [`BOX_MARGIN_VOXELS`], over the object's longest side.
+pub const BOX_MARGIN_FACTOR: f64 = 1.1;
 
-/// The cube to plan in around an object whose box (metres) is known: a tenth larger than its longest side and
-/// two voxels (metres) wider on each side, so that free space around it is seen.
+/// Voxels by which the box to plan in is wider on each side.
+pub const BOX_MARGIN_VOXELS: f64 = 2.0;
+
+/// The cube to plan in around an object whose box (metres) is known: [`BOX_MARGIN_FACTOR`] times its longest
+/// side, and [`BOX_MARGIN_VOXELS`] wider on each side, so that free space around it is seen. The voxel size
+/// is in metres.
 ///
 /// ```
 /// use glam::DVec3;
@@ -18,12 +21,12 @@ const MARGIN_IN_VOXELS: f64 = 2.0;
 /// ```
 pub fn planning_box(object: &Aabb, voxel_size: f64) -> Aabb {
     let half_side = 0.5 * object.longest_side();
-    Aabb::cube(object.center(), MARGIN * half_side + MARGIN_IN_VOXELS * voxel_size)
+    Aabb::cube(object.center(), BOX_MARGIN_FACTOR * half_side + BOX_MARGIN_VOXELS * voxel_size)
 }
 
 /// The same rounded to whole voxels: centre and half-side, so that the box of an object that grows by less
 /// stays as it is, and so do its maps.
 pub(super) fn growing_box(object: &Aabb, voxel_size: f64) -> Aabb {
-    let half = (MARGIN * 0.5 * object.longest_side() / voxel_size + MARGIN_IN_VOXELS).ceil();
+    let half = (BOX_MARGIN_FACTOR * 0.5 * object.longest_side() / voxel_size + BOX_MARGIN_VOXELS).ceil();
     Aabb::cube((object.center() / voxel_size).round() * voxel_size, half * voxel_size)
 }

@@ -2,19 +2,23 @@ use crate::source::session_config::{session_config, suitable_voxel_size, voxel_b
 #[cfg(feature = "simulated")]
 use crate::source::{
     recorded::true_shape::{Progress, TrueShape},
-    simulated::{Baselines, Truth, quality_mm},
+    simulated::{Baselines, Truth, measure_model},
 };
 use crate::{
-    BoxRule, Evaluator, Fault, Faults, FrameSource, QualityMm, RecordingConfig, ScanConfig, ScanRecord,
-    StepRecord, TableRule, short_name,
+    BoxRule, Evaluator, Fault, Faults, FrameSource, RecordingConfig, ScanConfig, ScanRecord, StepRecord,
+    TableRule, short_name,
 };
 use glam::DVec3;
 #[cfg(feature = "simulated")]
 use nextview::Cancel;
 use nextview::geometry::Aabb;
+#[cfg(feature = "simulated")]
+use nextview::geometry::Pose;
 use nextview::planner::ViewPlanner;
 use nextview::sensor::{ColorImage, Frame};
-use nextview::session::{NextView, ObjectBox, Session, SessionConfig, Table};
+use nextview::session::{
+    BOX_MARGIN_FACTOR, BOX_MARGIN_VOXELS, NextView, ObjectBox, Session, SessionConfig, Table,
+};
 use nextview::surface::SurfaceMesh;
 use nextview::view::ViewSpace;
 use nextview_recording::{RecordedFrame, Recording};
@@ -144,7 +148,10 @@ impl FrameSource for RecordedScan {
         Some(Box::new(RecordedEvaluator {
             scan: self,
             #[cfg(feature = "simulated")]
-            progress: self.truth.as_ref().map(TrueShape::progress),
+            progress: self
+                .truth
+                .as_ref()
+                .map(|truth| truth.progress(self.shown.as_ref().map(|(shown, _)| &shown.reachable_voxels))),
         }))
     }
 
@@ -159,6 +166,10 @@ impl FrameSource for RecordedScan {
     fn describe(&self, record: &mut ScanRecord) {
         record.skipped = self.skipped();
         record.notes.clone_from(&self.recording.notes);
+        let grows = self.session_config.object_box == ObjectBox::Growing;
+        record.box_rule = Some(if grows { BoxRule::Grows } else { BoxRule::Known });
+        record.box_margin_factor = grows.then_some(BOX_MARGIN_FACTOR);
+        record.box_margin_voxels = grows.then_some(BOX_MARGIN_VOXELS);
         #[cfg(feature = "simulated")]
         {
             record.object_voxels = self.truth.as_ref().map(TrueShape::n_voxels);
@@ -167,24 +178,15 @@ impl FrameSource for RecordedScan {
     }
 
     #[cfg(feature = "simulated")]
-    fn quality_of_points(&self, points: &[DVec3]) -> Option<QualityMm> {
-        self.truth.as_ref()?.surface.of_points(points).map(quality_mm)
+    fn measure_model(&self, cloud: &[DVec3], mesh: Option<&SurfaceMesh>, record: &mut ScanRecord) {
+        let Some(truth) = &self.truth else { return };
+        let reachable = self.shown.as_ref().map(|(shown, _)| &shown.reachable_surface);
+        // Where the truth is in the recording's world was stated, and an error of that is not the scan's alone.
+        measure_model((&truth.surface, reachable), &Pose::IDENTITY, cloud, mesh, record);
     }
 
     #[cfg(not(feature = "simulated"))]
-    fn quality_of_points(&self, _: &[DVec3]) -> Option<QualityMm> {
-        None
-    }
-
-    #[cfg(feature = "simulated")]
-    fn quality_of_mesh(&self, mesh: &SurfaceMesh) -> Option<QualityMm> {
-        self.truth.as_ref()?.surface.of_mesh(mesh).map(quality_mm)
-    }
-
-    #[cfg(not(feature = "simulated"))]
-    fn quality_of_mesh(&self, _: &SurfaceMesh) -> Option<QualityMm> {
-        None
-    }
+    fn measure_model(&self, _: &[DVec3], _: Option<&SurfaceMesh>, _: &mut ScanRecord) {}
 }
 
 /// Names the frames, and measures them where the truth is known.

@@ -1,6 +1,7 @@
 use crate::source::session_config::voxel_block;
 use crate::source::simulated::Truth;
 use crate::{Fault, RecordingConfig, ScanConfig, StepRecord};
+use fixedbitset::FixedBitSet;
 use glam::DVec3;
 use nextview::Cancel;
 use nextview::geometry::Lattice;
@@ -9,11 +10,12 @@ use nextview::session::{Session, SessionConfig, planning_box};
 use nextview_recording::{RecordedFrame, Recording, read_transform};
 use nextview_sim::accuracy::Accuracy;
 use nextview_sim::mesh::{self, TriangleMesh, UnitSource};
-use nextview_sim::quality::TrueSurface;
+use nextview_sim::quality::{ReachableSurface, TrueSurface};
 use nextview_sim::surface::SurfaceCoverage;
 use nextview_sim::truth::{ObjectVoxels, TrueVisibility};
 use rayon::prelude::*;
 use std::path::Path;
+use std::sync::Arc;
 use std::time::Instant;
 
 /// A sample of the surface was seen if a point was measured as near as this, metres.
@@ -54,13 +56,17 @@ impl TrueShape {
         let nothing = SurfaceCoverage::new(&self.mesh);
         let shown_by = |frame: &RecordedFrame| {
             cancel.check()?;
-            let mut coverage = nothing.clone();
-            coverage.add(&frame.load()?);
-            Ok(coverage.within(SEEN))
+            let (mut coverage, frame) = (nothing.clone(), frame.load()?);
+            coverage.add(&frame);
+            Ok((coverage.within(SEEN), self.voxels.seen_in(&frame)))
         };
-        let mut shown = Vec::new();
+        let (mut shown, mut hit) = (Vec::new(), Vec::new());
         for group in recording.groups() {
-            shown.append(&mut group.par_iter().map(shown_by).collect::<Result<Vec<_>, Fault>>()?);
+            let of_group = group.par_iter().map(shown_by).collect::<Result<Vec<_>, Fault>>()?;
+            for (coverage, voxels) in of_group {
+                shown.push(coverage);
+                hit.push(voxels);
+            }
         }
         let visibility = TrueVisibility::of_seen(shown).ok_or_else(|| {
             Fault::data(
@@ -68,12 +74,18 @@ impl TrueShape {
             )
             .with_remedy("`recording.truth_from_world` states where the mesh is, `unit` its unit")
         })?;
-        Ok(Truth::of(visibility, start.elapsed()))
+        let mut reachable_voxels = FixedBitSet::with_capacity(self.voxels.len());
+        hit.iter().for_each(|voxels| reachable_voxels.union_with(voxels));
+        let samples = visibility.reachable();
+        let reachable_surface =
+            ReachableSurface::of((0..samples.len()).map(|sample| samples.contains(sample)));
+        let visibility = Arc::new(visibility);
+        Ok(Truth { visibility, reachable_voxels, reachable_surface, time: start.elapsed() })
     }
 
-    /// A scan of which nothing is measured yet.
-    pub fn progress(&self) -> Progress<'_> {
-        Progress { truth: self, surface: SurfaceCoverage::new(&self.mesh), distances: Vec::new() }
+    /// A scan of which nothing is measured yet, and the object voxels that any frame shows.
+    pub fn progress<'a>(&'a self, reachable: Option<&'a FixedBitSet>) -> Progress<'a> {
+        Progress { truth: self, reachable, surface: SurfaceCoverage::new(&self.mesh), distances: Vec::new() }
     }
 
     /// Number of object voxels.
@@ -85,6 +97,7 @@ impl TrueShape {
 /// A recorded scan beside the truth, frame by frame.
 pub(super) struct Progress<'a> {
     truth: &'a TrueShape,
+    reachable: Option<&'a FixedBitSet>,
     surface: SurfaceCoverage,
     /// Of all points that were in the box when they were measured.
     distances: Vec<f64>,
@@ -93,14 +106,13 @@ pub(super) struct Progress<'a> {
 impl Progress<'_> {
     /// Fills in how the scan stands after this frame; returns the number of samples of the surface seen.
     pub fn measure(&mut self, session: &Session, frame: &Frame, record: &mut StepRecord) -> usize {
-        let Self { truth, surface, distances } = self;
+        let Self { truth, reachable, surface, distances } = self;
         let points: Vec<DVec3> =
             session.bounds().into_iter().flat_map(|bounds| frame.points_in(bounds)).collect();
         distances.par_extend(points.par_iter().map(|point| truth.surface.distance().at(*point)));
         surface.add(frame);
-        let voxels = truth.voxels.compare(&session.map().snapshot(truth.voxels.block()));
-        record.voxel_coverage = Some(voxels.coverage());
-        record.false_voxels = Some(voxels.n_false);
+        let snapshot = session.map().snapshot(truth.voxels.block());
+        record.set_voxels(&truth.voxels.compare(&snapshot, *reachable));
         [record.surface_coverage_1mm, record.surface_coverage_2mm, record.surface_coverage_5mm] =
             surface.shares().map(Some);
         let accuracy = Accuracy::of(distances);

@@ -1,18 +1,29 @@
 use super::SimulatedObject;
-use crate::{Fault, ScanConfig, ScanRecord};
+use crate::{Fault, ScanConfig, ScanRecord, StepRecord};
+use fixedbitset::FixedBitSet;
 use nextview::Cancel;
 use nextview::geometry::Pose;
+use nextview_sim::area;
 use nextview_sim::baseline::{RandomCurve, clairvoyant_curve, extended, skill};
+use nextview_sim::quality::ReachableSurface;
 use nextview_sim::truth::TrueVisibility;
 use rayon::prelude::*;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
+/// Seconds that a robot moves to a view, for the horizon of the area over time: about the mean of random views
+/// of an object of 0.2 m.
+const MOVING_TIME: f64 = 4.0;
+
 /// The truth of an object and its candidates: what every candidate truly sees.
 #[derive(Debug)]
 pub struct Truth {
-    /// By candidate.
+    /// By candidate: object voxels, or, of a recording, samples of the surface.
     pub visibility: Arc<TrueVisibility>,
+    /// The object voxels in which any candidate measures a point of the object.
+    pub reachable_voxels: FixedBitSet,
+    /// The part of the true surface that any candidate sees.
+    pub reachable_surface: ReachableSurface,
     /// Time it took to look.
     pub time: Duration,
 }
@@ -23,23 +34,21 @@ impl Truth {
     /// Fails if it is cancelled.
     pub fn new(object: &SimulatedObject, cancel: &Cancel, progress: impl Fn() + Sync) -> Result<Self, Fault> {
         let start = Instant::now();
-        let camera = object.scene.camera();
+        let reachable_surface = ReachableSurface::new(&object.true_surface);
         let look = |pose: &Pose| {
             cancel.check()?;
-            let seen = object.object_voxels.seen_from(camera, pose).map_err(Fault::from)?;
+            let look = object.scene.camera().look(pose).map_err(Fault::from)?;
+            reachable_surface.add(&object.true_surface, &look);
             progress();
-            Ok(seen)
+            Ok(object.object_voxels.seen_by(&look))
         };
         let seen = object.views.poses().par_iter().map(look).collect::<Result<Vec<_>, Fault>>()?;
         let visibility = TrueVisibility::of_seen(seen).ok_or_else(|| {
             Fault::data("no view candidate sees the object: is it beyond the camera's range, or are the views elsewhere?")
         })?;
-        Ok(Self::of(visibility, start.elapsed()))
-    }
-
-    /// The truth that was found in this time.
-    pub(in crate::source) fn of(visibility: TrueVisibility, time: Duration) -> Self {
-        Self { visibility: Arc::new(visibility), time }
+        let reachable_voxels = visibility.reachable().clone();
+        let visibility = Arc::new(visibility);
+        Ok(Self { visibility, reachable_voxels, reachable_surface, time: start.elapsed() })
     }
 }
 
@@ -50,6 +59,8 @@ pub struct Baselines {
     truth: Arc<TrueVisibility>,
     random: RandomCurve,
     clairvoyant: Vec<f64>,
+    /// Seconds that a robot stands at a view.
+    sensing_time: f64,
     /// Time they took, apart from the scan.
     time: Duration,
 }
@@ -63,6 +74,7 @@ impl Baselines {
         Self {
             random: RandomCurve::new(&visibility, config.first_view, n_views),
             clairvoyant: clairvoyant_curve(&visibility, config.first_view, n_views),
+            sensing_time: config.motion.sensing_time,
             truth: visibility,
             time: truth.time + start.elapsed(),
         }
@@ -73,9 +85,10 @@ impl Baselines {
         n_seen as f64 / self.truth.n_reachable() as f64
     }
 
-    /// Fills in the curves and the skill.
+    /// Fills in the curves, the skill and the areas under the curve.
     pub(crate) fn describe(&self, record: &mut ScanRecord) {
         let curve = record.reachable_coverage_curve();
+        self.describe_areas(curve.as_deref().unwrap_or_default(), record);
         record.reachable_voxels = Some(self.truth.n_reachable());
         record.reachable_coverage = curve.as_ref().and_then(|curve| curve.last().copied());
         let extended = curve.map(|curve| extended(curve, self.random.mean.len()));
@@ -85,5 +98,16 @@ impl Baselines {
         record.random_high_curve = Some(self.random.high.clone());
         record.clairvoyant_curve = Some(self.clairvoyant.clone());
         record.baseline_time_ms = Some(crate::record::milliseconds(self.time));
+    }
+
+    fn describe_areas(&self, curve: &[f64], record: &mut ScanRecord) {
+        let n_views = self.random.mean.len();
+        let horizon = n_views as f64 * (MOVING_TIME + self.sensing_time);
+        let time =
+            |(i, step): (usize, &StepRecord)| step.trajectory_time_s + (i + 1) as f64 * self.sensing_time;
+        let times: Vec<f64> = record.steps.iter().take(curve.len()).enumerate().map(time).collect();
+        record.coverage_auc_views = area::over_views(curve, n_views);
+        record.coverage_auc_time = area::over_time(curve, &times, horizon);
+        record.coverage_auc_horizon_s = record.coverage_auc_time.map(|_| horizon);
     }
 }

@@ -7,6 +7,6 @@ mod simulated_object;
 mod simulation;
 
 pub use baselines::{Baselines, Truth};
-pub(super) use quality::quality_mm;
+pub(super) use quality::measure_model;
 pub use simulated_object::SimulatedObject;
 pub use simulation::Simulation;

@@ -1,13 +1,14 @@
-use super::{Baselines, SimulatedObject, Truth, quality_mm};
-use crate::{Evaluator, Fault, Faults, FrameSource, QualityMm, ScanConfig, ScanRecord, StepRecord};
+use super::{Baselines, SimulatedObject, Truth, measure_model};
+use crate::{BoxRule, Evaluator, Fault, Faults, FrameSource, ScanConfig, ScanRecord, StepRecord};
 use glam::DVec3;
 use nextview::geometry::{Aabb, Pose};
 use nextview::planner::ViewPlanner;
 use nextview::sensor::{ColorImage, Frame};
-use nextview::session::{NextView, Session};
+use nextview::session::{BOX_MARGIN_FACTOR, BOX_MARGIN_VOXELS, NextView, Session};
 use nextview::surface::SurfaceMesh;
 use nextview_sim::baseline::Clairvoyant;
 use nextview_sim::evaluator::{self, Shown};
+use nextview_sim::quality::align;
 use std::sync::{Mutex, PoisonError};
 
 /// A simulated camera that scans an object by one configuration.
@@ -15,6 +16,9 @@ pub struct Simulation<'a> {
     object: &'a SimulatedObject,
     truth: Option<&'a Truth>,
     baselines: Option<Baselines>,
+    box_rule: BoxRule,
+    /// Whether the first frame claims a wrong pose, so that the model lies beside the truth as a whole.
+    is_first_pose_wrong: bool,
     /// What the last frame truly shows, and from where: rendered together, and measured right after.
     last: Mutex<Option<(Pose, Shown)>>,
 }
@@ -23,7 +27,9 @@ impl<'a> Simulation<'a> {
     /// The scan of this object by this configuration. With the truth, it is measured against the baselines.
     pub fn new(object: &'a SimulatedObject, config: &ScanConfig, truth: Option<&'a Truth>) -> Self {
         let baselines = truth.map(|truth| Baselines::new(truth, config));
-        Self { object, truth, baselines, last: Mutex::new(None) }
+        let is_first_pose_wrong = config.noise.is_pose_wrong() && !config.noise.first_pose_is_right;
+        let box_rule = config.object_box.rule;
+        Self { object, truth, baselines, box_rule, is_first_pose_wrong, last: Mutex::new(None) }
     }
 
     /// What the camera truly shows from there.
@@ -65,15 +71,20 @@ impl FrameSource for Simulation<'_> {
 
     fn describe(&self, record: &mut ScanRecord) {
         record.object_voxels = Some(self.object.object_voxels.len());
+        record.box_rule = Some(self.box_rule);
+        record.box_margin_factor = Some(BOX_MARGIN_FACTOR);
+        record.box_margin_voxels = Some(BOX_MARGIN_VOXELS);
         self.baselines.iter().for_each(|baselines| baselines.describe(record));
     }
 
-    fn quality_of_points(&self, points: &[DVec3]) -> Option<QualityMm> {
-        self.object.true_surface.of_points(points).map(quality_mm)
-    }
-
-    fn quality_of_mesh(&self, mesh: &SurfaceMesh) -> Option<QualityMm> {
-        self.object.true_surface.of_mesh(mesh).map(quality_mm)
+    fn measure_model(&self, cloud: &[DVec3], mesh: Option<&SurfaceMesh>, record: &mut ScanRecord) {
+        let surface = &self.object.true_surface;
+        let truth_from_model = match self.is_first_pose_wrong {
+            true => align(cloud, surface.distance()),
+            false => Pose::IDENTITY,
+        };
+        let reachable = self.truth.map(|truth| &truth.reachable_surface);
+        measure_model((surface, reachable), &truth_from_model, cloud, mesh, record);
     }
 }
 
@@ -89,7 +100,10 @@ impl<'a> SimulatedEvaluator<'a> {
     /// Nothing is scanned yet.
     pub fn new(simulation: &'a Simulation<'a>, is_pose_wrong: bool) -> Self {
         let object = simulation.object;
-        let evaluator = evaluator::Evaluator::new(&object.scene, &object.object_voxels);
+        let mut evaluator = evaluator::Evaluator::new(&object.scene, &object.object_voxels);
+        if let Some(truth) = simulation.truth {
+            evaluator = evaluator.with_reachable(&truth.reachable_voxels);
+        }
         Self { simulation, evaluator, is_pose_wrong }
     }
 }
@@ -107,8 +121,7 @@ impl Evaluator for SimulatedEvaluator<'_> {
         let shown = self.simulation.shown_from(&place)?;
         let truth = self.evaluator.measure(session, frame, shown);
         let baselines = self.simulation.baselines.as_ref();
-        record.voxel_coverage = Some(truth.voxels.coverage());
-        record.false_voxels = Some(truth.voxels.n_false);
+        record.set_voxels(&truth.voxels);
         record.reachable_coverage =
             baselines.map(|baselines: &Baselines| baselines.reachable_coverage(truth.n_seen));
         [record.surface_coverage_1mm, record.surface_coverage_2mm, record.surface_coverage_5mm] =
