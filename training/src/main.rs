@@ -9,10 +9,12 @@ mod scans;
 
 use nextview::prior::{Network, SurfacePrior, ViewingClass};
 use nextview_sim::mesh::{self, Unit};
+use nextview_sim::random_object::seeds;
 use optimizer::{Sample, loss, train};
 use rayon::prelude::*;
 use scans::{Source, Target};
 use std::error::Error;
+use std::ops::Range;
 use std::path::Path;
 use std::sync::Arc;
 
@@ -23,21 +25,21 @@ const N_SHOWS: usize = 1200;
 /// How often each sample is drawn.
 const N_EPOCHS: usize = 4;
 
-/// Random objects with seeds from here on are never learned from.
-const HELD_OUT: u64 = 1 << 32;
+/// Number of random objects on which the loss is reported; they are never learned from.
+const N_HELD_OUT: usize = 20;
 
 fn main() -> Result<(), Box<dyn Error>> {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
     let [out, n_random, n_varied, meshes @ ..] = &arguments[..] else {
         return Err("usage: nextview-training OUT N_RANDOM N_VARIED [MESH ...]".into());
     };
-    let mut sources: Vec<Source> = (0..n_random.parse()?).map(|seed| Source { mesh: None, seed }).collect();
+    let mut sources = random_objects(seeds::PRIOR, n_random.parse()?)?;
     for path in meshes {
         let (mesh, _) = mesh::load(Path::new(path))?.to_metres(Unit::LongestSide(0.2))?;
         let mesh = Arc::new(mesh);
         sources.extend((0..n_varied.parse()?).map(|seed| Source { mesh: Some(mesh.clone()), seed }));
     }
-    let held_out: Vec<Source> = (HELD_OUT..HELD_OUT + 20).map(|seed| Source { mesh: None, seed }).collect();
+    let held_out = random_objects(seeds::PRIOR_HELD_OUT, N_HELD_OUT)?;
 
     let stops = train(&samples(&sources, Target::Stops, N_STOPS), 1, N_EPOCHS, 1);
     report("stops", &stops, 1, &samples(&held_out, Target::Stops, N_STOPS));
@@ -58,6 +60,15 @@ fn main() -> Result<(), Box<dyn Error>> {
     Ok(std::fs::write(out, prior.to_bytes())?)
 }
 
+/// The first random objects of a range of seeds; fails if it has fewer.
+fn random_objects(seeds: Range<u64>, n: usize) -> Result<Vec<Source>, String> {
+    let n_seeds = seeds.end - seeds.start;
+    if n as u64 > n_seeds {
+        return Err(format!("N_RANDOM is {n}, expected at most {n_seeds}: other seeds are for other uses"));
+    }
+    Ok(seeds.take(n).map(|seed| Source { mesh: None, seed }).collect())
+}
+
 /// The samples of all sources, one source after the other.
 fn samples(sources: &[Source], target: Target<'_>, n_per_view: usize) -> Vec<Sample> {
     let parts: Vec<Vec<Sample>> =
@@ -67,4 +78,23 @@ fn samples(sources: &[Source], target: Target<'_>, n_per_view: usize) -> Vec<Sam
 
 fn report(name: &str, network: &Network, n_outputs: usize, held_out: &[Sample]) {
     println!("{name}: cross entropy {:.4} on objects held out", loss(network, n_outputs, held_out));
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The recipe of the committed weights: random objects of the seeds 0 to 199, none of which has a name.
+    #[test]
+    fn training_objects_are_those_of_the_committed_weights_and_have_no_names() {
+        let seeds_of = |range, n| -> Vec<u64> {
+            random_objects(range, n).unwrap().iter().map(|source| source.seed).collect()
+        };
+        assert_eq!(seeds_of(seeds::PRIOR, 200), (0..200).collect::<Vec<_>>());
+        assert_eq!(seeds_of(seeds::PRIOR_HELD_OUT, 2), [1 << 32, (1 << 32) + 1]);
+        assert!(!seeds_of(seeds::PRIOR, 200).iter().any(|seed| seeds::NAMED.contains(seed)));
+        assert!(
+            random_objects(seeds::PRIOR, (1 << 32) + 1).unwrap_err().starts_with("N_RANDOM is 4294967297")
+        );
+    }
 }

@@ -132,7 +132,7 @@ impl Object {
             let measures = evaluator.measure(&session, &frame.with_pose(report.world_from_camera), shown);
             n_seen.push(measures.n_seen as f64 / self.truth.n_reachable() as f64);
         }
-        let random = RandomCurve::new(&self.truth, 0, N_VIEWS).mean;
+        let random = RandomCurve::new(&self.truth, 0, N_VIEWS, 0).mean;
         Ok(skill(&extended(n_seen, N_VIEWS), &random, &clairvoyant_curve(&self.truth, 0, N_VIEWS)))
     }
 }

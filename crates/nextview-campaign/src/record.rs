@@ -12,8 +12,12 @@ pub struct RunRecord {
     pub data_set: String,
     /// Label of the planner and its parameters in the specification.
     pub variant: String,
-    /// Seed of the random planner.
+    /// Seed of the specification's list: the number of a repetition with other random draws. The seeds that
+    /// were drawn from are in `config`.
     pub seed: u64,
+    /// Seed of the set of candidates; 0 in records of builds that did not write it.
+    #[serde(default)]
+    pub view_seed: u64,
     /// Number of the view that the scan began with.
     pub first_view: usize,
     /// Everything that decided the run.
@@ -55,6 +59,7 @@ impl RunRecord {
             variant: self.variant.clone(),
             object: self.object.clone(),
             seed: self.seed,
+            view_seed: self.view_seed,
             first_view: self.first_view,
         }
     }

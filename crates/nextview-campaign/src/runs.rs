@@ -1,3 +1,4 @@
+use crate::seeds::Repetition;
 use crate::spec::{FaultList, Variant, expand};
 use crate::{ObjectSpec, Spec};
 use nextview_scan::{Fault, Faults, ScanConfig};
@@ -25,21 +26,24 @@ pub struct RunId {
     pub variant: String,
     /// Name of the object.
     pub object: String,
-    /// Seed of the random planner.
+    /// Seed of the specification's list: the number of a repetition with other random draws.
     pub seed: u64,
+    /// Seed of the set of candidates.
+    pub view_seed: u64,
     /// Number of the view to begin with.
     pub first_view: usize,
 }
 
 impl fmt::Display for RunId {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Self { object, variant, seed, first_view } = self;
-        write!(f, "object {object}, variant {variant}, seed {seed}, first view {first_view}")
+        let Self { object, variant, seed, view_seed, first_view } = self;
+        write!(f, "object {object}, variant {variant}, seed {seed}, ")?;
+        write!(f, "view seed {view_seed}, first view {first_view}")
     }
 }
 
 impl Spec {
-    /// All runs by object, variant, seed and first view, in this order of importance.
+    /// All runs by object, variant, seed, view seed and first view, in this order of importance.
     pub fn runs(&self) -> Result<Vec<Run>, Faults> {
         let mut faults = FaultList::default();
         let runs = all(self, &mut faults);
@@ -52,22 +56,50 @@ pub(crate) fn all(spec: &Spec, faults: &mut FaultList) -> Vec<Run> {
     let variants = variants(spec, faults);
     check_objects(&spec.objects, faults);
     let of_object = |object: &ObjectSpec| -> Vec<Run> {
-        variants.iter().flat_map(|variant| runs(object, variant)).collect()
+        variants.iter().flat_map(|variant| runs(spec.seed, object, variant)).collect()
     };
     spec.objects.iter().flat_map(of_object).collect()
 }
 
 /// The runs of a variant on an object.
-fn runs(object: &ObjectSpec, variant: &Variant) -> Vec<Run> {
-    let Variant { label, config, seeds, first_views } = variant;
-    let config = object.configure(config);
-    let run = |seed: u64, first_view: usize| Run {
-        id: RunId { object: object.name(), variant: label.clone(), seed, first_view },
-        data_set: object.data_set(),
-        config: ScanConfig { seed, first_view, ..config.clone() },
+fn runs(campaign_seed: u64, object: &ObjectSpec, variant: &Variant) -> Vec<Run> {
+    let (name, data_set) = (object.name(), object.data_set());
+    let config = object.configure(&variant.config);
+    let of_set = |seed: u64, view_seed: u64| {
+        let views = variant.first_views.of(&config, campaign_seed, &name, view_seed);
+        views.into_iter().map(move |first_view| (seed, view_seed, first_view))
     };
-    let starts = seeds.iter().flat_map(|&seed| first_views.iter().map(move |&view| (seed, view)));
-    starts.map(|(seed, first_view)| run(seed, first_view)).collect()
+    let sets =
+        variant.seeds.iter().flat_map(|&seed| variant.view_seeds.iter().map(move |&view| (seed, view)));
+    let starts = sets.flat_map(|(seed, view_seed)| of_set(seed, view_seed));
+    let run = |(seed, view_seed, first_view)| Run {
+        id: RunId { object: name.clone(), variant: variant.label.clone(), seed, view_seed, first_view },
+        data_set: data_set.clone(),
+        config: seeded(
+            &config,
+            variant,
+            Repetition { campaign_seed, object: &name, seed, view_seed, first_view },
+        ),
+    };
+    starts.map(run).collect()
+}
+
+/// The configuration with the seeds of the repetition; those that the specification states stay.
+fn seeded(config: &ScanConfig, variant: &Variant, repetition: Repetition<'_>) -> ScanConfig {
+    let mut config = ScanConfig {
+        seed: repetition.planner_seed(),
+        view_seed: Some(repetition.view_seed),
+        first_view: repetition.first_view,
+        ..config.clone()
+    };
+    if !variant.has_baseline_seed {
+        config.baseline_seed = repetition.baseline_seed();
+    }
+    // Without errors, runs of several seeds share the truth of their object.
+    if !variant.has_noise_seed && !config.noise.noise().is_none() {
+        config.noise.seed = repetition.noise_seed();
+    }
+    config
 }
 
 fn variants(spec: &Spec, faults: &mut FaultList) -> Vec<Variant> {
@@ -112,13 +144,17 @@ fn first_twice<K: Ord, V: Clone>(entries: impl Iterator<Item = (K, V)>) -> Optio
 mod tests {
     use super::*;
     use crate::builtin;
+    use std::collections::BTreeSet;
     use std::path::Path;
 
     fn ids(spec: &str) -> Vec<String> {
         let spec = Spec::parse(spec, Path::new("")).unwrap();
         let name = |run: &Run| {
-            let RunId { object, variant, seed, first_view } = &run.id;
-            assert_eq!((run.config.seed, run.config.first_view), (*seed, *first_view));
+            let RunId { object, variant, seed, view_seed, first_view } = &run.id;
+            let (campaign_seed, seed, view_seed, first_view) = (0, *seed, *view_seed, *first_view);
+            let repetition = Repetition { campaign_seed, object, seed, view_seed, first_view };
+            assert_eq!((run.config.seed, run.config.first_view), (repetition.planner_seed(), first_view));
+            assert_eq!(run.config.baseline_seed, repetition.baseline_seed());
             assert_eq!(run.config.view_seed(), 0, "all seeds share their candidates");
             format!("{object} | {variant} | {seed} | {first_view}")
         };
@@ -143,6 +179,64 @@ mod tests {
                 .map(|run| format!("{object} | {run}"))
         };
         assert_eq!(ids(spec), [of_object("two"), of_object("uno")].concat());
+    }
+
+    fn runs_of(spec: &str) -> Vec<Run> {
+        Spec::parse(spec, Path::new("")).unwrap().runs().unwrap()
+    }
+
+    #[test]
+    fn every_combination_of_seeds_candidates_and_first_views_is_a_run() {
+        let runs = runs_of(
+            "name = \"x\"\nobjects = [\"a.ply\"]\nseeds = [4, 5]\nview_seeds = [0, 9]\nfirst_views = [7, 1]\n\
+             [[variant]]\n[[variant]]\nlabel = \"once\"\nseeds = [0]\nview_seeds = [3]\nfirst_views = [2]",
+        );
+        let starts: Vec<(u64, u64, usize)> =
+            runs.iter().map(|run| (run.id.seed, run.id.view_seed, run.id.first_view)).collect();
+        let expected =
+            [4, 5].iter().flat_map(|&seed| [(seed, 0, 7), (seed, 0, 1), (seed, 9, 7), (seed, 9, 1)]);
+        assert_eq!(starts, expected.chain([(0, 3, 2)]).collect::<Vec<_>>());
+        assert!(runs.iter().all(|run| run.config.view_seed == Some(run.id.view_seed)));
+        let seeds: BTreeSet<u64> = runs.iter().map(|run| run.config.seed).collect();
+        assert_eq!(seeds.len(), runs.len(), "each run has draws of its own");
+    }
+
+    #[test]
+    fn a_number_of_first_views_draws_them_for_each_object() {
+        let runs = runs_of(
+            "name = \"x\"\nobjects = [\"a.ply\", \"b.ply\"]\nfirst_views = 3\n\
+             [[variant]]\n[[variant]]\nscan.planner = \"rse\"",
+        );
+        let views: Vec<usize> = runs.iter().map(|run| run.id.first_view).collect();
+        assert_eq!((views.len(), &views[..3], &views[6..9]), (12, &views[3..6], &views[9..]));
+        assert_ne!(views[..3], views[6..9]);
+    }
+
+    #[test]
+    fn planners_share_noise_and_baselines_and_objects_do_not() {
+        let runs = runs_of(
+            "name = \"x\"\nobjects = [\"a.ply\", \"b.ply\"]\n[scan.noise]\nmodel = \"d435i\"\n\
+             [[variant]]\n[[variant]]\nscan.planner = \"rse\"",
+        );
+        let seeds = |run: &Run| [run.config.seed, run.config.noise.seed, run.config.baseline_seed];
+        assert_eq!((seeds(&runs[0]), seeds(&runs[2])), (seeds(&runs[1]), seeds(&runs[3])));
+        for (a, b) in seeds(&runs[0]).into_iter().zip(seeds(&runs[2])) {
+            assert!(a != b && a > 0 && b > 0);
+        }
+    }
+
+    #[test]
+    fn stated_seeds_stay() {
+        let text = "name = \"x\"\nobjects = [\"a.ply\"]\nseeds = [0, 1]\n[scan]\nview_seed = 5\n\
+                    baseline_seed = 6\nnoise = { model = \"d435i\", seed = 7 }";
+        for run in runs_of(text) {
+            assert_eq!((run.config.view_seed, run.id.view_seed), (Some(5), 5));
+            assert_eq!((run.config.baseline_seed, run.config.noise.seed), (6, 7));
+        }
+        let swept = runs_of("name = \"x\"\nobjects = [\"a.ply\"]\n[[variant]]\nsweep.view_seed = [1, 2]");
+        assert_eq!(swept.iter().map(|run| run.id.view_seed).collect::<Vec<_>>(), [1, 2]);
+        let of_another_campaign = runs_of(&text.replace("seeds = [0, 1]", "seed = 1"));
+        assert_ne!(of_another_campaign[0].config.seed, runs_of(text)[0].config.seed);
     }
 
     #[test]

@@ -67,12 +67,17 @@ pub fn count(n: usize) -> String {
     out
 }
 
-fn with_unit(value: f64, decimals: usize, unit: &str) -> String {
-    if !value.is_finite() {
-        return "–".to_owned();
-    }
+/// A number with so many decimals; a dash where it is too large for one, or is none.
+pub(crate) fn fixed(value: f64, decimals: usize) -> String {
     // Plus zero turns the negative zero of an empty sum into zero.
-    format!("{:.decimals$}{NARROW_SPACE}{unit}", value + 0.0)
+    if value.is_finite() { format!("{:.decimals$}", value + 0.0) } else { "–".to_owned() }
+}
+
+fn with_unit(value: f64, decimals: usize, unit: &str) -> String {
+    match value.is_finite() {
+        true => format!("{}{NARROW_SPACE}{unit}", fixed(value, decimals)),
+        false => fixed(value, decimals),
+    }
 }
 
 #[cfg(test)]
@@ -95,6 +100,7 @@ mod tests {
         let plain = |s: String| s.replace(NARROW_SPACE, " ");
         assert_eq!(plain(percent(0.9714)), "97.1 %");
         assert_eq!(percent(f64::NAN), "–");
+        assert_eq!([fixed(f64::INFINITY, 1), fixed(-0.0, 1)], ["–", "0.0"]);
         assert_eq!(plain(seconds(0.0042)), "4.2 ms");
         assert_eq!(plain(seconds(0.042)), "42 ms");
         assert_eq!(plain(seconds(1.5)), "1.50 s");

@@ -74,11 +74,15 @@ impl RandomCurve {
     /// Number of sequences: the mean is then known to about a tenth of the spread.
     pub const N_DRAWS: usize = 200;
 
-    /// Draws the sequences: distinct views, uniform among the candidates, always the same draws.
-    pub fn new(truth: &TrueVisibility, first_view: usize, n: usize) -> Self {
-        let curves: Vec<Vec<f64>> = (0..Self::N_DRAWS as u64)
-            .map(|draw| extended(truth.coverage_curve(&draw_views(truth.n_views(), first_view, n, draw)), n))
-            .collect();
+    /// Draws the sequences: distinct views, uniform among the candidates. The same seed gives the same
+    /// draws, which are independent of those of [`RandomViews`](nextview::planner::RandomViews) of any seed,
+    /// the same one included.
+    pub fn new(truth: &TrueVisibility, first_view: usize, n: usize, seed: u64) -> Self {
+        let curve = |draw| {
+            let views = draw_views(truth.n_views(), first_view, n, seed, draw);
+            extended(truth.coverage_curve(&views), n)
+        };
+        let curves: Vec<Vec<f64>> = (0..Self::N_DRAWS as u64).map(curve).collect();
         let quantile = |q: f64| {
             let at = |step: usize| {
                 let mut values: Vec<f64> = curves.iter().map(|curve| curve[step]).collect();
@@ -92,9 +96,13 @@ impl RandomCurve {
     }
 }
 
-/// A random sequence of distinct views that begins with the given one.
-fn draw_views(n_candidates: usize, first_view: usize, n: usize, seed: u64) -> Vec<usize> {
-    let mut random = Random::new(seed, 1);
+/// First of the streams of random numbers, one for each sequence. The random planner uses the streams from 1
+/// up to its number of views.
+const FIRST_STREAM: u64 = 1 << 32;
+
+/// The random sequence of this number: distinct views, beginning with the given one.
+fn draw_views(n_candidates: usize, first_view: usize, n: usize, seed: u64, draw: u64) -> Vec<usize> {
+    let mut random = Random::new(seed, FIRST_STREAM + draw);
     let mut open: Vec<usize> = (0..n_candidates).filter(|&view| view != first_view).collect();
     let mut views = vec![first_view];
     while views.len() < n && !open.is_empty() {
@@ -134,10 +142,37 @@ mod tests {
 
     #[test]
     fn random_sequences_are_distinct_views_from_the_first_on() {
-        let mut views = draw_views(20, 7, 20, 3);
+        let mut views = draw_views(20, 7, 20, 3, 5);
         assert_eq!(views[0], 7);
         views.sort_unstable();
         assert_eq!(views, (0..20).collect::<Vec<_>>());
-        assert_eq!(draw_views(3, 0, 10, 1).len(), 3, "no more than there are");
+        assert_eq!(draw_views(3, 0, 10, 1, 0).len(), 3, "no more than there are");
+    }
+
+    /// The second views of the sequences of a seed and of random planners of any seed agree as often as
+    /// independent draws do.
+    #[test]
+    fn baseline_and_random_planner_are_independent() {
+        let n = 50;
+        let second_of_planner = |seed: u64| 1 + Random::new(seed, 1).index(n - 1);
+        let (mut n_equal, mut n_all) = (0, 0);
+        for seed in 0..40 {
+            for draw in 0..RandomCurve::N_DRAWS as u64 {
+                let second = draw_views(n, 0, 2, seed, draw)[1];
+                n_equal += usize::from(second == second_of_planner(draw));
+                n_equal += usize::from(second == second_of_planner(seed));
+                n_all += 2;
+            }
+        }
+        // One of 49, with a standard deviation of about 18 in 16000.
+        let expected = n_all as f64 / (n - 1) as f64;
+        assert!((n_equal as f64 - expected).abs() < 80.0, "{n_equal} of {n_all}");
+    }
+
+    #[test]
+    fn every_seed_and_draw_has_a_sequence_of_its_own() {
+        let sequence = |seed, draw| draw_views(1000, 0, 5, seed, draw);
+        assert_eq!(sequence(3, 7), sequence(3, 7));
+        assert!(sequence(3, 7) != sequence(3, 8) && sequence(3, 7) != sequence(4, 7));
     }
 }

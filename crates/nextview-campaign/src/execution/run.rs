@@ -37,6 +37,7 @@ pub(super) fn measured(
         data_set: run.data_set.clone(),
         variant: run.id.variant.clone(),
         seed: run.id.seed,
+        view_seed: run.id.view_seed,
         first_view: run.id.first_view,
         config,
         build: BuildIdentity::this(),

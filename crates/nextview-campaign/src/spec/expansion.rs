@@ -3,26 +3,35 @@ use super::label::{default_label, filled};
 use super::paths::sets;
 use super::sweep::{self, Sweep};
 use super::values::check_distinct;
-use super::{FaultList, Spec, VariantSpec};
-use nextview_scan::{Fault, Faults, ScanConfig, merged};
+use super::{FaultList, FirstViews, Spec, VariantSpec};
+use nextview_scan::{Fault, Faults, ScanConfig, ViewRule, merged};
 use toml::{Table, Value};
 
 /// A planner with its parameters, ready to run.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Variant {
     pub label: String,
-    /// Object, seed and first view aside.
+    /// Object, seeds and first view aside.
     pub config: ScanConfig,
     pub seeds: Vec<u64>,
-    pub first_views: Vec<usize>,
+    pub view_seeds: Vec<u64>,
+    pub first_views: FirstViews,
+    /// Whether the configuration states the seed of the noise, so that it is not derived.
+    pub has_noise_seed: bool,
+    /// The same of the seed of the random baseline.
+    pub has_baseline_seed: bool,
 }
 
 /// Keys that are not for a variant to decide, and what decides them.
 const DECIDED_ELSEWHERE: [(&str, &str); 3] =
     [("object", "objects"), ("seed", "seeds"), ("first_view", "first_views")];
 
+/// The key of the set of candidates, which `view_seeds` may decide.
+const VIEW_SEED: &str = "view_seed";
+
 /// All combinations of the values that a variant, which has this index, sweeps; the last key changes fastest.
-/// Keys, seeds and first views are the specification's where the variant has none of its own.
+/// Keys, seeds, sets of candidates and first views are the specification's where the variant has none of its
+/// own.
 pub(crate) fn expand(
     variant: &VariantSpec,
     index: usize,
@@ -50,7 +59,11 @@ impl Expansion<'_> {
         self.variant.seeds.as_ref().unwrap_or(&self.spec.seeds)
     }
 
-    fn first_views(&self) -> &[usize] {
+    fn view_seeds(&self) -> Option<&Vec<u64>> {
+        self.variant.view_seeds.as_ref().or(self.spec.view_seeds.as_ref())
+    }
+
+    fn first_views(&self) -> &FirstViews {
         self.variant.first_views.as_ref().unwrap_or(&self.spec.first_views)
     }
 
@@ -58,8 +71,11 @@ impl Expansion<'_> {
         if let Some(seeds) = &self.variant.seeds {
             self.check("seeds", check_distinct("seeds", seeds));
         }
+        if let Some(seeds) = &self.variant.view_seeds {
+            self.check("view_seeds", check_distinct("view_seeds", seeds));
+        }
         if let Some(views) = &self.variant.first_views {
-            self.check("first_views", check_distinct("first_views", views));
+            self.check("first_views", views.check());
         }
     }
 
@@ -73,6 +89,9 @@ impl Expansion<'_> {
 
     /// The variant of this configuration; none if it is none.
     fn variant(&mut self, table: Table) -> Option<Variant> {
+        let has_view_seed = table.contains_key(VIEW_SEED);
+        let has_noise_seed = sets(&table, "noise.seed");
+        let has_baseline_seed = table.contains_key("baseline_seed");
         let config = match load(table) {
             Ok(config) => config,
             Err(faults) => {
@@ -80,20 +99,26 @@ impl Expansion<'_> {
                 return None;
             }
         };
-        for view in self.first_views().to_vec() {
-            let (key, result) = check_first_view(&config, view);
-            match (key, result, self.variant.first_views.is_some()) {
-                (_, Ok(()), _) => (),
-                ("first_views", Err(fault), false) => self.faults.add("first_views", fault),
-                ("first_views", Err(fault), true) => self.add("first_views", fault),
-                (key, Err(fault), _) => self.add_of_config(&Fault { key: Some(key.to_owned()), ..fault }),
-            }
+        if let Err(fault) = check_views(&config) {
+            self.add_of_config(&Fault { key: Some("views".to_owned()), ..fault });
+        }
+        if let Err(fault) = check_first_views(&config, self.first_views()) {
+            self.add_of_list("first_views", self.variant.first_views.is_some(), fault);
+        }
+        if let Err(fault) = check_view_seeds(&config, self.view_seeds(), has_view_seed) {
+            self.add_of_list("view_seeds", self.variant.view_seeds.is_some(), fault);
         }
         let template = self.variant.label.clone().unwrap_or_else(|| default_label(&self.sweeps));
         let label = filled(&template, &config);
         let label = label.map_err(|fault| self.add("label", fault)).ok()?;
-        let (seeds, first_views) = (self.seeds().to_vec(), self.first_views().to_vec());
-        Some(Variant { label, config, seeds, first_views })
+        let (seeds, first_views) = (self.seeds().to_vec(), self.first_views().clone());
+        let view_seeds = self.view_seeds().cloned().unwrap_or_else(|| vec![config.view_seed()]);
+        Some(Variant { label, config, seeds, view_seeds, first_views, has_noise_seed, has_baseline_seed })
+    }
+
+    /// Adds a fault of a list where it stands: in the variant, or else in the specification.
+    fn add_of_list(&mut self, key: &str, is_own: bool, fault: Fault) {
+        if is_own { self.add(key, fault) } else { self.faults.add(key, fault) }
     }
 
     /// Adds a fault of the configuration where its key comes from: the sweep, the variant, or the
@@ -149,26 +174,58 @@ fn load(mut table: Table) -> Result<ScanConfig, Faults> {
     if let Some(faults) = Faults::of(decided.chain(recording).collect()) {
         return Err(faults);
     }
-    table.entry("view_seed").or_insert(Value::Integer(0));
+    table.entry(VIEW_SEED).or_insert(Value::Integer(0));
     let mut config = ScanConfig::from_table(table)?;
     let n_candidates = config.view_space.rule().map_or(usize::MAX, |_| config.candidates);
     config.views = Some(config.max_views(n_candidates));
     Ok(config)
 }
 
-/// Where a rule makes the candidates, their number is known before the run. Returns the key that decides,
-/// too.
-fn check_first_view(config: &ScanConfig, first_view: usize) -> (&'static str, Result<(), Fault>) {
-    let n = config.candidates;
-    let views = config.max_views(n);
-    if config.view_space.rule().is_none() {
-        ("first_views", Ok(()))
-    } else if first_view >= n {
-        let message = format!("first view {first_view} is none of the {n} candidates");
-        ("first_views", Err(Fault::data(message)))
-    } else if views == 0 || views > n {
-        ("views", Err(Fault::data(format!("views is {views}, expected 1 to {n} (the candidates)"))))
-    } else {
-        ("views", Ok(()))
+/// Where a rule makes the candidates, their number is known before the run.
+fn check_views(config: &ScanConfig) -> Result<(), Fault> {
+    let (n, views) = (config.candidates, config.max_views(config.candidates));
+    if config.view_space.rule().is_some() && (views == 0 || views > n) {
+        return Err(Fault::data(format!("views is {views}, expected 1 to {n} (the candidates)")));
     }
+    Ok(())
+}
+
+fn check_first_views(config: &ScanConfig, first_views: &FirstViews) -> Result<(), Fault> {
+    let (n, has_rule) = (config.candidates, config.view_space.rule().is_some());
+    match first_views {
+        FirstViews::List(views) => {
+            let outside = views.iter().find(|&&view| has_rule && view >= n);
+            let fault = |view| Fault::data(format!("first view {view} is none of the {n} candidates"));
+            outside.map_or(Ok(()), |view| Err(fault(view)))
+        }
+        FirstViews::Count(_) if !has_rule => {
+            let file = &config.view_space.0;
+            let message =
+                format!("first_views is a number, but the candidates of {file} are not counted yet");
+            Err(Fault::data(message).with_remedy("list the first views by their numbers"))
+        }
+        FirstViews::Count(count) if *count > n => {
+            Err(Fault::data(format!("first_views is {count}, expected 1 to {n} (the candidates)")))
+        }
+        FirstViews::Count(_) => Ok(()),
+    }
+}
+
+/// Several sets of candidates need a rule that draws them, and a single key that decides them.
+fn check_view_seeds(
+    config: &ScanConfig,
+    view_seeds: Option<&Vec<u64>>,
+    has_view_seed: bool,
+) -> Result<(), Fault> {
+    let Some(view_seeds) = view_seeds else { return Ok(()) };
+    if has_view_seed {
+        let fault = Fault::data("view_seeds stands beside a `view_seed` in [scan], `scan` or `sweep`");
+        return Err(fault.with_remedy("keep one of them"));
+    }
+    if view_seeds.len() > 1 && config.view_space.rule() != Some(ViewRule::Shell) {
+        let (n, space) = (view_seeds.len(), &config.view_space.0);
+        let message = format!("view_seeds has {n} sets, but the candidates of {space} depend on no seed");
+        return Err(Fault::data(message));
+    }
+    Ok(())
 }

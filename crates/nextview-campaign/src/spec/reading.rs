@@ -1,7 +1,7 @@
 use super::paths::{value_at, whole_path};
 use super::section::Section;
 use super::values::check_distinct;
-use super::{FaultList, ObjectSpec, Spec, VariantSpec};
+use super::{FaultList, FirstViews, ObjectSpec, Spec, VariantSpec};
 use nextview_scan::{Fault, Faults, Positions, ViewSpaceName};
 use std::path::Path;
 use toml::{Table, Value};
@@ -69,20 +69,25 @@ fn spec(table: Table, faults: &mut FaultList) -> Spec {
         section.fault("name", "is missing, expected a name for the campaign");
     }
     let name: Option<String> = section.take("name");
+    let seed = section.take("seed").unwrap_or(0);
     let seeds = section.take("seeds").unwrap_or_else(|| vec![0]);
-    let first_views = section.take("first_views").unwrap_or_else(|| vec![0]);
+    let view_seeds: Option<Vec<u64>> = section.take("view_seeds");
+    let first_views: FirstViews = section.take("first_views").unwrap_or_default();
     let scan = section.take("scan").unwrap_or_default();
     let objects = section.take_list("objects");
     let variants = section.take_list("variant");
     section.end();
     faults.check("name", name.as_deref().map_or(Ok(()), check_name));
     faults.check("seeds", check_distinct("seeds", &seeds));
-    faults.check("first_views", check_distinct("first_views", &first_views));
+    let view_seeds_check = view_seeds.as_ref().map_or(Ok(()), |seeds| check_distinct("view_seeds", seeds));
+    faults.check("view_seeds", view_seeds_check);
+    faults.check("first_views", first_views.check());
     let objects = objects.into_iter().zip(0..).filter_map(|(entry, i)| ObjectSpec::read(entry, i, faults));
     let objects = objects.collect();
     let variant = variants.into_iter().zip(0..).filter_map(|(entry, i)| VariantSpec::read(entry, i, faults));
     let variant = variant.collect();
-    Spec { name: name.unwrap_or_default(), seeds, first_views, objects, scan, variant }
+    let name = name.unwrap_or_default();
+    Spec { name, seed, seeds, view_seeds, first_views, objects, scan, variant }
 }
 
 fn check_name(name: &str) -> Result<(), Fault> {

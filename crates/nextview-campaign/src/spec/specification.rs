@@ -1,4 +1,4 @@
-use super::{ObjectSpec, VariantSpec};
+use super::{FirstViews, ObjectSpec, VariantSpec};
 use nextview_scan::Fault;
 use serde::Serialize;
 use toml::Table;
@@ -9,10 +9,16 @@ pub struct Spec {
     /// Name of the campaign, which may name a folder: letters, digits, `-`, `_` and `.`, not beginning with a
     /// dot.
     pub name: String,
-    /// Seeds of all variants that have none of their own; by default 0 alone.
+    /// Seed of all random draws; by default 0. Those of a run depend on its object and repetition as well.
+    pub seed: u64,
+    /// Repetitions with other random draws, of all variants that have none of their own; by default 0 alone.
     pub seeds: Vec<u64>,
+    /// Sets of candidates of all variants that have none of their own; by default that of the configured
+    /// `view_seed`, or else 0.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub view_seeds: Option<Vec<u64>>,
     /// First views of all variants that have none of their own; by default 0 alone.
-    pub first_views: Vec<usize>,
+    pub first_views: FirstViews,
     /// What to scan; by default all built-in objects.
     pub objects: Vec<ObjectSpec>,
     /// Keys of [`ScanConfig`](nextview_scan::ScanConfig) for all runs.

@@ -112,6 +112,57 @@ fn what_only_the_whole_shows_is_found_too() {
 }
 
 #[test]
+fn first_views_and_sets_of_candidates_are_checked() {
+    let of = |rest: &str| format!("name = \"x\"\n{rest}");
+    let few = "[scan]\ncandidates = 20\n";
+    check(
+        &of(&format!("first_views = 21\n{few}")),
+        &["line 2, column 1: first_views is 21, expected 1 to 20"],
+    );
+    check(&of("first_views = 0"), &["line 2, column 1: first_views is 0, expected at least 1"]);
+    check(
+        &of("first_views = \"all\""),
+        &[
+            "line 2, column 1: `first_views`: is \"all\", expected a list of numbers of views, or how many to draw",
+        ],
+    );
+    check(&of("first_views = [1, -1]"), &["line 2, column 1: `first_views`: is [1, -1], expected a list"]);
+    check(
+        &of("first_views = 2\nscan.view_space = \"mine.csv\""),
+        &["line 2, column 1: first_views is a number, but the candidates of"],
+    );
+    check(&of("view_seeds = []"), &["line 2, column 1: view_seeds is empty"]);
+    check(&of("[[variant]]\nview_seeds = [1, 1]"), &["line 3, column 1: variant 1: view_seeds has 1 twice"]);
+    check(
+        &of("view_seeds = [1]\nscan.view_seed = 2"),
+        &["line 2, column 1: view_seeds stands beside a `view_seed`"],
+    );
+    check(
+        &of("[[variant]]\nview_seeds = [1, 2]\nscan.view_space = \"hemisphere\""),
+        &[
+            "line 3, column 1: variant 1: view_seeds has 2 sets, but the candidates of hemisphere depend on no seed",
+        ],
+    );
+}
+
+/// A specification without any of the newer keys, as written by earlier builds.
+#[test]
+fn specifications_and_their_copies_read_back() {
+    let folder = made_up::folder("spec-copies");
+    for text in [
+        "name = \"x\"",
+        "name = \"x\"\nseeds = [0, 1]\nfirst_views = [0, 7]",
+        "name = \"x\"\nseed = 4\nview_seeds = [0, 3]\nfirst_views = 5\n[[variant]]\nview_seeds = [8]\nfirst_views = 2",
+    ] {
+        let spec = Spec::parse(text, Path::new("")).unwrap();
+        fs::write(folder.join(Spec::FILE), spec.to_toml().unwrap()).unwrap();
+        let copy = Spec::of_folder(&folder).unwrap();
+        assert_eq!((&copy, copy.runs().unwrap()), (&spec, spec.runs().unwrap()));
+    }
+    fs::remove_dir_all(&folder).unwrap();
+}
+
+#[test]
 fn paths_become_whole() {
     let folder = made_up::folder("spec-paths");
     for name in ["b.ply", "a.ply", "c.stl"] {

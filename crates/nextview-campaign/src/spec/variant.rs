@@ -1,5 +1,5 @@
-use super::FaultList;
 use super::section::Section;
+use super::{FaultList, FirstViews};
 use nextview_scan::Fault;
 use serde::Serialize;
 use toml::{Table, Value};
@@ -14,9 +14,12 @@ pub struct VariantSpec {
     /// Seeds in place of the specification's.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub seeds: Option<Vec<u64>>,
+    /// Sets of candidates in place of the specification's.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub view_seeds: Option<Vec<u64>>,
     /// First views in place of the specification's.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub first_views: Option<Vec<usize>>,
+    pub first_views: Option<FirstViews>,
     /// Keys of [`ScanConfig`](nextview_scan::ScanConfig), over the specification's.
     #[serde(skip_serializing_if = "Table::is_empty")]
     pub scan: Table,
@@ -35,11 +38,11 @@ impl VariantSpec {
             return None;
         };
         let mut section = Section::entry("variant", index, name, table, faults);
-        let (label, seeds, first_views) =
-            (section.take("label"), section.take("seeds"), section.take("first_views"));
+        let (label, seeds) = (section.take("label"), section.take("seeds"));
+        let (view_seeds, first_views) = (section.take("view_seeds"), section.take("first_views"));
         let (scan, sweep) = (section.take("scan"), section.take("sweep"));
         section.end();
         let (scan, sweep) = (scan.unwrap_or_default(), sweep.unwrap_or_default());
-        Some(Self { label, seeds, first_views, scan, sweep })
+        Some(Self { label, seeds, view_seeds, first_views, scan, sweep })
     }
 }

@@ -2,9 +2,10 @@ use super::measure::{
     Better, Measure, PATH, PLAN_TIME, REACHABLE_COVERAGE, SKILL, VIEWS_TO_95, VOXEL_COVERAGE,
 };
 use super::pairing::{Pair, Pairing};
+use super::study::paired;
 use super::{
-    Comparison, Interval, MeasureComparison, Study, StudyObject, StudyVariant, VariantComparison,
-    differences, mean,
+    Comparison, Interval, MeasureComparison, MeasuredRun, PairedSample, Study, StudyObject, StudyVariant,
+    VariantComparison, mean, percentile,
 };
 use crate::RunRecord;
 
@@ -49,7 +50,8 @@ pub fn compare<'a>(
 }
 
 fn label(run: &RunRecord) -> String {
-    format!("{} on {}, seed {}, first view {}", run.variant, run.object, run.seed, run.first_view)
+    let RunRecord { variant, object, seed, view_seed, first_view, .. } = run;
+    format!("{variant} on {object}, seed {seed}, view seed {view_seed}, first view {first_view}")
 }
 
 /// A variant in the study of its campaign.
@@ -64,25 +66,29 @@ impl<'s, 'a> Side<'s, 'a> {
         Some(Self { objects: &study.objects, variant })
     }
 
-    /// The measure for each of these objects; data sets may have other names here.
-    fn by_object(&self, measure: &Measure, objects: &[StudyObject<'_>]) -> Vec<Option<f64>> {
-        let own = self.variant.by_object(measure);
-        let number = |object: &StudyObject<'_>| self.objects.iter().position(|own| own.name == object.name);
-        objects.iter().map(|object| own[number(object)?]).collect()
+    /// The runs on the object of this name; the data set may have another name here.
+    fn runs_on(&self, object: &str) -> &'s [MeasuredRun<'a>] {
+        let number = self.objects.iter().position(|own| own.name == object);
+        number.map_or(&[][..], |number| &self.variant.runs[number][..])
     }
 }
 
 fn of_variant(a: &Side<'_, '_>, b: &Side<'_, '_>) -> VariantComparison {
-    let both = |measure: &Measure| [a, b].map(|side| side.by_object(measure, a.objects));
+    let both = |measure: &Measure| {
+        let of_object =
+            |object: &StudyObject<'_>| paired(a.runs_on(object.name), b.runs_on(object.name), measure);
+        PairedSample::new(a.objects.iter().filter_map(of_object))
+    };
     let mut measures: Vec<MeasureComparison> =
-        MEASURES.iter().filter_map(|measure| difference(measure, both(measure))).collect();
-    measures.extend(ratio(&PLAN_TIME, both(&PLAN_TIME)));
-    let [in_a, in_b] = both(&VOXEL_COVERAGE);
-    let by_object = a.objects.iter().zip(in_a.iter().zip(&in_b));
-    let mut by_object: Vec<(&str, f64)> =
-        by_object.filter_map(|(object, (a, b))| Some((object.name, (*b)? - (*a)?))).collect();
+        MEASURES.iter().filter_map(|measure| difference(measure, &both(measure))).collect();
+    measures.extend(ratio(&PLAN_TIME, &both(&PLAN_TIME).positive()));
+    let coverage = |object: &StudyObject<'_>| {
+        let pair = paired(a.runs_on(object.name), b.runs_on(object.name), &VOXEL_COVERAGE)?;
+        Some((object.name.to_owned(), PairedSample::new([pair]).differences()[0]))
+    };
+    let mut by_object: Vec<(String, f64)> = a.objects.iter().filter_map(coverage).collect();
     by_object.sort_by(|a, b| b.1.total_cmp(&a.1));
-    let listed = |(name, difference): &(&str, f64)| ((*name).to_owned(), 100.0 * difference);
+    let listed = |(name, difference): &(String, f64)| (name.clone(), 100.0 * difference);
     VariantComparison {
         variant_a: a.variant.name.to_owned(),
         variant_b: b.variant.name.to_owned(),
@@ -93,54 +99,54 @@ fn of_variant(a: &Side<'_, '_>, b: &Side<'_, '_>) -> VariantComparison {
     }
 }
 
-fn difference(measure: &Measure, [a, b]: [Vec<Option<f64>>; 2]) -> Option<MeasureComparison> {
-    let differences = differences(&b, &a);
+fn difference(measure: &Measure, pairs: &PairedSample) -> Option<MeasureComparison> {
+    let differences = pairs.differences();
     let shown = |value: f64| measure.factor * value;
-    let interval = Interval::of_mean(&differences);
-    let comparison = of_measure(measure, [&a, &b], mean(&differences)?, interval)?;
+    let interval = pairs.interval().map(|interval| interval.map(shown));
+    let [mean, median] = [mean(&differences)?, percentile(&differences, 0.5)?].map(shown);
     Some(MeasureComparison {
-        difference: shown(comparison.difference),
-        interval: interval.map(|interval| interval.map(shown)),
-        ..comparison
+        is_more_than_noise: interval.is_some_and(|interval| interval.excludes_zero()),
+        ..of_measure(measure, pairs, [mean, median], 0.0, interval)?
     })
 }
 
-/// Ratios are averaged as powers, so that half and double cancel.
-fn ratio(measure: &Measure, [a, b]: [Vec<Option<f64>>; 2]) -> Option<MeasureComparison> {
-    let logarithms = |values: &[Option<f64>]| -> Vec<Option<f64>> {
-        values.iter().map(|value| value.filter(|&value| value > 0.0).map(f64::ln)).collect()
-    };
-    let differences = differences(&logarithms(&b), &logarithms(&a));
-    let interval = Interval::of_mean(&differences);
-    let comparison = of_measure(measure, [&a, &b], mean(&differences)?, interval)?;
+/// Of times: the ratio of the means that are shown, and the median of the ratios of the objects.
+fn ratio(measure: &Measure, pairs: &PairedSample) -> Option<MeasureComparison> {
+    let ratios: Vec<f64> = pairs.of_a().iter().zip(pairs.of_b()).map(|(a, b)| b / a).collect();
+    let (ratios, interval) = ([pairs.ratio()?, percentile(&ratios, 0.5)?], pairs.ratio_interval());
     Some(MeasureComparison {
-        difference: comparison.difference.exp(),
-        interval: interval.map(|interval| interval.map(f64::exp)),
+        is_more_than_noise: interval.is_some_and(|interval| interval.excludes(1.0)),
         is_ratio: true,
-        ..comparison
+        ..of_measure(measure, pairs, ratios, 1.0, interval)?
     })
 }
 
+/// The comparison of these differences or ratios, mean and median; `equal` is no difference.
 fn of_measure(
     measure: &Measure,
-    [a, b]: [&[Option<f64>]; 2],
-    difference: f64,
+    pairs: &PairedSample,
+    [difference, median_difference]: [f64; 2],
+    equal: f64,
     interval: Option<Interval>,
 ) -> Option<MeasureComparison> {
-    let both = || a.iter().zip(b).filter_map(|(a, b)| Some(((*a)?, (*b)?)));
+    let (a, b) = (pairs.of_a(), pairs.of_b());
     let is_better = match measure.better {
-        Better::Higher => difference > 0.0,
-        Better::Lower => difference < 0.0,
+        Better::Higher => difference > equal,
+        Better::Lower => difference < equal,
     };
     Some(MeasureComparison {
         name: measure.name,
-        a: measure.factor * mean(&both().map(|pair| pair.0).collect::<Vec<_>>())?,
-        b: measure.factor * mean(&both().map(|pair| pair.1).collect::<Vec<_>>())?,
+        a: measure.factor * mean(&a)?,
+        b: measure.factor * mean(&b)?,
+        median_a: measure.factor * percentile(&a, 0.5)?,
+        median_b: measure.factor * percentile(&b, 0.5)?,
         difference,
+        median_difference,
         interval,
-        is_more_than_noise: interval.is_some_and(|interval| interval.excludes_zero()),
-        b_is_better: (difference.abs() > 1e-12).then_some(is_better),
-        measure: *measure,
+        test: pairs.signed_rank()?,
+        is_more_than_noise: false,
+        b_is_better: ((difference - equal).abs() > 1e-12).then_some(is_better),
         is_ratio: false,
+        measure: *measure,
     })
 }

@@ -1,4 +1,4 @@
-use super::{Interval, Measure};
+use super::{Interval, Measure, SignedRank};
 use serde::Serialize;
 
 /// What differs between campaign A and campaign B.
@@ -42,7 +42,7 @@ pub struct VariantComparison {
     pub worse: Vec<(String, f64)>,
 }
 
-/// A measure of a variant: means over objects in the shown unit.
+/// A measure of a variant over the objects that have it in both campaigns, in the shown unit.
 #[derive(Clone, Debug, Serialize)]
 pub struct MeasureComparison {
     /// Name with the shown unit.
@@ -51,20 +51,28 @@ pub struct MeasureComparison {
     pub a: f64,
     /// Mean in B.
     pub b: f64,
-    /// Mean of B - A; of the planning time, of B / A.
+    /// Median in A.
+    pub median_a: f64,
+    /// Median in B.
+    pub median_b: f64,
+    /// Mean of B - A; of times, the mean of B over that of A.
     pub difference: f64,
-    /// 95 % interval of the difference; none for fewer than two objects.
+    /// Median of B - A over objects; of times, of B / A.
+    pub median_difference: f64,
+    /// 95 % interval of the difference by a paired bootstrap over objects and their runs; none for a single
+    /// run.
     pub interval: Option<Interval>,
+    /// Signed-rank test of B - A, paired by object.
+    pub test: SignedRank,
     /// Whether the interval leaves out "no difference".
     pub is_more_than_noise: bool,
-    /// Whether the mean of B is better; none if they are equal.
+    /// Whether the mean of B is better; none if the means are equal.
     pub b_is_better: Option<bool>,
+    /// Whether the differences are ratios B / A.
+    pub is_ratio: bool,
     /// The measure, to show it.
     #[serde(skip)]
     pub measure: Measure,
-    /// Whether the difference is B / A.
-    #[serde(skip)]
-    pub is_ratio: bool,
 }
 
 impl Comparison {

@@ -21,22 +21,29 @@ impl Interval {
     /// None for fewer than two values, which say nothing about how they vary. Below about ten values the
     /// interval is too narrow. The same values in the same order always give the same interval.
     pub fn of_mean(values: &[f64]) -> Option<Self> {
-        if values.len() < 2 {
-            return None;
-        }
-        let mut random = Random::new(0, values.len() as u64);
         let n = values.len();
-        let mut means: Vec<f64> = (0..N_RESAMPLES)
-            .map(|_| (0..n).map(|_| values[random.index(n)]).sum::<f64>() / n as f64)
-            .collect();
-        means.sort_by(f64::total_cmp);
-        Some(Self { low: sorted_percentile(&means, 0.025), high: sorted_percentile(&means, 0.975) })
+        let resampled = |random: &mut Random| (0..n).map(|_| values[random.index(n)]).sum::<f64>() / n as f64;
+        (n > 1).then(|| Self::by_bootstrap(n, resampled))
+    }
+
+    /// The 2.5th to the 97.5th percentile of a number of many resamples of n objects. The same resampling
+    /// always gives the same interval.
+    pub(super) fn by_bootstrap(n: usize, mut resampled: impl FnMut(&mut Random) -> f64) -> Self {
+        let mut random = Random::new(0, n as u64);
+        let mut numbers: Vec<f64> = (0..N_RESAMPLES).map(|_| resampled(&mut random)).collect();
+        numbers.sort_by(f64::total_cmp);
+        Self { low: sorted_percentile(&numbers, 0.025), high: sorted_percentile(&numbers, 0.975) }
     }
 
     /// Whether a difference in this interval is more than noise. Rounding, about 1e-16 of the values, is
     /// noise.
     pub fn excludes_zero(&self) -> bool {
-        self.low > 1e-12 || self.high < -1e-12
+        self.excludes(0.0)
+    }
+
+    /// The same of a ratio, for which no difference is 1.
+    pub fn excludes(&self, no_difference: f64) -> bool {
+        self.low > no_difference + 1e-12 || self.high < no_difference - 1e-12
     }
 
     /// The interval of a function of the value that increases with it.

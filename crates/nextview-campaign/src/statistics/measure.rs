@@ -2,6 +2,10 @@
 //! from.
 
 use super::{MeasuredRun, mean, percentile};
+use std::cmp::Ordering;
+
+/// In the place of a number that there is not.
+const DASH: &str = "–";
 
 /// A number that a run has, or a mean over runs.
 #[derive(Clone, Copy, Debug)]
@@ -27,16 +31,36 @@ pub enum Better {
     Lower,
 }
 
+impl Better {
+    /// The worse value is the lesser one.
+    pub fn order(self, a: f64, b: f64) -> Ordering {
+        match self {
+            Self::Higher => a.total_cmp(&b),
+            Self::Lower => b.total_cmp(&a),
+        }
+    }
+}
+
 impl Measure {
-    /// The number as text in the shown unit, without the unit.
+    /// The number as text in the shown unit, without the unit; a dash where it is too large for a number.
     pub fn show(&self, value: f64) -> String {
+        let shown = self.factor * value;
         // Plus zero turns a negative zero into zero.
-        format!("{:.*}", self.decimals, self.factor * value + 0.0)
+        if shown.is_finite() { format!("{:.*}", self.decimals, shown + 0.0) } else { DASH.to_owned() }
     }
 
     /// A difference as text: with one digit more, and its sign.
     pub fn show_difference(&self, value: f64) -> String {
-        format!("{:+.*}", self.decimals + 1, self.factor * value + 0.0).replace('-', "−")
+        let shown = self.factor * value;
+        match shown.is_finite() {
+            true => format!("{:+.*}", self.decimals + 1, shown + 0.0).replace('-', "−"),
+            false => DASH.to_owned(),
+        }
+    }
+
+    /// Unit of a difference: points for a percentage, else that of the measure, which stands in its name.
+    pub fn difference_unit(&self) -> Option<&'static str> {
+        self.name.ends_with(", %").then_some("points")
     }
 }
 

@@ -4,6 +4,8 @@ use nextview_scan::{ScanConfig, ScanRecord, StepRecord};
 /// A run that took at least one view and did not fail.
 #[derive(Clone, Copy, Debug)]
 pub struct MeasuredRun<'a> {
+    /// What it was drawn by: seed, set of candidates and first view.
+    pub draw: (u64, u64, usize),
     /// Everything that decided it.
     pub config: &'a ScanConfig,
     /// What was measured.
@@ -27,7 +29,12 @@ impl<'a> MeasuredRun<'a> {
     /// The run of a record; none if it failed or took no view.
     pub fn of(run: &'a RunRecord) -> Option<Self> {
         let done = run.done().filter(|done| !done.record.steps.is_empty())?;
-        Some(Self { config: &run.config, record: &done.record, extra_memory_mb: done.extra_memory_mb })
+        Some(Self {
+            draw: (run.seed, run.view_seed, run.first_view),
+            config: &run.config,
+            record: &done.record,
+            extra_memory_mb: done.extra_memory_mb,
+        })
     }
 
     /// The quantity after each view; after a scan that stopped early, the last value stays. None where the

@@ -7,6 +7,8 @@ mod interval;
 pub mod measure;
 mod measured_run;
 mod pairing;
+mod sample;
+mod signed_rank;
 mod study;
 
 pub use compare::compare;
@@ -14,7 +16,9 @@ pub use comparison::{Comparison, MeasureComparison, VariantComparison};
 pub use interval::{Interval, deviation, mean, percentile};
 pub use measure::{Better, Measure};
 pub use measured_run::{Curve, MeasuredRun};
-pub use study::{Study, StudyObject, StudyVariant, differences};
+pub use sample::{PairedObject, PairedSample, Sample};
+pub use signed_rank::{SignedRank, signed_rank};
+pub use study::{Study, StudyObject, StudyVariant};
 
 #[cfg(test)]
 mod tests;

@@ -1,5 +1,5 @@
 use super::measure::VOXEL_COVERAGE;
-use super::{Curve, Measure, MeasuredRun, mean};
+use super::{Curve, Measure, MeasuredRun, PairedObject, PairedSample, Sample, mean};
 use crate::RunRecord;
 use nextview_scan::PlannerName;
 use std::cmp::Reverse;
@@ -84,14 +84,31 @@ impl<'a> StudyVariant<'a> {
         self.runs.iter().map(of_object).collect()
     }
 
-    /// The measure of the objects that have it.
-    pub fn values(&self, measure: &Measure) -> Vec<f64> {
-        self.by_object(measure).into_iter().flatten().collect()
+    /// The measure of all runs of the objects that have it.
+    pub fn sample(&self, measure: &Measure) -> Sample {
+        self.sample_by(measure.of)
+    }
+
+    /// The same of any number of a run.
+    pub fn sample_by(&self, of: impl Fn(&MeasuredRun<'a>) -> Option<f64>) -> Sample {
+        Sample::new(self.runs.iter().map(|runs| runs.iter().filter_map(&of).collect()))
     }
 
     /// Mean over objects.
     pub fn mean(&self, measure: &Measure) -> Option<f64> {
-        mean(&self.values(measure))
+        self.sample(measure).mean()
+    }
+
+    /// This variant as A and another one of the same study as B, on the objects where both have the measure.
+    pub fn beside(&self, other: &StudyVariant<'_>, measure: &Measure) -> PairedSample {
+        let pairs = self.runs.iter().zip(&other.runs);
+        PairedSample::new(pairs.filter_map(|(a, b)| paired(a, b, measure)))
+    }
+
+    /// The worst of the objects that have the measure, by its number, with the value; the first on ties.
+    pub fn worst(&self, measure: &Measure) -> Option<(usize, f64)> {
+        let values = self.by_object(measure).into_iter().enumerate();
+        values.filter_map(|(i, value)| Some((i, value?))).min_by(|a, b| measure.better.order(a.1, b.1))
     }
 
     /// Number of objects with a measured run.
@@ -104,30 +121,35 @@ impl<'a> StudyVariant<'a> {
         self.runs.iter().flatten()
     }
 
-    /// For each view, the values of all objects; up to the last view that all runs could take.
-    pub fn curve(&self, of: Curve) -> Vec<Vec<f64>> {
+    /// The values after each view, up to the last view that all runs could take.
+    pub fn curve(&self, of: Curve) -> Vec<Sample> {
         self.curve_by(|run| run.curve(of))
     }
 
     /// The same for any curve of a run.
-    pub fn curve_by(&self, of: impl Fn(&MeasuredRun<'a>) -> Option<Vec<f64>>) -> Vec<Vec<f64>> {
-        let of_object = |runs: &Vec<MeasuredRun<'a>>| {
-            let curves: Vec<Vec<f64>> = runs.iter().filter_map(&of).collect();
-            (!curves.is_empty()).then(|| transposed(&curves).iter().filter_map(|v| mean(v)).collect())
+    pub fn curve_by(&self, of: impl Fn(&MeasuredRun<'a>) -> Option<Vec<f64>>) -> Vec<Sample> {
+        let curves_of = |runs: &Vec<MeasuredRun<'a>>| runs.iter().filter_map(&of).collect();
+        let objects: Vec<Vec<Vec<f64>>> = self.runs.iter().map(curves_of).collect();
+        let n_views = objects.iter().flatten().map(Vec::len).min().unwrap_or(0);
+        let after = |view: usize| {
+            Sample::new(objects.iter().map(|curves| curves.iter().map(|curve| curve[view]).collect()))
         };
-        transposed(&self.runs.iter().filter_map(of_object).collect::<Vec<Vec<f64>>>())
+        (0..n_views).map(after).collect()
     }
 }
 
-/// Curves to values by view, as far as all curves go.
-fn transposed(curves: &[Vec<f64>]) -> Vec<Vec<f64>> {
-    let n_views = curves.iter().map(Vec::len).min().unwrap_or(0);
-    (0..n_views).map(|i| curves.iter().map(|curve| curve[i]).collect()).collect()
+/// The measure of the runs of an object, for A and for B; none where either has none.
+pub(super) fn paired(
+    a: &[MeasuredRun<'_>],
+    b: &[MeasuredRun<'_>],
+    measure: &Measure,
+) -> Option<PairedObject> {
+    PairedObject::new(keyed(a, measure), keyed(b, measure))
 }
 
-/// The differences of two measures, for the objects that have both.
-pub fn differences(a: &[Option<f64>], b: &[Option<f64>]) -> Vec<f64> {
-    a.iter().zip(b).filter_map(|(a, b)| Some((*a)? - (*b)?)).collect()
+/// The measure of each run that has it, with what the run was drawn by.
+fn keyed(runs: &[MeasuredRun<'_>], measure: &Measure) -> Vec<((u64, u64, usize), f64)> {
+    runs.iter().filter_map(|run| Some((run.draw, (measure.of)(run)?))).collect()
 }
 
 #[cfg(test)]

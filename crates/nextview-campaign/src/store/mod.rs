@@ -26,7 +26,7 @@ mod stored_runs;
 pub use folder::campaign_folder;
 pub use records::{Records, StoredRecord, records};
 pub use store::Store;
-pub use stored_runs::{StoredRuns, read};
+pub use stored_runs::{StoredRuns, config_of_row, read};
 
 /// Name of the file of records in a campaign's folder.
 const RUNS: &str = "runs.jsonl";

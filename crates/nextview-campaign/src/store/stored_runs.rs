@@ -1,7 +1,7 @@
 use super::RUNS;
 use super::known_runs::KnownRuns;
 use super::records::{in_line, records};
-use crate::RunRecord;
+use crate::{RunRecord, Spec};
 use nextview_scan::{Fault, Faults};
 use std::fs;
 use std::path::Path;
@@ -34,6 +34,23 @@ pub fn read(dir: &Path) -> Result<StoredRuns, Faults> {
         return Err(fault.with_remedy("wait until the campaign has finished its first run").into());
     }
     Ok(StoredRuns { name: name(dir), runs, torn: records.is_torn() })
+}
+
+/// The configuration of the run in a row, from 1, of a campaign's table `runs`, as a scan reads it: with the
+/// seeds that the run drew from, so that the scan is the same. Fails if there is no such row or its run is not
+/// done yet.
+pub fn config_of_row(dir: &Path, row: usize) -> Result<String, Faults> {
+    let runs = Spec::of_folder(dir)?.runs()?;
+    let run = row.checked_sub(1).and_then(|i| runs.get(i)).ok_or_else(|| {
+        let message = format!("there is no row {row}, expected 1 to {}", runs.len());
+        Fault::request(message).in_file(&dir.join("runs.csv"))
+    })?;
+    let stored = read(dir)?;
+    let record = stored.runs.iter().find(|record| record.id() == run.id).ok_or_else(|| {
+        let fault = Fault::data(format!("{} has not been run yet", run.id)).in_file(&dir.join(RUNS));
+        fault.with_remedy("wait for the campaign, or resume it (`resume`)")
+    })?;
+    Ok(toml::to_string(&record.config).map_err(Fault::data)?)
 }
 
 fn name(dir: &Path) -> String {

@@ -16,6 +16,7 @@ fn record(run: &Run) -> RunRecord {
         data_set: run.data_set.clone(),
         variant: run.id.variant.clone(),
         seed: run.id.seed,
+        view_seed: run.id.view_seed,
         first_view: run.id.first_view,
         config: run.config.clone(),
         ..made_up::campaign(&["a"], 1).remove(0)

@@ -12,6 +12,7 @@ pub(super) fn identity<'a>(records: impl Iterator<Item = &'a RunRecord> + Clone)
     table.text("variant", records.clone().map(|r| r.variant.as_str()));
     // Seeds are below 2^63, the largest integer of a TOML file.
     table.push("seed", Column::Int(records.clone().map(|r| Some(r.seed as i64)).collect()));
+    table.push("view_seed", Column::Int(records.clone().map(|r| Some(r.view_seed as i64)).collect()));
     table.count("first_view", records.map(|r| r.first_view));
     table
 }

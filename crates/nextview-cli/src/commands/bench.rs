@@ -5,15 +5,15 @@ use clap::Args;
 use indicatif::HumanDuration;
 use nextview::Cancel;
 use nextview_campaign::execution::{CampaignEvent, run_campaign};
-use nextview_campaign::store::{self, Store};
+use nextview_campaign::store::{self, Store, config_of_row};
 use nextview_campaign::{FailedRuns, Spec, builtin, failed_runs, tables};
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 /// Run a campaign: many scans of many objects by several planners, measured alike.
 ///
-/// A specification names the objects, the planners with their parameters, the seeds and the first views; all
-/// combinations are run. Failures are recorded and do not stop the rest. --resume resumes an interrupted
+/// A specification names the objects, the planners with their parameters, the seeds, the sets of candidates and
+/// the first views; all combinations are run. Failures are recorded and do not stop the rest. --resume resumes an interrupted
 /// campaign; the results are the same, for any number of jobs and threads.
 #[derive(Debug, Args)]
 #[command(after_help = EXAMPLES)]
@@ -34,6 +34,9 @@ pub(super) struct BenchArgs {
     /// Resume the campaign in the folder; SPEC may be left out then
     #[arg(long)]
     resume: bool,
+    /// Print the configuration of the run in this row of runs.csv, from 1, for scan --config
+    #[arg(long, value_name = "ROW", conflicts_with_all = ["jobs", "resume", "list"])]
+    config_of: Option<usize>,
     /// Show the built-in specifications
     #[arg(long, conflicts_with_all = ["spec", "out", "jobs", "resume"])]
     list: bool,
@@ -45,9 +48,11 @@ Examples:
   nextview bench paper-1 meshes/*.ply --out mine    on your own
   nextview bench mine.toml --jobs 4                 your own specification
   nextview bench --resume --out mine                resume after an interruption
+  nextview bench --out mine --config-of 3           the configuration of the run in row 3 of runs.csv
 
 A specification (keys of `scan` as in config.toml; see docs/bench.md):
   name = \"mine\"
+  first_views = 3
   objects = [\"meshes/*.ply\", \"builtin:mug\", { file = \"a.stl\", unit = \"mm\" }]
   [scan]
   profile = \"paper\"
@@ -69,7 +74,11 @@ impl BenchArgs {
         }
         let start = Instant::now();
         let spec = self.specification()?;
-        let dir = self.out.unwrap_or_else(|| store::campaign_folder(&spec.name, self.resume));
+        let is_last = self.resume || self.config_of.is_some();
+        let dir = self.out.unwrap_or_else(|| store::campaign_folder(&spec.name, is_last));
+        if let Some(row) = self.config_of {
+            return stdout::print(config_of_row(&dir, row)?);
+        }
         let mut store = Store::open(&dir, &spec, self.resume)?;
         let n_runs = store.runs().len();
         let progress = CampaignProgress::new(n_runs);
@@ -80,7 +89,8 @@ impl BenchArgs {
         tables::write(&dir, &records)?;
         let (time, dir) = (HumanDuration(start.elapsed()), dir.display());
         stdout::print(format!(
-            "\n{}, {time}; results in {dir} (runs, steps and times, as .csv and .parquet)\n",
+            "\n{}, {time}; results in {dir} (runs, steps and times, as .csv and .parquet)\n\
+             a run again: nextview bench --out {dir} --config-of ROW > run.toml; nextview scan --config run.toml\n",
             counted(n_runs, "run")
         ))?;
         check(&failed_runs(&records), n_runs)
@@ -89,7 +99,7 @@ impl BenchArgs {
     fn specification(&self) -> Result<Spec, Failure> {
         match (&self.spec, &self.out) {
             (Some(spec), _) => Ok(Spec::load(spec, &self.mesh)?),
-            (None, Some(dir)) if self.resume => Ok(Spec::of_folder(dir)?),
+            (None, Some(dir)) if self.resume || self.config_of.is_some() => Ok(Spec::of_folder(dir)?),
             (None, _) => Err(Failure::usage("there is no specification").with_hint(
                 "pass a TOML file or the name of a built-in one (--list shows them), or --resume and --out",
             )),

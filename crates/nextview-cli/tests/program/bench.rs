@@ -112,11 +112,9 @@ fn tables_hold_every_run_and_view() {
     }
     let runs = folder.text("bench-tiny/runs.csv");
     assert_eq!(runs.lines().count(), 1 + N_RUNS);
-    assert!(
-        runs.starts_with(
-            "object,data_set,variant,seed,first_view,config.baselines,config.batch.least_share,"
-        )
-    );
+    assert!(runs.starts_with(
+        "object,data_set,variant,seed,view_seed,first_view,config.baseline_seed,config.baselines,"
+    ));
     for column in ["cloud_accuracy_mean_mm", "cloud_completeness_2mm"] {
         let at = runs.lines().next().unwrap().split(',').position(|name| name == column).unwrap();
         let columns_after = runs.lines().next().unwrap().split(',').count() - at;
@@ -197,6 +195,53 @@ fn a_torn_last_line_is_done_again_and_other_damage_is_reported() {
     let other = lines[2].replace("\"seed\":", "\"seed\":9");
     lines[2] = &other;
     refused(&lines, "no run of this campaign");
+}
+
+/// The row of a table of a campaign as the columns' values.
+fn row(folder: &Folder, number: usize) -> impl Fn(&str) -> String {
+    let csv = folder.text("bench-tiny/runs.csv");
+    let mut lines = csv.lines();
+    let names: Vec<String> = lines.next().unwrap().split(',').map(str::to_owned).collect();
+    let values: Vec<String> = lines.nth(number - 1).unwrap().split(',').map(str::to_owned).collect();
+    assert_eq!(names.len(), values.len(), "no label with a comma");
+    move |name| values[names.iter().position(|known| known == name).unwrap()].clone()
+}
+
+#[test]
+fn a_run_of_a_campaign_is_repeated_by_a_scan() {
+    let folder = Folder::new("bench-again");
+    let noise = "[scan]\nnoise = { model = \"d435i\", pose_error_mm = 3 }\n";
+    folder.write("tiny.toml", SPEC.replace("[scan]\n", noise).replace("name =", "first_views = 2\nname ="));
+    let said = folder.ok(&["bench", "tiny.toml"]);
+    assert!(said.contains("nextview bench --out bench-tiny --config-of ROW > run.toml"), "{said}");
+    // Random views, first of seed 0 and then of seed 1, from two first views each.
+    let mut skills = Vec::new();
+    for number in 1..=4 {
+        let row = row(&folder, number);
+        let config = folder.ok(&["bench", "--out", "bench-tiny", "--config-of", &number.to_string()]);
+        folder.write("run.toml", &config);
+        let out = format!("again-{number}");
+        let scan = folder.json(&["scan", "--config", "run.toml", "--json", "--out", &out]);
+        for name in ["skill", "reachable_coverage", "path_length_m", "cloud_accuracy_mean_mm"] {
+            assert_eq!(scan[name].to_string(), row(name), "{name} in row {number}");
+        }
+        for (name, column) in [
+            ("seed", "config.seed"),
+            ("view_seed", "config.view_seed"),
+            ("noise_seed", "config.noise.seed"),
+            ("baseline_seed", "config.baseline_seed"),
+        ] {
+            assert_eq!(scan[name].to_string(), row(column), "{name}");
+        }
+        skills.push(row("skill"));
+    }
+    skills.sort();
+    skills.dedup();
+    assert_eq!(skills.len(), 4);
+    for (row, part) in [("0", "there is no row 0"), ("99", "there is no row 99, expected 1 to 20")] {
+        let run = folder.run(&["bench", "--out", "bench-tiny", "--config-of", row]);
+        assert!(run.code == Some(2) && run.stderr.contains(part), "{}", run.stderr);
+    }
 }
 
 #[test]

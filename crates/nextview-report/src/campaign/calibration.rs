@@ -2,6 +2,7 @@
 
 use super::document::{Block, Cell, Column, Figure, Row, Section, Table};
 use crate::plot::{Axis, Curve, Marker, Plot};
+use crate::text::fixed;
 use nextview_campaign::statistics::{Study, StudyVariant, mean, percentile};
 
 /// Bounds between classes of estimates. They are close near 1, where estimates stop scans.
@@ -91,7 +92,7 @@ fn plot(classes: &[Class]) -> Plot {
 }
 
 fn data(variants: &[(String, Vec<Class>)]) -> Table {
-    let percent = |share: f64| format!("{:.1}", 100.0 * share);
+    let percent = |share: f64| fixed(100.0 * share, 1);
     let row = |name: &str, class: &Class| {
         let [low, truth, high] = class.truth();
         let range = format!("{} to {}", percent(low), percent(high));

@@ -3,6 +3,7 @@
 use super::document::{Block, Cell, Column, Figure, Row, Section, Table};
 use super::line::{Line, N_STYLES, baselines, shortened};
 use crate::plot::{self, Axis, Marker, Plot, view_ticks};
+use crate::text::fixed;
 use nextview_campaign::statistics::{Curve, Study};
 
 /// Maximum number of variants in one drawing.
@@ -111,8 +112,8 @@ fn data<'a>(lines: impl Iterator<Item = &'a Line>) -> Table {
         let value = |view: &usize| {
             let i = view - 1;
             let note = line.intervals.get(i).copied().flatten();
-            let note = note.map(|v| format!("{:.1} to {:.1}", 100.0 * v.low, 100.0 * v.high));
-            let text = line.means.get(i).map_or("–".to_owned(), |mean| format!("{:.1}", 100.0 * mean));
+            let note = note.map(|v| format!("{} to {}", fixed(100.0 * v.low, 1), fixed(100.0 * v.high, 1)));
+            let text = line.means.get(i).map_or("–".to_owned(), |mean| fixed(100.0 * mean, 1));
             Cell::with_note(text, note.unwrap_or_default())
         };
         Row::new(std::iter::once(line.name.as_str().into()).chain(ticks.iter().map(value)).collect())

@@ -1,7 +1,8 @@
 //! A curve of a figure with its numbers.
 
 use crate::plot::{self, Marker};
-use nextview_campaign::statistics::{Curve, Interval, MeasuredRun, Study, StudyVariant, mean};
+use crate::text::fixed;
+use nextview_campaign::statistics::{Curve, Interval, MeasuredRun, Sample, Study, StudyVariant};
 
 /// The number of styles of curves.
 pub(crate) const N_STYLES: usize = 6;
@@ -26,20 +27,20 @@ impl Line {
         Self::new(variant.name, &format!("v{style}"), MARKERS[style], &variant.curve(of))
     }
 
-    fn new(name: &str, class: &str, marker: Marker, values: &[Vec<f64>]) -> Self {
+    fn new(name: &str, class: &str, marker: Marker, samples: &[Sample]) -> Self {
         Self {
             name: name.to_owned(),
             class: class.to_owned(),
             marker,
-            means: values.iter().filter_map(|values| mean(values)).collect(),
-            intervals: values.iter().map(|values| Interval::of_mean(values)).collect(),
+            means: samples.iter().filter_map(Sample::mean).collect(),
+            intervals: samples.iter().map(Sample::interval).collect(),
         }
     }
 
     /// Its name with the last mean.
     pub fn title(&self) -> String {
         let last = self.means.last().copied().unwrap_or_default();
-        format!("{}: {:.1} %", self.name, 100.0 * last)
+        format!("{}: {} %", self.name, fixed(100.0 * last, 1))
     }
 
     /// The curve of the drawing.

@@ -89,6 +89,7 @@ fn run(variant: &str, (data_set, object): (&str, &str), rank: usize, object_idx:
         data_set: data_set.to_owned(),
         variant: variant.to_owned(),
         seed: 0,
+        view_seed: 0,
         first_view: 0,
         config,
         build: BuildIdentity { version: "0.0.0".to_owned(), source: "made-up".to_owned() },

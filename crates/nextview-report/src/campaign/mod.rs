@@ -15,6 +15,7 @@ mod markdown;
 mod paper;
 mod report;
 mod setup;
+mod statistic;
 mod summary;
 #[cfg(test)]
 mod tests;

@@ -32,6 +32,7 @@ fn overview(study: &Study<'_>) -> Table {
     let mut rows = vec![
         ("runs", format!("{} done, {n_failed} failed", runs.len() - n_failed)),
         ("seeds", listed(runs.iter().map(|run| run.seed))),
+        ("sets of candidates", listed(runs.iter().map(|run| run.view_seed))),
         ("first views", listed(runs.iter().map(|run| run.first_view))),
         ("host", listed(runs.iter().map(host))),
         ("nextview", listed(runs.iter().map(|run| run.build.to_string()))),
@@ -67,14 +68,15 @@ fn variants(study: &Study<'_>, parameters: &Parameters) -> Table {
 
 fn failures(study: &Study<'_>) -> Option<Table> {
     let row = |run: &&RunRecord| {
-        let (seed, first_view) = (run.seed.to_string(), run.first_view.to_string());
-        let cells = [&run.variant[..], &run.object, &seed, &first_view, run.failure()?];
+        let numbers = [run.seed.to_string(), run.view_seed.to_string(), run.first_view.to_string()];
+        let [seed, view_seed, first_view] = numbers;
+        let cells = [&run.variant[..], &run.object, &seed, &view_seed, &first_view, run.failure()?];
         Some(Row::new(cells.map(Cell::from).to_vec()))
     };
     let rows: Vec<Row> = study.runs.iter().filter_map(row).collect();
     (!rows.is_empty()).then(|| Table {
         caption: "Failed runs, which count nowhere below".to_owned(),
-        head: ["variant", "object", "seed", "first view", "reason"].map(Column::text).to_vec(),
+        head: ["variant", "object", "seed", "view seed", "first view", "reason"].map(Column::text).to_vec(),
         rows,
     })
 }

@@ -1,31 +1,46 @@
 //! The tables of the coverage and cost of every variant, and of the differences between variants.
 
 use super::document::{Block, Cell, Column, Row, Section, Table};
+use super::statistic::{NOT_MEASURED, dash, with_median, with_test};
 use nextview_campaign::statistics::measure::{
     ACCURACY, AREA_OVER_TIME, AREA_OVER_VIEWS, CHAMFER, COMPLETENESS, COVERAGE_BEYOND_RANDOM, F_SCORE_1MM,
     F_SCORE_2MM, F_SCORE_5MM, MAP_IOU, MAP_PRECISION, MAP_RECALL, MEMORY, PATH, PLAN_TIME,
-    REACHABLE_COVERAGE, SKILL, SURFACE_2MM, SURFACE_5MM, VOXEL_COVERAGE,
+    REACHABLE_COVERAGE, SKILL, SURFACE_2MM, SURFACE_5MM, VIEWS_TO_95, VOXEL_COVERAGE,
 };
-use nextview_campaign::statistics::{
-    Interval, Measure, MeasuredRun, Study, StudyVariant, differences, mean, percentile,
-};
+use nextview_campaign::statistics::{Interval, Measure, SignedRank, Study, StudyVariant, mean, percentile};
 use nextview_scan::PlannerName;
 
 /// The shares of the reachable object voxels whose views are counted.
 const LEVELS: [f64; 3] = [0.9, 0.95, 0.99];
 
-/// Differences of less than this share are a draw: a twentieth of the last digit shown.
-const DRAW: f64 = 5e-5;
+/// What is shown of the last view; measures that no run has are left out.
+const REACHED: [Measure; 7] =
+    [VOXEL_COVERAGE, REACHABLE_COVERAGE, SKILL, SURFACE_2MM, SURFACE_5MM, ACCURACY, COMPLETENESS];
+
+/// What map and model have, and how early.
+const HAS: [Measure; 9] = [
+    MAP_PRECISION,
+    MAP_RECALL,
+    MAP_IOU,
+    F_SCORE_1MM,
+    F_SCORE_2MM,
+    F_SCORE_5MM,
+    CHAMFER,
+    AREA_OVER_VIEWS,
+    AREA_OVER_TIME,
+];
 
 /// The section.
 pub(crate) fn section(study: &Study<'_>) -> Section {
-    let method = "Every number is first averaged over the runs of one object (seeds, first views), then \
-                  over objects. Ranges are 95 % intervals by a bootstrap over objects with 10 000 resamples \
-                  and a fixed seed; with fewer than about ten objects they are too narrow. Differences are \
-                  paired by object.";
+    let method = "Every number is first averaged over the runs of one object (seeds, candidates, first views), \
+                  then over objects. Ranges are 95 % intervals of the mean by a bootstrap on two levels, \
+                  objects and the runs within each, with 10 000 resamples and a fixed seed; with fewer than \
+                  about ten objects they are too narrow. Differences are paired by object; p is that of \
+                  Wilcoxon's signed-rank test over objects, two-sided, not corrected for the number of \
+                  comparisons.";
     let mut blocks = vec![reached(study)];
     blocks.extend(has(study));
-    blocks.extend([views(study), costs(study), against(study)]);
+    blocks.extend([worst(study), views(study), costs(study), against(study)]);
     let mut texts = vec![method];
     if study.variants.iter().any(|variant| variant.n_objects() != study.variants[0].n_objects()) {
         texts.push(
@@ -38,14 +53,6 @@ pub(crate) fn section(study: &Study<'_>) -> Section {
         title: "Summary".to_owned(),
         blocks: texts.chain(blocks.into_iter().map(Block::Table)).collect(),
     }
-}
-
-/// The mean with its interval; a dash where there are no values.
-fn with_interval(values: &[f64], measure: &Measure) -> Cell {
-    let Some(mean) = mean(values) else { return "–".into() };
-    let note = Interval::of_mean(values)
-        .map(|interval| format!("{} to {}", measure.show(interval.low), measure.show(interval.high)));
-    Cell::with_note(measure.show(mean), note.unwrap_or_default())
 }
 
 fn table(
@@ -67,43 +74,46 @@ fn table(
 }
 
 fn reached(study: &Study<'_>) -> Table {
-    let mut measures = vec![VOXEL_COVERAGE, REACHABLE_COVERAGE, SKILL, SURFACE_2MM, SURFACE_5MM];
-    // Scans whose clouds hold nothing of the object have none.
-    if study.variants.iter().any(|variant| variant.mean(&ACCURACY).is_some()) {
-        measures.extend([ACCURACY, COMPLETENESS]);
-    }
-    let mut head = vec!["objects"];
-    head.extend(measures.iter().map(|measure| measure.name));
-    head.push("lowest skill");
-    table(study, "What was reached with the last view", &head, |variant| {
-        let mut cells = vec![variant.n_objects().to_string().into()];
-        cells.extend(measures.iter().map(|measure| with_interval(&variant.values(measure), measure)));
-        cells.push(lowest_skill(study, variant));
-        cells
+    let measures: Vec<Measure> = measured(study, &REACHED);
+    let head: Vec<&str> =
+        std::iter::once("objects").chain(measures.iter().map(|measure| measure.name)).collect();
+    table(study, "What was reached with the last view: mean, its interval, median", &head, |variant| {
+        let of_measure = |measure: &Measure| with_median(&variant.sample(measure), measure);
+        let n_objects = Cell::from(variant.n_objects().to_string());
+        std::iter::once(n_objects).chain(measures.iter().map(of_measure)).collect()
     })
 }
 
-/// What map and model have; without the measures that no run has, and none without any.
+/// What map and model have; none if no run has any of it.
 fn has(study: &Study<'_>) -> Option<Table> {
-    let mut measures =
-        vec![MAP_PRECISION, MAP_RECALL, MAP_IOU, F_SCORE_1MM, F_SCORE_2MM, F_SCORE_5MM, CHAMFER];
-    measures.extend([AREA_OVER_VIEWS, AREA_OVER_TIME]);
-    measures.retain(|measure| study.variants.iter().any(|variant| variant.mean(measure).is_some()));
+    let measures = measured(study, &HAS);
     let head: Vec<&str> = measures.iter().map(|measure| measure.name).collect();
     let caption = "What the map and the cloud have in the end, and how early (docs/measures.md)";
     (!measures.is_empty()).then(|| {
         table(study, caption, &head, |variant| {
-            measures.iter().map(|measure| with_interval(&variant.values(measure), measure)).collect()
+            measures.iter().map(|measure| with_median(&variant.sample(measure), measure)).collect()
         })
     })
 }
 
-/// The lowest skill, and its object.
-fn lowest_skill(study: &Study<'_>, variant: &StudyVariant<'_>) -> Cell {
-    let skills = variant.by_object(&SKILL).into_iter().zip(&study.objects);
-    let skills = skills.filter_map(|(skill, object)| Some((skill?, object.name)));
-    let lowest = skills.min_by(|a, b| a.0.total_cmp(&b.0));
-    lowest.map_or("–".into(), |(skill, object)| Cell::with_note(SKILL.show(skill), object))
+/// The worst object of every variant by every measure.
+fn worst(study: &Study<'_>) -> Table {
+    let measures = measured(study, &[&REACHED[..], &[VIEWS_TO_95, PATH]].concat());
+    let head: Vec<&str> = measures.iter().map(|measure| measure.name).collect();
+    table(study, "The worst object", &head, |variant| {
+        let cell = |measure: &Measure| match variant.worst(measure) {
+            Some((object, value)) => Cell::with_note(measure.show(value), study.objects[object].name),
+            None => dash(NOT_MEASURED),
+        };
+        measures.iter().map(cell).collect()
+    })
+}
+
+/// Those of the measures that any variant has.
+fn measured(study: &Study<'_>, measures: &[Measure]) -> Vec<Measure> {
+    let is_measured =
+        |measure: &&Measure| study.variants.iter().any(|variant| variant.mean(measure).is_some());
+    measures.iter().filter(is_measured).copied().collect()
 }
 
 fn views(study: &Study<'_>) -> Table {
@@ -115,74 +125,106 @@ fn views(study: &Study<'_>) -> Table {
 }
 
 fn views_to(variant: &StudyVariant<'_>, level: f64) -> Cell {
+    let sample = variant.sample_by(|run| run.views_to(level));
+    if sample.n_objects() == 0 {
+        return dash("no baselines");
+    }
     let known = variant.runs.iter().filter(|runs| runs.iter().any(|run| run.views_to(level).is_some()));
-    let known: Vec<_> = known.collect();
-    let of_object = |runs: &Vec<MeasuredRun<'_>>| {
-        mean(&runs.iter().filter_map(|run| run.views_to(level)).collect::<Vec<_>>())
-    };
-    let views: Vec<f64> = known.iter().filter_map(|runs| of_object(runs)).collect();
-    let Some(mean) = mean(&views) else { return "–".into() };
-    let n_reaching = known.iter().filter(|runs| runs.iter().all(|run| run.reaches(level))).count();
-    let bound = if n_reaching < views.len() { "≥ " } else { "" };
-    Cell::with_note(format!("{bound}{mean:.1}"), format!("{n_reaching} of {} objects", views.len()))
+    let n_reaching = known.filter(|runs| runs.iter().all(|run| run.reaches(level))).count();
+    let bound = if n_reaching < sample.n_objects() { "≥ " } else { "" };
+    let Cell { text, note } = with_median(&sample, &VIEWS_TO_95);
+    let note = [note, format!("{n_reaching} of {} objects", sample.n_objects())];
+    let note: Vec<String> = note.into_iter().filter(|part| !part.is_empty()).collect();
+    Cell::with_note(format!("{bound}{text}"), note.join(", "))
 }
 
 fn costs(study: &Study<'_>) -> Table {
     let head = [PATH.name, "planning time per view, median, ms", "95th percentile, ms", MEMORY.name];
     table(study, "What it cost", &head, |variant| {
         let times: Vec<f64> = variant.measured().flat_map(|run| run.plan_times()).collect();
-        let time = |share| percentile(&times, share).map_or("–".into(), |t| PLAN_TIME.show(t).into());
-        let (path, memory) = (variant.values(&PATH), variant.values(&MEMORY));
-        vec![with_interval(&path, &PATH), time(0.5), time(0.95), with_interval(&memory, &MEMORY)]
+        let time = |share| match percentile(&times, share) {
+            Some(time) => PLAN_TIME.show(time).into(),
+            None => dash("no view was planned"),
+        };
+        let of_measure = |measure: &Measure| with_median(&variant.sample(measure), measure);
+        vec![of_measure(&PATH), time(0.5), time(0.95), of_measure(&MEMORY)]
     })
 }
 
-/// The coverage of each variant beyond random views, beyond a variant of random views, and beyond its best
-/// rival.
+/// Each variant beyond random views, beyond a variant of random views, and beyond its best rivals.
 fn against(study: &Study<'_>) -> Table {
     let random = study.variants.iter().find(|variant| variant.planner == PlannerName::Random);
-    let mut head = vec!["reachable coverage beyond random views, points", "objects better / worse / equal"];
+    let mut head = vec!["reachable coverage beyond random views, points"];
     if random.is_some() {
-        head.extend(["voxel coverage beyond the random variant, points", "objects better / worse / equal"]);
+        head.push("voxel coverage beyond the random variant, points");
     }
-    head.extend(["voxel coverage beyond the best other, points", "objects better / worse / equal"]);
-    let caption = "Paired differences in final coverage; the best other leaves out the clairvoyant planner";
+    head.extend(["voxel coverage beyond the best other, points", "skill beyond the best other"]);
+    let head: Vec<&str> = head.into_iter().flat_map(|name| [name, "objects better / worse / tied"]).collect();
+    let caption = "Paired differences: mean, its interval, median, p and number of objects; \
+                   the best other leaves out the clairvoyant planner";
     table(study, caption, &head, |variant| {
-        let mut cells = paired(&variant.values(&COVERAGE_BEYOND_RANDOM), "").to_vec();
-        let coverage = |variant: &StudyVariant<'_>| variant.by_object(&VOXEL_COVERAGE);
-        let beyond = |other: Option<&StudyVariant<'_>>, name: &str| match other {
-            Some(other) => paired(&differences(&coverage(variant), &coverage(other)), name),
-            None => [Cell::from("–"), "–".into()],
-        };
+        let own = variant.sample(&COVERAGE_BEYOND_RANDOM);
+        let (interval, test) = (own.interval(), own.signed_rank());
+        let mut cells = differences(&VOXEL_COVERAGE, &own.object_means(), interval, test, "").to_vec();
         if random.is_some() {
-            cells.extend(beyond(random.filter(|random| random.name != variant.name), ""));
+            let random = random.filter(|random| random.name != variant.name);
+            cells.extend(beyond(variant, random, &VOXEL_COVERAGE, ""));
         }
-        let other = best_other(study, variant);
-        cells.extend(beyond(other, other.map_or("", |other| other.name)));
+        for measure in [VOXEL_COVERAGE, SKILL] {
+            let other = best_other(study, variant, &measure);
+            cells.extend(beyond(variant, other, &measure, other.map_or("", |other| other.name)));
+        }
         cells
     })
 }
 
-/// The variant of largest mean coverage, apart from this one and the clairvoyant.
-fn best_other<'s, 'a>(study: &'s Study<'a>, variant: &StudyVariant<'_>) -> Option<&'s StudyVariant<'a>> {
-    let rival = |other: &&StudyVariant<'_>| {
-        other.name != variant.name && other.planner != PlannerName::Clairvoyant && other.n_objects() > 0
-    };
-    study.variants.iter().find(rival)
+/// The variant of largest mean, apart from this one and the clairvoyant.
+fn best_other<'s, 'a>(
+    study: &'s Study<'a>,
+    variant: &StudyVariant<'_>,
+    measure: &Measure,
+) -> Option<&'s StudyVariant<'a>> {
+    let rivals = study
+        .variants
+        .iter()
+        .filter(|other| other.name != variant.name && other.planner != PlannerName::Clairvoyant);
+    let with_mean = rivals.filter_map(|other| Some((other, other.mean(measure)?)));
+    // Of equal ones the first.
+    Some(with_mean.rev().max_by(|a, b| a.1.total_cmp(&b.1))?.0)
 }
 
-/// The mean difference with its interval, and on how many objects it is better, worse and equal.
-fn paired(differences: &[f64], other: &str) -> [Cell; 2] {
-    let Some(mean) = mean(differences) else { return ["–".into(), "–".into()] };
-    let show = |value| VOXEL_COVERAGE.show_difference(value);
-    let interval = Interval::of_mean(differences).map(|i| format!("{} to {}", show(i.low), show(i.high)));
-    let name = if other.is_empty() { String::new() } else { format!("against {other}") };
-    let note = [interval.unwrap_or_default(), name].into_iter().filter(|part| !part.is_empty());
-    let count = |f: fn(f64) -> bool| differences.iter().filter(|&&d| f(d)).count();
-    let (better, worse) = (count(|d| d > DRAW), count(|d| d < -DRAW));
-    let equal = differences.len() - better - worse;
-    [
-        Cell::with_note(show(mean), note.collect::<Vec<_>>().join(", ")),
-        format!("{better} / {worse} / {equal}").into(),
-    ]
+/// The differences of a variant from another one, if there is one; a name that is not empty stands in the note.
+fn beyond(
+    variant: &StudyVariant<'_>,
+    other: Option<&StudyVariant<'_>>,
+    measure: &Measure,
+    name: &str,
+) -> [Cell; 2] {
+    let Some(other) = other else { return [dash("nothing to compare with"), Cell::default()] };
+    let pairs = other.beside(variant, measure);
+    differences(measure, &pairs.differences(), pairs.interval(), pairs.signed_rank(), name)
+}
+
+/// The mean difference with its statistics, and on how many objects it is better, worse and tied.
+fn differences(
+    measure: &Measure,
+    differences: &[f64],
+    interval: Option<Interval>,
+    test: Option<SignedRank>,
+    other: &str,
+) -> [Cell; 2] {
+    let (Some(mean), Some(test)) = (mean(differences), test) else {
+        return [dash(NOT_MEASURED), Cell::default()];
+    };
+    let median = percentile(differences, 0.5).unwrap_or_default();
+    let mut cell = with_test(measure, mean, median, interval, test);
+    if !other.is_empty() {
+        cell.note += &format!(", against {other}");
+    }
+    // A twentieth of the last digit of a value.
+    let tie = 0.05 * 0.1_f64.powi(measure.decimals as i32) / measure.factor;
+    let count = |f: &dyn Fn(f64) -> bool| differences.iter().filter(|&&d| f(d)).count();
+    let (better, worse) = (count(&|d| d > tie), count(&|d| d < -tie));
+    let tied = differences.len() - better - worse;
+    [cell, format!("{better} / {worse} / {tied}").into()]
 }

@@ -90,6 +90,29 @@ fn the_page_is_whole_and_loads_nothing() {
     }
 }
 
+/// Lengths and shares whose sums are too large for a number are dashes with a reason.
+#[test]
+fn no_page_shows_what_is_no_number() {
+    let campaign = changed(&campaign(&["apora", "max-flow", "random"], 6), |run| {
+        let record = record_mut(run);
+        record.skill = Some(f64::MAX);
+        record.random_curve = Some(vec![-f64::MAX; 10]);
+        for step in &mut record.steps {
+            (step.path_length_m, step.trajectory_time_s) = (f64::MAX, f64::MAX);
+            (step.voxel_coverage, step.reachable_coverage) = (Some(f64::MAX), Some(f64::MAX));
+            (step.plan_time_ms, step.entropy_share) = (f64::MAX, f64::MAX);
+        }
+    });
+    for page in campaign_report(&campaign) {
+        for word in ["inf", "NaN"] {
+            let is_number = |at: usize| !page[at + word.len()..].starts_with(char::is_alphabetic);
+            let mut places = page.match_indices(word).map(|(at, _)| at).filter(|&at| is_number(at));
+            assert!(places.next().is_none(), "{word} in {page}");
+        }
+        assert!(page.contains("too large for a number"));
+    }
+}
+
 #[test]
 fn names_are_text_and_not_markup() {
     let mut campaign = campaign(&["a"], 1);

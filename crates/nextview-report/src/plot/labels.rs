@@ -1,7 +1,7 @@
 //! The names of curves beside their ends.
 
 use super::layout::{Curve, Plot};
-use crate::text::escape;
+use crate::text::{escape, fixed};
 
 /// Smallest vertical distance between two labels.
 const STEP: f64 = 17.0;
@@ -21,12 +21,12 @@ impl Plot {
             let (x0, y0) = (self.x(view) + 6.0, self.y(value));
             svg += &format!(r#"<path class="leader" d="M{x0:.1} {y0:.1}L{} {y:.1}"/>"#, right + 3.0);
             svg += &format!(
-                r#"<text class="label {}" x="{}" y="{:.1}">{} {:.1}</text>"#,
+                r#"<text class="label {}" x="{}" y="{:.1}">{} {}</text>"#,
                 curve.class,
                 right + 6.0,
                 y + 4.5,
                 escape(&curve.label),
-                100.0 * value
+                fixed(100.0 * value, 1)
             );
         }
         svg

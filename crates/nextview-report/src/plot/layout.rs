@@ -71,9 +71,11 @@ impl Plot {
         LEFT + 8.0 + (self.size[0] - 16.0) * (place - low) as f64 / (high - low) as f64
     }
 
-    /// The vertical position of a value; values outside the axis lie on its end.
+    /// The vertical position of a value; values outside the axis lie on its end, and those that are no number
+    /// at the bottom.
     pub fn y(&self, value: f64) -> f64 {
         let [low, high] = self.y_range;
-        self.bottom() - self.size[2] * ((value - low) / (high - low)).clamp(0.0, 1.0)
+        let share = Some((value - low) / (high - low)).filter(|share| !share.is_nan());
+        self.bottom() - self.size[2] * share.unwrap_or(0.0).clamp(0.0, 1.0)
     }
 }

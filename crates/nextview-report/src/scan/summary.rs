@@ -1,4 +1,5 @@
 use super::stop_phrase::stop_phrase;
+use crate::text::fixed;
 use nextview_scan::{BoxRule, OtherBodyRecord, QualityMm, ScanConfig, ScanRecord, StepRecord, TableRule};
 
 /// The quantities of a scan, finished or under way, as label and value with unit, in the order to show them.
@@ -14,7 +15,7 @@ pub fn summary(record: &ScanRecord, config: &ScanConfig) -> Vec<(String, String)
     ];
     rows.extend(coverage(record));
     if let Some(skill) = record.skill {
-        rows.push(("skill", format!("{skill:.2}  (0 = random views, 1 = knows the object)")));
+        rows.push(("skill", format!("{}  (0 = random views, 1 = knows the object)", fixed(skill, 2))));
     }
     rows.extend(areas(record));
     rows.extend(last.iter().flat_map(|step| truth(step)));
@@ -40,7 +41,7 @@ pub fn summary_text(record: &ScanRecord, config: &ScanConfig) -> String {
 type Row = (&'static str, String);
 
 fn percent(share: f64) -> String {
-    format!("{:.1} %", 100.0 * share)
+    format!("{} %", fixed(100.0 * share, 1))
 }
 
 /// Coverage beside that of random views and of the planner that knows the object: at their end, or while the
@@ -109,10 +110,10 @@ fn alignment(record: &ScanRecord) -> Option<Row> {
 
 fn quality_phrase(quality: QualityMm) -> String {
     format!(
-        "mean {:.2} mm off, 95 % within {:.2} mm; {:.1} % of the surface within 2 mm",
-        quality.accuracy_mean_mm,
-        quality.accuracy_p95_mm,
-        100.0 * quality.completeness_2mm
+        "mean {} mm off, 95 % within {} mm; {} % of the surface within 2 mm",
+        fixed(quality.accuracy_mean_mm, 2),
+        fixed(quality.accuracy_p95_mm, 2),
+        fixed(100.0 * quality.completeness_2mm, 1)
     )
 }
 
@@ -123,8 +124,8 @@ fn recorded(record: &ScanRecord) -> Vec<Row> {
         .steps
         .last()
         .and_then(|s| Some([s.accuracy_mean_mm?, s.accuracy_median_mm?, s.accuracy_p95_mm?]));
-    if let Some([mean, median, p95]) = accuracy {
-        let value = format!("mean {mean:.2} mm, median {median:.2} mm, 95 % within {p95:.2} mm");
+    if let Some([mean, median, p95]) = accuracy.map(|mm| mm.map(|mm| fixed(mm, 2))) {
+        let value = format!("mean {mean} mm, median {median} mm, 95 % within {p95} mm");
         rows.push(("accuracy", value));
     }
     if !record.skipped.is_empty() {
@@ -155,15 +156,15 @@ fn found(config: &ScanConfig, last: Option<&StepRecord>) -> Vec<Row> {
     let mut rows = Vec::new();
     if config.object_box.rule == BoxRule::Grows {
         let size = bounds.map(|bounds| bounds.size() * 1e3);
-        let size = size.map(|mm| format!("{:.0} x {:.0} x {:.0} mm", mm.x, mm.y, mm.z));
+        let size = size.map(|mm| format!("{} mm", mm.to_array().map(|mm| fixed(mm, 0)).join(" x ")));
         rows.push(("box found", size.unwrap_or("none".to_owned())));
     }
     if config.object_box.table == TableRule::Fit {
         let height =
             table.zip(bounds).map(|(table, bounds)| -table.height(bounds.center().with_z(0.0)) * 1e3);
         let height = height.map_or("none".to_owned(), |mm| {
-            // Added to 0, so that it does not read -0.0.
-            format!("at z = {:.1} mm", (mm * 10.0).round() / 10.0 + 0.0)
+            // Rounded first, so that it does not read -0.0.
+            format!("at z = {} mm", fixed((mm * 10.0).round() / 10.0, 1))
         });
         rows.push(("table found", height));
     }
@@ -179,16 +180,16 @@ fn costs(record: &ScanRecord) -> Vec<Row> {
     let plan_times: Vec<f64> = steps.iter().skip(1).map(|step| step.plan_time_ms).collect();
     let map_times: Vec<f64> = steps.iter().map(|step| step.map_time_ms).collect();
     let mut rows = vec![
-        ("path length", format!("{path:.2} m")),
-        ("trajectory", format!("{trajectory:.2} m in {time:.1} s")),
-        ("planning time", format!("{:.1} ms a view (median)", median(&plan_times))),
-        ("map update", format!("{:.1} ms a view (median)", median(&map_times))),
+        ("path length", format!("{} m", fixed(path, 2))),
+        ("trajectory", format!("{} m in {} s", fixed(trajectory, 2), fixed(time, 1))),
+        ("planning time", format!("{} ms a view (median)", fixed(median(&plan_times), 1))),
+        ("map update", format!("{} ms a view (median)", fixed(median(&map_times), 1))),
     ];
     if let Some(time) = record.baseline_time_ms {
-        rows.push(("baselines took", format!("{:.1} s, apart from the scan", time / 1000.0)));
+        rows.push(("baselines took", format!("{} s, apart from the scan", fixed(time / 1000.0, 1))));
     }
     if let Some(peak) = record.peak_memory_mb {
-        rows.push(("peak memory", format!("{peak:.0} MB")));
+        rows.push(("peak memory", format!("{} MB", fixed(peak, 0))));
     }
     rows
 }

@@ -45,6 +45,8 @@ pub struct ScanConfig {
     pub view_space: ViewSpaceName,
     /// Seed of the random planner and, unless `view_seed` is given, of the random shell.
     pub seed: u64,
+    /// Seed of the random views that define skill 0. The same number gives other draws than as `seed`.
+    pub baseline_seed: u64,
     /// Seed of the random shell alone, so that random planners of several seeds may choose among the same
     /// candidates; by default `seed`.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -145,6 +147,7 @@ impl ScanConfig {
             voxel_size_m: None,
             view_space: ViewSpaceName("shell".to_owned()),
             seed: 0,
+            baseline_seed: 0,
             view_seed: None,
             unit: UnitName::Auto,
             size_m: None,
@@ -222,6 +225,7 @@ impl ScanConfig {
             views: Some(1),
             first_view: 0,
             seed: neutral.seed,
+            baseline_seed: neutral.baseline_seed,
             view_seed: Some(self.view_seed()),
             min_overlap: None,
             baselines: self.needs_truth(),

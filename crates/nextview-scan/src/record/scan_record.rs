@@ -17,8 +17,17 @@ pub struct ScanRecord {
     pub planner: PlannerName,
     /// The named set of defaults that the configuration came from.
     pub profile: Profile,
-    /// Seed of the random planner and the random shell.
+    /// Seed of the random planner.
     pub seed: u64,
+    /// Seed of the random shell; none where no random shell makes the candidates.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub view_seed: Option<u64>,
+    /// Seed of the errors of depths and poses; none where the camera is exact or real.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub noise_seed: Option<u64>,
+    /// Seed of the random views of `random_curve`; none without baselines.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub baseline_seed: Option<u64>,
     /// Why the scan ended; none while it is under way.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub stop_reason: Option<StopReason>,

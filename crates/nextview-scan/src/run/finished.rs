@@ -1,5 +1,6 @@
 use crate::{
-    Fault, FinalModel, FrameSource, ScanConfig, ScanJournal, ScanRecord, StepRecord, memory, short_name,
+    Fault, FinalModel, FrameSource, ScanConfig, ScanJournal, ScanRecord, StepRecord, ViewRule, memory,
+    short_name,
 };
 use glam::DVec3;
 use nextview::geometry::{Aabb, Plane};
@@ -98,6 +99,7 @@ impl FinishedScan<'_> {
         };
         if let Some(source) = self.source {
             source.describe(&mut record);
+            set_seeds(&mut record, config);
         }
         record
     }
@@ -125,6 +127,19 @@ impl FinishedScan<'_> {
 
     fn table(&self) -> Option<Plane> {
         self.session.table()
+    }
+}
+
+/// The seeds of all draws that the scan made.
+fn set_seeds(record: &mut ScanRecord, config: &ScanConfig) {
+    let is_simulated = config.recording.is_none();
+    let has_shell = is_simulated && config.view_space.rule() == Some(ViewRule::Shell);
+    record.view_seed = has_shell.then(|| config.view_seed());
+    record.baseline_seed = record.random_curve.as_ref().map(|_| config.baseline_seed);
+    #[cfg(feature = "simulated")]
+    {
+        let is_noisy = is_simulated && !config.noise.noise().is_none();
+        record.noise_seed = is_noisy.then_some(config.noise.seed);
     }
 }
 

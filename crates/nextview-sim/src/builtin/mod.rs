@@ -3,7 +3,8 @@
 //!
 //! Each of those with a name of its own is a signed distance function (negative inside), meshed by surface
 //! nets; so its surface is closed, smooth, and has no parts hidden inside the material. Beside them there is
-//! a [random object](random_object) for every seed, by the name `random-SEED`.
+//! a [random object](random_object) for every number, by the name `random-N`. Their seeds are
+//! [apart](crate::random_object::seeds) from all that planners are trained on.
 
 mod bracket;
 mod mug;
@@ -13,7 +14,7 @@ mod teapot;
 mod torus_knot;
 
 use crate::mesh::TriangleMesh;
-use crate::random_object::random_object;
+use crate::random_object::{random_object, seeds};
 use glam::DVec3;
 
 /// The names of the objects, except the random ones.
@@ -21,8 +22,8 @@ pub fn names() -> impl Iterator<Item = &'static str> {
     OBJECTS.iter().map(|(name, _)| *name)
 }
 
-/// The object with this name, one of [`names`] or `random-SEED` with a whole number below 2^64; none if there
-/// is no such object.
+/// The object with this name, one of [`names`] or `random-N` with a whole number below 2^63; none if there is
+/// no such object.
 ///
 /// ```
 /// let mug = nextview_sim::builtin::by_name("mug").unwrap();
@@ -32,7 +33,7 @@ pub fn names() -> impl Iterator<Item = &'static str> {
 /// ```
 pub fn by_name(name: &str) -> Option<TriangleMesh> {
     let mesh = match name.strip_prefix("random-") {
-        Some(seed) => random_object(seed.parse().ok()?),
+        Some(number) => random_object(seeds::named(number.parse().ok()?)?),
         None => OBJECTS.iter().find(|(known, _)| *known == name)?.1(),
     };
     Some(stand_on_table(&mesh))
@@ -96,17 +97,28 @@ mod tests {
     }
 
     #[test]
-    fn every_seed_names_a_random_object() {
-        for seed in [0, 17, u64::MAX] {
-            let mesh = by_name(&format!("random-{seed}")).unwrap();
+    fn every_number_names_a_random_object() {
+        for number in [0, 17, i64::MAX as u64] {
+            let mesh = by_name(&format!("random-{number}")).unwrap();
+            let seed = (1 << 63) + number;
             let (size, expected) = (mesh.bounds().size(), random_object(seed).bounds().size());
-            assert!(size.abs_diff_eq(expected, 1e-12), "seed {seed}: {size}, expected {expected}");
+            assert!(size.abs_diff_eq(expected, 1e-12), "random-{number}: {size}, expected {expected}");
             assert_stands(&mesh);
         }
-        for name in
-            ["random", "random-", "random-x", "random--1", "random-1.5", "random-18446744073709551616"]
+        for name in ["random", "random-", "random-x", "random--1", "random-1.5", "random-9223372036854775808"]
         {
             assert!(by_name(name).is_none(), "{name}");
+        }
+    }
+
+    /// The planner's prior learned from the objects of the seeds 0 to 199.
+    #[test]
+    fn no_named_object_is_one_that_was_learned_from() {
+        let sizes: Vec<DVec3> = (0..200).map(|seed| random_object(seed).bounds().size()).collect();
+        for number in (0..20).chain([199]) {
+            let size = by_name(&format!("random-{number}")).unwrap().bounds().size();
+            let is_close = |other: &DVec3| size.abs_diff_eq(*other, 1e-6);
+            assert!(!sizes.iter().any(is_close), "random-{number} is a training object");
         }
     }
 }

@@ -2,7 +2,8 @@
 //!
 //! They look like nothing in particular, but have the features of real objects: flat and round faces, edges,
 //! holes, handles, thin walls, insides that can be looked into, and symmetry. The order in which numbers are
-//! drawn is part of what a seed means: a change of it changes all objects.
+//! drawn is part of what a seed means: a change of it changes all objects. [`seeds`] states who uses which
+//! seeds, so that nothing is tested on an object that it was trained on.
 
 mod blend;
 mod blob;
@@ -10,6 +11,7 @@ mod draw;
 mod extrusion;
 mod lathe;
 mod open_box;
+pub mod seeds;
 mod soup;
 mod superellipsoid;
 mod tube;

@@ -55,7 +55,7 @@ impl Setup {
     }
 
     fn skill(&self, steps: &[Step]) -> f64 {
-        let random = RandomCurve::new(&self.truth, 0, 10);
+        let random = RandomCurve::new(&self.truth, 0, 10, 0);
         skill(&self.curve(steps), &random.mean, &clairvoyant_curve(&self.truth, 0, 10)).unwrap()
     }
 }
@@ -146,7 +146,7 @@ fn run_in_batches(setup: &Setup, tolerance: f64) -> (Vec<Step>, usize) {
 #[test]
 fn a_batch_is_followed_as_long_as_it_keeps_its_promise() {
     let setup = Setup::new("teapot");
-    let random = RandomCurve::new(&setup.truth, 0, 7).mean;
+    let random = RandomCurve::new(&setup.truth, 0, 7, 0).mean;
     // Whatever is seen, unless it is nothing; something near it; nothing but it.
     for (tolerance, n_plans) in [(f64::INFINITY, 2..=3), (0.5, 2..=5), (0.0, 5..=6)] {
         let (steps, n) = run_in_batches(&setup, tolerance);

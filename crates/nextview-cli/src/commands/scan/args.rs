@@ -25,7 +25,7 @@ use std::path::PathBuf;
 #[command(after_help = EXAMPLES)]
 pub struct ScanArgs {
     /// A mesh file (.ply, .obj, .stl, .off, .gltf, .glb) or builtin:NAME (teapot, mug, bracket, torus-knot,
-    /// random-SEED such as random-17) [default: builtin:teapot]
+    /// random-N such as random-17) [default: builtin:teapot]
     #[arg(value_parser = values::file_name())]
     model: Option<String>,
     /// Recorded frames instead of a simulation: a folder with poses.csv, intrinsics.txt and depth/, one of

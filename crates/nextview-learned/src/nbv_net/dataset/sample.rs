@@ -8,7 +8,7 @@ use nextview::map::{Background, Integration, OccupancyMap, SensorModel};
 use nextview::sensor::Intrinsics;
 use nextview::view::generate;
 use nextview_sim::SimError;
-use nextview_sim::random_object::random_object;
+use nextview_sim::random_object::{random_object, seeds};
 use nextview_sim::scene::Scene;
 use nextview_sim::truth::ObjectVoxels;
 
@@ -42,16 +42,12 @@ const OVERLAP: u32 = 10;
 /// side is 0.2 m.
 const VOXEL_SIZES: [f64; 4] = [0.01, 0.008, 0.006, 0.005];
 
-/// Seeds of random objects from here on are for NBV-Net; below are those that people type and that the
-/// library's prior learned from.
-const FIRST_SEED: u64 = 1 << 60;
-
 /// Separates the draws from those that others make with the same seed.
 const STREAM: u64 = 31;
 
 /// The samples of an object: a scan of views that chance decides on.
 pub(super) fn samples(object: u32, seed: u32) -> Result<Vec<Sample>, SimError> {
-    let seed = FIRST_SEED + (u64::from(seed) << 24) + u64::from(object);
+    let seed = object_seed(object, seed);
     let mut random = Random::new(seed, STREAM);
     let voxel_size = VOXEL_SIZES[random.index(VOXEL_SIZES.len())];
     let background = [Background::Carve, Background::Ignore][random.index(2)];
@@ -74,6 +70,11 @@ pub(super) fn samples(object: u32, seed: u32) -> Result<Vec<Sample>, SimError> {
         samples.extend(best.map(sample));
     }
     Ok(samples)
+}
+
+/// The seed of the random object of this number in the data set of this seed.
+fn object_seed(object: u32, seed: u32) -> u64 {
+    seeds::NBV_NET.start + (u64::from(seed) << 24) + u64::from(object)
 }
 
 /// The view of the largest gain among those of which a tenth, at least, was seen before; the first on ties.
@@ -155,6 +156,14 @@ mod tests {
         assert_eq!(label(&seen, &gains), Some(9), "3 of 22 were seen before");
         assert_eq!(label(&seen, &seen), None, "nothing overlaps");
         assert_eq!(label(&seen, &[0; views::N_VIEWS]), None, "nothing to gain");
+    }
+
+    #[test]
+    fn all_objects_are_of_the_range_for_nbv_net() {
+        for (object, seed) in [(0, 0), (u32::MAX, 0), (0, u32::MAX), (u32::MAX, u32::MAX)] {
+            assert!(seeds::NBV_NET.contains(&object_seed(object, seed)), "{object} of {seed}");
+        }
+        assert_eq!(object_seed(3, 2), (1 << 60) + (2 << 24) + 3, "the committed weights learned from these");
     }
 
     #[test]

@@ -84,7 +84,9 @@ fn planner_key(planner: PlannerName) -> &'static str {
 pub(super) fn configuration(variant: &StudyVariant<'_>) -> Value {
     let mut config = serde_json::to_value(&variant.example.config).unwrap_or_default();
     let unread = PLANNER_KEYS.into_iter().filter(|key| *key != planner_key(variant.planner));
-    for key in ["object", "unit", "size_m", "seed", "first_view"].into_iter().chain(unread) {
+    let of_runs =
+        ["object", "unit", "size_m", "seed", "baseline_seed", "view_seed", "noise.seed", "first_view"];
+    for key in of_runs.into_iter().chain(unread) {
         remove(&mut config, key);
     }
     config

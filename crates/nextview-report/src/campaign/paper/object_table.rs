@@ -2,6 +2,7 @@
 
 use super::published;
 use crate::campaign::document::{Block, Cell, Column, Row, Section, Table};
+use crate::campaign::statistic::with_median;
 use nextview_campaign::statistics::measure::VOXEL_COVERAGE;
 use nextview_campaign::statistics::{Study, mean};
 
@@ -46,7 +47,11 @@ fn rows(study: &Study<'_>) -> Vec<Row> {
         }
         rows.push(total(format!("average of {}", study.objects[set[0]].data_set), average(set)));
     }
-    rows.push(total("total average".to_owned(), average(&indices)));
+    let mut totals = average(&indices);
+    for (cell, variant) in totals.iter_mut().zip(&study.variants) {
+        cell.note = with_median(&variant.sample(&VOXEL_COVERAGE), &VOXEL_COVERAGE).note;
+    }
+    rows.push(total("total average".to_owned(), totals));
     let blank = study.variants.iter().map(|_| Cell::default());
     let published =
         |method| show(published::number("I", "Total average", method, "coverage").map(|v| v / 100.0));

@@ -15,7 +15,7 @@ pub(super) const NOTE: &str = "Running times are those of a simulated robot, mea
 
 /// The table, a row for each variant; none if all runs failed.
 pub(super) fn table(study: &Study<'_>) -> Option<Table> {
-    let variants = study.variants.iter().filter(|variant| !variant.values(&RUNNING_TIME).is_empty());
+    let variants = study.variants.iter().filter(|variant| variant.mean(&RUNNING_TIME).is_some());
     let rows: Vec<Row> = variants.map(row).collect();
     let head = PARTS.map(|part| Column::number(part.name));
     (!rows.is_empty()).then(|| Table {
@@ -34,7 +34,7 @@ fn row(variant: &StudyVariant<'_>) -> Row {
 }
 
 fn with_spread(variant: &StudyVariant<'_>, measure: &Measure) -> String {
-    let values = variant.values(measure);
+    let values = variant.sample(measure).object_means();
     let mean = variant.mean(measure).map_or_else(|| "–".to_owned(), |mean| measure.show(mean));
     deviation(&values).map_or(mean.clone(), |spread| format!("{mean} ± {}", measure.show(spread)))
 }

@@ -72,7 +72,7 @@ impl Baselines {
         let visibility = truth.visibility.clone();
         let n_views = config.max_views(visibility.n_views());
         Self {
-            random: RandomCurve::new(&visibility, config.first_view, n_views),
+            random: RandomCurve::new(&visibility, config.first_view, n_views, config.baseline_seed),
             clairvoyant: clairvoyant_curve(&visibility, config.first_view, n_views),
             sensing_time: config.motion.sensing_time,
             truth: visibility,

@@ -38,7 +38,7 @@ impl Object {
         let mesh = builtin::by_name(name).ok_or_else(|| {
             let known = builtin::names().collect::<Vec<_>>().join(", ");
             let hint =
-                format!("there are {known}, and random-SEED with a whole number from 0 to {}", u64::MAX);
+                format!("there are {known}, and random-N with a whole number N from 0 to {}", i64::MAX);
             Fault::request(format!("no built-in object '{name}'")).with_remedy(hint)
         })?;
         let scale = config.size_m.map_or(1.0, |size| size / mesh.bounds().longest_side());

@@ -1,0 +1,142 @@
+//! The seeds of a run: each a hash of the campaign's seed, the object and the repetition, so that no two
+//! objects share their draws, and errors of one object are independent of those of another.
+//!
+//! Variants are no part of the hash: planners face the same noise and are measured against the same random
+//! views, so that their differences are paired.
+
+use nextview::geometry::random::Random;
+
+/// The object and the repetition that a run is of.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Repetition<'a> {
+    /// Seed of the campaign.
+    pub campaign_seed: u64,
+    /// Name of the object in the results.
+    pub object: &'a str,
+    /// Seed in the specification's list.
+    pub seed: u64,
+    /// Seed of the set of candidates.
+    pub view_seed: u64,
+    /// Number of the first view.
+    pub first_view: usize,
+}
+
+impl Repetition<'_> {
+    /// Seed of the planner's random draws.
+    pub fn planner_seed(&self) -> u64 {
+        self.derived("planner")
+    }
+
+    /// Seed of the random views that define skill 0.
+    pub fn baseline_seed(&self) -> u64 {
+        self.derived("baseline")
+    }
+
+    /// Seed of the errors of depths and poses. They depend on the pose of each frame, too, so that runs with
+    /// other candidates or first views need no other seed, and can share the truth of their object.
+    pub fn noise_seed(&self) -> u64 {
+        hash(&format!("noise {} {} {}", self.campaign_seed, self.seed, self.object))
+    }
+
+    fn derived(&self, purpose: &str) -> u64 {
+        let Self { campaign_seed, object, seed, view_seed, first_view } = self;
+        hash(&format!("{purpose} {campaign_seed} {seed} {view_seed} {first_view} {object}"))
+    }
+}
+
+/// So many distinct first views of an object, drawn among its candidates; fewer if there are fewer. A larger
+/// number only appends further ones.
+pub(crate) fn first_views(
+    campaign_seed: u64,
+    object: &str,
+    view_seed: u64,
+    n: usize,
+    n_candidates: usize,
+) -> Vec<usize> {
+    let mut random = Random::new(hash(&format!("first-views {campaign_seed} {view_seed} {object}")), 0);
+    let mut open: Vec<usize> = (0..n_candidates).collect();
+    (0..n.min(n_candidates)).map(|_| open.swap_remove(random.index(open.len()))).collect()
+}
+
+/// The 64-bit hash FNV-1a (Fowler, Noll & Vo) of a text, mixed by the finaliser of SplitMix64 (Steele et al.
+/// 2014), without its lowest 11 bits: every reader of JSON keeps 53 bits of a number, not all keep 64.
+fn hash(text: &str) -> u64 {
+    let fnv = text
+        .bytes()
+        .fold(0xCBF2_9CE4_8422_2325_u64, |hash, byte| (hash ^ u64::from(byte)).wrapping_mul(0x100_0000_01B3));
+    let x = fnv.wrapping_add(0x9E37_79B9_7F4A_7C15);
+    let x = (x ^ (x >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
+    let x = (x ^ (x >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
+    (x ^ (x >> 31)) >> 11
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::collections::BTreeSet;
+
+    const MUG: Repetition<'_> =
+        Repetition { campaign_seed: 0, object: "mug", seed: 0, view_seed: 0, first_view: 0 };
+
+    /// Computed by the Python program in docs/bench.md.
+    #[test]
+    fn seeds_are_pinned() {
+        let seeds = [MUG.planner_seed(), MUG.baseline_seed(), MUG.noise_seed()];
+        assert_eq!(seeds, PINNED, "a seed must mean the same numbers in every release");
+        assert_eq!(first_views(0, "mug", 0, 3, 1000), PINNED_VIEWS);
+    }
+
+    const PINNED: [u64; 3] = [6_401_230_271_834_487, 2_199_457_667_406_090, 7_837_220_535_057_186];
+    const PINNED_VIEWS: [usize; 3] = [129, 130, 530];
+
+    #[test]
+    fn objects_repetitions_and_uses_have_seeds_of_their_own() {
+        let mut seeds = BTreeSet::new();
+        let mut n = 0;
+        for object in ["mug", "mug 0", "0 mug", "Mug", "tasse à café", ""] {
+            for (campaign_seed, seed, view_seed, first_view) in
+                [(0, 0, 0, 0), (1, 0, 0, 0), (0, 1, 0, 0), (0, 0, 1, 0), (0, 0, 0, 1), (0, 0, 0, 10)]
+            {
+                let repetition = Repetition { campaign_seed, object, seed, view_seed, first_view };
+                seeds.extend([repetition.planner_seed(), repetition.baseline_seed()]);
+                n += 2;
+            }
+        }
+        assert_eq!(seeds.len(), n);
+        assert!(seeds.iter().all(|&seed| seed < 1 << 53));
+    }
+
+    #[test]
+    fn noise_is_shared_by_first_views_and_candidates_but_not_by_repetitions_and_objects() {
+        let noise = MUG.noise_seed();
+        assert_eq!(Repetition { first_view: 3, view_seed: 2, ..MUG }.noise_seed(), noise);
+        for other in [
+            Repetition { seed: 1, ..MUG },
+            Repetition { campaign_seed: 1, ..MUG },
+            Repetition { object: "cup", ..MUG },
+        ] {
+            assert_ne!(other.noise_seed(), noise);
+        }
+    }
+
+    /// Each bit of the seeds of many objects is set in about half of them.
+    #[test]
+    fn all_bits_vary() {
+        let seeds: Vec<u64> =
+            (0..4000).map(|i| Repetition { object: &format!("{i}"), ..MUG }.planner_seed()).collect();
+        for bit in 0..53 {
+            let n = seeds.iter().filter(|&seed| seed >> bit & 1 == 1).count();
+            // Standard deviation 32.
+            assert!((1850..2150).contains(&n), "bit {bit}: {n} of 4000");
+        }
+    }
+
+    #[test]
+    fn first_views_are_distinct_and_a_longer_list_begins_with_a_shorter_one() {
+        let views = |n| first_views(0, "mug", 0, n, 20);
+        assert_eq!(views(20).iter().collect::<BTreeSet<_>>().len(), 20);
+        assert_eq!(views(20)[..5], views(5));
+        assert_eq!(views(30).len(), 20);
+        assert_ne!(views(5), first_views(0, "cup", 0, 5, 20));
+    }
+}

@@ -1,0 +1,60 @@
+use super::values::check_distinct;
+use crate::seeds;
+use nextview_scan::{Fault, ScanConfig};
+use serde::{Deserialize, Serialize};
+use toml::Value;
+
+/// The views that the scans of an object begin with, one for each.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(untagged, try_from = "Value")]
+pub enum FirstViews {
+    /// These, by their numbers among the candidates.
+    List(Vec<usize>),
+    /// So many distinct ones, drawn for each object and set of candidates.
+    Count(usize),
+}
+
+impl FirstViews {
+    /// Fails unless there is at least one view and none twice.
+    pub(super) fn check(&self) -> Result<(), Fault> {
+        match self {
+            Self::List(views) => check_distinct("first_views", views),
+            Self::Count(0) => Err(Fault::data("first_views is 0, expected at least 1")),
+            Self::Count(_) => Ok(()),
+        }
+    }
+
+    /// The views of an object whose candidates are configured so.
+    pub(crate) fn of(
+        &self,
+        config: &ScanConfig,
+        campaign_seed: u64,
+        object: &str,
+        view_seed: u64,
+    ) -> Vec<usize> {
+        match self {
+            Self::List(views) => views.clone(),
+            Self::Count(n) => seeds::first_views(campaign_seed, object, view_seed, *n, config.candidates),
+        }
+    }
+}
+
+impl Default for FirstViews {
+    fn default() -> Self {
+        Self::List(vec![0])
+    }
+}
+
+impl TryFrom<Value> for FirstViews {
+    type Error = String;
+
+    fn try_from(value: Value) -> Result<Self, String> {
+        let expected = "expected a list of numbers of views, or how many to draw";
+        let number = |value: &Value| value.as_integer().and_then(|number| usize::try_from(number).ok());
+        let views = match &value {
+            Value::Array(views) => views.iter().map(number).collect::<Option<Vec<usize>>>().map(Self::List),
+            value => number(value).map(Self::Count),
+        };
+        views.ok_or_else(|| format!("is {value}, {expected}"))
+    }
+}
