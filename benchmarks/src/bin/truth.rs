@@ -1,5 +1,5 @@
-//! Compares the exact object voxels with those of dense samples of the surface: numbers, time, memory, and the
-//! voxels that exact images hit although they are none.
+//! Compares the exact object voxels with those of dense samples of the surface: numbers, time, memory, and
+//! the voxels that exact images hit although they are none.
 //!
 //!     cargo run --release -p nextview-benchmarks --bin truth -- [MESH ...]
 //!

@@ -163,9 +163,9 @@ camera = { width = 80, height = 60, fx = 76, fy = 76, cx = 40, cy = 30 }
 scan.planner = "random"
 "#;
 
-/// Random views have skill 0 by definition. If all objects share their draws, the errors of the objects do not
-/// cancel out: the intervals of twelve such objects are then 0.07 to 0.33 with the seeds 0 and 1, -0.38 to -0.17
-/// with 2 and 3, 0.40 to 0.59 with 4 and 5.
+/// Random views have skill 0 by definition. If all objects share their draws, the errors of the objects do
+/// not cancel out: the intervals of twelve such objects are then 0.07 to 0.33 with the seeds 0 and 1, -0.38
+/// to -0.17 with 2 and 3, 0.40 to 0.59 with 4 and 5.
 #[test]
 fn the_interval_of_the_skill_of_random_views_contains_0() {
     let objects: Vec<String> = (1..=12).map(|n| format!("\"builtin:random-{n}\"")).collect();

@@ -65,7 +65,8 @@ impl MapSummary {
         };
         let (mut low, mut high) = (IVec3::MAX, IVec3::MIN);
         for leaf in octree.leaves() {
-            let Some((min, max)) = overlap(cube, leaf.min, leaf.max()) else { continue };
+            let (lowest, highest) = cube.unwrap_or((leaf.min, leaf.max()));
+            let Some((min, max)) = leaf.part_between(lowest, highest) else { continue };
             let n_voxels = (max - min + 1).as_u64vec3().element_product();
             let p = LogOdds(leaf.log_odds).probability();
             summary.measured_voxels += n_voxels;
@@ -110,12 +111,6 @@ fn keys_inside(octree: &Octree, lattice: &Lattice, cube: &Aabb) -> Result<(IVec3
     }
     let none = || Fault::request("`box` holds no voxel centre, expected a cube of at least one voxel");
     lattice.keys_inside(cube).ok_or_else(none)
-}
-
-/// The part of a leaf inside the cube.
-pub(crate) fn overlap(cube: Option<(IVec3, IVec3)>, min: IVec3, max: IVec3) -> Option<(IVec3, IVec3)> {
-    let (min, max) = cube.map_or((min, max), |(low, high)| (min.max(low), max.min(high)));
-    min.cmple(max).all().then_some((min, max))
 }
 
 /// Maximum number of voxels that merged leaves may become when they are written one by one.

@@ -46,13 +46,11 @@ fn cloud(
     detail: f64,
     cancel: &Cancel,
 ) -> Result<Vec<CloudPoint>, Fault> {
-    let points_of = |(i, frame): (usize, &Frame)| -> Result<_, Fault> {
-        cancel.check()?;
-        Ok(frame_points(frame, color(i)?, bounds)?)
-    };
     let mut loaded = Ok(());
-    let points = frames.iter().enumerate().map_while(|frame| {
-        points_of(frame).map_err(|fault| loaded = Err(fault)).ok() // ends at the first fault
+    let points = frames.iter().enumerate().map_while(|(i, frame)| {
+        let color = cancel.check().map_err(Fault::from).and_then(|()| color(i));
+        let points = color.and_then(|color| Ok(frame_points(frame, color, bounds)?));
+        points.map_err(|fault| loaded = Err(fault)).ok() // ends at the first fault
     });
     let mut cloud = downsample(points.flatten(), detail)?;
     loaded?;

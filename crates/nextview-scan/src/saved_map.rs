@@ -1,6 +1,5 @@
 //! Planning from a saved map, without the frames behind it.
 
-use crate::map_summary::overlap;
 use crate::{Fault, Faults, PlannerConfigs, PlannerName, files};
 use glam::{DVec3, IVec3};
 use nextview::geometry::{Aabb, Lattice, VoxelBlock};
@@ -24,8 +23,8 @@ pub struct SavedMap {
     visited: Vec<usize>,
 }
 
-/// How far the camera sees, metres: the range that the D435i is specified for. Views farther from the box show
-/// nothing of it.
+/// How far the camera sees, metres: the range that the D435i is specified for. Views farther from the box
+/// show nothing of it.
 const RANGE: f64 = 10.0;
 
 /// Memory that planning takes for a voxel of the box, bytes: 35 with max-flow, 8 with the default planner.
@@ -42,9 +41,9 @@ impl SavedMap {
 
     /// Reads a map and view candidates for a camera with these optics, after these views were taken.
     ///
-    /// Without bounds, the object lies in the planning box around the map's occupied voxels; that one must not
-    /// take more memory than suits the size of the file. Fails if all views are too far from the box to show
-    /// anything of it.
+    /// Without bounds, the object lies in the planning box around the map's occupied voxels; that one must
+    /// not take more memory than suits the size of the file. Fails if all views are too far from the box to
+    /// show anything of it.
     pub fn open(
         map: &Path,
         views: &Path,
@@ -134,9 +133,9 @@ fn known_inside<'a>(
     octree: &'a Octree,
     block: &VoxelBlock,
 ) -> impl Iterator<Item = (Leaf, IVec3, IVec3)> + 'a {
-    let inside = Some((block.min(), block.max()));
+    let (low, high) = (block.min(), block.max());
     known(octree).filter_map(move |leaf| {
-        let (min, max) = overlap(inside, leaf.min, leaf.max())?;
+        let (min, max) = leaf.part_between(low, high)?;
         Some((leaf, min, max))
     })
 }

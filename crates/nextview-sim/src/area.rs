@@ -10,8 +10,8 @@ pub fn over_views(coverage: &[f64], n: usize) -> Option<f64> {
 }
 
 /// Mean of the coverage, 0..=1, over the time from 0 to a horizon, seconds: 0 until the first view, then that
-/// of the latest view, the last one's to the end. `times`, seconds, do not decrease, and there is one for each
-/// value. None for an empty curve, or a horizon that is not positive.
+/// of the latest view, the last one's to the end. `times`, seconds, do not decrease, and there is one for
+/// each value. None for an empty curve, or a horizon that is not positive.
 pub fn over_time(coverage: &[f64], times: &[f64], horizon: f64) -> Option<f64> {
     assert_eq!(coverage.len(), times.len(), "a time for each value");
     let ends = times.iter().skip(1).copied().chain([horizon]);

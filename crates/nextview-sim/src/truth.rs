@@ -17,10 +17,11 @@ use std::sync::atomic::{AtomicU32, Ordering};
 /// The voxels of the true surface: those that hold at least one point of it, exactly.
 ///
 /// A surface that lies in the face between two voxels is in the voxel that [`Lattice::key`] assigns its
-/// points to. Half of the measured points of such a surface are in the other voxel, only because the depths of
-/// images are rounded; a map with that voxel is not wrong. So voxels within a micrometre of the surface are
-/// kept apart: they are neither object voxels nor false. (The paper takes the voxels of many random points of the surface. However dense these are, they
-/// miss voxels of which the surface cuts off a corner; a camera finds them, and they count as false.)
+/// points to. Half of the measured points of such a surface are in the other voxel, only because the depths
+/// of images are rounded; a map with that voxel is not wrong. So voxels within a micrometre of the surface
+/// are kept apart: they are neither object voxels nor false. (The paper takes the voxels of many random
+/// points of the surface. However dense these are, they miss voxels of which the surface cuts off a corner; a
+/// camera finds them, and they count as false.)
 #[derive(Clone, Debug)]
 pub struct ObjectVoxels {
     lattice: Lattice,

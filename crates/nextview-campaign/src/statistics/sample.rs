@@ -85,8 +85,8 @@ pub struct PairedObject {
 }
 
 impl PairedObject {
-    /// Values with what they were drawn by; where A and B have the same keys, they are paired by them. None if
-    /// either has no value.
+    /// Values with what they were drawn by; where A and B have the same keys, they are paired by them. None
+    /// if either has no value.
     pub fn new<K: Ord>(mut a: Vec<(K, f64)>, mut b: Vec<(K, f64)>) -> Option<Self> {
         [&mut a, &mut b].into_iter().for_each(|values| values.sort_by(|x, y| x.0.cmp(&y.0)));
         let runs_are_paired = a.iter().map(|value| &value.0).eq(b.iter().map(|value| &value.0));
@@ -150,8 +150,8 @@ impl PairedSample {
         self.objects.iter().map(|object| difference(object.means())).collect()
     }
 
-    /// The 95 % interval of the mean of B - A, as [`Sample::interval`]: objects are resampled, and within each
-    /// the pairs of runs, or the runs of A and B by themselves where they are no pairs.
+    /// The 95 % interval of the mean of B - A, as [`Sample::interval`]: objects are resampled, and within
+    /// each the pairs of runs, or the runs of A and B by themselves where they are no pairs.
     pub fn interval(&self) -> Option<Interval> {
         let n = self.objects.len();
         self.bootstrap(|random| {
@@ -273,7 +273,8 @@ mod tests {
         assert_eq!((Sample::default().mean(), Sample::default().interval()), (None, None));
     }
 
-    /// Means of twelve uniform numbers, nearly normal: objects differ by a standard deviation of 1, runs by 1.
+    /// Means of twelve uniform numbers, nearly normal: objects differ by a standard deviation of 1, runs by
+    /// 1.
     #[test]
     fn intervals_hold_the_true_mean_about_as_often_as_they_promise() {
         let mut random = Random::new(11, 0);

@@ -37,8 +37,8 @@ pub fn read(dir: &Path) -> Result<StoredRuns, Faults> {
 }
 
 /// The configuration of the run in a row, from 1, of a campaign's table `runs`, as a scan reads it: with the
-/// seeds that the run drew from, so that the scan is the same. Fails if there is no such row or its run is not
-/// done yet.
+/// seeds that the run drew from, so that the scan is the same. Fails if there is no such row or its run is
+/// not done yet.
 pub fn config_of_row(dir: &Path, row: usize) -> Result<String, Faults> {
     let runs = Spec::of_folder(dir)?.runs()?;
     let run = row.checked_sub(1).and_then(|i| runs.get(i)).ok_or_else(|| {

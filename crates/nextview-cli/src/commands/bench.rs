@@ -12,9 +12,9 @@ use std::time::Instant;
 
 /// Run a campaign: many scans of many objects by several planners, measured alike.
 ///
-/// A specification names the objects, the planners with their parameters, the seeds, the sets of candidates and
-/// the first views; all combinations are run. Failures are recorded and do not stop the rest. --resume resumes an interrupted
-/// campaign; the results are the same, for any number of jobs and threads.
+/// A specification names the objects, the planners with their parameters, the seeds, the sets of candidates
+/// and the first views; all combinations are run. Failures are recorded and do not stop the rest. --resume
+/// resumes an interrupted campaign; the results are the same, for any number of jobs and threads.
 #[derive(Debug, Args)]
 #[command(after_help = EXAMPLES)]
 pub(super) struct BenchArgs {

@@ -197,13 +197,26 @@ fn a_torn_last_line_is_done_again_and_other_damage_is_reported() {
     refused(&lines, "no run of this campaign");
 }
 
+/// The cells of a line of CSV; commas in quotes are part of a cell.
+fn cells(line: &str) -> Vec<String> {
+    let mut cells = vec![String::new()];
+    let mut is_quoted = false;
+    for c in line.chars() {
+        match c {
+            '"' => is_quoted ^= true,
+            ',' if !is_quoted => cells.push(String::new()),
+            c => cells.last_mut().unwrap().push(c),
+        }
+    }
+    cells
+}
+
 /// The row of a table of a campaign as the columns' values.
 fn row(folder: &Folder, number: usize) -> impl Fn(&str) -> String {
     let csv = folder.text("bench-tiny/runs.csv");
     let mut lines = csv.lines();
-    let names: Vec<String> = lines.next().unwrap().split(',').map(str::to_owned).collect();
-    let values: Vec<String> = lines.nth(number - 1).unwrap().split(',').map(str::to_owned).collect();
-    assert_eq!(names.len(), values.len(), "no label with a comma");
+    let [names, values] = [lines.next().unwrap(), lines.nth(number - 1).unwrap()].map(cells);
+    assert_eq!(names.len(), values.len());
     move |name| values[names.iter().position(|known| known == name).unwrap()].clone()
 }
 

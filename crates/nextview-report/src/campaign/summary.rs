@@ -193,7 +193,8 @@ fn best_other<'s, 'a>(
     Some(with_mean.rev().max_by(|a, b| a.1.total_cmp(&b.1))?.0)
 }
 
-/// The differences of a variant from another one, if there is one; a name that is not empty stands in the note.
+/// The differences of a variant from another one, if there is one; a name that is not empty stands in the
+/// note.
 fn beyond(
     variant: &StudyVariant<'_>,
     other: Option<&StudyVariant<'_>>,

@@ -18,8 +18,8 @@ pub struct ResultFolder {
 }
 
 impl ResultFolder {
-    /// Begins a folder of these files. Fails at once if it could not be written later, or if the rule does not
-    /// allow it.
+    /// Begins a folder of these files. Fails at once if it could not be written later, or if the rule does
+    /// not allow it.
     pub fn begin(target: &Path, names: &'static [&'static str], rule: Overwrite) -> Result<Self, Faults> {
         if target.exists() && !target.is_dir() {
             let fault = Fault::data("exists and is no folder").in_file(target);
@@ -46,8 +46,8 @@ impl ResultFolder {
         Ok(())
     }
 
-    /// Shows the finished folder under its name. Fails if files of its names have appeared there that the rule
-    /// does not allow to replace.
+    /// Shows the finished folder under its name. Fails if files of its names have appeared there that the
+    /// rule does not allow to replace.
     pub fn publish(self) -> Result<(), Faults> {
         self.rule.check_folder(&self.target, self.names)?;
         let result = self.write().and_then(|()| {

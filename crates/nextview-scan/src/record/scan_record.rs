@@ -65,8 +65,8 @@ pub struct ScanRecord {
     #[serde(skip_serializing_if = "Option::is_none")]
     pub skill: Option<f64>,
 
-    /// Mean of `reachable_coverage` over the views that the scan could take, 0..=1; after an early end, the last
-    /// value stays. This and the next two none without baselines.
+    /// Mean of `reachable_coverage` over the views that the scan could take, 0..=1; after an early end, the
+    /// last value stays. This and the next two none without baselines.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub coverage_auc_views: Option<f64>,
     /// Mean of `reachable_coverage` over the time of a robot, moving and sensing, up to
@@ -102,8 +102,8 @@ pub struct ScanRecord {
     pub trajectory_time_s: f64,
 
     /// Rigid motion by which the model was moved before it was measured, true world from mapped world: the
-    /// translation. The identity where the first pose is right; this and the next three none where no model was
-    /// measured.
+    /// translation. The identity where the first pose is right; this and the next three none where no model
+    /// was measured.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub alignment_translation_m: Option<[f64; 3]>,
     /// Its rotation, scalar last.
@@ -115,8 +115,8 @@ pub struct ScanRecord {
     /// The angle that it turns by.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub alignment_turned_deg: Option<f64>,
-    /// Mean distance from the points of the final cloud to the true surface; this and what follows of the cloud
-    /// none where the truth is not known or the cloud holds nothing of the object.
+    /// Mean distance from the points of the final cloud to the true surface; this and what follows of the
+    /// cloud none where the truth is not known or the cloud holds nothing of the object.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub cloud_accuracy_mean_mm: Option<f64>,
     /// Median of these distances.
@@ -146,8 +146,8 @@ pub struct ScanRecord {
     /// Mean distance from the true surface to the cloud.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub cloud_completeness_mean_mm: Option<f64>,
-    /// Share, 0..=1, of the reachable surface with a point of the cloud within 1 mm; this and what follows of the
-    /// cloud none without baselines.
+    /// Share, 0..=1, of the reachable surface with a point of the cloud within 1 mm; this and what follows of
+    /// the cloud none without baselines.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub cloud_recall_1mm: Option<f64>,
     /// The same within 2 mm.

@@ -127,7 +127,8 @@ pub struct StepRecord {
     /// baselines.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub map_recall: Option<f64>,
-    /// Occupied reachable object voxels over the sum of all reachable object voxels and `false_voxels`, 0..=1.
+    /// Occupied reachable object voxels over the sum of all reachable object voxels and `false_voxels`,
+    /// 0..=1.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub map_iou: Option<f64>,
     /// Share, 0..=1, of the reachable surface that was seen: object voxels truly seen over those that any

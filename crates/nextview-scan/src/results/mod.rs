@@ -25,8 +25,8 @@ pub const RESULT_FILES: &[&str] = &[
 ];
 
 /// The folder for the results of a scan where none is named: `scan-OBJECT-PLANNER`, followed by -2, -3, ...
-/// where that one holds results that the rule does not allow to replace. One that holds an interrupted scan is
-/// not passed over, since that scan is to be resumed or given up first.
+/// where that one holds results that the rule does not allow to replace. One that holds an interrupted scan
+/// is not passed over, since that scan is to be resumed or given up first.
 pub fn result_folder(config: &ScanConfig, rule: &Overwrite) -> PathBuf {
     let is_refused = |dir: &Path| dir.is_file() || rule.check_folder(dir, RESULT_FILES).is_err();
     let is_taken = |dir: &Path| !ScanJournal::is_in(dir) && is_refused(dir);

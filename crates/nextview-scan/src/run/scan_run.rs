@@ -172,8 +172,8 @@ impl<'a> ScanRun<'a> {
     /// Takes in a frame, in any pose: keeps it, writes it into the map, measures. If a view was asked for, it
     /// counts as visited.
     ///
-    /// Fails before anything has changed if the frame cannot be kept, and if it is [cancelled](Begin::cancel):
-    /// it is then asked for again, or [replayed](Next::Replay) from the journal.
+    /// Fails before anything has changed if the frame cannot be kept, and if it is
+    /// [cancelled](Begin::cancel): it is then asked for again, or [replayed](Next::Replay) from the journal.
     pub fn push(&mut self, frame: Frame) -> Result<&StepRecord, Fault> {
         let capture_time = self.asked.as_ref().map_or(Duration::ZERO, |asked| asked.since.elapsed());
         let unasked = match &self.asked {

@@ -15,7 +15,7 @@ fn config(object: &str) -> ScanConfig {
         object: object.to_owned(),
         planner: PlannerName::Random,
         candidates: 16,
-        views: 4,
+        views: Some(4),
         voxel_size_m: Some(0.01),
         ..ScanConfig::default()
     }
@@ -68,7 +68,7 @@ fn the_definitions_hold_in_a_record() {
 
 #[test]
 fn a_perfect_scan_has_all_that_can_be_had() {
-    let all = ScanConfig { views: 16, ..config("builtin:bracket") };
+    let all = ScanConfig { views: Some(16), ..config("builtin:bracket") };
     let record = record(&all);
     let last = record.steps.last().unwrap();
     assert_eq!((record.views, last.reachable_coverage), (16, Some(1.0)));

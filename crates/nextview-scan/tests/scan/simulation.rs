@@ -9,8 +9,8 @@ use nextview::session::{NextView, Session};
 use nextview::surface::SurfaceMesh;
 use nextview_scan::files::{Overwrite, ResultFolder};
 use nextview_scan::{
-    Begin, Evaluator, Fault, Faults, FinishedScan, FrameSource, Measured, Next, PlannerName, QualityMm,
-    RESULT_FILES, Results, ScanConfig, ScanRecord, ScanRun, SimulatedObject, Simulation, Truth, write_results,
+    Begin, Evaluator, Fault, Faults, FinishedScan, FrameSource, Measured, Next, PlannerName, RESULT_FILES,
+    Results, ScanConfig, ScanRecord, ScanRun, SimulatedObject, Simulation, Truth, write_results,
 };
 
 fn config() -> ScanConfig {
@@ -128,12 +128,8 @@ impl FrameSource for WithoutColor<'_> {
         self.0.describe(record);
     }
 
-    fn quality_of_points(&self, points: &[DVec3]) -> Option<QualityMm> {
-        self.0.quality_of_points(points)
-    }
-
-    fn quality_of_mesh(&self, mesh: &SurfaceMesh) -> Option<QualityMm> {
-        self.0.quality_of_mesh(mesh)
+    fn measure_model(&self, points: &[DVec3], mesh: Option<&SurfaceMesh>, record: &mut ScanRecord) {
+        self.0.measure_model(points, mesh, record);
     }
 }
 

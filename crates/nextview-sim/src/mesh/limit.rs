@@ -3,17 +3,17 @@ use crate::SimError;
 /// Largest file, bytes.
 pub(super) const MAX_BYTES: u64 = 1 << 32;
 
-/// Memory that a scan takes for a vertex and for a triangle, bytes, rounded up from scans of up to 2.9 million
-/// triangles: the mesh in the file's unit and in metres, before the camera, and as the surface that models are
-/// measured against.
+/// Memory that a scan takes for a vertex and for a triangle, bytes, rounded up from scans of up to 2.9
+/// million triangles: the mesh in the file's unit and in metres, before the camera, and as the surface that
+/// models are measured against.
 const PER_VERTEX: u64 = 80;
 const PER_TRIANGLE: u64 = 150;
 
 /// Memory that a mesh may take however small its file is, bytes.
 const FREE: u64 = 100_000_000;
 
-/// Fails if a mesh takes more than 20 times the memory of its file and 100 MB: a few bytes of a file may stand
-/// for any number of triangles where parts are repeated, and for one triangle each in polygons.
+/// Fails if a mesh takes more than 20 times the memory of its file and 100 MB: a few bytes of a file may
+/// stand for any number of triangles where parts are repeated, and for one triangle each in polygons.
 pub(super) fn check(n_vertices: usize, n_triangles: usize, n_bytes: u64) -> Result<(), SimError> {
     let [n_vertices, n_triangles] = [n_vertices, n_triangles].map(|n| n as u64);
     let of_triangles = PER_TRIANGLE.saturating_mul(n_triangles);

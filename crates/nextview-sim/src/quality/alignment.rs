@@ -1,4 +1,4 @@
-use super::{distances, evenly};
+use super::true_surface::{distances, evenly};
 use crate::accuracy::SurfaceDistance;
 use glam::DVec3;
 use nextview::geometry::Pose;
@@ -17,8 +17,8 @@ const REACH: [f64; 2] = [0.2, 0.01];
 /// model's world.
 ///
 /// Point-to-plane ICP from the identity, with the nearest points of the true surface itself, robust against
-/// points far from it, in at most [`registration::MAX_STEPS`] steps. The motion is the identity where it would
-/// not lower the mean distance of the points from the surface, and for a model without points.
+/// points far from it, in at most [`registration::MAX_STEPS`] steps. The motion is the identity where it
+/// would not lower the mean distance of the points from the surface, and for a model without points.
 pub fn align(points: &[DVec3], surface: &SurfaceDistance) -> Pose {
     let points = evenly(points, N_POINTS);
     let size = surface.bounds().longest_side();
@@ -32,7 +32,8 @@ pub fn align(points: &[DVec3], surface: &SurfaceDistance) -> Pose {
         };
         Ok(points.par_iter().map(pair).collect::<Vec<_>>().into_iter().flatten().collect())
     };
-    let (aligned, _) = registration::align(Pose::IDENTITY, reach, pairs).unwrap_or_else(|never: Infallible| match never {});
+    let (aligned, _) =
+        registration::align(Pose::IDENTITY, reach, pairs).unwrap_or_else(|never: Infallible| match never {});
     let away = |pose: &Pose| {
         let moved: Vec<DVec3> = points.iter().map(|point| pose.transform_point(*point)).collect();
         distances(surface, &moved).iter().sum::<f64>()

@@ -1,11 +1,12 @@
-use super::TrueSurface;
 use crate::camera::Look;
+use glam::DVec3;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 /// A sample of the surface is seen if its pixel measures the object as near to it as this, metres.
 const SEEN: f64 = 0.002;
 
-/// The samples of a [`TrueSurface`] that any view candidate sees: the part of it that a model can have.
+/// The samples of a [true surface](super::TrueSurface) that any view candidate sees: the part of it that a
+/// model can have.
 #[derive(Debug, Default)]
 pub struct ReachableSurface {
     /// By sample. Views are added by several threads; as they only set, their order does not show.
@@ -13,9 +14,9 @@ pub struct ReachableSurface {
 }
 
 impl ReachableSurface {
-    /// Nothing of the surface is known to be reachable.
-    pub fn new(surface: &TrueSurface) -> Self {
-        Self::of(surface.samples().iter().map(|_| false))
+    /// None of so many samples is known to be reachable.
+    pub fn new(n_samples: usize) -> Self {
+        Self::of(std::iter::repeat_n(false, n_samples))
     }
 
     /// The samples, in the order of the surface's, that are reachable.
@@ -24,9 +25,9 @@ impl ReachableSurface {
     }
 
     /// Adds the samples that a look shows: those whose nearest pixel measures the object within 2 mm of them
-    /// along its ray. The surface must be the one it was made for.
-    pub fn add(&self, surface: &TrueSurface, look: &Look<'_>) {
-        for (sample, is_seen) in surface.samples().iter().zip(&self.is_seen) {
+    /// along its ray.
+    pub fn add(&self, samples: &[DVec3], look: &Look<'_>) {
+        for (sample, is_seen) in samples.iter().zip(&self.is_seen) {
             if !is_seen.load(Ordering::Relaxed) && look.shows(*sample, SEEN) {
                 is_seen.store(true, Ordering::Relaxed);
             }

@@ -1,5 +1,5 @@
-//! Who uses which seeds of [`random_object`](super::random_object). The ranges are disjoint: no object that has
-//! a name is one that a planner was trained on.
+//! Who uses which seeds of [`random_object`](super::random_object). The ranges are disjoint: no object that
+//! has a name is one that a planner was trained on.
 
 use std::ops::{Range, RangeInclusive};
 

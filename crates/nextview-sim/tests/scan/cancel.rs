@@ -218,6 +218,11 @@ fn a_cancelled_observation_leaves_no_trace() {
 /// busy one.
 #[test]
 fn cancelling_an_observation_or_the_model_takes_no_time() {
+    // Threads of its own, as above.
+    rayon::ThreadPoolBuilder::new().build().unwrap().install(cancel_observations_and_models);
+}
+
+fn cancel_observations_and_models() {
     let scene = scene().with_table().unwrap();
     let (cancel, frames) = (Cancel::default(), frames(&scene, 4));
     let mut session = busy_session(&scene, 0.001).with_cancel(cancel.clone());

@@ -82,8 +82,8 @@ impl Lattice {
         Aabb { min: min * self.voxel_size, max: max * self.voxel_size }
     }
 
-    /// The lowest and the highest of the voxels whose centres lie in the box (within 1e-6 of a voxel); none if
-    /// there are none, or if they are beyond [`REACH`](Self::REACH).
+    /// The lowest and the highest of the voxels whose centres lie in the box (within 1e-6 of a voxel); none
+    /// if there are none, or if they are beyond [`REACH`](Self::REACH).
     pub fn keys_inside(&self, aabb: &Aabb) -> Option<(VoxelKey, VoxelKey)> {
         let low = (self.to_voxels(aabb.min) - 0.5 - 1e-6).ceil();
         let high = (self.to_voxels(aabb.max) - 0.5 + 1e-6).floor();

@@ -20,8 +20,8 @@ const MOST_SHIFTED: usize = 10_000;
 /// Relative differences below this may be rounding errors.
 const TOLERANCE: f64 = 1e-12;
 
-/// The order along a space-filling curve (Morton 1966), or the order given if that is shorter, after sweeps of
-/// moves that lead to a neighbour: 2-opt and Or-opt, as for short tours.
+/// The order along a space-filling curve (Morton 1966), or the order given if that is shorter, after sweeps
+/// of moves that lead to a neighbour: 2-opt and Or-opt, as for short tours.
 pub(super) fn long_tour(
     start: Option<DVec3>,
     positions: &[DVec3],
@@ -189,8 +189,8 @@ impl<'a> Search<'a> {
         (1..last).fold(false, |is_better, high| self.turn_part(-1, high, least_gain) | is_better)
     }
 
-    /// Moves one to three positions that begin with the first one behind the second, or that end with it before
-    /// the second, if that gains.
+    /// Moves one to three positions that begin with the first one behind the second, or that end with it
+    /// before the second, if that gains.
     fn shift(&mut self, position: usize, other: usize, least_gain: f64) -> bool {
         (1..=3).any(|len| {
             let (at, to) = (self.index[position], self.index[other]);

@@ -7,8 +7,8 @@ use glam::DVec3;
 /// Maximum number of views whose shortest order is found exactly; a heuristic orders more.
 const MOST_EXACT: usize = 12;
 
-/// Maximum number of views that are ordered by cheapest insertion and all moves, which takes up to a second or
-/// two; a search among neighbours orders more.
+/// Maximum number of views that are ordered by cheapest insertion and all moves, which takes up to a second
+/// or two; a search among neighbours orders more.
 const MOST_INSERTED: usize = 1000;
 
 /// Maximum number of sweeps over all moves; a test finds far fewer.
@@ -21,11 +21,11 @@ const TOLERANCE: f64 = 1e-12;
 /// each leg goes around the ball. Without a start, the path begins at the first position of the order.
 ///
 /// Up to 12 positions, the path is the shortest possible (Held and Karp 1962). More positions are inserted
-/// one by one where they cost least, and then moved as long as that shortens the path, in up to 100 sweeps: by
-/// reversing a part of it (2-opt, Croes 1958), or by moving up to three positions elsewhere (Or-opt, Or 1976).
-/// Of more than 1000 positions, the order begins along a space-filling curve, and only moves that lead to
-/// neighbours are tried, so that the time grows little faster than their number. The path is never longer than
-/// in the order given.
+/// one by one where they cost least, and then moved as long as that shortens the path, in up to 100 sweeps:
+/// by reversing a part of it (2-opt, Croes 1958), or by moving up to three positions elsewhere (Or-opt, Or
+/// 1976). Of more than 1000 positions, the order begins along a space-filling curve, and only moves that lead
+/// to neighbours are tried, so that the time grows little faster than their number. The path is never longer
+/// than in the order given.
 ///
 /// Fails if a position or the start is not within [`Pose::REACH`](crate::geometry::Pose::REACH).
 pub fn tour(start: Option<DVec3>, positions: &[DVec3], ball: &KeepOut) -> Result<Vec<usize>, Error> {
@@ -177,8 +177,8 @@ fn around(order: &[usize], begin: usize, end: usize) -> (Option<usize>, Option<u
     (begin.checked_sub(1).map(|place| order[place]), order.get(end).copied())
 }
 
-/// The order after sweeps over all moves, each made if it shortens the path, until none does or there were too
-/// many sweeps.
+/// The order after sweeps over all moves, each made if it shortens the path, until none does or there were
+/// too many sweeps.
 fn improved(ways: &Ways, mut order: Vec<usize>, cancel: &Cancel) -> Result<Vec<usize>, Cancelled> {
     let least_gain = TOLERANCE * ways.length(&order);
     for _ in 0..MOST_SWEEPS {

@@ -40,8 +40,8 @@ pub struct SessionConfig {
     pub memory_limit_mb: u64,
     /// The box in which the object lies. Only voxels with their centre inside are mapped and planned for.
     pub object_box: ObjectBox,
-    /// Parts whose measured points are no farther apart than this are one object, metres, 0..=1000. Default 0:
-    /// parts must touch. It has an effect only where the box grows.
+    /// Parts whose measured points are no farther apart than this are one object, metres, 0..=1000. Default
+    /// 0: parts must touch. It has an effect only where the box grows.
     #[serde(default, rename = "max_gap_m")]
     pub max_gap: f64,
     /// The surface that the object stands on. Default: none.

@@ -18,7 +18,8 @@ pub struct OtherBody {
 
 /// The outline of a body is free if this many times more of it borders on something farther away than on
 /// something nearer or on the edge of an image. Walls and floors fail this, and so do parts of them between
-/// the shadows of other things.
+/// the shadows of other things. Only the images that show a body whole count, if there are any: one beside
+/// the object is cut by the edge of most.
 const MOSTLY_FREE: usize = 2;
 
 /// Number of the object among the bodies.
@@ -44,11 +45,22 @@ enum Shown {
 /// Connected cells, and the pixels that show them.
 struct Candidate {
     cells: FxHashSet<IVec3>,
+    /// In the images that show it whole.
+    whole: Outline,
+    /// In those whose edge cuts it.
+    cut: Outline,
+}
+
+/// The pixels of a body and their neighbours.
+#[derive(Clone, Copy, Default)]
+struct Outline {
     n_pixels: usize,
-    /// Neighbours in the images that are farther away.
+    /// Neighbours that are farther away.
     n_free: usize,
-    /// Neighbours that are nearer, or beyond the edge.
+    /// Neighbours that are nearer.
     n_hidden: usize,
+    /// Neighbours beyond the edge of the image.
+    n_beyond: usize,
 }
 
 /// The bodies beside the object, nearest first: connected points, at least 20 of them, that stand free in
@@ -96,11 +108,21 @@ pub(super) fn other_bodies(
 
 impl Candidate {
     fn new(cells: FxHashSet<IVec3>) -> Self {
-        Self { cells, n_pixels: 0, n_free: 0, n_hidden: 0 }
+        Self { cells, whole: Outline::default(), cut: Outline::default() }
+    }
+
+    fn add(&mut self, outline: Outline) {
+        let sum = if outline.n_beyond == 0 { &mut self.whole } else { &mut self.cut };
+        sum.n_pixels += outline.n_pixels;
+        sum.n_free += outline.n_free;
+        sum.n_hidden += outline.n_hidden;
+        sum.n_beyond += outline.n_beyond;
     }
 
     fn is_body(&self) -> bool {
-        self.n_pixels >= LEAST_POINTS && self.n_free > MOSTLY_FREE * self.n_hidden
+        let Outline { n_pixels, n_free, n_hidden, n_beyond } =
+            if self.whole.n_pixels >= LEAST_POINTS { self.whole } else { self.cut };
+        n_pixels >= LEAST_POINTS && n_free > MOSTLY_FREE * (n_hidden + n_beyond)
     }
 }
 
@@ -130,10 +152,11 @@ fn shown(
 
 /// Counts the neighbours of every body's pixels that are not its own.
 fn count_outlines(image: &[Shown], width: usize, candidates: &mut [Candidate]) {
+    let mut outlines = vec![Outline::default(); candidates.len()];
     for (pixel, &shown) in image.iter().enumerate() {
         let Shown::Body { number, depth } = shown else { continue };
-        let Some(candidate) = (number as usize).checked_sub(1).map(|i| &mut candidates[i]) else { continue };
-        candidate.n_pixels += 1;
+        let Some(outline) = (number as usize).checked_sub(1).map(|i| &mut outlines[i]) else { continue };
+        outline.n_pixels += 1;
         let (column, at) = (pixel % width, |i: Option<usize>| i.and_then(|i| image.get(i)));
         let left = at(pixel.checked_sub(1).filter(|_| column > 0));
         let right = at((column + 1 < width).then_some(pixel + 1));
@@ -142,10 +165,11 @@ fn count_outlines(image: &[Shown], width: usize, candidates: &mut [Candidate]) {
                 Some(Shown::Nothing) => (),
                 Some(Shown::Table { depth: other }) if *other <= depth => (),
                 Some(Shown::Body { number: other, .. }) if *other == number => (),
-                Some(Shown::Body { depth: other, .. }) if *other <= depth => candidate.n_hidden += 1,
-                Some(_) => candidate.n_free += 1,
-                None => candidate.n_hidden += 1,
+                Some(Shown::Body { depth: other, .. }) if *other <= depth => outline.n_hidden += 1,
+                Some(_) => outline.n_free += 1,
+                None => outline.n_beyond += 1,
             }
         }
     }
+    candidates.iter_mut().zip(outlines).for_each(|(candidate, outline)| candidate.add(outline));
 }

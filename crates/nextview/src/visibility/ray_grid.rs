@@ -80,8 +80,8 @@ impl RayGrid {
         Cells { low, size: (high - low) / n.max(DVec2::ONE), columns: n.x as usize, rows: n.y as usize }
     }
 
-    /// Columns and rows for as many rays as are allowed; none if the box is outside the image. The whole image
-    /// is searched for a box far beside it, with rays as close as it is small.
+    /// Columns and rows for as many rays as are allowed; none if the box is outside the image. The whole
+    /// image is searched for a box far beside it, with rays as close as it is small.
     fn bounded(&self, n: DVec2, corners: &[DVec3; 8]) -> DVec2 {
         if !self.may_show(corners) {
             return DVec2::ZERO;
@@ -147,8 +147,8 @@ impl RayGrid {
     }
 }
 
-/// The largest angle between the optical axis and a ray through a mesh of 17 x 17 places of the image, borders
-/// included, and a hundredth more; pi / 2 if one has no ray.
+/// The largest angle between the optical axis and a ray through a mesh of 17 x 17 places of the image,
+/// borders included, and a hundredth more; pi / 2 if one has no ray.
 fn widest_angle(intrinsics: &Intrinsics) -> f64 {
     let size = DVec2::new(intrinsics.width() as f64, intrinsics.height() as f64);
     let places = (0..17).flat_map(|i| (0..17).map(move |j| DVec2::new(i as f64, j as f64) / 16.0));

@@ -118,7 +118,8 @@ pub struct ScanArgs {
     /// it
     #[arg(long, value_name = "FILE.toml")]
     config: Option<PathBuf>,
-    /// Folder for the results [default: scan-OBJECT-PLANNER, followed by -2, -3, ... where that holds results]
+    /// Folder for the results [default: scan-OBJECT-PLANNER, followed by -2, -3, ... where that holds
+    /// results]
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
     /// Replace results that the folder holds; files that the scan reads are never replaced

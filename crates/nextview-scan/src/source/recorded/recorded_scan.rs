@@ -181,7 +181,8 @@ impl FrameSource for RecordedScan {
     fn measure_model(&self, cloud: &[DVec3], mesh: Option<&SurfaceMesh>, record: &mut ScanRecord) {
         let Some(truth) = &self.truth else { return };
         let reachable = self.shown.as_ref().map(|(shown, _)| &shown.reachable_surface);
-        // Where the truth is in the recording's world was stated, and an error of that is not the scan's alone.
+        // Where the truth is in the recording's world was stated, and an error of that is not the scan's
+        // alone.
         measure_model((&truth.surface, reachable), &Pose::IDENTITY, cloud, mesh, record);
     }
 

@@ -11,8 +11,8 @@ use rayon::prelude::*;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-/// Seconds that a robot moves to a view, for the horizon of the area over time: about the mean of random views
-/// of an object of 0.2 m.
+/// Seconds that a robot moves to a view, for the horizon of the area over time: about the mean of random
+/// views of an object of 0.2 m.
 const MOVING_TIME: f64 = 4.0;
 
 /// The truth of an object and its candidates: what every candidate truly sees.
@@ -34,11 +34,12 @@ impl Truth {
     /// Fails if it is cancelled.
     pub fn new(object: &SimulatedObject, cancel: &Cancel, progress: impl Fn() + Sync) -> Result<Self, Fault> {
         let start = Instant::now();
-        let reachable_surface = ReachableSurface::new(&object.true_surface);
+        let samples = object.true_surface.samples();
+        let reachable_surface = ReachableSurface::new(samples.len());
         let look = |pose: &Pose| {
             cancel.check()?;
             let look = object.scene.camera().look(pose).map_err(Fault::from)?;
-            reachable_surface.add(&object.true_surface, &look);
+            reachable_surface.add(samples, &look);
             progress();
             Ok(object.object_voxels.seen_by(&look))
         };

@@ -54,8 +54,8 @@ impl Header {
 /// The first word of a comment that states where the map is.
 const OFFSET: &str = "offset_m";
 
-/// Writes OctoMap's header, with its invitation to edit the comments, and with the offset of a map that is far
-/// away.
+/// Writes OctoMap's header, with its invitation to edit the comments, and with the offset of a map that is
+/// far away.
 pub(super) fn write_header(out: &mut impl Write, encoding: Encoding, tree: &Octree) -> io::Result<()> {
     writeln!(out, "{}", encoding.magic())?;
     writeln!(out, "# (feel free to add / change comments, but leave the first line as it is!)\n#")?;

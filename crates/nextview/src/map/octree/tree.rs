@@ -13,8 +13,8 @@ pub enum TreeKind {
 /// The nodes of an OctoMap octree: an immutable copy of a file.
 ///
 /// The root covers the keys -32768 to 32767 on each axis around its [origin](Self::origin) (OctoMap's own
-/// keys are 32768 higher), halved [16 times](Self::MAX_DEPTH) down to single voxels. Space without a leaf is unknown. Inner nodes keep the
-/// log-odds and colours they were read with.
+/// keys are 32768 higher), halved [16 times](Self::MAX_DEPTH) down to single voxels. Space without a leaf is
+/// unknown. Inner nodes keep the log-odds and colours they were read with.
 ///
 /// ```
 /// use glam::IVec3;
@@ -56,8 +56,8 @@ impl Octree {
         self.voxel_size
     }
 
-    /// The voxel in the middle of the root. It is 0 but for maps far away, of which files state it in a comment
-    /// `# offset_m X Y Z`, in metres: OctoMap's own programs show them that much displaced.
+    /// The voxel in the middle of the root. It is 0 but for maps far away, of which files state it in a
+    /// comment `# offset_m X Y Z`, in metres: OctoMap's own programs show them that much displaced.
     pub fn origin(&self) -> VoxelKey {
         self.origin
     }
@@ -139,6 +139,13 @@ impl Leaf {
     /// The voxel of the cube with the highest coordinates.
     pub fn max(&self) -> VoxelKey {
         self.min + self.edge() as i32 - 1
+    }
+
+    /// The lowest and the highest voxel that the cube shares with the box of voxels between two, both
+    /// included; none if they share none.
+    pub fn part_between(&self, low: VoxelKey, high: VoxelKey) -> Option<(VoxelKey, VoxelKey)> {
+        let (min, max) = (self.min.max(low), self.max().min(high));
+        min.cmple(max).all().then_some((min, max))
     }
 }
 
