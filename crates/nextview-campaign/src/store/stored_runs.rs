@@ -42,8 +42,8 @@ pub fn read(dir: &Path) -> Result<StoredRuns, Faults> {
 pub fn config_of_row(dir: &Path, row: usize) -> Result<String, Faults> {
     let runs = Spec::of_folder(dir)?.runs()?;
     let run = row.checked_sub(1).and_then(|i| runs.get(i)).ok_or_else(|| {
-        let message = format!("there is no row {row}, expected 1 to {}", runs.len());
-        Fault::request(message).in_file(&dir.join("runs.csv"))
+        let (n, table) = (runs.len(), dir.join("runs.csv"));
+        Fault::request(format!("there is no row {row}, expected 1 to {n} as in {}", table.display()))
     })?;
     let stored = read(dir)?;
     let record = stored.runs.iter().find(|record| record.id() == run.id).ok_or_else(|| {
