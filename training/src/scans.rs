@@ -7,7 +7,7 @@ use nextview::geometry::random::Random;
 use nextview::map::{Occupancy, Snapshot};
 use nextview::planner::{MostSurface, MostSurfaceConfig, RandomViews, ViewPlanner};
 use nextview::prior::{SurfacePrior, VoxelFeatures};
-use nextview::sensor::Intrinsics;
+use nextview::sensor::{DepthRange, Intrinsics};
 use nextview::session::{Decision, Session, SessionConfig, Table};
 use nextview::view::{ViewSpace, generate};
 use nextview::visibility::{FreeSpace, RayCaster, Sight};
@@ -194,7 +194,7 @@ impl Scan {
     ) -> Vec<Observation> {
         let estimate = prior.estimate(snapshot, &Cancel::default()).expect("nobody cancels");
         let camera = self.scene.camera();
-        let gain = ExpectedSurface::new(snapshot, camera.intrinsics(), &estimate, 1.0);
+        let gain = ExpectedSurface::new(snapshot, camera.intrinsics(), DepthRange::default(), &estimate, 1.0);
         let gain = gain.expect("the spacing is positive");
         let (mut evaluator, mut all) = (gain.evaluator(), Vec::new());
         for _ in 0..4 {

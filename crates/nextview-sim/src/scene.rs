@@ -13,6 +13,9 @@ use std::sync::Arc;
 /// Range of the simulated camera, metres, as the D435i's data sheet states it.
 pub const CAMERA_RANGE: f64 = 10.0;
 
+/// Half-side of the room, metres: it does not depend on the object, unless that would fill it.
+const ROOM: f64 = 2.0;
+
 /// An object in the middle of a room, with the box that planning knows.
 #[derive(Clone)]
 pub struct Scene {
@@ -22,7 +25,8 @@ pub struct Scene {
 }
 
 impl Scene {
-    /// The mesh (metres, world coordinates) in a room whose walls stand behind all usual view candidates.
+    /// The mesh (metres, world coordinates) in a room of 4 m a side, or larger if the object's longest side is
+    /// above 0.67 m: the walls stand behind all usual view candidates.
     ///
     /// Fails if the object is too large for the camera: from four times its half-side, where the paper's
     /// farthest views are, it must be within [`CAMERA_RANGE`].
@@ -33,7 +37,7 @@ impl Scene {
             let longest = object.longest_side();
             return Err(SimError::TooLargeForCamera { longest_side: longest, range: CAMERA_RANGE });
         }
-        let room = Aabb::cube(object.center(), 6.0 * size);
+        let room = Aabb::cube(object.center(), ROOM.max(6.0 * size));
         Ok(Self { camera: camera(Arc::new(mesh), intrinsics, room)?, bounds: object, room })
     }
 

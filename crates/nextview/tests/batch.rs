@@ -10,7 +10,7 @@ use nextview::map::{LogOdds, Snapshot};
 use nextview::motion::{KeepOut, tour_length};
 use nextview::planner::{Batch, BatchConfig, BatchPlan, Situation, ViewPlanner};
 use nextview::prior::SurfacePrior;
-use nextview::sensor::Intrinsics;
+use nextview::sensor::{DepthRange, Intrinsics};
 use nextview::view::{ViewSpace, generate};
 
 const N_VIEWS: usize = 14;
@@ -49,7 +49,8 @@ fn plan(config: BatchConfig) -> BatchPlan {
 /// For every view the value of each voxel: the probability that it shows new surface.
 fn values(snapshot: &Snapshot, views: &ViewSpace) -> Vec<Vec<f64>> {
     let estimate = SurfacePrior::default().estimate(snapshot, &Cancel::default()).unwrap();
-    let gain = ExpectedSurface::new(snapshot, &Intrinsics::d435i(), &estimate, 2.0).unwrap();
+    let gain =
+        ExpectedSurface::new(snapshot, &Intrinsics::d435i(), DepthRange::default(), &estimate, 2.0).unwrap();
     let look = |view: usize| {
         let mut value = vec![0.0; estimate.len()];
         gain.evaluator().survey(&views.pose(view), |i, class| value[i] = estimate.shows(i, class) as f64);

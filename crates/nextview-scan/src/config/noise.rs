@@ -1,5 +1,6 @@
 use crate::Fault;
 use crate::names::named;
+use nextview::sensor::DepthRange;
 use nextview_sim::noise::{DepthNoise, Noise, PoseError};
 use serde::{Deserialize, Serialize};
 
@@ -45,6 +46,11 @@ impl NoiseConfig {
                 rotation_sigma: self.pose_error_deg.to_radians(),
             },
         }
+    }
+
+    /// The depths that the camera measures: without errors, all.
+    pub fn depth_range(&self) -> DepthRange {
+        self.noise().depth.map_or_else(DepthRange::default, |depth| depth.range())
     }
 
     /// Whether frames claim wrong poses.

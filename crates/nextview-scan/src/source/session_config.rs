@@ -1,8 +1,10 @@
 use crate::{Fault, ScanConfig};
 use nextview::geometry::{Aabb, VoxelBlock};
+use nextview::sensor::DepthRange;
 use nextview::session::{ObjectBox, SessionConfig, Table};
 
-/// The session's part of a configuration, for so many candidates and an object in this box on this table.
+/// The session's part of a configuration, for so many candidates and an object in this box on this table, for
+/// a camera that measures all depths.
 pub(super) fn session_config(
     config: &ScanConfig,
     n_candidates: usize,
@@ -17,6 +19,7 @@ pub(super) fn session_config(
         max_gap: config.object_box.max_gap_m,
         table,
         first_view: config.first_view,
+        depth_range: DepthRange::default(),
         sensor_model: config.map.sensor_model,
         rays: config.map.rays,
         background: config.map.background,

@@ -1,4 +1,5 @@
 use nextview::Error;
+use nextview::sensor::DepthRange;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 use std::f64::consts::{FRAC_PI_2, PI};
 
@@ -41,6 +42,9 @@ pub struct DepthNoise {
     /// Surfaces nearer than this are lost, metres, 0 or more. Default 0.17.
     #[serde(rename = "min_depth_m")]
     pub min_depth: f64,
+    /// Surfaces farther away than this are lost, metres, above `min_depth`. Default 10.
+    #[serde(rename = "max_depth_m")]
+    pub max_depth: f64,
     /// A pixel shows the depth of the pixel at a distance with this standard deviation in both directions,
     /// pixels of the depth image, 0..=4. Default 0.5.
     #[serde(rename = "lateral_sigma_px")]
@@ -95,6 +99,7 @@ impl DepthNoise {
             disparity_step: 1.0 / 32.0,
             depth_unit: 0.001,
             min_depth: 0.17,
+            max_depth: 10.0,
             lateral_sigma: 0.5,
             edge_gradient: 1.0,
             edge_loss: 0.5,
@@ -116,12 +121,19 @@ impl DepthNoise {
         from_0("disparity_step_px", self.disparity_step, "0 or a positive number of pixels")?;
         from_0("depth_unit_m", self.depth_unit, "0 or a positive number of metres")?;
         from_0("min_depth_m", self.min_depth, "0 or a positive number of metres")?;
+        let is_range = self.range().check().is_ok();
+        check("max_depth_m", self.max_depth, is_range, "a number of metres above min_depth_m")?;
         let lateral = (0.0..=4.0).contains(&self.lateral_sigma);
         check("lateral_sigma_px", self.lateral_sigma, lateral, "0 to 4 pixels")?;
         positive("edge_gradient", self.edge_gradient, "a positive number")?;
         check("edge_loss", self.edge_loss, (0.0..=1.0).contains(&self.edge_loss), "a probability in 0..=1")?;
         let grazing = (0.0..FRAC_PI_2).contains(&self.grazing_from);
         check("grazing_from_rad", self.grazing_from, grazing, "0 to less than pi/2 (1.5708) radians")
+    }
+
+    /// The depths that are not lost.
+    pub fn range(&self) -> DepthRange {
+        DepthRange { min: self.min_depth, max: self.max_depth }
     }
 
     /// Standard deviation of the depth at this depth, both in metres, before it is rounded: for the disparity

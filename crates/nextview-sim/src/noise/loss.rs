@@ -13,13 +13,13 @@ pub(super) fn probabilities(noise: &DepthNoise, exact: &[f32], intrinsics: &Intr
     let width = intrinsics.width() as usize;
     let inverse: Vec<f32> = exact.iter().map(|depth| 1.0 / depth).collect();
     let disparity_at_1_m = (intrinsics.focal().x * noise.baseline) as f32;
-    let farthest = inverse_limit(noise.min_depth);
+    let measured = (1.0 / noise.max_depth) as f32..=inverse_limit(noise.min_depth);
     let mut loss = vec![1.0; exact.len()];
     for v in 0..intrinsics.height() as usize {
         let is_hidden = hidden(&inverse[v * width..][..width], disparity_at_1_m);
         for u in (0..width).filter(|u| !is_hidden[*u]) {
             let here = inverse[v * width + u];
-            if here > 0.0 && here <= farthest {
+            if measured.contains(&here) {
                 let slopes = Slopes::new(&inverse, width, u, v);
                 let is_edge = slopes.steepest * disparity_at_1_m > noise.edge_gradient as f32;
                 let edge = if is_edge { noise.edge_loss } else { 0.0 };

@@ -2,7 +2,7 @@ use crate::Error;
 use crate::geometry::Pose;
 use crate::map::{Occupancy, Snapshot};
 use crate::prior::{SurfaceEstimate, ViewingClass};
-use crate::sensor::Intrinsics;
+use crate::sensor::{DepthRange, Intrinsics};
 use crate::visibility::{Paths, RayCaster, ValueCaster};
 use glam::{DVec3, Vec3};
 
@@ -32,16 +32,19 @@ const PASSES_BORDER: f32 = 0.95;
 const FADED: f32 = 0.03;
 
 impl<'a> ExpectedSurface<'a> {
-    /// The gain under an estimate for this snapshot. `ray_spacing` is the distance between neighbouring rays
+    /// The gain under an estimate for this snapshot, for a camera with these optics that measures these
+    /// depths. `ray_spacing` is the distance between neighbouring rays
     /// at the far side of the box, in voxels of the snapshot, positive.
     pub fn new(
         snapshot: &'a Snapshot,
         intrinsics: &Intrinsics,
+        depth_range: DepthRange,
         estimate: &'a SurfaceEstimate,
         ray_spacing: f64,
     ) -> Result<Self, Error> {
         let passes = passes(snapshot, estimate);
-        let caster = RayCaster::through(snapshot, intrinsics, ray_spacing, &passes, FADED)?;
+        let caster =
+            RayCaster::through(snapshot, intrinsics, ray_spacing, &passes, FADED)?.within(depth_range);
         // Every voxel of the estimate weakens rays, so the caster numbers all of them in the order of the
         // estimate.
         let mut is_item = vec![0.0; passes.len()];

@@ -16,6 +16,10 @@ const N_DRAWS: usize = 20_000;
 /// The same where most points are known to lie on the plane: a plane that holds a third of them is found
 /// almost certainly.
 const N_DRAWS_NEAR: usize = 300;
+/// Tilt, degrees, at which a point of a plane counts half: a plane through the top of an object or its side
+/// may hold more points than a table that is seen at a grazing angle, but the world's z axis hardly ever
+/// leans against a table.
+const HALF_WEIGHT_TILT: f64 = 5.0;
 /// Cosine of 3 degrees.
 const ALIKE: f64 = 0.998_629_534_754_573_9;
 /// Share of the points that a plane must hold.
@@ -33,8 +37,9 @@ pub struct PlaneFit {
 }
 
 /// The plane that holds most points (metres), among those that lean by less than 30 degrees from the
-/// horizontal and lie below `viewpoint`: a table, not a wall and not the ceiling. None if no such plane holds
-/// a twentieth of the points.
+/// horizontal and lie below `viewpoint`: a table, not a wall and not the ceiling. The points of a plane that
+/// leans by 5 degrees count half, those of one that leans by 10 a fifth. None if no such plane holds a
+/// twentieth of the points.
 ///
 /// RANSAC (Fischler & Bolles 1981) with fixed draws, then least squares over the points within 5 and then 2
 /// mm.
@@ -48,55 +53,66 @@ pub(crate) fn fit_ground_unless(
     viewpoint: DVec3,
     cancel: &Cancel,
 ) -> Result<Option<PlaneFit>, Cancelled> {
-    fit(points, viewpoint, N_DRAWS, cancel)
+    fit(points, viewpoint, DVec3::Z, N_DRAWS, cancel)
 }
 
 /// The same for the points at most `distance` metres from a rough estimate of the plane; none if the result
-/// is tilted against the estimate by more than 3 degrees.
+/// is tilted against the estimate by more than 3 degrees. Tilts count against the estimate, too.
 pub fn fit_ground_near(rough: Plane, distance: f64, points: &[DVec3], viewpoint: DVec3) -> Option<PlaneFit> {
     let near: Vec<DVec3> = inliers(points, rough, distance).collect();
-    let found = fit(&near, viewpoint, N_DRAWS_NEAR, &Cancel::default()).expect("nobody cancels")?;
+    let found =
+        fit(&near, viewpoint, rough.normal(), N_DRAWS_NEAR, &Cancel::default()).expect("nobody cancels")?;
     (found.plane.normal().dot(rough.normal()) >= ALIKE).then_some(found)
 }
 
 fn fit(
     points: &[DVec3],
     viewpoint: DVec3,
+    expected_normal: DVec3,
     n_draws: usize,
     cancel: &Cancel,
 ) -> Result<Option<PlaneFit>, Cancelled> {
     let tried: Vec<DVec3> = points.iter().step_by(points.len().div_ceil(N_TRIED).max(1)).copied().collect();
-    let fullest = fullest_plane(&tried, viewpoint, n_draws, cancel)?;
-    let is_enough = |(n, _): &(usize, Plane)| *n as f64 >= LEAST_SHARE * tried.len() as f64;
-    let Some((_, plane)) = fullest.filter(is_enough) else { return Ok(None) };
+    let likeliest = likeliest_plane(&tried, viewpoint, expected_normal, n_draws, cancel)?;
+    let is_enough = |plane: &Plane| {
+        inliers(&tried, *plane, INLIER_DISTANCE).count() as f64 >= LEAST_SHARE * tried.len() as f64
+    };
+    let Some(plane) = likeliest.map(|(_, plane)| plane).filter(is_enough) else { return Ok(None) };
     let plane = least_squares(points, least_squares(points, plane, INLIER_DISTANCE), CLOSE_DISTANCE);
     let (n, sum) = inliers(points, plane, INLIER_DISTANCE)
         .fold((0, 0.0), |(n, sum), p| (n + 1, sum + plane.height(p).powi(2)));
     Ok((n > 0).then(|| PlaneFit { plane, deviation: (sum / n as f64).sqrt() }))
 }
 
-/// Of the planes through three drawn points, the one with most points near, and how many.
-fn fullest_plane(
+/// Of the planes through three drawn points, the one whose points near weigh most, and their weight.
+fn likeliest_plane(
     points: &[DVec3],
     viewpoint: DVec3,
+    expected_normal: DVec3,
     n_draws: usize,
     cancel: &Cancel,
-) -> Result<Option<(usize, Plane)>, Cancelled> {
+) -> Result<Option<(f64, Plane)>, Cancelled> {
     if points.len() < 3 {
         return Ok(None);
     }
     let mut random = Random::new(0, 0);
     let mut draw = || points[random.index(points.len())];
-    let mut fullest: Option<(usize, Plane)> = None;
+    let mut likeliest: Option<(f64, Plane)> = None;
     for _ in 0..n_draws {
         cancel.check()?;
         let Some(plane) = ground_through([draw(), draw(), draw()], viewpoint) else { continue };
-        let n = inliers(points, plane, INLIER_DISTANCE).count();
-        if fullest.is_none_or(|(most, _)| n > most) {
-            fullest = Some((n, plane));
+        let weight = weight(points, plane, expected_normal);
+        if likeliest.is_none_or(|(most, _)| weight > most) {
+            likeliest = Some((weight, plane));
         }
     }
-    Ok(fullest)
+    Ok(likeliest)
+}
+
+/// The number of points near a plane, less the more it is tilted.
+fn weight(points: &[DVec3], plane: Plane, expected_normal: DVec3) -> f64 {
+    let tilt = plane.normal().angle_between(expected_normal).to_degrees();
+    inliers(points, plane, INLIER_DISTANCE).count() as f64 / (1.0 + (tilt / HALF_WEIGHT_TILT).powi(2))
 }
 
 fn ground_through([a, b, c]: [DVec3; 3], viewpoint: DVec3) -> Option<Plane> {
@@ -155,6 +171,14 @@ mod tests {
     }
 
     #[test]
+    fn finds_the_table_beside_a_larger_slope() {
+        let mut random = Random::new(4, 0);
+        let mut points = square(4000, 20.0, DVec3::Z * 0.3, &mut random);
+        points.extend(square(1000, 1.0, DVec3::ZERO, &mut random));
+        check_near(fit_ground(&points, EYE).unwrap(), 1.0, DVec3::ZERO);
+    }
+
+    #[test]
     fn finds_nothing_where_there_is_no_table() {
         let mut random = Random::new(2, 0);
         let wall = square(3000, 90.0, DVec3::Y, &mut random);
@@ -173,21 +197,17 @@ mod tests {
             let mut random = Random::new(seed, 1);
             let mut points = square(8, 0.0, DVec3::ZERO, &mut random);
             points.extend((0..16).map(|_| random.in_cube() * 0.2));
-            let mut most = 0;
+            let mut most = 0.0_f64;
             for (i, &a) in points.iter().enumerate() {
                 for (j, &b) in points.iter().enumerate().skip(i + 1) {
                     for &c in &points[j + 1..] {
                         let plane = ground_through([a, b, c], EYE);
-                        most = most
-                            .max(plane.map_or(0, |plane| inliers(&points, plane, INLIER_DISTANCE).count()));
+                        most = most.max(plane.map_or(0.0, |plane| weight(&points, plane, DVec3::Z)));
                     }
                 }
             }
-            assert_eq!(
-                fullest_plane(&points, EYE, N_DRAWS, &Cancel::default()).unwrap().unwrap().0,
-                most,
-                "seed {seed}"
-            );
+            let found = likeliest_plane(&points, EYE, DVec3::Z, N_DRAWS, &Cancel::default());
+            assert_eq!(found.unwrap().unwrap().0, most, "seed {seed}");
         }
     }
 }

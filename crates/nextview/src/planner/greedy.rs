@@ -64,7 +64,8 @@ impl<G: InformationGain> Greedy<G> {
         let gain = G::new(situation.snapshot(), situation.frames(), situation.cancel())?;
         let spacing = situation.in_snapshot_voxels(self.config.ray_spacing);
         let caster = RayCaster::new(situation.snapshot(), situation.intrinsics(), spacing, G::SIGHT)
-            .expect("the constructor checked the ray spacing");
+            .expect("the constructor checked the ray spacing")
+            .within(situation.depth_range());
         let gain_of = |&view: &usize| {
             let mut tally = G::Tally::default();
             caster.try_cast(&situation.views().pose(view), |ray| {

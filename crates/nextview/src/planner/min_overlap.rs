@@ -64,7 +64,8 @@ fn overlaps(situation: &Situation<'_>, views: &[usize]) -> Result<Vec<f64>, Canc
     let (snapshot, cancel) = (situation.snapshot(), situation.cancel());
     let spacing = situation.in_snapshot_voxels(RAY_SPACING);
     let caster = RayCaster::new(snapshot, situation.intrinsics(), spacing, Sight::endless(FreeSpace::Clear))
-        .expect("the spacing is positive");
+        .expect("the spacing is positive")
+        .within(situation.depth_range());
     let overlap = |&view: &usize| {
         let mut tally = Tally::default();
         caster.try_cast(&situation.views().pose(view), |ray| {

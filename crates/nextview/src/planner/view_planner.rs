@@ -1,6 +1,6 @@
 use super::Explanation;
 use crate::map::Snapshot;
-use crate::sensor::{Frame, Intrinsics};
+use crate::sensor::{DepthRange, Frame, Intrinsics};
 use crate::view::ViewSpace;
 use crate::{Cancel, Cancelled, Error};
 use glam::DVec3;
@@ -50,6 +50,7 @@ pub struct Situation<'a> {
     frames: &'a [Frame],
     views: &'a ViewSpace,
     intrinsics: &'a Intrinsics,
+    depth_range: DepthRange,
     /// Numbers of candidates.
     visited: &'a [usize],
     /// At most the voxel size of the snapshot, metres, and at least that which [`MOST_VOXELS`] allows.
@@ -72,7 +73,21 @@ impl<'a> Situation<'a> {
         cancel: &'a Cancel,
     ) -> Self {
         let finest_voxel_size = snapshot.lattice().voxel_size();
-        Self { snapshot, frames: &[], views, intrinsics, visited: &[], finest_voxel_size, cancel }
+        Self {
+            snapshot,
+            frames: &[],
+            views,
+            intrinsics,
+            depth_range: DepthRange::default(),
+            visited: &[],
+            finest_voxel_size,
+            cancel,
+        }
+    }
+
+    /// The same for a camera that measures only these depths; without it, all.
+    pub fn with_depth_range(self, depth_range: DepthRange) -> Self {
+        Self { depth_range, ..self }
     }
 
     /// The same with the frames that the snapshot was made from, oldest first.
@@ -125,6 +140,11 @@ impl<'a> Situation<'a> {
     /// The optics of the camera.
     pub fn intrinsics(&self) -> &'a Intrinsics {
         self.intrinsics
+    }
+
+    /// The depths that the camera measures.
+    pub fn depth_range(&self) -> DepthRange {
+        self.depth_range
     }
 
     /// The views taken so far, in order; all are candidates.

@@ -5,6 +5,7 @@
 
 mod color_image;
 mod depth_image;
+mod depth_range;
 mod distortion;
 mod frame;
 mod intrinsics;
@@ -14,6 +15,7 @@ pub(crate) mod made_up;
 
 pub use color_image::ColorImage;
 pub use depth_image::{Depth, DepthImage};
+pub use depth_range::DepthRange;
 pub use distortion::Distortion;
 pub use frame::Frame;
 pub use intrinsics::Intrinsics;

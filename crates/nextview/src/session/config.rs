@@ -5,6 +5,7 @@ use crate::geometry::{Aabb, Lattice, Pose, VoxelBlock};
 use crate::map::{Background, RayRule, SensorModel};
 use crate::motion::MotionConfig;
 use crate::registration::RegistrationConfig;
+use crate::sensor::DepthRange;
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
 
@@ -53,6 +54,10 @@ pub struct SessionConfig {
     /// The effect of rays past the object. Default: they carve free space.
     #[serde(default)]
     pub background: Background,
+    /// The depths that the camera measures: planning counts on no others, and candidates that
+    /// [follow](Views::Following) the object stay at such distances from it. Default: all.
+    #[serde(default)]
+    pub depth_range: DepthRange,
     /// How measurements change voxels. Default OctoMap's.
     #[serde(default)]
     pub sensor_model: SensorModel,
@@ -99,6 +104,7 @@ impl SessionConfig {
             table: Table::None,
             rays: RayRule::default(),
             background: Background::default(),
+            depth_range: DepthRange::default(),
             sensor_model: SensorModel::default(),
             multi_resolution: MultiResolutionConfig::default(),
             registration: RegistrationConfig::default(),
@@ -131,6 +137,7 @@ impl SessionConfig {
         check_range("voxel_size_m", self.voxel_size, 0.0..=LARGEST_VOXEL, "at most 1e6")?;
         check_range("max_gap_m", self.max_gap, 0.0..=1000.0, "0 to 1000")?;
         self.multi_resolution.check_for(self.voxel_size)?;
+        self.depth_range.check()?;
         self.sensor_model.check()?;
         self.table.check()?;
         self.registration.check()?;

@@ -2,7 +2,7 @@ use super::location::Location;
 use super::object_box::ObjectBox;
 use super::object_points::ObjectPoints;
 use super::other_body::{OtherBody, other_bodies};
-use super::planning_box::growing_box;
+use super::planning_box::{as_deep_as_wide, growing_box};
 use super::scan_map::Place;
 use super::table::{ShownTable, Table};
 use crate::geometry::Aabb;
@@ -35,7 +35,8 @@ impl Locator {
                     let table = table.map(|table| ShownTable::new(table, frame));
                     self.points.add(frame, table, cancel)?;
                 }
-                let object = self.points.bounds();
+                let cameras = frames.iter().map(|frame| frame.world_from_camera().translation());
+                let object = self.points.bounds().map(|seen| as_deep_as_wide(&seen, cameras));
                 (object, object.map(|object| growing_box(&object, self.voxel_size)))
             }
         };

@@ -95,7 +95,7 @@ impl Session {
         let (scene, location) = KnownScene::new(&config)?;
         Ok(Self {
             scene,
-            candidates: views.candidates(&location.unwrap_or_default()),
+            candidates: views.candidates(&location.unwrap_or_default(), config.depth_range),
             config,
             intrinsics,
             views,
@@ -129,7 +129,7 @@ impl Session {
         let added = added.inspect_err(|Cancelled| _ = self.frames.pop())?;
         self.scene = scene;
         if let Some(location) = &added.moved {
-            self.candidates = self.without_skipped(self.views.candidates(location));
+            self.candidates = self.without_skipped(self.views.candidates(location, self.config.depth_range));
         }
         let taken = self.decision.take().and_then(Decision::next_view);
         self.n_taken += taken.is_some() as usize;
@@ -325,6 +325,7 @@ impl Session {
             return Ok(Plan { choice: Some(choice), ..Plan::default() });
         }
         let situation = Situation::new(snapshot, &self.candidates, &self.intrinsics, &self.cancel)
+            .with_depth_range(self.config.depth_range)
             .with_frames(&self.frames)
             .with_visited(&self.visited)
             .and_then(|situation| situation.with_finest_voxel_size(self.config.voxel_size));

@@ -1,4 +1,5 @@
 use crate::geometry::Aabb;
+use glam::DVec3;
 
 /// Side of the box to plan in, without the voxels of [`BOX_MARGIN_VOXELS`], over the object's longest side.
 pub const BOX_MARGIN_FACTOR: f64 = 1.1;
@@ -24,9 +25,47 @@ pub fn planning_box(object: &Aabb, voxel_size: f64) -> Aabb {
     Aabb::cube(object.center(), BOX_MARGIN_FACTOR * half_side + BOX_MARGIN_VOXELS * voxel_size)
 }
 
-/// The same rounded to whole voxels: centre and half-side, so that the box of an object that grows by less
+/// Where an object lies whose seen points have this box: as large as the box, but moved away from the cameras
+/// that saw it. A front that is wide and not deep is hardly ever the whole object; the rest is behind it, and
+/// as long as no camera was there, the cube to plan in must reach as far back as the front is wide.
+///
+/// Heights stay: the object stands on its lowest point.
+pub(super) fn as_deep_as_wide(seen: &Aabb, cameras: impl Iterator<Item = DVec3>) -> Aabb {
+    let (mut from_high, mut from_low) = (DVec3::ZERO, DVec3::ZERO);
+    for toward in cameras.map(|camera| (camera - seen.center()).normalize_or_zero()) {
+        from_high += toward.max(DVec3::ZERO);
+        from_low += (-toward).max(DVec3::ZERO);
+    }
+    let away = (from_low - from_high) / (from_low + from_high + HALF_SURE);
+    let slack = 0.5 * (DVec3::splat(seen.longest_side()) - seen.size());
+    let offset = (away * slack).with_z(0.0);
+    Aabb { min: seen.min + offset, max: seen.max + offset }
+}
+
+/// Number of frames from one side that move the object by half of what is possible.
+const HALF_SURE: f64 = 0.5;
+
+/// The cube around an object that grows, rounded to whole voxels: centre and half-side, so that the box of an object that grows by less
 /// stays as it is, and so do its maps.
 pub(super) fn growing_box(object: &Aabb, voxel_size: f64) -> Aabb {
     let half = (BOX_MARGIN_FACTOR * 0.5 * object.longest_side() / voxel_size + BOX_MARGIN_VOXELS).ceil();
     Aabb::cube((object.center() / voxel_size).round() * voxel_size, half * voxel_size)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_rest_of_an_object_is_behind_its_front() {
+        let front = Aabb { min: DVec3::new(0.0, -0.1, 0.0), max: DVec3::new(0.02, 0.1, 0.05) };
+        let moved =
+            |cameras: &[DVec3]| as_deep_as_wide(&front, cameras.iter().copied()).center() - front.center();
+        let [right, left, above] = [DVec3::X, -DVec3::X, DVec3::Z].map(|at| front.center() + at);
+        assert_eq!(moved(&[]), DVec3::ZERO);
+        assert!((moved(&[right]) - DVec3::new(-0.06, 0.0, 0.0)).length() < 1e-12, "{}", moved(&[right]));
+        assert_eq!(moved(&[right, left]), DVec3::ZERO, "both sides were seen");
+        assert_eq!(moved(&[above]), DVec3::ZERO);
+        assert!(moved(&[right, right]).x > -0.09);
+    }
 }

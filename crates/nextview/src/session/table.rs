@@ -56,10 +56,10 @@ pub(super) struct KnownTable {
 #[derive(Clone, Copy, Debug)]
 pub(super) struct ShownTable {
     camera: DVec3,
-    /// Points up to this plane belong to the table.
-    top: Plane,
-    /// So do points above `top` by up to this times their squared distance from the camera, less
-    /// [`ON_TABLE`]; per metre.
+    /// Points up to one of these planes belong to the table: as it is known, and as the frame shows it.
+    tops: [Plane; 2],
+    /// So do points above one by up to this times their squared distance from the camera, less [`ON_TABLE`];
+    /// per metre.
     per_distance_sq: f64,
 }
 
@@ -69,18 +69,18 @@ impl ShownTable {
         let camera = frame.world_from_camera().translation();
         let points: Vec<DVec3> = frame.points().collect();
         let Some(fit) = fit_ground_near(known.plane, POSE_ERROR, &points, camera) else {
-            return Self { camera, top: known.top, per_distance_sq: 0.0 };
+            return Self { camera, tops: [known.top; 2], per_distance_sq: 0.0 };
         };
         let of_table = points.iter().filter(|point| fit.plane.height(**point).abs() <= ON_TABLE);
         let (n, sum) = of_table.fold((0, 0.0), |(n, sum), p| (n + 1, sum + p.distance_squared(camera)));
         let per_distance_sq = if n > 0 { DEVIATIONS_SHOWN * fit.deviation * n as f64 / sum } else { 0.0 };
-        Self { camera, top: fit.plane.raised(ON_TABLE), per_distance_sq }
+        Self { camera, tops: [known.top, fit.plane.raised(ON_TABLE)], per_distance_sq }
     }
 
     /// Whether a point of the frame is above the table.
     pub fn is_below(&self, point: DVec3) -> bool {
         let noise = self.per_distance_sq * point.distance_squared(self.camera);
-        self.top.height(point) > (noise - ON_TABLE).max(0.0)
+        self.tops.iter().all(|top| top.height(point) > (noise - ON_TABLE).max(0.0))
     }
 }
 

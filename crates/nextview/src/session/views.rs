@@ -1,6 +1,7 @@
 use super::location::Location;
 use crate::Error;
 use crate::geometry::Pose;
+use crate::sensor::DepthRange;
 use crate::view::{Reach, ViewSpace};
 
 /// Where the camera could go.
@@ -15,9 +16,10 @@ pub enum Views {
         first: Pose,
         /// The candidates for an object at the origin whose longest side is 2 m ("size 1"), such as
         /// `generate::shell(DVec3::ZERO, 1.0, 1000, 0)`. They stand [around](ViewSpace::around) the middle of
-        /// the known part of the object, at distances proportional to half its longest side. So a candidate's
-        /// number always means the same direction and relative distance, and stays taken once it was,
-        /// although the candidate may have moved a little since.
+        /// the known part of the object, at distances proportional to half its longest side, or where the
+        /// camera [measures](ViewSpace::within_range) if that is farther or nearer. So a candidate's number
+        /// always means the same direction and relative distance, and stays taken once it was, although the
+        /// candidate may have moved a little since.
         unit: ViewSpace,
         /// Candidates that have moved out of it are out of reach. Of fixed ones,
         /// [`restricted`](ViewSpace::restricted) does the same.
@@ -39,13 +41,15 @@ impl Views {
         }
     }
 
-    /// The candidates for an object at this location; the unit candidates while the location is unknown.
-    pub(super) fn candidates(&self, location: &Location) -> ViewSpace {
+    /// The candidates of a camera of this range for an object at this location; the unit candidates while the
+    /// location is unknown.
+    pub(super) fn candidates(&self, location: &Location, range: DepthRange) -> ViewSpace {
         let views = match (self, location.object) {
             (Self::Fixed(views), _) => views.clone(),
-            (Self::Following { unit, reach, .. }, Some((center, size))) => {
-                unit.following(center, size).restricted(|position| reach.contains(position))
-            }
+            (Self::Following { unit, reach, .. }, Some((center, size))) => unit
+                .following(center, size)
+                .within_range(center, size, range)
+                .restricted(|position| reach.contains(position)),
             (Self::Following { unit, .. }, None) => unit.clone(),
         };
         let is_clear = |position| location.place.table.is_none_or(|table| table.is_clear(position));

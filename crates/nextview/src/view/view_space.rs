@@ -1,6 +1,7 @@
 use super::csv;
 use crate::Error;
 use crate::geometry::{Pose, check_position};
+use crate::sensor::DepthRange;
 use glam::DVec3;
 use std::io::{Read, Write};
 
@@ -61,6 +62,22 @@ impl ViewSpace {
         moved
     }
 
+    /// The same candidates around the middle of an object of this half-side (metres), moved along their ray
+    /// from `center` to where a camera of this range [measures the object](DepthRange::distances). Those that
+    /// do already stay where they are.
+    pub fn within_range(mut self, center: DVec3, size: f64, range: DepthRange) -> Self {
+        let (least, largest) = range.distances(size);
+        for pose in &mut self.poses {
+            let offset = pose.translation() - center;
+            let distance = offset.length();
+            // A camera in the middle has no ray.
+            if distance > 0.0 && !(least..=largest).contains(&distance) {
+                *pose = pose.with_translation(center + offset * (distance.clamp(least, largest) / distance));
+            }
+        }
+        self
+    }
+
     /// The same candidates; only those whose camera can stand at its position stay within reach.
     pub fn restricted(mut self, can_stand: impl Fn(DVec3) -> bool) -> Self {
         for (within_reach, pose) in self.within_reach.iter_mut().zip(&self.poses) {
@@ -117,6 +134,21 @@ mod tests {
         for (a, b) in moved.poses().iter().zip(made.poses()) {
             assert!(a.translation().distance(b.translation()) < 1e-15);
             assert!(a.rotation().dot(b.rotation()).abs() > 1.0 - 1e-12);
+        }
+    }
+
+    #[test]
+    fn candidates_move_along_their_ray_into_the_range() {
+        let (center, size) = (DVec3::new(0.3, -0.1, 0.2), 0.05);
+        let all = generate::shell(center, size, 300, 5).unwrap();
+        assert_eq!(all.clone().within_range(center, size, DepthRange::default()), all);
+        let range = DepthRange { min: 0.1, max: 0.18 };
+        let moved = all.clone().within_range(center, size, range);
+        for (before, after) in all.poses().iter().zip(moved.poses()) {
+            let [a, b] = [before, after].map(|pose| pose.translation() - center);
+            assert!(a.normalize().distance(b.normalize()) < 1e-12);
+            assert!((b.length() - a.length().clamp(0.15, 0.18)).abs() < 1e-12);
+            assert_eq!(before.rotation(), after.rotation());
         }
     }
 

@@ -1,5 +1,6 @@
 use super::pass_grid::PassGrid;
 use crate::geometry::lanes::{FIRST_INDEX, LANES, Lanes, abs, floor, load, store};
+use crate::sensor::DepthRange;
 use glam::DVec3;
 use pulp::Simd;
 
@@ -39,9 +40,17 @@ pub(super) struct PacketAxis {
 pub(super) const OUTSIDE: f64 = FIRST_INDEX;
 
 impl Packet {
-    /// Lets rays from `origin` into the block of a grid.
+    /// Lets the parts of rays from `origin` that are within a range of depths, in voxels, into the block of a
+    /// grid. A direction's length is that of a depth of 1.
     #[inline(always)]
-    pub fn enter<S: Simd>(&mut self, simd: S, grid: &PassGrid, origin: DVec3, directions: &Directions) {
+    pub fn enter<S: Simd>(
+        &mut self,
+        simd: S,
+        grid: &PassGrid,
+        origin: DVec3,
+        directions: &Directions,
+        depths: DepthRange,
+    ) {
         let mut is_ray = [0.0; LANES];
         #[allow(
             clippy::needless_range_loop,
@@ -51,7 +60,7 @@ impl Packet {
             is_ray[lane] = if directions.is_ray[lane] { 1.0 } else { 0.0 };
         }
         for part in 0..LANES / S::F64_LANES {
-            let clip = Clip::new(simd, grid, origin, directions, part);
+            let clip = Clip::new(simd, grid, origin, directions, depths, part);
             let mut index = simd.splat_f64s(OUTSIDE + grid.padded.strides().iter().sum::<usize>() as f64);
             for axis in 0..3 {
                 let moved = self.enter_along(simd, axis, part, grid, origin[axis], &clip);
@@ -94,20 +103,27 @@ impl Packet {
     }
 }
 
-/// [`Aabb::clip`](crate::geometry::Aabb::clip) with selections in place of branches.
+/// [`Aabb::clip`](crate::geometry::Aabb::clip) within a range of depths, with selections in place of branches.
 struct Clip<S: Simd> {
     directions: [S::f64s; 3],
     inverses: [S::f64s; 3],
     /// Whether the ray is parallel to the borders.
     is_still: [S::m64s; 3],
-    /// Where it enters the block, in lengths of its direction.
+    /// Where it enters the block, or where the depths begin inside it, in lengths of its direction.
     t_in: S::f64s,
     meets: S::m64s,
 }
 
 impl<S: Simd> Clip<S> {
     #[inline(always)]
-    fn new(simd: S, grid: &PassGrid, origin: DVec3, directions: &Directions, part: usize) -> Self {
+    fn new(
+        simd: S,
+        grid: &PassGrid,
+        origin: DVec3,
+        directions: &Directions,
+        depths: DepthRange,
+        part: usize,
+    ) -> Self {
         let [x, y, z] = &directions.axes;
         let directions = [load::<S>(x, part), load::<S>(y, part), load::<S>(z, part)];
         let (zero, infinity) = (simd.splat_f64s(0.0), simd.splat_f64s(f64::INFINITY));
@@ -116,10 +132,10 @@ impl<S: Simd> Clip<S> {
             directions,
             inverses: directions,
             is_still: [everywhere; 3],
-            t_in: zero,
+            t_in: simd.splat_f64s(depths.min),
             meets: everywhere,
         };
-        let mut t_out = infinity;
+        let mut t_out = simd.splat_f64s(depths.max);
         for axis in 0..3 {
             let inverse = simd.div_f64s(simd.splat_f64s(1.0), directions[axis]);
             let is_still = simd.equal_f64s(abs(simd, inverse), infinity);
@@ -165,6 +181,7 @@ pub(super) mod tests {
         pub grid: &'a PassGrid,
         pub origin: DVec3,
         pub directions: [DVec3; LANES],
+        pub depths: DepthRange,
     }
 
     impl WithSimd for Enter<'_> {
@@ -173,7 +190,8 @@ pub(super) mod tests {
         #[inline(always)]
         fn with_simd<S: Simd>(self, simd: S) {
             let axes = [0, 1, 2].map(|axis| self.directions.map(|direction| direction[axis]));
-            self.packet.enter(simd, self.grid, self.origin, &Directions { axes, is_ray: [true; LANES] });
+            let directions = Directions { axes, is_ray: [true; LANES] };
+            self.packet.enter(simd, self.grid, self.origin, &directions, self.depths);
         }
     }
 
@@ -190,19 +208,23 @@ pub(super) mod tests {
         fn rays_enter_together_as_they_do_alone(
             origin in vector(), directions in prop::array::uniform8(vector()),
             min in prop::array::uniform3(-4..3), dims in prop::array::uniform3(1_u32..6),
+            near in prop::sample::select(vec![0.0, 0.5, 3.0]), length in prop::sample::select(vec![0.25, 4.0, 1e9]),
         ) {
+            let depths = DepthRange { min: near, max: near + length };
             let block = VoxelBlock::new(IVec3::from_array(min), UVec3::from_array(dims)).unwrap();
             let snapshot = Snapshot::from_fn(Lattice::new(1.0).unwrap(), block, |_| None);
             let grid = PassGrid::new(&snapshot, FreeSpace::Clear);
             let (min, max) = (block.min().as_dvec3(), (block.max() + 1).as_dvec3());
             for arch in archs() {
                 let mut packet = Packet::default();
-                arch.dispatch(Enter { packet: &mut packet, grid: &grid, origin, directions });
+                arch.dispatch(Enter { packet: &mut packet, grid: &grid, origin, directions, depths });
                 for (lane, &direction) in directions.iter().enumerate() {
-                    let Some((t_in, _)) = Aabb { min, max }.clip(origin, direction, f64::INFINITY) else {
+                    let clip = Aabb { min, max }.clip(origin, direction, depths.max);
+                    let Some(t_in) = clip.map(|(t_in, t_out)| (t_in.max(near), t_out)).filter(|(a, b)| a <= b) else {
                         prop_assert_eq!(packet.index[lane], OUTSIDE);
                         continue;
                     };
+                    let (t_in, _) = t_in;
                     let entry = (origin + direction * t_in - min).as_uvec3().min(block.dims() - 1).as_ivec3();
                     prop_assert_eq!(Some(cell(packet.index[lane])), grid.padded.index(block.min() + entry));
                     for (i, axis) in packet.axes.iter().enumerate() {

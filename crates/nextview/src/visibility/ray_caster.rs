@@ -6,7 +6,7 @@ use crate::Error;
 use crate::geometry::lanes::{LANES, cell};
 use crate::geometry::{Aabb, Pose};
 use crate::map::Snapshot;
-use crate::sensor::Intrinsics;
+use crate::sensor::{DepthRange, Intrinsics};
 use glam::{DMat3, DVec3};
 use pulp::{Arch, Simd, WithSimd};
 use std::convert::Infallible;
@@ -41,6 +41,8 @@ pub struct RayCaster<'a> {
     pub(super) passes: PassGrid,
     /// Visibility below which a ray ends.
     pub(super) fade_limit: f32,
+    /// The depths that the camera measures, in voxels.
+    depths: DepthRange,
     /// The instructions of the CPU.
     pub(super) arch: Arch,
 }
@@ -97,8 +99,16 @@ impl<'a> RayCaster<'a> {
             bounds: snapshot.lattice().bounds(&passes.block),
             passes,
             fade_limit,
+            depths: DepthRange::default(),
             arch: Arch::new(),
         })
+    }
+
+    /// The same for a camera that measures only these depths: rays begin at the least of them, and those that
+    /// meet the box beyond the largest are left out.
+    pub fn within(self, range: DepthRange) -> Self {
+        let in_voxels = |depth: f64| depth / self.snapshot.lattice().voxel_size();
+        Self { depths: DepthRange { min: in_voxels(range.min), max: in_voxels(range.max) }, ..self }
     }
 
     /// Casts the rays of a view, in a fixed order; those that miss the box are left out.
@@ -206,7 +216,7 @@ impl WithSimd for Prepare<'_> {
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) {
         let directions = self.caster.grid.packet(self.cells, self.start, &self.rotation);
-        self.packet.enter(simd, &self.caster.passes, self.origin, &directions);
+        self.packet.enter(simd, &self.caster.passes, self.origin, &directions, self.caster.depths);
     }
 }
 
@@ -225,7 +235,7 @@ mod tests {
     /// Traces one ray, origin and direction in units of voxels; none if it misses the box.
     fn trace(caster: &RayCaster<'_>, origin: DVec3, direction: DVec3) -> Option<(Vec<Crossing>, RayEnd)> {
         let (mut packet, grid, directions) = (Packet::default(), &caster.passes, [direction; LANES]);
-        caster.arch.dispatch(Enter { packet: &mut packet, grid, origin, directions });
+        caster.arch.dispatch(Enter { packet: &mut packet, grid, origin, directions, depths: caster.depths });
         let mut crossings = Vec::new();
         caster.trace(&packet, 3, &mut crossings).map(|end| (crossings, end))
     }

@@ -7,7 +7,7 @@ use nextview::gain::ExpectedSurface;
 use nextview::geometry::{Pose, SegmentWalk, VoxelBlock};
 use nextview::map::{Occupancy, Snapshot};
 use nextview::prior::SurfaceEstimate;
-use nextview::sensor::{Distortion, Intrinsics};
+use nextview::sensor::{DepthRange, Distortion, Intrinsics};
 use nextview::view::look_at;
 use nextview::visibility::RayGrid;
 use proptest::prelude::*;
@@ -95,7 +95,7 @@ fn check_view(
     pose: &Pose,
 ) -> Result<usize, TestCaseError> {
     let estimate = prior(seed).estimate(snapshot, &Cancel::default()).unwrap();
-    let gain = ExpectedSurface::new(snapshot, camera, &estimate, spacing).unwrap();
+    let gain = ExpectedSurface::new(snapshot, camera, DepthRange::default(), &estimate, spacing).unwrap();
     let (mut evaluator, mut found, mut sum) = (gain.evaluator(), BTreeMap::new(), 0.0);
     for _ in 0..2 {
         // A second look shows the same: nothing is left of the first.
@@ -171,7 +171,9 @@ fn rays_are_a_positive_distance_apart() {
     let (snapshot, estimate) =
         (half_seen_ball(), prior(1).estimate(&half_seen_ball(), &Cancel::default()).unwrap());
     for bad in [0.0, -1.0, f64::NAN, f64::INFINITY] {
-        let error = ExpectedSurface::new(&snapshot, &Intrinsics::d435i(), &estimate, bad).unwrap_err();
+        let error =
+            ExpectedSurface::new(&snapshot, &Intrinsics::d435i(), DepthRange::default(), &estimate, bad)
+                .unwrap_err();
         assert_eq!(error.to_string(), format!("ray_spacing is {bad}, expected a positive number of voxels"));
     }
 }

@@ -10,7 +10,7 @@ use nextview::planner::{
     Choice, MostSurface, MostSurfaceConfig, Outlook, Plan, RandomViews, Situation, ViewPlanner,
 };
 use nextview::prior::{SurfacePrior, coarse_enough};
-use nextview::sensor::Intrinsics;
+use nextview::sensor::{DepthRange, Intrinsics};
 use nextview::view::{ViewSpace, generate, look_at};
 use proptest::prelude::*;
 
@@ -54,7 +54,8 @@ fn slow_plan(
     let bounds = snapshot.lattice().bounds(&snapshot.block());
     let estimate = prior.estimate(&snapshot, cancel).unwrap();
     let gain = |view: usize, spacing: f64| {
-        let gain = ExpectedSurface::new(&snapshot, &camera, &estimate, spacing).unwrap();
+        let gain =
+            ExpectedSurface::new(&snapshot, &camera, DepthRange::default(), &estimate, spacing).unwrap();
         gain.evaluator().gain(&views.pose(view))
     };
     let open: Vec<usize> = (0..views.len()).filter(|view| !visited.contains(view)).collect();
@@ -117,7 +118,14 @@ fn slow_plan(
     });
     let mut shown = vec![0.0; estimate.len()];
     for &view in &open {
-        let gain = ExpectedSurface::new(&snapshot, &camera, &estimate, first_factor * ray_spacing).unwrap();
+        let gain = ExpectedSurface::new(
+            &snapshot,
+            &camera,
+            DepthRange::default(),
+            &estimate,
+            first_factor * ray_spacing,
+        )
+        .unwrap();
         gain.evaluator().survey(&views.pose(view), |item, class| {
             shown[item] = estimate.shows(item, class).max(shown[item]);
         });

@@ -90,13 +90,20 @@ fn simulated_session(
         TableRule::Known => Table::AtHeight(scene.room().min.z),
         TableRule::Fit => Table::Fitted,
     };
-    session_config(config, n_candidates, voxel_size, object_box, table)
+    let session = session_config(config, n_candidates, voxel_size, object_box, table);
+    SessionConfig { depth_range: config.noise.depth_range(), ..session }
 }
 
-/// The candidates around the true object that are above its table, if it has one.
+/// The candidates around the true object that are above its table, if it has one. Those of a rule are where
+/// the camera measures the object; those of a file stay where they are.
 fn view_space(config: &ScanConfig, scene: &Scene) -> Result<ViewSpace, Fault> {
+    let (center, size) = (scene.center(), scene.size());
     let views = match config.view_space.rule() {
-        Some(rule) => rule.views(scene.center(), scene.size(), config.candidates, config.view_seed())?,
+        Some(rule) => rule.views(center, size, config.candidates, config.view_seed())?.within_range(
+            center,
+            size,
+            config.noise.depth_range(),
+        ),
         None => views_of_file(config, scene)?,
     };
     if config.object_box.table == TableRule::None {

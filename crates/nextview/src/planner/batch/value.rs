@@ -19,8 +19,14 @@ pub(super) fn values_of_views(
     let cancel = situation.cancel();
     let snapshot = coarse_enough(situation.snapshot(), cancel)?;
     let estimate = SurfacePrior::default().estimate(&snapshot, cancel)?;
-    let gain = ExpectedSurface::new(&snapshot, situation.intrinsics(), &estimate, ray_spacing)
-        .expect("the planner checked the ray spacing");
+    let gain = ExpectedSurface::new(
+        &snapshot,
+        situation.intrinsics(),
+        situation.depth_range(),
+        &estimate,
+        ray_spacing,
+    )
+    .expect("the planner checked the ray spacing");
     let rows = views.par_iter().map_init(
         || gain.evaluator(),
         |evaluator, &view| {

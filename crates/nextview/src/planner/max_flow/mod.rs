@@ -108,7 +108,8 @@ impl MaxFlow {
         let spacing = situation.in_snapshot_voxels(self.config.ray_spacing);
         let gain = LocalGain::new(snapshot, cancel)?;
         let caster = RayCaster::new(snapshot, situation.intrinsics(), spacing, self.config.free_space)
-            .expect("the constructor checked the ray spacing");
+            .expect("the constructor checked the ray spacing")
+            .within(situation.depth_range());
         cancel.check()?;
         let caster = ValueCaster::new(caster, snapshot, gain.weights());
         Survey::new(situation, &caster, self.config.gamma > 0.0)

@@ -195,8 +195,8 @@ struct Survey {
 impl Scene<'_> {
     /// Surveys these views with rays `ray_spacing` voxels apart.
     fn survey(&self, views: &[usize], ray_spacing: f64) -> Result<Survey, Cancelled> {
-        let gain =
-            ExpectedSurface::new(self.snapshot, self.situation.intrinsics(), self.estimate, ray_spacing);
+        let (intrinsics, depth_range) = (self.situation.intrinsics(), self.situation.depth_range());
+        let gain = ExpectedSurface::new(self.snapshot, intrinsics, depth_range, self.estimate, ray_spacing);
         let gain = gain.expect("the constructor checked the number of rays");
         let nothing = || Survey { gains: Vec::new(), shown: vec![0.0; self.estimate.len()] };
         let parts = views.par_iter().try_fold(
