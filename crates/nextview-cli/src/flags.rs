@@ -1,7 +1,7 @@
 //! The options of the command line that keys of the configuration have.
 
 /// Keys and their options.
-const FLAGS: [(&str, &str); 37] = [
+const FLAGS: [(&str, &str); 39] = [
     ("planner", "--planner"),
     ("views", "--views"),
     ("stop.completeness", "--complete"),
@@ -33,6 +33,8 @@ const FLAGS: [(&str, &str); 37] = [
     ("recording.truth", "--truth"),
     ("recording.truth_from_world", "--truth-from-world"),
     ("recording.read.pose_columns", "--pose-columns"),
+    ("recording.read.camera_axes", "--camera-axes"),
+    ("recording.read.poses", "--poses"),
     ("jobs", "--jobs"),
     ("out", "--out"),
     ("force", "--force"),

@@ -21,5 +21,5 @@ mod tum;
 
 pub use error::RecordingError;
 pub use frame::RecordedFrame;
-pub use recording::{ReadOptions, Recording, Skipped};
+pub use recording::{PoseDirection, ReadOptions, Recording, Skipped};
 pub use rigid::read_transform;

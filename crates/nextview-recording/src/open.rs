@@ -26,7 +26,10 @@ impl Recording {
             RecordingError::InFile { .. } => error,
             error => error.in_file(path),
         });
-        let recording = recording?;
+        let mut recording = recording?;
+        for frame in &mut recording.frames {
+            frame.world_from_camera = options.world_from_camera(&frame.world_from_camera);
+        }
         recording.check_pixels(path).map_err(|error| error.in_file(path))?;
         let recording = recording.without_useless_frames().map_err(|error| match error {
             RecordingError::Content(_) => error.in_file(path),

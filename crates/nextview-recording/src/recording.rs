@@ -1,6 +1,7 @@
 use crate::RecordingError;
 use crate::frame::RecordedFrame;
-use nextview::sensor::Intrinsics;
+use nextview::geometry::Pose;
+use nextview::sensor::{CameraAxes, Intrinsics};
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 use std::fmt;
 
@@ -62,6 +63,18 @@ pub struct Skipped {
     pub why: String,
 }
 
+/// What a recorded pose is.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(rename_all = "kebab-case")]
+pub enum PoseDirection {
+    /// It takes points of the camera to the world: the camera's place. The default.
+    #[default]
+    WorldFromCamera,
+    /// It takes points of the world to the camera: the extrinsics of many calibrations.
+    CameraFromWorld,
+}
+
 /// How to read a recording where it leaves a choice.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
@@ -71,6 +84,10 @@ pub struct ReadOptions {
     /// default `world_from_camera`, or else the only such set of columns.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub pose_columns: Option<String>,
+    /// Where the axes of the cameras point whose poses are recorded. Default `opencv`.
+    pub camera_axes: CameraAxes,
+    /// What the recorded poses take to what. Default `world-from-camera`.
+    pub poses: PoseDirection,
     /// For MCAP: the topic of the depth images, needed if there are several.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub depth_topic: Option<String>,
@@ -99,11 +116,26 @@ impl<'de> Deserialize<'de> for ReadOptions {
 
 impl Default for ReadOptions {
     fn default() -> Self {
-        Self { pose_columns: None, depth_topic: None, pose_topic: None, pose_tolerance_s: 0.02 }
+        Self {
+            pose_columns: None,
+            camera_axes: CameraAxes::default(),
+            poses: PoseDirection::default(),
+            depth_topic: None,
+            pose_topic: None,
+            pose_tolerance_s: 0.02,
+        }
     }
 }
 
 impl ReadOptions {
+    /// Where the camera stood whose pose was recorded so.
+    pub(crate) fn world_from_camera(&self, recorded: &Pose) -> Pose {
+        self.camera_axes.to_opencv(&match self.poses {
+            PoseDirection::WorldFromCamera => *recorded,
+            PoseDirection::CameraFromWorld => recorded.inverse(),
+        })
+    }
+
     /// Fails on the first value out of range.
     pub fn check(&self) -> Result<(), RecordingError> {
         let tolerance = self.pose_tolerance_s;

@@ -45,7 +45,7 @@
 //! # Modules
 //!
 //! The modules are layers, and each imports only from those before it: [`geometry`], [`flow`] -> [`sensor`]
-//! -> [`map`] -> [`view`], [`surface`], [`prior`], [`registration`] -> [`visibility`], [`motion`] -> [`gain`]
+//! -> [`map`], [`diagnosis`] -> [`view`], [`surface`], [`prior`], [`registration`] -> [`visibility`], [`motion`] -> [`gain`]
 //! -> [`planner`] -> [`session`]. The library computes: it opens no file, prints nothing, reads no clock and
 //! holds no global state. Long computations can be [cancelled](Cancel).
 //!
@@ -76,6 +76,7 @@
 
 mod cancel;
 mod checked;
+pub mod diagnosis;
 mod error;
 pub mod flow;
 pub mod gain;

@@ -10,7 +10,7 @@ const LAYERS: [&[&str]; 11] = [
     &["checked"],
     &["geometry", "flow"],
     &["sensor"],
-    &["map"],
+    &["map", "diagnosis"],
     &["view", "surface", "prior", "registration"],
     &["visibility", "motion"],
     &["gain"],

@@ -5,6 +5,7 @@ use glam::DVec3;
 use nextview::geometry::Aabb;
 use nextview_scan::Named;
 use nextview_scan::files::Overwrite;
+use serde::de::DeserializeOwned;
 use std::ffi::OsString;
 
 /// A value by its name.
@@ -20,6 +21,11 @@ pub(super) fn some_named<T: Named + Send + Sync>(
     let values = values.map(|value| PossibleValue::new(value.name()).help(value.about()));
     PossibleValuesParser::new(values)
         .map(|name| T::of_name(&name).expect("the parser knows all names and no other"))
+}
+
+/// One of the words that stand for values in configurations.
+pub(super) fn word<T: DeserializeOwned>(text: &str) -> Result<T, String> {
+    serde_json::from_value(text.into()).map_err(|error| error.to_string())
 }
 
 /// The name of a file that configurations and results hold, which are text.

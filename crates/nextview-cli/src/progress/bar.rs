@@ -20,6 +20,11 @@ impl Progress {
         self.0.inc(1);
     }
 
+    /// Prints a message to stderr.
+    pub fn warn(&self, message: &str) {
+        self.0.suspend(|| eprintln!("{message}"));
+    }
+
     /// Prints to stdout, which may be the same terminal.
     pub fn print(&self, text: &str) -> Result<(), Failure> {
         self.0.suspend(|| stdout::print(text))

@@ -188,7 +188,7 @@ impl ScanConfig {
                 },
                 greedy: GreedyConfig { ray_spacing: 10.0, ..GreedyConfig::default() },
                 batch: BatchConfig { ray_spacing: 10.0, ..BatchConfig::default() },
-                stop: StopConfig { entropy_share: Some(0.5), ..StopConfig::default() },
+                stop: StopConfig { entropy_share: Some(0.5), progress: 0.0, ..StopConfig::default() },
                 ..config
             },
         }

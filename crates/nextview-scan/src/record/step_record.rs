@@ -148,6 +148,10 @@ pub struct StepRecord {
     /// was mapped; none where poses are right or the true ones are not known.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub misplaced_mm: Option<f64>,
+    /// Why the frames probably show nothing of the object, or do not fit together, and what to do about it;
+    /// keys of the configuration stand in backticks.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub warning: Option<String>,
     /// Mean distance from all points measured so far to the true surface; this and the next two of recordings
     /// only.
     #[serde(skip_serializing_if = "Option::is_none")]

@@ -3,6 +3,7 @@
 mod evaluator;
 mod finished;
 mod scan_run;
+mod warning;
 
 pub use evaluator::Evaluator;
 pub use finished::{FinishedScan, Measured};

@@ -1,3 +1,4 @@
+use super::warning::warning;
 use super::{Evaluator, FinishedScan};
 use crate::journal::{JournalEntry, KeptFrame, SkippedView};
 use crate::record::milliseconds;
@@ -8,6 +9,9 @@ use nextview::sensor::Frame;
 use nextview::session::{Decision, NextView, Session, StopReason};
 use nextview::{Cancel, Cancelled};
 use std::time::{Duration, Instant};
+
+/// Number of frames after which nobody looks for what may be wrong with them.
+const MOST_SUSPECTED: usize = 8;
 
 /// One scan under way. It never blocks: whoever owns the camera asks for the [`next`](Self::next) step, takes
 /// the picture, and [`push`](Self::push)es it.
@@ -176,9 +180,9 @@ impl<'a> ScanRun<'a> {
     /// [cancelled](Begin::cancel): it is then asked for again, or [replayed](Next::Replay) from the journal.
     pub fn push(&mut self, frame: Frame) -> Result<&StepRecord, Fault> {
         let capture_time = self.asked.as_ref().map_or(Duration::ZERO, |asked| asked.since.elapsed());
-        let unasked = match &self.asked {
-            Some(_) => None,
-            None => Some(self.session.trajectory_to(&frame.world_from_camera())?),
+        let trajectory = match &self.asked {
+            Some(asked) => asked.trajectory.clone(),
+            None => self.session.trajectory_to(&frame.world_from_camera())?,
         };
         let frame = self.keep(frame)?;
         let start = Instant::now();
@@ -187,12 +191,7 @@ impl<'a> ScanRun<'a> {
             Err(cancelled) => return Err(self.put_back(frame, cancelled)),
         };
         let map_time = start.elapsed();
-        let (next, trajectory, plan_time) = match self.asked.take() {
-            Some(Asked { next, trajectory, plan_time, .. }) => (Some(next), trajectory, plan_time),
-            None => {
-                (None, unasked.unwrap_or_else(|| Trajectory::at(frame.world_from_camera())), Duration::ZERO)
-            }
-        };
+        let (next, plan_time) = self.asked.take().map(|asked| (asked.next, asked.plan_time)).unzip();
         let mut record = StepRecord::of_report(self.steps.len() + 1, &report);
         if let (Some(evaluator), Some(mapped)) = (&mut self.evaluator, self.session.frames().last()) {
             evaluator.measure(&self.session, next.as_ref(), mapped, &mut record)?;
@@ -201,9 +200,10 @@ impl<'a> ScanRun<'a> {
         record.path_length_m = self.path.extend_to(report.world_from_camera.translation());
         record.trajectory_length_m = last.map_or(0.0, |last| last.trajectory_length_m) + trajectory.length();
         record.trajectory_time_s = last.map_or(0.0, |last| last.trajectory_time_s) + trajectory.duration();
-        record.plan_time_ms = milliseconds(plan_time);
+        record.plan_time_ms = milliseconds(plan_time.unwrap_or_default());
         record.map_time_ms = milliseconds(map_time);
         record.capture_time_ms = milliseconds(capture_time);
+        record.warning = self.warning();
         self.trajectories.push(trajectory);
         self.steps.push(record);
         Ok(self.steps.last().expect("a step was added"))
@@ -262,6 +262,14 @@ impl<'a> ScanRun<'a> {
     pub fn finish(self, stop_reason: Option<StopReason>) -> FinishedScan<'a> {
         let Self { session, source, journal, trajectories, steps, .. } = self;
         FinishedScan { session, source, journal, trajectories, steps, stop_reason }
+    }
+
+    /// What is probably wrong with the frames so far; none where it was said before, or if they are many: then
+    /// there is nothing new to find.
+    fn warning(&self) -> Option<String> {
+        let suspicion = (self.steps.len() < MOST_SUSPECTED).then(|| self.session.suspicion()).flatten()?;
+        let warning = warning(&suspicion, self.source.is_some());
+        self.steps.iter().all(|step| step.warning.as_ref() != Some(&warning)).then_some(warning)
     }
 
     fn replay(&self) -> Option<&JournalEntry> {

@@ -73,18 +73,17 @@ fn fit(
     cancel: &Cancel,
 ) -> Result<Option<PlaneFit>, Cancelled> {
     let tried: Vec<DVec3> = points.iter().step_by(points.len().div_ceil(N_TRIED).max(1)).copied().collect();
-    let likeliest = likeliest_plane(&tried, viewpoint, expected_normal, n_draws, cancel)?;
-    let is_enough = |plane: &Plane| {
-        inliers(&tried, *plane, INLIER_DISTANCE).count() as f64 >= LEAST_SHARE * tried.len() as f64
+    let Some((_, plane)) = likeliest_plane(&tried, viewpoint, expected_normal, n_draws, cancel)? else {
+        return Ok(None);
     };
-    let Some(plane) = likeliest.map(|(_, plane)| plane).filter(is_enough) else { return Ok(None) };
     let plane = least_squares(points, least_squares(points, plane, INLIER_DISTANCE), CLOSE_DISTANCE);
     let (n, sum) = inliers(points, plane, INLIER_DISTANCE)
         .fold((0, 0.0), |(n, sum), p| (n + 1, sum + plane.height(p).powi(2)));
     Ok((n > 0).then(|| PlaneFit { plane, deviation: (sum / n as f64).sqrt() }))
 }
 
-/// Of the planes through three drawn points, the one whose points near weigh most, and their weight.
+/// Of the planes through three drawn points that hold enough of all, the one whose points weigh most, and
+/// their weight.
 fn likeliest_plane(
     points: &[DVec3],
     viewpoint: DVec3,
@@ -101,7 +100,7 @@ fn likeliest_plane(
     for _ in 0..n_draws {
         cancel.check()?;
         let Some(plane) = ground_through([draw(), draw(), draw()], viewpoint) else { continue };
-        let weight = weight(points, plane, expected_normal);
+        let Some(weight) = weight(points, plane, expected_normal) else { continue };
         if likeliest.is_none_or(|(most, _)| weight > most) {
             likeliest = Some((weight, plane));
         }
@@ -109,10 +108,11 @@ fn likeliest_plane(
     Ok(likeliest)
 }
 
-/// The number of points near a plane, less the more it is tilted.
-fn weight(points: &[DVec3], plane: Plane, expected_normal: DVec3) -> f64 {
+/// The number of points near a plane, less the more it is tilted; none if they are too few.
+fn weight(points: &[DVec3], plane: Plane, expected_normal: DVec3) -> Option<f64> {
     let tilt = plane.normal().angle_between(expected_normal).to_degrees();
-    inliers(points, plane, INLIER_DISTANCE).count() as f64 / (1.0 + (tilt / HALF_WEIGHT_TILT).powi(2))
+    let n = inliers(points, plane, INLIER_DISTANCE).count() as f64;
+    (n >= LEAST_SHARE * points.len() as f64).then(|| n / (1.0 + (tilt / HALF_WEIGHT_TILT).powi(2)))
 }
 
 fn ground_through([a, b, c]: [DVec3; 3], viewpoint: DVec3) -> Option<Plane> {
@@ -202,12 +202,14 @@ mod tests {
                 for (j, &b) in points.iter().enumerate().skip(i + 1) {
                     for &c in &points[j + 1..] {
                         let plane = ground_through([a, b, c], EYE);
-                        most = most.max(plane.map_or(0.0, |plane| weight(&points, plane, DVec3::Z)));
+                        most =
+                            most.max(plane.and_then(|plane| weight(&points, plane, DVec3::Z)).unwrap_or(0.0));
                     }
                 }
             }
             let found = likeliest_plane(&points, EYE, DVec3::Z, N_DRAWS, &Cancel::default());
-            assert_eq!(found.unwrap().unwrap().0, most, "seed {seed}");
+            // The order of three points decides the last bits of their plane's tilt.
+            assert!((found.unwrap().unwrap().0 - most).abs() < 1e-9, "seed {seed}");
         }
     }
 }

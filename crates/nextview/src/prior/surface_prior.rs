@@ -134,6 +134,11 @@ impl SurfaceEstimate {
         self.stops[i]
     }
 
+    /// Multiplies the probabilities that a view shows surface in the `i`-th voxel by this factor, 0..=1.
+    pub(crate) fn scale(&mut self, i: usize, factor: f32) {
+        self.shows[i * ViewingClass::N..][..ViewingClass::N].iter_mut().for_each(|p| *p *= factor);
+    }
+
     /// The probability, 0..=1, that a view shows surface in the `i`-th voxel that was not seen before.
     pub fn shows(&self, i: usize, class: ViewingClass) -> f32 {
         self.shows[i * ViewingClass::N + class.index()]

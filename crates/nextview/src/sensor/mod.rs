@@ -3,6 +3,7 @@
 //!
 //! Start with [`Frame`]: it is all a planner learns from a camera. Nothing here talks to a device.
 
+mod camera_axes;
 mod color_image;
 mod depth_image;
 mod depth_range;
@@ -13,6 +14,7 @@ mod lens_lanes;
 #[cfg(test)]
 pub(crate) mod made_up;
 
+pub use camera_axes::CameraAxes;
 pub use color_image::ColorImage;
 pub use depth_image::{Depth, DepthImage};
 pub use depth_range::DepthRange;

@@ -39,6 +39,8 @@ pub enum StopReason {
     NothingToGain,
     /// The required share of the surface is estimated to have been seen.
     Complete,
+    /// The last views together added less than required.
+    NoProgress,
     /// The next view is expected to add less than required.
     LittleToGain,
     /// The next view would make the path longer than allowed.

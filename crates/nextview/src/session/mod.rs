@@ -15,6 +15,7 @@ mod planning_box;
 mod report;
 mod resolution;
 mod scan_map;
+mod seen_cells;
 mod stop;
 mod table;
 mod views;
@@ -30,6 +31,7 @@ pub use stop::StopConfig;
 pub use table::{ON_TABLE, Table};
 pub use views::Views;
 
+use crate::diagnosis::{Suspicion, suspect};
 use crate::geometry::{Aabb, Plane, Pose};
 use crate::map::{OccupancyMap, Snapshot};
 use crate::motion::{Surroundings, Trajectory};
@@ -41,6 +43,7 @@ use crate::{Cancel, Cancelled, Error};
 use itinerary_progress::ItineraryProgress;
 use known_scene::{Added, KnownScene};
 use scan_map::Place;
+use seen_cells::SeenCells;
 use std::collections::BTreeSet;
 
 /// A scan in progress: the map so far, the views taken, and the planner.
@@ -74,6 +77,7 @@ pub struct Session {
     /// Number of requested frames.
     n_taken: usize,
     visited: Vec<usize>,
+    seen: SeenCells,
     /// Views that are never to be proposed again.
     skipped: BTreeSet<usize>,
     /// The decision since the last frame.
@@ -100,6 +104,7 @@ impl Session {
             intrinsics,
             views,
             planner,
+            seen: SeenCells::new(config.voxel_size),
             frames: Vec::new(),
             n_taken: 0,
             visited: Vec::new(),
@@ -128,6 +133,8 @@ impl Session {
         let added = scene.add(&self.config, &self.frames, registration, &self.cancel);
         let added = added.inspect_err(|Cancelled| _ = self.frames.pop())?;
         self.scene = scene;
+        let Place { bounds, table } = self.scene.map.place();
+        self.seen.add(self.frames.last().expect("a frame was added"), bounds, table.map(|table| table.top));
         if let Some(location) = &added.moved {
             self.candidates = self.without_skipped(self.views.candidates(location, self.config.depth_range));
         }
@@ -201,6 +208,16 @@ impl Session {
         self.scene.locator.other_bodies(&self.frames, &self.cancel)
     }
 
+    /// Why the frames probably show nothing of the object, or do not fit together; none if they do, or if
+    /// there is no likely reason. See [`suspect`].
+    pub fn suspicion(&self) -> Option<Suspicion> {
+        let known = match self.config.object_box {
+            ObjectBox::Known(bounds) => Some(bounds),
+            ObjectBox::Growing => None,
+        };
+        suspect(&self.frames, known, self.config.depth_range)
+    }
+
     /// The flag that cancels decisions and observations.
     pub fn cancel(&self) -> &Cancel {
         &self.cancel
@@ -237,6 +254,9 @@ impl Session {
         if self.scene.is_box_too_large {
             return Ok(Decision::Stop(StopReason::BoxTooLarge));
         }
+        if self.scene.map.is_finest() && self.has_stalled() {
+            return Ok(Decision::Stop(StopReason::NoProgress));
+        }
         loop {
             let Some(snapshot) = self.scene.map.planning_snapshot(&self.cancel)? else {
                 return Ok(Decision::Stop(StopReason::NoObject));
@@ -257,6 +277,12 @@ impl Session {
             }
             self.scene.map.refine(&self.frames, &self.cancel)?; // finer voxels may show more than coarse ones
         }
+    }
+
+    /// Whether the last views together hardly showed anything new.
+    fn has_stalled(&self) -> bool {
+        let progress = self.seen.progress(StopConfig::PROGRESS_VIEWS);
+        progress.is_some_and(|share| share < self.config.stop.progress)
     }
 
     /// Number and pose of the first view, before it was taken.

@@ -2,9 +2,9 @@ use crate::Error;
 use crate::checked::{check_range, checked_when_read};
 use serde::{Deserialize, Serialize};
 
-/// When a scan is over before the maximum number of views is taken. By default, only when no view gains
-/// anything.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+/// When a scan is over before the maximum number of views is taken. By default, when no view gains anything,
+/// or when the last six together hardly did.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(default, deny_unknown_fields, remote = "Self")]
 pub struct StopConfig {
@@ -22,6 +22,9 @@ pub struct StopConfig {
     /// Default: off. It has no effect on planners without expectations.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub expected_gain: Option<f64>,
+    /// Stop when the last [six frames](Self::PROGRESS_VIEWS) together added less than this share, 0..=1, to
+    /// where surface was measured, in cells of two voxels. Default 0.01; 0 is off.
+    pub progress: f64,
     /// Stop rather than let the straight path through all views become longer than this, metres, positive.
     /// Default: off.
     #[serde(rename = "path_length_m", skip_serializing_if = "Option::is_none")]
@@ -30,7 +33,23 @@ pub struct StopConfig {
 
 checked_when_read!(StopConfig);
 
+impl Default for StopConfig {
+    fn default() -> Self {
+        Self {
+            entropy_share: None,
+            completeness: None,
+            expected_gain: None,
+            progress: 0.01,
+            path_length: None,
+        }
+    }
+}
+
 impl StopConfig {
+    /// Number of views over which [`progress`](Self::progress) is measured: two or three in a row may be
+    /// unlucky where the object is nearly complete.
+    pub const PROGRESS_VIEWS: usize = 6;
+
     /// Fails on the first value out of range.
     pub fn check(&self) -> Result<(), Error> {
         let shares = [
@@ -41,6 +60,7 @@ impl StopConfig {
         for (name, share) in shares.into_iter().filter_map(|(name, share)| Some((name, share?))) {
             check_range(name, share, 0.0..=1.0, "a number in 0..=1")?;
         }
+        check_range("progress", self.progress, 0.0..=1.0, "a number in 0..=1")?;
         let positive = f64::MIN_POSITIVE..=f64::INFINITY;
         self.path_length.map_or(Ok(()), |length| {
             check_range("path_length_m", length, positive, "a positive number of metres")

@@ -2,7 +2,8 @@ use super::run::{Output, begin, resume};
 use crate::Failure;
 use crate::commands::values::{self, named};
 use clap::{Args, ValueEnum};
-use nextview_recording::ReadOptions;
+use nextview::sensor::CameraAxes;
+use nextview_recording::{PoseDirection, ReadOptions};
 use nextview_scan::files::Overwrite;
 use nextview_scan::{
     BoxRule, NoiseModel, PlannerName, Profile, RecordingConfig, ScanConfig, TableRule, UnitName,
@@ -140,6 +141,14 @@ struct RecordingArgs {
     /// or the only set]
     #[arg(long, value_name = "NAME")]
     pose_columns: Option<String>,
+    /// With --frames: where the axes of the recorded cameras point: opencv (x right, y down, z forward),
+    /// opengl (x right, y up, z backward), or ros (x forward, y left, z up) [default: opencv]
+    #[arg(long, value_name = "AXES", value_parser = values::word::<CameraAxes>)]
+    camera_axes: Option<CameraAxes>,
+    /// With --frames: what the recorded poses take to what, world-from-camera or camera-from-world [default:
+    /// world-from-camera]
+    #[arg(long, value_name = "DIRECTION", value_parser = values::word::<PoseDirection>)]
+    poses: Option<PoseDirection>,
     /// With --frames: the box that the object lies in, in metres, by its lowest and its highest corner
     /// [default: it grows]
     #[arg(long, value_name = "X0,Y0,Z0,X1,Y1,Z1", value_parser = values::corners, allow_hyphen_values = true)]
@@ -249,6 +258,8 @@ impl RecordingArgs {
     fn set(self, config: &mut ScanConfig, is_recorded: bool) -> Result<(), Failure> {
         let options = [
             ("pose-columns", self.pose_columns.is_some()),
+            ("camera-axes", self.camera_axes.is_some()),
+            ("poses", self.poses.is_some()),
             ("box-m", self.box_m.is_some()),
             ("table-z-m", self.table_z_m.is_some()),
             ("truth", self.truth.is_some()),
@@ -270,6 +281,8 @@ impl RecordingArgs {
             truth_from_world: self.truth_from_world.or(recording.truth_from_world),
             read: ReadOptions {
                 pose_columns: self.pose_columns.or(recording.read.pose_columns),
+                camera_axes: self.camera_axes.unwrap_or(recording.read.camera_axes),
+                poses: self.poses.unwrap_or(recording.read.poses),
                 ..recording.read
             },
         });

@@ -1,3 +1,4 @@
+use crate::flags::word;
 use crate::progress::Progress;
 use crate::{Failure, stdout};
 use nextview::Cancel;
@@ -91,6 +92,9 @@ fn drive(
     let mut printed = Ok(());
     let stop_reason = run.drive(|step| {
         progress.step();
+        if let Some(warning) = &step.warning {
+            progress.warn(&word(&format!("warning: {warning}")));
+        }
         if !output.json && printed.is_ok() {
             printed = progress.print(&step_line(step));
         }

@@ -1,3 +1,4 @@
+mod doubt;
 mod second_view;
 
 use super::utility::{self, Utility};
@@ -7,6 +8,7 @@ use crate::gain::{ExpectedSurface, ViewEvaluator};
 use crate::map::{Occupancy, Snapshot};
 use crate::prior::{SurfaceEstimate, SurfacePrior, coarse_enough};
 use crate::{Cancelled, Error};
+use doubt::Doubt;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
@@ -54,6 +56,8 @@ const LEAST_GAIN: f64 = 0.5;
 /// Takes the view that is expected to show most surface that was not seen before: the gain
 /// [`ExpectedSurface`].
 ///
+/// A view that shows hardly anything of what was expected lowers the expectations of the same voxels.
+///
 /// Each plan has an [`Outlook`]. The surface that can be seen is the surface that all views within reach show
 /// in the first pass.
 ///
@@ -67,6 +71,7 @@ const LEAST_GAIN: f64 = 0.5;
 pub struct MostSurface {
     config: MostSurfaceConfig,
     prior: SurfacePrior,
+    doubt: Doubt,
 }
 
 impl MostSurface {
@@ -78,14 +83,16 @@ impl MostSurface {
     /// A planner with checked parameters and a prior of your own.
     pub fn with_prior(config: MostSurfaceConfig, prior: SurfacePrior) -> Result<Self, Error> {
         config.check()?;
-        Ok(Self { config, prior })
+        Ok(Self { config, prior, doubt: Doubt::default() })
     }
 }
 
 impl ViewPlanner for MostSurface {
     fn plan(&mut self, situation: &Situation<'_>) -> Result<Plan, Cancelled> {
         let snapshot = coarse_enough(situation.snapshot(), situation.cancel())?;
-        let estimate = self.prior.estimate(&snapshot, situation.cancel())?;
+        let mut estimate = self.prior.estimate(&snapshot, situation.cancel())?;
+        let mut doubt = self.doubt.learned(situation, &snapshot);
+        doubt.lower(&mut estimate, &snapshot);
         let scene = Scene { situation, snapshot: &snapshot, estimate: &estimate };
         let open = situation.open_views();
         let ray_spacing = snapshot.block().dims().max_element() as f64 / self.config.rays_across;
@@ -103,6 +110,12 @@ impl ViewPlanner for MostSurface {
             n_expected: best.as_ref().map_or(0.0, |(_, gain)| *gain),
             n_unseen: first.shown.iter().map(|&p| p as f64).sum(),
         };
+        if let Some((choice, gain)) = &best {
+            let shown = scene.survey(&[choice.view], ray_spacing)?.shown;
+            let shown = shown.into_iter().enumerate();
+            doubt.expect((choice.view, *gain), shown, &estimate, situation, &snapshot);
+        }
+        self.doubt = doubt;
         Ok(Plan { choice: best.map(|(choice, _)| choice), outlook: Some(outlook), ..Plan::default() })
     }
 }

@@ -1,0 +1,96 @@
+use super::samples::Sample;
+use crate::geometry::Pose;
+use crate::sensor::CameraAxes;
+use glam::{DQuat, DVec3};
+use std::fmt;
+
+/// Another way to read poses or depths: what could have been meant.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
+pub enum Reading {
+    /// The poses are of cameras with these axes.
+    Axes(CameraAxes),
+    /// The poses are `camera_from_world`.
+    Inverted,
+    /// The quaternions hold w first.
+    WFirst,
+    /// Positions in metres are these times as large.
+    Positions(f64),
+    /// Depths in metres are these times as large.
+    Depths(f64),
+}
+
+impl Reading {
+    /// All that are tried.
+    pub(super) const ALL: [Self; 15] = [
+        Self::Axes(CameraAxes::OpenGl),
+        Self::Axes(CameraAxes::Ros),
+        Self::Inverted,
+        Self::WFirst,
+        Self::Positions(0.001),
+        Self::Positions(0.01),
+        Self::Positions(1000.0),
+        Self::Depths(0.001),
+        Self::Depths(0.1),
+        Self::Depths(0.2),
+        Self::Depths(0.25),
+        Self::Depths(4.0),
+        Self::Depths(5.0),
+        Self::Depths(10.0),
+        Self::Depths(1000.0),
+    ];
+
+    /// The pose that was meant.
+    pub(super) fn pose(self, pose: &Pose) -> Pose {
+        match self {
+            Self::Axes(axes) => axes.to_opencv(pose),
+            Self::Inverted => pose.inverse(),
+            Self::WFirst => {
+                let [w, x, y, z] = pose.rotation().to_array();
+                Pose::from_unit(DQuat::from_xyzw(x, y, z, w), pose.translation())
+            }
+            Self::Positions(factor) => pose.with_translation(pose.translation() * factor),
+            Self::Depths(_) => *pose,
+        }
+    }
+
+    /// The point that was meant, in the camera frame.
+    pub(super) fn point(self, sample: &Sample) -> DVec3 {
+        let point = sample.ideal.extend(1.0) * sample.depth;
+        match self {
+            Self::Depths(factor) => point * factor,
+            _ => point,
+        }
+    }
+}
+
+impl fmt::Display for Reading {
+    /// What the data look like.
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Axes(CameraAxes::OpenCv) => {
+                f.write_str("the poses look like those of cameras with OpenCV axes")
+            }
+            Self::Axes(CameraAxes::OpenGl) => {
+                f.write_str("the poses look like those of cameras with OpenGL axes (y up, z backward)")
+            }
+            Self::Axes(CameraAxes::Ros) => {
+                f.write_str("the poses look like those of cameras with ROS body axes (x forward, z up)")
+            }
+            Self::Inverted => f.write_str("the poses look inverted (camera_from_world)"),
+            Self::WFirst => f.write_str("the quaternions look as if w came first"),
+            Self::Positions(factor) => write!(f, "the positions look {}", times(*factor)),
+            Self::Depths(factor) => write!(f, "the depths look {}", times(*factor)),
+        }
+    }
+}
+
+/// How wrong numbers are that would have to be multiplied by this.
+fn times(factor: f64) -> String {
+    match factor {
+        0.001 => "1000 times too large, as if in mm".to_owned(),
+        0.01 => "100 times too large, as if in cm".to_owned(),
+        factor if factor < 1.0 => format!("{:.0} times too large", 1.0 / factor),
+        factor => format!("{factor} times too small"),
+    }
+}

@@ -1,0 +1,110 @@
+use super::Reading;
+use crate::geometry::{Aabb, Pose};
+use crate::sensor::{Depth, Frame};
+use glam::{DVec2, DVec3, IVec3};
+use rustc_hash::FxHashMap;
+use std::ops::RangeInclusive;
+
+/// Most measured pixels of a frame that are looked at.
+const SAMPLES: usize = 3000;
+
+/// Edge of the cells in which points of two frames meet, as a share of the median depth.
+const CELL: f64 = 0.03;
+
+/// Median depths of the frames of a scan, metres: where depths and positions have different units, one of two
+/// readings has depths beyond these.
+const DEPTHS: RangeInclusive<f64> = 0.05..=20.0;
+
+/// A frame shows the box if at least this share of its samples is inside.
+const IN_BOX: f64 = 0.01;
+
+/// A measured pixel.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Sample {
+    /// Where its ray crosses the plane z = 1 of the camera.
+    pub ideal: DVec2,
+    /// Metres.
+    pub depth: f64,
+}
+
+/// Some of the measured pixels of a frame.
+#[derive(Clone, Debug)]
+pub(super) struct Samples {
+    pub world_from_camera: Pose,
+    pub pixels: Vec<Sample>,
+    /// Share, 0..=1, of the frame's pixels that were measured.
+    pub measured: f64,
+}
+
+impl Samples {
+    /// Every n-th of the measured pixels, row by row.
+    pub fn new(frame: &Frame) -> Self {
+        let (image, intrinsics) = (frame.image(), frame.intrinsics());
+        let pixels = || (0..image.height()).flat_map(|v| (0..image.width()).map(move |u| (u, v)));
+        let measured = |&(u, v): &(u32, u32)| matches!(image.get(u, v), Depth::Surface(_));
+        let n = pixels().filter(measured).count();
+        let drawn = pixels().filter(measured).step_by(n.div_ceil(SAMPLES).max(1));
+        let sample = |(u, v): (u32, u32)| {
+            let Depth::Surface(depth) = image.get(u, v) else { return None };
+            let ideal = intrinsics.deproject(DVec2::new(u as f64, v as f64))?;
+            Some(Sample { ideal, depth: depth as f64 })
+        };
+        Self {
+            world_from_camera: frame.world_from_camera(),
+            pixels: drawn.filter_map(sample).collect(),
+            measured: n as f64 / intrinsics.n_pixels() as f64,
+        }
+    }
+
+    /// The points in the world; as given, or by another reading.
+    pub fn points(&self, reading: Option<Reading>) -> impl Iterator<Item = DVec3> + '_ {
+        let pose = reading.map_or(self.world_from_camera, |reading| reading.pose(&self.world_from_camera));
+        let in_camera = move |sample: &Sample| match reading {
+            Some(reading) => reading.point(sample),
+            None => sample.ideal.extend(1.0) * sample.depth,
+        };
+        self.pixels.iter().map(move |sample| pose.transform_point(in_camera(sample)))
+    }
+}
+
+/// How well frames fit together under a reading: the share of points that meet those of another frame, and,
+/// if the object's box is known, the share of frames that show it; 0 under another reading whose depths are
+/// none of a scan.
+pub(super) fn fit(frames: &[Samples], reading: Option<Reading>, bounds: Option<Aabb>) -> f64 {
+    let Some(depth) = median_depth(frames, reading) else { return 0.0 };
+    if reading.is_some() && !DEPTHS.contains(&depth) {
+        return 0.0;
+    }
+    let shown = bounds.map_or(0.0, |bounds| {
+        let shows = |frame: &&Samples| {
+            let n_inside = frame.points(reading).filter(|point| bounds.contains(*point)).count();
+            n_inside as f64 >= IN_BOX * frame.pixels.len().max(1) as f64
+        };
+        frames.iter().filter(shows).count() as f64 / frames.len() as f64
+    });
+    meeting(frames, reading, CELL * depth) + shown
+}
+
+/// The median depth of all samples, metres; none without samples.
+fn median_depth(frames: &[Samples], reading: Option<Reading>) -> Option<f64> {
+    let depth = |sample: &Sample| reading.map_or(sample.depth, |reading| reading.point(sample).z);
+    let mut depths: Vec<f64> = frames.iter().flat_map(|frame| &frame.pixels).map(depth).collect();
+    let middle = depths.len() / 2;
+    (!depths.is_empty()).then(|| *depths.select_nth_unstable_by(middle, f64::total_cmp).1)
+}
+
+/// The share, 0..=1, of the points that are in a cell, of this edge in metres, with points of another frame.
+fn meeting(frames: &[Samples], reading: Option<Reading>, cell: f64) -> f64 {
+    let n: usize = frames.iter().map(|frame| frame.pixels.len()).sum();
+    // The first frame in a cell, the number of points there, and whether another frame was there, too.
+    let mut cells: FxHashMap<IVec3, (usize, usize, bool)> = FxHashMap::default();
+    for (i, frame) in frames.iter().enumerate() {
+        for point in frame.points(reading) {
+            let (first, n, is_met) = cells.entry((point / cell).floor().as_ivec3()).or_insert((i, 0, false));
+            *n += 1;
+            *is_met |= *first != i;
+        }
+    }
+    let n_met: usize = cells.values().filter(|(.., is_met)| *is_met).map(|(_, n, _)| n).sum();
+    n_met as f64 / n as f64
+}

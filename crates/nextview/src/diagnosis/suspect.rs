@@ -1,0 +1,164 @@
+use super::Reading;
+use super::samples::{Samples, fit};
+use crate::geometry::{Aabb, Pose};
+use crate::sensor::{DepthRange, Frame};
+use glam::DVec3;
+use std::fmt;
+
+/// Most frames that are compared, the oldest.
+const FRAMES: usize = 8;
+
+/// A reading is suspected if the frames fit at least so well under it, and so many times better than as they
+/// are.
+const LEAST_FIT: f64 = 0.08;
+const TIMES_BETTER: f64 = 3.0;
+
+/// A frame with a smaller share of measured pixels measures nothing.
+const LEAST_MEASURED: f64 = 0.01;
+
+/// Why frames probably show nothing, or do not fit together.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
+pub enum Suspicion {
+    /// The data fit if they are read in another way.
+    Misread(Reading),
+    /// All frames claim the same pose, although their images differ.
+    SamePose,
+    /// Hardly a pixel was measured: the camera stands nearer to the object's box than it measures.
+    TooNear {
+        /// Distance of the camera from the box, metres.
+        distance: f64,
+        /// The least depth that the camera measures, metres.
+        least: f64,
+    },
+    /// Hardly a pixel was measured: the object's box is farther away than the camera measures.
+    TooFar {
+        /// Distance of the camera from the box, metres.
+        distance: f64,
+        /// The largest depth that the camera measures, metres.
+        largest: f64,
+    },
+    /// Hardly a pixel was measured, and the range of the camera is not to blame as far as it is known.
+    NothingMeasured {
+        /// Share, 0..=1, of the last frame's pixels that were measured.
+        measured: f64,
+    },
+    /// The camera looks past the object's box: no frame shows a point inside.
+    Elsewhere {
+        /// The box around the last frame's points, metres.
+        points: Aabb,
+        /// The object's box, metres.
+        bounds: Aabb,
+    },
+}
+
+/// The likely reason why frames, oldest first, show nothing in the object's box or do not fit together; none
+/// if they do, or if there is no likely reason. `bounds` is the box in which the object is known to lie,
+/// metres.
+///
+/// The frames' points are computed once more as they would be with other axes, inverted poses, other units
+/// and so on. A reading is named if the points of different frames then meet, or lie in the box, and as they
+/// are they do not.
+pub fn suspect(frames: &[Frame], bounds: Option<Aabb>, range: DepthRange) -> Option<Suspicion> {
+    let last = frames.last()?;
+    if has_same_pose(frames) {
+        return Some(Suspicion::SamePose);
+    }
+    let samples: Vec<Samples> = frames.iter().take(FRAMES).map(Samples::new).collect();
+    let as_given = fit(&samples, None, bounds);
+    let of = |reading: &Reading| (fit(&samples, Some(*reading), bounds), *reading);
+    // The better of two that fit equally well is the earlier one.
+    let best = match TIMES_BETTER * as_given {
+        least if least < if bounds.is_some() { 2.0 } else { 1.0 } => {
+            Reading::ALL.iter().map(of).reduce(|a, b| if b.0 > a.0 { b } else { a })
+        }
+        _ => None,
+    };
+    match best {
+        Some((best, reading)) if best >= LEAST_FIT.max(TIMES_BETTER * as_given) => {
+            Some(Suspicion::Misread(reading))
+        }
+        _ => match bounds {
+            Some(bounds) => nothing_shown(last, &bounds, range),
+            None => samples.last().and_then(nothing_measured),
+        },
+    }
+}
+
+fn nothing_measured(samples: &Samples) -> Option<Suspicion> {
+    let Samples { measured, .. } = *samples;
+    (measured < LEAST_MEASURED).then_some(Suspicion::NothingMeasured { measured })
+}
+
+/// Why the frame shows nothing in the box; none if it does.
+fn nothing_shown(frame: &Frame, bounds: &Aabb, range: DepthRange) -> Option<Suspicion> {
+    if frame.points_in(*bounds).next().is_some() {
+        return None;
+    }
+    let camera = frame.world_from_camera().translation();
+    let distance = camera.distance(camera.clamp(bounds.min, bounds.max));
+    let farthest = bounds.corners().map(|corner| corner.distance(camera)).into_iter().fold(0.0, f64::max);
+    let samples = Samples::new(frame);
+    let points = Aabb::around(samples.points(None)).filter(|_| samples.measured >= LEAST_MEASURED);
+    Some(match points {
+        _ if farthest < range.min => Suspicion::TooNear { distance, least: range.min },
+        _ if distance > range.max => Suspicion::TooFar { distance, largest: range.max },
+        Some(points) => Suspicion::Elsewhere { points, bounds: *bounds },
+        None if distance < range.min => Suspicion::TooNear { distance, least: range.min },
+        None => Suspicion::NothingMeasured { measured: samples.measured },
+    })
+}
+
+/// Whether three frames or more claim one pose, and at least two of them show different things.
+fn has_same_pose(frames: &[Frame]) -> bool {
+    let [first, rest @ ..] = frames else { return false };
+    let is_near = |pose: Pose| {
+        let first = first.world_from_camera();
+        pose.translation().distance(first.translation()) < 1e-6
+            && pose.rotation().dot(first.rotation()).abs() > 1.0 - 1e-9
+    };
+    rest.len() >= 2
+        && rest.iter().all(|frame| is_near(frame.world_from_camera()))
+        && rest.iter().any(|frame| !shows_the_same(first, frame))
+}
+
+/// Whether most pixels of two frames have about the same depth: noise differs, another view differs more.
+fn shows_the_same(a: &Frame, b: &Frame) -> bool {
+    let (a, b) = (Samples::new(a), Samples::new(b));
+    fit(&[a, b], None, None) > 0.9
+}
+
+impl fmt::Display for Suspicion {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let corners = |Aabb { min, max }: &Aabb| {
+            let corner = |at: &DVec3| format!("({:.3}, {:.3}, {:.3})", at.x, at.y, at.z);
+            format!("{} to {} m", corner(min), corner(max))
+        };
+        match self {
+            Self::Misread(reading) => write!(f, "{reading}: read so, the frames would fit"),
+            Self::SamePose => {
+                f.write_str("all frames claim the same pose, although they show different things")
+            }
+            Self::TooNear { distance, least } => write!(
+                f,
+                "the camera is too near: {distance:.3} m from the object's box, and it measures from {least} m on"
+            ),
+            Self::TooFar { distance, largest } => write!(
+                f,
+                "the camera is too far away: {distance:.3} m from the object's box, and it measures up to {largest} m"
+            ),
+            Self::NothingMeasured { measured } => write!(
+                f,
+                "only {:.1} % of the pixels have a depth: the camera may be too near or too far away, or the surface may be \
+                 black, shiny or transparent",
+                1e2 * measured
+            ),
+            Self::Elsewhere { points, bounds } => write!(
+                f,
+                "the frame shows nothing in the object's box: its points lie within {}, the box is {}",
+                corners(points),
+                corners(bounds)
+            ),
+        }
+    }
+}

@@ -1,0 +1,99 @@
+use crate::map::{Occupancy, Snapshot};
+use crate::planner::Situation;
+use crate::prior::SurfaceEstimate;
+use glam::IVec3;
+use rustc_hash::FxHashMap;
+
+/// A view that shows less than this share of what was expected is a disappointment.
+const DISAPPOINTING: f64 = 0.1;
+
+/// The factor on the probabilities of the voxels that a disappointing view was expected to show: one more such
+/// view may be worth it, once all others are worth less.
+const FACTOR: f32 = 0.2;
+
+/// Probability from which on a voxel counts as expected.
+const EXPECTED: f32 = 0.05;
+
+/// What planning has learned from views that showed hardly anything of what was expected: a frame may be empty
+/// because the camera was too near, or because the surface is black, and its neighbours would be as empty.
+///
+/// Other views teach the map, and that is enough.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Doubt {
+    /// Edge of the voxels, metres; another size begins anew.
+    voxel_size: f64,
+    /// The factors on the probabilities of voxels, by key.
+    factors: FxHashMap<IVec3, f32>,
+    expected: Option<Expectation>,
+}
+
+/// The expectation of the last plan.
+#[derive(Clone, Debug)]
+struct Expectation {
+    view: usize,
+    n_visited: usize,
+    n_occupied: usize,
+    gain: f64,
+    voxels: Vec<IVec3>,
+}
+
+impl Doubt {
+    /// What is known after the view that was taken since the last plan.
+    pub fn learned(&self, situation: &Situation<'_>, snapshot: &Snapshot) -> Self {
+        let voxel_size = snapshot.lattice().voxel_size();
+        if voxel_size != self.voxel_size {
+            return Self { voxel_size, ..Self::default() };
+        }
+        let mut learned = Self { voxel_size, factors: self.factors.clone(), expected: None };
+        for expected in self.expected.iter().filter(|expected| expected.is_disappointed(situation, snapshot))
+        {
+            for key in &expected.voxels {
+                *learned.factors.entry(*key).or_insert(1.0) *= FACTOR;
+            }
+        }
+        learned
+    }
+
+    /// Lowers the probabilities of an estimate for this snapshot.
+    pub fn lower(&self, estimate: &mut SurfaceEstimate, snapshot: &Snapshot) {
+        if self.factors.is_empty() {
+            return;
+        }
+        for i in 0..estimate.len() {
+            let key = snapshot.block().key(estimate.voxels()[i] as usize);
+            if let Some(factor) = self.factors.get(&key) {
+                estimate.scale(i, *factor);
+            }
+        }
+    }
+
+    /// Remembers what a view is expected to show: `gain` voxels, these with these probabilities.
+    pub fn expect(
+        &mut self,
+        (view, gain): (usize, f64),
+        shown: impl Iterator<Item = (usize, f32)>,
+        estimate: &SurfaceEstimate,
+        situation: &Situation<'_>,
+        snapshot: &Snapshot,
+    ) {
+        let likely = shown.filter(|(_, p)| *p >= EXPECTED);
+        self.expected = Some(Expectation {
+            view,
+            gain,
+            n_visited: situation.visited().len(),
+            n_occupied: snapshot.count(Occupancy::Occupied),
+            voxels: likely.map(|(i, _)| snapshot.block().key(estimate.voxels()[i] as usize)).collect(),
+        });
+    }
+}
+
+impl Expectation {
+    /// Whether the view, and nothing else, was taken since, and showed hardly anything.
+    fn is_disappointed(&self, situation: &Situation<'_>, snapshot: &Snapshot) -> bool {
+        let is_only_one = situation.visited().len() == self.n_visited + 1;
+        let n_new = snapshot.count(Occupancy::Occupied).saturating_sub(self.n_occupied);
+        is_only_one
+            && situation.visited().last() == Some(&self.view)
+            && (n_new as f64) < DISAPPOINTING * self.gain
+    }
+}
