@@ -6,7 +6,9 @@
 use glam::DVec3;
 use nextview::Cancelled;
 use nextview::geometry::Aabb;
-use nextview::planner::{Choice, Itinerary, Leg, Outlook, Plan, RandomViews, Situation, ViewPlanner};
+use nextview::planner::{
+    Choice, InOrder, Itinerary, Leg, Outlook, Plan, RandomViews, Situation, ViewPlanner,
+};
 use nextview::sensor::{DepthImage, Frame, Intrinsics};
 use nextview::session::{
     Decision, MultiResolutionConfig, NextView, Session, SessionConfig, StepReport, StopConfig, StopReason,
@@ -91,6 +93,29 @@ fn stops_when_enough_is_estimated_to_have_been_seen() {
         check(told(), stop(share), n_views, StopReason::Complete);
     }
     check(told(), StopConfig::default(), 5, StopReason::NothingToGain);
+}
+
+#[test]
+fn stops_when_six_views_show_nothing_new() {
+    let scan_wall = |progress: f64, distance: fn(usize) -> f32| {
+        let mut session = session(InOrder, StopConfig { progress, ..StopConfig::default() });
+        loop {
+            match session.decide() {
+                Decision::Stop(reason) => return (session.visited().len(), reason),
+                Decision::Move(next) => {
+                    let distance = distance(next.view.unwrap());
+                    let image = DepthImage::from_metres(32, 24, vec![distance; 32 * 24]).unwrap();
+                    let frame = Frame::new(image, camera(), next.world_from_camera, 2.0).unwrap();
+                    session.observe(&frame).unwrap();
+                }
+            }
+        }
+    };
+    assert_eq!(scan_wall(0.01, |_| 1.0), (7, StopReason::NoProgress));
+    assert_eq!(scan_wall(0.0, |_| 1.0), (10, StopReason::ViewLimit), "off");
+    // Another wall in the third view.
+    assert_eq!(scan_wall(0.01, |view| if view < 2 { 1.0 } else { 1.03 }), (9, StopReason::NoProgress));
+    assert_eq!(scan_wall(0.01, |_| 5.0), (10, StopReason::ViewLimit), "nothing seen at all");
 }
 
 #[test]
@@ -279,6 +304,7 @@ fn bad_values_are_refused() {
         completeness: Some(1.0),
         expected_gain: Some(0.0),
         path_length: Some(1e-9),
+        progress: 1.0,
     };
     assert_eq!(fault(edges), Ok(()));
 }

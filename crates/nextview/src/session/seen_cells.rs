@@ -31,11 +31,11 @@ impl SeenCells {
     }
 
     /// The share, 0..=1, of the cells that the last `n` frames were first to show; none if there were not more
-    /// frames than that.
+    /// frames than that, or if none showed anything.
     pub fn progress(&self, n: usize) -> Option<f64> {
         let (last, before) = self.n_after.split_last()?;
         let start = before[before.len().checked_sub(n)?];
-        Some((last - start) as f64 / (*last).max(1) as f64)
+        (*last > 0).then(|| (last - start) as f64 / *last as f64)
     }
 }
 

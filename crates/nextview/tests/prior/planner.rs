@@ -320,3 +320,30 @@ fn bad_parameters_are_refused() {
         assert_eq!(fault(rays_across, theta), Ok(()));
     }
 }
+
+#[test]
+fn a_view_in_vain_is_not_repeated_next_to_it() {
+    let (snapshot, views) = (half_seen_ball(), views(300));
+    let planner = || MostSurface::with_prior(MostSurfaceConfig::default(), even_prior(0.3, 0.5)).unwrap();
+    let mut doubting = planner();
+    let first = plan_with(&mut doubting, &snapshot, &views, &[0]).choice.unwrap().view;
+    let fresh = plan_with(&mut planner(), &snapshot, &views, &[0, first]);
+    // The view was taken, and the map is as before.
+    let after = plan_with(&mut doubting.clone(), &snapshot, &views, &[0, first]);
+    let distance = |plan: &Plan| {
+        let [a, b] = [first, plan.choice.as_ref().unwrap().view].map(|view| views.pose(view).translation());
+        a.distance(b)
+    };
+    assert!(distance(&after) >= distance(&fresh), "{} {}", distance(&after), distance(&fresh));
+    let unseen = |plan: &Plan| plan.outlook.unwrap().n_unseen;
+    assert!(unseen(&after) < 0.9 * unseen(&fresh), "{} {}", unseen(&after), unseen(&fresh));
+    // A view of somebody else's choice teaches nothing, and neither does one that showed enough.
+    let other = plan_with(&mut doubting.clone(), &snapshot, &views, &[0, 1]);
+    assert_eq!(other, plan_with(&mut planner(), &snapshot, &views, &[0, 1]));
+    let whole = Snapshot::from_fn(snapshot.lattice(), snapshot.block(), |key| {
+        let radius = snapshot.lattice().center(key).length();
+        (0.04..0.052).contains(&radius).then_some(nextview::map::LogOdds(0.85))
+    });
+    let shown = plan_with(&mut doubting, &whole, &views, &[0, first]);
+    assert_eq!(shown, plan_with(&mut planner(), &whole, &views, &[0, first]));
+}
