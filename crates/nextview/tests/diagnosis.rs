@@ -1,5 +1,7 @@
 //! Wrong inputs are named, and right ones are not suspected.
 
+#![allow(clippy::unwrap_used, reason = "helpers of tests")]
+
 use glam::{DMat3, DQuat, DVec2, DVec3};
 use nextview::diagnosis::{Reading, Suspicion, suspect};
 use nextview::geometry::{Aabb, Pose};

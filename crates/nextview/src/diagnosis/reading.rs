@@ -1,4 +1,3 @@
-use super::samples::Sample;
 use crate::geometry::Pose;
 use crate::sensor::CameraAxes;
 use glam::{DQuat, DVec3};
@@ -55,11 +54,10 @@ impl Reading {
     }
 
     /// The point that was meant, in the camera frame.
-    pub(super) fn point(self, sample: &Sample) -> DVec3 {
-        let point = sample.ideal.extend(1.0) * sample.depth;
+    pub(super) fn point(self, in_camera: DVec3) -> DVec3 {
         match self {
-            Self::Depths(factor) => point * factor,
-            _ => point,
+            Self::Depths(factor) => in_camera * factor,
+            _ => in_camera,
         }
     }
 }

@@ -18,20 +18,12 @@ const DEPTHS: RangeInclusive<f64> = 0.05..=20.0;
 /// A frame shows the box if at least this share of its samples is inside.
 const IN_BOX: f64 = 0.01;
 
-/// A measured pixel.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Sample {
-    /// Where its ray crosses the plane z = 1 of the camera.
-    pub ideal: DVec2,
-    /// Metres.
-    pub depth: f64,
-}
-
 /// Some of the measured pixels of a frame.
 #[derive(Clone, Debug)]
 pub(super) struct Samples {
     pub world_from_camera: Pose,
-    pub pixels: Vec<Sample>,
+    /// The points, in the camera frame.
+    pub points: Vec<DVec3>,
     /// Share, 0..=1, of the frame's pixels that were measured.
     pub measured: f64,
 }
@@ -44,26 +36,23 @@ impl Samples {
         let measured = |&(u, v): &(u32, u32)| matches!(image.get(u, v), Depth::Surface(_));
         let n = pixels().filter(measured).count();
         let drawn = pixels().filter(measured).step_by(n.div_ceil(SAMPLES).max(1));
-        let sample = |(u, v): (u32, u32)| {
+        let point = |(u, v): (u32, u32)| {
             let Depth::Surface(depth) = image.get(u, v) else { return None };
             let ideal = intrinsics.deproject(DVec2::new(u as f64, v as f64))?;
-            Some(Sample { ideal, depth: depth as f64 })
+            Some(ideal.extend(1.0) * depth as f64)
         };
         Self {
             world_from_camera: frame.world_from_camera(),
-            pixels: drawn.filter_map(sample).collect(),
+            points: drawn.filter_map(point).collect(),
             measured: n as f64 / intrinsics.n_pixels() as f64,
         }
     }
 
     /// The points in the world; as given, or by another reading.
-    pub fn points(&self, reading: Option<Reading>) -> impl Iterator<Item = DVec3> + '_ {
+    pub fn in_world(&self, reading: Option<Reading>) -> impl Iterator<Item = DVec3> + '_ {
         let pose = reading.map_or(self.world_from_camera, |reading| reading.pose(&self.world_from_camera));
-        let in_camera = move |sample: &Sample| match reading {
-            Some(reading) => reading.point(sample),
-            None => sample.ideal.extend(1.0) * sample.depth,
-        };
-        self.pixels.iter().map(move |sample| pose.transform_point(in_camera(sample)))
+        let in_camera = move |point: &DVec3| reading.map_or(*point, |reading| reading.point(*point));
+        self.points.iter().map(move |point| pose.transform_point(in_camera(point)))
     }
 }
 
@@ -77,8 +66,8 @@ pub(super) fn fit(frames: &[Samples], reading: Option<Reading>, bounds: Option<A
     }
     let shown = bounds.map_or(0.0, |bounds| {
         let shows = |frame: &&Samples| {
-            let n_inside = frame.points(reading).filter(|point| bounds.contains(*point)).count();
-            n_inside as f64 >= IN_BOX * frame.pixels.len().max(1) as f64
+            let n_inside = frame.in_world(reading).filter(|point| bounds.contains(*point)).count();
+            n_inside as f64 >= IN_BOX * frame.points.len().max(1) as f64
         };
         frames.iter().filter(shows).count() as f64 / frames.len() as f64
     });
@@ -87,19 +76,19 @@ pub(super) fn fit(frames: &[Samples], reading: Option<Reading>, bounds: Option<A
 
 /// The median depth of all samples, metres; none without samples.
 fn median_depth(frames: &[Samples], reading: Option<Reading>) -> Option<f64> {
-    let depth = |sample: &Sample| reading.map_or(sample.depth, |reading| reading.point(sample).z);
-    let mut depths: Vec<f64> = frames.iter().flat_map(|frame| &frame.pixels).map(depth).collect();
+    let depth = |point: &DVec3| reading.map_or(*point, |reading| reading.point(*point)).z;
+    let mut depths: Vec<f64> = frames.iter().flat_map(|frame| &frame.points).map(depth).collect();
     let middle = depths.len() / 2;
     (!depths.is_empty()).then(|| *depths.select_nth_unstable_by(middle, f64::total_cmp).1)
 }
 
 /// The share, 0..=1, of the points that are in a cell, of this edge in metres, with points of another frame.
 fn meeting(frames: &[Samples], reading: Option<Reading>, cell: f64) -> f64 {
-    let n: usize = frames.iter().map(|frame| frame.pixels.len()).sum();
+    let n: usize = frames.iter().map(|frame| frame.points.len()).sum();
     // The first frame in a cell, the number of points there, and whether another frame was there, too.
     let mut cells: FxHashMap<IVec3, (usize, usize, bool)> = FxHashMap::default();
     for (i, frame) in frames.iter().enumerate() {
-        for point in frame.points(reading) {
+        for point in frame.in_world(reading) {
             let (first, n, is_met) = cells.entry((point / cell).floor().as_ivec3()).or_insert((i, 0, false));
             *n += 1;
             *is_met |= *first != i;

@@ -99,7 +99,7 @@ fn nothing_shown(frame: &Frame, bounds: &Aabb, range: DepthRange) -> Option<Susp
     let distance = camera.distance(camera.clamp(bounds.min, bounds.max));
     let farthest = bounds.corners().map(|corner| corner.distance(camera)).into_iter().fold(0.0, f64::max);
     let samples = Samples::new(frame);
-    let points = Aabb::around(samples.points(None)).filter(|_| samples.measured >= LEAST_MEASURED);
+    let points = Aabb::around(samples.in_world(None)).filter(|_| samples.measured >= LEAST_MEASURED);
     Some(match points {
         _ if farthest < range.min => Suspicion::TooNear { distance, least: range.min },
         _ if distance > range.max => Suspicion::TooFar { distance, largest: range.max },
