@@ -101,7 +101,9 @@ mod tests {
     #[test]
     fn small_parts_stay_if_enough_speaks_for_them() {
         let mut expected = SurfaceMesh::default();
-        [(100, 0.0), (9, 2.0), (11, 4.0)].map(|(n, z)| sheet(&mut expected, n, DVec3::Z * z));
+        for (n, z) in [(100, 0.0), (9, 2.0), (11, 4.0)] {
+            sheet(&mut expected, n, DVec3::Z * z);
+        }
         // Weak but largest; weak and small; small and strong; strong but tiny; weak but not that small.
         assert_eq!(left(&[100, 9, 9, 5, 11], &[0.1, 1.9, 2.1, 9.0, 0.1]), expected);
     }
