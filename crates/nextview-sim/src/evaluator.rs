@@ -8,6 +8,7 @@ use fixedbitset::FixedBitSet;
 use nextview::geometry::Pose;
 use nextview::sensor::Frame;
 use nextview::session::{NextView, Session};
+use std::collections::BTreeMap;
 
 /// The scan so far, compared with the true object.
 #[derive(Clone, Copy, Debug)]
@@ -16,9 +17,9 @@ pub struct Measures {
     /// the session's box do not count as covered, and occupied voxels outside the block are not counted at
     /// all. With the reachable object voxels, if the evaluator knows them.
     pub voxels: VoxelScore,
-    /// Number of object voxels truly seen so far: those with a point of the true surface that a pixel
-    /// measured, wherever noise and a wrong pose put that point in the map. All other measures are of what
-    /// the frames claim.
+    /// Number of object voxels truly seen so far: those with a point of the true surface that a pixel of a
+    /// frame in the map measured, wherever noise and a wrong pose put that point. All other measures are of
+    /// what the frames claim. Frames that the session set aside count nowhere until they are in the map.
     pub n_seen: usize,
     /// Share, 0..=1, of the true surface with a measured point of the object within 1, 2 and 5 mm.
     pub surface_coverage: [f64; 3],
@@ -48,6 +49,11 @@ pub struct Evaluator<'a> {
     reachable: Option<&'a FixedBitSet>,
     surface: SurfaceCoverage,
     seen: FixedBitSet,
+    /// Number of frames observed, and of those in the map, so far.
+    n_frames: usize,
+    n_mapped: usize,
+    /// Of the frames that are not in the map, by number.
+    waiting: BTreeMap<usize, Shown>,
 }
 
 /// Takes a frame from a true pose; `is_first` if it is the first of a scan, whose pose may be right where all
@@ -83,7 +89,15 @@ impl<'a> Evaluator<'a> {
     /// An evaluator before the first frame.
     pub fn new(scene: &Scene, object: &'a ObjectVoxels) -> Self {
         let surface = SurfaceCoverage::new(scene.camera().mesh());
-        Self { object, reachable: None, surface, seen: FixedBitSet::with_capacity(object.len()) }
+        Self {
+            object,
+            reachable: None,
+            surface,
+            seen: FixedBitSet::with_capacity(object.len()),
+            n_frames: 0,
+            n_mapped: 0,
+            waiting: BTreeMap::new(),
+        }
     }
 
     /// The same that compares the map with the reachable ones of the object voxels, too.
@@ -91,17 +105,24 @@ impl<'a> Evaluator<'a> {
         Self { reachable: Some(reachable), ..self }
     }
 
-    /// Measures the session after this frame, which has the pose in which it was mapped.
+    /// Measures the session after this frame, which has the pose in which it was mapped, or the given one if
+    /// it was set aside.
     pub fn measure(&mut self, session: &Session, frame: &Frame, shown: Shown) -> Measures {
-        let Shown { truth, of_object } = shown;
-        let mapped_from = frame.world_from_camera();
-        self.seen.union_with(&self.object.seen_in(&truth));
-        self.surface.add(&of_object.with_pose(mapped_from));
+        let misplacement = misplacement(&shown.truth, &frame.world_from_camera());
+        self.waiting.insert(self.n_frames, shown);
+        self.n_frames += 1;
+        let mapped = session.frame_numbers().iter().zip(session.frames()).skip(self.n_mapped);
+        for (number, frame) in mapped {
+            let Some(Shown { truth, of_object }) = self.waiting.remove(number) else { continue };
+            self.seen.union_with(&self.object.seen_in(&truth));
+            self.surface.add(&of_object.with_pose(frame.world_from_camera()));
+        }
+        self.n_mapped = session.frames().len();
         Measures {
             voxels: self.object.compare(&session.map().snapshot(self.object.block()), self.reachable),
             n_seen: self.seen.count_ones(..),
             surface_coverage: self.surface.shares(),
-            misplacement: Some(misplacement(&truth, &mapped_from)),
+            misplacement: Some(misplacement),
         }
     }
 }

@@ -136,7 +136,7 @@ fn keys_have_units() {
     let of_motion = keys(serde_json::to_value(MotionConfig::default()).unwrap());
     assert_eq!(of_motion, ["acceleration_m_per_s2", "clearance_m", "sensing_time_s", "speed_m_per_s"]);
     let stop = StopConfig { path_length: Some(2.0), ..StopConfig::default() };
-    assert_eq!(serde_json::to_value(stop).unwrap(), json!({"path_length_m": 2.0}));
+    assert_eq!(serde_json::to_value(stop).unwrap(), json!({"path_length_m": 2.0, "progress": 0.01}));
     let rule = MultiResolutionConfig { coarsest_voxel_size: Some(0.04), ..MultiResolutionConfig::enabled() };
     let expected = json!({"enabled": true, "coarsest_voxel_size_m": 0.04, "q_thresh": 0.5});
     assert_eq!(serde_json::to_value(rule).unwrap(), expected);

@@ -19,6 +19,7 @@ pub fn runs(records: &[&RunRecord]) -> Result<Table, Fault> {
         scans().map(|scan| scan.and_then(|scan| scan.stop_reason.as_ref()).map(name_of).transpose());
     table.push("stop_reason", Column::Text(stop_reasons.collect::<Result<_, _>>()?));
     table.count("views", scans().map(|scan| Some(scan?.steps.len())));
+    table.count("frames_set_aside", scans().map(|scan| scan?.frames_set_aside));
     measure_columns(&mut table, || scans().map(|scan| scan?.steps.last()));
     quality_columns(&mut table, scans);
     table.float("skill", scans().map(|scan| scan?.skill));

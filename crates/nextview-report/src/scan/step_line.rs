@@ -1,3 +1,4 @@
+use nextview::registration::Verdict;
 use nextview_scan::{ScanConfig, StepRecord};
 
 /// A description of the object, how it is scanned, and the head of the table of steps; see [`step_line`].
@@ -22,12 +23,13 @@ pub fn heading(config: &ScanConfig, description: &str, candidates: usize) -> Str
 }
 
 /// The line of a step in the table: its number, its view, `reachable_coverage`, `surface_coverage_2mm`,
-/// `new_voxels`, `plan_time_ms` and `path_length_m`, with a dash for unknown values. Ends with a line break.
+/// `new_voxels`, `plan_time_ms` and `path_length_m`, with a dash for unknown values, and the reason if
+/// registration set the frame aside. Ends with a line break.
 pub fn step_line(step: &StepRecord) -> String {
     let percent =
         |share: Option<f64>| share.map_or("-".to_owned(), |share| format!("{:.1} %", 100.0 * share));
     format!(
-        "{:>4}  {:>6}  {:>9}  {:>9}  {:>10}  {:>7.1} ms  {:>5.2} m\n",
+        "{:>4}  {:>6}  {:>9}  {:>9}  {:>10}  {:>7.1} ms  {:>5.2} m{}\n",
         step.step,
         step.view.map_or("-".to_owned(), |view| view.to_string()),
         percent(step.reachable_coverage),
@@ -35,7 +37,26 @@ pub fn step_line(step: &StepRecord) -> String {
         step.new_voxels,
         step.plan_time_ms,
         step.path_length_m,
+        set_aside_phrase(step),
     )
+}
+
+/// Why the frame was set aside; nothing if it was not.
+fn set_aside_phrase(step: &StepRecord) -> String {
+    let verdict = step.registration_verdict.filter(|_| step.registration_set_aside == Some(true));
+    verdict.map_or(String::new(), |verdict| format!("  set aside: {}", verdict_phrase(verdict)))
+}
+
+/// An outcome of registration in words.
+pub(super) fn verdict_phrase(verdict: Verdict) -> &'static str {
+    match verdict {
+        Verdict::Aligned => "aligned",
+        Verdict::LittleOverlap => "little overlap",
+        Verdict::Sliding => "aligned where it cannot slide",
+        Verdict::TooFar => "moved too far",
+        Verdict::NoBetter => "fits as given",
+        _ => "unknown reason",
+    }
 }
 
 #[cfg(test)]
@@ -68,5 +89,11 @@ mod tests {
         ];
         assert_eq!(heading.lines().last().unwrap().to_owned() + "\n", expected[0]);
         assert_eq!([step_line(&known), step_line(&step)], expected[1..]);
+        let aside = StepRecord {
+            registration_verdict: Some(Verdict::LittleOverlap),
+            registration_set_aside: Some(true),
+            ..step
+        };
+        assert!(step_line(&aside).ends_with("0.66 m  set aside: little overlap\n"), "{}", step_line(&aside));
     }
 }

@@ -1,3 +1,4 @@
+use super::step_line::verdict_phrase;
 use super::stop_phrase::stop_phrase;
 use crate::text::fixed;
 use nextview_scan::{BoxRule, OtherBodyRecord, QualityMm, ScanConfig, ScanRecord, StepRecord, TableRule};
@@ -26,6 +27,7 @@ pub fn summary(record: &ScanRecord, config: &ScanConfig) -> Vec<(String, String)
     rows.extend(phrase("mesh", record.mesh()));
     rows.extend(scores("  F-score", record.mesh()));
     rows.extend(alignment(record));
+    rows.extend(registered(record));
     rows.extend(recorded(record));
     rows.extend(found(config, last));
     rows.extend(record.other_bodies.iter().map(other_body));
@@ -106,6 +108,20 @@ fn alignment(record: &ScanRecord) -> Option<Row> {
     let (moved, turned) = (record.alignment_moved_mm?, record.alignment_turned_deg?);
     let phrase = format!("by {moved:.1} mm and {turned:.2} degrees to the true object, to measure it");
     (moved > 0.0 || turned > 0.0).then_some(("model aligned", phrase))
+}
+
+/// How many frames registration could use, and the others with the reason; nothing without registration.
+fn registered(record: &ScanRecord) -> Option<Row> {
+    let n_aside = record.frames_set_aside?;
+    let n_used = record.steps.len().saturating_sub(n_aside);
+    let aside: Vec<String> = record
+        .steps_set_aside()
+        .map(|step| {
+            format!("{} ({})", step.step, step.registration_verdict.map_or("unknown", verdict_phrase))
+        })
+        .collect();
+    let aside = if aside.is_empty() { String::new() } else { format!("; left out: {}", aside.join(", ")) };
+    Some(("frames used", format!("{n_used} of {}{aside}", record.steps.len())))
 }
 
 fn quality_phrase(quality: QualityMm) -> String {

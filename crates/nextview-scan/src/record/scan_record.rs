@@ -37,6 +37,10 @@ pub struct ScanRecord {
     pub candidates: usize,
     /// Number of views taken: that of `steps`.
     pub views: usize,
+    /// Number of views whose frames registration set aside for good: they are in neither map nor model. None
+    /// without registration.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub frames_set_aside: Option<usize>,
 
     /// Voxels that hold some of the true surface; none where the true object is not known.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -266,6 +270,15 @@ impl From<OtherBody> for OtherBodyRecord {
 }
 
 impl ScanRecord {
+    /// The steps whose frames registration set aside for good.
+    pub fn steps_set_aside(&self) -> impl Iterator<Item = &StepRecord> {
+        let is_recovered =
+            |step: usize| self.steps.iter().any(|s| s.registration_recovered_steps.contains(&step));
+        self.steps
+            .iter()
+            .filter(move |step| step.registration_set_aside == Some(true) && !is_recovered(step.step))
+    }
+
     /// Share of the reachable surface seen after each view; none without baselines.
     pub fn reachable_coverage_curve(&self) -> Option<Vec<f64>> {
         self.steps.iter().map(|step| step.reachable_coverage).collect()

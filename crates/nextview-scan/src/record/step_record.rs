@@ -85,10 +85,10 @@ pub struct StepRecord {
     /// The same as a share, 0..=1, of that of an unknown box.
     pub entropy_share: f64,
 
-    /// Whether the frame was aligned; this and the next eight none without registration.
+    /// Whether the frame was aligned; this and the next nine none without registration.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub registration_accepted: Option<bool>,
-    /// `aligned`, or why the given pose stayed.
+    /// `aligned`, or why the given pose stayed, in part (`sliding`) or at all.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub registration_verdict: Option<Verdict>,
     /// Root mean square distance of the frame's points from the known surface, in the given pose.
@@ -112,6 +112,12 @@ pub struct StepRecord {
     /// Iterations of the alignment.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub registration_n_iterations: Option<usize>,
+    /// Whether the frame was set aside: it is not in the map, unless a later step recovers it.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub registration_set_aside: Option<bool>,
+    /// Numbers of the steps whose frames had been set aside and came into the map with this one.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub registration_recovered_steps: Vec<usize>,
 
     /// Occupied object voxels of the map over object voxels, 0..=1; this and what follows up to the path none
     /// where the true object is not known.
@@ -211,6 +217,8 @@ impl StepRecord {
         };
         record.set_pose(&report.world_from_camera);
         report.registration.iter().for_each(|found| record.set_registration(found));
+        record.registration_set_aside = report.registration.map(|_| report.is_set_aside);
+        record.registration_recovered_steps = report.recovered.iter().map(|number| number + 1).collect();
         record
     }
 

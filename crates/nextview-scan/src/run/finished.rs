@@ -52,7 +52,8 @@ impl FinishedScan<'_> {
     /// cancelled: reset the flag to make the model of a scan that was cancelled.
     pub fn model(&self) -> Result<FinalModel, Fault> {
         let bounds = self.bounds().ok_or_else(no_object)?;
-        let color = |i: usize| self.source.map_or(Ok(None), |source| source.color(self.steps[i].view));
+        let view = |i: usize| self.steps[self.session.frame_numbers()[i]].view;
+        let color = |i: usize| self.source.map_or(Ok(None), |source| source.color(view(i)));
         let cancel = self.session.cancel();
         FinalModel::new(self.session.frames(), color, bounds, self.detail(bounds), cancel)
     }
@@ -88,6 +89,7 @@ impl FinishedScan<'_> {
             voxel_size_m: self.session.map().lattice().voxel_size(),
             candidates: self.session.views().len(),
             views: self.steps.len(),
+            frames_set_aside: config.registration.enabled.then(|| self.session.set_aside().len()),
             box_min_m: bounds.map(|bounds| bounds.min.to_array()),
             box_max_m: bounds.map(|bounds| bounds.max.to_array()),
             path_length_m: last.map_or(0.0, |step| step.path_length_m),

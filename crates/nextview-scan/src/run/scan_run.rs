@@ -193,8 +193,9 @@ impl<'a> ScanRun<'a> {
         let map_time = start.elapsed();
         let (next, plan_time) = self.asked.take().map(|asked| (asked.next, asked.plan_time)).unzip();
         let mut record = StepRecord::of_report(self.steps.len() + 1, &report);
-        if let (Some(evaluator), Some(mapped)) = (&mut self.evaluator, self.session.frames().last()) {
-            evaluator.measure(&self.session, next.as_ref(), mapped, &mut record)?;
+        if let Some(evaluator) = &mut self.evaluator {
+            let frame = frame.with_pose(report.world_from_camera);
+            evaluator.measure(&self.session, next.as_ref(), &frame, &mut record)?;
         }
         let last = self.steps.last();
         record.path_length_m = self.path.extend_to(report.world_from_camera.translation());

@@ -1,5 +1,6 @@
 use crate::geometry::{Plane, VoxelBlock};
 use serde::{Deserialize, Serialize};
+use std::ops::AddAssign;
 
 /// Which rays of a scan are traced.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
@@ -52,4 +53,13 @@ pub struct MapUpdate {
     pub n_first_measured: usize,
     /// Voxels that became occupied.
     pub n_newly_occupied: usize,
+}
+
+impl AddAssign for MapUpdate {
+    fn add_assign(&mut self, other: Self) {
+        self.n_hits += other.n_hits;
+        self.n_misses += other.n_misses;
+        self.n_first_measured += other.n_first_measured;
+        self.n_newly_occupied += other.n_newly_occupied;
+    }
 }

@@ -1,15 +1,20 @@
 use super::{Plan, Situation, ViewPlanner};
+use crate::geometry::Pose;
 use crate::map::Occupancy;
-use crate::visibility::{FreeSpace, Ray, RayCaster, RayEnd, Sight};
+use crate::visibility::{Crossing, FreeSpace, Ray, RayCaster, RayEnd, Sight};
 use crate::{Cancelled, Error};
 use rayon::prelude::*;
 
 /// Restricts another planner to views that overlap with known surface, so that their frames can be
 /// [aligned](crate::registration) to it.
 ///
-/// The overlap of a view is the share of known surface in its rays: of the rays that end at an occupied voxel
-/// or meet an unknown one before, those that meet none. Where no view within reach overlaps enough, those
-/// that overlap most remain; while nothing is occupied, all do.
+/// The overlap of a view is the share of the object's image that known surface fills: the number of rays that
+/// end at an occupied voxel from its free side over the mean of that number at the places of the frames so
+/// far, at most 1. Unknown voxels on the way do not matter: most turn out to be empty. Where no view within
+/// reach overlaps enough, those that overlap most remain; while nothing is occupied, all do.
+///
+/// Each of the first two views whose frames wait outside the map, since they could not be aligned, halves what
+/// the next one may lack of full overlap, so that it links them.
 ///
 /// The other planner's [`Outlook`](super::Outlook) then counts only the remaining views.
 ///
@@ -28,12 +33,12 @@ pub struct MinOverlap {
 /// rays per view.
 const RAY_SPACING: f64 = 4.0;
 
-/// Numbers of rays of a view, by what they would show.
-#[derive(Clone, Copy, Debug, Default)]
-struct Tally {
-    n_known: usize,
-    n_unknown: usize,
-}
+/// Number of halvings by frames that wait outside the map, at most: views that show nothing new help no more.
+const MAX_HALVINGS: usize = 2;
+
+/// Number of voxels before an occupied one that must be free: rays through the gaps of a surface that was
+/// measured from its other side pass only one or two.
+const FREE_BEFORE: usize = 3;
 
 impl MinOverlap {
     /// A planner that keeps views of at least this overlap, 0..=1, for another one to choose from.
@@ -47,49 +52,49 @@ impl MinOverlap {
 
 impl ViewPlanner for MinOverlap {
     fn plan(&mut self, situation: &Situation<'_>) -> Result<Plan, Cancelled> {
+        let n_waiting = situation.visited().len().saturating_sub(situation.frames().len());
+        let share = 1.0 - (1.0 - self.share) * 0.5_f64.powi(n_waiting.min(MAX_HALVINGS) as i32);
         let open = situation.open_views();
         let overlaps = overlaps(situation, &open)?;
         let most = overlaps.iter().copied().fold(0.0, f64::max);
         let mut is_left = vec![false; situation.views().len()];
         for (view, overlap) in open.into_iter().zip(overlaps) {
-            is_left[view] = overlap >= self.share.min(most);
+            is_left[view] = overlap >= share.min(most);
         }
         let views = situation.views().clone().only(|view| is_left[view]);
         self.planner.plan(&situation.with_views(&views))
     }
 }
 
-/// The overlap of each of the views, 0..=1; 0 where they show nothing.
+/// The overlap of each of the views, 0..=1; 0 where they show nothing, and before there is a frame.
 fn overlaps(situation: &Situation<'_>, views: &[usize]) -> Result<Vec<f64>, Cancelled> {
     let (snapshot, cancel) = (situation.snapshot(), situation.cancel());
     let spacing = situation.in_snapshot_voxels(RAY_SPACING);
     let caster = RayCaster::new(snapshot, situation.intrinsics(), spacing, Sight::endless(FreeSpace::Clear))
         .expect("the spacing is positive")
         .within(situation.depth_range());
-    let overlap = |&view: &usize| {
-        let mut tally = Tally::default();
-        caster.try_cast(&situation.views().pose(view), |ray| {
-            tally.add(&ray, snapshot.occupancy());
+    let n_known = |pose: &Pose| {
+        let mut n = 0.0;
+        caster.try_cast(pose, |ray| {
+            n += shows_known_surface(&ray, snapshot.occupancy()) as u8 as f64;
             cancel.check()
         })?;
-        Ok(tally.overlap())
+        Ok(n)
     };
+    let frames = situation.frames();
+    let in_frames = frames.par_iter().map(|frame| n_known(&frame.world_from_camera()));
+    let full = in_frames.collect::<Result<Vec<f64>, _>>()?.iter().sum::<f64>() / frames.len().max(1) as f64;
+    if full == 0.0 {
+        return Ok(vec![0.0; views.len()]);
+    }
+    let overlap = |&view: &usize| Ok((n_known(&situation.views().pose(view))? / full).min(1.0));
     views.par_iter().map(overlap).collect()
 }
 
-impl Tally {
-    fn add(&mut self, ray: &Ray<'_>, occupancy: &[Occupancy]) {
-        let is_unknown = |voxel: u32| occupancy[voxel as usize] == Occupancy::Unknown;
-        if ray.crossings.iter().any(|crossing| is_unknown(crossing.voxel)) {
-            self.n_unknown += 1;
-        } else if matches!(ray.end, RayEnd::Occupied(_)) {
-            self.n_known += 1;
-        }
-    }
-
-    fn overlap(self) -> f64 {
-        self.n_known as f64 / (self.n_known + self.n_unknown).max(1) as f64
-    }
+/// Whether a ray meets an occupied voxel from the side from which it was measured, which is free.
+fn shows_known_surface(ray: &Ray<'_>, occupancy: &[Occupancy]) -> bool {
+    let is_free = |crossing: &Crossing| occupancy[crossing.voxel as usize] != Occupancy::Unknown;
+    matches!(ray.end, RayEnd::Occupied(_)) && ray.crossings.iter().rev().take(FREE_BEFORE).all(is_free)
 }
 
 #[cfg(test)]
@@ -99,8 +104,8 @@ mod tests {
     use crate::geometry::{Lattice, VoxelBlock};
     use crate::map::{LogOdds, Snapshot};
     use crate::planner::RandomViews;
-    use crate::sensor::Intrinsics;
-    use crate::view::{ViewSpace, generate};
+    use crate::sensor::{DepthImage, Frame, Intrinsics};
+    use crate::view::{ViewSpace, generate, look_at};
     use glam::{DVec3, IVec3, UVec3};
 
     /// A plate across the box at x = 0, in front of which (+x) all is free and behind which all is unknown.
@@ -120,6 +125,7 @@ mod tests {
 
     struct Setup {
         snapshot: Snapshot,
+        frames: Vec<Frame>,
         views: ViewSpace,
         intrinsics: Intrinsics,
         cancel: Cancel,
@@ -128,12 +134,24 @@ mod tests {
     impl Setup {
         fn new(snapshot: Snapshot) -> Self {
             let views = generate::fibonacci_sphere(DVec3::ZERO, 0.4, 60).unwrap();
-            Self { snapshot, views, intrinsics: Intrinsics::d435i(), cancel: Cancel::default() }
+            let intrinsics = Intrinsics::d435i();
+            // Only their places matter.
+            let image = DepthImage::from_metres(640, 480, vec![f32::NAN; intrinsics.n_pixels()]).unwrap();
+            let from = look_at(DVec3::X * 0.4, DVec3::ZERO).unwrap();
+            let frame = Frame::new(image, intrinsics, from, 1.0).unwrap();
+            Self {
+                snapshot,
+                frames: vec![frame.clone(), frame],
+                views,
+                intrinsics,
+                cancel: Cancel::default(),
+            }
         }
 
         fn situation<'a>(&'a self, visited: &'a [usize]) -> Situation<'a> {
             let Self { snapshot, views, intrinsics, .. } = self;
-            Situation::new(snapshot, views, intrinsics, &self.cancel).with_visited(visited).unwrap()
+            let situation = Situation::new(snapshot, views, intrinsics, &self.cancel);
+            situation.with_frames(&self.frames).with_visited(visited).unwrap()
         }
     }
 
@@ -166,7 +184,7 @@ mod tests {
             let position = setup.views.pose(view).translation();
             let is_fine = match position.x {
                 x if x > 0.38 => overlap > 0.9,
-                x if x < 0.0 => overlap < 0.3, // the plate's edge is seen
+                x if x < -0.1 => overlap < 0.2, // of what is known, the plate's edge is seen
                 _ => (0.0..=1.0).contains(&overlap),
             };
             assert!(is_fine, "{overlap} from {position}");
@@ -180,6 +198,20 @@ mod tests {
         for share in [0.0, 0.3, 0.8, 1.0] {
             assert_eq!(choices(share, &situation), expected(&situation, |overlap| overlap >= share));
         }
+    }
+
+    #[test]
+    fn frames_that_wait_outside_the_map_call_for_more_overlap() {
+        let mut setup = Setup::new(plate());
+        for (visited, needed) in
+            [(&[0, 7, 9][..], 0.65), (&[0, 7, 9, 11], 0.825), (&[0, 7, 9, 11, 13], 0.825)]
+        {
+            let situation = setup.situation(visited);
+            assert_eq!(choices(0.3, &situation), expected(&situation, |overlap| overlap >= needed));
+        }
+        setup.frames.clear();
+        let situation = setup.situation(&[]);
+        assert_eq!(choices(0.3, &situation).len(), 60, "nothing is known yet");
     }
 
     #[test]

@@ -27,8 +27,9 @@ pub struct RegistrationConfig {
     /// Minimum share, 0..=1, of the frame's points that must lie on the known surface after the alignment.
     /// Default 0.3.
     pub min_overlap: f64,
-    /// Minimum [stiffness](super::Registration::stiffness), 0..=1. Default 0.005: frames held less firmly
-    /// were often turned by degrees about the axis of a bottle or a handle.
+    /// Minimum [stiffness](super::Registration::stiffness), 0..=1; in directions of less, the given pose
+    /// stays. Default 0.005: frames held less firmly were often turned by degrees about the axis of a bottle
+    /// or a handle.
     pub min_stiffness: f64,
 }
 

@@ -44,12 +44,23 @@ pub fn align<E>(
     reach: SearchReach,
     pairs: impl Fn(&Pose, f64) -> Result<Vec<Pair>, E>,
 ) -> Result<(Pose, usize), E> {
+    align_where_held(given, reach, 0.0, pairs)
+}
+
+/// [`align`] that moves nothing in directions in which the surface is less stiff than this: those keep the
+/// given pose (solution remapping, Zhang, Kaess & Singh 2016).
+pub(super) fn align_where_held<E>(
+    given: Pose,
+    reach: SearchReach,
+    min_stiffness: f64,
+    pairs: impl Fn(&Pose, f64) -> Result<Vec<Pair>, E>,
+) -> Result<(Pose, usize), E> {
     let (mut pose, mut distance) = (given, reach.first);
     for n_steps in 1..=MAX_STEPS {
         let Some(equations) = NormalEquations::new(&pairs(&pose, distance)?, SCALE * distance) else {
             return Ok((pose, n_steps));
         };
-        let (motion, size) = equations.step();
+        let (motion, size) = equations.step(min_stiffness);
         pose = motion * pose;
         if distance <= reach.last && size < SMALL_STEP * reach.last {
             return Ok((pose, n_steps));

@@ -1,4 +1,4 @@
-use super::icp::{SearchReach, align, pairs};
+use super::icp::{SearchReach, align, align_where_held, pairs};
 use super::normal_equations::NormalEquations;
 use super::pair::Pair;
 use super::point_tree::PointTree;
@@ -101,51 +101,55 @@ impl KnownSurface {
     pub fn register(&self, frame: &Frame, bounds: Aabb, cancel: &Cancel) -> Result<Registration, Cancelled> {
         let points = surface_points(frame, self.around(bounds), self.config.spacing, cancel)?;
         let given = frame.world_from_camera();
-        let reach = self.reach();
         let paired = |pose: &Pose, reach| pairs(&points, &self.tree, pose, reach, cancel);
-        let (aligned, n_iterations) = align(given, reach, paired)?;
+        let reach = self.reach();
+        let mut alignment = align(given, reach, paired)?;
+        let stiffness = stiffness(&paired(&alignment.0, reach.last)?, reach.last);
+        let is_held = stiffness >= self.config.min_stiffness;
+        if !is_held {
+            alignment = align_where_held(given, reach, self.config.min_stiffness, paired)?;
+        }
+        let (aligned, n_iterations) = alignment;
         let pairs = paired(&aligned, reach.last)?;
         let motion = aligned * given.inverse();
         let [residual_before, residual_after] =
             [motion.inverse(), Pose::IDENTITY].map(|to| residual(&pairs, &to));
         let found = Registration {
             world_from_camera: aligned,
-            verdict: Verdict::Aligned,
+            verdict: if is_held { Verdict::Aligned } else { Verdict::Sliding },
             residual_before,
             residual_after,
             overlap: pairs.len() as f64 / points.len().max(1) as f64,
             moved: aligned.translation().distance(given.translation()),
             turned: angle(&motion),
-            stiffness: NormalEquations::new(&pairs, reach.last)
-                .map_or(0.0, |equations| equations.stiffness()),
+            stiffness,
             n_iterations,
         };
-        let verdict = self.judged(&found, &points, &given, pairs.len(), cancel)?;
-        let world_from_camera = if verdict == Verdict::Aligned { aligned } else { given };
-        Ok(Registration { world_from_camera, verdict, ..found })
+        Ok(match self.objection(&found, &points, &given, pairs.len(), cancel)? {
+            Some(verdict) => Registration { world_from_camera: given, verdict, ..found },
+            None => found,
+        })
     }
 
-    /// The first reason to refuse an alignment, if there is one.
-    fn judged(
+    /// The first reason to leave the given pose, if there is one.
+    fn objection(
         &self,
         found: &Registration,
         points: &[SurfacePoint],
         given: &Pose,
         n_pairs: usize,
         cancel: &Cancel,
-    ) -> Result<Verdict, Cancelled> {
+    ) -> Result<Option<Verdict>, Cancelled> {
         let config = &self.config;
         let misfit = |pose: &Pose| misfit(points, &self.tree, pose, self.reach().last, cancel);
         Ok(if found.overlap < config.min_overlap || n_pairs < LEAST_PAIRS {
-            Verdict::LittleOverlap
-        } else if found.stiffness < config.min_stiffness {
-            Verdict::Sliding
+            Some(Verdict::LittleOverlap)
         } else if found.moved > config.position_uncertainty || found.turned > config.rotation_uncertainty {
-            Verdict::TooFar
+            Some(Verdict::TooFar)
         } else if misfit(&found.world_from_camera)? >= misfit(given)? {
-            Verdict::NoBetter
+            Some(Verdict::NoBetter)
         } else {
-            Verdict::Aligned
+            None
         })
     }
 
@@ -179,6 +183,11 @@ impl Pool {
 fn side(normal: DVec3) -> u8 {
     let axis = normal.abs().max_position();
     2 * axis as u8 + (normal[axis] < 0.0) as u8
+}
+
+/// How well the known surface holds these pairs in place.
+fn stiffness(pairs: &[Pair], reach: f64) -> f64 {
+    NormalEquations::new(pairs, reach).map_or(0.0, |equations| equations.stiffness())
 }
 
 /// Root mean square of the residuals after another motion, metres.

@@ -53,12 +53,12 @@ impl NormalEquations {
     }
 
     /// The motion that solves it, and its size, metres; nothing moves in directions that the surface does not
-    /// determine.
-    pub fn step(&self) -> (Pose, f64) {
+    /// determine or in which it is less stiff than this.
+    pub fn step(&self, min_stiffness: f64) -> (Pose, f64) {
         let largest = self.eigen.values.iter().fold(0.0, |a: f64, b| a.max(*b));
         let mut step = [0.0; 6];
         for (value, vector) in self.eigen.values.iter().zip(&self.eigen.vectors) {
-            if *value > LEAST_SHARE * largest {
+            if *value > (LEAST_SHARE * largest).max(min_stiffness) {
                 let along = -dot(vector, &self.gradient) / value;
                 (0..6).for_each(|i| step[i] += along * vector[i]);
             }
@@ -102,7 +102,7 @@ mod tests {
                 (DVec3::new(3.0, 1.0, 2.0) + random.in_cube(), random.in_cube().normalize())
             });
             let equations = NormalEquations::new(&pairs, 1.0).unwrap();
-            let (step, moved) = equations.step();
+            let (step, moved) = equations.step(0.0);
             let rest = step * motion(size);
             let error = rest.transform_point(DVec3::new(3.0, 1.0, 2.0)).distance(DVec3::new(3.0, 1.0, 2.0));
             assert!(error < 30.0 * size * size && moved > size, "{error}");
@@ -120,8 +120,21 @@ mod tests {
         let of_plane = NormalEquations::new(&pairs(&motion(1e-3), plane), 1.0).unwrap();
         let of_ball = NormalEquations::new(&pairs(&motion(1e-3), ball), 1.0).unwrap();
         assert!(of_plane.stiffness() < 1e-12 && of_ball.stiffness() < 1e-4, "{of_ball:?}");
-        let shift = of_plane.step().0.translation();
+        let shift = of_plane.step(0.0).0.translation();
         assert!(shift.truncate().length() < 1e-4, "up and down alone: {shift}");
+    }
+
+    #[test]
+    fn what_is_held_loosely_moves_along_the_stiff_directions_alone() {
+        // A plane with low waves along x: they hold it a little.
+        let waves = |random: &mut Random| {
+            let slope = 0.03 * (20.0 * random.unit()).sin();
+            (random.in_cube().with_z(0.0), DVec3::new(-slope, 0.0, 1.0).normalize())
+        };
+        let equations = NormalEquations::new(&pairs(&motion(1e-3), waves), 1.0).unwrap();
+        let [freely, held] = [0.0, 0.005].map(|least| equations.step(least).0.translation());
+        assert!(freely.x.abs() > 1e-4 && held.x.abs() < 1e-5, "{freely} {held}");
+        assert!((held.z - freely.z).abs() < 1e-5 && held.z.abs() > 5e-5, "{freely} {held}");
     }
 
     #[test]
@@ -136,7 +149,8 @@ mod tests {
         let near = pairs(&motion(1e-4), |random| (random.in_cube(), random.in_cube().normalize()));
         let mut all = near.clone();
         all.extend(near.iter().take(40).map(|pair| Pair { known: pair.known + DVec3::Y, ..*pair }));
-        let step = |pairs: &[Pair], scale| NormalEquations::new(pairs, scale).unwrap().step().0.translation();
+        let step =
+            |pairs: &[Pair], scale| NormalEquations::new(pairs, scale).unwrap().step(0.0).0.translation();
         let expected = step(&near, 0.01);
         assert!(step(&all, 0.01).distance(expected) < 1e-4 && step(&all, 1e3).distance(expected) > 1e-2);
     }

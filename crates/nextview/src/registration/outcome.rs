@@ -4,7 +4,8 @@ use serde::{Deserialize, Serialize};
 /// Result of the alignment of a frame.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Registration {
-    /// Where the camera stood: corrected if the alignment was accepted, else as given.
+    /// Where the camera stood: corrected if the alignment was accepted, where it slides as far as the surface
+    /// holds it, else as given.
     pub world_from_camera: Pose,
     /// Whether the alignment was accepted, or why not.
     pub verdict: Verdict,
@@ -42,7 +43,8 @@ pub enum Verdict {
     Aligned,
     /// No: too few of the frame's points lie on the known surface.
     LittleOverlap,
-    /// No: the surface does not hold the frame in place, such as a plane or a ball.
+    /// In part: the surface does not hold the frame in place, such as a plane or a ball. Along the directions
+    /// in which it can slide, the given pose stays.
     Sliding,
     /// No: it moves or turns the camera farther than the given pose may be wrong.
     TooFar,
@@ -56,9 +58,9 @@ impl Registration {
         self.verdict == Verdict::Aligned
     }
 
-    /// Whether the frame in its final pose lies on the known surface: it was aligned, or fitted already as
-    /// given.
+    /// Whether the frame in its final pose lies on the known surface: it was aligned, if only where it does
+    /// not slide, or fitted already as given.
     pub fn fits(&self) -> bool {
-        matches!(self.verdict, Verdict::Aligned | Verdict::NoBetter)
+        matches!(self.verdict, Verdict::Aligned | Verdict::Sliding | Verdict::NoBetter)
     }
 }

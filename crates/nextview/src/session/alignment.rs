@@ -1,18 +1,36 @@
-use crate::geometry::Aabb;
-use crate::registration::{KnownSurface, Registration};
+use crate::geometry::{Aabb, Pose};
+use crate::registration::{KnownSurface, Registration, RegistrationConfig};
 use crate::sensor::Frame;
-use crate::{Cancel, Cancelled};
+use crate::{Cancel, Cancelled, Error};
 
 /// Aligns each frame to the surface shown by those before it, if the session is configured to.
 #[derive(Clone, Debug)]
 pub(super) struct Alignment {
     /// None without registration.
     known: Option<KnownSurface>,
+    given: GivenPoses,
 }
 
+/// How wrong the given poses of the frames that fitted were.
+#[derive(Clone, Copy, Debug)]
+struct GivenPoses {
+    /// Error up to which they count as right, root mean square at the corners of the box, metres.
+    tolerance: f64,
+    n: usize,
+    /// Sum of the squared errors.
+    sum_sq: f64,
+}
+
+/// Fewer frames prove nothing about the poses of others.
+const LEAST_PROOF: usize = 2;
+
 impl Alignment {
-    pub fn new(known: Option<KnownSurface>) -> Self {
-        Self { known }
+    /// Nothing is known yet; fails on a configuration out of range.
+    pub fn new(config: RegistrationConfig) -> Result<Self, Error> {
+        let known = config.enabled.then(|| KnownSurface::new(config)).transpose()?;
+        // Half a cell of pooled points: an alignment itself is off by half a millimetre in cells of 5 mm.
+        let given = GivenPoses { tolerance: 0.5 * config.spacing, n: 0, sum_sq: 0.0 };
+        Ok(Self { known, given })
     }
 
     /// Aligns a frame; none while there is no known surface to align it to.
@@ -26,19 +44,61 @@ impl Alignment {
         known.zip(bounds).map(|(known, bounds)| known.register(frame, bounds, cancel)).transpose()
     }
 
-    /// Adds a frame in its final pose, unless it does not fit: its surface may lie anywhere.
+    /// Whether all given poses seem to be right: a frame that does not overlap with others is then where it
+    /// claims to be.
+    pub fn trusts_given_poses(&self) -> bool {
+        self.given.are_right()
+    }
+
+    /// Adds a frame in its final pose, which it was given or moved to by this alignment.
     pub fn remember(
         &mut self,
         frame: &Frame,
+        given: &Pose,
         bounds: Option<Aabb>,
         registration: Option<Registration>,
         cancel: &Cancel,
     ) -> Result<(), Cancelled> {
-        if let (Some(known), Some(bounds)) = (&mut self.known, bounds)
-            && registration.is_none_or(|registration| registration.fits())
-        {
-            known.add(frame, bounds, cancel)?;
+        let (Some(known), Some(bounds)) = (&mut self.known, bounds) else { return Ok(()) };
+        if registration.is_some_and(|registration| registration.fits()) {
+            self.given.add(&(frame.world_from_camera() * given.inverse()), bounds);
         }
-        Ok(())
+        known.add(frame, bounds, cancel)
+    }
+}
+
+impl GivenPoses {
+    fn add(&mut self, motion: &Pose, bounds: Aabb) {
+        let corners = bounds.corners().map(|corner| motion.transform_point(corner).distance_squared(corner));
+        self.n += 1;
+        self.sum_sq += corners.iter().sum::<f64>() / corners.len() as f64;
+    }
+
+    fn are_right(&self) -> bool {
+        self.n >= LEAST_PROOF && self.sum_sq <= self.tolerance.powi(2) * self.n as f64
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use glam::{DQuat, DVec3};
+
+    #[test]
+    fn given_poses_are_right_once_two_were_and_while_their_errors_are_small() {
+        let bounds = Aabb::cube(DVec3::X, 0.1);
+        let moved = |shift: f64| Pose::new(DQuat::IDENTITY, DVec3::new(0.0, shift, 0.0)).unwrap();
+        let mut given = GivenPoses { tolerance: 0.0025, n: 0, sum_sq: 0.0 };
+        assert!(!given.are_right(), "nothing is known");
+        given.add(&moved(0.0), bounds);
+        assert!(!given.are_right(), "one may be right by chance");
+        given.add(&moved(0.003), bounds);
+        assert!(given.are_right());
+        given.add(&moved(0.004), bounds);
+        assert!(!given.are_right());
+        let turned = Pose::new(DQuat::from_rotation_z(0.01), DVec3::ZERO).unwrap();
+        let mut given = GivenPoses { n: 1, sum_sq: 0.0, ..given };
+        given.add(&turned, bounds);
+        assert!(!given.are_right(), "turned by a centimetre at the box");
     }
 }

@@ -4,8 +4,9 @@ use super::location::Location;
 use super::locator::Locator;
 use super::report::MapReport;
 use super::scan_map::{MapRules, Place, ScanMap};
+use super::taken_frames::{SetAside, TakenFrames};
 use crate::map::MapUpdate;
-use crate::registration::{KnownSurface, Registration};
+use crate::registration::Registration;
 use crate::sensor::Frame;
 use crate::{Cancel, Cancelled, Error};
 
@@ -21,46 +22,114 @@ pub(super) struct KnownScene {
     pub is_box_too_large: bool,
 }
 
-/// What a frame changed.
+/// What an observation changed.
+#[derive(Default)]
 pub(super) struct Added {
     pub update: MapUpdate,
     pub report: MapReport,
     /// Where the object is; none if that is as before.
     pub moved: Option<Location>,
+    /// How the frame was aligned; none without registration, and while no surface is known.
+    pub registration: Option<Registration>,
+    /// The numbers of frames that had been set aside and are in the map now.
+    pub recovered: Vec<usize>,
 }
 
 impl KnownScene {
     /// Before the first frame, and where the object then is known to be. For a checked configuration.
     pub fn new(config: &SessionConfig) -> Result<(Self, Option<Location>), Error> {
         let &SessionConfig { voxel_size, sensor_model, rays, background, registration, .. } = config;
-        let known = registration.enabled.then(|| KnownSurface::new(registration)).transpose()?;
         let rules = MapRules { voxel_size, sensor_model, rays, background };
         let mut scene = Self {
             locator: Locator::new(config.object_box, config.table, voxel_size, config.max_gap),
             map: ScanMap::new(rules, Place::default()),
-            alignment: Alignment::new(known),
+            alignment: Alignment::new(registration)?,
             is_box_too_large: false,
         };
         let location = scene.locate(config, &[], &Cancel::default())?;
         Ok((scene, location))
     }
 
-    /// Adds the last of these frames, in its final pose.
-    pub fn add(
+    /// Takes in a new frame. With registration, it is aligned first. If that fails, it is set aside; else
+    /// those set aside before are tried again, since more surface is known. Both scene and frames are of no
+    /// use if cancelled.
+    pub fn take_in(
         &mut self,
         config: &SessionConfig,
-        frames: &[Frame],
-        registration: Option<Registration>,
+        frame: &Frame,
+        frames: &mut TakenFrames,
         cancel: &Cancel,
     ) -> Result<Added, Cancelled> {
-        let moved = self.locate(config, frames, cancel)?;
-        let frame = frames.last().expect("a frame was added");
-        self.alignment.remember(frame, self.map.place().bounds, registration, cancel)?;
-        let update = self.map.integrate(frame, cancel)?;
-        self.refine_what_is_known(config, frames, cancel)?;
+        let number = frames.places.len();
+        frames.places.push(frame.world_from_camera());
+        let registration = self.alignment.register(frame, self.map.place().bounds, cancel)?;
+        let mut added = Added { registration, ..Added::default() };
+        if self.is_reliable(registration) {
+            self.add((number, frame.clone(), registration), config, frames, &mut added, cancel)?;
+            self.try_again(config, frames, &mut added, cancel)?;
+        } else {
+            let aside = registration.map(|registration| (frame.clone(), registration));
+            frames.set_aside.extend(aside.map(|(frame, registration)| SetAside {
+                number,
+                frame,
+                registration,
+            }));
+        }
         let snapshot = self.map.finest_snapshot(cancel)?;
         let report = snapshot.map(|snapshot| MapReport::unless(&snapshot, cancel)).transpose()?;
-        Ok(Added { update, report: report.unwrap_or_default(), moved })
+        Ok(Added { report: report.unwrap_or_default(), ..added })
+    }
+
+    /// Whether a frame lies where its alignment, or the given pose if that was refused, puts it.
+    fn is_reliable(&self, registration: Option<Registration>) -> bool {
+        registration.is_none_or(|found| found.fits()) || self.alignment.trusts_given_poses()
+    }
+
+    /// Aligns the frames set aside to what is known now, until none fits any more.
+    fn try_again(
+        &mut self,
+        config: &SessionConfig,
+        frames: &mut TakenFrames,
+        added: &mut Added,
+        cancel: &Cancel,
+    ) -> Result<(), Cancelled> {
+        loop {
+            let bounds = self.map.place().bounds;
+            for waiting in &mut frames.set_aside {
+                if let Some(found) = self.alignment.register(&waiting.frame, bounds, cancel)? {
+                    waiting.registration = found;
+                }
+            }
+            // Those that fit first: others may overlap with them.
+            let fitting = frames.set_aside.iter().position(|waiting| waiting.registration.fits());
+            let given = || self.alignment.trusts_given_poses().then_some(0);
+            let next = fitting.or_else(given).filter(|next| *next < frames.set_aside.len());
+            let Some(next) = next else { return Ok(()) };
+            let SetAside { number, frame, registration } = frames.set_aside.remove(next);
+            self.add((number, frame, Some(registration)), config, frames, added, cancel)?;
+            added.recovered.push(number);
+        }
+    }
+
+    /// Adds a frame, in the pose that its alignment found, to all that is known.
+    fn add(
+        &mut self,
+        (number, frame, registration): (usize, Frame, Option<Registration>),
+        config: &SessionConfig,
+        frames: &mut TakenFrames,
+        added: &mut Added,
+        cancel: &Cancel,
+    ) -> Result<(), Cancelled> {
+        let given = frame.world_from_camera();
+        let pose = registration.map_or(given, |found| found.world_from_camera);
+        frames.map(number, frame.with_pose(pose));
+        let frames = &frames.mapped;
+        let moved = self.locate(config, frames, cancel)?;
+        added.moved = moved.or(added.moved.take());
+        let frame = frames.last().expect("a frame was added");
+        self.alignment.remember(frame, &given, self.map.place().bounds, registration, cancel)?;
+        added.update += self.map.integrate(frame, cancel)?;
+        self.refine_what_is_known(config, frames, cancel)
     }
 
     /// Adopts the box found from all frames, the last of which is not mapped yet, unless it is too large.

@@ -18,6 +18,7 @@ mod scan_map;
 mod seen_cells;
 mod stop;
 mod table;
+mod taken_frames;
 mod views;
 
 pub use config::SessionConfig;
@@ -29,6 +30,7 @@ pub use report::{MapReport, StepReport};
 pub use resolution::MultiResolutionConfig;
 pub use stop::StopConfig;
 pub use table::{ON_TABLE, Table};
+pub use taken_frames::SetAside;
 pub use views::Views;
 
 use crate::diagnosis::{Suspicion, suspect};
@@ -36,7 +38,6 @@ use crate::geometry::{Aabb, Plane, Pose};
 use crate::map::{OccupancyMap, Snapshot};
 use crate::motion::{Surroundings, Trajectory};
 use crate::planner::{Plan, Situation, ViewPlanner};
-use crate::registration::Registration;
 use crate::sensor::{Frame, Intrinsics};
 use crate::view::ViewSpace;
 use crate::{Cancel, Cancelled, Error};
@@ -45,6 +46,7 @@ use known_scene::{Added, KnownScene};
 use scan_map::Place;
 use seen_cells::SeenCells;
 use std::collections::BTreeSet;
+use taken_frames::TakenFrames;
 
 /// A scan in progress: the map so far, the views taken, and the planner.
 ///
@@ -73,7 +75,7 @@ pub struct Session {
     candidates: ViewSpace,
     planner: Box<dyn ViewPlanner>,
     scene: KnownScene,
-    frames: Vec<Frame>,
+    frames: TakenFrames,
     /// Number of requested frames.
     n_taken: usize,
     visited: Vec<usize>,
@@ -105,7 +107,7 @@ impl Session {
             views,
             planner,
             seen: SeenCells::new(config.voxel_size),
-            frames: Vec::new(),
+            frames: TakenFrames::default(),
             n_taken: 0,
             visited: Vec::new(),
             skipped: BTreeSet::new(),
@@ -121,20 +123,19 @@ impl Session {
     }
 
     /// Writes a frame into the map, keeps it, and, if a view was decided on, counts it as taken. With
-    /// registration, all that is done with the corrected pose.
+    /// registration, all that is done with the corrected pose; a frame that cannot be aligned is [set
+    /// aside](Self::set_aside), and enters the map after a later one that makes up for what it lacked.
     ///
     /// A [cancelled](Self::with_cancel) observation changes nothing: the frame can be observed again.
     pub fn observe(&mut self, frame: &Frame) -> Result<StepReport, Cancelled> {
         let planned_in = self.planning_voxel_size();
-        let registration = self.scene.alignment.register(frame, self.bounds(), &self.cancel)?;
-        let pose = registration.map_or(frame.world_from_camera(), |found| found.world_from_camera);
-        self.frames.push(frame.clone().with_pose(pose));
+        let (n_mapped, set_aside) = (self.frames.mapped.len(), self.frames.set_aside.clone());
         let mut scene = self.scene.clone();
-        let added = scene.add(&self.config, &self.frames, registration, &self.cancel);
-        let added = added.inspect_err(|Cancelled| _ = self.frames.pop())?;
+        let added = scene.take_in(&self.config, frame, &mut self.frames, &self.cancel);
+        let added = added.inspect_err(|Cancelled| self.frames.forget(n_mapped, set_aside))?;
         self.scene = scene;
         let Place { bounds, table } = self.scene.map.place();
-        self.seen.add(self.frames.last().expect("a frame was added"), bounds, table.map(|table| table.top));
+        self.seen.add(&self.frames.mapped[n_mapped..], bounds, table.map(|table| table.top));
         if let Some(location) = &added.moved {
             self.candidates = self.without_skipped(self.views.candidates(location, self.config.depth_range));
         }
@@ -143,7 +144,7 @@ impl Session {
         self.visited.extend(taken.as_ref().and_then(|next| next.view));
         let is_planned = taken.as_ref().is_some_and(|next| next.choice.is_some());
         let voxel_size = if is_planned { planned_in } else { self.planning_voxel_size() };
-        Ok(self.report(taken, voxel_size, added, registration))
+        Ok(self.report(taken, voxel_size, added))
     }
 
     /// Decides on the next view. Repeated calls before the next observation return the same decision, unless
@@ -175,10 +176,10 @@ impl Session {
     ///
     /// Fails if it would leave [`Pose::REACH`].
     pub fn trajectory_to(&self, world_from_camera: &Pose) -> Result<Trajectory, Error> {
-        let Some(last) = self.frames.last() else { return Ok(Trajectory::at(*world_from_camera)) };
+        let Some(last) = self.frames.places.last() else { return Ok(Trajectory::at(*world_from_camera)) };
         let Place { bounds: object, table } = self.scene.map.place();
         let surroundings = Surroundings { object, floor: table.map(|table| table.floor()) };
-        Trajectory::new(&last.world_from_camera(), world_from_camera, &surroundings, &self.config.motion)
+        Trajectory::new(last, world_from_camera, &surroundings, &self.config.motion)
     }
 
     /// The map so far, in the finest voxels.
@@ -205,7 +206,7 @@ impl Session {
     /// known. They are connected points, at least 20 of them, with free space around most of their outline:
     /// walls and floors are no bodies.
     pub fn other_bodies(&self) -> Result<Vec<OtherBody>, Cancelled> {
-        self.scene.locator.other_bodies(&self.frames, &self.cancel)
+        self.scene.locator.other_bodies(&self.frames.mapped, &self.cancel)
     }
 
     /// Why the frames probably show nothing of the object, or do not fit together; none if they do, or if
@@ -215,7 +216,7 @@ impl Session {
             ObjectBox::Known(bounds) => Some(bounds),
             ObjectBox::Growing => None,
         };
-        suspect(&self.frames, known, self.config.depth_range)
+        suspect(&self.frames.mapped, known, self.config.depth_range)
     }
 
     /// The flag that cancels decisions and observations.
@@ -228,9 +229,22 @@ impl Session {
         self.scene.map.planning_voxel_size()
     }
 
-    /// The frames observed so far, oldest first.
+    /// The frames in the map, in their final poses and in the order in which they came there: all observed
+    /// ones, oldest first, unless registration [set some aside](Self::set_aside) for a while or for good.
     pub fn frames(&self) -> &[Frame] {
-        &self.frames
+        &self.frames.mapped
+    }
+
+    /// For each of [`frames`](Self::frames), its number among all observed ones, from 0.
+    pub fn frame_numbers(&self) -> &[usize] {
+        &self.frames.numbers
+    }
+
+    /// The frames that could not be aligned so far, oldest first. They are in neither map nor model; each is
+    /// tried again whenever another one fits. Empty without registration, and where the frames that could be
+    /// aligned prove that the given poses are right.
+    pub fn set_aside(&self) -> &[SetAside] {
+        &self.frames.set_aside
     }
 
     /// The views taken so far, in order.
@@ -275,7 +289,7 @@ impl Session {
             if self.scene.map.is_finest() {
                 return Ok(Decision::Stop(StopReason::NothingToGain));
             }
-            self.scene.map.refine(&self.frames, &self.cancel)?; // finer voxels may show more than coarse ones
+            self.scene.map.refine(&self.frames.mapped, &self.cancel)?; // finer voxels may show more than coarse ones
         }
     }
 
@@ -293,7 +307,7 @@ impl Session {
                 Some((Some(view), views.pose(view)))
             }
             Views::Fixed(_) => None,
-            Views::Following { first, .. } => self.frames.is_empty().then_some((None, *first)),
+            Views::Following { first, .. } => self.frames.places.is_empty().then_some((None, *first)),
         }
     }
 
@@ -335,14 +349,13 @@ impl Session {
     /// Length of the straight path through the places of all frames and on to a view, metres.
     fn path_length_with(&self, view: usize) -> f64 {
         let next = self.candidates.pose(view).translation();
-        let last = self.frames.last().map(|frame| frame.world_from_camera().translation().distance(next));
+        let last = self.frames.places.last().map(|last| last.translation().distance(next));
         self.legs().sum::<f64>() + last.unwrap_or(0.0)
     }
 
     /// Straight distances between the places of the frames so far, metres.
     fn legs(&self) -> impl DoubleEndedIterator<Item = f64> {
-        let position = |frame: &Frame| frame.world_from_camera().translation();
-        self.frames.windows(2).map(move |pair| position(&pair[0]).distance(position(&pair[1])))
+        self.frames.places.windows(2).map(|pair| pair[0].translation().distance(pair[1].translation()))
     }
 
     /// The next view of the itinerary, or else a new plan.
@@ -352,7 +365,7 @@ impl Session {
         }
         let situation = Situation::new(snapshot, &self.candidates, &self.intrinsics, &self.cancel)
             .with_depth_range(self.config.depth_range)
-            .with_frames(&self.frames)
+            .with_frames(&self.frames.mapped)
             .with_visited(&self.visited)
             .and_then(|situation| situation.with_finest_voxel_size(self.config.voxel_size));
         let mut plan =
@@ -361,28 +374,24 @@ impl Session {
         Ok(plan)
     }
 
-    fn report(
-        &self,
-        taken: Option<NextView>,
-        voxel_size: f64,
-        Added { update, report: map, .. }: Added,
-        registration: Option<Registration>,
-    ) -> StepReport {
-        let frame = self.frames.last().expect("a report follows a frame");
+    fn report(&self, taken: Option<NextView>, voxel_size: f64, added: Added) -> StepReport {
+        let number = self.frames.places.len() - 1;
         let Place { bounds, table } = self.scene.map.place();
         StepReport {
             step: self.n_taken,
             view: taken.as_ref().and_then(|next| next.view),
-            world_from_camera: frame.world_from_camera(),
-            registration,
+            world_from_camera: self.frames.places[number],
+            registration: added.registration,
+            is_set_aside: self.frames.set_aside.iter().any(|waiting| waiting.number == number),
+            recovered: added.recovered,
             outlook: taken.as_ref().and_then(|next| next.outlook),
             choice: taken.and_then(|next| next.choice),
             travel: self.legs().next_back().unwrap_or(0.0),
             voxel_size,
             bounds,
             table: table.map(|table| table.plane),
-            update,
-            map,
+            update: added.update,
+            map: added.report,
         }
     }
 }

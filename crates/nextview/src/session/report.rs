@@ -13,12 +13,20 @@ pub struct StepReport {
     /// Number of the view; none if it was no candidate: a first view without a number, or a frame that was
     /// not asked for.
     pub view: Option<usize>,
-    /// Camera pose used for the map: with registration, the corrected pose.
+    /// Camera pose used for the map: with registration, the corrected pose; the given one if the frame was set
+    /// aside.
     pub world_from_camera: Pose,
     /// Result of the alignment of the frame; none without registration, and for the first frame that shows
     /// the object.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub registration: Option<Registration>,
+    /// Whether the frame could not be aligned and is not in the map.
+    #[serde(default)]
+    pub is_set_aside: bool,
+    /// Numbers, among all observed frames and from 0, of those that had been set aside and came into the map
+    /// with this one.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub recovered: Vec<usize>,
     /// Why the view was chosen; none for the first.
     pub choice: Option<Choice>,
     /// The planner's expectations of the view and of all that could follow; none for planners without
@@ -35,7 +43,7 @@ pub struct StepReport {
     pub bounds: Option<Aabb>,
     /// The table that the object stands on; none without one, or if none was found.
     pub table: Option<Plane>,
-    /// The changes that the frame made in the map.
+    /// The changes that the frame made in the map, with those of the recovered ones.
     pub update: MapUpdate,
     /// The known state of the box after it.
     pub map: MapReport,

@@ -7,7 +7,7 @@ use rustc_hash::FxHashSet;
 /// as progress.
 const CELL_IN_VOXELS: f64 = 2.0;
 
-/// Where frames have shown surface: how many cells hold a measured point, after each frame.
+/// Where frames have shown surface: how many cells hold a measured point, after each step.
 #[derive(Clone, Debug)]
 pub(super) struct SeenCells {
     lattice: Lattice,
@@ -22,9 +22,11 @@ impl SeenCells {
         Self { lattice, cells: FxHashSet::default(), n_after: Vec::new() }
     }
 
-    /// Adds the points of a frame in the box, without those up to the top of a table.
-    pub fn add(&mut self, frame: &Frame, bounds: Option<Aabb>, table_top: Option<Plane>) {
-        let points = bounds.into_iter().flat_map(|bounds| frame.points_in(bounds));
+    /// Adds the points in the box of the frames of a step, one in general, without those up to the top of a
+    /// table.
+    pub fn add(&mut self, frames: &[Frame], bounds: Option<Aabb>, table_top: Option<Plane>) {
+        let points =
+            bounds.into_iter().flat_map(|bounds| frames.iter().flat_map(move |f| f.points_in(bounds)));
         let of_object = points.filter(|point| table_top.is_none_or(|top| top.height(*point) > 0.0));
         self.cells.extend(of_object.map(|point| self.lattice.key(point)));
         self.n_after.push(self.cells.len());
@@ -58,15 +60,15 @@ mod tests {
         let everywhere = Some(Aabb::cube(DVec3::ZERO, 2.0));
         let mut seen = SeenCells::new(0.005);
         assert_eq!(seen.progress(1), None);
-        seen.add(&frame(0.0), everywhere, None);
+        seen.add(&[frame(0.0)], everywhere, None);
         assert_eq!(seen.progress(1), None, "one frame has nothing before it");
-        seen.add(&frame(0.06), everywhere, None);
+        seen.add(&[frame(0.06)], everywhere, None);
         assert!((seen.progress(1).unwrap() - 6.0 / 16.0).abs() < 1e-9, "{:?}", seen.progress(1));
-        seen.add(&frame(0.03), everywhere, None);
+        seen.add(&[frame(0.03)], everywhere, None);
         assert_eq!(seen.progress(1), Some(0.0));
         assert!((seen.progress(2).unwrap() - 6.0 / 16.0).abs() < 1e-9);
-        seen.add(&frame(1.0), everywhere, Plane::horizontal(2.0).ok());
-        seen.add(&frame(1.0), None, None);
+        seen.add(&[frame(1.0)], everywhere, Plane::horizontal(2.0).ok());
+        seen.add(&[frame(1.0)], None, None);
         assert_eq!(seen.progress(2), Some(0.0), "below the table, and without a box");
     }
 }

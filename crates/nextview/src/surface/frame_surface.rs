@@ -23,16 +23,26 @@ const MAX_MARGIN: usize = 32;
 /// The evidence of one frame about a point.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Evidence {
-    /// The point and its surroundings are free.
+    /// The point and its surroundings are free: a surface was measured behind them.
     Free,
+    /// The same, only that nothing came back. There may be nothing, or a surface that returns nothing, such as
+    /// the rim of an object behind a mask that is a little too tight.
+    Open,
     /// The surface is near: signed distance in metres, positive in front, and how much it counts, 0..=1.
     Near { distance: f32, weight: f32 },
+    /// A silhouette is near, beside a ray that ends farther away or, `open`, does not return: a lower bound of
+    /// the distance, and its weight.
+    Silhouette { distance: f32, weight: f32, open: bool },
+    /// The point lies behind a measured surface, farther than that is said to reach.
+    Hidden,
 }
 
 /// A frame prepared for queries about many points.
 pub(super) struct FrameSurface {
     intrinsics: Intrinsics,
     planes: Vec<Option<TangentPlane>>,
+    /// By pixel, whether nothing came back.
+    is_open: Vec<bool>,
     clear_depth: ClearDepth,
     truncation: f64,
     margin: f64,
@@ -50,9 +60,10 @@ impl FrameSurface {
     ) -> Result<Self, Cancelled> {
         let (intrinsics, planes) = (*frame.intrinsics(), tangent_planes(frame));
         let (depth, width) = (free_depth(frame), intrinsics.width() as usize);
+        let is_open = pixels(frame).map(|depth| depth == Depth::Beyond).collect();
         let half_width = margin_in_pixels(&intrinsics, margin, nearest);
         let clear_depth = ClearDepth::new(depth, width, half_width, cancel)?;
-        Ok(Self { intrinsics, planes, clear_depth, truncation, margin })
+        Ok(Self { intrinsics, planes, is_open, clear_depth, truncation, margin })
     }
 
     /// The frame's evidence about points of the camera frame; nothing outside the image, where nothing was
@@ -68,10 +79,15 @@ impl FrameSurface {
         let wanted =
             margin_in_pixels(&self.intrinsics, self.margin, point.z).min(self.clear_depth.max_half_width());
         if self.is_clear(point, pixel, wanted) {
-            return Some(Evidence::Free);
+            return Some(if self.is_open[pixel] { Evidence::Open } else { Evidence::Free });
         }
         let near = self.planes[pixel].as_ref().and_then(|plane| self.near_plane(plane, point));
-        near.or_else(|| self.near_silhouette(point, pixel, wanted))
+        near.or_else(|| self.near_silhouette(point, pixel, wanted)).or_else(|| self.hidden(point, pixel))
+    }
+
+    fn hidden(&self, point: DVec3, pixel: usize) -> Option<Evidence> {
+        let depth = self.clear_depth.around(pixel, 0) as f64;
+        (depth > 0.0 && point.z > depth + self.truncation).then_some(Evidence::Hidden)
     }
 
     /// Whether the ray continues behind the point, at all pixels at most `n_pixels` away.
@@ -94,8 +110,8 @@ impl FrameSurface {
     /// sideways.
     fn near_silhouette(&self, point: DVec3, pixel: usize, wanted: usize) -> Option<Evidence> {
         let n_pixels = (0..wanted).take_while(|&n| self.is_clear(point, pixel, n)).last()?;
-        let distance = (n_pixels as f64 + 0.5) * point.z / self.intrinsics.focal().max_element();
-        Some(Evidence::Near { distance: distance as f32, weight: SILHOUETTE_WEIGHT })
+        let distance = ((n_pixels as f64 + 0.5) * point.z / self.intrinsics.focal().max_element()) as f32;
+        Some(Evidence::Silhouette { distance, weight: SILHOUETTE_WEIGHT, open: self.is_open[pixel] })
     }
 
     /// The index of the pixel nearest to a place on the image; none outside.
@@ -117,13 +133,18 @@ fn margin_in_pixels(intrinsics: &Intrinsics, margin: f64, depth: f64) -> usize {
 
 /// Up to which depth each pixel is free; 0 where it was not measured.
 fn free_depth(frame: &Frame) -> Vec<f32> {
-    let image = frame.image();
-    let depth = |i: u32| match image.get(i % image.width(), i / image.width()) {
+    let depth = |depth: Depth| match depth {
         Depth::Missing => 0.0,
         Depth::Beyond => frame.range() as f32,
         Depth::Surface(depth) => depth,
     };
-    (0..image.width() * image.height()).map(depth).collect()
+    pixels(frame).map(depth).collect()
+}
+
+/// All readings, row by row.
+fn pixels(frame: &Frame) -> impl Iterator<Item = Depth> + '_ {
+    let image = frame.image();
+    (0..image.height()).flat_map(move |v| (0..image.width()).map(move |u| image.get(u, v)))
 }
 
 #[cfg(test)]
@@ -148,7 +169,7 @@ mod tests {
             assert!((0.0..=1.0).contains(&weight));
         }
         assert_eq!(surface.evidence(&[DVec3::new(0.0, 0.0, 0.4)])[0], Some(Evidence::Free));
-        assert_eq!(surface.evidence(&[DVec3::new(0.0, 0.0, 0.6)])[0], None, "behind");
+        assert_eq!(surface.evidence(&[DVec3::new(0.0, 0.0, 0.6)])[0], Some(Evidence::Hidden));
         for x in [0.5, -0.5, 1e300] {
             assert_eq!(surface.evidence(&[DVec3::new(x, 0.0, 0.5)])[0], None, "outside the image");
         }
@@ -162,9 +183,9 @@ mod tests {
         let at = |x: f64| surface.evidence(&[DVec3::new(x, 0.0, 0.5)])[0];
         // A pixel is 1 cm wide there.
         for (x, expected) in [(0.0, 0.005), (0.01, 0.015), (0.02, 0.025)] {
-            let Some(Evidence::Near { distance, .. }) = at(x) else { panic!("{x}") };
+            let Some(Evidence::Silhouette { distance, open: true, .. }) = at(x) else { panic!("{x}") };
             assert!((distance - expected).abs() < 1e-6, "{x}: {distance}");
         }
-        assert_eq!(at(0.06), Some(Evidence::Free));
+        assert_eq!(at(0.06), Some(Evidence::Open));
     }
 }

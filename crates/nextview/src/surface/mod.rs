@@ -14,6 +14,7 @@ mod distance_field;
 mod frame_surface;
 mod normals;
 mod ply;
+mod specks;
 mod surface_mesh;
 mod surface_nets;
 mod tangent_plane;

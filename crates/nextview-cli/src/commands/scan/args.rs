@@ -90,7 +90,7 @@ pub struct ScanArgs {
     #[arg(long, value_enum, value_name = "on|off", hide_possible_values = true)]
     register: Option<Switch>,
     /// Least share, 0 to 1, of known surface in what the next view shows, so that its image can be aligned
-    /// [default: 0]
+    /// [default: 0.5 with registration, else 0]
     #[arg(long, value_name = "SHARE", value_parser = values::share, allow_negative_numbers = true)]
     min_overlap: Option<f64>,
     /// View candidates: shell (the paper's), sphere, hemisphere, or a CSV file of poses [default: shell]

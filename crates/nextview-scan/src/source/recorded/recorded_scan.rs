@@ -202,18 +202,18 @@ impl Evaluator for RecordedEvaluator<'_> {
         &mut self,
         session: &Session,
         _: Option<&NextView>,
-        frame: &Frame,
+        _: &Frame,
         record: &mut StepRecord,
     ) -> Result<(), Fault> {
         record.frame = self.scan.frame(record.view).map(|frame| frame.name.clone());
         #[cfg(feature = "simulated")]
         if let Some(progress) = &mut self.progress {
-            let n_seen = progress.measure(session, frame, record);
+            let n_seen = progress.measure(session, record);
             let baselines = self.scan.shown.as_ref().map(|(_, baselines)| baselines);
             record.reachable_coverage = baselines.map(|baselines| baselines.reachable_coverage(n_seen));
         }
         #[cfg(not(feature = "simulated"))]
-        let _ = (session, frame);
+        let _ = session;
         Ok(())
     }
 }

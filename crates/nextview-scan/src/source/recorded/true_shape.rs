@@ -5,7 +5,6 @@ use fixedbitset::FixedBitSet;
 use glam::DVec3;
 use nextview::Cancel;
 use nextview::geometry::Lattice;
-use nextview::sensor::Frame;
 use nextview::session::{Session, SessionConfig, planning_box};
 use nextview_recording::{RecordedFrame, Recording, read_transform};
 use nextview_sim::accuracy::Accuracy;
@@ -85,7 +84,8 @@ impl TrueShape {
 
     /// A scan of which nothing is measured yet, and the object voxels that any frame shows.
     pub fn progress<'a>(&'a self, reachable: Option<&'a FixedBitSet>) -> Progress<'a> {
-        Progress { truth: self, reachable, surface: SurfaceCoverage::new(&self.mesh), distances: Vec::new() }
+        let surface = SurfaceCoverage::new(&self.mesh);
+        Progress { truth: self, reachable, surface, distances: Vec::new(), n_mapped: 0 }
     }
 
     /// Number of object voxels.
@@ -101,16 +101,22 @@ pub(super) struct Progress<'a> {
     surface: SurfaceCoverage,
     /// Of all points that were in the box when they were measured.
     distances: Vec<f64>,
+    /// Number of frames in the map so far.
+    n_mapped: usize,
 }
 
 impl Progress<'_> {
-    /// Fills in how the scan stands after this frame; returns the number of samples of the surface seen.
-    pub fn measure(&mut self, session: &Session, frame: &Frame, record: &mut StepRecord) -> usize {
-        let Self { truth, reachable, surface, distances } = self;
-        let points: Vec<DVec3> =
-            session.bounds().into_iter().flat_map(|bounds| frame.points_in(bounds)).collect();
-        distances.par_extend(points.par_iter().map(|point| truth.surface.distance().at(*point)));
-        surface.add(frame);
+    /// Fills in how the scan stands, with the frames that are in the map; returns the number of samples of the
+    /// surface seen.
+    pub fn measure(&mut self, session: &Session, record: &mut StepRecord) -> usize {
+        let Self { truth, reachable, surface, distances, n_mapped } = self;
+        for frame in &session.frames()[*n_mapped..] {
+            let points: Vec<DVec3> =
+                session.bounds().into_iter().flat_map(|bounds| frame.points_in(bounds)).collect();
+            distances.par_extend(points.par_iter().map(|point| truth.surface.distance().at(*point)));
+            surface.add(frame);
+        }
+        *n_mapped = session.frames().len();
         let snapshot = session.map().snapshot(truth.voxels.block());
         record.set_voxels(&truth.voxels.compare(&snapshot, *reachable));
         [record.surface_coverage_1mm, record.surface_coverage_2mm, record.surface_coverage_5mm] =
