@@ -25,8 +25,8 @@ pub struct Scene {
 }
 
 impl Scene {
-    /// The mesh (metres, world coordinates) in a room of 4 m a side, or larger if the object's longest side is
-    /// above 0.67 m: the walls stand behind all usual view candidates.
+    /// The mesh (metres, world coordinates) in a room of 4 m a side, or larger if the object's longest side
+    /// is above 0.67 m: the walls stand behind all usual view candidates.
     ///
     /// Fails if the object is too large for the camera: from four times its half-side, where the paper's
     /// farthest views are, it must be within [`CAMERA_RANGE`].

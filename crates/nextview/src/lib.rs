@@ -45,9 +45,9 @@
 //! # Modules
 //!
 //! The modules are layers, and each imports only from those before it: [`geometry`], [`flow`] -> [`sensor`]
-//! -> [`map`], [`diagnosis`] -> [`view`], [`surface`], [`prior`], [`registration`] -> [`visibility`], [`motion`] -> [`gain`]
-//! -> [`planner`] -> [`session`]. The library computes: it opens no file, prints nothing, reads no clock and
-//! holds no global state. Long computations can be [cancelled](Cancel).
+//! -> [`map`], [`diagnosis`] -> [`view`], [`surface`], [`prior`], [`registration`] -> [`visibility`],
+//! [`motion`] -> [`gain`] -> [`planner`] -> [`session`]. The library computes: it opens no file, prints
+//! nothing, reads no clock and holds no global state. Long computations can be [cancelled](Cancel).
 //!
 //! # Features
 //!

@@ -38,6 +38,15 @@ fn outlook(n_expected: f64, n_unseen: f64) -> Outlook {
     Outlook { n_seen: 100, n_expected, n_unseen }
 }
 
+/// The wall soon leaves the box, so that later frames show nothing new.
+const NO_PROGRESS_RULE: StopConfig = StopConfig {
+    entropy_share: None,
+    completeness: None,
+    expected_gain: None,
+    progress: 0.0,
+    path_length: None,
+};
+
 /// Views in a row that look across the box.
 fn views() -> ViewSpace {
     let position = |i: usize| DVec3::new(i as f64 * STEP, -1.0, 0.0);
@@ -157,7 +166,7 @@ fn anything_is_much_where_nothing_was_seen() {
 #[test]
 fn stops_before_the_path_is_too_long() {
     let told = || Told(vec![outlook(50.0, 100.0); 11]);
-    let stop = |steps: f64| StopConfig { path_length: Some(steps * STEP), ..StopConfig::default() };
+    let stop = |steps: f64| StopConfig { path_length: Some(steps * STEP), ..NO_PROGRESS_RULE };
     for (steps, n_views) in [(0.001, 1), (0.999, 1), (1.0, 2), (3.5, 4), (4.0, 5)] {
         check(told(), stop(steps), n_views, StopReason::PathLimit);
     }
@@ -172,7 +181,7 @@ fn of_several_rules_the_first_to_hold_ends_the_scan() {
         completeness: Some(0.7),
         expected_gain: Some(0.2),
         path_length: Some(2.0 * STEP),
-        ..StopConfig::default()
+        ..NO_PROGRESS_RULE
     };
     check(told(), all, 3, StopReason::PathLimit);
     check(told(), StopConfig { path_length: None, ..all }, 8, StopReason::Complete);
@@ -181,7 +190,7 @@ fn of_several_rules_the_first_to_hold_ends_the_scan() {
 
 #[test]
 fn planners_that_expect_nothing_never_stop_for_that() {
-    let stop = StopConfig { completeness: Some(0.0), expected_gain: Some(1.0), ..StopConfig::default() };
+    let stop = StopConfig { completeness: Some(0.0), expected_gain: Some(1.0), ..NO_PROGRESS_RULE };
     let mut session = session(RandomViews { seed: 3 }, stop);
     let (steps, reason) = scan(&mut session);
     assert_eq!((steps.len(), reason), (10, StopReason::ViewLimit));

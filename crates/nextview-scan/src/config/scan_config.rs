@@ -18,8 +18,8 @@ use std::path::PathBuf;
 /// Maximum number of views, where none is stated.
 const DEFAULT_VIEWS: usize = 10;
 
-/// Minimum overlap of views whose frames are to be aligned. With 0.3, a scan of a recorded bunny took views that
-/// could be aligned only by chance; with 0.6 and more, scans advance too slowly.
+/// Minimum overlap of views whose frames are to be aligned. With 0.3, a scan of a recorded bunny took views
+/// that could be aligned only by chance; with 0.6 and more, scans advance too slowly.
 const OVERLAP_TO_ALIGN: f64 = 0.5;
 
 /// Everything that decides a scan: what a configuration file holds, and `config.toml` in the results.

@@ -6,8 +6,8 @@ use nextview::session::{NextView, Session};
 pub trait Evaluator: Send {
     /// Fills in the parts of the record that a session cannot know, after this frame was observed.
     ///
-    /// `frame` has the pose in which it was mapped, or the given one if it was set aside. `taken` is the view that it answers; none if it was not
-    /// asked for.
+    /// `frame` has the pose in which it was mapped, or the given one if it was set aside. `taken` is the view
+    /// that it answers; none if it was not asked for.
     fn measure(
         &mut self,
         session: &Session,

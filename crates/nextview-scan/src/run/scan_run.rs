@@ -265,8 +265,8 @@ impl<'a> ScanRun<'a> {
         FinishedScan { session, source, journal, trajectories, steps, stop_reason }
     }
 
-    /// What is probably wrong with the frames so far; none where it was said before, or if they are many: then
-    /// there is nothing new to find.
+    /// What is probably wrong with the frames so far; none where it was said before, or if they are many:
+    /// then there is nothing new to find.
     fn warning(&self) -> Option<String> {
         let suspicion = (self.steps.len() < MOST_SUSPECTED).then(|| self.session.suspicion()).flatten()?;
         let warning = warning(&suspicion, self.source.is_some());

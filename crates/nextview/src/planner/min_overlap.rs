@@ -13,8 +13,8 @@ use rayon::prelude::*;
 /// far, at most 1. Unknown voxels on the way do not matter: most turn out to be empty. Where no view within
 /// reach overlaps enough, those that overlap most remain; while nothing is occupied, all do.
 ///
-/// Each of the first two views whose frames wait outside the map, since they could not be aligned, halves what
-/// the next one may lack of full overlap, so that it links them.
+/// Each of the first two views whose frames wait outside the map, since they could not be aligned, halves
+/// what the next one may lack of full overlap, so that it links them.
 ///
 /// The other planner's [`Outlook`](super::Outlook) then counts only the remaining views.
 ///

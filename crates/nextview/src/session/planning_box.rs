@@ -45,8 +45,8 @@ pub(super) fn as_deep_as_wide(seen: &Aabb, cameras: impl Iterator<Item = DVec3>)
 /// Number of frames from one side that move the object by half of what is possible.
 const HALF_SURE: f64 = 0.5;
 
-/// The cube around an object that grows, rounded to whole voxels: centre and half-side, so that the box of an object that grows by less
-/// stays as it is, and so do its maps.
+/// The cube around an object that grows, rounded to whole voxels: centre and half-side, so that the box of an
+/// object that grows by less stays as it is, and so do its maps.
 pub(super) fn growing_box(object: &Aabb, voxel_size: f64) -> Aabb {
     let half = (BOX_MARGIN_FACTOR * 0.5 * object.longest_side() / voxel_size + BOX_MARGIN_VOXELS).ceil();
     Aabb::cube((object.center() / voxel_size).round() * voxel_size, half * voxel_size)

@@ -13,8 +13,8 @@ pub struct StepReport {
     /// Number of the view; none if it was no candidate: a first view without a number, or a frame that was
     /// not asked for.
     pub view: Option<usize>,
-    /// Camera pose used for the map: with registration, the corrected pose; the given one if the frame was set
-    /// aside.
+    /// Camera pose used for the map: with registration, the corrected pose; the given one if the frame was
+    /// set aside.
     pub world_from_camera: Pose,
     /// Result of the alignment of the frame; none without registration, and for the first frame that shows
     /// the object.

@@ -3,8 +3,8 @@ use crate::sensor::Frame;
 use glam::IVec3;
 use rustc_hash::FxHashSet;
 
-/// Edge of the cells, in voxels: wrong poses and noise move points into neighbouring voxels, which would count
-/// as progress.
+/// Edge of the cells, in voxels: wrong poses and noise move points into neighbouring voxels, which would
+/// count as progress.
 const CELL_IN_VOXELS: f64 = 2.0;
 
 /// Where frames have shown surface: how many cells hold a measured point, after each step.
@@ -32,8 +32,8 @@ impl SeenCells {
         self.n_after.push(self.cells.len());
     }
 
-    /// The share, 0..=1, of the cells that the last `n` frames were first to show; none if there were not more
-    /// frames than that, or if none showed anything.
+    /// The share, 0..=1, of the cells that the last `n` frames were first to show; none if there were not
+    /// more frames than that, or if none showed anything.
     pub fn progress(&self, n: usize) -> Option<f64> {
         let (last, before) = self.n_after.split_last()?;
         let start = before[before.len().checked_sub(n)?];

@@ -27,9 +27,10 @@ const OPEN_WEIGHT: f32 = 0.1;
 /// of a thin part do not erase each other. Voxels far in front of the surface are not averaged in but counted
 /// as free, and only if the surface is also a voxel away sideways; a voxel is free if more of that was seen
 /// than of a surface near it. Where the ray to a voxel passes the surface more closely, the distance to the
-/// silhouette counts a little. So rays that pass close by do not erode the object. Rays without return count a
-/// tenth, and not at all where more frames show a surface at the voxel or before it: masks that are a little too tight would otherwise carve
-/// away most of the surface, which some frame shows beside its silhouette.
+/// silhouette counts a little. So rays that pass close by do not erode the object. Rays without return count
+/// a tenth, and not at all where more frames show a surface at the voxel or before it: masks that are a
+/// little too tight would otherwise carve away most of the surface, which some frame shows beside its
+/// silhouette.
 ///
 /// ```
 /// use glam::{DVec2, IVec3, UVec3};
@@ -136,7 +137,8 @@ impl DistanceField {
     ///
     /// Specks are left out: parts that are connected to nothing else and have less than a hundredth of the
     /// largest part's area, if they consist of less than 100 triangles or if fewer than two frames' worth of
-    /// measurements, each taken from the front, speak for them. Noise makes them, beside edges and inside walls.
+    /// measurements, each taken from the front, speak for them. Noise makes them, beside edges and inside
+    /// walls.
     pub fn surface(&self, cancel: &Cancel) -> Result<SurfaceMesh, Cancelled> {
         let distance = |index: usize| self.at(index).map(f64::from);
         let mesh = surface_nets_unless(&self.lattice, &self.block, distance, cancel)?;

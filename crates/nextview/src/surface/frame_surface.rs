@@ -25,13 +25,13 @@ const MAX_MARGIN: usize = 32;
 pub(super) enum Evidence {
     /// The point and its surroundings are free: a surface was measured behind them.
     Free,
-    /// The same, only that nothing came back. There may be nothing, or a surface that returns nothing, such as
-    /// the rim of an object behind a mask that is a little too tight.
+    /// The same, only that nothing came back. There may be nothing, or a surface that returns nothing, such
+    /// as the rim of an object behind a mask that is a little too tight.
     Open,
     /// The surface is near: signed distance in metres, positive in front, and how much it counts, 0..=1.
     Near { distance: f32, weight: f32 },
-    /// A silhouette is near, beside a ray that ends farther away or, `open`, does not return: a lower bound of
-    /// the distance, and its weight.
+    /// A silhouette is near, beside a ray that ends farther away or, `open`, does not return: a lower bound
+    /// of the distance, and its weight.
     Silhouette { distance: f32, weight: f32, open: bool },
     /// The point lies behind a measured surface, farther than that is said to reach.
     Hidden,

@@ -19,8 +19,8 @@ struct Part {
     evidence: f64,
 }
 
-/// A mesh without its specks, and without vertices of no triangle. `evidence` is the number of frames, weighted
-/// by how much they count, that speak for the surface at a point.
+/// A mesh without its specks, and without vertices of no triangle. `evidence` is the number of frames,
+/// weighted by how much they count, that speak for the surface at a point.
 pub(super) fn without_specks(mesh: SurfaceMesh, evidence: impl Fn(DVec3) -> f32) -> SurfaceMesh {
     let evidence: Vec<f32> = mesh.vertices.iter().map(|vertex| evidence(*vertex)).collect();
     let part_of = parts(&mesh);

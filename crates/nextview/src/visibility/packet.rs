@@ -103,7 +103,8 @@ impl Packet {
     }
 }
 
-/// [`Aabb::clip`](crate::geometry::Aabb::clip) within a range of depths, with selections in place of branches.
+/// [`Aabb::clip`](crate::geometry::Aabb::clip) within a range of depths, with selections in place of
+/// branches.
 struct Clip<S: Simd> {
     directions: [S::f64s; 3],
     inverses: [S::f64s; 3],

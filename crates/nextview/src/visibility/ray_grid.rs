@@ -76,7 +76,12 @@ impl RayGrid {
         let step = spacing / (farthest.max(f64::MIN_POSITIVE) * self.pixel_on_plane);
         let (low, high) = if farthest > 0.0 { self.window(&corners) } else { (DVec2::ZERO, DVec2::ZERO) };
         let n = ((high - low) / step).ceil().max(DVec2::ZERO);
-        let n = if n.element_product() > MOST_RAYS { self.bounded(n, &corners) } else { n };
+        let n = match n.element_product() {
+            // Beside an infinite number of rows, not a number.
+            _ if n.min_element() == 0.0 => DVec2::ZERO,
+            product if product > MOST_RAYS => self.bounded(n, &corners),
+            _ => n,
+        };
         Cells { low, size: (high - low) / n.max(DVec2::ONE), columns: n.x as usize, rows: n.y as usize }
     }
 
@@ -201,5 +206,9 @@ mod tests {
         assert!((1..=1 << 22).contains(&far), "{far}");
         let thin = Aabb { min: DVec3::new(-1e-9, -0.1, 0.0), max: DVec3::new(1e-9, 0.1, 1e-12) };
         assert!((1..=1 << 22).contains(&check(thin, 1e-9)));
+        // No column, and rows without number.
+        let beside = Aabb::cube(DVec3::new(0.0, 5.0, 0.0), 0.1);
+        let cells = grid.cells(&camera, &beside, f64::MIN_POSITIVE);
+        assert_eq!((cells.columns, cells.rows), (0, 0));
     }
 }

@@ -106,8 +106,8 @@ pub(super) struct Progress<'a> {
 }
 
 impl Progress<'_> {
-    /// Fills in how the scan stands, with the frames that are in the map; returns the number of samples of the
-    /// surface seen.
+    /// Fills in how the scan stands, with the frames that are in the map; returns the number of samples of
+    /// the surface seen.
     pub fn measure(&mut self, session: &Session, record: &mut StepRecord) -> usize {
         let Self { truth, reachable, surface, distances, n_mapped } = self;
         for frame in &session.frames()[*n_mapped..] {

@@ -7,15 +7,16 @@ use rustc_hash::FxHashMap;
 /// A view that shows less than this share of what was expected is a disappointment.
 const DISAPPOINTING: f64 = 0.1;
 
-/// The factor on the probabilities of the voxels that a disappointing view was expected to show: one more such
-/// view may be worth it, once all others are worth less.
+/// The factor on the probabilities of the voxels that a disappointing view was expected to show: one more
+/// such view may be worth it, once all others are worth less.
 const FACTOR: f32 = 0.2;
 
 /// Probability from which on a voxel counts as expected.
 const EXPECTED: f32 = 0.05;
 
-/// What planning has learned from views that showed hardly anything of what was expected: a frame may be empty
-/// because the camera was too near, or because the surface is black, and its neighbours would be as empty.
+/// What planning has learned from views that showed hardly anything of what was expected: a frame may be
+/// empty because the camera was too near, or because the surface is black, and its neighbours would be as
+/// empty.
 ///
 /// Other views teach the map, and that is enough.
 #[derive(Clone, Debug, Default)]
