@@ -165,8 +165,46 @@ fn what_is_left_out_is_told() {
 fn frames_that_show_nothing_in_the_box_are_told() {
     let folder = Folder::new("recorded-blind");
     write_recording(&folder, 4);
-    let text = folder.ok(&scan(&["--views", "2", "--planner", "in-order", "--box-m=5,5,5,5.2,5.2,5.2"]));
-    assert!(text.contains("\nnothing in the box     frame 0, frame 1\n"), "{text}");
+    let run = folder.run(&scan(&["--views", "2", "--planner", "in-order", "--box-m=5,5,5,5.2,5.2,5.2"]));
+    assert_eq!(run.code, Some(0), "{}", run.stderr);
+    assert!(run.stdout.contains("\nnothing in the box     frame 0, frame 1\n"), "{}", run.stdout);
+    let reason = "warning: the frame shows nothing in the object's box: its points lie within ";
+    let remedy = "; --box-m is in the coordinates of the poses, in metres\n";
+    assert!(run.stderr.starts_with(reason) && run.stderr.ends_with(remedy), "{}", run.stderr);
+}
+
+#[test]
+fn issue_18_poses_of_other_conventions_are_named_and_can_be_read() {
+    let folder = Folder::new("recorded-conventions");
+    write_recording(&folder, 6);
+    let options = ["--views", "4", "--planner", "in-order", "--box-m=-0.1,-0.1,-0.1,0.1,0.1,0.1", "--json"];
+    let hits = |run: &str| curve(&serde_json::from_str(run).unwrap(), "hit_voxels");
+    let right = folder.run(&scan(&options));
+    assert_eq!((right.code, right.stderr.as_str()), (Some(0), ""));
+    // In OpenGL, y and z of the camera point the other way.
+    let opengl = |row: &str| {
+        let cells = row.split(',').enumerate().map(|(i, cell)| match (i + 3) % 4 {
+            1 | 2 if i > 0 => (-cell.parse::<f64>().unwrap()).to_string(),
+            _ => cell.to_owned(),
+        });
+        cells.collect::<Vec<_>>().join(",")
+    };
+    let poses = folder.text("rec/poses.csv");
+    let (header, rows) = poses.split_once('\n').unwrap();
+    let turned: Vec<String> = rows.lines().map(opengl).collect();
+    folder.write("rec/poses.csv", format!("{header}\n{}\n", turned.join("\n")));
+    let wrong = folder.run(&scan(&options));
+    assert!(wrong.stderr.ends_with("; try --camera-axes opengl\n"), "{}", wrong.stderr);
+    assert_eq!(wrong.stderr.lines().count(), 1, "said once: {}", wrong.stderr);
+    let read = folder.run(&scan(&[&options[..], &["--camera-axes", "opengl"]].concat()));
+    assert_eq!((read.code, read.stderr.as_str()), (Some(0), ""));
+    assert_eq!(hits(&read.stdout), hits(&right.stdout));
+    let run = folder.run(&scan(&[&options[..], &["--camera-axes", "blender"]].concat()));
+    assert!(
+        run.code == Some(2) && run.stderr.contains("expected one of `opencv`, `opengl`, `ros`"),
+        "{}",
+        run.stderr
+    );
 }
 
 #[test]

@@ -3,6 +3,7 @@
 use glam::{DQuat, DVec3};
 use nextview::Cancel;
 use nextview::geometry::Pose;
+use nextview::session::StopConfig;
 use nextview::surface::SurfaceMesh;
 use nextview_scan::{
     Begin, BoxRule, FrameSource, Measured, NoiseConfig, PlannerName, ScanConfig, ScanRecord, ScanRun,
@@ -68,7 +69,8 @@ fn the_definitions_hold_in_a_record() {
 
 #[test]
 fn a_perfect_scan_has_all_that_can_be_had() {
-    let all = ScanConfig { views: Some(16), ..config("builtin:bracket") };
+    let stop = StopConfig { progress: 0.0, ..StopConfig::default() };
+    let all = ScanConfig { views: Some(16), stop, ..config("builtin:bracket") };
     let record = record(&all);
     let last = record.steps.last().unwrap();
     assert_eq!((record.views, last.reachable_coverage), (16, Some(1.0)));

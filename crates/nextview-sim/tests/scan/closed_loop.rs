@@ -111,7 +111,7 @@ fn what_a_scan_sees_is_what_the_truth_says_of_its_views() {
 fn each_stop_reason_is_reached() {
     let setup = Setup::new("torus-knot");
     let config = |max_views, entropy_share| {
-        let stop = StopConfig { entropy_share, ..StopConfig::default() };
+        let stop = StopConfig { entropy_share, progress: 0.0, ..StopConfig::default() };
         SessionConfig { max_views, stop, ..setup.config() }
     };
     let limit = config(2, None);

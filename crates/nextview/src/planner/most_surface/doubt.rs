@@ -5,7 +5,7 @@ use glam::IVec3;
 use rustc_hash::FxHashMap;
 
 /// A view that shows less than this share of what was expected is a disappointment.
-const DISAPPOINTING: f64 = 0.1;
+const DISAPPOINTING: f64 = 0.02;
 
 /// The factor on the probabilities of the voxels that a disappointing view was expected to show: one more
 /// such view may be worth it, once all others are worth less.
