@@ -125,8 +125,8 @@ fn tables_hold_every_run_and_view() {
     let identity = ["object", "data_set", "variant", "seed", "view_seed", "first_view"];
     assert_eq!((&names[..6], names[6]), (&identity[..], "config.baseline_seed"));
     let measures = &names[names.iter().position(|name| *name == "build").unwrap()..];
-    let expected = "build status reason object_voxels reachable_voxels stop_reason views voxel_coverage \
-         false_voxels map_precision map_recall map_iou reachable_coverage estimated_completeness expected_new_voxels surface_coverage_1mm \
+    let expected = "build status reason object_voxels reachable_voxels stop_reason views frames_set_aside \
+         voxel_coverage false_voxels map_precision map_recall map_iou reachable_coverage estimated_completeness expected_new_voxels surface_coverage_1mm \
          surface_coverage_2mm surface_coverage_5mm misplaced_mm registration_overlap entropy_nats \
          entropy_share path_length_m trajectory_length_m trajectory_time_s cloud_accuracy_mean_mm \
          cloud_accuracy_median_mm cloud_accuracy_p95_mm cloud_precision_1mm cloud_precision_2mm \
