@@ -8,10 +8,9 @@ use serde::{Deserialize, Serialize};
 /// ```
 /// use nextview::sensor::DepthRange;
 ///
-/// // A RealSense D435i, and objects with a longest side of 8 and of 60 cm.
-/// let range = DepthRange { min: 0.17, max: 10.0 };
-/// assert_eq!(range.distances(0.04), (0.21, 10.0));
-/// assert_eq!(range.distances(0.3), (0.47, 10.0));
+/// // A camera that measures from a quarter of a metre on, and an object of half a metre.
+/// let range = DepthRange { min: 0.25, max: 10.0 };
+/// assert_eq!(range.distances(0.25), (0.5, 10.0));
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
