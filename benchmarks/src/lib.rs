@@ -14,3 +14,12 @@ pub mod workload;
 pub fn is_quick() -> bool {
     std::env::var_os("QUICK").is_some()
 }
+
+/// The largest memory that this process ever held, MB (Linux).
+pub fn peak_memory_mb() -> Result<f64, Box<dyn std::error::Error>> {
+    let status = std::fs::read_to_string("/proc/self/status")?;
+    let line =
+        status.lines().find(|line| line.starts_with("VmHWM")).ok_or("no VmHWM in /proc/self/status")?;
+    let kb: f64 = line.split_whitespace().nth(1).ok_or("no number after VmHWM")?.parse()?;
+    Ok(kb / 1024.0)
+}

@@ -14,6 +14,7 @@ use nextview::planner::{MaxFlow, MaxFlowConfig, Situation, ViewPlanner};
 use nextview::sensor::Intrinsics;
 use nextview::view::generate;
 use nextview_benchmarks::log_plot::{Panel, Point, draw, exponent};
+use nextview_benchmarks::peak_memory_mb;
 use nextview_benchmarks::workload::{Set, Workload, block, empty_map, intrinsics, ray_spacing_of_image_grid};
 use nextview_sim::camera::{Background, SimulatedCamera};
 use std::error::Error;
@@ -124,13 +125,4 @@ fn median_ms(mut work: impl FnMut()) -> f64 {
     }
     times.sort_by(f64::total_cmp);
     times[times.len() / 2]
-}
-
-/// The largest memory the process ever held (Linux).
-fn peak_memory_mb() -> Outcome<f64> {
-    let status = std::fs::read_to_string("/proc/self/status")?;
-    let line =
-        status.lines().find(|line| line.starts_with("VmHWM")).ok_or("no VmHWM in /proc/self/status")?;
-    let kb: f64 = line.split_whitespace().nth(1).ok_or("no number after VmHWM")?.parse()?;
-    Ok(kb / 1024.0)
 }

@@ -9,6 +9,7 @@
 use nextview::geometry::{Lattice, VoxelBlock};
 use nextview::sensor::Intrinsics;
 use nextview::view::generate;
+use nextview_benchmarks::peak_memory_mb;
 use nextview_sim::mesh::{self, TriangleMesh, Unit, sample_surface};
 use nextview_sim::scene::Scene;
 use nextview_sim::truth::ObjectVoxels;
@@ -117,13 +118,4 @@ fn hit(mesh: &TriangleMesh, lattice: &Lattice, block: &VoxelBlock) -> Result<Vec
         }
     }
     Ok(is_hit)
-}
-
-/// The largest memory the process ever held (Linux).
-fn peak_memory_mb() -> Outcome<f64> {
-    let status = std::fs::read_to_string("/proc/self/status")?;
-    let line =
-        status.lines().find(|line| line.starts_with("VmHWM")).ok_or("no VmHWM in /proc/self/status")?;
-    let kb: f64 = line.split_whitespace().nth(1).ok_or("no number after VmHWM")?.parse()?;
-    Ok(kb / 1024.0)
 }
