@@ -22,6 +22,9 @@ pub struct OtherBody {
 /// the object is cut by the edge of most.
 const MOSTLY_FREE: usize = 2;
 
+/// Bodies farther from the object than this are the room's, metres: noise tears specks out of far walls.
+const FARTHEST: f64 = 1.0;
+
 /// Number of the object among the bodies.
 const OBJECT: u32 = 0;
 
@@ -63,8 +66,8 @@ struct Outline {
     n_beyond: usize,
 }
 
-/// The bodies beside the object, nearest first: connected points, at least 20 of them, that stand free in
-/// most of their outline.
+/// The bodies at most a metre from the object, nearest first: connected points, at least 20 of them, that
+/// stand free in most of their outline.
 pub(super) fn other_bodies(
     points: &ObjectPoints,
     frames: &[Frame],
@@ -98,6 +101,7 @@ pub(super) fn other_bodies(
             let bounds = points.bounds_of(&candidate.cells)?;
             Some(OtherBody { bounds, gap: points.gap_to_object(&candidate.cells)? })
         })
+        .filter(|body| body.gap <= FARTHEST)
         .collect();
     let place = |body: &OtherBody| body.bounds.min.to_array();
     let by_place =
