@@ -68,16 +68,11 @@ pub fn suspect(frames: &[Frame], bounds: Option<Aabb>, range: DepthRange) -> Opt
     let as_given = fit(&samples, None, bounds);
     let of = |reading: &Reading| (fit(&samples, Some(*reading), bounds), *reading);
     // The better of two that fit equally well is the earlier one.
-    let best = match TIMES_BETTER * as_given {
-        least if least < if bounds.is_some() { 2.0 } else { 1.0 } => {
-            Reading::ALL.iter().map(of).reduce(|a, b| if b.0 > a.0 { b } else { a })
-        }
-        _ => None,
-    };
-    match best {
-        Some((best, reading)) if best >= LEAST_FIT.max(TIMES_BETTER * as_given) => {
-            Some(Suspicion::Misread(reading))
-        }
+    let best = || Reading::ALL.iter().map(of).reduce(|a, b| if b.0 > a.0 { b } else { a });
+    let least = LEAST_FIT.max(TIMES_BETTER * as_given);
+    let best_possible = if bounds.is_some() { 2.0 } else { 1.0 };
+    match (least <= best_possible).then(best).flatten() {
+        Some((fit, reading)) if fit >= least => Some(Suspicion::Misread(reading)),
         _ => match bounds {
             Some(bounds) => nothing_shown(last, &bounds, range),
             None => samples.last().and_then(nothing_measured),

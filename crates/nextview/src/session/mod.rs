@@ -203,8 +203,8 @@ impl Session {
     }
 
     /// The bodies that the frames show at most a metre from an object whose box grows, nearest first; none
-    /// where the box is known. They are connected points, at least 20 of them, with free space around most of their outline:
-    /// walls and floors are no bodies.
+    /// where the box is known. They are connected points, at least 20 of them, with free space around most of
+    /// their outline: walls and floors are no bodies.
     pub fn other_bodies(&self) -> Result<Vec<OtherBody>, Cancelled> {
         self.scene.locator.other_bodies(&self.frames.mapped, &self.cancel)
     }
