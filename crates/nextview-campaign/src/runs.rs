@@ -226,6 +226,21 @@ mod tests {
     }
 
     #[test]
+    fn sensors_decide_camera_and_noise() {
+        use nextview::sensor::Sensor;
+        let runs = runs_of(
+            "name = \"x\"\nobjects = [\"a.ply\"]\nscan.sensor = \"d405\"\n[[variant]]\n\
+             [[variant]]\nsweep.sensor = [\"l515\", \"phoxi-s\"]",
+        );
+        for (run, sensor) in runs.iter().zip([Sensor::D405, Sensor::L515, Sensor::PhoxiS]) {
+            assert_eq!(run.config.camera, sensor.intrinsics());
+            assert_eq!(run.config.noise.depth_range(), sensor.depth_range());
+            assert!(run.config.noise.seed > 0);
+        }
+        assert_eq!(runs.len(), 3);
+    }
+
+    #[test]
     fn stated_seeds_stay() {
         let text = "name = \"x\"\nobjects = [\"a.ply\"]\nseeds = [0, 1]\n[scan]\nview_seed = 5\n\
                     baseline_seed = 6\nnoise = { model = \"d435i\", seed = 7 }";

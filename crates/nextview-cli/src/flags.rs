@@ -1,7 +1,7 @@
 //! The options of the command line that keys of the configuration have.
 
 /// Keys and their options.
-const FLAGS: [(&str, &str); 39] = [
+const FLAGS: [(&str, &str); 42] = [
     ("planner", "--planner"),
     ("views", "--views"),
     ("stop.completeness", "--complete"),
@@ -14,12 +14,15 @@ const FLAGS: [(&str, &str); 39] = [
     ("object_box.rule", "--box"),
     ("object_box.max_gap_m", "--max-gap-m"),
     ("object_box.table", "--table"),
+    ("sensor", "--sensor"),
     ("noise.model", "--noise"),
     ("noise.pose_error_mm", "--pose-error-mm"),
     ("noise.pose_error_deg", "--pose-error-deg"),
     ("registration.enabled", "--register"),
     ("min_overlap", "--min-overlap"),
+    ("goal_mm", "--goal-mm"),
     ("view_space", "--view-space"),
+    ("model.watertight", "--watertight"),
     ("reach", "--reach"),
     ("seed", "--seed"),
     ("profile", "--profile"),

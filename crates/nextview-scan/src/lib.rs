@@ -3,7 +3,8 @@
 //!
 //! It prints nothing, ends no process and names no option of a program: front ends do. What is wrong comes
 //! back as [`Fault`]s. Start with [`ScanRun`], which is pushed and never blocks: whoever owns the camera asks
-//! [`next`](ScanRun::next), takes the picture and [`push`](ScanRun::push)es it.
+//! [`next`](ScanRun::next), takes the picture and [`push`](ScanRun::push)es it. [`LiveScan`] is such a run
+//! from a configuration to the results.
 //!
 //! ```text
 //! source ──frame──▶ ScanRun::push ──▶ journal ──▶ Session::observe ──▶ Evaluator ──▶ StepRecord ──▶ listeners
@@ -15,6 +16,7 @@ mod config;
 mod fault;
 pub mod files;
 mod journal;
+mod live;
 mod map_summary;
 pub mod memory;
 mod model;
@@ -28,6 +30,7 @@ mod source;
 pub use config::*;
 pub use fault::{Fault, FaultKind, Faults, Place};
 pub use journal::{Damage, Interrupted, Journal, JournalEntry, Kept, KeptFrame, ScanJournal, SkippedView};
+pub use live::LiveScan;
 pub use map_summary::{MapSummary, convert_map};
 pub use model::FinalModel;
 pub use names::Named;

@@ -1,42 +1,109 @@
 //! The final model of a scan: the measured points, thinned, and a surface through them.
 
-use crate::Fault;
+use crate::{Fault, ModelConfig};
 use nextview::Cancel;
-use nextview::geometry::{Aabb, Lattice};
-use nextview::sensor::{ColorImage, Frame};
+use nextview::geometry::{Aabb, Lattice, Plane};
+use nextview::sensor::{ColorImage, Frame, SurfaceError};
+use nextview::session::ON_TABLE;
 use nextview::surface::{
-    CloudPoint, DistanceField, SurfaceMesh, downsample, fit_normals, frame_points, take_colors,
+    CloudPoint, DistanceField, Floor, MeasuredCells, SurfaceMesh, WatertightMesh, downsample, fit_normals,
+    frame_points, take_nearest,
 };
 
 /// Cloud and mesh, from the frames in the poses in which they were mapped.
 #[derive(Debug)]
 pub struct FinalModel {
-    /// Measured points, metres, with normals and, where frames have it, colour.
+    /// Measured points, metres, with normals, with colour where frames have it, and with their expected
+    /// error where that of the camera is known.
     pub cloud: Vec<CloudPoint>,
-    /// The surface.
+    /// The surface that was measured.
     pub mesh: SurfaceMesh,
-    /// The vertices of the mesh with normals and colours.
+    /// The vertices of the mesh with normals, colours and expected errors.
     pub vertices: Vec<CloudPoint>,
+    /// The closed surface, of the same vertices; none unless the configuration wants one.
+    pub closed: Option<WatertightMesh>,
+}
+
+/// Where the model is made, and how finely.
+#[derive(Clone, Copy)]
+pub(crate) struct Extent {
+    /// The box, metres.
+    pub bounds: Aabb,
+    /// What the object stands on.
+    pub table: Option<Plane>,
+    /// Edge of the cells, metres.
+    pub detail: f64,
+    /// Of the camera.
+    pub error: SurfaceError,
 }
 
 impl FinalModel {
-    /// Makes both from frames in this box, in cells of this size, metres. The colour image of each frame is
-    /// loaded by its number when it is needed.
+    /// Makes both from frames. The colour image of each is loaded by its number when it is needed.
     pub(crate) fn new(
         frames: &[Frame],
         color: impl Fn(usize) -> Result<Option<ColorImage>, Fault>,
-        bounds: Aabb,
-        detail: f64,
+        extent: Extent,
+        config: ModelConfig,
         cancel: &Cancel,
     ) -> Result<Self, Fault> {
-        let cloud = cloud(frames, color, bounds, detail, cancel)?;
-        let mesh = field(frames, bounds, detail, cancel)?.surface(cancel)?;
-        let mut vertices = mesh.points();
-        if cloud.iter().any(|point| point.color.is_some()) {
-            take_colors(&mut vertices, &cloud, detail, cancel)?;
+        let Extent { bounds, detail, .. } = extent;
+        let mut cloud = cloud(frames, color, bounds, detail, cancel)?;
+        if extent.error != SurfaceError::default() {
+            let mut measured = MeasuredCells::new(detail, extent.error)?;
+            frames.iter().try_for_each(|frame| measured.add(frame, bounds, cancel))?;
+            for point in &mut cloud {
+                point.error = measured.error_at(point.position).map(|error| error as f32);
+            }
         }
-        Ok(Self { cloud, mesh, vertices })
+        let field = field(frames, bounds, detail, cancel)?;
+        let floor = extent.floor();
+        let closed =
+            config.watertight.then(|| field.watertight_surface(floor.as_ref(), cancel)).transpose()?;
+        let mesh = closed.as_ref().map_or_else(|| field.surface(cancel), |closed| Ok(closed.measured()))?;
+        drop(field); // the largest part of the memory
+        let mut vertices = closed.as_ref().map_or(&mesh, |closed| &closed.mesh).points();
+        if cloud.iter().any(|point| point.color.is_some() || point.error.is_some()) {
+            take_nearest(&mut vertices, &cloud, detail, cancel)?;
+        }
+        for (vertex, _) in
+            vertices.iter_mut().zip(closed.iter().flat_map(|c| &c.is_filled)).filter(|(_, filled)| **filled)
+        {
+            vertex.error = None;
+        }
+        Ok(Self { cloud, mesh, vertices, closed })
     }
+
+    /// Median and 95th percentile of the expected errors of the cloud's points, metres; none where that of
+    /// the camera is not known.
+    pub fn expected_errors(&self) -> Option<[f64; 2]> {
+        let mut errors: Vec<f32> = self.cloud.iter().filter_map(|point| point.error).collect();
+        errors.sort_by(f32::total_cmp);
+        let last = errors.len().checked_sub(1)?;
+        Some([0.5, 0.95].map(|share| f64::from(errors[(share * last as f64).round() as usize])))
+    }
+
+    /// All triangles, those that were filled in included.
+    pub fn triangles(&self) -> &[[u32; 3]] {
+        &self.closed.as_ref().map_or(&self.mesh, |closed| &closed.mesh).triangles
+    }
+
+    /// By vertex, whether it was filled in; none unless the surface is closed.
+    pub fn is_filled(&self) -> Option<&[bool]> {
+        self.closed.as_ref().map(|closed| closed.is_filled.as_slice())
+    }
+}
+
+impl Extent {
+    /// The table; what is within the reach of its own measurements belongs to it.
+    fn floor(&self) -> Option<Floor> {
+        let clearance = ON_TABLE.max(truncation(self.detail));
+        self.table.map(|plane| Floor { plane, clearance })
+    }
+}
+
+/// Distance up to which surfaces count in cells of this size, metres.
+fn truncation(detail: f64) -> f64 {
+    2.0 * detail
 }
 
 fn cloud(
@@ -61,7 +128,7 @@ fn cloud(
 fn field(frames: &[Frame], bounds: Aabb, detail: f64, cancel: &Cancel) -> Result<DistanceField, Fault> {
     let lattice = Lattice::new(detail)?;
     let block = lattice.block_inside(&bounds).expect("the box holds many cells of 1/128 of it");
-    let mut field = DistanceField::new(lattice, block, 2.0 * detail)?;
+    let mut field = DistanceField::new(lattice, block, truncation(detail))?;
     frames.iter().try_for_each(|frame| field.integrate(frame, cancel))?;
     Ok(field)
 }

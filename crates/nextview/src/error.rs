@@ -35,6 +35,18 @@ pub enum Error {
         /// The stated limit.
         limit_mb: u64,
     },
+    /// The camera cannot measure as accurately as wanted.
+    #[error(
+        "goal_mm is {goal_mm}, expected at least {best_mm}: three looks of this camera from {distance} m"
+    )]
+    UnreachableGoal {
+        /// The goal, standard deviation, millimetres.
+        goal_mm: f64,
+        /// The least that can be reached.
+        best_mm: f64,
+        /// Where from, metres.
+        distance: f64,
+    },
     /// A file's content is broken.
     #[error("{place}: {problem}")]
     Format {

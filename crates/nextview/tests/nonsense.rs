@@ -16,7 +16,7 @@ use nextview::planner::{
 use nextview::registration::{KnownSurface, RegistrationConfig};
 use nextview::sensor::{DepthImage, Frame, Intrinsics};
 use nextview::session::{Decision, ObjectBox, Session, SessionConfig, Table, Views};
-use nextview::surface::{CloudPoint, DistanceField, downsample, fit_normals, take_colors};
+use nextview::surface::{CloudPoint, DistanceField, downsample, fit_normals, take_nearest};
 use nextview::view::{Reach, ViewSpace, generate, look_at};
 use nextview::visibility::{FreeSpace, RayCaster};
 use proptest::prelude::*;
@@ -222,7 +222,7 @@ proptest! {
         });
         if let Ok(mut cloud) = downsample(cloud, cell) {
             fit_normals(&mut cloud, cell, never).unwrap();
-            take_colors(&mut cloud.clone(), &cloud, cell, never).unwrap();
+            take_nearest(&mut cloud.clone(), &cloud, cell, never).unwrap();
         }
         let block = VoxelBlock::new(IVec3::splat(-4), UVec3::splat(8)).unwrap();
         if let Ok(lattice) = Lattice::new(cell)

@@ -4,9 +4,9 @@
 
 use glam::{DVec2, DVec3};
 use nextview::Cancel;
-use nextview::geometry::{Aabb, Lattice, Pose, sphere};
+use nextview::geometry::{Aabb, Lattice, Plane, Pose, sphere};
 use nextview::sensor::{DepthImage, Distortion, Frame, Intrinsics};
-use nextview::surface::{DistanceField, SurfaceMesh};
+use nextview::surface::{DistanceField, Floor, SurfaceMesh, WatertightMesh};
 use nextview::view::look_at;
 use std::collections::BTreeMap;
 
@@ -106,6 +106,11 @@ fn euler_characteristic(mesh: &SurfaceMesh) -> isize {
 fn volume(mesh: &SurfaceMesh) -> f64 {
     let corners = mesh.triangles.iter().map(|t| t.map(|i| mesh.vertices[i as usize]));
     corners.map(|[a, b, c]| a.dot(b.cross(c)) / 6.0).sum()
+}
+
+fn area(mesh: &SurfaceMesh) -> f64 {
+    let corners = mesh.triangles.iter().map(|t| t.map(|i| mesh.vertices[i as usize]));
+    corners.map(|[a, b, c]| 0.5 * (b - a).cross(c - a).length()).sum()
 }
 
 /// Mean and maximum of a distance over all vertices, in voxels.
@@ -213,13 +218,7 @@ fn masks_that_are_too_tight_do_not_carve_away_what_other_frames_measured() {
     let (mean, max) = mean_and_max(&mesh, |v| v.length() - RADIUS);
     assert!(mean < 0.1 && max < 0.5, "{mean} {max} voxels");
     let expected = 4.0 * std::f64::consts::PI * RADIUS.powi(2);
-    let area: f64 = mesh
-        .triangles
-        .iter()
-        .map(|t| t.map(|i| mesh.vertices[i as usize]))
-        .map(|[a, b, c]| 0.5 * (b - a).cross(c - a).length())
-        .sum();
-    assert!((area / expected - 1.0).abs() < 0.03, "{}", area / expected);
+    assert!((area(&mesh) / expected - 1.0).abs() < 0.03, "{}", area(&mesh) / expected);
 }
 
 #[test]
@@ -265,6 +264,110 @@ fn a_lens_does_not_show() {
     }
 }
 
+/// The closed surface: without border, turned outwards, and beside what was filled in as it was measured.
+fn closed(field: &DistanceField, floor: Option<&Floor>) -> WatertightMesh {
+    let closed = field.watertight_surface(floor, &Cancel::default()).unwrap();
+    assert_watertight(&closed.mesh);
+    assert!(volume(&closed.mesh) > 0.0 && closed.is_filled.len() == closed.mesh.vertices.len());
+    closed
+}
+
+const BALL_VOLUME: f64 = 4.0 / 3.0 * std::f64::consts::PI * RADIUS * RADIUS * RADIUS;
+
+#[test]
+fn a_ball_seen_from_all_sides_needs_no_filling() {
+    let field = scan(ball, around(12));
+    let found = closed(&field, None);
+    assert_eq!(found.mesh, field.surface(&Cancel::default()).unwrap());
+    assert_eq!((found.filled_share(), found.measured()), (0.0, found.mesh));
+}
+
+#[test]
+fn a_ball_seen_from_three_sides_is_closed_smoothly() {
+    let field = scan(ball, [DVec3::X, DVec3::new(-0.5, 0.8, 0.0), DVec3::new(-0.5, -0.8, 0.0)]);
+    let found = closed(&field, None);
+    let (mean, max) = mean_and_max(&found.mesh, |v| v.length() - RADIUS);
+    assert_eq!(euler_characteristic(&found.mesh), 2);
+    assert!((volume(&found.mesh) / BALL_VOLUME - 1.0).abs() < 0.03);
+    assert!(mean < 0.3 && max < 3.0, "{mean} {max} voxels");
+    assert!((0.0..0.15).contains(&found.filled_share()), "{}", found.filled_share());
+    // What was measured is as in the open mesh, but for the triangles of quads that are filled by half.
+    let (measured, open) = (found.measured(), field.surface(&Cancel::default()).unwrap());
+    let (measured, open) = (area(&measured), area(&open));
+    assert!((measured / open - 1.0).abs() < 0.02, "{measured} {open}");
+}
+
+#[test]
+fn a_ball_seen_from_one_side_becomes_a_solid_cap() {
+    let found = closed(&scan(ball, [DVec3::X]), None);
+    let share = volume(&found.mesh) / BALL_VOLUME;
+    assert!((0.2..1.5).contains(&share) && (0.2..0.8).contains(&found.filled_share()), "{share}");
+}
+
+/// An open box: its inside was seen from above, its bottom never.
+fn open_box(origin: DVec3, direction: DVec3) -> Option<f64> {
+    let (outer, wall) = (DVec3::new(0.05, 0.05, 0.04), 0.0121);
+    let walls = [
+        (DVec3::new(-outer.x, -outer.y, -outer.z), DVec3::new(outer.x, outer.y, wall - outer.z)),
+        (DVec3::new(-outer.x, -outer.y, -outer.z), DVec3::new(wall - outer.x, outer.y, outer.z)),
+        (DVec3::new(outer.x - wall, -outer.y, -outer.z), DVec3::new(outer.x, outer.y, outer.z)),
+        (DVec3::new(-outer.x, -outer.y, -outer.z), DVec3::new(outer.x, wall - outer.y, outer.z)),
+        (DVec3::new(-outer.x, outer.y - wall, -outer.z), DVec3::new(outer.x, outer.y, outer.z)),
+    ];
+    let hits = walls.into_iter().filter_map(|(min, max)| Aabb { min, max }.clip(origin, direction, 10.0));
+    hits.map(|(t_in, _)| t_in).min_by(f64::total_cmp)
+}
+
+#[test]
+fn an_open_box_stays_open_and_gets_a_bottom() {
+    let above = around(40).filter(|direction| direction.z > 0.1);
+    let plane = Plane::horizontal(-0.04).unwrap();
+    let floor = Floor { plane, clearance: 0.002 };
+    let field = scan(
+        |origin, direction| {
+            let table = (-0.04 - origin.z) / direction.z;
+            [open_box(origin, direction), (table > 0.0).then_some(table)]
+                .into_iter()
+                .flatten()
+                .min_by(f64::total_cmp)
+        },
+        above,
+    );
+    let found = closed(&field, Some(&floor));
+    assert_eq!(euler_characteristic(&found.mesh), 2, "no handles");
+    let bottom: Vec<&DVec3> = found.mesh.vertices.iter().filter(|v| v.z < -0.0385).collect();
+    let inner = bottom.iter().filter(|v| v.truncate().abs().max_element() < 0.045);
+    assert!(inner.clone().count() > 300 && inner.clone().all(|v| (v.z + 0.04).abs() < 1e-6), "a flat bottom");
+    let expected = 0.1 * 0.1 * 0.08 - 0.0758 * 0.0758 * (0.08 - 0.0121);
+    let share = volume(&found.mesh) / expected;
+    assert!((share - 1.0).abs() < 0.05, "{share}");
+}
+
+/// The block ends inside the ball: so does the solid.
+#[test]
+fn what_reaches_the_border_of_the_block_ends_there() {
+    let lattice = Lattice::new(VOXEL).unwrap();
+    let half = Aabb { min: DVec3::new(-0.08, -0.08, 0.0), max: DVec3::splat(0.08) };
+    let block = lattice.block_inside(&half).unwrap();
+    let mut field = DistanceField::new(lattice, block, 2.0 * VOXEL).unwrap();
+    for direction in around(12) {
+        let pose = look_at(0.4 * direction, DVec3::ZERO).unwrap();
+        field.integrate(&render(ball, pinhole(), pose, f32::INFINITY), &Cancel::default()).unwrap();
+    }
+    let found = closed(&field, None);
+    assert!((volume(&found.mesh) / (0.5 * BALL_VOLUME) - 1.0).abs() < 0.02, "{}", volume(&found.mesh));
+    assert!(found.mesh.vertices.iter().all(|v| v.z > -1e-9));
+    assert!(found.mesh.vertices.iter().filter(|v| v.z < 1e-9).count() > 500);
+}
+
+#[test]
+fn nothing_seen_is_no_closed_surface() {
+    let nothing = |field: DistanceField| field.watertight_surface(None, &Cancel::default()).unwrap();
+    assert_eq!(nothing(empty_field()), WatertightMesh::default());
+    assert_eq!(nothing(scan(|_, _| None, around(3))), WatertightMesh::default());
+    assert_eq!(WatertightMesh::default().filled_share(), 0.0);
+}
+
 #[test]
 fn nothing_seen_is_no_surface() {
     assert_eq!(empty_field().surface(&Cancel::default()).unwrap(), SurfaceMesh::default());
@@ -302,7 +405,8 @@ fn refuses_what_is_no_field() {
 fn threads_do_not_show() {
     let run = |threads| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-        pool.install(|| scan(cube, around(5)).surface(&Cancel::default()).unwrap())
+        let field = pool.install(|| scan(cube, around(5)));
+        pool.install(|| (field.surface(&Cancel::default()).unwrap(), closed(&field, None)))
     };
     assert_eq!(run(1), run(4));
 }

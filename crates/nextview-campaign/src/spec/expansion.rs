@@ -167,11 +167,12 @@ fn load(mut table: Table) -> Result<ScanConfig, Faults> {
         let message = format!("`{key}` is not for [scan], `scan` or `sweep`: `{by}` decides it");
         Fault { key: Some((*key).to_owned()), ..Fault::data(message) }
     });
-    let recording = table.contains_key("recording").then(|| {
-        let message = "`recording` is for single scans: a campaign simulates its objects";
-        Fault { key: Some("recording".to_owned()), ..Fault::data(message) }
+    let given = ["recording", "live"].into_iter().filter(|key| table.contains_key(*key));
+    let single = given.map(|key| {
+        let message = format!("`{key}` is for single scans: a campaign simulates its objects");
+        Fault { key: Some(key.to_owned()), ..Fault::data(message) }
     });
-    if let Some(faults) = Faults::of(decided.chain(recording).collect()) {
+    if let Some(faults) = Faults::of(decided.chain(single).collect()) {
         return Err(faults);
     }
     table.entry(VIEW_SEED).or_insert(Value::Integer(0));

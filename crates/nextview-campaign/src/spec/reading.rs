@@ -2,7 +2,7 @@ use super::paths::{value_at, whole_path};
 use super::section::Section;
 use super::values::check_distinct;
 use super::{FaultList, FirstViews, ObjectSpec, Spec, VariantSpec};
-use nextview_scan::{Fault, Faults, Positions, ViewSpaceName};
+use nextview_scan::{Fault, Faults, Positions, SensorName, ViewSpaceName};
 use std::path::Path;
 use toml::{Table, Value};
 
@@ -104,6 +104,9 @@ fn complete_table(table: &mut Table, key: &str, folder: &Path, faults: &mut Faul
     let is_file = |name: &str| ViewSpaceName(name.to_owned()).rule().is_none();
     let views = value_at(table, "view_space").map_or(Ok(()), |value| complete(value, folder, is_file));
     faults.check(&format!("{key}.view_space"), views);
+    let is_sensor_file = |name: &str| SensorName(name.to_owned()).file().is_some();
+    let sensor = value_at(table, "sensor").map_or(Ok(()), |value| complete(value, folder, is_sensor_file));
+    faults.check(&format!("{key}.sensor"), sensor);
     let weights =
         value_at(table, "nbv_net.weights").map_or(Ok(()), |value| complete(value, folder, |_| true));
     faults.check(&format!("{key}.nbv_net.weights"), weights);

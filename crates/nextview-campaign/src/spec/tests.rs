@@ -216,6 +216,17 @@ sweep."nbv_net.weights" = ["1.bin", "2.bin"]
 }
 
 #[test]
+fn sensors_are_names_or_files_by_their_whole_paths() {
+    let text = "name = 'x'\nscan.sensor = 'mine.toml'\n[[variant]]\nsweep.sensor = ['d405', 'own.toml']\n";
+    let folder = std::path::absolute("folder").unwrap();
+    let mut reading = Reading::of(text, None).unwrap();
+    reading.complete_variants(&folder);
+    let swept = reading.spec.variant[0].sweep["sensor"].as_array().unwrap();
+    let own = folder.join("own.toml").into_os_string().into_string().unwrap();
+    assert_eq!(swept.iter().map(|name| name.as_str().unwrap()).collect::<Vec<_>>(), ["d405", &own[..]]);
+}
+
+#[test]
 fn a_specification_that_is_not_there_lists_those_that_are() {
     let faults = Spec::load("paper-9", &[]).unwrap_err();
     let fault = faults.iter().next().unwrap();

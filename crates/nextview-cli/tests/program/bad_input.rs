@@ -190,7 +190,7 @@ fn configurations_with_faults() {
         ("[map.sensor_model]\nhit = 0.2\n", &["hit is 0.2", "0.5..1"]),
         ("[stop]\nentropy_share = 7\n", &["entropy_share is 7", "0..=1"]),
         ("[camera]\nfx = -1\n", &["camera.fx", "-1"]),
-        ("[noise]\nmodel = \"kinect\"\n", &["`kinect`", "`none` or `d435i`"]),
+        ("[noise]\nmodel = \"kinect\"\n", &["`kinect`", "one of none, d435i, sensor"]),
         ("[noise]\npose_error_deg = 90\n", &["pose_error_deg is 90", "0 to 57"]),
         ("[noise.depth]\nmin_depth = 0.1\n", &["`min_depth`", "`min_depth_m`"]),
         ("[noise.depth]\nedge_loss = 2\n", &["edge_loss is 2", "0..=1"]),

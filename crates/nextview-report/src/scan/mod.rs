@@ -6,6 +6,7 @@ mod chart;
 mod color;
 mod headline;
 mod input;
+mod of_scan;
 mod page;
 mod picture;
 mod step_line;
@@ -16,6 +17,7 @@ mod thumbnail;
 mod viewer;
 
 pub use input::ScanPage;
+pub use of_scan::page_of_scan;
 pub use page::scan_page;
 pub use picture::ViewPicture;
 pub use step_line::{heading, step_line};

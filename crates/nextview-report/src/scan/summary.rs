@@ -26,6 +26,8 @@ pub fn summary(record: &ScanRecord, config: &ScanConfig) -> Vec<(String, String)
     rows.extend(scores("  F-score", record.cloud()));
     rows.extend(phrase("mesh", record.mesh()));
     rows.extend(scores("  F-score", record.mesh()));
+    rows.extend(expected_error(record));
+    rows.extend(record.mesh_filled_share.map(filled));
     rows.extend(alignment(record));
     rows.extend(registered(record));
     rows.extend(recorded(record));
@@ -84,6 +86,21 @@ fn map_phrase(step: &StepRecord) -> Option<String> {
     let reachable = step.map_recall.zip(step.map_iou);
     let reachable = reachable.map(|(r, iou)| format!(", recall {}, IoU {}", percent(r), percent(iou)));
     Some(precision + &reachable.unwrap_or_default())
+}
+
+/// How much of the closed mesh was not measured.
+/// What the camera's error makes of the cloud's, and how much of the surface is at the goal.
+fn expected_error(record: &ScanRecord) -> Option<Row> {
+    let median = fixed(record.cloud_expected_error_median_mm?, 2);
+    let p95 = fixed(record.cloud_expected_error_p95_mm?, 2);
+    let share = record.steps.last().and_then(|step| step.share_at_goal);
+    let at_goal = share.map(|share| format!("; {} of the measured voxels at the goal", percent(share)));
+    let at_goal = at_goal.unwrap_or_default();
+    Some(("expected error", format!("median {median} mm, 95 % at most {p95} mm{at_goal}")))
+}
+
+fn filled(share: f64) -> Row {
+    ("filled in", format!("{} of the mesh, which is watertight", percent(share)))
 }
 
 /// F-scores and Chamfer distance; none without baselines.

@@ -193,8 +193,10 @@ fn the_summary_names_what_is_known() {
     (last.frame, last.hit_voxels) = (Some("frame-9".to_owned()), 0);
     (last.accuracy_mean_mm, last.accuracy_median_mm, last.accuracy_p95_mm) =
         (Some(0.5), Some(0.4), Some(1.5));
+    record.mesh_filled_share = Some(0.123);
     let rows = summary(&record, &config);
     for (label, value) in [
+        ("filled in", "12.3 % of the mesh, which is watertight"),
         ("box found", "200 x 250 x 180 mm"),
         ("table found", "at z = 2.0 mm"),
         ("skipped", "1 of the recording"),

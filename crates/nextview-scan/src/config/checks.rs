@@ -1,10 +1,11 @@
 //! What a configuration must hold beyond what each of its parts checks itself.
 
-use super::{RecordingConfig, ScanConfig, TableRule};
+use super::{LiveConfig, PlannerName, RecordingConfig, ScanConfig, TableRule};
 use crate::{Fault, Faults};
 use nextview::gain::Apora;
 use nextview::geometry::Aabb;
 use nextview::planner::{Batch, Greedy, MaxFlow, MostSurface};
+use nextview::sensor::SurfaceError;
 
 impl ScanConfig {
     /// Everything that is out of its range or contradicts something else.
@@ -52,9 +53,11 @@ fn faults(config: &ScanConfig) -> Vec<Fault> {
     faults.extend(config.nbv_net.planner().err());
     faults.extend(config.reach.faults());
     #[cfg(feature = "simulated")]
-    faults.extend(config.noise.faults());
+    faults.extend(config.noise.faults().into_iter().chain(config.of_sensor()));
     faults.extend(config.recording.iter().flat_map(|recording| of_recording(recording, config)));
+    faults.extend(config.live.iter().flat_map(|live| of_live(live, config)));
     faults.extend(of_stop(config));
+    faults.extend(of_goal(config));
     faults
 }
 
@@ -80,6 +83,27 @@ fn of_stop(config: &ScanConfig) -> Option<Fault> {
     })
 }
 
+/// A goal needs a planner that takes second looks, and the error of the camera.
+fn of_goal(config: &ScanConfig) -> Option<Fault> {
+    let goal = config.goal_mm?;
+    if !(goal > 0.0 && goal.is_finite()) {
+        return Some(Fault::of_value("goal_mm", goal, "a positive number of millimetres"));
+    }
+    let (problem, remedy) = match config.planner {
+        PlannerName::MostSurface if config.surface_error() != SurfaceError::default() => return None,
+        PlannerName::MostSurface => (
+            "`goal_mm` needs to know the error of the camera".to_owned(),
+            "`sensor` names a camera whose error is known",
+        ),
+        planner => (
+            format!("the planner {planner} takes no second looks, which `goal_mm` needs"),
+            "`planner` = most-surface does",
+        ),
+    };
+    let fault = Fault::request(problem).with_remedy(remedy);
+    Some(Fault { key: Some("goal_mm".to_owned()), ..fault })
+}
+
 /// Everything that does not fit this number of candidates.
 fn of_views(config: &ScanConfig, n_views: usize) -> Vec<Fault> {
     let mut faults = Vec::new();
@@ -99,20 +123,7 @@ fn of_views(config: &ScanConfig, n_views: usize) -> Vec<Fault> {
 
 /// Everything that is wrong with a recording, and everything that only a simulation can have.
 fn of_recording(recording: &RecordingConfig, config: &ScanConfig) -> Vec<Fault> {
-    let mut faults = Vec::new();
-    if let Some(Aabb { min, max }) = recording.bounds()
-        && !(min.is_finite() && max.is_finite() && min.cmplt(max).all())
-    {
-        let value = format!("{min} to {max}");
-        faults.push(Fault::of_value("recording.box_m", value, "finite corners, the lowest first"));
-    }
-    if let Some(z) = recording.table_z_m.filter(|z| !z.is_finite()) {
-        faults.push(Fault::of_value("recording.table_z_m", z, "a finite number of metres"));
-    }
-    if recording.table_z_m.is_some() && config.object_box.table != TableRule::None {
-        let fault = Fault::request("`recording.table_z_m` states the table, so that there is none to find");
-        faults.push(fault.with_remedy("leave out `recording.table_z_m` or `object_box.table`"));
-    }
+    let mut faults = of_place("recording", recording.bounds(), recording.table_z_m, config);
     if recording.truth.is_none() && recording.truth_from_world.is_some() {
         faults.push(Fault::request(
             "`recording.truth_from_world` needs `recording.truth`, the mesh that it leads to",
@@ -123,22 +134,79 @@ fn of_recording(recording: &RecordingConfig, config: &ScanConfig) -> Vec<Fault> 
         ("candidates", config.candidates != neutral.candidates),
         ("view_space", config.view_space != neutral.view_space),
         ("view_seed", config.view_seed != neutral.view_seed),
-        ("size_m", config.size_m != neutral.size_m),
-        #[cfg(feature = "simulated")]
-        ("noise", config.noise != neutral.noise),
-        ("object_box.table", config.object_box.table == TableRule::Known),
     ];
-    faults.extend(given.into_iter().filter(|(_, is_given)| *is_given).map(|(key, _)| only_simulated(key)));
+    let given = given.into_iter().filter(|(_, is_given)| *is_given).map(|(key, _)| key);
+    faults.extend(given.chain(simulated_keys(config)).map(|key| only_simulated(key, "recording")));
     faults
 }
 
-fn only_simulated(key: &str) -> Fault {
-    let remedy = match key {
-        "object_box.table" => {
-            "`recording.table_z_m` states its height, `object_box.table` = fit finds it in the first image"
-        }
+/// Everything that is wrong with a camera of one's own, and everything that only a simulation can have.
+fn of_live(live: &LiveConfig, config: &ScanConfig) -> Vec<Fault> {
+    let mut faults = of_place("live", live.bounds(), live.table_z_m, config);
+    if config.recording.is_some() {
+        let fault = Fault::request("frames are either recorded or come from a camera of one's own");
+        faults.push(fault.with_remedy("leave out `recording` or `live`"));
+    }
+    if !(live.min_depth_m >= 0.0 && live.min_depth_m.is_finite()) {
+        faults.push(Fault::of_value(
+            "live.min_depth_m",
+            live.min_depth_m,
+            "0 or a positive number of metres",
+        ));
+    } else if live.depth_range().check().is_err() {
+        let expected = "a finite number of metres above `live.min_depth_m`";
+        faults.push(Fault::of_value("live.max_depth_m", live.max_depth_m, expected));
+    }
+    faults.extend(simulated_keys(config).map(|key| only_simulated(key, "live")));
+    faults
+}
+
+/// What is wrong with the object's place, as this section of the configuration states it.
+fn of_place(section: &str, bounds: Option<Aabb>, table_z_m: Option<f64>, config: &ScanConfig) -> Vec<Fault> {
+    let mut faults = Vec::new();
+    if let Some(Aabb { min, max }) = bounds
+        && !(min.is_finite() && max.is_finite() && min.cmplt(max).all())
+    {
+        let value = format!("{min} to {max}");
+        let key = format!("{section}.box_m");
+        faults.push(Fault::of_value(&key, value, "finite corners, the lowest first"));
+    }
+    let key = format!("{section}.table_z_m");
+    if let Some(z) = table_z_m.filter(|z| !z.is_finite()) {
+        faults.push(Fault::of_value(&key, z, "a finite number of metres"));
+    }
+    if table_z_m.is_some() && config.object_box.table != TableRule::None {
+        let fault = Fault::request(format!("`{key}` states the table, so that there is none to find"));
+        faults.push(fault.with_remedy(format!("leave out `{key}` or `object_box.table`")));
+    }
+    faults
+}
+
+/// The keys with a value that only a simulation can have.
+fn simulated_keys(config: &ScanConfig) -> impl Iterator<Item = &'static str> {
+    let neutral = ScanConfig::of_profile(config.profile);
+    let given = [
+        ("size_m", config.size_m != neutral.size_m),
+        #[cfg(feature = "simulated")]
+        ("sensor", config.sensor.is_some()),
+        #[cfg(feature = "simulated")]
+        ("noise", config.sensor.is_none() && config.noise != neutral.noise),
+        ("object_box.table", config.object_box.table == TableRule::Known),
+    ];
+    given.into_iter().filter(|(_, is_given)| *is_given).map(|(key, _)| key)
+}
+
+fn only_simulated(key: &str, section: &str) -> Fault {
+    let remedy = match (key, section) {
+        ("object_box.table", _) => &format!(
+            "`{section}.table_z_m` states its height, `object_box.table` = fit finds it in the first image"
+        ),
+        ("sensor", "live") => "`camera` states its optics, `live.max_depth_m` its range; leave it out",
+        ("sensor", _) => "a recording has a camera of its own; leave it out",
+        (_, "live") => "the frames of your camera are as they are; leave it out",
         _ => "recorded frames are as they are; leave it out",
     };
-    let fault = Fault::request(format!("`{key}` is for simulations, not for recorded frames"));
+    let whose = if section == "live" { "a camera of one's own" } else { "recorded frames" };
+    let fault = Fault::request(format!("`{key}` is for simulations, not for {whose}"));
     Fault { key: Some(key.to_owned()), ..fault.with_remedy(remedy) }
 }

@@ -27,19 +27,33 @@ impl ScanConfig {
         Self::from_table(table).map_err(|faults| faults.map(|fault| positions.place(fault, "")))
     }
 
-    /// The values of a table over those of its profile, or else of the default one.
+    /// The values of a table over those of its sensor, if it names one, over those of its profile, or else of
+    /// the default one.
     pub fn from_table(table: Table) -> Result<Self, Faults> {
         let profile = match table.get("profile") {
             Some(value) => value.clone().try_into::<Profile>().map_err(|e| of_key("profile", value, &e))?,
             None => Profile::default(),
         };
-        let base = Table::try_from(Self::of_profile(profile)).map_err(Fault::data)?;
+        let base = Self::of_profile(profile);
+        #[cfg(feature = "simulated")]
+        let base = with_sensor(base, &table)?;
+        let base = Table::try_from(base).map_err(Fault::data)?;
         let whole: Result<Self, _> = merged(base.clone(), table.clone()).try_into();
         match whole {
             Ok(config) => config.check().map(|()| config),
             Err(error) => Err(isolated(&base, &table, &error)),
         }
     }
+}
+
+/// The values with those of the sensor that a table names.
+#[cfg(feature = "simulated")]
+fn with_sensor(mut base: ScanConfig, table: &Table) -> Result<ScanConfig, Faults> {
+    if let Some(value) = table.get("sensor") {
+        let name = value.clone().try_into().map_err(|e| of_key("sensor", value, &e))?;
+        base.set_sensor(name)?;
+    }
+    Ok(base)
 }
 
 /// The faults of each value by itself, and those of all others together.

@@ -2,6 +2,7 @@
 
 mod checks;
 mod choices;
+mod live;
 mod load;
 #[cfg(feature = "simulated")]
 mod noise;
@@ -10,8 +11,13 @@ mod positions;
 mod reach;
 mod recording;
 mod scan_config;
+#[cfg(feature = "simulated")]
+mod sensor;
+#[cfg(feature = "simulated")]
+mod sensor_name;
 
 pub use choices::{BoxRule, Profile, TableRule, UnitName, ViewRule, ViewSpaceName};
+pub use live::LiveConfig;
 pub use load::{merged, nested};
 #[cfg(feature = "simulated")]
 pub use noise::{NoiseConfig, NoiseModel};
@@ -19,4 +25,6 @@ pub use planner_name::{NbvNetConfig, PlannerConfigs, PlannerName};
 pub use positions::Positions;
 pub use reach::ReachConfig;
 pub use recording::RecordingConfig;
-pub use scan_config::{MapConfig, ObjectBoxConfig, ScanConfig};
+pub use scan_config::{MapConfig, ModelConfig, ObjectBoxConfig, ScanConfig};
+#[cfg(feature = "simulated")]
+pub use sensor_name::SensorName;

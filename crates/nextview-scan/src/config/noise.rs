@@ -21,7 +21,7 @@ pub struct NoiseConfig {
     /// Whether the first frame claims the right pose all the same, so that all errors are relative to it.
     #[serde(skip_serializing_if = "std::ops::Not::not")]
     pub first_pose_is_right: bool,
-    /// Of the model, unless it is none.
+    /// Of the model, unless it is none. Defaults are those of the sensor, where one is named.
     pub depth: DepthNoise,
 }
 
@@ -31,6 +31,7 @@ named! {
     pub enum NoiseModel {
         #[default] None = "none": "Nothing: every pixel measures, and exactly",
         D435i = "d435i": "Errors and losses of the RealSense D435i, a stereo camera; [noise.depth] of a configuration changes them",
+        Sensor = "sensor": "Errors and losses of the sensor, where one is named: there, it is the default",
     }
 }
 

@@ -1,6 +1,6 @@
 use super::{
-    BoxRule, NbvNetConfig, PlannerConfigs, PlannerName, Profile, ReachConfig, RecordingConfig, TableRule,
-    UnitName, ViewSpaceName,
+    BoxRule, LiveConfig, NbvNetConfig, PlannerConfigs, PlannerName, Profile, ReachConfig, RecordingConfig,
+    TableRule, UnitName, ViewSpaceName,
 };
 use crate::Fault;
 use nextview::map::{Background, RayRule, SensorModel};
@@ -9,7 +9,7 @@ use nextview::planner::{
     BatchConfig, GreedyConfig, MaxFlowConfig, MinOverlap, MostSurfaceConfig, ViewPlanner,
 };
 use nextview::registration::RegistrationConfig;
-use nextview::sensor::Intrinsics;
+use nextview::sensor::{Intrinsics, SurfaceError};
 use nextview::session::{MultiResolutionConfig, StopConfig};
 use nextview::visibility::FreeSpace;
 use serde::{Deserialize, Serialize};
@@ -29,7 +29,8 @@ const OVERLAP_TO_ALIGN: f64 = 0.5;
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(default, deny_unknown_fields)]
 pub struct ScanConfig {
-    /// A mesh file or `builtin:NAME`; with a recording, where its frames are.
+    /// A mesh file or `builtin:NAME`; with a recording, where its frames are; with a camera of one's own, the
+    /// name of the object.
     pub object: String,
     /// The named set of defaults that all other values started from.
     pub profile: Profile,
@@ -64,6 +65,10 @@ pub struct ScanConfig {
     /// registration, which can align no frame without overlap, except in the order of the numbers; else none.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub min_overlap: Option<f64>,
+    /// How accurate the surface in each voxel is to be: its expected error along the normal, standard
+    /// deviation; the planner most-surface spends views on it. By default, surface that was seen is done.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub goal_mm: Option<f64>,
     /// Whether to compute the random and clairvoyant curves.
     pub baselines: bool,
     /// Limit on the memory that the planning box may need.
@@ -78,6 +83,9 @@ pub struct ScanConfig {
     pub multi_resolution: MultiResolutionConfig,
     /// What planning knows of the object's place.
     pub object_box: ObjectBoxConfig,
+    /// What the final mesh is like.
+    #[serde(skip_serializing_if = "ModelConfig::is_default")]
+    pub model: ModelConfig,
     /// Where a robot can hold the camera.
     #[serde(skip_serializing_if = "ReachConfig::is_default")]
     pub reach: ReachConfig,
@@ -97,15 +105,23 @@ pub struct ScanConfig {
     pub nbv_net: NbvNetConfig,
     /// When the scan stops before its last view.
     pub stop: StopConfig,
+    /// Depth camera that is simulated: it decides the defaults of `camera` and `noise`. Without one, those
+    /// are the optics of the D435i, and no noise.
+    #[cfg(feature = "simulated")]
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub sensor: Option<super::SensorName>,
     /// The camera's optics.
     #[cfg_attr(feature = "schema", schemars(with = "std::collections::BTreeMap<String, serde_json::Value>"))]
     pub camera: Intrinsics,
     /// Errors of the simulated camera.
     #[cfg(feature = "simulated")]
     pub noise: super::NoiseConfig,
-    /// The frames are recorded; without it, they are simulated.
+    /// The frames are recorded; without it and `live`, they are simulated.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub recording: Option<RecordingConfig>,
+    /// The frames come from a camera of one's own while the scan is under way.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub live: Option<LiveConfig>,
 }
 
 /// How frames are written into the map.
@@ -135,6 +151,22 @@ pub struct ObjectBoxConfig {
     pub max_gap_m: f64,
 }
 
+/// What the final mesh is like.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(default, deny_unknown_fields)]
+pub struct ModelConfig {
+    /// Whether the mesh is closed where nothing was measured, so that it has no border and can be printed; a
+    /// column of its file says where. By default it is open there.
+    pub watertight: bool,
+}
+
+impl ModelConfig {
+    fn is_default(&self) -> bool {
+        *self == Self::default()
+    }
+}
+
 fn is_zero(number: &f64) -> bool {
     *number == 0.0
 }
@@ -157,12 +189,14 @@ impl ScanConfig {
             unit: UnitName::Auto,
             size_m: None,
             min_overlap: None,
+            goal_mm: None,
             baselines: true,
             memory_limit_mb: 4096,
             time_limit_s: None,
             map: MapConfig::default(),
             multi_resolution: MultiResolutionConfig::default(),
             object_box: ObjectBoxConfig::default(),
+            model: ModelConfig::default(),
             reach: ReachConfig::default(),
             motion: MotionConfig::default(),
             registration: RegistrationConfig::default(),
@@ -172,10 +206,13 @@ impl ScanConfig {
             nbv_net: NbvNetConfig::default(),
             most_surface: MostSurfaceConfig::default(),
             stop: StopConfig::default(),
+            #[cfg(feature = "simulated")]
+            sensor: None,
             camera: Intrinsics::d435i(),
             #[cfg(feature = "simulated")]
             noise: super::NoiseConfig::default(),
             recording: None,
+            live: None,
         };
         match profile {
             Profile::Default => config,
@@ -211,13 +248,16 @@ impl ScanConfig {
 
     /// The files and folders that the configuration names, which a scan reads.
     pub fn inputs(&self) -> Vec<PathBuf> {
-        let object =
-            (self.recording.is_some() || !self.object.starts_with("builtin:")).then_some(&self.object);
+        let is_file = self.recording.is_some() || !self.object.starts_with("builtin:");
+        let object = (is_file && self.live.is_none()).then_some(&self.object);
         let views = self.view_space.rule().is_none().then_some(&self.view_space.0);
         let recording = self.recording.iter();
         let truth = recording.flat_map(|recording| [&recording.truth, &recording.truth_from_world]).flatten();
         let named = object.into_iter().chain(views).chain(truth).map(PathBuf::from);
-        named.chain(self.nbv_net.weights.clone()).collect()
+        let named = named.chain(self.nbv_net.weights.clone());
+        #[cfg(feature = "simulated")]
+        let named = named.chain(self.sensor.iter().filter_map(|sensor| Some(sensor.file()?.to_owned())));
+        named.collect()
     }
 
     /// The part of the configuration that decides the simulated object and its truth; all else is as in the
@@ -245,6 +285,7 @@ impl ScanConfig {
             multi_resolution: neutral.multi_resolution,
             registration: neutral.registration,
             motion: neutral.motion,
+            model: neutral.model,
             object_box: ObjectBoxConfig { table: self.object_box.table, ..neutral.object_box },
             ..self.clone()
         }
@@ -270,6 +311,15 @@ impl ScanConfig {
     fn least_overlap(&self) -> Option<f64> {
         let is_wanted = self.registration.enabled && self.planner != PlannerName::InOrder;
         self.min_overlap.or(is_wanted.then_some(OVERLAP_TO_ALIGN))
+    }
+
+    /// The random error of the camera, as far as the configuration states it; none of a recording.
+    pub fn surface_error(&self) -> SurfaceError {
+        #[cfg(feature = "simulated")]
+        if let Some(depth) = self.noise.noise().depth {
+            return depth.surface_error();
+        }
+        SurfaceError::default()
     }
 
     /// Seed of the random shell.

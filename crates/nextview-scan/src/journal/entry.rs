@@ -2,15 +2,15 @@
 
 use super::kept::{JournalEntry, KeptFrame, SkippedView};
 use nextview::geometry::Pose;
-use nextview::sensor::{Depth, DepthImage, Frame, Intrinsics};
+use nextview::sensor::{ColorImage, Depth, DepthImage, Frame, Intrinsics};
 use serde::{Deserialize, Serialize};
 
 /// An entry to write.
 pub(super) enum Entry<'a> {
     /// A text.
     Heading(&'a str),
-    /// A frame, the number of the view that it was taken for, and whether it was asked for.
-    Frame { view: Option<usize>, was_asked: bool, frame: &'a Frame },
+    /// A frame.
+    Frame(&'a KeptFrame),
     /// A view that is not to be proposed again.
     Skip(&'a SkippedView),
 }
@@ -34,26 +34,33 @@ struct About {
     world_from_camera: Pose,
     range_m: f64,
     intrinsics: Intrinsics,
+    /// Length of the depth, where colours follow it.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    depth_bytes: Option<usize>,
 }
 
 /// Of the layout of entries.
 const VERSION: u8 = 2;
 
 impl Entry<'_> {
-    /// Its bytes. Of a frame: version, length of its head, head, and the depth, compressed.
+    /// Its bytes. Of a frame: version, length of its head, head, and the depth and the colours, compressed.
     pub fn to_bytes(&self) -> Vec<u8> {
         match self {
             Self::Heading(text) => [&[VERSION], text.as_bytes()].concat(),
             Self::Skip(skipped) => with_head(&Head::Skip((*skipped).clone()), &[]),
-            Self::Frame { view, was_asked, frame } => {
+            Self::Frame(KeptFrame { view, was_asked, frame, color }) => {
+                let mut images = compressed(frame.image());
+                let depth_bytes = color.as_ref().map(|_| images.len());
+                images.extend(color.iter().flat_map(compressed_color));
                 let about = About {
                     view: *view,
                     was_asked: *was_asked,
+                    depth_bytes,
                     world_from_camera: frame.world_from_camera(),
                     range_m: frame.range(),
                     intrinsics: *frame.intrinsics(),
                 };
-                with_head(&Head::Frame(about), &compressed(frame.image()))
+                with_head(&Head::Frame(about), &images)
             }
         }
     }
@@ -77,14 +84,20 @@ pub(super) fn read_entry(bytes: &[u8]) -> Result<JournalEntry, String> {
     let cut = || "the entry ends within its head".to_owned();
     let (length, rest) = rest.split_at_checked(4).ok_or_else(cut)?;
     let length = u32::from_le_bytes(length.try_into().expect("four bytes"));
-    let (head, depth) = rest.split_at_checked(length as usize).ok_or_else(cut)?;
+    let (head, images) = rest.split_at_checked(length as usize).ok_or_else(cut)?;
     match serde_json::from_slice(head).map_err(|error| error.to_string())? {
         Head::Skip(skipped) => Ok(JournalEntry::Skip(skipped)),
-        Head::Frame(About { view, was_asked, world_from_camera, range_m, intrinsics }) => {
+        Head::Frame(About { view, was_asked, world_from_camera, range_m, intrinsics, depth_bytes }) => {
+            let cut = || "the entry ends within its depth".to_owned();
+            let (depth, color) = match depth_bytes {
+                Some(length) => images.split_at_checked(length).map(|(a, b)| (a, Some(b))).ok_or_else(cut)?,
+                None => (images, None),
+            };
             let image = decompressed(depth, &intrinsics)?;
+            let color = color.map(|color| decompressed_color(color, &intrinsics)).transpose()?;
             let frame = Frame::new(image, intrinsics, world_from_camera, range_m);
             let frame = frame.map_err(|error| error.to_string())?;
-            Ok(JournalEntry::Frame(KeptFrame { view, was_asked, frame }))
+            Ok(JournalEntry::Frame(KeptFrame { view, was_asked, frame, color }))
         }
     }
 }
@@ -114,19 +127,37 @@ fn metres(pixel: Depth) -> f32 {
     }
 }
 
+/// The red, green and blue of all pixels.
+fn compressed_color(image: &ColorImage) -> Vec<u8> {
+    let pixels = (0..image.height()).flat_map(|v| (0..image.width()).map(move |u| image.get(u, v)));
+    lz4_flex::block::compress(&pixels.flatten().collect::<Vec<u8>>())
+}
+
 fn decompressed(bytes: &[u8], intrinsics: &Intrinsics) -> Result<DepthImage, String> {
     let n = intrinsics.n_pixels();
-    // The format cannot hold more: without this, a few bytes could claim gigabytes.
-    if n.saturating_mul(4) > bytes.len().saturating_mul(256).saturating_add(64) {
-        return Err(format!("{} bytes cannot hold an image of {n} pixels", bytes.len()));
-    }
-    let mut planes = vec![0; 4 * n];
-    let length = lz4_flex::block::decompress_into(bytes, &mut planes)
-        .map_err(|error| format!("the image: {error}"))?;
-    if length != planes.len() {
-        return Err(format!("the image has {length} bytes, expected {}", planes.len()));
-    }
+    let planes = unpacked(bytes, 4, n)?;
     let depth = |i| f32::from_le_bytes([0, 1, 2, 3].map(|plane| planes[plane * n + i]));
     DepthImage::from_metres(intrinsics.width(), intrinsics.height(), (0..n).map(depth).collect())
         .map_err(|error| error.to_string())
+}
+
+fn decompressed_color(bytes: &[u8], intrinsics: &Intrinsics) -> Result<ColorImage, String> {
+    let bytes = unpacked(bytes, 3, intrinsics.n_pixels())?;
+    let pixels = bytes.chunks_exact(3).map(|pixel| [pixel[0], pixel[1], pixel[2]]).collect();
+    ColorImage::new(intrinsics.width(), intrinsics.height(), pixels).map_err(|error| error.to_string())
+}
+
+/// The bytes of an image of so many bytes a pixel.
+fn unpacked(bytes: &[u8], per_pixel: usize, n: usize) -> Result<Vec<u8>, String> {
+    // The format cannot hold more: without this, a few bytes could claim gigabytes.
+    if n.saturating_mul(per_pixel) > bytes.len().saturating_mul(256).saturating_add(64) {
+        return Err(format!("{} bytes cannot hold an image of {n} pixels", bytes.len()));
+    }
+    let mut image = vec![0; per_pixel * n];
+    let length =
+        lz4_flex::block::decompress_into(bytes, &mut image).map_err(|error| format!("the image: {error}"))?;
+    match length == image.len() {
+        true => Ok(image),
+        false => Err(format!("the image has {length} bytes, expected {}", image.len())),
+    }
 }

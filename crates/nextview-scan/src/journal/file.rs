@@ -24,13 +24,13 @@ use std::path::{Path, PathBuf};
 /// let frame = Frame::new(image, camera, Pose::IDENTITY, 1.0).unwrap();
 ///
 /// let mut journal = Journal::create(&path, "planner = \"local\"")?;
-/// journal.keep(&KeptFrame { view: Some(7), was_asked: true, frame: frame.clone() })?;
+/// journal.keep(&KeptFrame { view: Some(7), was_asked: true, frame: frame.clone(), color: None })?;
 /// drop(journal); // or kill -9
 ///
 /// let (mut journal, found) = Journal::open(&path)?;
 /// assert_eq!(found.heading, "planner = \"local\"");
 /// assert!(matches!(&found.entries[0], JournalEntry::Frame(kept) if kept.view == Some(7)));
-/// journal.keep(&KeptFrame { view: Some(3), was_asked: true, frame })?; // and on
+/// journal.keep(&KeptFrame { view: Some(3), was_asked: true, frame, color: None })?; // and on
 /// # std::fs::remove_file(&path).unwrap();
 /// # Ok::<(), nextview_scan::Fault>(())
 /// ```
@@ -87,8 +87,7 @@ impl Journal {
     /// Keeps a frame: when this returns, it is on the disk. After a failure, such as a full disk, the journal
     /// is as it was before.
     pub fn keep(&mut self, kept: &KeptFrame) -> Result<(), Fault> {
-        let KeptFrame { view, was_asked, frame } = kept;
-        self.add(&Entry::Frame { view: *view, was_asked: *was_asked, frame })
+        self.add(&Entry::Frame(kept))
     }
 
     /// Keeps that a view is not to be proposed again, in the same way.

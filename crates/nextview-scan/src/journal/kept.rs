@@ -1,4 +1,4 @@
-use nextview::sensor::Frame;
+use nextview::sensor::{ColorImage, Frame};
 use serde::{Deserialize, Serialize};
 
 /// An entry of a journal.
@@ -19,6 +19,8 @@ pub struct KeptFrame {
     pub was_asked: bool,
     /// The frame, to the bit.
     pub frame: Frame,
+    /// The colours that were pushed with it.
+    pub color: Option<ColorImage>,
 }
 
 /// A view that is not to be proposed again.

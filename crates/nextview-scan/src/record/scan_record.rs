@@ -81,8 +81,8 @@ pub struct ScanRecord {
     #[serde(skip_serializing_if = "Option::is_none")]
     pub coverage_auc_horizon_s: Option<f64>,
 
-    /// Whether the box around the object was known or grew; this and the next two none for a camera of one's
-    /// own.
+    /// Whether the box around the object was known or grew; this and the next two none without a
+    /// configuration that says so.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub box_rule: Option<BoxRule>,
     /// Side of the box over the object's longest side, without the next; none where the box was given.
@@ -229,6 +229,18 @@ pub struct ScanRecord {
     /// See `cloud_chamfer_mm`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub mesh_chamfer_mm: Option<f64>,
+    /// Share, 0..=1, of the mesh's area that was filled in, where nothing was measured; all other measures
+    /// are of the measured part. None of a mesh that is left open.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub mesh_filled_share: Option<f64>,
+
+    /// Median over the points of the cloud of their expected error along the normal, a standard deviation
+    /// that follows from the camera's; none where that is not known.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub cloud_expected_error_median_mm: Option<f64>,
+    /// The 95th percentile.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub cloud_expected_error_p95_mm: Option<f64>,
 
     /// Frames and poses that were left out of the recording, and why.
     #[serde(skip_serializing_if = "Vec::is_empty")]

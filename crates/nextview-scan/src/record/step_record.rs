@@ -85,6 +85,11 @@ pub struct StepRecord {
     /// The same as a share, 0..=1, of that of an unknown box.
     pub entropy_share: f64,
 
+    /// Share, 0..=1, of the voxels with measured surface whose expected error is within the goal; none
+    /// without one.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub share_at_goal: Option<f64>,
+
     /// Whether the frame was aligned; this and the next nine none without registration.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub registration_accepted: Option<bool>,
@@ -213,6 +218,7 @@ impl StepRecord {
             unknown_voxels: report.map.n_unknown,
             entropy_nats: report.map.entropy,
             entropy_share: report.map.entropy_share,
+            share_at_goal: report.share_at_goal,
             ..Self::default()
         };
         record.set_pose(&report.world_from_camera);

@@ -2,7 +2,7 @@
 
 use crate::files::{Overwrite, ResultFolder, numbered};
 use crate::run::{FinishedScan, Measured};
-use crate::{Fault, Faults, FinalModel, ScanConfig, ScanJournal, ScanRecord, short_name};
+use crate::{Fault, Faults, ScanConfig, ScanJournal, ScanRecord, short_name};
 use nextview::geometry::Pose;
 use nextview::map::Octree;
 use nextview::motion::Waypoint;
@@ -45,7 +45,7 @@ pub struct Results {
 /// map, model. What fails is left out and reported; all else is added.
 pub fn write_results(folder: &mut ResultFolder, config: &ScanConfig, scan: &FinishedScan<'_>) -> Results {
     let mut faults = Vec::new();
-    let model = scan.model().map_err(|fault| faults.push(fault.within("cloud and mesh"))).ok();
+    let model = scan.model(config.model).map_err(|fault| faults.push(fault.within("cloud and mesh"))).ok();
     let measured = model.as_ref().map_or(Measured::Nothing, Measured::Model);
     let record = scan.record(config, measured).unwrap_or_else(|fault| {
         faults.push(fault.within("bodies beside the object"));
@@ -62,9 +62,9 @@ pub fn write_results(folder: &mut ResultFolder, config: &ScanConfig, scan: &Fini
     let octree = scan.session.map().to_octree().map(|octree| octree.pruned());
     add("map.ot", &|w| Ok(octree_of(&octree)?.write_ot(w)?));
     add("map.bt", &|w| Ok(octree_of(&octree)?.write_bt(w)?));
-    if let Some(FinalModel { cloud, mesh, vertices }) = &model {
-        add("cloud.ply", &|w| Ok(write_cloud(w, cloud)?));
-        add("mesh.ply", &|w| Ok(write_mesh(w, vertices, &mesh.triangles)?));
+    if let Some(model) = &model {
+        add("cloud.ply", &|w| Ok(write_cloud(w, &model.cloud)?));
+        add("mesh.ply", &|w| Ok(write_mesh(w, &model.vertices, model.is_filled(), model.triangles())?));
     }
     Results { record, faults: Faults::of(faults) }
 }

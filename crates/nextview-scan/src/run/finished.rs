@@ -1,24 +1,28 @@
+use crate::model::Extent;
 use crate::{
-    Fault, FinalModel, FrameSource, ScanConfig, ScanJournal, ScanRecord, StepRecord, ViewRule, memory,
-    short_name,
+    BoxRule, Fault, FinalModel, FrameSource, ModelConfig, ScanConfig, ScanJournal, ScanRecord, StepRecord,
+    ViewRule, memory, short_name,
 };
 use glam::DVec3;
 use nextview::geometry::{Aabb, Plane};
 use nextview::motion::Trajectory;
-use nextview::session::{ON_TABLE, Session, StopReason};
-use nextview::surface::{CloudPoint, SurfaceMesh, downsample};
+use nextview::sensor::ColorImage;
+use nextview::session::{BOX_MARGIN_FACTOR, BOX_MARGIN_VOXELS, ON_TABLE, Session, StopReason};
+use nextview::surface::{CloudPoint, SurfaceMesh, WatertightMesh, downsample};
 
 /// A scan that is over, or as it stands.
 pub struct FinishedScan<'a> {
     /// The scan: its map, its frames in the poses in which they were mapped, its candidates.
     pub session: Session,
-    /// Where the frames came from; none if the camera was one's own.
+    /// Where the frames came from; none if they were pushed by a camera of one's own.
     pub(crate) source: Option<&'a dyn FrameSource>,
     pub(crate) journal: Option<ScanJournal>,
     /// The trajectory to each view, from the view before.
     pub trajectories: Vec<Trajectory>,
     /// The views.
     pub steps: Vec<StepRecord>,
+    /// By step, the colours that were pushed with its frame.
+    pub(crate) colors: Vec<Option<ColorImage>>,
     /// Why the scan ended; none while it is under way.
     pub stop_reason: Option<StopReason>,
 }
@@ -35,6 +39,19 @@ pub enum Measured<'a> {
 }
 
 impl FinishedScan<'_> {
+    /// The scan of this session, before its first view.
+    pub(crate) fn new(session: Session) -> Self {
+        Self {
+            session,
+            source: None,
+            journal: None,
+            trajectories: Vec::new(),
+            steps: Vec::new(),
+            colors: Vec::new(),
+            stop_reason: None,
+        }
+    }
+
     /// The box around the object, metres; none if no object was found.
     pub fn bounds(&self) -> Option<Aabb> {
         self.session.bounds().or_else(|| self.source.and_then(FrameSource::bounds))
@@ -48,20 +65,29 @@ impl FinishedScan<'_> {
         (0.25 * voxel_size).max(bounds.longest_side() / 128.0)
     }
 
-    /// Makes cloud and mesh; fails if no object was found, a colour image cannot be loaded, or if it is
-    /// cancelled: reset the flag to make the model of a scan that was cancelled.
-    pub fn model(&self) -> Result<FinalModel, Fault> {
+    /// Makes cloud and mesh, closed if the configuration wants it; fails if no object was found, a colour
+    /// image cannot be loaded, or if it is cancelled: reset the flag to make the model of a scan that was
+    /// cancelled.
+    pub fn model(&self, config: ModelConfig) -> Result<FinalModel, Fault> {
         let bounds = self.bounds().ok_or_else(no_object)?;
-        let view = |i: usize| self.steps[self.session.frame_numbers()[i]].view;
-        let color = |i: usize| self.source.map_or(Ok(None), |source| source.color(view(i)));
+        let color = |i: usize| self.color(self.session.frame_numbers()[i]);
         let cancel = self.session.cancel();
-        FinalModel::new(self.session.frames(), color, bounds, self.detail(bounds), cancel)
+        let (table, error) = (self.table(), self.session.surface_error());
+        let extent = Extent { bounds, table, detail: self.detail(bounds), error };
+        FinalModel::new(self.session.frames(), color, extent, config, cancel)
     }
 
     /// The record. Fails if the cloud to be measured cannot be made, or if it is cancelled.
     pub fn record(&self, config: &ScanConfig, measured: Measured<'_>) -> Result<ScanRecord, Fault> {
         let mut record = self.bare_record(config);
         record.other_bodies = self.session.other_bodies()?.into_iter().map(Into::into).collect();
+        if let Measured::Model(model) = measured {
+            if let Some([median, p95]) = model.expected_errors() {
+                record.cloud_expected_error_median_mm = Some(1e3 * median);
+                record.cloud_expected_error_p95_mm = Some(1e3 * p95);
+            }
+            record.mesh_filled_share = model.closed.as_ref().map(WatertightMesh::filled_share);
+        }
         let Some(source) = self.source else { return Ok(record) };
         match measured {
             Measured::Nothing => (),
@@ -103,6 +129,10 @@ impl FinishedScan<'_> {
             source.describe(&mut record);
             set_seeds(&mut record, config);
         }
+        if config.live.is_some() {
+            describe_box(&mut record, config.object_box.rule);
+            set_seeds(&mut record, config);
+        }
         record
     }
 
@@ -110,6 +140,15 @@ impl FinishedScan<'_> {
     pub fn forget_journal(&mut self) {
         if let Some(journal) = self.journal.take() {
             journal.finish();
+        }
+    }
+
+    /// The colours of a step: those that were pushed, or else those of the source.
+    fn color(&self, step_idx: usize) -> Result<Option<ColorImage>, Fault> {
+        match (&self.colors[step_idx], self.source) {
+            (Some(color), _) => Ok(Some(color.clone())),
+            (None, Some(source)) => source.color(self.steps[step_idx].view),
+            (None, None) => Ok(None),
         }
     }
 
@@ -132,10 +171,19 @@ impl FinishedScan<'_> {
     }
 }
 
+/// What is known of the box around an object before a camera of one's own.
+fn describe_box(record: &mut ScanRecord, rule: BoxRule) {
+    let grows = rule == BoxRule::Grows;
+    record.box_rule = Some(rule);
+    record.box_margin_factor = grows.then_some(BOX_MARGIN_FACTOR);
+    record.box_margin_voxels = grows.then_some(BOX_MARGIN_VOXELS);
+}
+
 /// The seeds of all draws that the scan made.
 fn set_seeds(record: &mut ScanRecord, config: &ScanConfig) {
-    let is_simulated = config.recording.is_none();
-    let has_shell = is_simulated && config.view_space.rule() == Some(ViewRule::Shell);
+    let is_simulated = config.recording.is_none() && config.live.is_none();
+    let has_rule = config.live.as_ref().map_or(is_simulated, |live| live.poses.is_empty());
+    let has_shell = has_rule && config.view_space.rule() == Some(ViewRule::Shell);
     record.view_seed = has_shell.then(|| config.view_seed());
     record.baseline_seed = record.random_curve.as_ref().map(|_| config.baseline_seed);
     #[cfg(feature = "simulated")]
@@ -147,7 +195,7 @@ fn set_seeds(record: &mut ScanRecord, config: &ScanConfig) {
 
 fn no_object() -> Fault {
     Fault::data("the first frame shows no object, so that there is nothing to plan for")
-        .with_remedy("`first_view` begins with another frame, `recording.box_m` states where the object is")
+        .with_remedy("`first_view` begins with another frame, `recording.box_m` or `live.box_m` states where the object is")
 }
 
 fn is_above(table: Option<Plane>, point: DVec3) -> bool {

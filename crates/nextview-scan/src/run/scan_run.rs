@@ -5,7 +5,7 @@ use crate::record::milliseconds;
 use crate::{Fault, FaultKind, Faults, FrameSource, ScanConfig, ScanJournal, StepRecord};
 use glam::DVec3;
 use nextview::motion::Trajectory;
-use nextview::sensor::Frame;
+use nextview::sensor::{ColorImage, Frame};
 use nextview::session::{Decision, NextView, Session, StopReason};
 use nextview::{Cancel, Cancelled};
 use std::time::{Duration, Instant};
@@ -47,17 +47,13 @@ const MOST_SUSPECTED: usize = 8;
 /// # Ok::<(), nextview_scan::Fault>(())
 /// ```
 pub struct ScanRun<'a> {
-    session: Session,
-    source: Option<&'a dyn FrameSource>,
+    scan: FinishedScan<'a>,
     evaluator: Option<Box<dyn Evaluator + 'a>>,
-    journal: Option<ScanJournal>,
     time_limit: Option<Duration>,
     /// When the first decision was asked for.
     began: Option<Instant>,
     asked: Option<Asked>,
     path: Path,
-    trajectories: Vec<Trajectory>,
-    steps: Vec<StepRecord>,
 }
 
 /// What to do next.
@@ -91,36 +87,30 @@ struct Asked {
 impl<'a> ScanRun<'a> {
     /// A run of this session by a camera of one's own.
     pub fn new(session: Session) -> Self {
-        Self {
-            session,
-            source: None,
-            evaluator: None,
-            journal: None,
-            time_limit: None,
-            began: None,
-            asked: None,
-            path: Path::default(),
-            trajectories: Vec::new(),
-            steps: Vec::new(),
-        }
+        let scan = FinishedScan::new(session);
+        Self { scan, evaluator: None, time_limit: None, began: None, asked: None, path: Path::default() }
     }
 
     /// The run that a configuration describes, with frames from this source.
     pub fn begin(source: &'a dyn FrameSource, config: &ScanConfig, begin: Begin) -> Result<Self, Faults> {
-        let session = source.session(config)?.with_cancel(begin.cancel);
-        let time_limit = config.time_limit_s.map(Duration::try_from_secs_f64).and_then(Result::ok);
-        Ok(Self {
-            source: Some(source),
-            evaluator: source.evaluator(config),
-            journal: begin.journal,
-            time_limit,
-            ..Self::new(session)
-        })
+        let mut run = Self::of_session(source.session(config)?, config, begin);
+        run.scan.source = Some(source);
+        run.evaluator = source.evaluator(config);
+        Ok(run)
+    }
+
+    /// The run of this session by a camera of one's own, with the time limit of a configuration.
+    pub(crate) fn of_session(session: Session, config: &ScanConfig, begin: Begin) -> Self {
+        let mut run = Self::new(session.with_cancel(begin.cancel));
+        run.time_limit = config.time_limit_s.map(Duration::try_from_secs_f64).and_then(Result::ok);
+        run.scan.journal = begin.journal;
+        run
     }
 
     /// The same with every frame kept in this journal.
-    pub fn with_journal(self, journal: ScanJournal) -> Self {
-        Self { journal: Some(journal), ..self }
+    pub fn with_journal(mut self, journal: ScanJournal) -> Self {
+        self.scan.journal = Some(journal);
+        self
     }
 
     /// The same with an end after this time, counted from the first decision on.
@@ -147,14 +137,14 @@ impl<'a> ScanRun<'a> {
                 Some(JournalEntry::Skip(skipped)) if skipped.was_decided == self.asked.is_some() => {
                     let view = skipped.view;
                     self.forget(view);
-                    self.journal.as_mut().map(ScanJournal::replayed);
+                    self.scan.journal.as_mut().map(ScanJournal::replayed);
                     continue;
                 }
                 _ => (),
             }
             if self.asked.is_none() {
                 let is_over = self.time_limit.is_some_and(|limit| began.elapsed() >= limit);
-                if is_over && !self.steps.is_empty() && self.replay().is_none() {
+                if is_over && !self.scan.steps.is_empty() && self.replay().is_none() {
                     return Ok(Next::Stop(StopReason::TimeLimit));
                 }
                 if let Some(reason) = self.decide()? {
@@ -179,25 +169,32 @@ impl<'a> ScanRun<'a> {
     /// Fails before anything has changed if the frame cannot be kept, and if it is
     /// [cancelled](Begin::cancel): it is then asked for again, or [replayed](Next::Replay) from the journal.
     pub fn push(&mut self, frame: Frame) -> Result<&StepRecord, Fault> {
+        self.push_colored(frame, None)
+    }
+
+    /// The same with a colour image of the frame's size, which the final model takes its colours from. A
+    /// frame that is [replayed](Next::Replay) has the colours that were kept with it.
+    pub fn push_colored(&mut self, frame: Frame, color: Option<ColorImage>) -> Result<&StepRecord, Fault> {
+        check_size(&frame, color.as_ref())?;
         let capture_time = self.asked.as_ref().map_or(Duration::ZERO, |asked| asked.since.elapsed());
         let trajectory = match &self.asked {
             Some(asked) => asked.trajectory.clone(),
-            None => self.session.trajectory_to(&frame.world_from_camera())?,
+            None => self.scan.session.trajectory_to(&frame.world_from_camera())?,
         };
-        let frame = self.keep(frame)?;
+        let (frame, color) = self.keep(frame, color)?;
         let start = Instant::now();
-        let report = match self.session.observe(&frame) {
+        let report = match self.scan.session.observe(&frame) {
             Ok(report) => report,
-            Err(cancelled) => return Err(self.put_back(frame, cancelled)),
+            Err(cancelled) => return Err(self.put_back(frame, color, cancelled)),
         };
         let map_time = start.elapsed();
         let (next, plan_time) = self.asked.take().map(|asked| (asked.next, asked.plan_time)).unzip();
-        let mut record = StepRecord::of_report(self.steps.len() + 1, &report);
+        let mut record = StepRecord::of_report(self.scan.steps.len() + 1, &report);
         if let Some(evaluator) = &mut self.evaluator {
             let frame = frame.with_pose(report.world_from_camera);
-            evaluator.measure(&self.session, next.as_ref(), &frame, &mut record)?;
+            evaluator.measure(&self.scan.session, next.as_ref(), &frame, &mut record)?;
         }
-        let last = self.steps.last();
+        let last = self.scan.steps.last();
         record.path_length_m = self.path.extend_to(report.world_from_camera.translation());
         record.trajectory_length_m = last.map_or(0.0, |last| last.trajectory_length_m) + trajectory.length();
         record.trajectory_time_s = last.map_or(0.0, |last| last.trajectory_time_s) + trajectory.duration();
@@ -205,15 +202,16 @@ impl<'a> ScanRun<'a> {
         record.map_time_ms = milliseconds(map_time);
         record.capture_time_ms = milliseconds(capture_time);
         record.warning = self.warning();
-        self.trajectories.push(trajectory);
-        self.steps.push(record);
-        Ok(self.steps.last().expect("a step was added"))
+        self.scan.trajectories.push(trajectory);
+        self.scan.colors.push(color);
+        self.scan.steps.push(record);
+        Ok(self.scan.steps.last().expect("a step was added"))
     }
 
     /// Skips a candidate: it is never proposed again. The reason is kept in the journal.
     pub fn skip(&mut self, view: usize, reason: &str) -> Result<(), Fault> {
-        if view >= self.session.views().len() {
-            let expected = format!("0 to {}", self.session.views().len().saturating_sub(1));
+        if view >= self.scan.session.views().len() {
+            let expected = format!("0 to {}", self.scan.session.views().len().saturating_sub(1));
             return Err(Fault::of_value("view", view, expected));
         }
         if self.replay().is_some() {
@@ -222,7 +220,7 @@ impl<'a> ScanRun<'a> {
             ));
         }
         let skipped = SkippedView { view, reason: reason.to_owned(), was_decided: self.asked.is_some() };
-        self.journal.as_mut().map_or(Ok(()), |journal| journal.skip(&skipped))?;
+        self.scan.journal.as_mut().map_or(Ok(()), |journal| journal.skip(&skipped))?;
         self.forget(view);
         Ok(())
     }
@@ -234,11 +232,11 @@ impl<'a> ScanRun<'a> {
         &mut self,
         mut on_step: impl FnMut(&StepRecord) -> Result<(), Fault>,
     ) -> Result<StopReason, Fault> {
-        let source = self.source.ok_or_else(|| Fault::request("the run has no source of frames"))?;
+        let source = self.scan.source.ok_or_else(|| Fault::request("the run has no source of frames"))?;
         loop {
             let frame = match self.next()? {
                 Next::Replay(frame) => frame,
-                Next::Capture(view) => source.capture(&view, self.steps.is_empty())?,
+                Next::Capture(view) => source.capture(&view, self.scan.steps.is_empty())?,
                 Next::Stop(reason) => return Ok(reason),
             };
             match self.push(frame) {
@@ -251,61 +249,73 @@ impl<'a> ScanRun<'a> {
 
     /// The views so far.
     pub fn steps(&self) -> &[StepRecord] {
-        &self.steps
+        &self.scan.steps
     }
 
     /// The scan in progress: its map, frames and candidates.
     pub fn session(&self) -> &Session {
-        &self.session
+        &self.scan.session
     }
 
     /// The run as it stands, ended for this reason; none if it is to be looked at while under way.
     pub fn finish(self, stop_reason: Option<StopReason>) -> FinishedScan<'a> {
-        let Self { session, source, journal, trajectories, steps, .. } = self;
-        FinishedScan { session, source, journal, trajectories, steps, stop_reason }
+        FinishedScan { stop_reason, ..self.scan }
+    }
+
+    /// The scan as it stands, without an end: its model and its record so far.
+    pub fn scan(&self) -> &FinishedScan<'a> {
+        &self.scan
+    }
+
+    /// The same, to say why the scan ended, and to forget the journal.
+    pub(crate) fn scan_mut(&mut self) -> &mut FinishedScan<'a> {
+        &mut self.scan
     }
 
     /// What is probably wrong with the frames so far; none where it was said before, or if they are many:
     /// then there is nothing new to find.
     fn warning(&self) -> Option<String> {
-        let suspicion = (self.steps.len() < MOST_SUSPECTED).then(|| self.session.suspicion()).flatten()?;
-        let warning = warning(&suspicion, self.source.is_some());
-        self.steps.iter().all(|step| step.warning.as_ref() != Some(&warning)).then_some(warning)
+        let suspicion =
+            (self.scan.steps.len() < MOST_SUSPECTED).then(|| self.scan.session.suspicion()).flatten()?;
+        let warning = warning(&suspicion, self.scan.source.is_some());
+        self.scan.steps.iter().all(|step| step.warning.as_ref() != Some(&warning)).then_some(warning)
     }
 
     fn replay(&self) -> Option<&JournalEntry> {
-        self.journal.as_ref().and_then(ScanJournal::replay)
+        self.scan.journal.as_ref().and_then(ScanJournal::replay)
     }
 
     /// Decides on the next view; a reason if the scan stops instead.
     fn decide(&mut self) -> Result<Option<StopReason>, Fault> {
         let start = Instant::now();
-        match self.session.decide() {
+        match self.scan.session.decide() {
             Decision::Stop(reason) => Ok(Some(reason)),
             Decision::Move(next) => {
                 let plan_time = start.elapsed();
-                let trajectory = self.session.trajectory_to(&next.world_from_camera)?;
+                let trajectory = self.scan.session.trajectory_to(&next.world_from_camera)?;
                 self.asked = Some(Asked { next, trajectory, plan_time, since: Instant::now() });
                 Ok(None)
             }
         }
     }
 
-    /// The frame, once it is on the disk: that of the journal where the scan was there before.
-    fn keep(&mut self, frame: Frame) -> Result<Frame, Fault> {
+    /// The frame and its colours, once they are on the disk: those of the journal where the scan was there
+    /// before.
+    fn keep(&mut self, frame: Frame, color: Option<ColorImage>) -> Result<Colored, Fault> {
         let (view, was_asked) = (self.asked.as_ref().and_then(|asked| asked.next.view), self.asked.is_some());
-        let Some(journal) = &mut self.journal else { return Ok(frame) };
+        let Some(journal) = &mut self.scan.journal else { return Ok((frame, color)) };
         match journal.replay() {
             None => {
-                let kept = KeptFrame { view, was_asked, frame };
+                let kept = KeptFrame { view, was_asked, frame, color };
                 journal.keep(&kept)?;
-                Ok(kept.frame)
+                Ok((kept.frame, kept.color))
             }
             Some(JournalEntry::Frame(kept))
                 if kept.was_asked == was_asked && is_same_place(&kept.frame, &frame) =>
             {
+                let color = kept.color.clone();
                 journal.replayed();
-                Ok(frame)
+                Ok((frame, color))
             }
             Some(_) => {
                 let fault = Fault::request("another frame was pushed than that which is to be replayed");
@@ -315,16 +325,16 @@ impl<'a> ScanRun<'a> {
     }
 
     /// The frame comes again, since it does not count.
-    fn put_back(&mut self, frame: Frame, cancelled: Cancelled) -> Fault {
+    fn put_back(&mut self, frame: Frame, color: Option<ColorImage>, cancelled: Cancelled) -> Fault {
         let (view, was_asked) = (self.asked.as_ref().and_then(|asked| asked.next.view), self.asked.is_some());
-        if let Some(journal) = &mut self.journal {
-            journal.replay_again(KeptFrame { view, was_asked, frame });
+        if let Some(journal) = &mut self.scan.journal {
+            journal.replay_again(KeptFrame { view, was_asked, frame, color });
         }
         cancelled.into()
     }
 
     fn forget(&mut self, view: usize) {
-        self.session.skip(view);
+        self.scan.session.skip(view);
         self.asked = None;
     }
 
@@ -349,11 +359,26 @@ impl<'a> ScanRun<'a> {
     }
 
     fn differs(&self, was: &str, is: &str) -> Fault {
-        let n = self.steps.len() + 1;
+        let n = self.scan.steps.len() + 1;
         let fault = Fault::data(format!("frame {n} is of {was}, but {is}"));
         let fault =
-            self.journal.as_ref().map(|journal| fault.clone().in_file(&journal.path())).unwrap_or(fault);
+            self.scan.journal.as_ref().map(|journal| fault.clone().in_file(&journal.path())).unwrap_or(fault);
         fault.with_remedy("resume a scan with the version of nextview and the files that it was begun with")
+    }
+}
+
+/// A frame and its colours, where it has any.
+type Colored = (Frame, Option<ColorImage>);
+
+/// Fails if the images of a frame are of different sizes.
+fn check_size(frame: &Frame, color: Option<&ColorImage>) -> Result<(), Fault> {
+    let size = |width, height| format!("{width} x {height}");
+    let depth = size(frame.image().width(), frame.image().height());
+    match color.map(|color| size(color.width(), color.height())).filter(|color| *color != depth) {
+        Some(color) => {
+            Err(Fault::of_value("color", color, format!("{depth} pixels, as the depth image has")))
+        }
+        None => Ok(()),
     }
 }
 

@@ -1,10 +1,12 @@
 //! Where frames come from.
 
+mod own_camera;
 mod recorded;
 mod session_config;
 #[cfg(feature = "simulated")]
 mod simulated;
 
+pub use own_camera::OwnCamera;
 pub use recorded::RecordedScan;
 #[cfg(feature = "simulated")]
 pub use simulated::{Baselines, SimulatedObject, Simulation, Truth};
@@ -18,7 +20,8 @@ use nextview::surface::SurfaceMesh;
 
 /// A camera that a run can drive by itself: a simulated one, or the frames of a recording.
 ///
-/// Cameras of one's own need none of this: see [`ScanRun::next`](crate::ScanRun::next).
+/// Cameras of one's own need none of this: see [`LiveScan`](crate::LiveScan) and
+/// [`ScanRun::next`](crate::ScanRun::next).
 pub trait FrameSource: Send + Sync {
     /// The session that the configuration describes.
     fn session(&self, config: &ScanConfig) -> Result<Session, Faults>;

@@ -3,6 +3,10 @@ use nextview::geometry::{Aabb, VoxelBlock};
 use nextview::sensor::DepthRange;
 use nextview::session::{ObjectBox, SessionConfig, Table};
 
+/// Where the box grows, nothing is known of the object's size when the voxels are chosen: they suit one of
+/// 0.2 m.
+pub(super) const VOXEL_SIZE: f64 = 0.005;
+
 /// The session's part of a configuration, for so many candidates and an object in this box on this table, for
 /// a camera that measures all depths.
 pub(super) fn session_config(
@@ -20,6 +24,8 @@ pub(super) fn session_config(
         table,
         first_view: config.first_view,
         depth_range: DepthRange::default(),
+        surface_error: config.surface_error(),
+        goal: config.goal_mm.map(|goal| goal / 1e3),
         sensor_model: config.map.sensor_model,
         rays: config.map.rays,
         background: config.map.background,

@@ -1,6 +1,8 @@
 //! Configurations report everything that is wrong in them at once, and where.
 
-use nextview_scan::{Faults, Profile, ScanConfig};
+use nextview::sensor::Sensor;
+use nextview_scan::{Faults, NoiseModel, Profile, ScanConfig, SensorName};
+use nextview_sim::noise::DepthNoise;
 use std::path::Path;
 
 fn parse(text: &str) -> Result<ScanConfig, Faults> {
@@ -135,4 +137,74 @@ fn faults_of_a_file_are_data_and_others_requests() {
     assert_eq!(kind(parse("min_overlap = 2\n").unwrap_err()), [Data]);
     let config = ScanConfig { min_overlap: Some(2.0), ..ScanConfig::default() };
     assert_eq!(kind(config.check().unwrap_err()), [Request]);
+}
+
+#[test]
+fn a_sensor_decides_optics_range_and_noise() {
+    let text = "sensor = \"d405\"\n[camera]\nwidth = 640\n[noise.depth]\ncorrelated_share = 0\n";
+    let config = parse(text).unwrap();
+    let depth = DepthNoise { correlated_share: 0.0, ..DepthNoise::of(Sensor::D405) };
+    assert_eq!((config.noise.model, config.noise.depth), (NoiseModel::Sensor, depth));
+    assert_eq!((config.camera.width(), config.camera.height()), (640, 480));
+    assert_eq!(config.camera.focal(), Sensor::D405.intrinsics().focal());
+    assert_eq!(config.noise.depth_range(), Sensor::D405.depth_range());
+    assert_eq!(parse("sensor = \"l515\"\n[noise]\nmodel = \"none\"\n").unwrap().noise.noise().depth, None);
+    assert_eq!(parse("[noise]\nmodel = \"d435i\"\n").unwrap().noise.depth, DepthNoise::d435i());
+}
+
+#[test]
+fn what_is_saved_of_a_sensor_loads_to_the_same() {
+    for sensor in Sensor::ALL {
+        let mut config = ScanConfig::default();
+        config.set_sensor(SensorName(sensor.to_string())).unwrap();
+        // As without a sensor, so that nothing but the file says it.
+        (config.noise.depth.correlated_share, config.noise.depth.flying_share) = (0.0, 0.0);
+        assert_eq!(parse(&toml::to_string(&config).unwrap()), Ok(config), "{sensor}");
+    }
+}
+
+#[test]
+fn a_sensor_of_ones_own_differs_from_one_that_there_is() {
+    let dir = std::env::temp_dir().join(format!("nextview-sensor-{}", std::process::id()));
+    std::fs::create_dir_all(&dir).unwrap();
+    let file = dir.join("mine.toml");
+    let read = |text: &str| {
+        std::fs::write(&file, text).unwrap();
+        parse(&format!("sensor = '{}'\n", file.display()))
+    };
+    let own = read("like = \"l515\"\n[camera]\nwidth = 512\n[noise.depth]\nmax_depth_m = 2\n").unwrap();
+    let depth = DepthNoise { max_depth: 2.0, ..DepthNoise::of(Sensor::L515) };
+    assert_eq!((own.camera.width(), own.noise.depth), (512, depth));
+    assert!(own.inputs().contains(&file));
+    for (text, expected) in [
+        ("[camera]\nwidth = 512\n", "`like` is missing"),
+        ("like = \"mine\"\n", "`like`: sensor is mine, expected d405, "),
+        ("like = \"l515\"\nwidth = 3\n", "unknown field `width`"),
+        ("like = \"l515\"\n[noise.depth]\nedge_loss = 2\n", "edge_loss is 2, expected a probability"),
+        ("like = ", "mine.toml: "),
+    ] {
+        let message = read(text).unwrap_err().to_string();
+        assert!(message.contains(expected) && message.contains("mine.toml"), "{message}");
+    }
+    std::fs::remove_dir_all(&dir).unwrap();
+}
+
+#[test]
+fn sensors_that_cannot_be_are_refused() {
+    for (text, expected) in [
+        ("sensor = \"d999\"\n", "1:1 `sensor` is d999, expected d405, "),
+        ("sensor = 3\n", "1:1 `sensor` is 3, expected a string"),
+        ("[noise]\nmodel = \"sensor\"\n", "2:1 `noise.model` = sensor needs the `sensor` whose"),
+        (
+            "sensor = \"d405\"\n[noise]\nmodel = \"d435i\"\n",
+            "3:1 `noise.model` = d435i is not the noise of the `sensor` d405 (leave one of them out)",
+        ),
+        (
+            "sensor = \"d405\"\n[recording]\n",
+            "1:1 `sensor` is for simulations, not for recorded frames (a recording has a camera of its own",
+        ),
+    ] {
+        let found = faults(text);
+        assert!(found.len() == 1 && found[0].starts_with(expected), "{found:?}, expected {expected}");
+    }
 }

@@ -40,7 +40,7 @@ fn scanned<T>(config: &ScanConfig, with: impl FnOnce(&FinishedScan<'_>) -> T) ->
     let stop_reason = run.drive(|_| Ok(())).unwrap();
     let scan = run.finish(Some(stop_reason));
     let with = with(&scan);
-    let model = scan.model().unwrap();
+    let model = scan.model(config.model).unwrap();
     (scan.record(config, nextview_scan::Measured::Model(&model)).unwrap(), with)
 }
 

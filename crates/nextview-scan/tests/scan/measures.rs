@@ -30,7 +30,7 @@ fn record(config: &ScanConfig) -> ScanRecord {
     let mut run = ScanRun::begin(&simulation, config, Begin::default()).unwrap();
     let stop_reason = run.drive(|_| Ok(())).unwrap();
     let scan = run.finish(Some(stop_reason));
-    let model = scan.model().unwrap();
+    let model = scan.model(config.model).unwrap();
     scan.record(config, Measured::Model(&model)).unwrap()
 }
 

@@ -1,6 +1,6 @@
 use super::look::Look;
 use super::simulated_camera::SimulatedCamera;
-use crate::noise::{DepthNoise, Readings, Use};
+use crate::noise::{DepthNoise, Readings, Use, Waves};
 use nextview::Error;
 use nextview::geometry::Pose;
 use nextview::sensor::{DepthImage, Frame};
@@ -80,8 +80,9 @@ fn reported(
 ) -> (Vec<f32>, Option<Readings>) {
     let Some(noise) = &camera.noise().depth else { return (exact, None) };
     let readings = readings(camera, noise, &exact, world_from_camera);
-    let mut random = camera.noise().random(world_from_camera, Use::Axial);
-    (readings.reported(noise, &exact, &mut random), Some(readings))
+    let random = |purpose| camera.noise().random(world_from_camera, purpose);
+    let waves = Waves::new(noise, camera.intrinsics(), &mut random(Use::Waves));
+    (readings.reported(noise, &exact, waves.as_ref(), &mut random(Use::Axial)), Some(readings))
 }
 
 /// The pose that the camera claims.
@@ -96,8 +97,14 @@ fn readings(
     exact: &[f32],
     world_from_camera: &Pose,
 ) -> Readings {
-    let mut random = camera.noise().random(world_from_camera, Use::Readings);
-    Readings::new(noise, exact, camera.intrinsics(), &mut random)
+    let random = |purpose| camera.noise().random(world_from_camera, purpose);
+    let intrinsics = camera.intrinsics();
+    Readings::new(noise, exact, intrinsics, &mut random(Use::Readings)).with_flying(
+        noise,
+        exact,
+        intrinsics.width(),
+        &mut random(Use::Flying),
+    )
 }
 
 fn frame(camera: &SimulatedCamera, depth: Vec<f32>, world_from_camera: &Pose) -> Result<Frame, Error> {

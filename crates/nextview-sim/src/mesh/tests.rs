@@ -236,7 +236,7 @@ fn a_mesh_of_ours_reads_back_with_normals_and_colours_passed_over() {
     let mut points = ours.points();
     points.iter_mut().enumerate().for_each(|(i, point)| point.color = Some([i as u8, 2, 3]));
     let mut bytes = Vec::new();
-    nextview::surface::write_mesh(&mut bytes, &points, &ours.triangles).unwrap();
+    nextview::surface::write_mesh(&mut bytes, &points, None, &ours.triangles).unwrap();
     let folder = Folder::new("ours");
     let (read, _) = load(&folder.write("mesh.ply", bytes)).unwrap().to_metres(Unit::Metres).unwrap();
     let singles: Vec<_> = ours.vertices.iter().map(|vertex| vertex.as_vec3().as_dvec3()).collect();

@@ -1,10 +1,14 @@
 use nextview::Error;
-use nextview::sensor::DepthRange;
+use nextview::sensor::{DepthError, DepthRange, Principle, Sensor, SurfaceError};
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 use std::f64::consts::{FRAC_PI_2, PI};
 
-/// Errors and losses of a stereo depth camera: noise of the disparity, depths of neighbouring pixels, loss
-/// where the second camera cannot see, at edges, at grazing angles and near by, and rounding.
+/// Errors and losses of a depth camera: noise of the disparity or of the depth itself, part of which
+/// neighbouring pixels may share; depths of neighbouring pixels, or between two of them; loss where a second
+/// camera or a projector cannot see, at edges, at grazing angles, near by and far away; and rounding.
+///
+/// The same steps make stereo, structured light and time of flight: each has those parts that are not 0. The
+/// default is [`d435i`](Self::d435i); [`of`](Self::of) has every [`Sensor`].
 ///
 /// Which pixels are lost and whose depth they show is decided before the error along the axis, so the true
 /// measurement is known.
@@ -22,7 +26,8 @@ use std::f64::consts::{FRAC_PI_2, PI};
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(default, deny_unknown_fields, remote = "Self")]
 pub struct DepthNoise {
-    /// Distance between the two cameras, metres, above 0. Default 0.05.
+    /// Distance from the camera to the second one, or to the projector, at its right, metres; 0 if there is
+    /// none, so that nothing is hidden and there is no disparity. Default 0.05.
     #[serde(rename = "baseline_m")]
     pub baseline: f64,
     /// Focal length of the images that are matched, pixels, above 0. Those may be larger than the depth
@@ -58,6 +63,20 @@ pub struct DepthNoise {
     /// degrees.
     #[serde(rename = "grazing_from_rad")]
     pub grazing_from: f64,
+    /// Share of the variance along the axis that neighbouring pixels have in common, 0..=1: real surfaces of
+    /// stereo cameras are wavy rather than rough. Default 0.
+    pub correlated_share: f64,
+    /// Distance, pixels of the depth image, at which the correlation of the common part has fallen to 1/e; at
+    /// a distance r it is exp(-(r / this)^2). 1..=100. Default 7.
+    #[serde(rename = "correlation_px")]
+    pub correlation: f64,
+    /// Probability that a pixel next to a jump of the depth flies, which means that it shows a depth between
+    /// both sides, 0..=1. Default 0.
+    pub flying_share: f64,
+    /// A jump is a step to the next pixel of more than this share of the nearer depth, above 0. Default 0.02.
+    pub flying_jump: f64,
+    /// Error of the depth besides that of the disparity. Default none.
+    pub error: DepthError,
 }
 
 impl Serialize for DepthNoise {
@@ -104,6 +123,31 @@ impl DepthNoise {
             edge_gradient: 1.0,
             edge_loss: 0.5,
             grazing_from: 70.0 / 180.0 * PI,
+            correlated_share: 0.0,
+            correlation: MATCHED_PX,
+            flying_share: 0.0,
+            flying_jump: 0.02,
+            error: DepthError { constant: 0.0, linear: 0.0, quadratic: 0.0 },
+        }
+    }
+
+    /// The realistic noise of a sensor: that of the D435i has waves, unlike [`d435i`](Self::d435i).
+    ///
+    /// Published: what the [`Sensor`] states. Chosen by us: see `docs/noise.md`.
+    pub fn of(sensor: Sensor) -> Self {
+        let (range, intrinsics) = (sensor.depth_range(), sensor.intrinsics());
+        let (min_depth, max_depth, depth_unit) = (range.min, range.max, sensor.depth_unit());
+        let common = Self { min_depth, max_depth, depth_unit, ..Self::d435i() };
+        let alone = Self { disparity_sigma: 0.0, disparity_step: 0.0, error: sensor.depth_error(), ..common };
+        match sensor.principle() {
+            Principle::Stereo { baseline, focal, disparity_sigma } => {
+                let correlation = (10.0 * MATCHED_PX * intrinsics.focal().x / focal).round() / 10.0;
+                Self { baseline, focal, disparity_sigma, correlated_share: 0.8, correlation, ..common }
+            }
+            Principle::StructuredLight { baseline, focal } => {
+                Self { baseline, focal, edge_loss: 0.0, lateral_sigma: 0.25, ..alone }
+            }
+            _ => Self { baseline: 0.0, focal: intrinsics.focal().x, flying_share: 0.5, ..alone },
         }
     }
 
@@ -115,10 +159,13 @@ impl DepthNoise {
         };
         let positive = |name, value, expected| check(name, value, value > 0.0, expected);
         let from_0 = |name, value, expected| check(name, value, value >= 0.0, expected);
-        positive("baseline_m", self.baseline, "a positive number of metres")?;
+        from_0("baseline_m", self.baseline, "0 or a positive number of metres")?;
         positive("focal_px", self.focal, "a positive number of pixels")?;
         from_0("disparity_sigma_px", self.disparity_sigma, "0 or a positive number of pixels")?;
         from_0("disparity_step_px", self.disparity_step, "0 or a positive number of pixels")?;
+        let has_disparity = self.disparity_sigma > 0.0 || self.disparity_step > 0.0;
+        let without = "a positive number of metres, or no disparity_sigma_px and disparity_step_px";
+        check("baseline_m", self.baseline, self.baseline > 0.0 || !has_disparity, without)?;
         from_0("depth_unit_m", self.depth_unit, "0 or a positive number of metres")?;
         from_0("min_depth_m", self.min_depth, "0 or a positive number of metres")?;
         let is_range = self.range().check().is_ok();
@@ -128,7 +175,15 @@ impl DepthNoise {
         positive("edge_gradient", self.edge_gradient, "a positive number")?;
         check("edge_loss", self.edge_loss, (0.0..=1.0).contains(&self.edge_loss), "a probability in 0..=1")?;
         let grazing = (0.0..FRAC_PI_2).contains(&self.grazing_from);
-        check("grazing_from_rad", self.grazing_from, grazing, "0 to less than pi/2 (1.5708) radians")
+        check("grazing_from_rad", self.grazing_from, grazing, "0 to less than pi/2 (1.5708) radians")?;
+        let correlated = (0.0..=1.0).contains(&self.correlated_share);
+        check("correlated_share", self.correlated_share, correlated, "a share in 0..=1")?;
+        let correlation = (1.0..=100.0).contains(&self.correlation);
+        check("correlation_px", self.correlation, correlation, "1 to 100 pixels")?;
+        let flying = (0.0..=1.0).contains(&self.flying_share);
+        check("flying_share", self.flying_share, flying, "a probability in 0..=1")?;
+        positive("flying_jump", self.flying_jump, "a positive number")?;
+        self.error.check()
     }
 
     /// The depths that are not lost.
@@ -136,10 +191,35 @@ impl DepthNoise {
         DepthRange { min: self.min_depth, max: self.max_depth }
     }
 
-    /// Standard deviation of the depth at this depth, both in metres, before it is rounded: for the disparity
-    /// `d = f b / z`, that is `z^2 sigma_d / (f b)`.
+    /// The random error of the depth, before it is rounded: that of the disparity `d = f b / z`, which is
+    /// `z^2 sigma_d / (f b)`, and the other one.
+    pub fn depth_error(&self) -> DepthError {
+        if self.baseline == 0.0 {
+            return self.error;
+        }
+        let stereo = DepthError::of_disparity(self.disparity_sigma, self.focal, self.baseline);
+        DepthError { quadratic: self.error.quadratic + stereo.quadratic, ..self.error }
+    }
+
+    /// Standard deviation of the depth at this depth, both in metres, before it is rounded.
     pub fn axial_sigma(&self, depth: f64) -> f64 {
-        depth * depth * self.disparity_sigma / (self.focal * self.baseline)
+        self.depth_error().sigma(depth)
+    }
+
+    /// What the camera's figures say of a measured surface, rounding of the disparity included.
+    pub fn surface_error(&self) -> SurfaceError {
+        let mut depth = self.depth_error();
+        if self.baseline > 0.0 {
+            let rounding = self.disparity_step / 12_f64.sqrt();
+            let sigma = self.disparity_sigma.hypot(rounding);
+            depth.quadratic += (sigma - self.disparity_sigma) / (self.focal * self.baseline);
+        }
+        SurfaceError {
+            depth,
+            correlated_share: self.correlated_share,
+            depth_unit: self.depth_unit,
+            lateral_sigma: self.lateral_sigma,
+        }
     }
 
     /// Probability, 0..=1, that a pixel is lost at this angle between its ray and the surface's normal,
@@ -148,14 +228,26 @@ impl DepthNoise {
         ((angle - self.grazing_from) / (FRAC_PI_2 - self.grazing_from)).clamp(0.0, 1.0)
     }
 
-    /// The measured depth, metres, of a surface at this depth, if its disparity is off by this many
-    /// sigmas; NaN where no disparity is left.
+    /// The measured depth, metres, of a surface at this depth, if it is off by this many sigmas, towards the
+    /// camera; NaN where no disparity or no depth is left.
     pub(super) fn reported(&self, depth: f64, sigmas: f64) -> f32 {
+        let told = self.triangulated(depth, sigmas) - self.error.sigma(depth) * sigmas;
+        if told > 0.0 { rounded(told, self.depth_unit) as f32 } else { f32::NAN }
+    }
+
+    /// The depth by the disparity, if that is off by this many sigmas; not positive where none is left.
+    fn triangulated(&self, depth: f64, sigmas: f64) -> f64 {
+        if self.baseline == 0.0 {
+            return depth;
+        }
         let at_1_m = self.focal * self.baseline;
         let disparity = rounded(at_1_m / depth + self.disparity_sigma * sigmas, self.disparity_step);
-        if disparity > 0.0 { rounded(at_1_m / disparity, self.depth_unit) as f32 } else { f32::NAN }
+        if disparity > 0.0 { at_1_m / disparity } else { f64::NAN }
     }
 }
+
+/// Width of the window by which stereo cameras match, pixels of the matched images.
+const MATCHED_PX: f64 = 7.0;
 
 /// The nearest multiple of the step; 0 does not round.
 fn rounded(value: f64, step: f64) -> f64 {

@@ -3,10 +3,11 @@
 //!
 //! Start with [`Noise`]. The same pose with the same seed gives the same bits, whatever was captured before
 //! and in however many threads; so two images from one place do not average the noise out. Formulas, sources
-//! and constants are in `docs/noise.md`. Not modelled: noise that neighbouring pixels share, texture and
-//! gloss, and errors of the calibration.
+//! and constants are in `docs/noise.md`. Not modelled: texture and gloss, light that arrives by way of
+//! another surface, and errors of the calibration.
 
 mod depth_noise;
+mod flying;
 mod lateral;
 mod loss;
 mod normal;
@@ -14,10 +15,12 @@ mod pose_error;
 mod readings;
 #[cfg(test)]
 mod tests;
+mod waves;
 
 pub use depth_noise::DepthNoise;
 pub use pose_error::PoseError;
 pub(crate) use readings::Readings;
+pub(crate) use waves::Waves;
 
 use nextview::Error;
 use nextview::geometry::Pose;
@@ -46,6 +49,10 @@ pub(crate) enum Use {
     Axial,
     /// The error of the pose.
     Pose,
+    /// Which pixels fly.
+    Flying,
+    /// The error along the axis that pixels share.
+    Waves,
 }
 
 impl Noise {

@@ -1,51 +1,86 @@
+use super::flying::{FlyingPixel, flying};
 use super::lateral::Shifts;
 use super::normal::normal;
+use super::waves::Waves;
 use super::{DepthNoise, loss};
 use nextview::geometry::random::Random;
 use nextview::sensor::Intrinsics;
 
-/// For every pixel the number of the pixel of the exact image whose depth it shows; none if it is lost.
-pub(crate) struct Readings(Vec<Option<u32>>);
+/// Where each pixel of an image has its depth from.
+pub(crate) struct Readings {
+    /// The number of the pixel of the exact image whose depth it shows; none if it is lost or flies.
+    pixels: Vec<Option<u32>>,
+    /// Pixels between two depths, which measure no surface.
+    flying: Vec<FlyingPixel>,
+}
 
 impl Readings {
-    /// The readings of a camera with this noise in an exact image, depths in metres row by row.
+    /// The readings of a camera with this noise in an exact image, depths in metres row by row; no pixel
+    /// flies.
     pub fn new(noise: &DepthNoise, exact: &[f32], intrinsics: &Intrinsics, random: &mut Random) -> Self {
         let loss = loss::probabilities(noise, exact, intrinsics);
         let shifts = Shifts::new(noise.lateral_sigma);
         let (width, height) = (intrinsics.width() as i32, intrinsics.height() as i32);
-        let mut readings = Vec::with_capacity(exact.len());
+        let mut pixels = Vec::with_capacity(exact.len());
         for v in 0..height {
             for u in 0..width {
                 let [right, down] = [shifts.at(random.unit()), shifts.at(random.unit())];
                 let (u, v) = ((u + right).clamp(0, width - 1), (v + down).clamp(0, height - 1));
                 let pixel = (v * width + u) as u32;
-                readings.push((random.unit() >= loss[pixel as usize] as f64).then_some(pixel));
+                pixels.push((random.unit() >= loss[pixel as usize] as f64).then_some(pixel));
             }
         }
-        Self(readings)
+        Self { pixels, flying: Vec::new() }
+    }
+
+    /// The same with pixels that fly, if the noise has any; in an image of this width.
+    pub fn with_flying(mut self, noise: &DepthNoise, exact: &[f32], width: u32, random: &mut Random) -> Self {
+        if noise.flying_share > 0.0 {
+            self.flying = flying(noise, exact, width as usize, &self.pixels, random);
+            self.flying.iter().for_each(|flying| self.pixels[flying.pixel as usize] = None);
+        }
+        self
     }
 
     /// The exact image with only the pixels that were read; all others are missing.
     pub fn truly_measured(&self, exact: &[f32]) -> Vec<f32> {
         let mut measured = vec![f32::NAN; exact.len()];
-        for &pixel in self.0.iter().flatten() {
+        for &pixel in self.pixels.iter().flatten() {
             measured[pixel as usize] = exact[pixel as usize];
         }
         measured
     }
 
     /// An exact image as it is read, without any error along the axis: every pixel shows the depth of the one
-    /// it was read from.
+    /// it was read from, and one that flies the nearer of its two.
     pub fn shown(&self, exact: &[f32]) -> Vec<f32> {
-        self.0.iter().map(|reading| reading.map_or(f32::NAN, |pixel| exact[pixel as usize])).collect()
+        self.image(|pixel| exact[pixel as usize], |flying| flying.nearest(exact))
     }
 
-    /// The image that the camera measures.
-    pub fn reported(&self, noise: &DepthNoise, exact: &[f32], random: &mut Random) -> Vec<f32> {
-        let told = |&reading: &Option<u32>| match reading {
-            Some(pixel) => noise.reported(exact[pixel as usize] as f64, normal(random)),
-            None => f32::NAN,
+    /// The image that the camera measures, with the errors that pixels share, if they share any.
+    pub fn reported(
+        &self,
+        noise: &DepthNoise,
+        exact: &[f32],
+        waves: Option<&Waves>,
+        random: &mut Random,
+    ) -> Vec<f32> {
+        let depth = self.image(|pixel| exact[pixel as usize], |flying| flying.depth(exact));
+        let told = |(pixel, depth): (usize, f32)| {
+            if depth.is_nan() {
+                return depth;
+            }
+            let own = normal(random);
+            noise.reported(depth as f64, waves.map_or(own, |waves| waves.error(pixel, own)))
         };
-        self.0.iter().map(told).collect()
+        depth.into_iter().enumerate().map(told).collect()
+    }
+
+    /// The image of what pixels show, NaN where they are lost.
+    fn image(&self, read: impl Fn(u32) -> f32, between: impl Fn(&FlyingPixel) -> f32) -> Vec<f32> {
+        let shown = self.pixels.iter().map(|reading| reading.map_or(f32::NAN, &read));
+        let mut image: Vec<f32> = shown.collect();
+        self.flying.iter().for_each(|flying| image[flying.pixel as usize] = between(flying));
+        image
     }
 }

@@ -2,7 +2,7 @@
 
 use super::*;
 use glam::{DQuat, DVec2, DVec3};
-use nextview::sensor::Intrinsics;
+use nextview::sensor::{DepthError, Intrinsics, Sensor};
 use std::f64::consts::FRAC_PI_2;
 
 const SIZE: u32 = 200;
@@ -24,7 +24,8 @@ fn tilted(depth: f64, angle: f64) -> Vec<f32> {
 
 fn reported(noise: DepthNoise, exact: &[f32]) -> Vec<f32> {
     let readings = Readings::new(&noise, exact, &camera(), &mut Random::new(1, 0));
-    readings.reported(&noise, exact, &mut Random::new(1, 1))
+    let waves = Waves::new(&noise, &camera(), &mut Random::new(1, 3));
+    readings.reported(&noise, exact, waves.as_ref(), &mut Random::new(1, 1))
 }
 
 fn lost_share(image: &[f32]) -> f64 {
@@ -111,7 +112,7 @@ fn loss_grows_with_the_angle_up_to_all() {
     assert_eq!(noise.grazing_loss(80_f64.to_radians()), 0.5);
     assert_eq!(noise.grazing_loss(FRAC_PI_2), 1.0);
     let half = Readings::new(&noise, &tilted(1.0, -80_f64.to_radians()), &camera(), &mut Random::new(3, 0));
-    let lost = half.reported(&noise, &tilted(1.0, -80_f64.to_radians()), &mut Random::new(3, 1));
+    let lost = half.reported(&noise, &tilted(1.0, -80_f64.to_radians()), None, &mut Random::new(3, 1));
     let middle: Vec<f32> = (0..200).flat_map(|v| lost[v * 200 + 90..][..20].to_vec()).collect();
     assert!((lost_share(&middle) - 0.5).abs() < 0.03, "{}", lost_share(&middle));
 }
@@ -121,9 +122,7 @@ fn loss_grows_with_the_angle_up_to_all() {
 #[test]
 fn the_wall_left_of_a_plate_is_hidden_and_edges_are_thinned() {
     let noise = DepthNoise { lateral_sigma: 0.0, ..DepthNoise::d435i() };
-    let is_plate = |u: usize, v: usize| (80..120).contains(&u) && (80..120).contains(&v);
-    let exact: Vec<f32> = (0..40_000).map(|i| if is_plate(i % 200, i / 200) { 0.4 } else { 0.8 }).collect();
-    let loss = loss::probabilities(&noise, &exact, &camera());
+    let loss = loss::probabilities(&noise, &plate_before_wall(), &camera());
     let at = |u: usize, v: usize| loss[v * 200 + u];
     let row: Vec<f32> = (0..200).map(|u| at(u, 100)).collect();
     let hidden: Vec<usize> = (0..200).filter(|&u| row[u] == 1.0).collect();
@@ -172,7 +171,11 @@ fn pose_errors_have_their_sigmas_and_are_of_the_frame() {
 fn parameters_out_of_range_are_named() {
     let d435i = DepthNoise::d435i();
     for (noise, expected) in [
-        (DepthNoise { baseline: 0.0, ..d435i }, "baseline_m is 0, expected a positive number of metres"),
+        (DepthNoise { baseline: -1.0, ..d435i }, "baseline_m is -1, expected 0 or a positive number of"),
+        (
+            DepthNoise { baseline: 0.0, ..d435i },
+            "baseline_m is 0, expected a positive number of metres, or no disparity_sigma_px and",
+        ),
         (DepthNoise { focal: f64::INFINITY, ..d435i }, "focal_px is inf"),
         (DepthNoise { disparity_sigma: -1.0, ..d435i }, "disparity_sigma_px is -1"),
         (DepthNoise { disparity_step: f64::NAN, ..d435i }, "disparity_step_px is NaN"),
@@ -182,6 +185,11 @@ fn parameters_out_of_range_are_named() {
         (DepthNoise { edge_gradient: 0.0, ..d435i }, "edge_gradient is 0"),
         (DepthNoise { edge_loss: 1.5, ..d435i }, "edge_loss is 1.5, expected a probability"),
         (DepthNoise { grazing_from: 1.6, ..d435i }, "grazing_from_rad is 1.6"),
+        (DepthNoise { correlated_share: 1.1, ..d435i }, "correlated_share is 1.1, expected a share"),
+        (DepthNoise { correlation: 0.5, ..d435i }, "correlation_px is 0.5, expected 1 to 100 pixels"),
+        (DepthNoise { flying_share: -0.1, ..d435i }, "flying_share is -0.1, expected a probability"),
+        (DepthNoise { flying_jump: 0.0, ..d435i }, "flying_jump is 0, expected a positive number"),
+        (DepthNoise { error: DepthError { linear: -1.0, ..d435i.error }, ..d435i }, "linear is -1"),
     ] {
         let error = Noise { depth: Some(noise), ..Noise::default() }.check().unwrap_err().to_string();
         assert!(error.starts_with(expected), "{error}");
@@ -190,4 +198,164 @@ fn parameters_out_of_range_are_named() {
     let error = Noise { pose, ..Noise::default() }.check().unwrap_err().to_string();
     assert_eq!(error, "pose error (translation) is -0.1, expected 0 to 1 m");
     assert!(d435i.check().is_ok() && Noise::default().is_none());
+}
+
+/// Any change of these bits changes published tables.
+#[test]
+fn the_d435i_is_pinned() {
+    let bits = |hash: u64, depth: &f32| (hash ^ depth.to_bits() as u64).wrapping_mul(0x0100_0000_01B3);
+    let images = [tilted(0.5, 1.3), tilted(0.3, -0.4), plate_before_wall()];
+    let hashes = images.map(|image| reported(DepthNoise::d435i(), &image).iter().fold(0, bits));
+    assert_eq!(hashes, [8_766_436_813_235_777_439, 16_793_859_158_636_192_776, 13_174_909_887_420_735_819]);
+}
+
+/// A square plate 0.4 m before a wall at 0.8 m.
+fn plate_before_wall() -> Vec<f32> {
+    let is_plate = |i: u32| (80..120).contains(&(i % SIZE)) && (80..120).contains(&(i / SIZE));
+    (0..SIZE * SIZE).map(|i| if is_plate(i) { 0.4 } else { 0.8 }).collect()
+}
+
+/// Rounding aside, the error of every sensor has the sigma that it states; 40,000 pixels whose errors
+/// correlate over some pixels count as a few hundred.
+#[test]
+fn every_sensor_has_the_noise_it_states() {
+    for sensor in Sensor::ALL {
+        let noise = DepthNoise::of(sensor);
+        noise.check().unwrap();
+        assert_eq!(noise.range(), sensor.depth_range(), "{sensor}");
+        let exact = DepthNoise { depth_unit: 0.0, disparity_step: 0.0, correlated_share: 0.0, ..noise };
+        for share in [0.1, 0.9] {
+            let depth = noise.min_depth + share * (noise.max_depth.min(2.0) - noise.min_depth);
+            let stated = sensor.depth_error().sigma(depth);
+            assert!((noise.axial_sigma(depth) / stated - 1.0).abs() < 1e-9, "{sensor}");
+            let (mean, sigma) = mean_and_sigma(&reported(exact, &plane(DVec3::Z / depth)));
+            assert!((sigma / stated - 1.0).abs() < 0.015, "{sensor}: {sigma} at {depth} m, stated {stated}");
+            assert!((mean - depth).abs() < 0.03 * stated, "{sensor}: {mean} at {depth} m");
+        }
+        let depth = noise.min_depth * 1.2;
+        let waves = DepthNoise { correlated_share: noise.correlated_share, ..exact };
+        let images = (0..20).map(|seed| waved(waves, depth, seed));
+        let errors: Vec<f64> = images.flatten().map(|told| told - depth).collect();
+        let rms = (errors.iter().map(|e| e * e).sum::<f64>() / errors.len() as f64).sqrt();
+        let stated = sensor.depth_error().sigma(depth);
+        assert!((rms / stated - 1.0).abs() < 0.05, "{sensor}: {rms} with waves, stated {stated}");
+    }
+}
+
+/// The image of a plane with waves of this seed.
+fn waved(noise: DepthNoise, depth: f64, seed: u64) -> Vec<f64> {
+    let exact = plane(DVec3::Z / depth);
+    let readings = Readings::new(&noise, &exact, &camera(), &mut Random::new(seed, 0));
+    let waves = Waves::new(&noise, &camera(), &mut Random::new(seed, 3));
+    let told = readings.reported(&noise, &exact, waves.as_ref(), &mut Random::new(seed, 1));
+    told.into_iter().map(|depth| depth as f64).collect()
+}
+
+/// The correlation of errors, over 40 images, to the right and down.
+#[test]
+fn errors_correlate_as_stated() {
+    for (share, length) in [(0.8, 7.0), (0.5, 3.0), (1.0, 12.0)] {
+        let noise = DepthNoise {
+            correlated_share: share,
+            correlation: length,
+            depth_unit: 0.0,
+            disparity_step: 0.0,
+            ..DepthNoise::d435i()
+        };
+        let images: Vec<Vec<f64>> = (0..40)
+            .map(|seed| waved(noise, 0.5, seed).iter().map(|d| (d - 0.5) / noise.axial_sigma(0.5)).collect())
+            .collect();
+        for distance in [0, 1, 2, 3, 5, 7, 10, 14, 20] {
+            for step in [1, SIZE as usize] {
+                let pairs = images.iter().flat_map(|image| {
+                    (0..SIZE as usize - distance)
+                        .flat_map(move |a| (0..SIZE as usize).map(move |b| (a, b)))
+                        .map(move |(a, b)| {
+                            let at = if step == 1 { b * SIZE as usize + a } else { a * SIZE as usize + b };
+                            image[at] * image[at + distance * step]
+                        })
+                });
+                let n = 40.0 * SIZE as f64 * (SIZE as usize - distance) as f64;
+                let found = pairs.sum::<f64>() / n;
+                let common = share * (-(distance as f64 / length).powi(2)).exp();
+                let stated = if distance == 0 { 1.0 } else { common };
+                assert!(
+                    (found - stated).abs() < 0.03,
+                    "{share}, {length} px: {found} at {distance}, {stated}"
+                );
+            }
+        }
+    }
+}
+
+/// All bells of the grid for each value, instead of the nearest along rows and then along columns.
+#[test]
+fn waves_are_the_sum_of_all_bells() {
+    let noise = DepthNoise { correlated_share: 1.0, correlation: 6.0, ..DepthNoise::d435i() };
+    let small = Intrinsics::pinhole(30, 20, DVec2::splat(60.0), DVec2::splat(9.5)).unwrap();
+    let waves = Waves::new(&noise, &small, &mut Random::new(5, 0)).unwrap();
+    let mut random = Random::new(5, 0);
+    let (columns, rows) = (29 / 3 + 8, 19 / 3 + 8);
+    let nodes: Vec<f64> = (0..columns * rows).map(|_| normal::normal(&mut random)).collect();
+    let bell = |pixel: i32, node: i32| (-0.5 * (pixel as f64 / 3.0 - (node - 3) as f64).powi(2)).exp();
+    for (pixel, (u, v)) in (0..20).flat_map(|v| (0..30).map(move |u| (u, v))).enumerate() {
+        let grid = (0..rows).flat_map(|y| (0..columns).map(move |x| (x, y)));
+        let bells: Vec<f64> = grid.map(|(x, y)| bell(u, x) * bell(v, y)).collect();
+        let norm = bells.iter().map(|bell| bell * bell).sum::<f64>().sqrt();
+        let sum = bells.iter().zip(&nodes).map(|(bell, node)| bell * node).sum::<f64>() / norm;
+        assert!((waves.error(pixel, 9.0) - sum).abs() < 2e-3, "{u}, {v}: {sum}");
+    }
+}
+
+/// Of the pixels next to the plate's edge, inside and outside, half fly; all of them between both depths, and
+/// none elsewhere.
+#[test]
+fn flying_pixels_are_between_both_surfaces() {
+    let noise = DepthNoise {
+        lateral_sigma: 0.0,
+        error: DepthError::default(),
+        depth_unit: 0.0,
+        ..DepthNoise::of(Sensor::AzureKinect)
+    };
+    let noise = DepthNoise { min_depth: 0.1, ..noise };
+    let exact = plate_before_wall();
+    let (mut n_flying, mut sum) = (0, 0.0);
+    for seed in 0..20 {
+        let readings = Readings::new(&noise, &exact, &camera(), &mut Random::new(seed, 0));
+        let readings = readings.with_flying(&noise, &exact, SIZE, &mut Random::new(seed, 4));
+        let told = readings.reported(&noise, &exact, None, &mut Random::new(seed, 1));
+        let measured = readings.truly_measured(&exact);
+        let shown = readings.shown(&exact);
+        for pixel in 0..told.len() {
+            let (u, v) = (pixel % 200, pixel / 200);
+            let ring = |low, high| (low..high).contains(&u) && (low..high).contains(&v);
+            let inner = ring(80, 120) && !ring(81, 119);
+            let outer =
+                ring(79, 121) && !ring(80, 120) && !([79, 120].contains(&u) && [79, 120].contains(&v));
+            if told[pixel] == exact[pixel] {
+                assert_eq!((measured[pixel], shown[pixel]), (exact[pixel], exact[pixel]));
+                continue;
+            }
+            assert!((inner || outer) && told[pixel] > 0.4 && told[pixel] < 0.8, "{u}, {v}: {}", told[pixel]);
+            assert!(measured[pixel].is_nan() && shown[pixel] == 0.4);
+            (n_flying, sum) = (n_flying + 1, sum + told[pixel] as f64);
+        }
+    }
+    let n_at_edge = 20.0 * (4 * 39 + 4 * 40) as f64;
+    assert!((n_flying as f64 / n_at_edge - 0.5).abs() < 0.02, "{n_flying} of {n_at_edge}");
+    assert!((sum / n_flying as f64 - 0.6).abs() < 0.01);
+}
+
+/// Nothing is hidden from a camera without a second view, and a wall beyond its range sends no light.
+#[test]
+fn time_of_flight_has_no_shadow_and_sees_no_farther_than_its_range() {
+    let noise = DepthNoise { lateral_sigma: 0.0, ..DepthNoise::of(Sensor::L515) };
+    let exact = plate_before_wall();
+    assert!(loss::probabilities(&noise, &exact, &camera()).iter().all(|loss| *loss == 0.0));
+    let near = DepthNoise { max_depth: 0.5, ..noise };
+    let readings = Readings::new(&near, &exact, &camera(), &mut Random::new(1, 0));
+    let readings = readings.with_flying(&near, &exact, SIZE, &mut Random::new(1, 4));
+    let told = readings.reported(&near, &exact, None, &mut Random::new(1, 1));
+    assert_eq!(told.iter().filter(|depth| !depth.is_nan()).count(), 1600);
+    assert!(told.iter().all(|depth| depth.is_nan() || (*depth - 0.4).abs() < 0.02));
 }

@@ -13,7 +13,7 @@ use nextview::session::{
     Decision, MultiResolutionConfig, NextView, ObjectBox, Session, SessionConfig, StepReport, StopReason,
     Table, Views,
 };
-use nextview::surface::{DistanceField, downsample, fit_normals, take_colors};
+use nextview::surface::{DistanceField, downsample, fit_normals, take_nearest};
 use nextview::view::{Reach, generate, look_at};
 use nextview::{Cancel, Cancelled};
 use nextview_sim::builtin;
@@ -266,7 +266,7 @@ fn cancel_observations_and_models() {
         let points = session.frames().iter().flat_map(|frame| frame.points_in(bounds));
         let cloud = downsample(points, detail).unwrap();
         late("normals", delay, &mut || fit_normals(&mut cloud.clone(), detail, &cancel).is_ok());
-        late("colours", delay, &mut || take_colors(&mut cloud.clone(), &cloud, detail, &cancel).is_ok());
+        late("colours", delay, &mut || take_nearest(&mut cloud.clone(), &cloud, detail, &cancel).is_ok());
     }
 }
 

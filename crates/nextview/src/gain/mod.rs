@@ -7,6 +7,8 @@
 //!
 //! [`ExpectedSurface`] is ours: it counts the surface that a view will probably show, under a learned prior.
 //!
+//! [`BetterSurface`] values second looks, where surface was seen but not measured well enough.
+//!
 //! In the formulas x runs over the voxels of a ray from the camera up to and including the first occupied
 //! one, or to the border of the box; H is entropy in nats, and P(vis_x) the product of 1 - P(occupied) over
 //! the voxels before x.
@@ -15,6 +17,7 @@ mod apora;
 mod area_factor;
 mod average_entropy;
 mod behind_surface;
+mod better_surface;
 mod expected_surface;
 mod information_gain;
 mod krainin;
@@ -30,6 +33,8 @@ mod unobserved_voxel;
 pub use apora::Apora;
 pub use area_factor::AreaFactor;
 pub use average_entropy::AverageEntropy;
+pub use better_surface::BetterSurface;
+pub(crate) use better_surface::is_in_measured_voxels;
 pub use expected_surface::{ExpectedSurface, ViewEvaluator};
 pub use information_gain::InformationGain;
 pub use krainin::Krainin;

@@ -15,6 +15,7 @@ mod plane_fit;
 mod pose;
 pub mod random;
 mod segment_fan;
+mod solve;
 pub mod sphere;
 mod traversal;
 
@@ -31,4 +32,5 @@ pub use plane_fit::{PlaneFit, fit_ground, fit_ground_near};
 pub use pose::Pose;
 pub(crate) use pose::check_position;
 pub(crate) use segment_fan::SegmentFan;
+pub(crate) use solve::solve;
 pub use traversal::SegmentWalk;

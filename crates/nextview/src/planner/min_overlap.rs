@@ -16,6 +16,8 @@ use rayon::prelude::*;
 /// Each of the first two views whose frames wait outside the map, since they could not be aligned, halves
 /// what the next one may lack of full overlap, so that it links them.
 ///
+/// Where the given poses have [proved right](Situation::with_right_poses), no view needs overlap.
+///
 /// The other planner's [`Outlook`](super::Outlook) then counts only the remaining views.
 ///
 /// ```
@@ -52,6 +54,9 @@ impl MinOverlap {
 
 impl ViewPlanner for MinOverlap {
     fn plan(&mut self, situation: &Situation<'_>) -> Result<Plan, Cancelled> {
+        if situation.are_poses_right() {
+            return self.planner.plan(situation);
+        }
         let n_waiting = situation.visited().len().saturating_sub(situation.frames().len());
         let share = 1.0 - (1.0 - self.share) * 0.5_f64.powi(n_waiting.min(MAX_HALVINGS) as i32);
         let open = situation.open_views();
@@ -198,6 +203,13 @@ mod tests {
         for share in [0.0, 0.3, 0.8, 1.0] {
             assert_eq!(choices(share, &situation), expected(&situation, |overlap| overlap >= share));
         }
+    }
+
+    #[test]
+    fn where_poses_are_right_all_views_are_left() {
+        let setup = Setup::new(plate());
+        let situation = setup.situation(&[0, 7]).with_right_poses(true);
+        assert_eq!(choices(1.0, &situation), situation.open_views());
     }
 
     #[test]

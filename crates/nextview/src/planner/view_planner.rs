@@ -1,6 +1,7 @@
 use super::Explanation;
 use crate::map::Snapshot;
 use crate::sensor::{DepthRange, Frame, Intrinsics};
+use crate::surface::MeasuredCells;
 use crate::view::ViewSpace;
 use crate::{Cancel, Cancelled, Error};
 use glam::DVec3;
@@ -51,6 +52,8 @@ pub struct Situation<'a> {
     views: &'a ViewSpace,
     intrinsics: &'a Intrinsics,
     depth_range: DepthRange,
+    are_poses_right: bool,
+    measured: Option<(&'a MeasuredCells, f64)>,
     /// Numbers of candidates.
     visited: &'a [usize],
     /// At most the voxel size of the snapshot, metres, and at least that which [`MOST_VOXELS`] allows.
@@ -79,6 +82,8 @@ impl<'a> Situation<'a> {
             views,
             intrinsics,
             depth_range: DepthRange::default(),
+            are_poses_right: false,
+            measured: None,
             visited: &[],
             finest_voxel_size,
             cancel,
@@ -88,6 +93,18 @@ impl<'a> Situation<'a> {
     /// The same for a camera that measures only these depths; without it, all.
     pub fn with_depth_range(self, depth_range: DepthRange) -> Self {
         Self { depth_range, ..self }
+    }
+
+    /// The same where the given poses have proved right, or not, which is the default: later frames then need
+    /// no overlap to be placed.
+    pub fn with_right_poses(self, are_poses_right: bool) -> Self {
+        Self { are_poses_right, ..self }
+    }
+
+    /// The same where measured surface is to be this accurate: how well it was measured, and the goal, a
+    /// standard deviation in metres, positive. Without it, surface that was seen is done.
+    pub fn with_goal(self, measured: &'a MeasuredCells, goal: f64) -> Self {
+        Self { measured: Some((measured, goal)), ..self }
     }
 
     /// The same with the frames that the snapshot was made from, oldest first.
@@ -145,6 +162,16 @@ impl<'a> Situation<'a> {
     /// The depths that the camera measures.
     pub fn depth_range(&self) -> DepthRange {
         self.depth_range
+    }
+
+    /// Whether the given poses have proved right.
+    pub fn are_poses_right(&self) -> bool {
+        self.are_poses_right
+    }
+
+    /// How well surface was measured, and how accurate it is to be, metres; none without a goal.
+    pub fn goal(&self) -> Option<(&'a MeasuredCells, f64)> {
+        self.measured
     }
 
     /// The views taken so far, in order; all are candidates.

@@ -11,11 +11,10 @@ use std::f64::consts::PI;
 pub struct RegistrationConfig {
     /// Whether a session aligns frames. Default: no; poses are used as given.
     pub enabled: bool,
-    /// Edge of the cells in which points are pooled, metres, at least 0.0001. Default 0.005: some thousand
-    /// points for an object of the size of a hand, each the mean of several pixels of a camera half a metre
-    /// away.
-    #[serde(rename = "spacing_m")]
-    pub spacing: f64,
+    /// Edge of the cells in which points are pooled, metres, at least 0.0001. By default, a session takes its
+    /// voxel size, but at most 0.005: some thousand points for an object, each the mean of several pixels.
+    #[serde(rename = "spacing_m", skip_serializing_if = "Option::is_none")]
+    pub spacing: Option<f64>,
     /// Maximum error of a given position, metres, positive; an alignment that moves the camera farther is
     /// refused. The search for correspondences starts at this distance. Default 0.05.
     #[serde(rename = "position_uncertainty_m")]
@@ -25,7 +24,7 @@ pub struct RegistrationConfig {
     #[cfg_attr(feature = "schema", schemars(with = "f64"))]
     pub rotation_uncertainty: f64,
     /// Minimum share, 0..=1, of the frame's points that must lie on the known surface after the alignment.
-    /// Default 0.3.
+    /// Default 0.15.
     pub min_overlap: f64,
     /// Minimum [stiffness](super::Registration::stiffness), 0..=1; in directions of less, the given pose
     /// stays. Default 0.005: frames held less firmly were often turned by degrees about the axis of a bottle
@@ -39,16 +38,19 @@ impl Default for RegistrationConfig {
     fn default() -> Self {
         Self {
             enabled: false,
-            spacing: 0.005,
+            spacing: None,
             position_uncertainty: 0.05,
             rotation_uncertainty: 10_f64.to_radians(),
-            min_overlap: 0.3,
+            min_overlap: 0.15,
             min_stiffness: 0.005,
         }
     }
 }
 
 impl RegistrationConfig {
+    /// Edge of the cells in which points are pooled where nothing states or limits it, metres.
+    pub const DEFAULT_SPACING: f64 = 0.005;
+
     /// The defaults, enabled.
     pub fn enabled() -> Self {
         Self { enabled: true, ..Self::default() }
@@ -57,7 +59,9 @@ impl RegistrationConfig {
     /// Fails on the first value out of range, whether enabled or not.
     pub fn check(&self) -> Result<(), Error> {
         let positive = f64::MIN_POSITIVE..=f64::MAX;
-        check_range("spacing_m", self.spacing, Lattice::MIN_VOXEL_SIZE..=f64::MAX, "at least 0.0001")?;
+        if let Some(spacing) = self.spacing {
+            check_range("spacing_m", spacing, Lattice::MIN_VOXEL_SIZE..=f64::MAX, "at least 0.0001")?;
+        }
         check_range("position_uncertainty_m", self.position_uncertainty, positive, "a positive number")?;
         if !(self.rotation_uncertainty > 0.0 && self.rotation_uncertainty <= PI) {
             let value = degrees::tidy(self.rotation_uncertainty);
@@ -95,8 +99,8 @@ mod tests {
         let good = RegistrationConfig::default();
         assert!(good.check().is_ok());
         for (bad, name) in [
-            (RegistrationConfig { spacing: 0.0, ..good }, "spacing_m is 0"),
-            (RegistrationConfig { spacing: f64::NAN, ..good }, "spacing_m is NaN"),
+            (RegistrationConfig { spacing: Some(0.0), ..good }, "spacing_m is 0"),
+            (RegistrationConfig { spacing: Some(f64::NAN), ..good }, "spacing_m is NaN"),
             (RegistrationConfig { position_uncertainty: 0.0, ..good }, "position_uncertainty_m is 0"),
             (
                 RegistrationConfig { position_uncertainty: f64::INFINITY, ..good },

@@ -1,4 +1,5 @@
 use super::icp::{SearchReach, align, align_where_held, pairs};
+use super::joint::{self, View};
 use super::normal_equations::NormalEquations;
 use super::pair::Pair;
 use super::point_tree::PointTree;
@@ -40,11 +41,15 @@ use rustc_hash::FxHashMap;
 #[derive(Clone, Debug)]
 pub struct KnownSurface {
     config: RegistrationConfig,
+    /// Edge of the cells, metres.
+    spacing: f64,
     lattice: Lattice,
     slots: FxHashMap<(IVec3, u8), usize>,
     /// In the order in which the cells were first met.
     pools: Vec<Pool>,
     tree: PointTree,
+    /// Of the frames, in the order in which they were added.
+    views: Vec<View>,
 }
 
 /// Sums over points.
@@ -59,6 +64,9 @@ struct Pool {
 /// points.
 const REACH_IN_CELLS: f64 = 2.0;
 
+/// Frames are realigned if that moves a point by more than this share of a cell.
+const LEAST_MOTION: f64 = 0.1;
+
 /// Fewer points on the known surface are no overlap, whatever their share.
 const LEAST_PAIRS: usize = 50;
 
@@ -66,9 +74,10 @@ impl KnownSurface {
     /// Nothing is known yet; fails on a configuration out of range.
     pub fn new(config: RegistrationConfig) -> Result<Self, Error> {
         config.check()?;
-        let lattice = Lattice::new(config.spacing)?;
-        let (slots, pools, tree) = Default::default();
-        Ok(Self { config, lattice, slots, pools, tree })
+        let spacing = config.spacing.unwrap_or(RegistrationConfig::DEFAULT_SPACING);
+        let lattice = Lattice::new(spacing)?;
+        let (slots, pools, tree, views) = Default::default();
+        Ok(Self { config, spacing, lattice, slots, pools, tree, views })
     }
 
     /// Number of points known.
@@ -78,28 +87,40 @@ impl KnownSurface {
 
     /// Adds the surface that a frame shows in and around a box (world coordinates, finite), unless cancelled.
     pub fn add(&mut self, frame: &Frame, bounds: Aabb, cancel: &Cancel) -> Result<(), Cancelled> {
-        let pose = frame.world_from_camera();
-        let shown = surface_points(frame, self.around(bounds), self.config.spacing, cancel)?;
+        let shown = surface_points(frame, self.around(bounds), self.spacing, cancel)?;
+        let view = View::new(shown, frame.world_from_camera(), cancel)?;
         let (mut slots, mut pools) = (self.slots.clone(), self.pools.clone());
-        for point in shown {
-            let point = point.moved(&pose);
-            let key = (self.lattice.key(point.position), side(point.normal));
-            let slot = *slots.entry(key).or_insert(pools.len());
-            if slot == pools.len() {
-                pools.push(Pool::default());
-            }
-            pools[slot].add(&point);
-        }
-        cancel.check()?;
-        let points: Vec<SurfacePoint> = pools.iter().map(Pool::mean).collect();
-        (self.tree, self.slots, self.pools) = (PointTree::new(&points, cancel)?, slots, pools);
+        pool(&view, &self.lattice, &mut slots, &mut pools);
+        self.tree = tree(&pools, cancel)?;
+        (self.slots, self.pools) = (slots, pools);
+        self.views.push(view);
         Ok(())
+    }
+
+    /// Aligns all frames but the first to each other at once, unless cancelled: so the errors of a chain of
+    /// frames that comes back to its beginning are shared by all. Returns the pose of each frame that was
+    /// added, in order; none if no point of a frame moves by more than a tenth of a cell.
+    pub fn realign(&mut self, cancel: &Cancel) -> Result<Option<Vec<Pose>>, Cancelled> {
+        if self.views.len() < 2 {
+            return Ok(None);
+        }
+        let mut views = self.views.clone();
+        joint::align(&mut views, self.reach().last, self.config.min_stiffness, cancel)?;
+        let moved = views.iter().zip(&self.views).map(|(view, before)| view.moved_from(before));
+        if moved.fold(0.0, f64::max) <= LEAST_MOTION * self.spacing {
+            return Ok(None);
+        }
+        let (mut slots, mut pools) = Default::default();
+        views.iter().for_each(|view| pool(view, &self.lattice, &mut slots, &mut pools));
+        self.tree = tree(&pools, cancel)?;
+        (self.slots, self.pools, self.views) = (slots, pools, views);
+        Ok(Some(self.views.iter().map(|view| view.pose).collect()))
     }
 
     /// Aligns the surface that a frame shows in and around a box (world coordinates, finite) to the known
     /// surface, unless cancelled.
     pub fn register(&self, frame: &Frame, bounds: Aabb, cancel: &Cancel) -> Result<Registration, Cancelled> {
-        let points = surface_points(frame, self.around(bounds), self.config.spacing, cancel)?;
+        let points = surface_points(frame, self.around(bounds), self.spacing, cancel)?;
         let given = frame.world_from_camera();
         let paired = |pose: &Pose, reach| pairs(&points, &self.tree, pose, reach, cancel);
         let reach = self.reach();
@@ -154,7 +175,7 @@ impl KnownSurface {
     }
 
     fn reach(&self) -> SearchReach {
-        let last = REACH_IN_CELLS * self.config.spacing;
+        let last = REACH_IN_CELLS * self.spacing;
         SearchReach { first: self.config.position_uncertainty.max(last), last }
     }
 
@@ -163,6 +184,22 @@ impl KnownSurface {
         let margin = self.config.position_uncertainty;
         Aabb { min: bounds.min - margin, max: bounds.max + margin }
     }
+}
+
+/// Adds the points of a view to the pools of their cells.
+fn pool(view: &View, lattice: &Lattice, slots: &mut FxHashMap<(IVec3, u8), usize>, pools: &mut Vec<Pool>) {
+    for point in view.world_points() {
+        let slot = *slots.entry((lattice.key(point.position), side(point.normal))).or_insert(pools.len());
+        if slot == pools.len() {
+            pools.push(Pool::default());
+        }
+        pools[slot].add(&point);
+    }
+}
+
+fn tree(pools: &[Pool], cancel: &Cancel) -> Result<PointTree, Cancelled> {
+    let points: Vec<SurfacePoint> = pools.iter().map(Pool::mean).collect();
+    PointTree::new(&points, cancel)
 }
 
 impl Pool {

@@ -1,13 +1,14 @@
 //! Aligns a new frame to the surface measured so far, so that a wrong pose does not spoil the map.
 //!
-//! Start with [`KnownSurface`]: it [registers](KnownSurface::register) a frame by point-to-plane ICP and adds
-//! the frames that fit. An alignment that cannot be trusted is refused: the given pose stays, and the
-//! [`Verdict`] says why. [`align`] is the same ICP for other surfaces. Not here: correction of earlier frames
-//! (loop closure), and alignment from anywhere (global registration), because a robot knows roughly where it
-//! is. The formulas are in `docs/methods/registration.md`.
+//! Start with [`KnownSurface`]: it [registers](KnownSurface::register) a frame by point-to-plane ICP and
+//! adds the frames that fit. An alignment that cannot be trusted is refused: the given pose stays, and the
+//! [`Verdict`] says why. Frames that were added are [realigned](KnownSurface::realign) to each other.
+//! [`align`] is the same ICP for other surfaces. Not here: alignment from anywhere (global registration),
+//! because a robot knows roughly where it is. The formulas are in `docs/methods/registration.md`.
 
 mod config;
 mod icp;
+mod joint;
 mod known_surface;
 mod normal_equations;
 mod outcome;

@@ -37,6 +37,10 @@ impl Frame {
         Self { world_from_camera, ..self }
     }
 
+    pub(crate) fn move_to(&mut self, world_from_camera: Pose) {
+        self.world_from_camera = world_from_camera;
+    }
+
     /// The depth image.
     pub fn image(&self) -> &DepthImage {
         &self.image

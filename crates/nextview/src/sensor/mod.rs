@@ -1,10 +1,11 @@
-//! Depth cameras: intrinsics with lens distortion, depth images, frames (image, intrinsics and pose), and
-//! colour images beside them.
+//! Depth cameras: intrinsics with lens distortion, depth images, frames (image, intrinsics and pose), colour
+//! images beside them, and the figures of [sensors](Sensor) that people use.
 //!
 //! Start with [`Frame`]: it is all a planner learns from a camera. Nothing here talks to a device.
 
 mod camera_axes;
 mod color_image;
+mod depth_error;
 mod depth_image;
 mod depth_range;
 mod distortion;
@@ -13,12 +14,17 @@ mod intrinsics;
 mod lens_lanes;
 #[cfg(test)]
 pub(crate) mod made_up;
+mod preset;
+mod surface_error;
 
 pub use camera_axes::CameraAxes;
 pub use color_image::ColorImage;
+pub use depth_error::DepthError;
 pub use depth_image::{Depth, DepthImage};
 pub use depth_range::DepthRange;
 pub use distortion::Distortion;
 pub use frame::Frame;
 pub use intrinsics::Intrinsics;
 pub(crate) use lens_lanes::Points;
+pub use preset::{Principle, Sensor};
+pub use surface_error::SurfaceError;

@@ -25,11 +25,14 @@ struct GivenPoses {
 const LEAST_PROOF: usize = 2;
 
 impl Alignment {
-    /// Nothing is known yet; fails on a configuration out of range.
-    pub fn new(config: RegistrationConfig) -> Result<Self, Error> {
+    /// Nothing is known yet. Points are pooled in voxels, unless the configuration says otherwise; fails on
+    /// one out of range.
+    pub fn new(config: RegistrationConfig, voxel_size: f64) -> Result<Self, Error> {
+        let spacing = config.spacing.unwrap_or(RegistrationConfig::DEFAULT_SPACING.min(voxel_size));
+        let config = RegistrationConfig { spacing: Some(spacing), ..config };
         let known = config.enabled.then(|| KnownSurface::new(config)).transpose()?;
         // Half a cell of pooled points: an alignment itself is off by half a millimetre in cells of 5 mm.
-        let given = GivenPoses { tolerance: 0.5 * config.spacing, n: 0, sum_sq: 0.0 };
+        let given = GivenPoses { tolerance: 0.5 * spacing, n: 0, sum_sq: 0.0 };
         Ok(Self { known, given })
     }
 
@@ -64,6 +67,15 @@ impl Alignment {
             self.given.add(&(frame.world_from_camera() * given.inverse()), bounds);
         }
         known.add(frame, bounds, cancel)
+    }
+
+    /// Aligns all frames to each other; their poses in the order in which they were remembered, or none if
+    /// they stay. Frames from before there was a box were not.
+    pub fn realign(&mut self, cancel: &Cancel) -> Result<Option<Vec<Pose>>, Cancelled> {
+        match &mut self.known {
+            Some(known) if !self.given.are_right() => known.realign(cancel),
+            _ => Ok(None),
+        }
     }
 }
 

@@ -5,7 +5,7 @@ use crate::geometry::{Aabb, Lattice, Pose, VoxelBlock};
 use crate::map::{Background, RayRule, SensorModel};
 use crate::motion::MotionConfig;
 use crate::registration::RegistrationConfig;
-use crate::sensor::DepthRange;
+use crate::sensor::{DepthRange, SurfaceError};
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
 
@@ -68,6 +68,14 @@ pub struct SessionConfig {
     /// given.
     #[serde(default)]
     pub registration: RegistrationConfig,
+    /// The random error of the camera. Default: none.
+    #[serde(default)]
+    pub surface_error: SurfaceError,
+    /// How accurate the surface in each voxel is to be: its expected error along the normal, standard
+    /// deviation, metres, positive. Planning then spends views on surface that was seen, but not well enough,
+    /// and the scan goes on while they help. Default: surface that was seen is done.
+    #[serde(default, rename = "goal_m", skip_serializing_if = "Option::is_none")]
+    pub goal: Option<f64>,
     /// How the camera moves. Default: see there.
     #[serde(default)]
     pub motion: MotionConfig,
@@ -108,6 +116,8 @@ impl SessionConfig {
             sensor_model: SensorModel::default(),
             multi_resolution: MultiResolutionConfig::default(),
             registration: RegistrationConfig::default(),
+            surface_error: SurfaceError::default(),
+            goal: None,
             motion: MotionConfig::default(),
             stop: StopConfig::default(),
         }
@@ -141,6 +151,9 @@ impl SessionConfig {
         self.sensor_model.check()?;
         self.table.check()?;
         self.registration.check()?;
+        self.surface_error.check()?;
+        let positive = f64::MIN_POSITIVE..=f64::MAX;
+        self.goal.map_or(Ok(()), |goal| check_range("goal_m", goal, positive, "a positive number"))?;
         match self.object_box {
             ObjectBox::Known(bounds) => self.block(&bounds).map(|_| ()),
             ObjectBox::Growing => Ok(()),

@@ -1,5 +1,6 @@
 use super::SessionConfig;
 use super::alignment::Alignment;
+use super::goal::Quality;
 use super::location::Location;
 use super::locator::Locator;
 use super::report::MapReport;
@@ -18,6 +19,8 @@ pub(super) struct KnownScene {
     pub locator: Locator,
     pub map: ScanMap,
     pub alignment: Alignment,
+    /// None without a goal.
+    pub quality: Option<Quality>,
     /// The box that was found has too many voxels and was not adopted.
     pub is_box_too_large: bool,
 }
@@ -31,6 +34,8 @@ pub(super) struct Added {
     pub moved: Option<Location>,
     /// How the frame was aligned; none without registration, and while no surface is known.
     pub registration: Option<Registration>,
+    /// The share of measured cells at the goal; none without one.
+    pub share_at_goal: Option<f64>,
     /// The numbers of frames that had been set aside and are in the map now.
     pub recovered: Vec<usize>,
 }
@@ -43,10 +48,16 @@ impl KnownScene {
         let mut scene = Self {
             locator: Locator::new(config.object_box, config.table, voxel_size, config.max_gap),
             map: ScanMap::new(rules, Place::default()),
-            alignment: Alignment::new(registration)?,
+            alignment: Alignment::new(registration, voxel_size)?,
+            quality: config
+                .goal
+                .map(|goal| Quality::new(goal, config.surface_error, voxel_size))
+                .transpose()?,
             is_box_too_large: false,
         };
-        let location = scene.locate(config, &[], &Cancel::default())?;
+        let never = &Cancel::default();
+        let location = scene.locator.locate(&[], never)?;
+        let location = scene.adopt(location, config, &[], never)?;
         Ok((scene, location))
     }
 
@@ -75,6 +86,7 @@ impl KnownScene {
                 registration,
             }));
         }
+        added.share_at_goal = self.quality.as_mut().map(Quality::end_step);
         let snapshot = self.map.finest_snapshot(cancel)?;
         let report = snapshot.map(|snapshot| MapReport::unless(&snapshot, cancel)).transpose()?;
         Ok(Added { report: report.unwrap_or_default(), ..added })
@@ -123,23 +135,41 @@ impl KnownScene {
         let given = frame.world_from_camera();
         let pose = registration.map_or(given, |found| found.world_from_camera);
         frames.map(number, frame.with_pose(pose));
-        let frames = &frames.mapped;
-        let moved = self.locate(config, frames, cancel)?;
-        added.moved = moved.or(added.moved.take());
-        let frame = frames.last().expect("a frame was added");
+        let location = self.locator.locate(&frames.mapped, cancel)?;
+        let mut moved = self.adopt(location, config, &frames.mapped, cancel)?;
+        let mut is_all_new = moved.is_some();
+        let frame = frames.mapped.last().expect("a frame was added");
         self.alignment.remember(frame, &given, self.map.place().bounds, registration, cancel)?;
+        if let Some(poses) = self.alignment.realign(cancel)? {
+            frames.move_to(&poses);
+            let known = &frames.mapped[..frames.mapped.len() - 1];
+            self.map.move_to(self.map.place(), known, cancel)?;
+            let location = self.locator.locate_anew(&frames.mapped, cancel)?;
+            moved = self.adopt(location, config, &frames.mapped, cancel)?.or(moved);
+            is_all_new = true;
+        }
+        added.moved = moved.or(added.moved.take());
+        let frame = frames.mapped.last().expect("a frame was added");
+        if let Some(quality) = &mut self.quality {
+            let bounds = self.map.place().bounds;
+            match is_all_new {
+                true => quality.renew(&frames.mapped, bounds, cancel)?,
+                false => quality.add(frame, bounds, cancel)?,
+            }
+        }
         added.update += self.map.integrate(frame, cancel)?;
-        self.refine_what_is_known(config, frames, cancel)
+        self.refine_what_is_known(config, &frames.mapped, cancel)
     }
 
-    /// Adopts the box found from all frames, the last of which is not mapped yet, unless it is too large.
-    fn locate(
+    /// Adopts the place found from all frames, the last of which is not mapped yet, unless its box is too
+    /// large.
+    fn adopt(
         &mut self,
+        location: Location,
         config: &SessionConfig,
         frames: &[Frame],
         cancel: &Cancel,
     ) -> Result<Option<Location>, Cancelled> {
-        let location = self.locator.locate(frames, cancel)?;
         let bounds = location.place.bounds;
         self.is_box_too_large = bounds.is_some_and(|bounds| config.check_size(&bounds).is_err());
         if location.place == self.map.place() || self.is_box_too_large {

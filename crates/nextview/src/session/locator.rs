@@ -26,11 +26,27 @@ impl Locator {
 
     /// The place after these frames, of which the last is new. The locator is of no use if cancelled.
     pub fn locate(&mut self, frames: &[Frame], cancel: &Cancel) -> Result<Location, Cancelled> {
+        self.locate_with(frames, &frames[frames.len().saturating_sub(1)..], cancel)
+    }
+
+    /// The place after these frames, all of which may have moved. The locator is of no use if cancelled.
+    pub fn locate_anew(&mut self, frames: &[Frame], cancel: &Cancel) -> Result<Location, Cancelled> {
+        self.points.clear();
+        self.locate_with(frames, frames, cancel)
+    }
+
+    /// The place after these frames, whose points are known but for those of `new`.
+    fn locate_with(
+        &mut self,
+        frames: &[Frame],
+        new: &[Frame],
+        cancel: &Cancel,
+    ) -> Result<Location, Cancelled> {
         let table = self.table.find(frames, cancel)?;
         let (object, bounds) = match self.object_box {
             ObjectBox::Known(bounds) => (Some(bounds), Some(bounds)),
             ObjectBox::Growing => {
-                if let Some(frame) = frames.last() {
+                for frame in new {
                     cancel.check()?;
                     let table = table.map(|table| ShownTable::new(table, frame));
                     self.points.add(frame, table, cancel)?;

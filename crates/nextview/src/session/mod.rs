@@ -4,6 +4,7 @@ mod alignment;
 mod config;
 mod connected_cells;
 mod decision;
+mod goal;
 mod itinerary_progress;
 mod known_scene;
 mod location;
@@ -38,7 +39,7 @@ use crate::geometry::{Aabb, Plane, Pose};
 use crate::map::{OccupancyMap, Snapshot};
 use crate::motion::{Surroundings, Trajectory};
 use crate::planner::{Plan, Situation, ViewPlanner};
-use crate::sensor::{Frame, Intrinsics};
+use crate::sensor::{Frame, Intrinsics, SurfaceError};
 use crate::view::ViewSpace;
 use crate::{Cancel, Cancelled, Error};
 use itinerary_progress::ItineraryProgress;
@@ -98,6 +99,10 @@ impl Session {
     ) -> Result<Self, Error> {
         let views = views.into();
         config.check_with(&views)?;
+        if let Some(goal) = config.goal {
+            let SessionConfig { surface_error, voxel_size, depth_range, .. } = &config;
+            goal::check_reachable(goal, surface_error, *voxel_size, &intrinsics, *depth_range)?;
+        }
         let (scene, location) = KnownScene::new(&config)?;
         Ok(Self {
             scene,
@@ -129,10 +134,10 @@ impl Session {
     /// A [cancelled](Self::with_cancel) observation changes nothing: the frame can be observed again.
     pub fn observe(&mut self, frame: &Frame) -> Result<StepReport, Cancelled> {
         let planned_in = self.planning_voxel_size();
-        let (n_mapped, set_aside) = (self.frames.mapped.len(), self.frames.set_aside.clone());
+        let (n_mapped, before) = (self.frames.mapped.len(), self.frames.state());
         let mut scene = self.scene.clone();
         let added = scene.take_in(&self.config, frame, &mut self.frames, &self.cancel);
-        let added = added.inspect_err(|Cancelled| self.frames.forget(n_mapped, set_aside))?;
+        let added = added.inspect_err(|Cancelled| self.frames.forget(before))?;
         self.scene = scene;
         let Place { bounds, table } = self.scene.map.place();
         self.seen.add(&self.frames.mapped[n_mapped..], bounds, table.map(|table| table.top));
@@ -219,6 +224,11 @@ impl Session {
         suspect(&self.frames.mapped, known, self.config.depth_range)
     }
 
+    /// The random error of the camera.
+    pub fn surface_error(&self) -> SurfaceError {
+        self.config.surface_error
+    }
+
     /// The flag that cancels decisions and observations.
     pub fn cancel(&self) -> &Cancel {
         &self.cancel
@@ -293,10 +303,13 @@ impl Session {
         }
     }
 
-    /// Whether the last views together hardly showed anything new.
+    /// Whether the last views together hardly showed anything new, or better.
     fn has_stalled(&self) -> bool {
-        let progress = self.seen.progress(StopConfig::PROGRESS_VIEWS);
-        progress.is_some_and(|share| share < self.config.stop.progress)
+        let n = StopConfig::PROGRESS_VIEWS;
+        let is_little = |share: f64| share < self.config.stop.progress;
+        let quality = self.scene.quality.as_ref();
+        self.seen.progress(n).is_some_and(is_little)
+            && quality.and_then(|quality| quality.progress(n)).is_none_or(is_little)
     }
 
     /// Number and pose of the first view, before it was taken.
@@ -366,8 +379,13 @@ impl Session {
         let situation = Situation::new(snapshot, &self.candidates, &self.intrinsics, &self.cancel)
             .with_depth_range(self.config.depth_range)
             .with_frames(&self.frames.mapped)
+            .with_right_poses(self.scene.alignment.trusts_given_poses())
             .with_visited(&self.visited)
-            .and_then(|situation| situation.with_finest_voxel_size(self.config.voxel_size));
+            .and_then(|situation| situation.with_finest_voxel_size(self.config.voxel_size))
+            .map(|situation| match &self.scene.quality {
+                Some(quality) => situation.with_goal(&quality.measured, quality.goal),
+                None => situation,
+            });
         let mut plan =
             self.planner.plan(&situation.expect("the session visits candidates in checked voxels"))?;
         self.itinerary.follow(plan.itinerary.take());
@@ -390,6 +408,7 @@ impl Session {
             voxel_size,
             bounds,
             table: table.map(|table| table.plane),
+            share_at_goal: added.share_at_goal,
             update: added.update,
             map: added.report,
         }

@@ -52,6 +52,12 @@ impl ObjectPoints {
         Self { lattice, cells: FxHashMap::default(), object: FxHashSet::default(), max_gap }
     }
 
+    /// Forgets the points of all frames.
+    pub fn clear(&mut self) {
+        self.cells.clear();
+        self.object.clear();
+    }
+
     /// Adds the points of a frame. The points are of no use if cancelled.
     pub fn add(
         &mut self,

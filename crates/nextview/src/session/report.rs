@@ -43,6 +43,10 @@ pub struct StepReport {
     pub bounds: Option<Aabb>,
     /// The table that the object stands on; none without one, or if none was found.
     pub table: Option<Plane>,
+    /// Share, 0..=1, of the voxels with measured surface whose expected error is within the
+    /// [goal](super::SessionConfig::goal); none without one.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub share_at_goal: Option<f64>,
     /// The changes that the frame made in the map, with those of the recovered ones.
     pub update: MapUpdate,
     /// The known state of the box after it.

@@ -26,6 +26,13 @@ pub(super) struct TakenFrames {
     pub places: Vec<Pose>,
 }
 
+/// The frames before another one came.
+pub(super) struct State {
+    poses: Vec<Pose>,
+    set_aside: Vec<SetAside>,
+    places: Vec<Pose>,
+}
+
 impl TakenFrames {
     /// Puts a frame into the map.
     pub fn map(&mut self, number: usize, frame: Frame) {
@@ -34,14 +41,27 @@ impl TakenFrames {
         self.numbers.push(number);
     }
 
-    /// Forgets a frame, the last one, and all that it changed; `set_aside` are those before it.
-    pub fn forget(&mut self, n_mapped: usize, set_aside: Vec<SetAside>) {
-        self.mapped.truncate(n_mapped);
-        self.numbers.truncate(n_mapped);
-        self.places.pop();
-        for waiting in &set_aside {
-            self.places[waiting.number] = waiting.frame.world_from_camera();
+    /// Moves the last frames in the map to these poses.
+    pub fn move_to(&mut self, poses: &[Pose]) {
+        let first = self.mapped.len() - poses.len();
+        let moved = self.mapped[first..].iter_mut().zip(&self.numbers[first..]).zip(poses);
+        for ((frame, number), pose) in moved {
+            frame.move_to(*pose);
+            self.places[*number] = *pose;
         }
-        self.set_aside = set_aside;
+    }
+
+    /// What [`forget`](Self::forget) needs to undo what the next frame changes.
+    pub fn state(&self) -> State {
+        let poses = self.mapped.iter().map(Frame::world_from_camera).collect();
+        State { poses, set_aside: self.set_aside.clone(), places: self.places.clone() }
+    }
+
+    /// Forgets a frame, the last one, and all that it changed.
+    pub fn forget(&mut self, before: State) {
+        self.mapped.truncate(before.poses.len());
+        self.numbers.truncate(before.poses.len());
+        self.mapped.iter_mut().zip(before.poses).for_each(|(frame, pose)| frame.move_to(pose));
+        (self.places, self.set_aside) = (before.places, before.set_aside);
     }
 }

@@ -9,7 +9,7 @@ use rustc_hash::FxHashMap;
 /// frames are merged by chaining them.
 ///
 /// Normal and colour are the means over those points that have one; if none of a cube has, or normals cancel
-/// each other, its point has none.
+/// each other, its point has none. [`MeasuredCells`](super::MeasuredCells) know its expected error.
 ///
 /// ```
 /// use glam::DVec3;
@@ -67,6 +67,7 @@ impl Pool {
             position: self.position / self.n as f64,
             normal: (length > CANCELLED).then(|| self.normal / length),
             color: (self.n_colors > 0).then(|| color.to_array().map(|value| value.round() as u8)),
+            error: None,
         }
     }
 }
@@ -112,6 +113,7 @@ mod tests {
             position: DVec3::new(x, 0.5, 0.5),
             normal,
             color,
+            error: None,
         };
         let points = [
             at(0.1, Some(DVec3::X), Some([10, 0, 255])),

@@ -13,12 +13,14 @@ pub struct CloudPoint {
     pub normal: Option<DVec3>,
     /// Red, green and blue, 0 to 255.
     pub color: Option<[u8; 3]>,
+    /// Expected error along the normal, standard deviation in metres.
+    pub error: Option<f32>,
 }
 
 impl From<DVec3> for CloudPoint {
     /// A point of which only the position is known.
     fn from(position: DVec3) -> Self {
-        Self { position, normal: None, color: None }
+        Self { position, normal: None, color: None, error: None }
     }
 }
 
@@ -64,6 +66,7 @@ pub fn frame_points(
         position,
         normal: planes[(v * width + u) as usize].map(|plane| rotation * plane.normal.as_dvec3()),
         color: color.as_ref().map(|color| color.get(u, v)),
+        error: None,
     };
     Ok(pixels.map(point))
 }

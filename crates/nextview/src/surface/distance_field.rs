@@ -166,7 +166,7 @@ impl DistanceField {
     }
 
     /// Sum of the weights of the measurements near a point.
-    fn evidence_near(&self, point: DVec3) -> f32 {
+    pub(super) fn evidence_near(&self, point: DVec3) -> f32 {
         self.block.index(self.lattice.key(point)).map_or(0.0, |index| self.cells[index].measured.weight)
     }
 

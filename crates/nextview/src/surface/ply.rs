@@ -2,9 +2,10 @@
 //! have double precision if one is farther than 32 m from the origin along an axis, where single precision
 //! resolves 4 micrometres.
 //!
-//! Vertices have the columns `nx ny nz` if any of them has a normal, and `red green blue` if any has a
-//! colour. PLY knows no missing values: a vertex without normal has 0 0 0, which viewers draw unshaded and
-//! which, unlike NaN, every reader accepts, and one without colour is black.
+//! Vertices have the columns `nx ny nz` if any of them has a normal, `red green blue` if any has a colour,
+//! `error_m` if the expected error of any is known, and `filled` in a closed mesh. PLY knows no missing
+//! values: a vertex without normal has 0 0 0, which viewers draw unshaded and which, unlike NaN, every
+//! reader accepts; one without colour is black, and an unknown error is 0.
 
 use super::CloudPoint;
 use crate::Error;
@@ -35,12 +36,24 @@ pub fn write_cloud(writer: impl Write, points: &[CloudPoint]) -> Result<(), Erro
 }
 
 /// Writes a mesh, metres: vertices, such as those of [`SurfaceMesh::points`](super::SurfaceMesh::points), and
-/// triangles by three indices into them each.
-pub fn write_mesh(writer: impl Write, vertices: &[CloudPoint], triangles: &[[u32; 3]]) -> Result<(), Error> {
+/// triangles by three indices into them each. With `is_filled`, one for each vertex, there is a column
+/// `filled`, 1 where it was filled in and 0 where it was measured. Panics if `is_filled` has another length.
+pub fn write_mesh(
+    writer: impl Write,
+    vertices: &[CloudPoint],
+    is_filled: Option<&[bool]>,
+    triangles: &[[u32; 3]],
+) -> Result<(), Error> {
+    assert!(is_filled.is_none_or(|is_filled| is_filled.len() == vertices.len()), "one for each vertex");
     let mut writer = BufWriter::new(writer);
-    let columns = Columns::of(vertices);
+    let columns = Columns { filled: is_filled.is_some(), ..Columns::of(vertices) };
     columns.write_header(&mut writer, vertices.len(), Some(triangles.len()))?;
-    vertices.iter().try_for_each(|point| columns.write_vertex(&mut writer, point))?;
+    for (i, vertex) in vertices.iter().enumerate() {
+        columns.write_vertex(&mut writer, vertex)?;
+        if let Some(is_filled) = is_filled {
+            writer.write_all(&[u8::from(is_filled[i])])?;
+        }
+    }
     for triangle in triangles {
         writer.write_all(&[3])?;
         for index in triangle {
@@ -57,6 +70,8 @@ struct Columns {
     is_far: bool,
     normal: bool,
     color: bool,
+    error: bool,
+    filled: bool,
 }
 
 impl Columns {
@@ -65,6 +80,8 @@ impl Columns {
             is_far: points.iter().any(|point| is_far(point.position)),
             normal: points.iter().any(|point| point.normal.is_some()),
             color: points.iter().any(|point| point.color.is_some()),
+            error: points.iter().any(|point| point.error.is_some()),
+            filled: false,
         }
     }
 
@@ -83,6 +100,12 @@ impl Columns {
         if self.color {
             writeln!(writer, "property uchar red\nproperty uchar green\nproperty uchar blue")?;
         }
+        if self.error {
+            writeln!(writer, "property float error_m")?;
+        }
+        if self.filled {
+            writeln!(writer, "property uchar filled")?;
+        }
         if let Some(n_faces) = n_faces {
             writeln!(writer, "element face {n_faces}\nproperty list uchar uint vertex_indices")?;
         }
@@ -99,6 +122,9 @@ impl Columns {
         }
         if self.color {
             writer.write_all(&point.color.unwrap_or_default())?;
+        }
+        if self.error {
+            writer.write_all(&point.error.unwrap_or_default().to_le_bytes())?;
         }
         Ok(())
     }
@@ -120,7 +146,8 @@ fn write_vector(writer: &mut impl Write, vector: DVec3) -> Result<(), Error> {
 mod tests {
     use super::*;
 
-    const POINT: CloudPoint = CloudPoint { position: DVec3::new(0.5, -1.0, 2.0), normal: None, color: None };
+    const POINT: CloudPoint =
+        CloudPoint { position: DVec3::new(0.5, -1.0, 2.0), normal: None, color: None, error: None };
 
     fn split(bytes: &[u8]) -> (&str, &[u8]) {
         let end = b"end_header\n";
@@ -131,7 +158,7 @@ mod tests {
     #[test]
     fn a_mesh_is_a_header_and_its_numbers() {
         let mut bytes = Vec::new();
-        write_mesh(&mut bytes, &[POINT; 3], &[[0, 1, 258]]).unwrap();
+        write_mesh(&mut bytes, &[POINT; 3], None, &[[0, 1, 258]]).unwrap();
         let (header, body) = split(&bytes);
         assert_eq!(
             header,
@@ -163,10 +190,19 @@ mod tests {
     }
 
     #[test]
+    fn what_was_filled_in_is_the_last_column() {
+        let mut bytes = Vec::new();
+        write_mesh(&mut bytes, &[POINT; 2], Some(&[false, true]), &[]).unwrap();
+        let (header, body) = split(&bytes);
+        assert!(header.contains("property float z\nproperty uchar filled\nelement face 0\n"));
+        assert_eq!((body.len(), body[12], body[25]), (26, 0, 1));
+    }
+
+    #[test]
     fn nothing_is_a_valid_file() {
         let (mut points, mut mesh) = (Vec::new(), Vec::new());
         write_cloud(&mut points, &[]).unwrap();
-        write_mesh(&mut mesh, &[], &[]).unwrap();
+        write_mesh(&mut mesh, &[], None, &[]).unwrap();
         assert!(split(&points).0.contains("element vertex 0\n") && split(&points).1.is_empty());
         assert!(split(&mesh).0.contains("element face 0\n") && split(&mesh).1.is_empty());
     }

@@ -22,8 +22,14 @@ struct Part {
 /// A mesh without its specks, and without vertices of no triangle. `evidence` is the number of frames,
 /// weighted by how much they count, that speak for the surface at a point.
 pub(super) fn without_specks(mesh: SurfaceMesh, evidence: impl Fn(DVec3) -> f32) -> SurfaceMesh {
+    let kept = kept_vertices(&mesh, evidence);
+    only(mesh, &kept)
+}
+
+/// By vertex, whether it belongs to a triangle that is no part of a speck.
+pub(super) fn kept_vertices(mesh: &SurfaceMesh, evidence: impl Fn(DVec3) -> f32) -> Vec<bool> {
     let evidence: Vec<f32> = mesh.vertices.iter().map(|vertex| evidence(*vertex)).collect();
-    let part_of = parts(&mesh);
+    let part_of = parts(mesh);
     let mut parts = vec![Part::default(); mesh.vertices.len()];
     for triangle in &mesh.triangles {
         let [a, b, c] = triangle.map(|i| mesh.vertices[i as usize]);
@@ -33,8 +39,8 @@ pub(super) fn without_specks(mesh: SurfaceMesh, evidence: impl Fn(DVec3) -> f32)
         part.evidence += triangle.iter().map(|&i| evidence[i as usize] as f64).sum::<f64>();
     }
     let largest = parts.iter().map(|part| part.area).fold(0.0, f64::max);
-    let is_kept = |triangle: &[u32; 3]| !parts[part_of[triangle[0] as usize]].is_speck(largest);
-    only(mesh.vertices, mesh.triangles.into_iter().filter(is_kept).collect())
+    let is_kept = |part: usize| parts[part].n_triangles > 0 && !parts[part].is_speck(largest);
+    part_of.into_iter().map(is_kept).collect()
 }
 
 impl Part {
@@ -64,15 +70,17 @@ fn root(parent: &mut [usize], mut i: usize) -> usize {
     i
 }
 
-/// The mesh of these triangles, with the vertices that they use.
-fn only(vertices: Vec<DVec3>, mut triangles: Vec<[u32; 3]>) -> SurfaceMesh {
-    let mut number: Vec<Option<u32>> = vec![None; vertices.len()];
-    triangles.as_flattened().iter().for_each(|&i| number[i as usize] = Some(0));
+/// The mesh of these vertices and the triangles whose vertices they are.
+pub(super) fn only(mesh: SurfaceMesh, kept: &[bool]) -> SurfaceMesh {
+    let SurfaceMesh { mut vertices, mut triangles } = mesh;
+    let mut number: Vec<Option<u32>> = kept.iter().map(|kept| kept.then_some(0)).collect();
     number.iter_mut().flatten().zip(0..).for_each(|(number, i)| *number = i);
-    let used = vertices.iter().zip(&number).filter_map(|(vertex, number)| number.map(|_| *vertex)).collect();
-    let new = |i: u32| number[i as usize].expect("its triangle was marked");
+    let new = |i: u32| number[i as usize].expect("its triangle is kept");
+    triangles.retain(|triangle| triangle.iter().all(|&i| kept[i as usize]));
     triangles.as_flattened_mut().iter_mut().for_each(|i| *i = new(*i));
-    SurfaceMesh { vertices: used, triangles }
+    let mut kept = kept.iter();
+    vertices.retain(|_| *kept.next().expect("one for each vertex"));
+    SurfaceMesh { vertices, triangles }
 }
 
 #[cfg(test)]

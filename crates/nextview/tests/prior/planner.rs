@@ -324,7 +324,7 @@ fn bad_parameters_are_refused() {
 #[test]
 fn a_view_in_vain_is_not_repeated_next_to_it() {
     let (snapshot, views) = (half_seen_ball(), views(300));
-    let planner = || MostSurface::with_prior(MostSurfaceConfig::default(), even_prior(0.3, 0.5)).unwrap();
+    let planner = || MostSurface::with_prior(MostSurfaceConfig::default(), even_prior(0.3, 0.1)).unwrap();
     let mut doubting = planner();
     let first = plan_with(&mut doubting, &snapshot, &views, &[0]).choice.unwrap().view;
     let fresh = plan_with(&mut planner(), &snapshot, &views, &[0, first]);

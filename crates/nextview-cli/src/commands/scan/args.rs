@@ -6,7 +6,7 @@ use nextview::sensor::CameraAxes;
 use nextview_recording::{PoseDirection, ReadOptions};
 use nextview_scan::files::Overwrite;
 use nextview_scan::{
-    BoxRule, NoiseModel, PlannerName, Profile, RecordingConfig, ScanConfig, TableRule, UnitName,
+    BoxRule, NoiseModel, PlannerName, Profile, RecordingConfig, ScanConfig, SensorName, TableRule, UnitName,
     ViewSpaceName, result_folder,
 };
 use std::path::PathBuf;
@@ -31,7 +31,7 @@ pub struct ScanArgs {
     model: Option<String>,
     /// Recorded frames instead of a simulation: a folder with poses.csv, intrinsics.txt and depth/, one of
     /// TUM RGB-D, or an .mcap file of ROS 2
-    #[arg(long, value_name = "PATH", value_parser = values::file_name(), conflicts_with_all = ["model", "candidates", "view_space", "object_box", "noise", "pose_error_mm", "pose_error_deg", "size_m"])]
+    #[arg(long, value_name = "PATH", value_parser = values::file_name(), conflicts_with_all = ["model", "candidates", "view_space", "object_box", "sensor", "noise", "pose_error_mm", "pose_error_deg", "size_m"])]
     frames: Option<String>,
     #[command(flatten)]
     recording: RecordingArgs,
@@ -76,7 +76,12 @@ pub struct ScanArgs {
     /// Table that the object stands on [default: none]
     #[arg(long, value_parser = named::<TableRule>())]
     table: Option<TableRule>,
-    /// Errors and losses of the camera's depth [default: none]
+    /// Depth camera, which decides optics, range and noise: d405, d415, d435, d435i, d455, l515,
+    /// azure-kinect, femto-bolt, gemini-335, zivid-2-m60, phoxi-s, phoxi-m, or a .toml file that says in what
+    /// it differs from one of them [default: optics of the D435i, no limits and no noise]
+    #[arg(long, value_name = "NAME|FILE", value_parser = values::file_name())]
+    sensor: Option<String>,
+    /// Errors and losses of the camera's depth [default: none, or those of --sensor]
     #[arg(long, value_parser = named::<NoiseModel>())]
     noise: Option<NoiseModel>,
     /// Standard deviation of the position that each image claims, along each axis, in millimetres [default:
@@ -93,6 +98,14 @@ pub struct ScanArgs {
     /// [default: 0.5 with registration, else 0]
     #[arg(long, value_name = "SHARE", value_parser = values::share, allow_negative_numbers = true)]
     min_overlap: Option<f64>,
+    /// How accurate the surface is to be: its expected error, a standard deviation in millimetres; views are
+    /// spent on second looks until then [default: surface that was seen is done]
+    #[arg(long, value_name = "MM", value_parser = values::positive, allow_negative_numbers = true)]
+    goal_mm: Option<f64>,
+    /// Whether the mesh is closed where nothing was measured, to be printed, and marks these vertices in its
+    /// column `filled` [default: off]
+    #[arg(long, value_enum, value_name = "on|off", hide_possible_values = true)]
+    watertight: Option<Switch>,
     /// View candidates: shell (the paper's), sphere, hemisphere, or a CSV file of poses [default: shell]
     #[arg(long, value_name = "RULE|FILE", value_parser = values::file_name())]
     view_space: Option<String>,
@@ -227,11 +240,14 @@ impl ScanArgs {
         set(&mut config.object_box.rule, self.object_box);
         set(&mut config.object_box.max_gap_m, self.max_gap_m);
         set(&mut config.object_box.table, self.table);
+        self.sensor.map_or(Ok(()), |name| config.set_sensor(SensorName(name)))?;
         set(&mut config.noise.model, self.noise);
         set(&mut config.noise.pose_error_mm, self.pose_error_mm);
         set(&mut config.noise.pose_error_deg, self.pose_error_deg);
         set(&mut config.registration.enabled, self.register.map(|switch| switch == Switch::On));
+        set(&mut config.model.watertight, self.watertight.map(|switch| switch == Switch::On));
         config.min_overlap = self.min_overlap.or(config.min_overlap);
+        config.goal_mm = self.goal_mm.or(config.goal_mm);
         set(&mut config.baselines, self.baselines.map(|switch| switch == Switch::On));
         config.stop.completeness = self.complete.or(config.stop.completeness);
         config.stop.path_length = self.max_path_m.or(config.stop.path_length);

@@ -2,11 +2,11 @@ use crate::flags::word;
 use crate::progress::Progress;
 use crate::{Failure, stdout};
 use nextview::Cancel;
-use nextview_report::{ScanPage, ViewPicture, heading, scan_page, step_line, summary_text};
+use nextview_report::{heading, page_of_scan, step_line, summary_text};
 use nextview_scan::files::{Overwrite, ResultFolder};
 use nextview_scan::{
-    Begin, Damage, FrameSource, Interrupted, RESULT_FILES, RecordedScan, Results, ScanConfig, ScanJournal,
-    ScanRun, SimulatedObject, Simulation, Truth, write_results,
+    Begin, Damage, Fault, FrameSource, Interrupted, RESULT_FILES, RecordedScan, Results, ScanConfig,
+    ScanJournal, ScanRun, SimulatedObject, Simulation, Truth, write_results,
 };
 use std::io::Write;
 use std::path::PathBuf;
@@ -45,11 +45,19 @@ pub(super) fn resume(output: Output) -> Result<(), Failure> {
 }
 
 fn scan(config: ScanConfig, journal: Option<ScanJournal>, output: &Output) -> Result<(), Failure> {
-    if config.recording.is_some() {
+    if config.live.is_some() {
+        Err(own_camera().into())
+    } else if config.recording.is_some() {
         recorded(config, journal, output)
     } else {
         simulated(config, journal, output)
     }
+}
+
+/// Why a scan by a camera of one's own is none of this program's.
+fn own_camera() -> Fault {
+    Fault::request("the frames of this scan come from a camera of one's own (`live`)")
+        .with_remedy("resume it in the program that began it, in Python with `nextview.resume(dir)`")
 }
 
 fn simulated(mut config: ScanConfig, journal: Option<ScanJournal>, output: &Output) -> Result<(), Failure> {
@@ -107,15 +115,7 @@ fn drive(
         scan.forget_journal();
     }
     let Results { record, faults } = write_results(&mut folder, config, &scan);
-    let candidates: Vec<_> = scan.session.views().poses().iter().map(|pose| pose.translation()).collect();
-    let page = scan_page(&ScanPage {
-        record: &record,
-        config,
-        views: &ViewPicture::of_scan(&scan),
-        candidates: &candidates,
-        command: "nextview scan --config config.toml",
-        config_text: &text,
-    });
+    let page = page_of_scan(&scan, &record, config, "nextview scan --config config.toml", &text);
     folder.add("report.html", |w| Ok(w.write_all(page.as_bytes())?))?;
     folder.publish()?;
     faults.map_or(Ok(()), Err)?;

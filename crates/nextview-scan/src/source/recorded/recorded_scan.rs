@@ -1,4 +1,4 @@
-use crate::source::session_config::{session_config, suitable_voxel_size, voxel_block};
+use crate::source::session_config::{VOXEL_SIZE, session_config, suitable_voxel_size, voxel_block};
 #[cfg(feature = "simulated")]
 use crate::source::{
     recorded::true_shape::{Progress, TrueShape},
@@ -35,10 +35,6 @@ pub struct RecordedScan {
     #[cfg(feature = "simulated")]
     shown: Option<(Truth, Baselines)>,
 }
-
-/// Where the box grows, nothing is known of the object's size when the voxels are chosen: they suit one of
-/// 0.2 m.
-const VOXEL_SIZE: f64 = 0.005;
 
 impl RecordedScan {
     /// Opens the recording that the configuration names, and completes the configuration by what it decides:

@@ -5,11 +5,14 @@ use glam::IVec3;
 use rustc_hash::FxHashMap;
 
 /// A view that shows less than this share of what was expected is a disappointment.
-const DISAPPOINTING: f64 = 0.02;
+const DISAPPOINTING: f64 = 0.5;
 
-/// The factor on the probabilities of the voxels that a disappointing view was expected to show: one more
-/// such view may be worth it, once all others are worth less.
-const FACTOR: f32 = 0.2;
+/// The least factor on the probabilities of the voxels that a disappointing view was expected to show: one
+/// more such view may be worth it, once all others are worth less.
+const LEAST_FACTOR: f64 = 0.2;
+
+/// Fewer expected voxels prove nothing.
+const LEAST_EXPECTED: f64 = 1.0;
 
 /// Probability from which on a voxel counts as expected.
 const EXPECTED: f32 = 0.05;
@@ -46,10 +49,13 @@ impl Doubt {
             return Self { voxel_size, ..Self::default() };
         }
         let mut learned = Self { voxel_size, factors: self.factors.clone(), expected: None };
-        for expected in self.expected.iter().filter(|expected| expected.is_disappointed(situation, snapshot))
+        if let Some((expected, factor)) = self
+            .expected
+            .as_ref()
+            .and_then(|expected| Some((expected, expected.factor(situation, snapshot)?)))
         {
             for key in &expected.voxels {
-                *learned.factors.entry(*key).or_insert(1.0) *= FACTOR;
+                *learned.factors.entry(*key).or_insert(1.0) *= factor;
             }
         }
         learned
@@ -89,12 +95,15 @@ impl Doubt {
 }
 
 impl Expectation {
-    /// Whether the view, and nothing else, was taken since, and showed hardly anything.
-    fn is_disappointed(&self, situation: &Situation<'_>, snapshot: &Snapshot) -> bool {
+    /// The factor on the probabilities of the voxels that the view was to show and did not; none if other
+    /// views were taken since, or if it showed enough.
+    fn factor(&self, situation: &Situation<'_>, snapshot: &Snapshot) -> Option<f32> {
         let is_only_one = situation.visited().len() == self.n_visited + 1;
+        if !is_only_one || situation.visited().last() != Some(&self.view) || self.gain < LEAST_EXPECTED {
+            return None;
+        }
         let n_new = snapshot.count(Occupancy::Occupied).saturating_sub(self.n_occupied);
-        is_only_one
-            && situation.visited().last() == Some(&self.view)
-            && (n_new as f64) < DISAPPOINTING * self.gain
+        let share = n_new as f64 / self.gain / DISAPPOINTING;
+        (share < 1.0).then_some(share.max(LEAST_FACTOR) as f32)
     }
 }

@@ -1,4 +1,5 @@
 mod doubt;
+mod second_look;
 mod second_view;
 
 use super::utility::{self, Utility};
@@ -56,6 +57,9 @@ const LEAST_GAIN: f64 = 0.5;
 /// Takes the view that is expected to show most surface that was not seen before: the gain
 /// [`ExpectedSurface`].
 ///
+/// With a [goal](Situation::goal), the gain of second looks at surface that was not measured well enough is
+/// added with a tenth of its weight: new surface comes first.
+///
 /// A view that shows hardly anything of what was expected lowers the expectations of the same voxels.
 ///
 /// Each plan has an [`Outlook`]. The surface that can be seen is the surface that all views within reach show
@@ -98,7 +102,7 @@ impl ViewPlanner for MostSurface {
         let ray_spacing = snapshot.block().dims().max_element() as f64 / self.config.rays_across;
         let first_pass = PASSES.iter().rposition(|(n_views, _)| *n_views >= open.len()).unwrap_or(0);
         let first = scene.survey(&open, PASSES[first_pass].1 * ray_spacing)?;
-        let mut rating = Rating::new(&scene, self.config.theta, first.gains);
+        let mut rating = Rating::new(&scene, self.config.theta, first.gains)?;
         for &(n_views, factor) in &PASSES[first_pass + 1..] {
             rating.shortlist(n_views);
             let closer = scene.survey(&rating.views(), factor * ray_spacing)?;
@@ -125,6 +129,8 @@ struct Rating {
     utility: Utility,
     /// By view, the bonus added to its gain, in shares of the largest.
     advantages: Vec<f64>,
+    /// By view, the value of a second look at what it shows, in voxels; empty without a goal.
+    second_looks: Vec<f64>,
     /// Views with their expected gains.
     gains: Vec<(usize, f64)>,
     /// Sum of the values of all views.
@@ -132,11 +138,12 @@ struct Rating {
 }
 
 impl Rating {
-    fn new(scene: &Scene<'_>, theta: f64, gains: Vec<(usize, f64)>) -> Self {
+    fn new(scene: &Scene<'_>, theta: f64, gains: Vec<(usize, f64)>) -> Result<Self, Cancelled> {
+        let second_looks = second_look::values(scene.situation, scene.snapshot)?;
         let utility = Utility::new(scene.situation, theta);
         let advantages = second_view::advantages(scene.situation, scene.snapshot);
-        let rating = Self { utility, advantages, gains, total: 0.0 };
-        Self { total: rating.value(), ..rating }
+        let rating = Self { utility, advantages, second_looks, gains, total: 0.0 };
+        Ok(Self { total: rating.value(), ..rating })
     }
 
     /// Sum of the values of the views.
@@ -144,10 +151,16 @@ impl Rating {
         self.values().map(|(_, _, value)| value).sum()
     }
 
+    fn second_look(&self, view: usize) -> f64 {
+        self.second_looks.get(view).copied().unwrap_or_default()
+    }
+
     /// Views with their gains and values.
     fn values(&self) -> impl Iterator<Item = (usize, f64, f64)> {
         let largest = self.gains.iter().fold(0.0, |largest: f64, (_, gain)| largest.max(*gain));
-        self.gains.iter().map(move |&(view, gain)| (view, gain, gain + self.advantages[view] * largest))
+        self.gains.iter().map(move |&(view, gain)| {
+            (view, gain, gain + self.second_look(view) + self.advantages[view] * largest)
+        })
     }
 
     fn ranked(&self) -> impl Iterator<Item = (Choice, f64)> {
@@ -182,7 +195,9 @@ impl Rating {
 
     /// The best of the views that show anything, and its gain.
     fn best(&self) -> Option<(Choice, f64)> {
-        let worthwhile = self.ranked().filter(|(_, gain)| *gain >= LEAST_GAIN);
+        let is_worthwhile =
+            |(choice, gain): &(Choice, f64)| gain + self.second_look(choice.view) >= LEAST_GAIN;
+        let worthwhile = self.ranked().filter(is_worthwhile);
         let choice = utility::best(worthwhile.map(|(choice, _)| choice))?;
         let (_, gain, value) = self.values().find(|(view, ..)| *view == choice.view)?;
         let explanation = [("local_share", utility::share(value, self.total))].into();

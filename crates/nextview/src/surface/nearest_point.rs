@@ -4,45 +4,46 @@ use crate::{Cancel, Error};
 use glam::{DVec3, IVec3};
 use rustc_hash::FxHashMap;
 
-/// Search distance for colours, in cells. Where a distance field guesses between silhouettes, its surface was
+/// Search distance, in cells. Where a distance field guesses between silhouettes, its surface was
 /// found to be up to 2.7 of its voxels from the nearest point.
 const REACH: i32 = 4;
 
-/// Gives every point, such as a vertex of a mesh, the colour of the nearest point of a cloud that has one;
-/// none where that is farther than four times `cell` metres (at least 0.0001). The cloud is thinned by cubes
-/// with edges of that length, as by [`downsample`](super::downsample); of several coloured points in a cube,
-/// the last counts.
+/// Gives every point, such as a vertex of a mesh, the colour and the expected error of the nearest point of a
+/// cloud that has one of them; none where that is farther than four times `cell` metres (at least 0.0001).
+/// The cloud is thinned by cubes with edges of that length, as by [`downsample`](super::downsample); of
+/// several such points in a cube, the last counts.
 ///
 /// ```
 /// use glam::DVec3;
 /// use nextview::Cancel;
-/// use nextview::surface::{CloudPoint, take_colors};
+/// use nextview::surface::{CloudPoint, take_nearest};
 ///
 /// let red = CloudPoint { color: Some([255, 0, 0]), ..CloudPoint::from(DVec3::ZERO) };
 /// let mut points = [DVec3::X * 0.01, DVec3::X].map(CloudPoint::from);
-/// take_colors(&mut points, &[red], 0.01, &Cancel::default()).unwrap();
+/// take_nearest(&mut points, &[red], 0.01, &Cancel::default()).unwrap();
 /// assert_eq!(points.map(|point| point.color), [Some([255, 0, 0]), None]);
 /// ```
 ///
 /// If cancelled, some points may have their colours and others not.
-pub fn take_colors(
+pub fn take_nearest(
     points: &mut [CloudPoint],
     cloud: &[CloudPoint],
     cell: f64,
     cancel: &Cancel,
 ) -> Result<(), Error> {
     let lattice = Lattice::new(cell)?;
-    let colored = cloud.iter().filter(|point| point.color.is_some());
+    let known = cloud.iter().filter(|point| point.color.is_some() || point.error.is_some());
     let cells: FxHashMap<IVec3, &CloudPoint> =
-        colored.map(|point| (lattice.key(point.position), point)).collect();
+        known.map(|point| (lattice.key(point.position), point)).collect();
     for point in points {
         cancel.check()?;
-        let colored = (1..=REACH).find_map(|reach| {
+        let found = (1..=REACH).find_map(|reach| {
             let (nearest, distance) = nearest_in(&cells, lattice.key(point.position), reach, point.position)?;
             // A nearer one may lie outside of the cells that were asked.
             (distance <= reach as f64 * cell).then_some(nearest)
         });
-        point.color = colored.and_then(|colored| colored.color);
+        point.color = found.and_then(|found| found.color);
+        point.error = found.and_then(|found| found.error);
     }
     Ok(())
 }
@@ -78,7 +79,7 @@ mod tests {
             .collect();
         let cloud = super::super::downsample(cloud, 0.3).unwrap();
         let mut points: Vec<CloudPoint> = (0..200).map(|_| (random.in_cube() * 0.9).into()).collect();
-        take_colors(&mut points, &cloud, 0.3, &Cancel::default()).unwrap();
+        take_nearest(&mut points, &cloud, 0.3, &Cancel::default()).unwrap();
         for point in points {
             let colored = cloud.iter().filter(|other| other.color.is_some());
             let distance = |other: &&CloudPoint| other.position.distance(point.position);
@@ -91,8 +92,8 @@ mod tests {
     #[test]
     fn nothing_near_is_no_colour() {
         let mut points = [CloudPoint { color: Some([1; 3]), ..DVec3::ZERO.into() }];
-        take_colors(&mut points, &[], 0.1, &Cancel::default()).unwrap();
+        take_nearest(&mut points, &[], 0.1, &Cancel::default()).unwrap();
         assert_eq!(points[0].color, None);
-        assert!(take_colors(&mut points, &[], 0.0, &Cancel::default()).is_err());
+        assert!(take_nearest(&mut points, &[], 0.0, &Cancel::default()).is_err());
     }
 }

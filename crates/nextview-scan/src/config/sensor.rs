@@ -1,0 +1,99 @@
+//! What a sensor decides of a configuration.
+
+use super::{NoiseModel, ScanConfig, SensorName, merged};
+use crate::{Fault, Faults, files};
+use nextview::sensor::{Intrinsics, Sensor};
+use nextview_sim::noise::DepthNoise;
+use serde::{Deserialize, Serialize};
+use toml::Table;
+
+/// Largest file of a sensor, bytes: a hundred times that of one with all its keys.
+const MAX_BYTES: u64 = 1 << 16;
+
+impl ScanConfig {
+    /// Puts the sensor's optics, range and noise in the place of those that there were. Fails if there is no
+    /// such sensor.
+    pub fn set_sensor(&mut self, name: SensorName) -> Result<(), Faults> {
+        let camera = Camera::load(&name)?;
+        self.sensor = Some(name);
+        self.camera = camera.intrinsics;
+        self.noise.model = NoiseModel::Sensor;
+        self.noise.depth = camera.depth;
+        Ok(())
+    }
+
+    /// What is wrong with the sensor and the model of the noise together.
+    pub(super) fn of_sensor(&self) -> Option<Fault> {
+        match (&self.sensor, self.noise.model) {
+            (None, NoiseModel::Sensor) => {
+                let fault = Fault::request("`noise.model` = sensor needs the `sensor` whose noise it is");
+                let fault = fault.with_remedy("name one, or take `noise.model` = d435i");
+                Some(Fault { key: Some("noise.model".to_owned()), ..fault })
+            }
+            (Some(SensorName(name)), NoiseModel::D435i) => {
+                let fault =
+                    Fault::request(format!("`noise.model` = d435i is not the noise of the `sensor` {name}"));
+                let fault = fault.with_remedy("leave one of them out");
+                Some(Fault { key: Some("noise.model".to_owned()), ..fault })
+            }
+            _ => None,
+        }
+    }
+}
+
+/// What a sensor decides.
+struct Camera {
+    intrinsics: Intrinsics,
+    depth: DepthNoise,
+}
+
+impl Camera {
+    /// Fails if there is no such sensor, or the file is none of a sensor.
+    fn load(name: &SensorName) -> Result<Self, Fault> {
+        match name.file() {
+            Some(file) => {
+                let text = files::read_text(file, MAX_BYTES)?;
+                of_text(&text).map_err(|fault| fault.in_file(file))
+            }
+            None => name.0.parse().map(Self::of).map_err(|error| match error {
+                nextview::Error::InvalidParameter { value, expected, .. } => {
+                    Fault::of_value("sensor", value, format!("{expected}, or a .toml file"))
+                }
+                error => error.into(),
+            }),
+        }
+    }
+
+    fn of(sensor: Sensor) -> Self {
+        Self { intrinsics: sensor.intrinsics(), depth: DepthNoise::of(sensor) }
+    }
+}
+
+/// The file of a sensor, with the values of the one that it is like where it has none.
+#[derive(Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct SensorFile {
+    like: String,
+    camera: Intrinsics,
+    noise: Noise,
+}
+
+#[derive(Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Noise {
+    depth: DepthNoise,
+}
+
+fn of_text(text: &str) -> Result<Camera, Fault> {
+    let table: Table = text.parse().map_err(|error: toml::de::Error| Fault::data(error.message()))?;
+    let like = table.get("like").and_then(|like| like.as_str());
+    let like =
+        like.ok_or_else(|| Fault::data("`like` is missing, the name of the sensor that it is like"))?;
+    let sensor: Sensor = like.parse().map_err(|error| Fault::from(error).within("`like`"))?;
+    let Camera { intrinsics, depth } = Camera::of(sensor);
+    let base = SensorFile { like: like.to_owned(), camera: intrinsics, noise: Noise { depth } };
+    let base = Table::try_from(base).map_err(Fault::data)?;
+    let file: SensorFile =
+        merged(base, table).try_into().map_err(|error: toml::de::Error| Fault::data(error.message()))?;
+    Ok(Camera { intrinsics: file.camera, depth: file.noise.depth })
+}

@@ -1,0 +1,16 @@
+use serde::{Deserialize, Serialize};
+use std::path::Path;
+
+/// The name of a known sensor, or a `.toml` file that says in what another one differs from it: its name as
+/// `like`, and tables `camera` and `noise.depth` with the keys of a configuration.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(transparent)]
+pub struct SensorName(pub String);
+
+impl SensorName {
+    /// The file; none if it is a name.
+    pub fn file(&self) -> Option<&Path> {
+        self.0.ends_with(".toml").then(|| Path::new(&self.0))
+    }
+}

@@ -1,0 +1,169 @@
+use crate::files::ResultFolder;
+use crate::{
+    Begin, Fault, Faults, FinishedScan, Interrupted, Next, OwnCamera, Results, ScanConfig, ScanJournal,
+    ScanRun, StepRecord, write_results,
+};
+use nextview::Cancel;
+use nextview::geometry::Pose;
+use nextview::motion::Trajectory;
+use nextview::sensor::{ColorImage, DepthImage};
+use nextview::session::{NextView, StopReason};
+use std::path::Path;
+
+/// A scan by a camera of one's own, which a configuration with a section `live` describes.
+///
+/// Whoever owns the camera asks for the [`next`](Self::next) view, takes a depth image there, and has it
+/// [`observe`](Self::observe)d. In a folder, every frame is on the disk before it counts, and an interrupted
+/// scan is [resumed](Self::resume): it asks for no old view again.
+///
+/// ```
+/// use nextview::Cancel;
+/// use nextview::sensor::DepthImage;
+/// use nextview_scan::{LiveConfig, LiveScan, ScanConfig};
+///
+/// let live = LiveConfig { box_m: Some([-0.1, -0.1, -0.1, 0.1, 0.1, 0.1]), ..LiveConfig::default() };
+/// let config = ScanConfig { live: Some(live), views: Some(3), ..ScanConfig::default() };
+/// let mut scan = LiveScan::begin(config, None, Cancel::default())?;
+/// while let Some(view) = scan.next()? {
+///     let nothing = vec![f32::INFINITY; scan.config().camera.n_pixels()];
+///     scan.observe(DepthImage::from_metres(640, 480, nothing)?, view.world_from_camera, None)?;
+/// }
+/// assert!(scan.scan().steps.len() <= 3 && scan.stop_reason().is_some());
+/// # Ok::<(), nextview_scan::Faults>(())
+/// ```
+pub struct LiveScan {
+    camera: OwnCamera,
+    config: ScanConfig,
+    run: ScanRun<'static>,
+    cancel: Cancel,
+}
+
+impl LiveScan {
+    /// Begins a scan; with a folder, its frames are kept there until its results are
+    /// [published](Self::forget_journal). Fails if the folder holds an interrupted scan.
+    pub fn begin(mut config: ScanConfig, dir: Option<&Path>, cancel: Cancel) -> Result<Self, Faults> {
+        let camera = OwnCamera::open(&mut config)?;
+        let text = toml::to_string(&config).map_err(Fault::data)?;
+        let journal = dir.map(|dir| ScanJournal::begin(dir, &text)).transpose()?;
+        Self::with_journal(camera, config, journal, cancel)
+    }
+
+    /// Resumes the scan in a folder: the frames that are kept there are observed again. Fails if it is no
+    /// scan by a camera of one's own.
+    ///
+    /// Cancelled, it can be resumed anew.
+    pub fn resume(dir: &Path, cancel: Cancel) -> Result<Self, Faults> {
+        let Interrupted { heading, journal, n_frames, .. } = ScanJournal::resume(dir)?;
+        let path = dir.join(ScanJournal::FILE);
+        let mut config = ScanConfig::parse(&heading, Some(&path), None)?;
+        if config.live.is_none() {
+            let fault = Fault::data("holds a scan of simulated or recorded frames").in_file(dir);
+            return Err(fault.with_remedy("`nextview scan` resumes it").into());
+        }
+        let camera = OwnCamera::open(&mut config)?;
+        let mut scan = Self::with_journal(camera, config, Some(journal), cancel)?;
+        while scan.scan().steps.len() < n_frames {
+            match scan.run.next()? {
+                Next::Replay(frame) => _ = scan.run.push(frame)?,
+                Next::Stop(StopReason::Cancelled) => return Err(nextview::Cancelled.into()),
+                Next::Capture(_) | Next::Stop(_) => break,
+            }
+        }
+        Ok(scan)
+    }
+
+    fn with_journal(
+        camera: OwnCamera,
+        config: ScanConfig,
+        journal: Option<ScanJournal>,
+        cancel: Cancel,
+    ) -> Result<Self, Faults> {
+        let begin = Begin { journal, cancel: cancel.clone() };
+        let run = ScanRun::of_session(camera.session(&config)?, &config, begin);
+        Ok(Self { camera, config, run, cancel })
+    }
+
+    /// The view to take next; none if the scan is over, for the [reason](Self::stop_reason). Asked again
+    /// before a frame is observed or a view skipped, the answer is the same.
+    ///
+    /// Fails if it is cancelled: it can then be asked again.
+    #[expect(clippy::should_implement_trait, reason = "an iterator could be neither asked again nor fail")]
+    pub fn next(&mut self) -> Result<Option<NextView>, Fault> {
+        self.run.scan_mut().stop_reason = None;
+        loop {
+            match self.run.next()? {
+                // Its observation was cancelled after it had been kept.
+                Next::Replay(frame) => _ = self.run.push(frame)?,
+                Next::Capture(view) => return Ok(Some(view)),
+                Next::Stop(StopReason::Cancelled) => return Err(nextview::Cancelled.into()),
+                Next::Stop(reason) => {
+                    self.run.scan_mut().stop_reason = Some(reason);
+                    return Ok(None);
+                }
+            }
+        }
+    }
+
+    /// Takes in a depth image from any pose, and a colour image of the same size that belongs to it. If a
+    /// view was asked for, it counts as taken. Fails before anything has changed if the image is not of the
+    /// camera's size, cannot be kept, or if it is cancelled.
+    ///
+    /// A cancelled frame that was kept in a folder is taken in by [`next`](Self::next), or observed again.
+    pub fn observe(
+        &mut self,
+        image: DepthImage,
+        world_from_camera: Pose,
+        color: Option<ColorImage>,
+    ) -> Result<&StepRecord, Fault> {
+        let frame = self.camera.frame(image, world_from_camera)?;
+        self.run.push_colored(frame, color)
+    }
+
+    /// Skips a candidate, for example because a robot cannot go there: it is never proposed again.
+    pub fn skip(&mut self, view: usize, reason: &str) -> Result<(), Fault> {
+        self.run.skip(view, reason)
+    }
+
+    /// The trajectory from the last frame to a view; see [`Session::trajectory_to`].
+    ///
+    /// [`Session::trajectory_to`]: nextview::session::Session::trajectory_to
+    pub fn trajectory_to(&self, view: &NextView) -> Result<Trajectory, Fault> {
+        Ok(self.run.session().trajectory_to(&view.world_from_camera)?)
+    }
+
+    /// The scan as it stands: its map, its model, its record.
+    pub fn scan(&self) -> &FinishedScan<'static> {
+        self.run.scan()
+    }
+
+    /// Why the scan is over; none while it is under way.
+    pub fn stop_reason(&self) -> Option<StopReason> {
+        self.scan().stop_reason
+    }
+
+    /// The configuration, completed by what was decided when the scan was begun.
+    pub fn config(&self) -> &ScanConfig {
+        &self.config
+    }
+
+    /// The camera.
+    pub fn camera(&self) -> &OwnCamera {
+        &self.camera
+    }
+
+    /// The flag that cancels all computations of the scan.
+    pub fn cancel(&self) -> &Cancel {
+        &self.cancel
+    }
+
+    /// Adds the results of the scan as it stands; see [`write_results`].
+    pub fn write_results(&self, folder: &mut ResultFolder) -> Results {
+        write_results(folder, &self.config, self.scan())
+    }
+
+    /// The results are on the disk, or there will be none: the journal is removed. Later frames are kept in
+    /// memory only.
+    pub fn forget_journal(&mut self) {
+        self.run.scan_mut().forget_journal();
+    }
+}

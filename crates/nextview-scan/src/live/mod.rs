@@ -1,0 +1,6 @@
+//! A scan by a camera of one's own, from a configuration to the results: what a server, a ROS node and Python
+//! drive.
+
+mod live_scan;
+
+pub use live_scan::LiveScan;

@@ -1,0 +1,146 @@
+use super::session_config::{VOXEL_SIZE, session_config, suitable_voxel_size, voxel_block};
+use crate::{BoxRule, Fault, Faults, LiveConfig, ScanConfig, TableRule, ViewRule, short_name};
+use glam::DVec3;
+use nextview::geometry::{Aabb, Pose};
+use nextview::sensor::{DepthImage, Frame, Intrinsics};
+use nextview::session::{ObjectBox, Session, SessionConfig, Table, Views};
+use nextview::view::ViewSpace;
+
+/// A camera of one's own before an unknown object: it takes its frames elsewhere, and they are pushed into
+/// the run. See [`LiveScan`](crate::LiveScan).
+pub struct OwnCamera {
+    intrinsics: Intrinsics,
+    /// The depth up to which a pixel from which nothing came back is free, metres.
+    range: f64,
+    session_config: SessionConfig,
+    views: Views,
+    n_views: usize,
+    reach_note: Option<String>,
+}
+
+/// How far above the table the lowest candidates of a rule are, metres.
+const LOWEST_VIEW: f64 = 0.03;
+
+impl OwnCamera {
+    /// The camera that the configuration describes, which is completed by what is decided here: number of
+    /// views, voxel size, whether the box grows. Fails if the object cannot be scanned as configured.
+    pub fn open(config: &mut ScanConfig) -> Result<Self, Faults> {
+        let Some(live) = config.live.clone() else {
+            return Err(Fault::request("there is no `live` in the configuration").into());
+        };
+        config.check()?;
+        let bounds = live.bounds();
+        config.object_box.rule = if bounds.is_some() { BoxRule::Known } else { BoxRule::Grows };
+        let suitable = bounds.map_or(VOXEL_SIZE, |bounds| suitable_voxel_size(bounds.longest_side()));
+        let voxel_size = *config.voxel_size_m.get_or_insert(suitable);
+        let Candidates { views, n_views, reach_note } = candidates(config, &live)?;
+        config.check_views(n_views)?;
+        config.views = Some(config.max_views(n_views));
+        config.planner(None)?;
+        let object_box = bounds.map_or(ObjectBox::Growing, ObjectBox::Known);
+        let session_config = session_config(config, n_views, voxel_size, object_box, table(config, &live));
+        let session_config = SessionConfig { depth_range: live.depth_range(), ..session_config };
+        bounds.map(|bounds| voxel_block(&session_config, &bounds)).transpose()?;
+        let (intrinsics, range) = (config.camera, live.max_depth_m);
+        Ok(Self { intrinsics, range, session_config, views, n_views, reach_note })
+    }
+
+    /// The session that the configuration describes, which must be the one that [`open`](Self::open)
+    /// completed.
+    pub fn session(&self, config: &ScanConfig) -> Result<Session, Faults> {
+        let planner = config.planner(None)?;
+        Ok(Session::new(self.session_config, self.intrinsics, self.views.clone(), planner)?)
+    }
+
+    /// The frame of a depth image that was taken here; fails if it is not of the camera's size.
+    pub fn frame(&self, image: DepthImage, world_from_camera: Pose) -> Result<Frame, Fault> {
+        let (width, height) = (image.width(), image.height());
+        let expected = (self.intrinsics.width(), self.intrinsics.height());
+        if (width, height) != expected {
+            let expected = format!("{} x {} pixels, as the camera has", expected.0, expected.1);
+            return Err(Fault::of_value("depth", format!("{width} x {height}"), expected));
+        }
+        Ok(Frame::new(image, self.intrinsics, world_from_camera, self.range)?)
+    }
+
+    /// Number of candidates.
+    pub fn n_views(&self) -> usize {
+        self.n_views
+    }
+
+    /// Name of the object, size of the images.
+    pub fn description(&self, config: &ScanConfig) -> String {
+        let (width, height) = (self.intrinsics.width(), self.intrinsics.height());
+        format!("{}: a camera of {width} x {height} pixels", short_name(&config.object))
+    }
+
+    /// Remarks for the user: candidates that are out of reach.
+    pub fn notes(&self) -> Vec<String> {
+        self.reach_note.iter().cloned().collect()
+    }
+}
+
+fn table(config: &ScanConfig, live: &LiveConfig) -> Table {
+    match (live.table_z_m, config.object_box.table) {
+        (Some(z), _) => Table::AtHeight(z),
+        (None, TableRule::Fit) => Table::Fitted,
+        _ => Table::None,
+    }
+}
+
+struct Candidates {
+    views: Views,
+    n_views: usize,
+    /// How many are within reach, where that is limited.
+    reach_note: Option<String>,
+}
+
+impl Candidates {
+    /// Those of these poses that are within reach.
+    fn fixed(views: ViewSpace, config: &ScanConfig) -> Result<Self, Fault> {
+        let (views, reach_note) = config.reach.views(views)?;
+        Ok(Self { n_views: views.len(), views: Views::Fixed(views), reach_note })
+    }
+}
+
+fn candidates(config: &ScanConfig, live: &LiveConfig) -> Result<Candidates, Fault> {
+    if !live.poses.is_empty() {
+        return Candidates::fixed(ViewSpace::new(live.poses.clone())?, config);
+    }
+    let Some(rule) = config.view_space.rule() else {
+        let fault = Fault::of_value("view_space", &config.view_space.0, "shell, sphere or hemisphere");
+        return Err(fault.with_remedy("`live.poses` takes candidates of one's own"));
+    };
+    match live.bounds() {
+        Some(bounds) => Candidates::fixed(around(rule, bounds, config, live)?, config),
+        None => following(rule, config, live),
+    }
+}
+
+/// Those of a rule around a known box: where the camera measures it, and above its table.
+fn around(rule: ViewRule, bounds: Aabb, config: &ScanConfig, live: &LiveConfig) -> Result<ViewSpace, Fault> {
+    let (center, size) = (bounds.center(), 0.5 * bounds.longest_side());
+    let views = rule.views(center, size, config.candidates, config.view_seed())?;
+    let views = views.within_range(center, size, live.depth_range());
+    // A table that is still to be found is not below the object.
+    let fitted = (config.object_box.table == TableRule::Fit).then_some(bounds.min.z);
+    let Some(table) = live.table_z_m.or(fitted) else { return Ok(views) };
+    let above = views.poses().iter().filter(|pose| pose.translation().z >= table + LOWEST_VIEW);
+    ViewSpace::new(above.copied().collect())
+        .map_err(|_| Fault::request("no view candidate is above the table").with_remedy("check `live.box_m`"))
+}
+
+/// Those of a rule that move along with the box.
+fn following(rule: ViewRule, config: &ScanConfig, live: &LiveConfig) -> Result<Candidates, Fault> {
+    let Some(first) = live.first_pose else {
+        let message =
+            "where nothing is known of the object, the pose of a view that shows some of it is needed";
+        let fault =
+            Fault::request(message).with_remedy("state `live.first_pose`, `live.box_m` or `live.poses`");
+        return Err(Fault { key: Some("live.first_pose".to_owned()), ..fault });
+    };
+    let unit = rule.views(DVec3::ZERO, 1.0, config.candidates, config.view_seed())?;
+    let n_views = unit.len();
+    let views = Views::Following { first, unit, reach: config.reach.rule() };
+    Ok(Candidates { views, n_views, reach_note: None })
+}

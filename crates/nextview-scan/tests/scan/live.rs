@@ -1,0 +1,208 @@
+//! A camera of one's own sees what the simulated one sees, and scans the same.
+
+use crate::common::Folder;
+use nextview::Cancel;
+use nextview::geometry::Pose;
+use nextview::sensor::{ColorImage, Depth, DepthImage, Frame};
+use nextview::session::StopReason;
+use nextview_scan::files::{Overwrite, ResultFolder};
+use nextview_scan::{
+    Begin, BoxRule, FinishedScan, LiveConfig, LiveScan, ObjectBoxConfig, PlannerName, RESULT_FILES,
+    ScanConfig, ScanJournal, ScanRecord, ScanRun, SimulatedObject, Simulation, TableRule, write_results,
+};
+use nextview_sim::evaluator;
+use std::path::Path;
+
+fn config(planner: PlannerName) -> ScanConfig {
+    ScanConfig {
+        object: "builtin:mug".to_owned(),
+        planner,
+        candidates: 40,
+        views: Some(5),
+        voxel_size_m: Some(0.01),
+        baselines: false,
+        ..ScanConfig::default()
+    }
+}
+
+/// The same scan by an outsider, who is told where the object and the candidates are.
+fn live(config: &ScanConfig, object: &SimulatedObject) -> ScanConfig {
+    let bounds = object.scene.planning_box(object.voxel_size);
+    let [min, max] = [bounds.min.to_array(), bounds.max.to_array()];
+    let live = LiveConfig {
+        box_m: Some([min[0], min[1], min[2], max[0], max[1], max[2]]),
+        poses: object.views.poses().to_vec(),
+        ..LiveConfig::default()
+    };
+    ScanConfig { object: "mug".to_owned(), live: Some(live), ..config.clone() }
+}
+
+fn frame(object: &SimulatedObject, pose: &Pose, is_first: bool) -> Frame {
+    evaluator::capture(&object.scene, pose, is_first).unwrap().0
+}
+
+fn observe(scan: &mut LiveScan, object: &SimulatedObject, pose: &Pose) {
+    let frame = frame(object, pose, scan.scan().steps.is_empty());
+    scan.observe(frame.image().clone(), frame.world_from_camera(), None).unwrap();
+}
+
+fn files_of(dir: &Path, scan: &FinishedScan<'_>, config: &ScanConfig) -> ScanRecord {
+    let mut folder = ResultFolder::begin(dir, RESULT_FILES, Overwrite::nothing()).unwrap();
+    let results = write_results(&mut folder, config, scan);
+    assert_eq!(results.faults, None);
+    folder.publish().unwrap();
+    results.record
+}
+
+#[test]
+fn an_outsider_scans_as_the_simulated_source_does() {
+    for planner in [PlannerName::MostSurface, PlannerName::MaxFlow, PlannerName::Rse] {
+        let folder = Folder::new(&format!("live-{planner}"));
+        let config = config(planner);
+        let object = SimulatedObject::new(&config).unwrap();
+        let simulation = Simulation::new(&object, &config, None);
+        let mut run = ScanRun::begin(&simulation, &config, Begin::default()).unwrap();
+        let reason = run.drive(|_| Ok(())).unwrap();
+        let expected = files_of(&folder.path("simulated"), &run.finish(Some(reason)), &config);
+
+        let mut scan = LiveScan::begin(live(&config, &object), None, Cancel::default()).unwrap();
+        while let Some(view) = scan.next().unwrap() {
+            assert_eq!(scan.next().unwrap().unwrap(), view);
+            observe(&mut scan, &object, &view.world_from_camera);
+        }
+        assert_eq!(scan.stop_reason(), Some(reason));
+        let record = files_of(&folder.path("live"), scan.scan(), scan.config());
+        let views = |record: &ScanRecord| record.steps.iter().map(|step| step.view).collect::<Vec<_>>();
+        assert_eq!(views(&record), views(&expected));
+        assert_eq!((record.box_rule, record.view_seed), (Some(BoxRule::Known), None));
+        for name in ["map.ot", "map.bt", "cloud.ply", "mesh.ply", "views.csv", "waypoints.csv"] {
+            let [ours, theirs] =
+                ["live", "simulated"].map(|dir| std::fs::read(folder.path(dir).join(name)).unwrap());
+            assert!(ours == theirs, "{planner}: {name} differs");
+        }
+    }
+}
+
+/// Red where the depth is, black elsewhere.
+fn red(image: &DepthImage) -> ColorImage {
+    let pixels = (0..image.height()).flat_map(|v| (0..image.width()).map(move |u| image.get(u, v)));
+    let color = |depth| if matches!(depth, Depth::Surface(_)) { [200, 10, 20] } else { [0; 3] };
+    ColorImage::new(image.width(), image.height(), pixels.map(color).collect()).unwrap()
+}
+
+#[test]
+fn an_interrupted_scan_is_resumed_with_its_colours() {
+    let folder = Folder::new("live-resumed");
+    let dir = folder.path("scan");
+    let config = config(PlannerName::MaxFlow);
+    let object = SimulatedObject::new(&config).unwrap();
+    let colored = |scan: &mut LiveScan, n: usize| {
+        for _ in 0..n {
+            let Some(view) = scan.next().unwrap() else { return };
+            let frame = frame(&object, &view.world_from_camera, false);
+            let color = red(frame.image());
+            scan.observe(frame.image().clone(), frame.world_from_camera(), Some(color)).unwrap();
+        }
+    };
+    let mut undisturbed = LiveScan::begin(live(&config, &object), None, Cancel::default()).unwrap();
+    colored(&mut undisturbed, 9);
+    let mut scan = LiveScan::begin(live(&config, &object), Some(&dir), Cancel::default()).unwrap();
+    colored(&mut scan, 3);
+    drop(scan); // as a kill
+    assert!(LiveScan::begin(live(&config, &object), Some(&dir), Cancel::default()).is_err());
+    let mut scan = LiveScan::resume(&dir, Cancel::default()).unwrap();
+    assert_eq!((scan.scan().steps.len(), scan.config()), (3, undisturbed.config()));
+    colored(&mut scan, 9);
+    assert_eq!(scan.stop_reason(), Some(StopReason::ViewLimit));
+    let [ours, theirs] = [&scan, &undisturbed].map(|scan| scan.scan().model(config.model).unwrap());
+    assert_eq!(ours.cloud, theirs.cloud);
+    assert!(ours.cloud.iter().all(|point| point.color == Some([200, 10, 20])));
+    scan.forget_journal();
+    assert!(!ScanJournal::is_in(&dir));
+}
+
+#[test]
+fn nothing_need_be_known_but_the_first_view() {
+    let config = config(PlannerName::MostSurface);
+    let object = SimulatedObject::new(&ScanConfig {
+        object_box: ObjectBoxConfig { table: TableRule::Known, ..ObjectBoxConfig::default() },
+        ..config.clone()
+    })
+    .unwrap();
+    let first_pose = Some(object.views.pose(0));
+    let box_and_table = ObjectBoxConfig { table: TableRule::Fit, ..ObjectBoxConfig::default() };
+    let config = ScanConfig {
+        object_box: box_and_table,
+        live: Some(LiveConfig { first_pose, ..LiveConfig::default() }),
+        ..config
+    };
+    let mut scan = LiveScan::begin(config, None, Cancel::default()).unwrap();
+    while let Some(view) = scan.next().unwrap() {
+        observe(&mut scan, &object, &view.world_from_camera);
+    }
+    let scan = scan.scan();
+    assert_eq!(scan.steps.len(), 5);
+    assert!(scan.session.table().is_some() && scan.steps[4].occupied_voxels > 100);
+}
+
+#[test]
+fn a_cancelled_step_comes_again() {
+    let config = config(PlannerName::MaxFlow);
+    let object = SimulatedObject::new(&config).unwrap();
+    let mut scan = LiveScan::begin(live(&config, &object), None, Cancel::default()).unwrap();
+    for n in 0..2 {
+        scan.cancel().cancel();
+        let view = if n == 0 { scan.next().ok().flatten() } else { None };
+        assert!(view.is_none() && scan.next().is_err());
+        scan.cancel().reset();
+        let view = scan.next().unwrap().unwrap();
+        scan.cancel().cancel();
+        let frame = frame(&object, &view.world_from_camera, false);
+        assert!(scan.observe(frame.image().clone(), frame.world_from_camera(), None).is_err());
+        scan.cancel().reset();
+        observe(&mut scan, &object, &view.world_from_camera);
+        assert_eq!(scan.scan().steps.len(), n + 1);
+    }
+}
+
+#[test]
+fn what_cannot_be_is_refused_with_its_reason() {
+    let check = |change: fn(&mut ScanConfig, &mut LiveConfig), expected: &str| {
+        let (mut config, mut live) = (config(PlannerName::MaxFlow), LiveConfig::default());
+        live.box_m = Some([0.0, 0.0, 0.0, 0.1, 0.1, 0.1]);
+        change(&mut config, &mut live);
+        config.live = Some(live);
+        let faults = LiveScan::begin(config, None, Cancel::default()).map(drop).unwrap_err().to_string();
+        assert!(faults.contains(expected), "{faults}, expected {expected}");
+    };
+    check(|_, live| live.box_m = Some([0.0; 6]), "`live.box_m` is [0, 0, 0] to [0, 0, 0], expected finite");
+    check(|_, live| live.box_m = None, "the pose of a view that shows some of it is needed");
+    check(|_, live| live.max_depth_m = f64::NAN, "`live.max_depth_m` is NaN");
+    check(|_, live| live.min_depth_m = -1.0, "`live.min_depth_m` is -1");
+    check(
+        |config, _| config.size_m = Some(0.1),
+        "`size_m` is for simulations, not for a camera of one's own",
+    );
+    check(|config, _| config.planner = PlannerName::Clairvoyant, "needs the true object");
+    check(|config, _| config.recording = Some(Default::default()), "frames are either recorded or come");
+    check(|config, _| config.view_space.0 = "a.csv".to_owned(), "`view_space` is a.csv, expected shell");
+    check(|_, live| live.table_z_m = Some(5.0), "no view candidate is above the table");
+
+    let mut scan = LiveScan::begin(
+        ScanConfig {
+            live: Some(LiveConfig { box_m: Some([0.0, 0.0, 0.0, 0.1, 0.1, 0.1]), ..LiveConfig::default() }),
+            ..config(PlannerName::MaxFlow)
+        },
+        None,
+        Cancel::default(),
+    )
+    .unwrap();
+    let image = || DepthImage::from_metres(640, 480, vec![f32::INFINITY; 640 * 480]).unwrap();
+    let small = DepthImage::from_metres(2, 1, vec![1.0; 2]).unwrap();
+    let fault = scan.observe(small, Pose::IDENTITY, None).unwrap_err();
+    assert!(fault.to_string().contains("`depth` is 2 x 1, expected 640 x 480 pixels"), "{fault}");
+    let color = ColorImage::new(2, 1, vec![[0; 3]; 2]).unwrap();
+    let fault = scan.observe(image(), Pose::IDENTITY, Some(color)).unwrap_err();
+    assert!(fault.to_string().contains("`color` is 2 x 1, expected 640 x 480 pixels"), "{fault}");
+    assert!(scan.scan().steps.is_empty());
+}

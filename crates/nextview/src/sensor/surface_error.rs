@@ -1,0 +1,101 @@
+use super::DepthError;
+use crate::Error;
+use crate::checked::{check_range, checked_when_read};
+use serde::{Deserialize, Serialize};
+
+/// The random error of a measured surface, along its normal: what a camera's figures say of one pixel, and of
+/// many pixels of one image. By default there is none.
+///
+/// ```
+/// use nextview::sensor::{DepthError, SurfaceError};
+///
+/// let depth = DepthError { constant: 0.001, ..DepthError::default() };
+/// let error = SurfaceError { depth, correlated_share: 0.25, ..SurfaceError::default() };
+/// let pixel = error.of_pixel(0.5, 1.0, 600.0);
+/// assert!((pixel.sqrt() - 0.001).abs() < 1e-12);
+/// // The mean of many neighbouring pixels still has what they share: half of the standard deviation.
+/// assert!((error.of_look(pixel, 1e9).sqrt() - 0.0005).abs() < 1e-9);
+/// ```
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(default, deny_unknown_fields, remote = "Self")]
+pub struct SurfaceError {
+    /// Of the depth.
+    pub depth: DepthError,
+    /// Share of its variance that neighbouring pixels of an image have in common, 0..=1. Default 0.
+    pub correlated_share: f64,
+    /// The depth is a multiple of this, metres; 0 does not round. Default 0.
+    #[serde(rename = "depth_unit_m")]
+    pub depth_unit: f64,
+    /// A pixel shows the depth of one at a distance with this standard deviation in both directions, pixels,
+    /// 0 or more. Default 0.
+    #[serde(rename = "lateral_sigma_px")]
+    pub lateral_sigma: f64,
+}
+
+checked_when_read!(SurfaceError);
+
+/// Flatter angles than this cosine count as this one: no pixel is trusted there.
+const LEAST_COSINE: f64 = 0.2;
+
+impl SurfaceError {
+    /// Fails on the first value out of range.
+    pub fn check(&self) -> Result<(), Error> {
+        let from_0 = 0.0..=f64::MAX;
+        self.depth.check()?;
+        check_range("correlated_share", self.correlated_share, 0.0..=1.0, "a number in 0..=1")?;
+        check_range("depth_unit_m", self.depth_unit, from_0.clone(), "0 or a positive number of metres")?;
+        check_range("lateral_sigma_px", self.lateral_sigma, from_0, "0 or a positive number of pixels")
+    }
+
+    /// Variance of one pixel along the surface's normal, square metres, for a surface at this depth
+    /// (metres, along the optical axis), seen at this cosine between its normal and the ray, in an image of
+    /// this focal length (pixels), before the depth is rounded. A shift to a neighbouring pixel counts by
+    /// the slope of the surface.
+    pub fn of_pixel(&self, depth: f64, cosine: f64, focal: f64) -> f64 {
+        let cosine = cosine.clamp(LEAST_COSINE, 1.0);
+        let slope_sq = 1.0 / (cosine * cosine) - 1.0;
+        let along_axis = self.depth.sigma(depth).powi(2);
+        let lateral = slope_sq * (self.lateral_sigma * depth / focal).powi(2);
+        cosine * cosine * (along_axis + lateral)
+    }
+
+    /// Variance of the mean of `n` neighbouring pixels of one image, square metres, each of which has this
+    /// variance.
+    ///
+    /// Rounding moves them together: they are the ones that were rounded into the same layer.
+    pub fn of_look(&self, of_pixel: f64, n: f64) -> f64 {
+        let rounding = self.depth_unit.powi(2) / 12.0;
+        of_pixel * (self.correlated_share + (1.0 - self.correlated_share) / n.max(1.0)) + rounding
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_slope_shortens_the_depth_error_and_lets_the_lateral_one_in() {
+        let depth = DepthError { constant: 0.001, ..DepthError::default() };
+        let error = SurfaceError { depth, ..SurfaceError::default() };
+        assert!((error.of_pixel(1.0, 0.5, 500.0).sqrt() - 0.0005).abs() < 1e-12);
+        let lateral = SurfaceError { lateral_sigma: 1.0, ..SurfaceError::default() };
+        assert_eq!(lateral.of_pixel(1.0, 1.0, 500.0), 0.0);
+        // At 45 degrees, 2 mm beside are 2 mm deeper, and 1.41 mm along the normal.
+        let at_45 = lateral.of_pixel(1.0, 0.5_f64.sqrt(), 500.0).sqrt();
+        assert!((at_45 - 0.002 * 0.5_f64.sqrt()).abs() < 1e-12, "{at_45}");
+    }
+
+    #[test]
+    fn values_out_of_range_are_named() {
+        let none = SurfaceError::default();
+        assert!(none.check().is_ok());
+        for (error, name) in [
+            (SurfaceError { correlated_share: 1.1, ..none }, "correlated_share is 1.1"),
+            (SurfaceError { depth_unit: -1.0, ..none }, "depth_unit_m is -1"),
+            (SurfaceError { lateral_sigma: f64::NAN, ..none }, "lateral_sigma_px is NaN"),
+        ] {
+            assert!(error.check().unwrap_err().to_string().starts_with(name));
+        }
+    }
+}

@@ -1,0 +1,147 @@
+use super::tangent_plane::tangent_planes;
+use crate::geometry::{Aabb, Lattice};
+use crate::sensor::{Frame, SurfaceError};
+use crate::{Cancel, Cancelled, Error};
+use glam::{DVec3, IVec3};
+use rustc_hash::FxHashMap;
+
+/// How well the surface was measured in each cell of space: the expected error of the mean of its points,
+/// along the normal.
+///
+/// Errors of different frames are independent; those of one frame share a part, by the camera's
+/// [`SurfaceError`]. Wrong poses are not in it.
+#[derive(Clone, Debug)]
+pub struct MeasuredCells {
+    lattice: Lattice,
+    error: SurfaceError,
+    cells: FxHashMap<IVec3, Cell>,
+}
+
+/// Sums over the frames.
+#[derive(Clone, Copy, Debug, Default)]
+struct Cell {
+    /// Number of points.
+    n: f64,
+    /// Sum over the frames of the squared number of points times the variance of their mean.
+    weighted: f64,
+    normal: DVec3,
+}
+
+/// Sums over the points of a cell in one frame.
+#[derive(Clone, Copy, Default)]
+struct Look {
+    n: f64,
+    variance: f64,
+    normal: DVec3,
+}
+
+/// Frames are checked for cancellation once in so many rows.
+const ROWS: u32 = 64;
+
+impl MeasuredCells {
+    /// Nothing was measured yet, in cubes with edges of `cell` metres (at least 0.0001).
+    pub fn new(cell: f64, error: SurfaceError) -> Result<Self, Error> {
+        error.check()?;
+        Ok(Self { lattice: Lattice::new(cell)?, error, cells: FxHashMap::default() })
+    }
+
+    /// Adds the points of a frame in a box (world coordinates, finite). If cancelled, nothing is added.
+    pub fn add(&mut self, frame: &Frame, bounds: Aabb, cancel: &Cancel) -> Result<(), Cancelled> {
+        cancel.check()?;
+        let planes = tangent_planes(frame);
+        let (width, rotation) = (frame.image().width(), frame.world_from_camera().rotation_matrix());
+        let focal = frame.intrinsics().focal().x;
+        let mut looks: FxHashMap<IVec3, Look> = FxHashMap::default();
+        for v in 0..frame.image().height() {
+            if v % ROWS == 0 {
+                cancel.check()?;
+            }
+            for (u, point) in frame.row_pixels_in(v, bounds) {
+                let Some(plane) = planes[(v * width + u) as usize] else { continue };
+                let look = looks.entry(self.lattice.key(point)).or_default();
+                look.n += 1.0;
+                look.variance += self.error.of_pixel(plane.depth as f64, plane.cosine as f64, focal);
+                look.normal += rotation * plane.normal.as_dvec3();
+            }
+        }
+        // The order of cells does not matter: each is met once.
+        for (key, look) in looks {
+            let cell = self.cells.entry(key).or_default();
+            cell.n += look.n;
+            cell.weighted += look.n * look.n * self.error.of_look(look.variance / look.n, look.n);
+            cell.normal += look.normal;
+        }
+        Ok(())
+    }
+
+    /// Expected error of the mean of the points in the cell of a position, standard deviation in metres; none
+    /// where nothing was measured.
+    pub fn error_at(&self, position: DVec3) -> Option<f64> {
+        self.cells.get(&self.lattice.key(position)).map(Cell::error)
+    }
+
+    /// The same with the mean normal, of unit length, to the side that was seen; none where normals cancel
+    /// each other, too.
+    pub(crate) fn surface_at(&self, position: DVec3) -> Option<(f64, DVec3)> {
+        let cell = self.cells.get(&self.lattice.key(position))?;
+        Some((cell.error(), cell.normal.try_normalize()?))
+    }
+
+    pub(crate) fn lattice(&self) -> &Lattice {
+        &self.lattice
+    }
+
+    /// The camera's error.
+    pub(crate) fn surface_error(&self) -> &SurfaceError {
+        &self.error
+    }
+
+    /// The expected errors of all cells, metres, in no fixed order.
+    pub(crate) fn errors(&self) -> impl Iterator<Item = f64> + '_ {
+        self.cells.values().map(Cell::error)
+    }
+}
+
+impl Cell {
+    fn error(&self) -> f64 {
+        self.weighted.sqrt() / self.n
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::sensor::DepthError;
+    use crate::sensor::made_up::of_depth;
+
+    fn measured(correlated_share: f64, n_frames: usize) -> MeasuredCells {
+        let depth = DepthError { constant: 0.004, ..DepthError::default() };
+        let error = SurfaceError { depth, correlated_share, ..SurfaceError::default() };
+        let mut cells = MeasuredCells::new(0.02, error).unwrap();
+        // A wall from the front, whose pixels are 1 cm wide.
+        let frame = of_depth(21, 17, |_, _| 0.5);
+        for _ in 0..n_frames {
+            cells.add(&frame, Aabb::cube(DVec3::ZERO, 1.0), &Cancel::default()).unwrap();
+        }
+        cells
+    }
+
+    #[test]
+    fn looks_average_what_is_not_shared() {
+        let at = DVec3::new(0.03, 0.03, 0.5);
+        let error = |share, n| measured(share, n).error_at(at).unwrap();
+        let n_pixels = 4.0_f64;
+        assert!((error(0.0, 1) - 0.004 / n_pixels.sqrt()).abs() < 2e-5, "{}", error(0.0, 1));
+        assert!((error(1.0, 1) - 0.004).abs() < 4e-5, "{}", error(1.0, 1));
+        for share in [0.0, 0.5, 1.0] {
+            assert!((error(share, 4) - 0.5 * error(share, 1)).abs() < 1e-9);
+        }
+        assert_eq!(measured(0.0, 1).error_at(DVec3::ZERO), None);
+    }
+
+    #[test]
+    fn normals_face_the_camera() {
+        let (_, normal) = measured(0.0, 2).surface_at(DVec3::new(0.03, 0.03, 0.5)).unwrap();
+        assert!(normal.distance(-DVec3::Z) < 1e-6);
+    }
+}
