@@ -1,0 +1,66 @@
+"""Campaigns: many scans by one specification."""
+
+from __future__ import annotations
+
+import os
+import tempfile
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from nextview import _native
+
+Columns = dict[str, Any]
+"""Columns by name: arrays of float64 (NaN for a missing value), int64 or bool, or lists of texts or None."""
+
+
+@dataclass(frozen=True, eq=False)
+class Bench:
+    """The tables of a campaign, as `pandas.DataFrame` and `polars.DataFrame` take them."""
+
+    runs: Columns
+    """A row per run."""
+    steps: Columns
+    """A row per view of each run."""
+    times: Columns
+    """The same rows with times and memory."""
+    failed: list[tuple[str, str, int]]
+    """Runs that failed: object, reason and how many of them."""
+
+
+def bench(
+    spec: str | os.PathLike[str] | Mapping[str, Any],
+    objects: Sequence[str | os.PathLike[str]] = (),
+    *,
+    out: str | os.PathLike[str] | None = None,
+    resume: bool = False,
+    jobs: int | None = None,
+    on_event: Callable[[dict[str, Any]], object] | None = None,
+) -> Bench:
+    """Does all runs of a specification, as `nextview bench` does.
+
+    - `spec`: the name of a built-in specification, a TOML file, or a dict with the same keys.
+    - `objects`: mesh files or built-in objects, in place of those of a specification by name.
+    - `out`: a folder that keeps every run as soon as it is done; with `resume`, those that are there are not
+      done again. By default, nothing is kept.
+    - `jobs`: runs beside each other; by default one per core.
+    - `on_event`: called with every event, such as `{"run-finished": {...}}`, for a progress bar. It may be
+      called from another thread. If it raises, the campaign ends.
+
+    A run that fails does not stop the others. Raises `InputError` or `DataError` if the specification cannot
+    be done. Ctrl-C ends it; runs that are done are kept in `out`.
+
+    >>> import nextview
+    >>> spec = {"name": "two", "objects": ["builtin:mug"],
+    ...     "scan": {"views": 2, "candidates": 20, "voxel_size_m": 0.02},
+    ...     "variant": [{"scan": {"planner": "random"}}, {"scan": {"planner": "max-flow"}}]}
+    >>> done = nextview.bench(spec)
+    >>> done.runs["variant"]
+    ['random', 'max-flow']
+    """
+    listed = [os.fspath(each) for each in objects]
+    given = dict(spec) if isinstance(spec, Mapping) else os.fspath(spec)
+    if out is not None:
+        return Bench(**_native.bench(given, listed, os.fspath(out), resume, jobs, on_event))
+    with tempfile.TemporaryDirectory(prefix="nextview-") as folder:
+        return Bench(**_native.bench(given, listed, os.path.join(folder, "bench"), resume, jobs, on_event))

@@ -1,0 +1,240 @@
+"""A scan by your own camera."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterable, Sequence
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from nextview import _native
+from nextview._camera import Camera
+from nextview._model import Cloud, Map, Mesh, cloud_of, map_of, mesh_of
+from nextview.errors import InputError
+
+Pose = NDArray[np.float64] | _native.View
+"""The pose of a camera: a 4 x 4 array of float64, or a `View`."""
+
+
+class Scan:
+    """A scan of an unknown object by your own camera.
+
+    It never drives a camera: ask for the `next_view`, take a depth image there, and let the scan `observe`
+    it.
+
+    - `camera`: the depth camera.
+    - `box`: where the object is: its lowest and its highest corner, metres. Without it, the box grows from
+      the first image on, which then must show some of the object.
+    - `first_pose`: the pose of the first view, needed where the box grows and `poses` are not given: for
+      example where the camera is now.
+    - `poses`: the view candidates; by default a rule makes `candidates` of them around the object:
+      `view_space`, "shell", "sphere" or "hemisphere".
+    - `planner`: one of `nextview.planners`.
+    - `views`: the maximum number of views; by default 10.
+    - `voxel_size_m`: edge of a voxel; by default a fortieth of the box, or 0.005.
+    - `table`: what the object stands on: "none", "fit" (it is found in the first image), or its height z,
+      metres.
+    - `name`: of the object, for records and reports.
+    - `out`: a folder. Every frame is on the disk there before it counts; after an interruption,
+      `nextview.resume` resumes the scan. `save` writes the results there. It must not hold results of another
+      scan, unless `force` is true, which replaces them.
+    - `options`: any other key of a configuration, such as `registration={"enabled": True}` or
+      `stop={"completeness": 0.98}`.
+
+    Raises `InputError` if the values cannot be, and `DataError` if the folder cannot be used.
+
+    One object serves one scan. Calls from several threads take turns; scans run beside each other.
+
+    >>> import nextview
+    >>> sim = nextview.SimulatedScene("builtin:mug", voxel_size_m=0.01)
+    >>> scan = nextview.Scan(sim.camera, box=sim.box_m, views=3, voxel_size_m=0.01)
+    >>> while (view := scan.next_view()) is not None:
+    ...     step = scan.observe(sim.capture(view), world_from_camera=view)
+    >>> len(scan.steps), scan.stop_reason
+    (3, 'view-limit')
+    """
+
+    _engine: _native.LiveScan
+    _out: str | None
+    _force: bool
+    _completeness: float | None
+    _model: tuple[int, Cloud, Mesh] | None
+
+    def __init__(
+        self,
+        camera: Camera,
+        box: Sequence[Sequence[float]] | NDArray[np.float64] | None = None,
+        *,
+        first_pose: Pose | None = None,
+        poses: Iterable[Pose] | None = None,
+        planner: str = "most-surface",
+        views: int | None = None,
+        voxel_size_m: float | None = None,
+        table: str | float = "none",
+        name: str = "object",
+        out: str | os.PathLike[str] | None = None,
+        force: bool = False,
+        **options: Any,
+    ) -> None:
+        """Begins a scan; nothing is observed yet."""
+        if not isinstance(camera, Camera):
+            raise InputError(f"`camera` is of type {type(camera).__name__}, expected nextview.Camera")
+        live: dict[str, Any] = {"box_m": None if box is None else _corners(box)}
+        given_box = options.pop("object_box", None)
+        if not isinstance(given_box, dict | None):
+            raise InputError(f"`object_box` is of type {type(given_box).__name__}, expected a dict")
+        object_box = dict(given_box or {})
+        if isinstance(table, str):
+            object_box["table"] = table
+        else:
+            live["table_z_m"] = table
+        given = {"planner": planner, "views": views, "voxel_size_m": voxel_size_m, "object": name}
+        config = {**options, **given, "live": live, "object_box": object_box}
+        listed = None if poses is None else list(poses)
+        path = None if out is None else os.fspath(out)
+        self._begin(_native.LiveScan(config, camera, first_pose, listed, path, force), path, force)
+
+    def _begin(self, scan: _native.LiveScan, out: str | None, force: bool) -> None:
+        self._engine, self._out, self._force = scan, out, force
+        self._completeness, self._model = None, None
+
+    def next_view(self) -> _native.View | None:
+        """The view to take next; None if the scan is over, see `stop_reason`.
+
+        Asked again before a frame is observed or a view skipped, the answer is the same. Ctrl-C ends the
+        computation; it can then be asked again.
+        """
+        view = self._engine.next_view()
+        if view is not None and view.estimated_completeness is not None:
+            self._completeness = view.estimated_completeness
+        return view
+
+    def observe(
+        self,
+        depth: NDArray[np.float32] | NDArray[np.uint16],
+        world_from_camera: Pose,
+        color: NDArray[np.uint8] | None = None,
+        *,
+        depth_scale_m: float | None = None,
+        mask: NDArray[np.bool_] | None = None,
+    ) -> dict[str, Any]:
+        """Takes in a depth image; the view that was asked for counts as taken. Returns the step's record.
+
+        - `depth`: height x width; float32 in metres, where 0, negative numbers and NaN mean "not measured"
+          and infinity means "nothing there"; or uint16 in units of `depth_scale_m`, where 0 means "not
+          measured".
+        - `world_from_camera`: where the camera truly was, 4 x 4 float64; or the view, if it was there
+          exactly. A rotation may be off by 1e-3.
+        - `color`: height x width x 3, uint8, aligned with the depth image; for cloud and mesh.
+        - `mask`: height x width, bool; pixels where it is true count as not measured.
+
+        Arrays of any memory layout are accepted. A scan keeps its frames, so that depths are copied once.
+        """
+        return self._engine.observe(depth, world_from_camera, color, depth_scale_m, mask)
+
+    def skip(self, view: int, reason: str = "out of reach") -> None:
+        """Never proposes this candidate again, for example because the robot cannot go there."""
+        self._engine.skip(view, reason)
+
+    @property
+    def record(self) -> dict[str, Any]:
+        """Everything about the scan so far: what `record.json` holds."""
+        return self._engine.record()
+
+    @property
+    def steps(self) -> list[dict[str, Any]]:
+        """The record of each frame so far: what `steps.jsonl` holds."""
+        return self._engine.steps()
+
+    @property
+    def stop_reason(self) -> str | None:
+        """Why the scan is over, such as "view-limit"; None while it is under way."""
+        return self._engine.stop_reason()
+
+    @property
+    def completeness(self) -> float | None:
+        """Estimated share, 0 to 1, of the visible surface that was seen when the last view was chosen; None
+        before, or if the planner does not estimate it."""
+        return self._completeness
+
+    @property
+    def config(self) -> dict[str, Any]:
+        """Everything that decides the scan: what `config.toml` holds."""
+        return self._engine.config()
+
+    @property
+    def camera(self) -> Camera:
+        """The camera."""
+        return Camera(*self._engine.camera())
+
+    @property
+    def candidates(self) -> NDArray[np.float64]:
+        """Poses of the view candidates as they stand now: N x 4 x 4, `world_from_camera`."""
+        return self._engine.candidates()
+
+    @property
+    def map(self) -> Map | None:
+        """The occupancy of the box around the object; None before an object was found."""
+        arrays = self._engine.map()
+        return None if arrays is None else map_of(arrays)
+
+    def cloud(self) -> Cloud:
+        """The measured points. Raises `DataError` if no object was found yet."""
+        return self._models()[1]
+
+    def mesh(self) -> Mesh:
+        """A surface through the measured points. Raises `DataError` if no object was found yet."""
+        return self._models()[2]
+
+    def _models(self) -> tuple[int, Cloud, Mesh]:
+        n_steps = self._engine.n_steps()
+        if self._model is None or self._model[0] != n_steps:
+            cloud, mesh = self._engine.model()
+            self._model = (n_steps, cloud_of(cloud), mesh_of(mesh))
+        return self._model
+
+    def save(self, out: str | os.PathLike[str] | None = None, *, force: bool = False) -> None:
+        """Writes the results into a folder, as the program does: map, cloud, mesh, records, `report.html`.
+
+        Without `out`, into the folder that the scan was begun with; if the scan is over, it needs no resuming
+        then. Results of another scan are replaced only with `force`.
+        """
+        path = self._out if out is None else os.fspath(out)
+        if path is None:
+            raise InputError("`out` is missing, expected a folder: the scan was begun without one")
+        is_own = self._out is not None and os.path.abspath(path) == os.path.abspath(self._out)
+        self._engine.save(path, force or (is_own and self._force), is_own)
+        # From now on, the results there are those of this scan.
+        self._force = self._force or is_own
+
+    def __repr__(self) -> str:
+        """The number of frames and the state."""
+        return f"Scan(steps={self._engine.n_steps()}, stop_reason={self.stop_reason!r})"
+
+
+def resume(out: str | os.PathLike[str]) -> Scan:
+    """Resumes the scan that was interrupted in this folder: it goes on after the frames that are kept, with
+    the views that it would have chosen without the interruption.
+
+    Raises `DataError` if the folder holds no interrupted scan by your own camera.
+    """
+    path = os.fspath(out)
+    scan = Scan.__new__(Scan)
+    # The folder was the scan's when it began.
+    scan._begin(_native.LiveScan.resume(path), path, True)
+    return scan
+
+
+def _corners(box: Sequence[Sequence[float]] | NDArray[np.float64]) -> list[float]:
+    expected = "expected its lowest and its highest corner, 2 x 3 numbers"
+    try:
+        corners = np.asarray(box)
+    except (TypeError, ValueError) as error:
+        raise InputError(f"`box` is {box!r}, {expected}") from error
+    if corners.dtype.kind not in "iuf":
+        raise InputError(f"`box` is {box!r}, {expected}")
+    if corners.size != 6:
+        raise InputError(f"`box` has {corners.size} numbers, {expected}")
+    return [float(number) for number in corners.ravel()]

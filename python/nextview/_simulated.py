@@ -1,0 +1,150 @@
+"""Scans of simulated objects and of recorded frames."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from nextview import _native
+from nextview._camera import Camera
+from nextview._model import Cloud, Map, Mesh, cloud_of, map_of, mesh_of
+from nextview._scan import Pose
+
+
+class SimulatedScene:
+    """A simulated object before a simulated depth camera: a stand-in for real ones.
+
+    - `object`: a mesh file, or one of `nextview.builtin_objects`.
+    - `camera`: the camera; by default an exact RealSense D435i.
+    - `options`: keys of a configuration, such as `sensor="d405"` (a camera with its noise), `size_m=0.3`,
+      `unit="mm"`, `object_box={"table": "known"}` (it stands on a table), `noise={"model": "d435i", "seed":
+      1}`.
+
+    Raises `InputError` or `DataError` if the object cannot be scanned so.
+
+    >>> import nextview
+    >>> sim = nextview.SimulatedScene("builtin:mug")
+    >>> depth = sim.capture(sim.candidates[0])
+    >>> depth.shape, depth.dtype
+    ((480, 640), dtype('float32'))
+    """
+
+    def __init__(
+        self,
+        object: str | os.PathLike[str] = "builtin:teapot",
+        *,
+        camera: Camera | None = None,
+        **options: Any,
+    ) -> None:
+        """Loads the object."""
+        self._engine = _native.Scene({**options, "object": os.fspath(object)}, camera)
+
+    def capture(self, world_from_camera: Pose) -> NDArray[np.float32]:
+        """The depth image from a pose: height x width, float32, metres; NaN where nothing was measured,
+        infinite where nothing came back.
+
+        Raises `InputError` if the pose is none, and `DataError` if it is outside the room around the object.
+        """
+        return self._engine.capture(world_from_camera, False)[0]
+
+    def frame(
+        self, world_from_camera: Pose, *, is_first: bool = False
+    ) -> tuple[NDArray[np.float32], NDArray[np.float64]]:
+        """The depth image from a pose, and the pose that the camera claims to have: another one where
+        `noise.pose_error_mm` or `noise.pose_error_deg` of the options say so. `is_first` is for the first
+        frame of a scan, whose pose `noise.first_pose_is_right` may keep right."""
+        return self._engine.capture(world_from_camera, is_first)
+
+    @property
+    def camera(self) -> Camera:
+        """The camera."""
+        return Camera(*self._engine.camera())
+
+    @property
+    def candidates(self) -> NDArray[np.float64]:
+        """Poses of the view candidates around the object: N x 4 x 4, `world_from_camera`."""
+        return self._engine.candidates()
+
+    @property
+    def box_m(self) -> tuple[list[float], list[float]]:
+        """Lowest and highest corner of the box around the object that a scan plans in."""
+        return self._engine.box_m()
+
+    @property
+    def room_m(self) -> tuple[list[float], list[float]]:
+        """Lowest and highest corner of the room; its lowest z is the table's, where there is one."""
+        return self._engine.room_m()
+
+    @property
+    def voxel_size_m(self) -> float:
+        """The voxel size that suits the object, or the one of the options."""
+        return self._engine.voxel_size_m()
+
+    def __repr__(self) -> str:
+        """Name, size and number of triangles of the object."""
+        return f"SimulatedScene({self._engine.description()})"
+
+
+@dataclass(frozen=True, eq=False)
+class ScanResult:
+    """What a scan leaves."""
+
+    record: dict[str, Any]
+    """All measures: what `record.json` holds."""
+    config: dict[str, Any]
+    """Everything that decides the scan: what `config.toml` holds."""
+    cloud: Cloud | None
+    """The measured points; None if no object was found."""
+    mesh: Mesh | None
+    """A surface through them; None if no object was found."""
+    map: Map | None
+    """The occupancy of the box around the object; None if no object was found."""
+    notes: list[str]
+    """Remarks, such as a unit that was guessed."""
+
+
+def scan(
+    object: str | os.PathLike[str] = "builtin:teapot",
+    *,
+    camera: Camera | None = None,
+    out: str | os.PathLike[str] | None = None,
+    force: bool = False,
+    on_step: Callable[[dict[str, Any]], object] | None = None,
+    **options: Any,
+) -> ScanResult:
+    """Scans a simulated object, as `nextview scan` does: with the same options, the same views and results.
+
+    - `object`: a mesh file, or one of `nextview.builtin_objects`; with `recording={}` in the options, where
+      recorded frames are.
+    - `camera`: the camera; by default a RealSense D435i.
+    - `out`: a folder for the results; by default nothing is written. Results that are there are replaced only
+      with `force`.
+    - `on_step`: called with the record of every step. If it raises, the scan ends.
+    - `options`: keys of a configuration, such as `planner="max-flow"`, `views=12`, `voxel_size_m=0.005`,
+      `noise={"model": "d435i"}`, `registration={"enabled": True}`. With `baselines=False`, what every
+      candidate truly sees is not computed, which takes longer than the scan.
+
+    Raises `InputError` or `DataError` if the object cannot be scanned so. Ctrl-C ends it.
+
+    >>> import nextview
+    >>> done = nextview.scan("builtin:mug", views=2, voxel_size_m=0.01, baselines=False)
+    >>> done.record["views"], done.map.occupancy.ndim
+    (2, 3)
+    """
+    config = {**options, "object": os.fspath(object)}
+    path = None if out is None else os.fspath(out)
+    done = _native.scan(config, camera, path, force, on_step)
+    cloud, mesh, grid = done["cloud"], done["mesh"], done["map"]
+    return ScanResult(
+        record=done["record"],
+        config=done["config"],
+        cloud=None if cloud is None else cloud_of(cloud),
+        mesh=None if mesh is None else mesh_of(mesh),
+        map=None if grid is None else map_of(grid),
+        notes=done["notes"],
+    )

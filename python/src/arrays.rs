@@ -1,0 +1,136 @@
+//! Images as numpy arrays.
+
+use crate::errors::{exception, input_error};
+use nextview::sensor::{ColorImage, Depth, DepthImage};
+use nextview_scan::Fault;
+use numpy::ndarray::Dimension;
+use numpy::{
+    Element, PyArray, PyArray2, PyArrayMethods, PyReadonlyArray, PyUntypedArray, PyUntypedArrayMethods,
+};
+use pyo3::prelude::*;
+
+const DEPTH: &str = "expected an array of height x width, float32 in metres, or uint16 with `depth_scale_m`";
+
+/// A depth image: float32 in metres, or uint16 in units of `scale` metres. Pixels of the mask are missing.
+/// Arrays of any layout are read row by row; a frame is kept, so that its depths are copied once.
+pub fn depth_image(
+    depth: &Bound<'_, PyAny>,
+    scale: Option<f64>,
+    mask: Option<&Bound<'_, PyAny>>,
+) -> PyResult<DepthImage> {
+    let py = depth.py();
+    let array = untyped("depth", depth, DEPTH)?;
+    let &[height, width] = array.shape() else {
+        return Err(input_error(py, format!("`depth` has the shape {:?}, {DEPTH}", array.shape())));
+    };
+    let mut metres = metres(depth, array, scale)?;
+    if let Some(mask) = mask {
+        let mask = of_kind::<bool, _>("mask", mask, [height, width], "a bool array of the depth's shape")?;
+        let masked = metres.iter_mut().zip(mask.as_array()).filter(|(_, is_masked)| **is_masked);
+        masked.for_each(|(depth, _)| *depth = f32::NAN);
+    }
+    let size = |n: usize| u32::try_from(n).unwrap_or(u32::MAX);
+    DepthImage::from_metres(size(width), size(height), metres)
+        .map_err(|error| exception(py, Fault::from(error)))
+}
+
+/// A colour image: height x width x 3, uint8, red first.
+pub fn color_image(color: &Bound<'_, PyAny>) -> PyResult<ColorImage> {
+    let py = color.py();
+    let expected = "a uint8 array of height x width x 3";
+    let array = untyped("color", color, &format!("expected {expected}"))?;
+    let &[height, width, 3] = array.shape() else {
+        return Err(input_error(
+            py,
+            format!("`color` has the shape {:?}, expected {expected}", array.shape()),
+        ));
+    };
+    let color = of_kind::<u8, _>("color", color, [height, width, 3], expected)?;
+    let view = color.as_array();
+    let pixel = |v: usize, u: usize| [view[[v, u, 0]], view[[v, u, 1]], view[[v, u, 2]]];
+    let pixels = (0..height).flat_map(|v| (0..width).map(move |u| (v, u))).map(|(v, u)| pixel(v, u));
+    let size = |n: usize| u32::try_from(n).unwrap_or(u32::MAX);
+    ColorImage::new(size(width), size(height), pixels.collect())
+        .map_err(|error| exception(py, Fault::from(error)))
+}
+
+/// The depths as float32 in metres: NaN where nothing was measured, infinite where nothing came back.
+pub fn depths<'py>(py: Python<'py>, image: &DepthImage) -> PyResult<Bound<'py, PyArray2<f32>>> {
+    let (width, height) = (image.width(), image.height());
+    let pixels = (0..height).flat_map(|v| (0..width).map(move |u| (u, v)));
+    let metres = pixels.map(|(u, v)| match image.get(u, v) {
+        Depth::Missing => f32::NAN,
+        Depth::Beyond => f32::INFINITY,
+        Depth::Surface(depth) => depth,
+    });
+    PyArray::from_vec(py, metres.collect()).reshape([height as usize, width as usize])
+}
+
+fn metres(
+    depth: &Bound<'_, PyAny>,
+    array: &Bound<'_, PyUntypedArray>,
+    scale: Option<f64>,
+) -> PyResult<Vec<f32>> {
+    let py = depth.py();
+    if let Ok(metres) = depth.cast::<PyArray2<f32>>() {
+        if scale.is_some() {
+            let problem = "`depth_scale_m` is for depths in uint16; float32 is in metres";
+            return Err(input_error(py, problem));
+        }
+        return Ok(readonly("depth", metres)?.as_array().iter().copied().collect());
+    }
+    let Ok(units) = depth.cast::<PyArray2<u16>>() else {
+        return Err(input_error(py, format!("`depth` is of {}, {DEPTH}", array.dtype())));
+    };
+    let scale = scale.ok_or_else(|| {
+        let problem =
+            "`depth` is of uint16, expected `depth_scale_m` with it: metres per unit, such as 0.001";
+        input_error(py, problem)
+    })?;
+    if !(scale > 0.0 && scale.is_finite()) {
+        let expected = "a positive number of metres per unit";
+        return Err(exception(py, Fault::of_value("depth_scale_m", scale, expected)));
+    }
+    Ok(readonly("depth", units)?.as_array().iter().map(|&unit| (f64::from(unit) * scale) as f32).collect())
+}
+
+fn untyped<'a, 'py>(
+    name: &str,
+    value: &'a Bound<'py, PyAny>,
+    expected: &str,
+) -> PyResult<&'a Bound<'py, PyUntypedArray>> {
+    value.cast::<PyUntypedArray>().map_err(|_| {
+        let kind = value.get_type().name().map_or_else(|_| "?".to_owned(), |name| name.to_string());
+        input_error(value.py(), format!("`{name}` is of type {kind}, {expected}"))
+    })
+}
+
+/// The array, if it is of this type and shape.
+fn of_kind<'py, T: Element, const N: usize>(
+    name: &str,
+    value: &Bound<'py, PyAny>,
+    shape: [usize; N],
+    expected: &str,
+) -> PyResult<PyReadonlyArray<'py, T, numpy::ndarray::Dim<[usize; N]>>>
+where
+    numpy::ndarray::Dim<[usize; N]>: Dimension,
+{
+    let py = value.py();
+    let array = untyped(name, value, &format!("expected {expected}"))?;
+    if array.shape() != shape {
+        let problem = format!("`{name}` has the shape {:?}, expected {shape:?}, {expected}", array.shape());
+        return Err(input_error(py, problem));
+    }
+    match value.cast::<PyArray<T, numpy::ndarray::Dim<[usize; N]>>>() {
+        Ok(array) => readonly(name, array),
+        Err(_) => Err(input_error(py, format!("`{name}` is of {}, expected {expected}", array.dtype()))),
+    }
+}
+
+fn readonly<'py, T: Element, D: Dimension>(
+    name: &str,
+    array: &Bound<'py, PyArray<T, D>>,
+) -> PyResult<PyReadonlyArray<'py, T, D>> {
+    let py = array.py();
+    array.try_readonly().map_err(|error| input_error(py, format!("`{name}` cannot be read: {error}")))
+}

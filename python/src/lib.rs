@@ -1,0 +1,34 @@
+//! The compiled part of the Python package `nextview`: arrays and values in and out, nothing that decides.
+//!
+//! What is documented for users stands in the Python sources beside this crate; they check nothing either.
+
+mod arrays;
+mod bench;
+mod camera;
+mod errors;
+mod live_scan;
+mod model;
+mod offline_scan;
+mod pose;
+mod results;
+mod scene;
+mod values;
+mod view;
+mod watch;
+
+use pyo3::prelude::*;
+
+/// The module `nextview._native`.
+#[pymodule]
+fn _native(module: &Bound<'_, PyModule>) -> PyResult<()> {
+    module.add("__version__", env!("CARGO_PKG_VERSION"))?;
+    module.add_class::<camera::Camera>()?;
+    module.add_class::<view::View>()?;
+    module.add_class::<live_scan::LiveScan>()?;
+    module.add_class::<scene::Scene>()?;
+    module.add_function(wrap_pyfunction!(offline_scan::scan, module)?)?;
+    module.add_function(wrap_pyfunction!(bench::bench, module)?)?;
+    module.add_function(wrap_pyfunction!(values::planners, module)?)?;
+    module.add_function(wrap_pyfunction!(values::sensors, module)?)?;
+    module.add_function(wrap_pyfunction!(values::builtin_objects, module)?)
+}

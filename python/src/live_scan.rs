@@ -1,0 +1,170 @@
+//! A scan by a camera of one's own.
+
+use crate::arrays::{color_image, depth_image};
+use crate::camera::{Camera, numbers};
+use crate::pose::pose_of;
+use crate::values::{self, to_python};
+use crate::view::{View, poses};
+use crate::watch::compute;
+use crate::{model, results};
+use nextview::Cancel;
+use nextview::session::StopReason;
+use nextview_scan::{Fault, Faults, LiveConfig, Measured};
+use numpy::PyArray3;
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+use std::path::PathBuf;
+use std::sync::Mutex;
+
+/// See `nextview.Scan`, which this is the engine of.
+#[pyclass(frozen, module = "nextview._native")]
+pub struct LiveScan {
+    scan: Mutex<nextview_scan::LiveScan>,
+    cancel: Cancel,
+}
+
+#[pymethods]
+impl LiveScan {
+    #[new]
+    #[pyo3(signature = (config, camera, first_pose, poses, out, force))]
+    fn new(
+        py: Python<'_>,
+        config: &Bound<'_, PyDict>,
+        camera: &Camera,
+        first_pose: Option<&Bound<'_, PyAny>>,
+        poses: Option<Vec<Bound<'_, PyAny>>>,
+        out: Option<PathBuf>,
+        force: bool,
+    ) -> PyResult<Self> {
+        let mut config = values::config(config)?;
+        config.camera = camera.intrinsics;
+        let live = config.live.get_or_insert_with(LiveConfig::default);
+        (live.min_depth_m, live.max_depth_m) = (camera.depth_range.min, camera.depth_range.max);
+        live.first_pose = first_pose.map(|pose| pose_of("first_pose", pose)).transpose()?;
+        let numbered = poses.iter().flatten().enumerate();
+        live.poses =
+            numbered.map(|(i, pose)| pose_of(&format!("poses[{i}]"), pose)).collect::<PyResult<_>>()?;
+        Self::opened(py, |cancel| {
+            out.iter().try_for_each(|dir| results::begin(dir, force, config.inputs()).map(drop))?;
+            nextview_scan::LiveScan::begin(config, out.as_deref(), cancel)
+        })
+    }
+
+    /// Resumes the scan in a folder.
+    #[staticmethod]
+    fn resume(py: Python<'_>, dir: PathBuf) -> PyResult<Self> {
+        Self::opened(py, |cancel| nextview_scan::LiveScan::resume(&dir, cancel))
+    }
+
+    fn next_view(&self, py: Python<'_>) -> PyResult<Option<View>> {
+        self.with(py, |scan| {
+            let Some(next) = scan.next()? else { return Ok(None) };
+            let trajectory = scan.trajectory_to(&next)?;
+            Ok(Some(View::new(next, trajectory)))
+        })
+    }
+
+    #[pyo3(signature = (depth, world_from_camera, color, depth_scale_m, mask))]
+    fn observe<'py>(
+        &self,
+        py: Python<'py>,
+        depth: &Bound<'py, PyAny>,
+        world_from_camera: &Bound<'py, PyAny>,
+        color: Option<&Bound<'py, PyAny>>,
+        depth_scale_m: Option<f64>,
+        mask: Option<&Bound<'py, PyAny>>,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        let pose = pose_of("world_from_camera", world_from_camera)?;
+        let image = depth_image(depth, depth_scale_m, mask)?;
+        let color = color.map(color_image).transpose()?;
+        let step = self.with(py, |scan| Ok(scan.observe(image, pose, color)?.clone()))?;
+        to_python(py, &step)
+    }
+
+    fn skip(&self, py: Python<'_>, view: usize, reason: &str) -> PyResult<()> {
+        self.with(py, |scan| Ok(scan.skip(view, reason)?))
+    }
+
+    fn record<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        let record = self.with(py, |scan| Ok(scan.scan().record(scan.config(), Measured::Nothing)?))?;
+        to_python(py, &record)
+    }
+
+    fn steps<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        to_python(py, &self.with(py, |scan| Ok(scan.scan().steps.clone()))?)
+    }
+
+    fn n_steps(&self, py: Python<'_>) -> PyResult<usize> {
+        self.with(py, |scan| Ok(scan.scan().steps.len()))
+    }
+
+    fn config<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        to_python(py, &self.with(py, |scan| Ok(scan.config().clone()))?)
+    }
+
+    /// The numbers of the camera, for its constructor.
+    fn camera<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        let (intrinsics, live) =
+            self.with(py, |scan| Ok((scan.config().camera, scan.config().live.clone())))?;
+        Ok(numbers(&intrinsics, live.unwrap_or_default().depth_range()).into_pyobject(py)?.into_any())
+    }
+
+    /// Cloud and mesh.
+    fn model<'py>(&self, py: Python<'py>) -> PyResult<(Bound<'py, PyDict>, Bound<'py, PyDict>)> {
+        let model = self.with(py, |scan| Ok(scan.scan().model(scan.config().model)?))?;
+        Ok((model::cloud(py, &model.cloud)?, model::mesh(py, &model)?))
+    }
+
+    fn map<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyDict>>> {
+        let snapshot = self.with(py, |scan| Ok(scan.scan().session.snapshot()))?;
+        snapshot.map(|snapshot| model::map(py, &snapshot)).transpose()
+    }
+
+    fn candidates<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray3<f64>>> {
+        let views = self.with(py, |scan| Ok(scan.scan().session.views().poses().to_vec()))?;
+        poses(py, views.into_iter())
+    }
+
+    fn stop_reason<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        to_python(py, &self.with(py, |scan| Ok(scan.stop_reason()))?)
+    }
+
+    /// Writes the results; where `is_own`, this is the folder that the scan was begun in, whose journal is
+    /// needed no more when the scan is over.
+    fn save(&self, py: Python<'_>, dir: PathBuf, force: bool, is_own: bool) -> PyResult<()> {
+        self.with(py, |scan| {
+            let folder = results::begin(&dir, force, scan.config().inputs())?;
+            results::publish(folder, scan.config(), scan.scan(), "nextview.Scan in Python")?;
+            let is_over = scan.stop_reason().is_some_and(|reason| reason != StopReason::NoObject);
+            if is_own && is_over {
+                scan.forget_journal();
+            }
+            Ok(())
+        })
+    }
+}
+
+impl LiveScan {
+    fn opened(
+        py: Python<'_>,
+        open: impl FnOnce(Cancel) -> Result<nextview_scan::LiveScan, Faults> + Send,
+    ) -> PyResult<Self> {
+        let cancel = Cancel::default();
+        let scan = compute(py, &cancel, || open(cancel.clone()))?;
+        Ok(Self { scan: Mutex::new(scan), cancel })
+    }
+
+    /// Does this with the scan, without the interpreter's lock.
+    fn with<T: Send>(
+        &self,
+        py: Python<'_>,
+        work: impl FnOnce(&mut nextview_scan::LiveScan) -> Result<T, Faults> + Send,
+    ) -> PyResult<T> {
+        compute(py, &self.cancel, || match self.scan.lock() {
+            Ok(mut scan) => work(&mut scan),
+            Err(_) => {
+                Err(Fault::data("this scan failed before by a fault in nextview; begin another one").into())
+            }
+        })
+    }
+}

@@ -1,0 +1,154 @@
+//! A whole scan of a simulated object or of recorded frames: what the program's `scan` does.
+
+use crate::camera::Camera;
+use crate::values::{self, to_python};
+use crate::watch::compute;
+use crate::{model, results};
+use nextview::Cancel;
+use nextview::map::Snapshot;
+use nextview_scan::{
+    Begin, Fault, Faults, FinalModel, FrameSource, Measured, RecordedScan, ScanConfig, ScanRecord, ScanRun,
+    SimulatedObject, Simulation, Truth,
+};
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+use std::path::{Path, PathBuf};
+use std::sync::{Mutex, PoisonError};
+
+/// What remains of a scan.
+struct Done {
+    record: ScanRecord,
+    model: Option<FinalModel>,
+    snapshot: Option<Snapshot>,
+    config: ScanConfig,
+    notes: Vec<String>,
+}
+
+/// Where results go.
+struct Output<'a> {
+    dir: Option<&'a Path>,
+    force: bool,
+}
+
+/// Scans as configured. `on_step` is called with the record of every step.
+#[pyfunction]
+#[pyo3(signature = (config, camera, out, force, on_step))]
+pub fn scan<'py>(
+    py: Python<'py>,
+    config: &Bound<'py, PyDict>,
+    camera: Option<&Camera>,
+    out: Option<PathBuf>,
+    force: bool,
+    on_step: Option<Py<PyAny>>,
+) -> PyResult<Bound<'py, PyDict>> {
+    let mut config = values::config(config)?;
+    if let Some(camera) = camera {
+        config.camera = camera.intrinsics;
+    }
+    let cancel = Cancel::default();
+    let listener = Listener { callback: on_step, raised: Mutex::new(None) };
+    let output = Output { dir: out.as_deref(), force };
+    let done = compute(py, &cancel, || done(config, &output, &cancel, &listener));
+    if let Some(error) = listener.raised.lock().unwrap_or_else(PoisonError::into_inner).take() {
+        return Err(error);
+    }
+    as_dict(py, &done?)
+}
+
+fn as_dict<'py>(py: Python<'py>, done: &Done) -> PyResult<Bound<'py, PyDict>> {
+    let dict = PyDict::new(py);
+    dict.set_item("record", to_python(py, &done.record)?)?;
+    dict.set_item("config", to_python(py, &done.config)?)?;
+    dict.set_item("notes", &done.notes)?;
+    let cloud = done.model.as_ref().map(|model| model::cloud(py, &model.cloud)).transpose()?;
+    dict.set_item("cloud", cloud)?;
+    dict.set_item("mesh", done.model.as_ref().map(|model| model::mesh(py, model)).transpose()?)?;
+    dict.set_item("map", done.snapshot.as_ref().map(|map| model::map(py, map)).transpose()?)?;
+    Ok(dict)
+}
+
+/// Calls back with every step.
+struct Listener {
+    callback: Option<Py<PyAny>>,
+    /// The exception that a call ended with.
+    raised: Mutex<Option<PyErr>>,
+}
+
+impl Listener {
+    fn call(&self, step: &nextview_scan::StepRecord) -> Result<(), Fault> {
+        let Some(callback) = &self.callback else { return Ok(()) };
+        let called = Python::attach(|py| callback.call1(py, (to_python(py, step)?,)).map(drop));
+        called.map_err(|error| {
+            *self.raised.lock().unwrap_or_else(PoisonError::into_inner) = Some(error);
+            Fault::request("the listener raised an exception")
+        })
+    }
+}
+
+fn done(
+    config: ScanConfig,
+    output: &Output<'_>,
+    cancel: &Cancel,
+    listener: &Listener,
+) -> Result<Done, Faults> {
+    output.dir.iter().try_for_each(|dir| results::begin(dir, output.force, config.inputs()).map(drop))?;
+    match (&config.live, &config.recording) {
+        (Some(_), _) => {
+            let fault = Fault::request("the frames of `live` come from a camera of one's own");
+            Err(fault.with_remedy("scan with nextview.Scan").into())
+        }
+        (None, Some(_)) => recorded(config, output, cancel, listener),
+        (None, None) => simulated(config, output, cancel, listener),
+    }
+}
+
+fn simulated(
+    mut config: ScanConfig,
+    output: &Output<'_>,
+    cancel: &Cancel,
+    listener: &Listener,
+) -> Result<Done, Faults> {
+    let object = SimulatedObject::new(&config)?;
+    config.voxel_size_m = Some(object.voxel_size);
+    config.views = Some(config.max_views(object.views.len()));
+    let truth = config.needs_truth().then(|| Truth::new(&object, cancel, || ())).transpose()?;
+    let simulation = Simulation::new(&object, &config, truth.as_ref());
+    driven(&simulation, &config, object.notes(), output, cancel, listener)
+}
+
+fn recorded(
+    mut config: ScanConfig,
+    output: &Output<'_>,
+    cancel: &Cancel,
+    listener: &Listener,
+) -> Result<Done, Faults> {
+    let mut scan = RecordedScan::open(&mut config)?;
+    scan.look(&config, cancel)?;
+    let notes = scan.notes().iter().cloned().chain(scan.skipped()).collect();
+    driven(&scan, &config, notes, output, cancel, listener)
+}
+
+fn driven(
+    source: &dyn FrameSource,
+    config: &ScanConfig,
+    notes: Vec<String>,
+    output: &Output<'_>,
+    cancel: &Cancel,
+    listener: &Listener,
+) -> Result<Done, Faults> {
+    let mut run = ScanRun::begin(source, config, Begin { cancel: cancel.clone(), ..Begin::default() })?;
+    let reason = run.drive(|step| listener.call(step))?;
+    cancel.check()?;
+    let scan = run.finish(Some(reason));
+    let has_object = scan.bounds().is_some();
+    let model = has_object.then(|| scan.model(config.model)).transpose()?;
+    let record = match output.dir {
+        Some(dir) => {
+            let folder = results::begin(dir, output.force, config.inputs())?;
+            results::publish(folder, config, &scan, "nextview scan --config config.toml")?
+        }
+        None => scan.record(config, model.as_ref().map_or(Measured::Nothing, Measured::Model))?,
+    };
+    let snapshot = scan.session.snapshot();
+    Ok(Done { record, model, snapshot, config: config.clone(), notes })
+}

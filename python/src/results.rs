@@ -1,0 +1,32 @@
+//! The folder of results, as the program writes it.
+
+use nextview_report::page_of_scan;
+use nextview_scan::files::{Overwrite, ResultFolder};
+use nextview_scan::{
+    Fault, Faults, FinishedScan, RESULT_FILES, Results, ScanConfig, ScanRecord, write_results,
+};
+use std::io::Write;
+use std::path::{Path, PathBuf};
+
+/// Begins the folder; fails if it cannot take the results. `force` replaces those that are there, but no file
+/// that is read.
+pub fn begin(dir: &Path, force: bool, inputs: Vec<PathBuf>) -> Result<ResultFolder, Faults> {
+    let rule = if force { Overwrite::results() } else { Overwrite::nothing() };
+    ResultFolder::begin(dir, RESULT_FILES, rule.but(inputs))
+}
+
+/// Writes everything that a scan leaves, with the page that shows it. All that could be made is written; then
+/// it fails if something could not.
+pub fn publish(
+    mut folder: ResultFolder,
+    config: &ScanConfig,
+    scan: &FinishedScan<'_>,
+    command: &str,
+) -> Result<ScanRecord, Faults> {
+    let Results { record, faults } = write_results(&mut folder, config, scan);
+    let text = toml::to_string(config).map_err(Fault::data)?;
+    let page = page_of_scan(scan, &record, config, command, &text);
+    folder.add("report.html", |w| Ok(w.write_all(page.as_bytes())?))?;
+    folder.publish()?;
+    faults.map_or(Ok(record), Err)
+}

@@ -1,0 +1,88 @@
+//! A simulated object before a simulated camera.
+
+use crate::arrays::depths;
+use crate::camera::{Camera, numbers};
+use crate::pose::{matrix, pose_of};
+use crate::values;
+use crate::view::poses;
+use crate::watch::compute;
+use nextview::Cancel;
+use nextview::geometry::Aabb;
+use nextview_scan::{ScanConfig, SimulatedObject};
+use nextview_sim::evaluator;
+use numpy::{PyArray2, PyArray3};
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+
+/// See `nextview.SimulatedScene`, which this is the engine of.
+#[pyclass(frozen, module = "nextview._native")]
+pub struct Scene {
+    object: SimulatedObject,
+    config: ScanConfig,
+}
+
+/// Lowest and highest corner.
+type Corners = ([f64; 3], [f64; 3]);
+
+/// A depth image and the pose that it claims.
+type Taken<'py> = (Bound<'py, PyArray2<f32>>, Bound<'py, PyArray2<f64>>);
+
+#[pymethods]
+impl Scene {
+    #[new]
+    fn new(py: Python<'_>, config: &Bound<'_, PyDict>, camera: Option<&Camera>) -> PyResult<Self> {
+        let mut config = values::config(config)?;
+        if let Some(camera) = camera {
+            config.camera = camera.intrinsics;
+        }
+        let object = compute(py, &Cancel::default(), || SimulatedObject::new(&config))?;
+        Ok(Self { object, config })
+    }
+
+    /// The depth image from a pose, and the pose that the camera claims.
+    fn capture<'py>(
+        &self,
+        py: Python<'py>,
+        world_from_camera: &Bound<'py, PyAny>,
+        is_first: bool,
+    ) -> PyResult<Taken<'py>> {
+        let pose = pose_of("world_from_camera", world_from_camera)?;
+        let frame = compute(py, &Cancel::default(), || {
+            Ok(evaluator::capture(&self.object.scene, &pose, is_first)?.0)
+        })?;
+        Ok((depths(py, frame.image())?, matrix(py, &frame.world_from_camera())))
+    }
+
+    /// The numbers of the camera, for its constructor.
+    fn camera<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        let mut range = self.config.noise.depth_range();
+        range.max = range.max.min(nextview_sim::scene::CAMERA_RANGE);
+        Ok(numbers(&self.config.camera, range).into_pyobject(py)?.into_any())
+    }
+
+    fn candidates<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray3<f64>>> {
+        poses(py, self.object.views.poses().iter().copied())
+    }
+
+    /// The box around the true object that a scan plans in.
+    fn box_m(&self) -> Corners {
+        corners(self.object.scene.planning_box(self.object.voxel_size))
+    }
+
+    /// The walls of the room; the lowest z is that of the table, where there is one.
+    fn room_m(&self) -> Corners {
+        corners(self.object.scene.room())
+    }
+
+    fn voxel_size_m(&self) -> f64 {
+        self.object.voxel_size
+    }
+
+    fn description(&self) -> String {
+        self.object.description()
+    }
+}
+
+fn corners(bounds: Aabb) -> Corners {
+    (bounds.min.to_array(), bounds.max.to_array())
+}

@@ -1,0 +1,114 @@
+//! The next view.
+
+use crate::pose::{matrix, rows_of};
+use crate::values::to_python;
+use nextview::geometry::Pose;
+use nextview::motion::Trajectory;
+use nextview::session::NextView;
+use numpy::{PyArray, PyArray1, PyArray2, PyArray3, PyArrayMethods};
+use pyo3::prelude::*;
+
+/// Where the camera should stand next, and why.
+#[pyclass(frozen, module = "nextview._native")]
+pub struct View {
+    next: NextView,
+    trajectory: Trajectory,
+}
+
+impl View {
+    /// The view and the trajectory to it.
+    pub fn new(next: NextView, trajectory: Trajectory) -> Self {
+        Self { next, trajectory }
+    }
+
+    /// The pose, to the bit.
+    pub fn world_from_camera(&self) -> Pose {
+        self.next.world_from_camera
+    }
+}
+
+#[pymethods]
+impl View {
+    /// Number among the candidates, from 0; None for a first view that is no candidate.
+    #[getter]
+    fn number(&self) -> Option<usize> {
+        self.next.view
+    }
+
+    /// Pose of the camera: 4 x 4, float64, metres; the camera looks along z, and y points down.
+    #[getter(world_from_camera)]
+    fn matrix<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray2<f64>> {
+        matrix(py, &self.next.world_from_camera)
+    }
+
+    /// The quantity that the planner maximised, in its unit; None for the first view.
+    #[getter]
+    fn score(&self) -> Option<f64> {
+        Some(self.next.choice.as_ref()?.score)
+    }
+
+    /// Number of the second best view, if there is one.
+    #[getter]
+    fn runner_up(&self) -> Option<usize> {
+        self.next.choice.as_ref()?.runner_up
+    }
+
+    /// The quantities behind the score by name, with units in the names; empty for planners that have none.
+    #[getter]
+    fn explanation<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        let explanation = self.next.choice.as_ref().and_then(|choice| choice.explanation.clone());
+        to_python(py, &explanation.unwrap_or_default())
+    }
+
+    /// Number of voxels that this view is expected to add; None for planners that do not estimate.
+    #[getter]
+    fn expected_new_voxels(&self) -> Option<f64> {
+        Some(self.next.outlook?.n_expected)
+    }
+
+    /// Number of voxels that all views together are expected to add; None for planners that do not estimate.
+    #[getter]
+    fn expected_unseen_voxels(&self) -> Option<f64> {
+        Some(self.next.outlook?.n_unseen)
+    }
+
+    /// Estimated share, 0 to 1, of the visible surface seen before this view; None without an estimate.
+    #[getter]
+    fn estimated_completeness(&self) -> Option<f64> {
+        Some(self.next.outlook?.completeness())
+    }
+
+    /// Times of the waypoints, seconds since the camera sets off: N, float64.
+    #[getter]
+    fn waypoint_times_s<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
+        PyArray::from_vec(py, self.trajectory.waypoints().iter().map(|point| point.time).collect())
+    }
+
+    /// The trajectory from the last frame to this view, around the object: N x 4 x 4, float64.
+    #[getter]
+    fn waypoints<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray3<f64>>> {
+        poses(py, self.trajectory.waypoints().iter().map(|point| point.world_from_camera))
+    }
+
+    /// Length of the trajectory, metres.
+    #[getter]
+    fn trajectory_length_m(&self) -> f64 {
+        self.trajectory.length()
+    }
+
+    fn __repr__(&self) -> String {
+        let number = self.next.view.map_or("None".to_owned(), |number| number.to_string());
+        let [x, y, z] = self.next.world_from_camera.translation().to_array();
+        format!("View(number={number}, position_m=[{x:.3}, {y:.3}, {z:.3}])")
+    }
+}
+
+/// Matrices of poses: N x 4 x 4.
+pub fn poses<'py>(
+    py: Python<'py>,
+    poses: impl ExactSizeIterator<Item = Pose>,
+) -> PyResult<Bound<'py, PyArray3<f64>>> {
+    let n = poses.len();
+    let entries = poses.flat_map(|pose| rows_of(&pose).into_iter().flatten());
+    PyArray::from_vec(py, entries.collect()).reshape([n, 4, 4])
+}

@@ -1,0 +1,35 @@
+#!/usr/bin/env bash
+# Installs the package into a virtual environment of its own, and runs everything that it must pass: tests,
+# types, doctests, examples. With a program `nextview` (NEXTVIEW_PROGRAM), its results are compared with the
+# program's.
+set -euo pipefail
+cd "$(dirname "${BASH_SOURCE[0]}")"
+venv=${NEXTVIEW_VENV:-target/venv}
+[ -d "$venv" ] || python3 -m venv "$venv"
+venv=$(cd "$venv" && pwd)
+"$venv/bin/pip" install --quiet --upgrade pip
+"$venv/bin/pip" install --quiet pytest hypothesis mypy
+start=$SECONDS
+"$venv/bin/pip" install --quiet --force-reinstall --no-deps .
+"$venv/bin/pip" install --quiet numpy
+echo "installed in $((SECONDS - start)) s"
+
+# Not from here, so that the installed package is tested and not the sources.
+here=$PWD
+work=$(mktemp -d)
+trap 'rm -rf "$work"' EXIT
+cp -r tests examples pyproject.toml "$work"
+cd "$work"
+"$venv/bin/python" -m pytest -q -rs tests
+"$venv/bin/python" -m mypy --strict examples/*.py
+"$venv/bin/python" -m mypy --strict "$here/nextview"
+"$venv/bin/python" -m mypy.stubtest nextview._native
+for module in "" .errors ._names ._camera ._scan ._simulated ._bench; do
+    "$venv/bin/python" -c "import doctest, importlib, sys
+failed, n = doctest.testmod(importlib.import_module('nextview$module'))
+print('nextview$module:', n, 'doctest lines'); sys.exit(failed > 0)"
+done
+for example in examples/*.py; do
+    echo "--- $example"
+    "$venv/bin/python" "$example"
+done

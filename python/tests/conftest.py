@@ -1,0 +1,45 @@
+"""A simulated mug, and a ball whose depth images need no renderer."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+import nextview
+
+CAMERA = nextview.Camera(80, 60, fx=75.0, fy=75.0, cx=39.5, cy=29.5, depth_range_m=(0.0, 2.0))
+BOX = [[-0.12, -0.12, -0.12], [0.12, 0.12, 0.12]]
+
+
+@pytest.fixture(scope="session")
+def mug() -> nextview.SimulatedScene:
+    """The built-in mug before an exact camera."""
+    return nextview.SimulatedScene("builtin:mug", voxel_size_m=0.01, candidates=40)
+
+
+def ball(world_from_camera: NDArray[np.float64]) -> NDArray[np.float32]:
+    """The depth image of a ball of 0.2 m around the origin."""
+    v, u = np.mgrid[0:60, 0:80]
+    in_camera = np.stack([(u - 39.5) / 75.0, (v - 29.5) / 75.0, np.ones_like(u, dtype=float)], axis=-1)
+    ray, eye = in_camera @ world_from_camera[:3, :3].T, world_from_camera[:3, 3]
+    a, b, c = (ray**2).sum(-1), ray @ eye, eye @ eye - 0.01
+    root = b * b - a * c
+    depth = np.where(root > 0, (-b - np.sqrt(np.maximum(root, 0))) / a, np.inf)
+    return depth.astype(np.float32)
+
+
+def begin(**options: object) -> nextview.Scan:
+    """A scan of the ball."""
+    given = {"planner": "max-flow", "views": 6, "candidates": 40, "voxel_size_m": 0.02}
+    return nextview.Scan(CAMERA, BOX, **{**given, **options})  # type: ignore[arg-type]
+
+
+def run(scan: nextview.Scan, n_steps: int = 99) -> None:
+    """Takes so many views of the ball, with colours."""
+    color = np.full((60, 80, 3), [200, 10, 20], dtype=np.uint8)
+    for _ in range(n_steps):
+        view = scan.next_view()
+        if view is None:
+            return
+        scan.observe(ball(view.world_from_camera), view, color)

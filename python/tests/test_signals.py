@@ -1,0 +1,73 @@
+"""Ctrl-C ends long computations at once, and other threads go on meanwhile."""
+
+from __future__ import annotations
+
+import os
+import signal
+import threading
+import time
+
+import pytest
+
+import nextview
+
+BOX = [[-0.1, -0.1, -0.1], [0.1, 0.1, 0.1]]
+
+
+def test_ctrl_c_works_within_100_ms() -> None:
+    """A scan that would take a minute."""
+    sent: list[float] = []
+
+    def send() -> None:
+        time.sleep(1.5)
+        sent.append(time.monotonic())
+        os.kill(os.getpid(), signal.SIGINT)
+
+    thread = threading.Thread(target=send)
+    thread.start()
+    with pytest.raises(KeyboardInterrupt):
+        nextview.scan("builtin:teapot", candidates=3000, voxel_size_m=0.002)
+    took = time.monotonic() - sent[0]
+    thread.join()
+    print(f"interrupted after {1e3 * took:.0f} ms")
+    assert took < 0.1
+
+
+def test_after_ctrl_c_a_view_can_be_asked_for_again(mug: nextview.SimulatedScene) -> None:
+    def begin() -> nextview.Scan:
+        options = {"candidates": 1500, "voxel_size_m": 0.003, "views": 3}
+        scan = nextview.Scan(mug.camera, mug.box_m, planner="max-flow", **options)  # type: ignore[arg-type]
+        view = scan.next_view()
+        assert view is not None
+        scan.observe(mug.capture(view), view)
+        return scan
+
+    scan, undisturbed = begin(), begin()
+    timer = threading.Timer(0.1, os.kill, (os.getpid(), signal.SIGINT))
+    timer.start()
+    with pytest.raises(KeyboardInterrupt):
+        scan.next_view()
+    timer.join()
+    view, expected = scan.next_view(), undisturbed.next_view()
+    assert view is not None and expected is not None and view.number == expected.number
+
+
+def test_other_threads_go_on_meanwhile() -> None:
+    done = threading.Event()
+    counts: list[int] = []
+
+    def count() -> None:
+        n = 0
+        while not done.is_set():
+            n += 1
+            time.sleep(0.001)
+        counts.append(n)
+
+    thread = threading.Thread(target=count)
+    thread.start()
+    start = time.monotonic()
+    nextview.scan("builtin:teapot", candidates=300, views=2, voxel_size_m=0.005)
+    elapsed = time.monotonic() - start
+    done.set()
+    thread.join()
+    assert counts[0] > 100 * elapsed
