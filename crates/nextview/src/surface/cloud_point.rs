@@ -1,4 +1,4 @@
-use super::tangent_plane::tangent_planes;
+use super::tangent_plane::TangentPlanes;
 use crate::Error;
 use crate::geometry::Aabb;
 use crate::sensor::{ColorImage, Frame};
@@ -58,13 +58,13 @@ pub fn frame_points(
     bounds: Aabb,
 ) -> Result<impl Iterator<Item = CloudPoint>, Error> {
     color.as_ref().map_or(Ok(()), |color| check_size(frame, color))?;
-    let (width, planes) = (frame.image().width(), tangent_planes(frame));
+    let (width, planes) = (frame.image().width(), TangentPlanes::new(frame));
     let rotation = frame.world_from_camera().rotation_matrix();
     let rows = 0..frame.image().height();
     let pixels = rows.flat_map(move |v| frame.row_pixels_in(v, bounds).map(move |(u, point)| (u, v, point)));
     let point = move |(u, v, position)| CloudPoint {
         position,
-        normal: planes[(v * width + u) as usize].map(|plane| rotation * plane.normal.as_dvec3()),
+        normal: planes.at((v * width + u) as usize).map(|plane| rotation * plane.normal.as_dvec3()),
         color: color.as_ref().map(|color| color.get(u, v)),
         error: None,
     };

@@ -1,7 +1,7 @@
 //! The evidence of one frame about the distance of a point to the surface.
 
 use super::clear_depth::ClearDepth;
-use super::tangent_plane::{TangentPlane, tangent_planes};
+use super::tangent_plane::TangentPlanes;
 use crate::sensor::{Depth, Frame, Intrinsics};
 use crate::{Cancel, Cancelled};
 use glam::{DVec2, DVec3};
@@ -40,7 +40,7 @@ pub(super) enum Evidence {
 /// A frame prepared for queries about many points.
 pub(super) struct FrameSurface {
     intrinsics: Intrinsics,
-    planes: Vec<Option<TangentPlane>>,
+    planes: TangentPlanes,
     /// By pixel, whether nothing came back.
     is_open: Vec<bool>,
     clear_depth: ClearDepth,
@@ -58,7 +58,7 @@ impl FrameSurface {
         nearest: f64,
         cancel: &Cancel,
     ) -> Result<Self, Cancelled> {
-        let (intrinsics, planes) = (*frame.intrinsics(), tangent_planes(frame));
+        let (intrinsics, planes) = (*frame.intrinsics(), TangentPlanes::new(frame));
         let (depth, width) = (free_depth(frame), intrinsics.width() as usize);
         let is_open = pixels(frame).map(|depth| depth == Depth::Beyond).collect();
         let half_width = margin_in_pixels(&intrinsics, margin, nearest);
@@ -81,8 +81,9 @@ impl FrameSurface {
         if self.is_clear(point, pixel, wanted) {
             return Some(if self.is_open[pixel] { Evidence::Open } else { Evidence::Free });
         }
-        let near = self.planes[pixel].as_ref().and_then(|plane| self.near_plane(plane, point));
-        near.or_else(|| self.near_silhouette(point, pixel, wanted)).or_else(|| self.hidden(point, pixel))
+        self.near_plane(point, pixel)
+            .or_else(|| self.near_silhouette(point, pixel, wanted))
+            .or_else(|| self.hidden(point, pixel))
     }
 
     fn hidden(&self, point: DVec3, pixel: usize) -> Option<Evidence> {
@@ -95,10 +96,14 @@ impl FrameSurface {
         point.z + self.truncation < self.clear_depth.around(pixel, n_pixels) as f64
     }
 
-    fn near_plane(&self, plane: &TangentPlane, point: DVec3) -> Option<Evidence> {
+    fn near_plane(&self, point: DVec3, pixel: usize) -> Option<Evidence> {
+        let along_ray = (point.z - self.planes.depth(pixel)? as f64).abs();
+        if along_ray > REACH * self.truncation {
+            return None;
+        }
+        let plane = self.planes.at(pixel)?;
         let distance = plane.normal.as_dvec3().dot(point) - plane.offset as f64;
-        let along_ray = (point.z - plane.depth as f64).abs();
-        if distance.abs() >= self.truncation || along_ray > REACH * self.truncation {
+        if distance.abs() >= self.truncation {
             return None;
         }
         // Behind the surface the evidence weakens: the other side of a thin part may be there.

@@ -1,4 +1,4 @@
-use super::tangent_plane::tangent_planes;
+use super::tangent_plane::TangentPlanes;
 use crate::geometry::{Aabb, Lattice};
 use crate::sensor::{Frame, SurfaceError};
 use crate::{Cancel, Cancelled, Error};
@@ -48,7 +48,7 @@ impl MeasuredCells {
     /// Adds the points of a frame in a box (world coordinates, finite). If cancelled, nothing is added.
     pub fn add(&mut self, frame: &Frame, bounds: Aabb, cancel: &Cancel) -> Result<(), Cancelled> {
         cancel.check()?;
-        let planes = tangent_planes(frame);
+        let planes = TangentPlanes::new(frame);
         let (width, rotation) = (frame.image().width(), frame.world_from_camera().rotation_matrix());
         let focal = frame.intrinsics().focal().x;
         let mut looks: FxHashMap<IVec3, Look> = FxHashMap::default();
@@ -57,7 +57,7 @@ impl MeasuredCells {
                 cancel.check()?;
             }
             for (u, point) in frame.row_pixels_in(v, bounds) {
-                let Some(plane) = planes[(v * width + u) as usize] else { continue };
+                let Some(plane) = planes.at((v * width + u) as usize) else { continue };
                 let look = looks.entry(self.lattice.key(point)).or_default();
                 look.n += 1.0;
                 look.variance += self.error.of_pixel(plane.depth as f64, plane.cosine as f64, focal);

@@ -21,34 +21,48 @@ pub(super) struct TangentPlane {
     pub cosine: f32,
 }
 
-/// The tangent plane of every pixel that has one, row by row.
-pub(super) fn tangent_planes(frame: &Frame) -> Vec<Option<TangentPlane>> {
-    let (width, height) = (frame.image().width() as usize, frame.image().height() as usize);
-    let points = points_in_camera(frame);
-    let at = |u: usize, v: usize| if u < width && v < height { points[v * width + u] } else { None };
-    (0..width * height)
-        .into_par_iter()
-        .map(|i| {
-            let (u, v, point) = (i % width, i / width, points[i]?);
-            let along_u = tangent(at(u.wrapping_sub(1), v), point, at(u + 1, v))?;
-            let along_v = tangent(at(u, v.wrapping_sub(1)), point, at(u, v + 1))?;
-            TangentPlane::new(point, along_v.cross(along_u))
-        })
-        .collect()
+/// The tangent planes of a frame, each computed when it is asked for: few are, and a plane takes twice the
+/// memory of a point.
+pub(super) struct TangentPlanes {
+    width: usize,
+    /// The measured points in the camera frame, row by row; zero where nothing was measured.
+    points: Vec<Vec3>,
 }
 
-/// The measured points row by row.
-fn points_in_camera(frame: &Frame) -> Vec<Option<Vec3>> {
-    let (image, intrinsics) = (frame.image(), frame.intrinsics());
-    (0..intrinsics.n_pixels() as u32)
-        .into_par_iter()
-        .map(|i| {
+impl TangentPlanes {
+    pub(super) fn new(frame: &Frame) -> Self {
+        let (image, intrinsics) = (frame.image(), frame.intrinsics());
+        let point = |i: u32| {
             let (u, v) = (i % image.width(), i / image.width());
             let Depth::Surface(depth) = image.get(u, v) else { return None };
             let ideal = intrinsics.deproject(DVec2::new(u as f64, v as f64))?;
             Some((ideal.extend(1.0) * depth as f64).as_vec3())
-        })
-        .collect()
+        };
+        let n_pixels = intrinsics.n_pixels() as u32;
+        let points = (0..n_pixels).into_par_iter().map(|i| point(i).unwrap_or(Vec3::ZERO)).collect();
+        Self { width: image.width() as usize, points }
+    }
+
+    /// The plane at a pixel, counted row by row, if it has one.
+    pub(super) fn at(&self, pixel: usize) -> Option<TangentPlane> {
+        let point = self.point(pixel)?;
+        let (u, stride) = (pixel % self.width, self.width);
+        let left = if u > 0 { self.point(pixel - 1) } else { None };
+        let right = if u + 1 < stride { self.point(pixel + 1) } else { None };
+        let above = if pixel >= stride { self.point(pixel - stride) } else { None };
+        let along_u = tangent(left, point, right)?;
+        let along_v = tangent(above, point, self.point(pixel + stride))?;
+        TangentPlane::new(point, along_v.cross(along_u))
+    }
+
+    /// The depth at a pixel; none where nothing was measured.
+    pub(super) fn depth(&self, pixel: usize) -> Option<f32> {
+        Some(self.point(pixel)?.z)
+    }
+
+    fn point(&self, pixel: usize) -> Option<Vec3> {
+        self.points.get(pixel).copied().filter(|point| point.z > 0.0)
+    }
 }
 
 /// The direction of the surface from its neighbours before and after: of the two differences the one with the
@@ -78,10 +92,11 @@ mod tests {
     #[test]
     fn unmeasured_pixels_and_lone_ones_have_no_plane() {
         let hole = frame(5, 5, |u, v| if (u, v) == (2, 2) { f32::NAN } else { 0.5 });
-        assert_eq!(tangent_planes(&hole).iter().filter(|plane| plane.is_none()).count(), 1);
+        let n_planes = |planes: TangentPlanes| (0..25).filter(|&pixel| planes.at(pixel).is_some()).count();
+        assert_eq!(n_planes(TangentPlanes::new(&hole)), 24);
         let lone = frame(5, 5, |u, v| if (u, v) == (2, 2) { 0.5 } else { f32::NAN });
-        assert!(tangent_planes(&lone).iter().all(Option::is_none));
+        assert_eq!(n_planes(TangentPlanes::new(&lone)), 0);
         let flying = frame(5, 5, |u, v| if (u, v) == (2, 2) { 0.5 } else { 1.0 });
-        assert!(tangent_planes(&flying)[12].is_none());
+        assert!(TangentPlanes::new(&flying).at(12).is_none());
     }
 }
