@@ -21,7 +21,7 @@ import sys
 
 HERE = pathlib.Path(__file__).resolve().parent
 DATA = pathlib.Path(os.environ.get("NEXTVIEW_DATA", HERE / "../../../shared/data")).resolve()
-PLANNERS = ["most-surface", "max-flow", "local", "random", "clairvoyant"]
+PLANNERS = ["most-surface", "max-flow", "rear-side-voxel", "random", "clairvoyant"]
 # Standard deviations of the poses, mm and degrees.
 ERRORS = {0: 0.0, 2: 0.2, 10: 1.0}
 # Objects without a unit, at sizes beyond those of the others, metres.

@@ -50,7 +50,8 @@ fn faults(config: &ScanConfig) -> Vec<Fault> {
         ("batch", Batch::new(config.batch).map(drop)),
     ];
     faults.extend(parts.into_iter().filter_map(|(section, result)| Some(of_part(section, result.err()?))));
-    faults.extend(config.nbv_net.planner().err());
+    // The library's own weights need no check, which would cost tens of milliseconds.
+    faults.extend(config.nbv_net.weights.as_ref().and_then(|_| config.nbv_net.planner().err()));
     faults.extend(config.reach.faults());
     #[cfg(feature = "simulated")]
     faults.extend(config.noise.faults().into_iter().chain(config.of_sensor()));

@@ -94,7 +94,7 @@ mod tests {
         fn holds_the_passes_of_the_least_block(
             dims in prop::array::uniform3(1_u32..7), min in prop::array::uniform3(-5..5),
             clear_share in prop::sample::select(vec![0.0, 0.5, 0.95, 1.0]),
-            drawn in prop::collection::vec((0.0..1.0, 0.001_f32..0.999), 216),
+            drawn in prop::collection::vec((0.0..1.0, (0.001..0.999).prop_map(|pass| pass as f32)), 216),
         ) {
             let block = VoxelBlock::new(IVec3::from_array(min), UVec3::from_array(dims)).unwrap();
             let snapshot = Snapshot::from_fn(Lattice::new(0.01).unwrap(), block, |_| None);

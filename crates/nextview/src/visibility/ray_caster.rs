@@ -332,7 +332,7 @@ mod tests {
         fn rays_go_through_what_passes_are_given(
             origin in prop::array::uniform3(-30.0..30.0), direction in prop::array::uniform3(-1.0..1.0),
             dims in prop::array::uniform3(1_u32..9), fade_limit in prop::sample::select(vec![0.0_f32, 0.03, 0.4]),
-            drawn in prop::collection::vec(prop_oneof![Just(1.0_f32), 0.001_f32..0.999], 512),
+            drawn in prop::collection::vec(prop_oneof![Just(1.0), (0.001..0.999).prop_map(|pass| pass as f32)], 512),
         ) {
             let (origin, direction) = (DVec3::from_array(origin), DVec3::from_array(direction));
             let snapshot = snapshot(UVec3::from_array(dims), |i| [None, Some(0.85), Some(-0.4)][i % 3]);

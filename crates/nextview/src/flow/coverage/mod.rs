@@ -110,7 +110,10 @@ mod tests {
 
     /// Problems of up to `n_sets` sets with many ties, and a number of sets to choose.
     pub fn instances(n_sets: usize) -> impl Strategy<Value = (SetValues, usize)> {
-        let value = prop_oneof![prop::sample::select(vec![0.5_f32, 1.0, 2.0]), 0.01_f32..3.0];
+        let value = prop_oneof![
+            prop::sample::select(vec![0.5_f32, 1.0, 2.0]),
+            (0.01..3.0).prop_map(|value| value as f32)
+        ];
         let row = prop::collection::vec((0_u32..15, value), 0..8);
         (prop::collection::vec(row, 0..=n_sets).prop_map(|rows| SetValues::new(15, rows)), 0_usize..6)
     }

@@ -51,7 +51,7 @@ fn tree_of(kind: TreeKind, list: &[(u8, f32, u8)]) -> Octree {
 
 fn any_tree() -> impl Strategy<Value = Octree> {
     let mask = prop_oneof![Just(255_u8), Just(0), any::<u8>()];
-    let log_odds = prop_oneof![Just(0.85_f32), Just(-0.4), Just(-0.0), -5.0..5.0_f32];
+    let log_odds = prop_oneof![Just(0.85_f32), Just(-0.4), Just(-0.0), (-5.0..5.0).prop_map(|l| l as f32)];
     let list = prop::collection::vec((mask, log_odds, any::<u8>()), 0..60);
     let kind = prop_oneof![Just(TreeKind::OcTree), Just(TreeKind::ColorOcTree)];
     (kind, list).prop_map(|(kind, list)| tree_of(kind, &list))
