@@ -64,17 +64,17 @@ fn a_goal_is_worth_views_and_one_out_of_reach_is_refused() {
     assert_eq!(record.steps[0].share_at_goal, None);
     assert!(model.cloud.iter().any(|point| point.error.is_some()), "the camera's error is known");
 
-    let refused = |config: ScanConfig| match SimulatedObject::new(&config) {
-        Err(faults) => faults.to_string(),
-        Ok(object) => match object.session(&config, config.planner(None).unwrap()) {
-            Err(faults) => faults.to_string(),
-            Ok(_) => config.check().unwrap_err().to_string(),
-        },
+    let refused = |config: ScanConfig| {
+        let object = config.check().and_then(|()| SimulatedObject::new(&config));
+        object
+            .and_then(|object| object.session(&config, config.planner(None)?).map(drop))
+            .unwrap_err()
+            .to_string()
     };
     let message = refused(ScanConfig { goal_mm: Some(0.01), ..free.clone() });
     assert!(message.starts_with("goal_mm is 0.01, expected at least 0."), "{message}");
     let message = refused(ScanConfig { goal_mm: Some(-1.0), ..free.clone() });
-    assert!(message.contains("goal_mm is -1, expected a positive number"), "{message}");
+    assert!(message.contains("`goal_mm` is -1, expected a positive number"), "{message}");
     let message = refused(ScanConfig { planner: PlannerName::Random, ..wanted });
     assert!(message.contains("takes no second looks"), "{message}");
     let message = refused(ScanConfig { goal_mm: Some(1.0), ..ScanConfig::default() });
