@@ -9,7 +9,7 @@ use crate::watch::compute;
 use crate::{model, results};
 use nextview::Cancel;
 use nextview::session::StopReason;
-use nextview_scan::{Fault, Faults, LiveConfig, Measured};
+use nextview_scan::{Fault, Faults, LiveConfig, LiveFrame, Measured};
 use numpy::PyArray3;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -77,7 +77,8 @@ impl LiveScan {
         let pose = pose_of("world_from_camera", world_from_camera)?;
         let image = depth_image(depth, depth_scale_m, mask)?;
         let color = color.map(color_image).transpose()?;
-        let step = self.with(py, |scan| Ok(scan.observe(image, pose, color)?.clone()))?;
+        let taken = LiveFrame { color, ..LiveFrame::new(image, pose) };
+        let step = self.with(py, |scan| Ok(scan.observe(taken)?.clone()))?;
         to_python(py, &step)
     }
 

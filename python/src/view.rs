@@ -1,10 +1,11 @@
 //! The next view.
 
-use crate::pose::{matrix, rows_of};
+use crate::pose::matrix;
 use crate::values::to_python;
 use nextview::geometry::Pose;
 use nextview::motion::Trajectory;
 use nextview::session::NextView;
+use nextview_scan::rows_of_pose;
 use numpy::{PyArray, PyArray1, PyArray2, PyArray3, PyArrayMethods};
 use pyo3::prelude::*;
 
@@ -109,6 +110,6 @@ pub fn poses<'py>(
     poses: impl ExactSizeIterator<Item = Pose>,
 ) -> PyResult<Bound<'py, PyArray3<f64>>> {
     let n = poses.len();
-    let entries = poses.flat_map(|pose| rows_of(&pose).into_iter().flatten());
+    let entries = poses.flat_map(|pose| rows_of_pose(&pose).into_iter().flatten());
     PyArray::from_vec(py, entries.collect()).reshape([n, 4, 4])
 }

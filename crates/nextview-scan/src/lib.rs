@@ -21,6 +21,7 @@ mod map_summary;
 pub mod memory;
 mod model;
 mod names;
+mod pose_matrix;
 mod record;
 mod results;
 mod run;
@@ -30,13 +31,16 @@ mod source;
 pub use config::*;
 pub use fault::{Fault, FaultKind, Faults, Place};
 pub use journal::{Damage, Interrupted, Journal, JournalEntry, Kept, KeptFrame, ScanJournal, SkippedView};
-pub use live::LiveScan;
+pub use live::{LiveFrame, LiveScan};
 pub use map_summary::{MapSummary, convert_map};
 pub use model::FinalModel;
 pub use names::Named;
-pub use record::{BuildIdentity, OtherBodyRecord, QualityMm, ScanRecord, StepRecord};
+pub use pose_matrix::{pose_of_rows, rows_of_pose};
+pub use record::{
+    BuildIdentity, OtherBodyRecord, QualityMm, ScanRecord, StepRecord, ViewRecord, WaypointRecord,
+};
 pub use results::{RESULT_FILES, Results, result_folder, write_results};
-pub use run::{Begin, Evaluator, FinishedScan, Measured, Next, ScanRun};
+pub use run::{Begin, Evaluator, FinishedScan, Measured, Next, ScanRun, TakenFrame};
 pub use saved_map::SavedMap;
 pub use source::*;
 

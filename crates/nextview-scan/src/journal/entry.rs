@@ -37,6 +37,8 @@ struct About {
     /// Length of the depth, where colours follow it.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     depth_bytes: Option<usize>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    name: Option<String>,
 }
 
 /// Of the layout of entries.
@@ -48,7 +50,7 @@ impl Entry<'_> {
         match self {
             Self::Heading(text) => [&[VERSION], text.as_bytes()].concat(),
             Self::Skip(skipped) => with_head(&Head::Skip((*skipped).clone()), &[]),
-            Self::Frame(KeptFrame { view, was_asked, frame, color }) => {
+            Self::Frame(KeptFrame { view, was_asked, frame, color, name }) => {
                 let mut images = compressed(frame.image());
                 let depth_bytes = color.as_ref().map(|_| images.len());
                 images.extend(color.iter().flat_map(compressed_color));
@@ -56,6 +58,7 @@ impl Entry<'_> {
                     view: *view,
                     was_asked: *was_asked,
                     depth_bytes,
+                    name: name.clone(),
                     world_from_camera: frame.world_from_camera(),
                     range_m: frame.range(),
                     intrinsics: *frame.intrinsics(),
@@ -87,7 +90,8 @@ pub(super) fn read_entry(bytes: &[u8]) -> Result<JournalEntry, String> {
     let (head, images) = rest.split_at_checked(length as usize).ok_or_else(cut)?;
     match serde_json::from_slice(head).map_err(|error| error.to_string())? {
         Head::Skip(skipped) => Ok(JournalEntry::Skip(skipped)),
-        Head::Frame(About { view, was_asked, world_from_camera, range_m, intrinsics, depth_bytes }) => {
+        Head::Frame(about) => {
+            let About { view, was_asked, world_from_camera, range_m, intrinsics, depth_bytes, name } = about;
             let cut = || "the entry ends within its depth".to_owned();
             let (depth, color) = match depth_bytes {
                 Some(length) => images.split_at_checked(length).map(|(a, b)| (a, Some(b))).ok_or_else(cut)?,
@@ -97,7 +101,7 @@ pub(super) fn read_entry(bytes: &[u8]) -> Result<JournalEntry, String> {
             let color = color.map(|color| decompressed_color(color, &intrinsics)).transpose()?;
             let frame = Frame::new(image, intrinsics, world_from_camera, range_m);
             let frame = frame.map_err(|error| error.to_string())?;
-            Ok(JournalEntry::Frame(KeptFrame { view, was_asked, frame, color }))
+            Ok(JournalEntry::Frame(KeptFrame { view, was_asked, frame, color, name }))
         }
     }
 }

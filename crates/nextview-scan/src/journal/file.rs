@@ -24,13 +24,13 @@ use std::path::{Path, PathBuf};
 /// let frame = Frame::new(image, camera, Pose::IDENTITY, 1.0).unwrap();
 ///
 /// let mut journal = Journal::create(&path, "planner = \"local\"")?;
-/// journal.keep(&KeptFrame { view: Some(7), was_asked: true, frame: frame.clone(), color: None })?;
+/// journal.keep(&KeptFrame { view: Some(7), was_asked: true, frame: frame.clone(), color: None, name: None })?;
 /// drop(journal); // or kill -9
 ///
 /// let (mut journal, found) = Journal::open(&path)?;
 /// assert_eq!(found.heading, "planner = \"local\"");
 /// assert!(matches!(&found.entries[0], JournalEntry::Frame(kept) if kept.view == Some(7)));
-/// journal.keep(&KeptFrame { view: Some(3), was_asked: true, frame, color: None })?; // and on
+/// journal.keep(&KeptFrame { view: Some(3), was_asked: true, frame, color: None, name: None })?; // and on
 /// # std::fs::remove_file(&path).unwrap();
 /// # Ok::<(), nextview_scan::Fault>(())
 /// ```

@@ -21,6 +21,8 @@ pub struct KeptFrame {
     pub frame: Frame,
     /// The colours that were pushed with it.
     pub color: Option<ColorImage>,
+    /// The name that whoever took it gave it.
+    pub name: Option<String>,
 }
 
 /// A view that is not to be proposed again.

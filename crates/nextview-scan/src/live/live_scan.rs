@@ -1,12 +1,10 @@
 use crate::files::ResultFolder;
 use crate::{
-    Begin, Fault, Faults, FinishedScan, Interrupted, Next, OwnCamera, Results, ScanConfig, ScanJournal,
-    ScanRun, StepRecord, write_results,
+    Begin, Fault, Faults, FinishedScan, Interrupted, LiveFrame, Next, OwnCamera, Results, ScanConfig,
+    ScanJournal, ScanRun, StepRecord, TakenFrame, write_results,
 };
 use nextview::Cancel;
-use nextview::geometry::Pose;
 use nextview::motion::Trajectory;
-use nextview::sensor::{ColorImage, DepthImage};
 use nextview::session::{NextView, StopReason};
 use std::path::Path;
 
@@ -19,14 +17,15 @@ use std::path::Path;
 /// ```
 /// use nextview::Cancel;
 /// use nextview::sensor::DepthImage;
-/// use nextview_scan::{LiveConfig, LiveScan, ScanConfig};
+/// use nextview_scan::{LiveConfig, LiveFrame, LiveScan, ScanConfig};
 ///
 /// let live = LiveConfig { box_m: Some([-0.1, -0.1, -0.1, 0.1, 0.1, 0.1]), ..LiveConfig::default() };
 /// let config = ScanConfig { live: Some(live), views: Some(3), ..ScanConfig::default() };
 /// let mut scan = LiveScan::begin(config, None, Cancel::default())?;
 /// while let Some(view) = scan.next()? {
 ///     let nothing = vec![f32::INFINITY; scan.config().camera.n_pixels()];
-///     scan.observe(DepthImage::from_metres(640, 480, nothing)?, view.world_from_camera, None)?;
+///     let depth = DepthImage::from_metres(640, 480, nothing)?;
+///     scan.observe(LiveFrame::new(depth, view.world_from_camera))?;
 /// }
 /// assert!(scan.scan().steps.len() <= 3 && scan.stop_reason().is_some());
 /// # Ok::<(), nextview_scan::Faults>(())
@@ -104,19 +103,14 @@ impl LiveScan {
         }
     }
 
-    /// Takes in a depth image from any pose, and a colour image of the same size that belongs to it. If a
-    /// view was asked for, it counts as taken. Fails before anything has changed if the image is not of the
-    /// camera's size, cannot be kept, or if it is cancelled.
+    /// Takes in a frame from any pose. If a view was asked for, it counts as taken. Fails before anything has
+    /// changed if an image is not of the camera's size, cannot be kept, or if it is cancelled.
     ///
     /// A cancelled frame that was kept in a folder is taken in by [`next`](Self::next), or observed again.
-    pub fn observe(
-        &mut self,
-        image: DepthImage,
-        world_from_camera: Pose,
-        color: Option<ColorImage>,
-    ) -> Result<&StepRecord, Fault> {
-        let frame = self.camera.frame(image, world_from_camera)?;
-        self.run.push_colored(frame, color)
+    pub fn observe(&mut self, taken: LiveFrame) -> Result<&StepRecord, Fault> {
+        let LiveFrame { depth, world_from_camera, color, name } = taken;
+        let frame = self.camera.frame(depth, world_from_camera)?;
+        self.run.push(TakenFrame { frame, color, name })
     }
 
     /// Skips a candidate, for example because a robot cannot go there: it is never proposed again.

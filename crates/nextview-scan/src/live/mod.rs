@@ -1,6 +1,8 @@
 //! A scan by a camera of one's own, from a configuration to the results: what a server, a ROS node and Python
 //! drive.
 
+mod live_frame;
 mod live_scan;
 
+pub use live_frame::LiveFrame;
 pub use live_scan::LiveScan;

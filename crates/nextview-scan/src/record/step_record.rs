@@ -19,7 +19,7 @@ pub struct StepRecord {
     /// frame that was not asked for.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub view: Option<usize>,
-    /// Name of the recorded frame.
+    /// Name of the recorded frame, or that which whoever took it gave it.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub frame: Option<String>,
     /// Position of the camera in the world, metres, as the map has it: with registration, the corrected one.

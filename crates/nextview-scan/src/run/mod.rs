@@ -7,4 +7,4 @@ mod warning;
 
 pub use evaluator::Evaluator;
 pub use finished::{FinishedScan, Measured};
-pub use scan_run::{Begin, Next, ScanRun};
+pub use scan_run::{Begin, Next, ScanRun, TakenFrame};

@@ -76,6 +76,23 @@ pub struct Begin {
     pub cancel: Cancel,
 }
 
+/// A frame with what belongs to it.
+#[derive(Clone, Debug)]
+pub struct TakenFrame {
+    /// The depth image and its pose.
+    pub frame: Frame,
+    /// A colour image of the frame's size, which the final model takes its colours from.
+    pub color: Option<ColorImage>,
+    /// A name for it, which its record has.
+    pub name: Option<String>,
+}
+
+impl From<Frame> for TakenFrame {
+    fn from(frame: Frame) -> Self {
+        Self { frame, color: None, name: None }
+    }
+}
+
 /// A view that was asked for.
 struct Asked {
     next: NextView,
@@ -164,28 +181,26 @@ impl<'a> ScanRun<'a> {
     }
 
     /// Takes in a frame, in any pose: keeps it, writes it into the map, measures. If a view was asked for, it
-    /// counts as visited.
+    /// counts as visited. A frame that is [replayed](Next::Replay) has the colours and the name that were kept
+    /// with it.
     ///
     /// Fails before anything has changed if the frame cannot be kept, and if it is
     /// [cancelled](Begin::cancel): it is then asked for again, or [replayed](Next::Replay) from the journal.
-    pub fn push(&mut self, frame: Frame) -> Result<&StepRecord, Fault> {
-        self.push_colored(frame, None)
-    }
-
-    /// The same with a colour image of the frame's size, which the final model takes its colours from. A
-    /// frame that is [replayed](Next::Replay) has the colours that were kept with it.
-    pub fn push_colored(&mut self, frame: Frame, color: Option<ColorImage>) -> Result<&StepRecord, Fault> {
-        check_size(&frame, color.as_ref())?;
+    pub fn push(&mut self, taken: impl Into<TakenFrame>) -> Result<&StepRecord, Fault> {
+        let taken = taken.into();
+        check_size(&taken.frame, taken.color.as_ref())?;
         let capture_time = self.asked.as_ref().map_or(Duration::ZERO, |asked| asked.since.elapsed());
         let trajectory = match &self.asked {
             Some(asked) => asked.trajectory.clone(),
-            None => self.scan.session.trajectory_to(&frame.world_from_camera())?,
+            None => self.scan.session.trajectory_to(&taken.frame.world_from_camera())?,
         };
-        let (frame, color) = self.keep(frame, color)?;
+        let TakenFrame { frame, color, name } = self.keep(taken)?;
         let start = Instant::now();
         let report = match self.scan.session.observe(&frame) {
             Ok(report) => report,
-            Err(cancelled) => return Err(self.put_back(frame, color, cancelled)),
+            Err(cancelled) => {
+                return Err(self.put_back(TakenFrame { frame, color, name }, cancelled));
+            }
         };
         let map_time = start.elapsed();
         let (next, plan_time) = self.asked.take().map(|asked| (asked.next, asked.plan_time)).unzip();
@@ -195,6 +210,7 @@ impl<'a> ScanRun<'a> {
             evaluator.measure(&self.scan.session, next.as_ref(), &frame, &mut record)?;
         }
         let last = self.scan.steps.last();
+        record.frame = name.or(record.frame);
         record.path_length_m = self.path.extend_to(report.world_from_camera.translation());
         record.trajectory_length_m = last.map_or(0.0, |last| last.trajectory_length_m) + trajectory.length();
         record.trajectory_time_s = last.map_or(0.0, |last| last.trajectory_time_s) + trajectory.duration();
@@ -301,21 +317,22 @@ impl<'a> ScanRun<'a> {
 
     /// The frame and its colours, once they are on the disk: those of the journal where the scan was there
     /// before.
-    fn keep(&mut self, frame: Frame, color: Option<ColorImage>) -> Result<Colored, Fault> {
+    fn keep(&mut self, taken: TakenFrame) -> Result<TakenFrame, Fault> {
         let (view, was_asked) = (self.asked.as_ref().and_then(|asked| asked.next.view), self.asked.is_some());
-        let Some(journal) = &mut self.scan.journal else { return Ok((frame, color)) };
+        let Some(journal) = &mut self.scan.journal else { return Ok(taken) };
         match journal.replay() {
             None => {
-                let kept = KeptFrame { view, was_asked, frame, color };
+                let TakenFrame { frame, color, name } = taken;
+                let kept = KeptFrame { view, was_asked, frame, color, name };
                 journal.keep(&kept)?;
-                Ok((kept.frame, kept.color))
+                Ok(TakenFrame { frame: kept.frame, color: kept.color, name: kept.name })
             }
             Some(JournalEntry::Frame(kept))
-                if kept.was_asked == was_asked && is_same_place(&kept.frame, &frame) =>
+                if kept.was_asked == was_asked && is_same_place(&kept.frame, &taken.frame) =>
             {
-                let color = kept.color.clone();
+                let (color, name) = (kept.color.clone(), kept.name.clone());
                 journal.replayed();
-                Ok((frame, color))
+                Ok(TakenFrame { frame: taken.frame, color, name })
             }
             Some(_) => {
                 let fault = Fault::request("another frame was pushed than that which is to be replayed");
@@ -325,10 +342,11 @@ impl<'a> ScanRun<'a> {
     }
 
     /// The frame comes again, since it does not count.
-    fn put_back(&mut self, frame: Frame, color: Option<ColorImage>, cancelled: Cancelled) -> Fault {
+    fn put_back(&mut self, taken: TakenFrame, cancelled: Cancelled) -> Fault {
+        let TakenFrame { frame, color, name } = taken;
         let (view, was_asked) = (self.asked.as_ref().and_then(|asked| asked.next.view), self.asked.is_some());
         if let Some(journal) = &mut self.scan.journal {
-            journal.replay_again(KeptFrame { view, was_asked, frame, color });
+            journal.replay_again(KeptFrame { view, was_asked, frame, color, name });
         }
         cancelled.into()
     }
@@ -366,9 +384,6 @@ impl<'a> ScanRun<'a> {
         fault.with_remedy("resume a scan with the version of nextview and the files that it was begun with")
     }
 }
-
-/// A frame and its colours, where it has any.
-type Colored = (Frame, Option<ColorImage>);
 
 /// Fails if the images of a frame are of different sizes.
 fn check_size(frame: &Frame, color: Option<&ColorImage>) -> Result<(), Fault> {

@@ -28,7 +28,13 @@ fn frame(seed: u64) -> Frame {
 
 /// The frame of this seed, as it is kept.
 fn kept(view: Option<usize>, seed: u64) -> KeptFrame {
-    KeptFrame { view, was_asked: seed != 1, frame: frame(seed), color: None }
+    KeptFrame {
+        view,
+        was_asked: seed != 1,
+        frame: frame(seed),
+        color: None,
+        name: (seed == 2).then(|| "second".to_owned()),
+    }
 }
 
 fn skipped() -> SkippedView {

@@ -7,8 +7,9 @@ use nextview::sensor::{ColorImage, Depth, DepthImage, Frame};
 use nextview::session::StopReason;
 use nextview_scan::files::{Overwrite, ResultFolder};
 use nextview_scan::{
-    Begin, BoxRule, FinishedScan, LiveConfig, LiveScan, ObjectBoxConfig, PlannerName, RESULT_FILES,
-    ScanConfig, ScanJournal, ScanRecord, ScanRun, SimulatedObject, Simulation, TableRule, write_results,
+    Begin, BoxRule, FinishedScan, LiveConfig, LiveFrame, LiveScan, ObjectBoxConfig, PlannerName,
+    RESULT_FILES, ScanConfig, ScanJournal, ScanRecord, ScanRun, SimulatedObject, Simulation, TableRule,
+    write_results,
 };
 use nextview_sim::evaluator;
 use std::path::Path;
@@ -43,7 +44,7 @@ fn frame(object: &SimulatedObject, pose: &Pose, is_first: bool) -> Frame {
 
 fn observe(scan: &mut LiveScan, object: &SimulatedObject, pose: &Pose) {
     let frame = frame(object, pose, scan.scan().steps.is_empty());
-    scan.observe(frame.image().clone(), frame.world_from_camera(), None).unwrap();
+    scan.observe(LiveFrame::new(frame.image().clone(), frame.world_from_camera())).unwrap();
 }
 
 fn files_of(dir: &Path, scan: &FinishedScan<'_>, config: &ScanConfig) -> ScanRecord {
@@ -101,7 +102,9 @@ fn an_interrupted_scan_is_resumed_with_its_colours() {
             let Some(view) = scan.next().unwrap() else { return };
             let frame = frame(&object, &view.world_from_camera, false);
             let color = red(frame.image());
-            scan.observe(frame.image().clone(), frame.world_from_camera(), Some(color)).unwrap();
+            let taken = LiveFrame::new(frame.image().clone(), frame.world_from_camera());
+            let name = Some(format!("frame {}", scan.scan().steps.len()));
+            scan.observe(LiveFrame { color: Some(color), name, ..taken }).unwrap();
         }
     };
     let mut undisturbed = LiveScan::begin(live(&config, &object), None, Cancel::default()).unwrap();
@@ -117,6 +120,8 @@ fn an_interrupted_scan_is_resumed_with_its_colours() {
     let [ours, theirs] = [&scan, &undisturbed].map(|scan| scan.scan().model(config.model).unwrap());
     assert_eq!(ours.cloud, theirs.cloud);
     assert!(ours.cloud.iter().all(|point| point.color == Some([200, 10, 20])));
+    let names: Vec<_> = scan.scan().steps.iter().map(|step| step.frame.as_deref().unwrap()).collect();
+    assert_eq!(names[..4], ["frame 0", "frame 1", "frame 2", "frame 3"]);
     scan.forget_journal();
     assert!(!ScanJournal::is_in(&dir));
 }
@@ -158,7 +163,7 @@ fn a_cancelled_step_comes_again() {
         let view = scan.next().unwrap().unwrap();
         scan.cancel().cancel();
         let frame = frame(&object, &view.world_from_camera, false);
-        assert!(scan.observe(frame.image().clone(), frame.world_from_camera(), None).is_err());
+        assert!(scan.observe(LiveFrame::new(frame.image().clone(), frame.world_from_camera())).is_err());
         scan.cancel().reset();
         observe(&mut scan, &object, &view.world_from_camera);
         assert_eq!(scan.scan().steps.len(), n + 1);
@@ -199,10 +204,12 @@ fn what_cannot_be_is_refused_with_its_reason() {
     .unwrap();
     let image = || DepthImage::from_metres(640, 480, vec![f32::INFINITY; 640 * 480]).unwrap();
     let small = DepthImage::from_metres(2, 1, vec![1.0; 2]).unwrap();
-    let fault = scan.observe(small, Pose::IDENTITY, None).unwrap_err();
+    let fault = scan.observe(LiveFrame::new(small, Pose::IDENTITY)).unwrap_err();
     assert!(fault.to_string().contains("`depth` is 2 x 1, expected 640 x 480 pixels"), "{fault}");
     let color = ColorImage::new(2, 1, vec![[0; 3]; 2]).unwrap();
-    let fault = scan.observe(image(), Pose::IDENTITY, Some(color)).unwrap_err();
+    let fault = scan
+        .observe(LiveFrame { color: Some(color), ..LiveFrame::new(image(), Pose::IDENTITY) })
+        .unwrap_err();
     assert!(fault.to_string().contains("`color` is 2 x 1, expected 640 x 480 pixels"), "{fault}");
     assert!(scan.scan().steps.is_empty());
 }

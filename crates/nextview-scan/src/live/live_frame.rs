@@ -1,0 +1,22 @@
+use nextview::geometry::Pose;
+use nextview::sensor::{ColorImage, DepthImage};
+
+/// What a camera of one's own has taken.
+#[derive(Clone, Debug)]
+pub struct LiveFrame {
+    /// The depth image, of the camera's size.
+    pub depth: DepthImage,
+    /// Where the camera stood.
+    pub world_from_camera: Pose,
+    /// A colour image of the same size that belongs to it.
+    pub color: Option<ColorImage>,
+    /// A name for it, which its record has.
+    pub name: Option<String>,
+}
+
+impl LiveFrame {
+    /// A depth image without colours and name.
+    pub fn new(depth: DepthImage, world_from_camera: Pose) -> Self {
+        Self { depth, world_from_camera, color: None, name: None }
+    }
+}
