@@ -84,7 +84,8 @@ pub fn write_map(
 fn key_of(corner: DVec3, voxel_size: f64) -> Result<IVec3, Fault> {
     let lattice = Lattice::new(voxel_size)?;
     let place = lattice.to_voxels(corner);
-    let is_corner = (place - place.round()).abs().max_element() < 1e-6 && place.abs().max_element() < 1e9;
+    let is_near = place.is_finite() && place.abs().max_element() < 1e9;
+    let is_corner = is_near && (place - place.round()).abs().max_element() < 1e-6;
     if is_corner {
         return Ok(place.round().as_ivec3());
     }
