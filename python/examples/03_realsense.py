@@ -66,7 +66,7 @@ camera = nextview.Camera(
     cy=optics.ppy,
     distortion=optics.coeffs if any(optics.coeffs) else [],
     distortion_model=optics.model.name.replace("_", "-"),
-    depth_range_m=(0.15, 2.0),
+    depth_range_m=nextview.Camera.sensor("d435i").depth_range_m,
 )
 scan = nextview.Scan(camera, first_pose=sim.candidates[0], table="fit", views=8, name="mug")
 while (view := scan.next_view()) is not None:

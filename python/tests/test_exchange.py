@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from conftest import CAMERA, begin, run
+from conftest import CAMERA, ball, begin, run
 
 import nextview
 
@@ -64,7 +64,7 @@ def test_a_wrong_map_is_refused(tmp_path: Path) -> None:
     wrongs: list[tuple[str, dict[str, object]]] = [
         ("expected multiples of the voxel size", {"origin_m": np.array([0.05, 0, 0])}),
         ("expected multiples of the voxel size", {"origin_m": np.array([np.nan, 0, 0])}),
-        ("voxel size", {"voxel_size_m": 0.0}),
+        ("voxel_size_m is 0, expected", {"voxel_size_m": 0.0}),
         ("`probability` is 1, expected above 0 and below 1", {"probability": p / 0.7}),
         ("have the shapes", {"probability": p[1:]}),
         ("expected a grid of X x Y x Z of float32", {"probability": p.astype(float)}),
@@ -100,8 +100,8 @@ def test_views_cameras_and_results_are_pickled(tmp_path: Path) -> None:
         np.testing.assert_array_equal(same.waypoints, view.waypoints)
         np.testing.assert_array_equal(same.waypoint_times_s, view.waypoint_times_s)
         assert same.trajectory_length_m == view.trajectory_length_m
-        run_one(scan, view)
-        run_one(other, same)
+        scan.observe(ball(view.world_from_camera), view)
+        other.observe(ball(view.world_from_camera), same)
     # The pose has all its bits.
     assert scan.steps[-1]["position_m"] == other.steps[-1]["position_m"]
     assert scan.steps[-1]["quaternion_xyzw"] == other.steps[-1]["quaternion_xyzw"]
@@ -112,11 +112,6 @@ def test_views_cameras_and_results_are_pickled(tmp_path: Path) -> None:
     np.testing.assert_array_equal(read.cloud.points, done.cloud.points)
     with pytest.raises(nextview.InputError, match="was pickled, which drops its frames"):
         read.show()
-
-
-def run_one(scan: nextview.Scan, view: nextview.View) -> None:
-    """Lets the scan observe nothing from a view."""
-    scan.observe(np.full((60, 80), np.inf, dtype=np.float32), view)
 
 
 def test_a_notebook_shows_a_scan(scanned: nextview.Scan) -> None:
