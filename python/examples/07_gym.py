@@ -24,8 +24,8 @@ def environment(objects: list[str]) -> tuple[gymnasium.Env[Observation, np.int64
 
 
 def features(observation: Observation, directions: NDArray[np.float64]) -> NDArray[np.float64]:
-    """By candidate: how many unknown and how many occupied voxels lie towards it, and how far the nearest view
-    is that was taken."""
+    """By candidate: how many unknown and how many occupied voxels lie towards it, and how far away the nearest
+    view that was taken is."""
     grid = observation["map"]
     offsets = np.argwhere(np.ones_like(grid)) - (np.array(grid.shape) - 1) / 2
     towards = np.maximum(offsets @ directions.T / grid.shape[0], 0)
@@ -34,11 +34,15 @@ def features(observation: Observation, directions: NDArray[np.float64]) -> NDArr
     taken = directions[observation["visited"] == 1]
     distance = np.arccos(np.clip(directions @ taken.T, -1, 1)).min(axis=1)
     columns = np.stack([unknown, occupied, distance], axis=1)
-    return (columns - columns.mean(axis=0)) / (columns.std(axis=0) + 1e-9)
+    scaled: NDArray[np.float64] = (columns - columns.mean(axis=0)) / (columns.std(axis=0) + 1e-9)
+    return scaled
 
 
 def coverage(
-    env: gymnasium.Env[Observation, np.int64], directions: NDArray[np.float64], seed: int, weights: object
+    env: gymnasium.Env[Observation, np.int64],
+    directions: NDArray[np.float64],
+    seed: int,
+    weights: NDArray[np.float64] | None,
 ) -> float:
     """The coverage at the end of an episode, of this policy, or of random views where it is None."""
     rng = np.random.default_rng(seed)

@@ -47,11 +47,10 @@ class ViewPlanning(gymnasium.Env[Observation, np.int64]):
 
     The reward is the share of the reachable surface that a view adds; the return and the coverage of the
     first view are together `info["coverage"]`, the coverage at the end. A candidate that was taken before
-    adds nothing.
-    Everything that an episode draws follows from the seed of `reset`.
+    adds nothing. Everything that an episode draws follows from the seed of `reset`.
     """
 
-    metadata = {"render_modes": []}  # noqa: RUF012
+    metadata = {"render_modes": []}
 
     def __init__(
         self,
@@ -63,9 +62,9 @@ class ViewPlanning(gymnasium.Env[Observation, np.int64]):
         camera: Camera | None = None,
     ) -> None:
         """Nothing is loaded before the first episode. Raises `InputError` on numbers out of range."""
-        for name, value, least in [("n_candidates", n_candidates, 2), ("views", views, 2), ("cells", cells, 4)]:
-            if value < least:
-                raise InputError(f"`{name}` is {value}, expected at least {least}")
+        for name, value in [("n_candidates", n_candidates), ("views", views), ("cells", cells)]:
+            if value < 2:
+                raise InputError(f"`{name}` is {value}, expected at least 2")
         if not objects:
             raise InputError("`objects` is empty, expected at least one object")
         self._objects = list(objects)
@@ -151,4 +150,4 @@ class ViewPlanning(gymnasium.Env[Observation, np.int64]):
         return {"object": self._object, "coverage": self._coverage}
 
 
-gymnasium.register("nextview/ViewPlanning-v0", entry_point=ViewPlanning)
+gymnasium.register("nextview/ViewPlanning-v0", entry_point="nextview.gym:ViewPlanning")

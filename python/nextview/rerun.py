@@ -1,12 +1,14 @@
 """Scans for the Rerun viewer (extra `rerun`).
 
 `scan.to_rerun("scan.rrd")` writes a recording, and `scan.to_rerun()` logs to the one that `rerun.init` began.
-A folder of results becomes a recording, without depth images, by `python -m nextview.rerun DIR --out FILE.rrd`.
+A folder of results becomes a recording, without depth images, candidates and earlier maps, by
+`python -m nextview.rerun DIR --out FILE.rrd`.
 
 The timeline `view` counts views from 1. At each of them there are, in metres: the map as it was then, the
-camera with its depth image and some of its rays, the views so far, the view candidates, and curves. A
-candidate is the brighter, the more it would have gained: the entropy of the unobserved voxels in its sight.
-The orange one is taken next.
+camera with its depth image and some of its rays, the views so far, the view candidates, and curves. Cloud and
+mesh are there at the last one. The colours of the candidates, from blue to yellow, are their order by what
+they would have gained then: the entropy of the unobserved voxels in their sight, whatever the planner's own
+gain is. The orange one is taken next.
 """
 
 from __future__ import annotations
@@ -14,7 +16,7 @@ from __future__ import annotations
 import argparse
 import json
 import os
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -35,8 +37,12 @@ try:
 except ImportError as missing:
     raise ImportError("the package rerun-sdk is not installed: pip install 'nextview[rerun]'") from missing
 
-CURVES = ("reachable_coverage", "estimated_completeness", "entropy_share")
-"""Quantities of a step, shares from 0 to 1, that are drawn as curves."""
+CURVES = {
+    "reachable_coverage": [60, 140, 255],
+    "estimated_completeness": [66, 190, 110],
+    "entropy_share": [170, 170, 180],
+}
+"""Quantities of a step, shares from 0 to 1, that are drawn as curves, and their colours."""
 
 _CHOSEN = [255, 120, 20]
 
@@ -87,7 +93,7 @@ class _Story:
     cloud: Cloud | None
     mesh: Mesh | None
     candidates: NDArray[np.float64] | None
-    moments: dict[int, tuple[NDArray[np.float32], NDArray[np.float64] | None]]
+    moments: Mapping[int, tuple[NDArray[np.float32], NDArray[np.float64] | None]]
     frame: Callable[[int], tuple[NDArray[np.float32], NDArray[np.float64]]] | None
 
 
@@ -99,10 +105,11 @@ def _log(story: _Story, out: str | os.PathLike[str] | None) -> None:
     else:
         recording = rr.RecordingStream(f"nextview: {story.record['object']}")
         recording.save(os.fspath(out))
-    recording.send_blueprint(_blueprint())
+    recording.send_blueprint(_blueprint(has_frames=story.frame is not None))
     recording.log("world", rr.ViewCoordinates.RIGHT_HAND_Z_UP, static=True)
-    for name in CURVES:
-        recording.log(f"curves/{name}", rr.SeriesLines(names=name.replace("_", " ")), static=True)
+    for name, color in CURVES.items():
+        line = rr.SeriesLines(names=name.replace("_", " "), colors=color)
+        recording.log(f"curves/{name}", line, static=True)
     for step_idx, step in enumerate(story.record["steps"]):
         recording.set_time("view", sequence=step_idx + 1)
         _log_camera(recording, story, step_idx)
@@ -116,12 +123,16 @@ def _log(story: _Story, out: str | os.PathLike[str] | None) -> None:
         recording.disconnect()
 
 
-def _blueprint() -> rrb.Blueprint:
-    hidden = {"world/mesh": rrb.EntityBehavior(visible=False)}
-    space = rrb.Spatial3DView(origin="world", name="Scan", overrides=hidden)
-    depth = rrb.Spatial2DView(origin="world/camera", name="Depth")
+def _blueprint(*, has_frames: bool) -> rrb.Blueprint:
+    # In space, the points of the depth image would hide the map, and the mesh the cloud.
+    hidden = rrb.EntityBehavior(visible=False)
+    space = rrb.Spatial3DView(
+        origin="world", name="Scan", overrides={"world/camera/depth": hidden, "world/mesh": hidden}
+    )
     curves = rrb.TimeSeriesView(origin="curves", name="Curves")
-    return rrb.Blueprint(rrb.Horizontal(space, rrb.Vertical(depth, curves), column_shares=[2, 1]))
+    depth = [rrb.Spatial2DView(origin="world/camera", name="Depth")] if has_frames else []
+    views = rrb.Horizontal(space, rrb.Vertical(*depth, curves), column_shares=[2, 1])
+    return rrb.Blueprint(views, collapse_panels=True)
 
 
 def _log_camera(recording: rr.RecordingStream, story: _Story, step_idx: int) -> None:
@@ -145,25 +156,31 @@ def _log_camera(recording: rr.RecordingStream, story: _Story, step_idx: int) -> 
     recording.log("world/camera", pose, frustum(0.3 * size, _CHOSEN))
     recording.log(f"world/views/{step_idx + 1}", pose, frustum(0.15 * size, [110, 110, 120]))
     path = [each["position_m"] for each in steps[: step_idx + 1]]
-    recording.log("world/path", rr.LineStrips3D([path], colors=[110, 110, 120]))
+    line = rr.LineStrips3D([path], colors=[110, 110, 120], radii=rr.Radius.ui_points(1.0))
+    recording.log("world/path", line)
     if story.frame is not None:
         depth, world_from_camera = story.frame(step_idx)
         measured = np.where(np.isfinite(depth), depth, 0)
         recording.log("world/camera/depth", rr.DepthImage(measured, meter=1.0))
-        recording.log("world/rays", _rays(measured, world_from_camera, camera))
+        recording.log("world/rays", _rays(measured, world_from_camera, camera, step))
 
 
 def _rays(
-    depth: NDArray[np.float32], world_from_camera: NDArray[np.float64], camera: dict[str, Any]
+    depth: NDArray[np.float32],
+    world_from_camera: NDArray[np.float64],
+    camera: dict[str, Any],
+    step: dict[str, Any],
 ) -> rr.LineStrips3D:
-    """Some rays of the camera to the surface that they met, without the distortion of the lens."""
-    pitch = max(depth.shape[0] // 16, 1)
+    """Some rays of the camera to the surface that they met in the box, without the distortion of the lens."""
+    pitch = max(depth.shape[0] // 24, 1)
     v, u = np.mgrid[pitch // 2 : depth.shape[0] : pitch, pitch // 2 : depth.shape[1] : pitch]
     z = depth[v, u].astype(np.float64)
     x, y = (u - camera["cx"]) / camera["fx"] * z, (v - camera["cy"]) / camera["fy"] * z
     ends = np.stack([x, y, z], axis=-1)[z > 0] @ world_from_camera[:3, :3].T + world_from_camera[:3, 3]
+    if "box_min_m" in step:
+        ends = ends[((ends > step["box_min_m"]) & (ends < step["box_max_m"])).all(axis=1)]
     strips = np.stack([np.broadcast_to(world_from_camera[:3, 3], ends.shape), ends], axis=1)
-    return rr.LineStrips3D(strips, colors=[*_CHOSEN, 60])
+    return rr.LineStrips3D(strips, colors=[*_CHOSEN, 90], radii=rr.Radius.ui_points(0.4))
 
 
 def _log_knowledge(recording: rr.RecordingStream, story: _Story, step_idx: int) -> None:
@@ -176,7 +193,7 @@ def _log_knowledge(recording: rr.RecordingStream, story: _Story, step_idx: int) 
     )
     if gains is None or story.candidates is None:
         return
-    colors = _colors(_shares(gains))
+    colors = _colors(_shares(np.argsort(np.argsort(gains, kind="stable"))))
     radii = np.full(len(colors), 0.004 * float(np.ptp(story.candidates, axis=0).max()))
     next_view = steps[step_idx + 1].get("view") if step_idx + 1 < len(steps) else None
     if next_view is not None:

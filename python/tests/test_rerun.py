@@ -26,7 +26,7 @@ def test_scans_and_folders_become_recordings(tmp_path: Path) -> None:
     scan.to_rerun(tmp_path / "live.rrd")
     done = nextview.scan("builtin:mug", views=2, voxel_size_m=0.02, candidates=20, out=tmp_path / "mug")
     done.to_rerun(tmp_path / "done.rrd")
-    command = [sys.executable, "-m", "nextview.rerun", tmp_path / "mug", "--out", tmp_path / "folder.rrd"]
+    command = [sys.executable, "-m", "nextview.rerun", f"{tmp_path}/mug", "--out", f"{tmp_path}/folder.rrd"]
     subprocess.run(command, check=True)
     always = ["/world/map", "/world/cloud", "/world/mesh", "/world/camera", "/world/views/2", "/world/path"]
     framed = ["/world/camera/depth", "/world/candidates", "/world/rays"]
@@ -40,6 +40,6 @@ def test_scans_and_folders_become_recordings(tmp_path: Path) -> None:
 
 
 def test_a_folder_without_results_is_refused(tmp_path: Path) -> None:
-    command = [sys.executable, "-m", "nextview.rerun", tmp_path, "--out", tmp_path / "none.rrd"]
+    command = [sys.executable, "-m", "nextview.rerun", str(tmp_path), "--out", f"{tmp_path}/none.rrd"]
     done = subprocess.run(command, capture_output=True, text=True)
     assert done.returncode == 1 and "expected the folder of a scan's results" in done.stderr
