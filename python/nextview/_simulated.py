@@ -78,8 +78,8 @@ class SimulatedScene:
 
         >>> import nextview
         >>> sim = nextview.SimulatedScene("builtin:mug", voxel_size_m=0.01, candidates=10)
-        >>> sim.reachable_coverage(range(10))[-1]
-        np.float64(1.0)
+        >>> float(sim.reachable_coverage(range(10))[-1])
+        1.0
         """
         return self._engine.coverage_curve(list(views))
 

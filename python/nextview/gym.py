@@ -3,8 +3,8 @@
 >>> import gymnasium, nextview.gym
 >>> env = gymnasium.make("nextview/ViewPlanning-v0", objects=["builtin:mug"], n_candidates=20, views=3)
 >>> observation, info = env.reset(seed=1)
->>> observation["map"].shape, observation["visited"].sum()
-((16, 16, 16), np.int8(1))
+>>> observation["map"].shape, int(observation["visited"].sum())
+((16, 16, 16), 1)
 >>> observation, reward, terminated, truncated, info = env.step(7)
 >>> 0 <= reward <= info["coverage"] <= 1
 True
