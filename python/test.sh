@@ -1,14 +1,16 @@
 #!/usr/bin/env bash
 # Installs the package into a virtual environment of its own, and runs everything that it must pass: tests,
 # types, doctests, examples. With a program `nextview` (NEXTVIEW_PROGRAM), its results are compared with the
-# program's.
+# program's. With `--full`, the packages that it works with are installed, too: tests that need one are skipped
+# without it.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")"
 venv=${NEXTVIEW_VENV:-target/venv}
 [ -d "$venv" ] || python3 -m venv "$venv"
 venv=$(cd "$venv" && pwd)
 "$venv/bin/pip" install --quiet --upgrade pip
-"$venv/bin/pip" install --quiet pytest hypothesis mypy
+"$venv/bin/pip" install --quiet pytest hypothesis mypy gymnasium
+[ "${1:-}" != --full ] || "$venv/bin/pip" install --quiet -r tests/requirements-full.txt
 start=$SECONDS
 "$venv/bin/pip" install --quiet --force-reinstall --no-deps .
 "$venv/bin/pip" install --quiet numpy
@@ -24,7 +26,7 @@ cd "$work"
 "$venv/bin/python" -m mypy --strict examples/*.py
 "$venv/bin/python" -m mypy --strict "$here/nextview"
 "$venv/bin/python" -m mypy.stubtest nextview._native
-for module in "" .errors ._names ._camera ._scan ._simulated ._bench; do
+for module in "" .errors ._names ._camera ._scan ._simulated ._bench .gym; do
     "$venv/bin/python" -c "import doctest, importlib, sys
 failed, n = doctest.testmod(importlib.import_module('nextview$module'))
 print('nextview$module:', n, 'doctest lines'); sys.exit(failed > 0)"

@@ -19,6 +19,7 @@ from nextview._camera import Camera
 from nextview._model import Cloud, Map, Mesh
 from nextview._names import builtin_objects, planners, sensors
 from nextview._native import View, __version__
+from nextview._page import Page
 from nextview._scan import Scan, resume
 from nextview._simulated import ScanResult, SimulatedScene, scan
 from nextview.errors import DataError, InputError, InternalError, NextviewError
@@ -33,6 +34,7 @@ __all__ = [
     "Map",
     "Mesh",
     "NextviewError",
+    "Page",
     "Scan",
     "ScanResult",
     "SimulatedScene",

@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+import os
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
+
+from nextview import _native
 
 
 @dataclass(frozen=True, eq=False)
@@ -66,6 +69,24 @@ class Map:
             self.origin_m + (np.argwhere(self.occupancy == state) + 0.5) * self.voxel_size_m
         )
         return centers
+
+    def save(self, path: str | os.PathLike[str], *, force: bool = False) -> None:
+        """Writes the map as an OctoMap file: every probability for a name that ends in .ot, occupied and free
+        only for .bt. A file that is there is replaced only with `force`.
+
+        Raises `InputError` if the grid is no part of an OctoMap: `origin_m` must be a multiple of the voxel
+        size, and probabilities of measured voxels between 0 and 1.
+        """
+        grid = (self.occupancy, self.probability, self.origin_m.tolist(), self.voxel_size_m)
+        _native.write_map(os.fspath(path), *grid, force)
+
+    @classmethod
+    def load(cls, path: str | os.PathLike[str]) -> Map:
+        """The measured part of an OctoMap file, .ot or .bt, as a dense grid.
+
+        Raises `DataError` if the file is no OctoMap, measured nothing, or spans more than 2^26 voxels.
+        """
+        return map_of(_native.read_map(os.fspath(path)))
 
 
 def cloud_of(arrays: dict[str, Any]) -> Cloud:

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from nextview import _native
 from nextview._camera import Camera
 from nextview._model import Cloud, Map, Mesh, cloud_of, map_of, mesh_of
+from nextview._page import Page
 from nextview.errors import InputError
 
 Pose = NDArray[np.float64] | _native.View
@@ -194,6 +195,16 @@ class Scan:
             cloud, mesh = self._engine.model()
             self._model = (n_steps, cloud_of(cloud), mesh_of(mesh))
         return self._model
+
+    def show(self) -> Page:
+        """The report of the scan as it stands, with its 3D view: for the end of a cell of a notebook."""
+        return Page(self._engine.page())
+
+    def to_rerun(self, out: str | os.PathLike[str] | None = None) -> None:
+        """Logs all views so far for the Rerun viewer: see `nextview.rerun.log`. Needs the extra `rerun`."""
+        from nextview import rerun
+
+        rerun.log(self, out)
 
     def save(self, out: str | os.PathLike[str] | None = None, *, force: bool = False) -> None:
         """Writes the results into a folder, as the program does: map, cloud, mesh, records, `report.html`.

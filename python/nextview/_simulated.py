@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable
-from dataclasses import dataclass
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
@@ -13,7 +13,9 @@ from numpy.typing import NDArray
 from nextview import _native
 from nextview._camera import Camera
 from nextview._model import Cloud, Map, Mesh, cloud_of, map_of, mesh_of
+from nextview._page import Page
 from nextview._scan import Pose
+from nextview.errors import InputError
 
 
 class SimulatedScene:
@@ -70,6 +72,17 @@ class SimulatedScene:
         """Poses of the view candidates around the object: N x 4 x 4, `world_from_camera`."""
         return self._engine.candidates()
 
+    def reachable_coverage(self, views: Sequence[int]) -> NDArray[np.float64]:
+        """Share, 0 to 1, of the surface that any candidate sees which was seen after each of these
+        candidates. The first call looks from all candidates, some milliseconds each.
+
+        >>> import nextview
+        >>> sim = nextview.SimulatedScene("builtin:mug", voxel_size_m=0.01, candidates=10)
+        >>> float(sim.reachable_coverage(range(10))[-1])
+        1.0
+        """
+        return self._engine.coverage_curve(list(views))
+
     @property
     def box_m(self) -> tuple[list[float], list[float]]:
         """Lowest and highest corner of the box around the object that a scan plans in."""
@@ -106,6 +119,27 @@ class ScanResult:
     """The occupancy of the box around the object; None if no object was found."""
     notes: list[str]
     """Remarks, such as a unit that was guessed."""
+    _engine: _native.Finished | None = field(default=None, repr=False)
+
+    def show(self) -> Page:
+        """The report of the scan, with its 3D view: for the end of a cell of a notebook. Raises `InputError`
+        for a result that was pickled, which has no frames."""
+        return Page(self._finished().page())
+
+    def to_rerun(self, out: str | os.PathLike[str] | None = None) -> None:
+        """Logs the scan for the Rerun viewer: see `nextview.rerun.log`. Needs the extra `rerun`."""
+        from nextview import rerun
+
+        rerun.log(self, out)
+
+    def _finished(self) -> _native.Finished:
+        if self._engine is None:
+            raise InputError("this result was pickled, which drops its frames; show it before")
+        return self._engine
+
+    def __getstate__(self) -> dict[str, Any]:
+        """Everything but the frames, which only pictures need."""
+        return {**self.__dict__, "_engine": None}
 
 
 def scan(
@@ -147,4 +181,5 @@ def scan(
         mesh=None if mesh is None else mesh_of(mesh),
         map=None if grid is None else map_of(grid),
         notes=done["notes"],
+        _engine=done["engine"],
     )

@@ -7,8 +7,10 @@ mod bench;
 mod camera;
 mod errors;
 mod live_scan;
+mod map_file;
 mod model;
 mod offline_scan;
+mod pictures;
 mod pose;
 mod results;
 mod scene;
@@ -25,9 +27,14 @@ fn _native(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_class::<camera::Camera>()?;
     module.add_class::<view::View>()?;
     module.add_class::<live_scan::LiveScan>()?;
+    module.add_class::<pictures::Finished>()?;
     module.add_class::<scene::Scene>()?;
     module.add_function(wrap_pyfunction!(offline_scan::scan, module)?)?;
     module.add_function(wrap_pyfunction!(bench::bench, module)?)?;
+    module.add_function(wrap_pyfunction!(map_file::read_map, module)?)?;
+    module.add_function(wrap_pyfunction!(map_file::write_map, module)?)?;
+    module.add_function(wrap_pyfunction!(view::view_of_text, module)?)?;
+    module.add_function(wrap_pyfunction!(values::read_config, module)?)?;
     module.add_function(wrap_pyfunction!(values::planners, module)?)?;
     module.add_function(wrap_pyfunction!(values::sensors, module)?)?;
     module.add_function(wrap_pyfunction!(values::builtin_objects, module)?)

@@ -2,6 +2,7 @@
 
 use crate::arrays::{color_image, depth_image};
 use crate::camera::{Camera, numbers};
+use crate::pictures::{self, MomentArrays, Taken};
 use crate::pose::pose_of;
 use crate::values::{self, to_python};
 use crate::view::{View, poses};
@@ -60,7 +61,7 @@ impl LiveScan {
         self.with(py, |scan| {
             let Some(next) = scan.next()? else { return Ok(None) };
             let trajectory = scan.trajectory_to(&next)?;
-            Ok(Some(View::new(next, trajectory)))
+            Ok(Some(View::new(next, &trajectory)))
         })
     }
 
@@ -119,6 +120,26 @@ impl LiveScan {
     fn map<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyDict>>> {
         let snapshot = self.with(py, |scan| Ok(scan.scan().session.snapshot()))?;
         snapshot.map(|snapshot| model::map(py, &snapshot)).transpose()
+    }
+
+    /// The page that shows the scan as it stands.
+    fn page(&self, py: Python<'_>) -> PyResult<String> {
+        self.with(py, |scan| {
+            let record = scan.scan().record(scan.config(), Measured::Nothing)?;
+            pictures::page(scan.scan(), scan.config(), &record)
+        })
+    }
+
+    /// Depths and pose of the frame of a step, from 0.
+    fn frame<'py>(&self, py: Python<'py>, step_idx: usize) -> PyResult<Taken<'py>> {
+        let frame = self.with(py, |scan| Ok(pictures::frame(scan.scan(), step_idx)?))?;
+        pictures::arrays_of(py, &frame)
+    }
+
+    /// What was known after each frame.
+    fn moments<'py>(&self, py: Python<'py>) -> PyResult<Vec<MomentArrays<'py>>> {
+        let moments = self.with(py, |scan| pictures::moments(scan.scan(), scan.config()))?;
+        moments.into_iter().map(|moment| moment.arrays(py)).collect()
     }
 
     fn candidates<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray3<f64>>> {

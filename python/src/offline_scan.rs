@@ -1,6 +1,7 @@
 //! A whole scan of a simulated object or of recorded frames: what the program's `scan` does.
 
 use crate::camera::Camera;
+use crate::pictures::Finished;
 use crate::values::{self, to_python};
 use crate::watch::compute;
 use crate::{model, results};
@@ -20,6 +21,7 @@ struct Done {
     record: ScanRecord,
     model: Option<FinalModel>,
     snapshot: Option<Snapshot>,
+    finished: Finished,
     config: ScanConfig,
     notes: Vec<String>,
 }
@@ -52,10 +54,10 @@ pub fn scan<'py>(
     if let Some(error) = listener.raised.lock().unwrap_or_else(PoisonError::into_inner).take() {
         return Err(error);
     }
-    as_dict(py, &done?)
+    as_dict(py, done?)
 }
 
-fn as_dict<'py>(py: Python<'py>, done: &Done) -> PyResult<Bound<'py, PyDict>> {
+fn as_dict<'py>(py: Python<'py>, done: Done) -> PyResult<Bound<'py, PyDict>> {
     let dict = PyDict::new(py);
     dict.set_item("record", to_python(py, &done.record)?)?;
     dict.set_item("config", to_python(py, &done.config)?)?;
@@ -63,6 +65,7 @@ fn as_dict<'py>(py: Python<'py>, done: &Done) -> PyResult<Bound<'py, PyDict>> {
     let cloud = done.model.as_ref().map(|model| model::cloud(py, &model.cloud)).transpose()?;
     dict.set_item("cloud", cloud)?;
     dict.set_item("mesh", done.model.as_ref().map(|model| model::mesh(py, model)).transpose()?)?;
+    dict.set_item("engine", Bound::new(py, done.finished)?)?;
     dict.set_item("map", done.snapshot.as_ref().map(|map| model::map(py, map)).transpose()?)?;
     Ok(dict)
 }
@@ -150,5 +153,6 @@ fn driven(
         None => scan.record(config, model.as_ref().map_or(Measured::Nothing, Measured::Model))?,
     };
     let snapshot = scan.session.snapshot();
-    Ok(Done { record, model, snapshot, config: config.clone(), notes })
+    let finished = Finished::new(scan, config.clone(), record.clone());
+    Ok(Done { record, model, snapshot, finished, config: config.clone(), notes })
 }

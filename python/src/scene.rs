@@ -2,23 +2,27 @@
 
 use crate::arrays::depths;
 use crate::camera::{Camera, numbers};
+use crate::errors::exception;
 use crate::pose::{matrix, pose_of};
 use crate::values;
 use crate::view::poses;
 use crate::watch::compute;
 use nextview::Cancel;
 use nextview::geometry::Aabb;
-use nextview_scan::{ScanConfig, SimulatedObject};
+use nextview_scan::{Fault, ScanConfig, SimulatedObject};
 use nextview_sim::evaluator;
-use numpy::{PyArray2, PyArray3};
+use nextview_sim::truth::TrueVisibility;
+use numpy::{PyArray, PyArray1, PyArray2, PyArray3};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
+use std::sync::OnceLock;
 
 /// See `nextview.SimulatedScene`, which this is the engine of.
 #[pyclass(frozen, module = "nextview._native")]
 pub struct Scene {
     object: SimulatedObject,
     config: ScanConfig,
+    truth: OnceLock<TrueVisibility>,
 }
 
 /// Lowest and highest corner.
@@ -36,7 +40,7 @@ impl Scene {
             config.camera = camera.intrinsics;
         }
         let object = compute(py, &Cancel::default(), || SimulatedObject::new(&config))?;
-        Ok(Self { object, config })
+        Ok(Self { object, config, truth: OnceLock::new() })
     }
 
     /// The depth image from a pose, and the pose that the camera claims.
@@ -62,6 +66,28 @@ impl Scene {
 
     fn candidates<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray3<f64>>> {
         poses(py, self.object.views.poses().iter().copied())
+    }
+
+    /// Share of the reachable surface seen after each of these candidates.
+    fn coverage_curve<'py>(&self, py: Python<'py>, views: Vec<usize>) -> PyResult<Bound<'py, PyArray1<f64>>> {
+        let object = &self.object;
+        let n_views = object.views.len();
+        if let Some(view) = views.iter().find(|view| **view >= n_views) {
+            let fault = Fault::of_value("views", view, format!("0 to {}", n_views - 1));
+            return Err(exception(py, fault));
+        }
+        let look = || TrueVisibility::new(object.scene.camera(), &object.object_voxels, &object.views, || ());
+        let curve = compute(py, &Cancel::default(), || {
+            let truth = match self.truth.get() {
+                Some(truth) => truth,
+                None => {
+                    let truth = look()?;
+                    self.truth.get_or_init(|| truth)
+                }
+            };
+            Ok(truth.coverage_curve(&views))
+        })?;
+        Ok(PyArray::from_vec(py, curve))
     }
 
     /// The box around the true object that a scan plans in.

@@ -2,10 +2,11 @@
 
 use crate::errors::{exception, input_error, internal_error};
 use nextview::sensor::Sensor;
-use nextview_scan::{Fault, FaultKind, Faults, Named, PlannerName, ScanConfig};
+use nextview_scan::{Fault, FaultKind, Faults, Named, PlannerName, ScanConfig, files};
 use pyo3::prelude::*;
 use pyo3::types::{PyBool, PyDict, PyFloat, PyInt, PyList, PyString, PyTuple};
 use serde::Serialize;
+use std::path::PathBuf;
 use toml::{Table, Value};
 
 /// A record as Python's dicts, lists, texts and numbers.
@@ -82,6 +83,17 @@ fn number(name: &str, value: &Bound<'_, PyAny>) -> PyResult<Value> {
     let expected = "expected a text, a truth value, a number of 64 bits, a list or a dict";
     Err(input_error(py, format!("`{name}` is of type {kind}, or out of range: {expected}")))
 }
+
+/// The configuration in a file.
+#[pyfunction]
+pub fn read_config(py: Python<'_>, path: PathBuf) -> PyResult<Bound<'_, PyAny>> {
+    let text = files::read_text(&path, MAX_CONFIG_BYTES).map_err(|fault| exception(py, fault))?;
+    let config = ScanConfig::parse(&text, Some(&path), None).map_err(|faults| exception(py, faults))?;
+    to_python(py, &config)
+}
+
+/// Size of a file beyond which it is no configuration.
+const MAX_CONFIG_BYTES: u64 = 1 << 20;
 
 /// Names of the planners with a line about each.
 #[pyfunction]

@@ -1,25 +1,52 @@
 //! The next view.
 
+use crate::errors::{input_error, internal_error};
 use crate::pose::matrix;
 use crate::values::to_python;
 use nextview::geometry::Pose;
-use nextview::motion::Trajectory;
+use nextview::motion::{Trajectory, Waypoint};
+use nextview::planner::{Choice, Outlook};
 use nextview::session::NextView;
 use nextview_scan::rows_of_pose;
 use numpy::{PyArray, PyArray1, PyArray2, PyArray3, PyArrayMethods};
 use pyo3::prelude::*;
+use serde::{Deserialize, Serialize};
 
 /// Where the camera should stand next, and why.
 #[pyclass(frozen, module = "nextview._native")]
 pub struct View {
     next: NextView,
-    trajectory: Trajectory,
+    waypoints: Vec<(f64, Pose)>,
+    trajectory_length: f64,
+}
+
+/// A view as it is pickled.
+#[derive(Serialize, Deserialize)]
+struct Pickled {
+    view: Option<usize>,
+    world_from_camera: Pose,
+    choice: Option<Choice>,
+    outlook: Option<Outlook>,
+    waypoints: Vec<(f64, Pose)>,
+    trajectory_length: f64,
+}
+
+/// The view of a pickled text.
+#[pyfunction]
+pub fn view_of_text(py: Python<'_>, text: &str) -> PyResult<View> {
+    let Pickled { view, world_from_camera, choice, outlook, waypoints, trajectory_length } =
+        serde_json::from_str(text)
+            .map_err(|error| input_error(py, format!("this is no pickled view: {error}")))?;
+    let next = NextView { view, world_from_camera, choice, outlook };
+    Ok(View { next, waypoints, trajectory_length })
 }
 
 impl View {
     /// The view and the trajectory to it.
-    pub fn new(next: NextView, trajectory: Trajectory) -> Self {
-        Self { next, trajectory }
+    pub fn new(next: NextView, trajectory: &Trajectory) -> Self {
+        let point = |point: &Waypoint| (point.time, point.world_from_camera);
+        let waypoints = trajectory.waypoints().iter().map(point).collect();
+        Self { next, waypoints, trajectory_length: trajectory.length() }
     }
 
     /// The pose, to the bit.
@@ -82,19 +109,28 @@ impl View {
     /// Times of the waypoints, seconds since the camera sets off: N, float64.
     #[getter]
     fn waypoint_times_s<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
-        PyArray::from_vec(py, self.trajectory.waypoints().iter().map(|point| point.time).collect())
+        PyArray::from_vec(py, self.waypoints.iter().map(|(time, _)| *time).collect())
     }
 
     /// The trajectory from the last frame to this view, around the object: N x 4 x 4, float64.
     #[getter]
     fn waypoints<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray3<f64>>> {
-        poses(py, self.trajectory.waypoints().iter().map(|point| point.world_from_camera))
+        poses(py, self.waypoints.iter().map(|(_, pose)| *pose))
     }
 
     /// Length of the trajectory, metres.
     #[getter]
     fn trajectory_length_m(&self) -> f64 {
-        self.trajectory.length()
+        self.trajectory_length
+    }
+
+    /// Views are pickled to the bit.
+    fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<(Bound<'py, PyAny>, (String,))> {
+        let NextView { view, world_from_camera, choice, outlook } = self.next.clone();
+        let (waypoints, trajectory_length) = (self.waypoints.clone(), self.trajectory_length);
+        let pickled = Pickled { view, world_from_camera, choice, outlook, waypoints, trajectory_length };
+        let text = serde_json::to_string(&pickled).map_err(|error| internal_error(py, &error.to_string()))?;
+        Ok((py.import("nextview._native")?.getattr("view_of_text")?, (text,)))
     }
 
     fn __repr__(&self) -> String {

@@ -52,6 +52,12 @@ impl FinishedScan<'_> {
         }
     }
 
+    /// The same scan without the source of its frames, and with it without its colours and its truth.
+    pub fn without_source(self) -> FinishedScan<'static> {
+        let Self { session, journal, trajectories, steps, colors, stop_reason, source: _ } = self;
+        FinishedScan { session, source: None, journal, trajectories, steps, colors, stop_reason }
+    }
+
     /// The box around the object, metres; none if no object was found.
     pub fn bounds(&self) -> Option<Aabb> {
         self.session.bounds().or_else(|| self.source.and_then(FrameSource::bounds))

@@ -59,8 +59,8 @@ impl<G: InformationGain> Greedy<G> {
         Ok(Self { config, gain: PhantomData })
     }
 
-    /// The gain of each of the views.
-    fn gains(&self, situation: &Situation<'_>, views: &[usize]) -> Result<Vec<f64>, Cancelled> {
+    /// The gain of each of these views, in the unit of the gain.
+    pub fn gains(&self, situation: &Situation<'_>, views: &[usize]) -> Result<Vec<f64>, Cancelled> {
         let gain = G::new(situation.snapshot(), situation.frames(), situation.cancel())?;
         let spacing = situation.in_snapshot_voxels(self.config.ray_spacing);
         let caster = RayCaster::new(situation.snapshot(), situation.intrinsics(), spacing, G::SIGHT)

@@ -13,6 +13,7 @@ mod object_box;
 mod object_points;
 mod other_body;
 mod planning_box;
+mod replay;
 mod report;
 mod resolution;
 mod scan_map;

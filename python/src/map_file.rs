@@ -1,0 +1,117 @@
+//! OctoMap files as dense grids.
+
+use crate::errors::{exception, input_error};
+use crate::model;
+use crate::watch::compute;
+use glam::{DVec3, IVec3, UVec3};
+use nextview::Cancel;
+use nextview::geometry::{Lattice, VoxelBlock};
+use nextview::map::{LogOdds, OccupancyMap, Octree, SensorModel, Snapshot};
+use nextview_scan::files::{self, Overwrite};
+use nextview_scan::{Fault, Faults, SavedMap};
+use numpy::{PyReadonlyArray3, PyUntypedArrayMethods};
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+use std::path::{Path, PathBuf};
+
+/// Maximum number of voxels of a grid that is read: 320 MB of states and probabilities.
+const MAX_VOXELS: usize = 1 << 26;
+
+/// Reads the known part of an OctoMap file.
+#[pyfunction]
+pub fn read_map(py: Python<'_>, path: PathBuf) -> PyResult<Bound<'_, PyDict>> {
+    model::map(py, &compute(py, &Cancel::default(), || Ok(read(&path)?))?)
+}
+
+fn read(path: &Path) -> Result<Snapshot, Fault> {
+    let octree = SavedMap::read_octree(path)?;
+    known(&octree).map_err(|fault| fault.in_file(path))
+}
+
+fn known(octree: &Octree) -> Result<Snapshot, Fault> {
+    // A leaf may stand for more voxels than any grid has.
+    let leaves = || octree.leaves().filter(|leaf| leaf.log_odds != 0.0);
+    let min = leaves().map(|leaf| leaf.min).reduce(IVec3::min);
+    let max = leaves().map(|leaf| leaf.max()).reduce(IVec3::max);
+    let (Some(min), Some(max)) = (min, max) else {
+        return Err(Fault::data("holds no measured voxel, expected at least one"));
+    };
+    let dims = (max - min + 1).as_uvec3();
+    let is_small = dims.as_u64vec3().element_product() <= MAX_VOXELS as u64;
+    let block = is_small.then(|| VoxelBlock::new(min, dims)).flatten().ok_or_else(|| {
+        let fault = Fault::data(format!(
+            "spans {} x {} x {} voxels, expected at most {MAX_VOXELS} in all for a dense grid",
+            dims.x, dims.y, dims.z
+        ));
+        fault.with_remedy("cut the map to the part around the object")
+    })?;
+    let map = OccupancyMap::from_octree(octree, SensorModel::default(), MAX_VOXELS)?;
+    Ok(map.snapshot(block))
+}
+
+/// Writes a grid as `.ot` or `.bt`.
+#[pyfunction]
+#[pyo3(signature = (path, occupancy, probability, origin_m, voxel_size_m, force))]
+pub fn write_map(
+    py: Python<'_>,
+    path: PathBuf,
+    occupancy: &Bound<'_, PyAny>,
+    probability: &Bound<'_, PyAny>,
+    origin_m: [f64; 3],
+    voxel_size_m: f64,
+    force: bool,
+) -> PyResult<()> {
+    let expected = "expected a grid of X x Y x Z";
+    let occupancy: PyReadonlyArray3<'_, u8> =
+        occupancy.extract().map_err(|_| input_error(py, format!("`occupancy`: {expected} of uint8")))?;
+    let probability: PyReadonlyArray3<'_, f32> = probability
+        .extract()
+        .map_err(|_| input_error(py, format!("`probability`: {expected} of float32")))?;
+    if occupancy.shape() != probability.shape() {
+        let shapes = format!("{:?} and {:?}", occupancy.shape(), probability.shape());
+        return Err(input_error(py, format!("`occupancy` and `probability` have the shapes {shapes}")));
+    }
+    let origin = key_of(origin_m.into(), voxel_size_m).map_err(|fault| exception(py, fault))?;
+    let states = occupancy.as_array();
+    let measured = states.indexed_iter().zip(probability.as_array()).filter(|((_, state), _)| **state != 0);
+    let voxels: Vec<(IVec3, f32)> = measured
+        .map(|(((x, y, z), _), p)| (origin + UVec3::new(x as u32, y as u32, z as u32).as_ivec3(), *p))
+        .collect();
+    compute(py, &Cancel::default(), || write(&path, voxels, voxel_size_m, force))
+}
+
+/// The voxel whose lowest corner this is.
+fn key_of(corner: DVec3, voxel_size: f64) -> Result<IVec3, Fault> {
+    let lattice = Lattice::new(voxel_size)?;
+    let place = lattice.to_voxels(corner);
+    let is_near = place.is_finite() && place.abs().max_element() < 1e9;
+    let is_corner = is_near && (place - place.round()).abs().max_element() < 1e-6;
+    if is_corner {
+        return Ok(place.round().as_ivec3());
+    }
+    let expected = format!("multiples of the voxel size, {voxel_size}, as in every OctoMap");
+    Err(Fault::of_value("origin_m", corner, expected))
+}
+
+fn write(path: &Path, voxels: Vec<(IVec3, f32)>, voxel_size: f64, force: bool) -> Result<(), Faults> {
+    let is_ot = match path.extension().and_then(|extension| extension.to_str()) {
+        Some("ot") => true,
+        Some("bt") => false,
+        _ => {
+            let problem = format!("`path` is {}, expected a name that ends in .ot or .bt", path.display());
+            return Err(Fault::request(problem).into());
+        }
+    };
+    if let Some((_, p)) = voxels.iter().find(|(_, p)| !(*p > 0.0 && *p < 1.0)) {
+        return Err(
+            Fault::of_value("probability", p, "above 0 and below 1 where a voxel was measured").into()
+        );
+    }
+    let log_odds = |(key, p): (IVec3, f32)| (key, LogOdds::from_probability(p.into()).0);
+    let octree = Octree::from_voxels(voxel_size, voxels.into_iter().map(log_odds))?.pruned();
+    let rule = if force { Overwrite::results() } else { Overwrite::nothing() };
+    Ok(files::write(path, &rule, |writer| match is_ot {
+        true => Ok(octree.write_ot(writer)?),
+        false => Ok(octree.write_bt(writer)?),
+    })?)
+}
