@@ -19,6 +19,7 @@ from nextview._camera import Camera
 from nextview._model import Cloud, Map, Mesh
 from nextview._names import builtin_objects, planners, sensors
 from nextview._native import View, __version__
+from nextview._planner import Gain, Planner, Rays, Situation
 from nextview._scan import Scan, resume
 from nextview._simulated import ScanResult, SimulatedScene, scan
 from nextview.errors import DataError, InputError, InternalError, NextviewError
@@ -28,14 +29,18 @@ __all__ = [
     "Camera",
     "Cloud",
     "DataError",
+    "Gain",
     "InputError",
     "InternalError",
     "Map",
     "Mesh",
     "NextviewError",
+    "Planner",
+    "Rays",
     "Scan",
     "ScanResult",
     "SimulatedScene",
+    "Situation",
     "View",
     "__version__",
     "bench",

@@ -9,6 +9,8 @@ mod errors;
 mod live_scan;
 mod model;
 mod offline_scan;
+mod plan_input;
+mod planner;
 mod pose;
 mod results;
 mod scene;
@@ -21,6 +23,7 @@ use pyo3::prelude::*;
 /// The module `nextview._native`.
 #[pymodule]
 fn _native(module: &Bound<'_, PyModule>) -> PyResult<()> {
+    planner::provide();
     module.add("__version__", env!("CARGO_PKG_VERSION"))?;
     module.add_class::<camera::Camera>()?;
     module.add_class::<view::View>()?;

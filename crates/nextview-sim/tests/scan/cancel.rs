@@ -91,7 +91,7 @@ fn decide_under_fire(
 fn a_cancelled_decision_leaves_no_trace() {
     let (scene, mut random) = (scene(), Random::new(11, 0));
     for (undisturbed, disturbed) in planners().into_iter().zip(planners()) {
-        let expected = scan(&scene, &mut session(&scene, undisturbed), Session::decide);
+        let expected = scan(&scene, &mut session(&scene, undisturbed), |session| session.decide().unwrap());
         let (cancel, mut n_cancelled) = (Cancel::default(), 0);
         let mut session = session(&scene, disturbed).with_cancel(cancel.clone());
         let found = scan(&scene, &mut session, |session| {
