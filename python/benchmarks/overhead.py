@@ -14,6 +14,7 @@ import sys
 import time
 
 import numpy as np
+from numpy.typing import NDArray
 
 import nextview
 
@@ -41,10 +42,10 @@ def main(program: str, n_rounds: int = 10) -> None:
             print(f"{planner:<14} {call:<10} Python {a:8.3f} ms, Rust {b:8.3f} ms, {100 * (a / b - 1):+.1f} %")
 
 
-def times(sim: nextview.SimulatedScene, planner: str) -> np.ndarray:
+def times(sim: nextview.SimulatedScene, planner: str) -> NDArray[np.float64]:
     """The milliseconds of `next_view` and `observe` of a scan: views x 2."""
     scan = nextview.Scan(sim.camera, sim.box_m, planner=planner, views=VIEWS, voxel_size_m=0.005)
-    found = []
+    found: list[tuple[float, float]] = []
     while True:
         start = time.perf_counter()
         view = scan.next_view()

@@ -12,7 +12,8 @@ use pyo3::prelude::*;
 /// The `nextview.Situation` of a plan.
 pub fn situation<'py>(py: Python<'py>, situation: &Situation<'_>, seed: u64) -> PyResult<Bound<'py, PyAny>> {
     let module = py.import("nextview._planner")?;
-    let numbers_of = |views: &[usize]| PyArray1::from_iter(py, views.iter().map(|&view| view as i64));
+    let numbers_of =
+        |views: &[usize]| PyArray1::from_vec(py, views.iter().map(|&view| view as i64).collect());
     let frames = situation.frames().iter().map(|frame| frame.world_from_camera());
     module.getattr("situation_of")?.call1((
         model::map(py, situation.snapshot())?,
@@ -48,14 +49,18 @@ pub fn rays<'py>(py: Python<'py>, view: usize, rays: &ViewRays, grid: &Grid) -> 
         RayEnd::Occupied(last) => (1, grid.number(last.voxel), last.visibility),
         RayEnd::Faded => (2, -1, 0.0),
     };
-    let crossings = &rays.crossings;
+    let crossings = rays.crossings.iter();
+    let voxels: Vec<i64> = crossings.clone().map(|crossing| grid.number(crossing.voxel)).collect();
+    let visibilities: Vec<f32> = crossings.map(|crossing| crossing.visibility).collect();
+    let offsets: Vec<i64> = rays.offsets.iter().map(|&offset| offset as i64).collect();
+    let ends = || rays.ends.iter().map(end);
     py.import("nextview._planner")?.getattr("Rays")?.call1((
         view,
-        PyArray1::from_iter(py, rays.offsets.iter().map(|&offset| offset as i64)),
-        PyArray1::from_iter(py, crossings.iter().map(|crossing| grid.number(crossing.voxel))),
-        PyArray1::from_iter(py, crossings.iter().map(|crossing| crossing.visibility)),
-        PyArray1::from_iter(py, rays.ends.iter().map(|ray| end(ray).0)),
-        PyArray1::from_iter(py, rays.ends.iter().map(|ray| end(ray).1)),
-        PyArray1::from_iter(py, rays.ends.iter().map(|ray| end(ray).2)),
+        PyArray1::from_vec(py, offsets),
+        PyArray1::from_vec(py, voxels),
+        PyArray1::from_vec(py, visibilities),
+        PyArray1::from_vec(py, ends().map(|(kind, ..)| kind).collect()),
+        PyArray1::from_vec(py, ends().map(|(_, voxel, _)| voxel).collect()),
+        PyArray1::from_vec(py, ends().map(|(.., visibility)| visibility).collect()),
     ))
 }

@@ -42,7 +42,11 @@ impl PlannerProvider for Classes {
 }
 
 fn fault(planner: &ProvidedPlanner, failure: Failure) -> Fault {
-    Fault::request(format!("the planner {planner}: {failure}")).with_cause(failure)
+    let fault = Fault::request(format!("the planner {planner}: {failure}")).with_cause(failure);
+    fault.with_remedy(
+        "it is made without arguments, of a class in a module that can be imported: a subclass of \
+         nextview.Planner or nextview.Gain",
+    )
 }
 
 /// A class that makes planners.
@@ -57,24 +61,22 @@ impl<'py> Class<'py> {
     fn find(py: Python<'py>, planner: &ProvidedPlanner) -> Result<Self, Failure> {
         let (module, name) = (planner.module(), planner.class().to_owned());
         if name.contains("<locals>") {
-            let problem = "is defined in a function, where it has no name; expected a class of a module";
-            return Err(Failure::new(format!("{name} {problem}")));
+            return Err(Failure::new(format!("{name} is defined in a function, where it has no name")));
         }
         let mut found = imported(py, module).map_err(|error| Failure::raised(py, "its import", error))?;
         for part in name.split('.') {
-            found = found.getattr(part).map_err(|error| Failure::raised(py, "its search", error))?;
+            found = found.getattr(part).map_err(|error| Failure::raised(py, "its lookup", error))?;
         }
-        let expected = "expected a subclass of nextview.Planner or nextview.Gain";
         let Ok(class) = found.cast_into::<PyType>() else {
-            return Err(Failure::new(format!("{name} is no class, {expected}")));
+            return Err(Failure::new(format!("{name} is no class")));
         };
         let lookup = |error| Failure::raised(py, "its check", error);
         let is_a = |base: &str| class.is_subclass(&py.import("nextview")?.getattr(base)?);
         let sight = match (is_a("Planner").map_err(lookup)?, is_a("Gain").map_err(lookup)?) {
             (true, false) => None,
             (false, true) => Some(sight(&class, &name)?),
-            (false, false) => return Err(Failure::new(format!("{name} is neither, {expected}"))),
-            (true, true) => return Err(Failure::new(format!("{name} is both, {expected}"))),
+            (false, false) => return Err(Failure::new(format!("{name} is neither planner nor gain"))),
+            (true, true) => return Err(Failure::new(format!("{name} is planner and gain at once"))),
         };
         let missing = class.getattr("__abstractmethods__").and_then(|names| names.try_iter()?.collect());
         let missing: Vec<Bound<'_, PyAny>> = missing.map_err(lookup)?;

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import os
+import signal
+import threading
 from pathlib import Path
 from typing import Any
 
@@ -214,12 +217,12 @@ def test_a_planner_may_be_done() -> None:
     [
         ("python:no_such_module:FromAbove", "No module named 'no_such_module'"),
         ("python:own_planners:Nobody", "no attribute 'Nobody'"),
-        ("python:own_planners:no_class", "no_class is no class, expected a subclass of nextview.Planner or"),
-        ("python:own_planners:NoPlanner", "NoPlanner is neither, expected a subclass of nextview.Planner or"),
+        ("python:own_planners:no_class", "no_class is no class .hint: it is made without arguments"),
+        ("python:own_planners:NoPlanner", "NoPlanner is neither planner nor gain"),
         ("python:own_planners:Unfinished", "Unfinished has no method `gain`"),
         ("python:own_planners:WrongRays", 'WrongRays.free_space is "open", expected clear or fades'),
         ("python:own_planners", "expected python:module:Class"),
-        (dict, "dict is neither, expected a subclass of nextview.Planner or nextview.Gain"),
+        (dict, "dict is neither planner nor gain"),
         (FromAbove(), "`planner` is of type FromAbove"),
         ("fastest", "expected one of `most-surface`"),
     ],
@@ -233,6 +236,20 @@ def test_what_makes_no_planner_is_refused_with_all_else_that_is_wrong(planner: A
         assert "`voxel_size_m` is -1" in str(raised.value)
     with pytest.raises(nextview.NextviewError, match=problem):
         nextview.bench({**SPEC, "variant": [{"scan": {"planner": planner}}]})
+
+
+def test_ctrl_c_ends_a_gain_in_python_which_can_be_asked_again(mug: nextview.SimulatedScene) -> None:
+    options: dict[str, Any] = {"candidates": 1500, "voxel_size_m": 0.004, "views": 3}
+    scan = nextview.Scan(mug.camera, mug.box_m, planner=UnobservedVoxel, **options)
+    view = scan.next_view()
+    assert view is not None
+    scan.observe(mug.capture(view), view)
+    timer = threading.Timer(0.2, os.kill, (os.getpid(), signal.SIGINT))
+    timer.start()
+    with pytest.raises(KeyboardInterrupt):
+        scan.next_view()
+    timer.join()
+    assert scan.next_view() is not None
 
 
 def test_a_class_in_a_function_has_no_name() -> None:
