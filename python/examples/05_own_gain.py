@@ -19,7 +19,7 @@ class UnknownNearSurface(nextview.Gain):
         self.value = np.where(unknown, np.where(near, 10.0, 1.0), 0.0).ravel()
 
     def gain(self, situation: Situation, rays: Rays) -> float:
-        return float(rays.visibilities @ self.value[rays.voxels])
+        return float((rays.visibilities * self.value[rays.voxels]).sum())
 
 
 skill = {}

@@ -97,14 +97,15 @@ class Gain(ABC):
     a gain; `greedy={"theta": 0.3}` penalises long moves, `greedy={"ray_spacing": 4.0}` casts fewer rays.
 
     Every scan makes an object of its own, without arguments. An exception ends the scan with an `InputError`
-    that has it as its `__cause__`.
+    that has it as its `__cause__`. Runs of a campaign go on beside each other: operations of numpy that take
+    all cores, such as `@` on long arrays, are slow there.
 
     >>> import nextview, numpy as np
     >>> class VisibleUnknown(nextview.Gain):
     ...     def begin(self, situation):
     ...         self.is_unknown = situation.map.occupancy.ravel() == nextview.Map.UNKNOWN
     ...     def gain(self, situation, rays):
-    ...         return float(rays.visibilities @ self.is_unknown[rays.voxels])
+    ...         return float((rays.visibilities * self.is_unknown[rays.voxels]).sum())
     """
 
     free_space: str = "clear"

@@ -29,7 +29,7 @@ class UnobservedVoxel(nextview.Gain):
         self.entropy = np.where(is_unknown, np.log(2.0), 0.0)
 
     def gain(self, situation: nextview.Situation, rays: nextview.Rays) -> float:
-        return float(rays.visibilities @ self.entropy[rays.voxels])
+        return float((rays.visibilities * self.entropy[rays.voxels]).sum())
 
 
 class OcclusionAware(nextview.Gain):
@@ -43,8 +43,10 @@ class OcclusionAware(nextview.Gain):
         self.entropy = -p * np.log(p) - (1 - p) * np.log1p(-p)
 
     def gain(self, situation: nextview.Situation, rays: nextview.Rays) -> float:
-        at_ends = rays.end_visibilities[rays.end_voxels >= 0] @ self.entropy[rays.end_voxels[rays.end_voxels >= 0]]
-        return float(rays.visibilities @ self.entropy[rays.voxels] + at_ends)
+        passed = rays.visibilities * self.entropy[rays.voxels]
+        # Where there is no last voxel, its visibility is 0.
+        last = rays.end_visibilities * self.entropy[rays.end_voxels]
+        return float(passed.sum() + last.sum())
 
 
 class Random(nextview.Planner):
