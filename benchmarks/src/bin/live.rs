@@ -1,10 +1,10 @@
-//! Scans with a camera of one's own again and again, for `python/benchmarks/overhead.py`, which does the same in
-//! Python and compares.
+//! Scans with a camera of one's own again and again, for `python/benchmarks/overhead.py`, which does the same
+//! in Python and compares.
 //!
 //!     cargo run --release -p nextview-benchmarks --bin live -- PLANNER VIEWS
 //!
-//! For every line of the input, it scans once and prints a line: for each view, the milliseconds of `next` and
-//! of `observe`.
+//! For every line of the input, it scans once and prints a line: for each view, the milliseconds of `next`
+//! and of `observe`.
 
 use nextview::Cancel;
 use nextview_scan::{Fault, LiveConfig, LiveScan, ScanConfig, SimulatedObject};
@@ -16,7 +16,8 @@ use std::time::Instant;
 fn main() -> Result<(), Box<dyn Error>> {
     let args: Vec<String> = std::env::args().skip(1).collect();
     let [planner, views] = &args[..] else { return Err("usage: live PLANNER VIEWS".into()) };
-    let text = format!("object = 'builtin:mug'\nplanner = '{planner}'\nviews = {views}\nvoxel_size_m = 0.005");
+    let text =
+        format!("object = 'builtin:mug'\nplanner = '{planner}'\nviews = {views}\nvoxel_size_m = 0.005");
     let config = ScanConfig::parse(&text, None, None)?;
     let object = SimulatedObject::new(&config)?;
     let bounds = object.scene.planning_box(object.voxel_size);

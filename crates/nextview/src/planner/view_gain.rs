@@ -2,10 +2,11 @@ use super::Situation;
 use crate::Error;
 use crate::visibility::{Sight, ViewRays};
 
-/// A gain that values all rays of a view at once, as [`GreedyByView`](super::GreedyByView) needs it: for gains
-/// that are computed elsewhere, such as by array operations of another language, where a call for each ray
-/// would cost too much. A gain of the library is an [`InformationGain`](crate::gain::InformationGain), which
-/// keeps no rays.
+/// A gain that values all rays of a view at once, for [`GreedyByView`](super::GreedyByView).
+///
+/// It suits gains that are computed elsewhere, such as by array operations of another language, where a call
+/// for each ray would cost too much. A gain of the library is an
+/// [`InformationGain`](crate::gain::InformationGain), which keeps no rays.
 pub trait ViewGain: Send {
     /// The rays that the gain needs.
     fn sight(&self) -> Sight;

@@ -40,8 +40,8 @@ use serde::{Deserialize, Serialize};
 pub trait ViewPlanner: Send {
     /// Ranks the views not yet visited and picks one; no choice if no view gains anything.
     ///
-    /// Long computations check [`Situation::cancel`] and fail if it is set. A planner that depends on something
-    /// else that can fail, such as another program, says so with [`Error::Planner`]; the scan ends with that.
+    /// Long computations check [`Situation::cancel`] and fail if it is set. A planner that depends on
+    /// something else that can fail, such as another program, says so with [`Error::Planner`].
     fn plan(&mut self, situation: &Situation<'_>) -> Result<Plan, Error>;
 }
 
