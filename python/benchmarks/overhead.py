@@ -39,7 +39,8 @@ def main(program: str, n_rounds: int = 10) -> None:
         in_python, in_rust = np.min(ours, axis=0), np.min(theirs, axis=0)
         for call, column, first in (("next_view", 0, 1), ("observe", 1, 0)):
             a, b = in_python[first:, column].mean(), in_rust[first:, column].mean()
-            print(f"{planner:<14} {call:<10} Python {a:8.3f} ms, Rust {b:8.3f} ms, {100 * (a / b - 1):+.1f} %")
+            more = 100 * (a / b - 1)
+            print(f"{planner:<14} {call:<10} Python {a:8.3f} ms, Rust {b:8.3f} ms, {more:+.1f} %")
 
 
 def times(sim: nextview.SimulatedScene, planner: str) -> NDArray[np.float64]:

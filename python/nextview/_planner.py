@@ -109,8 +109,8 @@ class Gain(ABC):
     """
 
     free_space: str = "clear"
-    """How far rays see through voxels known to be free: "clear", they hide nothing, and the free margin of the
-    box is left out; or "fades", each passes 1 - P(occupied), as the formulas of the literature say."""
+    """How far rays see through voxels known to be free: "clear", they hide nothing, and the free margin of
+    the box is left out; or "fades", each passes 1 - P(occupied), as the formulas of the literature say."""
 
     def begin(self, situation: Situation) -> None:
         """Called once before the views of each decision, for what does not depend on the view."""
