@@ -20,6 +20,7 @@ from nextview._model import Cloud, Map, Mesh
 from nextview._names import builtin_objects, planners, sensors
 from nextview._native import View, __version__
 from nextview._page import Page
+from nextview._planner import Gain, Planner, Rays, Situation
 from nextview._scan import Scan, resume
 from nextview._simulated import ScanResult, SimulatedScene, scan
 from nextview.errors import DataError, InputError, InternalError, NextviewError
@@ -29,15 +30,19 @@ __all__ = [
     "Camera",
     "Cloud",
     "DataError",
+    "Gain",
     "InputError",
     "InternalError",
     "Map",
     "Mesh",
     "NextviewError",
     "Page",
+    "Planner",
+    "Rays",
     "Scan",
     "ScanResult",
     "SimulatedScene",
+    "Situation",
     "View",
     "__version__",
     "bench",

@@ -39,7 +39,8 @@ def bench(
 ) -> Bench:
     """Does all runs of a specification, as `nextview bench` does.
 
-    - `spec`: the name of a built-in specification, a TOML file, or a dict with the same keys.
+    - `spec`: the name of a built-in specification, a TOML file, or a dict with the same keys, in which
+      planners of your own may be their classes.
     - `objects`: mesh files or built-in objects, in place of those of a specification by name.
     - `out`: a folder that keeps every run as soon as it is done; with `resume`, those that are there are not
       done again. By default, nothing is kept.

@@ -13,6 +13,7 @@ from nextview import _native
 from nextview._camera import Camera
 from nextview._model import Cloud, Map, Mesh, cloud_of, map_of, mesh_of
 from nextview._page import Page
+from nextview._planner import Gain, Planner
 from nextview.errors import InputError
 
 Pose = NDArray[np.float64] | _native.View
@@ -32,7 +33,8 @@ class Scan:
       example where the camera is now.
     - `poses`: the view candidates; by default a rule makes `candidates` of them around the object:
       `view_space`, "shell", "sphere" or "hemisphere".
-    - `planner`: one of `nextview.planners`.
+    - `planner`: one of `nextview.planners`, or one of your own: a subclass of `nextview.Planner` or
+      `nextview.Gain`, or its name "python:module:Class".
     - `views`: the maximum number of views; by default 10.
     - `voxel_size_m`: edge of a voxel; by default a fortieth of the box, or 0.005.
     - `table`: what the object stands on: "none", "fit" (it is found in the first image), or its height z,
@@ -70,7 +72,7 @@ class Scan:
         *,
         first_pose: Pose | None = None,
         poses: Iterable[Pose] | None = None,
-        planner: str = "most-surface",
+        planner: str | type[Planner] | type[Gain] = "most-surface",
         views: int | None = None,
         voxel_size_m: float | None = None,
         table: str | float = "none",

@@ -159,9 +159,9 @@ def scan(
     - `out`: a folder for the results; by default nothing is written. Results that are there are replaced only
       with `force`.
     - `on_step`: called with the record of every step. If it raises, the scan ends.
-    - `options`: keys of a configuration, such as `planner="max-flow"`, `views=12`, `voxel_size_m=0.005`,
-      `noise={"model": "d435i"}`, `registration={"enabled": True}`. With `baselines=False`, what every
-      candidate truly sees is not computed, which takes longer than the scan.
+    - `options`: keys of a configuration, such as `planner="max-flow"` or a planner of your own, `views=12`,
+      `voxel_size_m=0.005`, `noise={"model": "d435i"}`, `registration={"enabled": True}`. With
+      `baselines=False`, what every candidate truly sees is not computed, which takes longer than the scan.
 
     Raises `InputError` or `DataError` if the object cannot be scanned so. Ctrl-C ends it.
 

@@ -4,6 +4,8 @@ use crate::values::to_python;
 use nextview_scan::{Fault, FaultKind, Faults};
 use pyo3::exceptions::PyKeyboardInterrupt;
 use pyo3::prelude::*;
+use std::fmt;
+use std::path::PathBuf;
 
 /// The exception of these faults, as classes in `nextview.errors` describe them.
 pub fn exception(py: Python<'_>, faults: impl Into<Faults>) -> PyErr {
@@ -14,11 +16,19 @@ pub fn exception(py: Python<'_>, faults: impl Into<Faults>) -> PyErr {
     }
     let is_request = faults.iter().all(|fault| fault.kind == FaultKind::Request);
     let class = if is_request { "InputError" } else { "DataError" };
-    raised(py, class, &faults).unwrap_or_else(|error| error)
+    let error = raised(py, class, &faults).unwrap_or_else(|error| error);
+    if let Some(cause) = faults.iter().find_map(raised_by_planner) {
+        error.set_cause(py, Some(cause.clone_ref(py)));
+    }
+    error
+}
+
+fn raised_by_planner(fault: &Fault) -> Option<&PyErr> {
+    fault.cause.as_ref()?.0.downcast_ref::<Failure>()?.error.as_ref()
 }
 
 /// The exception of an argument that cannot be used.
-pub fn input_error(py: Python<'_>, message: impl std::fmt::Display) -> PyErr {
+pub fn input_error(py: Python<'_>, message: impl fmt::Display) -> PyErr {
     exception(py, Fault::request(message))
 }
 
@@ -32,4 +42,50 @@ fn raised(py: Python<'_>, class: &str, faults: &Faults) -> PyResult<PyErr> {
     let class = py.import("nextview.errors")?.getattr(class)?;
     let instance = class.call_method1("of_faults", (to_python(py, faults)?,))?;
     Ok(PyErr::from_value(instance))
+}
+
+/// A planner in Python raised an exception, or returned something that is no answer.
+#[derive(Debug)]
+pub struct Failure {
+    message: String,
+    error: Option<PyErr>,
+}
+
+impl Failure {
+    /// It returned something else than expected, as the message says.
+    pub fn new(message: String) -> Self {
+        Self { message, error: None }
+    }
+
+    /// This part of it raised an exception.
+    pub fn raised(py: Python<'_>, part: &str, error: PyErr) -> Self {
+        let place = place(py, &error).unwrap_or_default();
+        Self { message: format!("{part} raised {error}{place}"), error: Some(error) }
+    }
+}
+
+/// File and line that raised: a campaign keeps nothing but the message.
+fn place(py: Python<'_>, error: &PyErr) -> Option<String> {
+    let mut last = error.traceback(py)?.into_any();
+    while let Some(next) = last.getattr("tb_next").ok().filter(|next| !next.is_none()) {
+        last = next;
+    }
+    let file: PathBuf =
+        last.getattr("tb_frame").ok()?.getattr("f_code").ok()?.getattr("co_filename").ok()?.extract().ok()?;
+    let line: usize = last.getattr("tb_lineno").ok()?.extract().ok()?;
+    Some(format!(" ({}, line {line})", file.file_name()?.display()))
+}
+
+impl fmt::Display for Failure {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(&self.message)
+    }
+}
+
+impl std::error::Error for Failure {}
+
+impl From<Failure> for nextview::Error {
+    fn from(failure: Failure) -> Self {
+        Self::Planner(Box::new(failure))
+    }
 }

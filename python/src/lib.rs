@@ -11,6 +11,8 @@ mod map_file;
 mod model;
 mod offline_scan;
 mod pictures;
+mod plan_input;
+mod planner;
 mod pose;
 mod results;
 mod scene;
@@ -23,6 +25,7 @@ use pyo3::prelude::*;
 /// The module `nextview._native`.
 #[pymodule]
 fn _native(module: &Bound<'_, PyModule>) -> PyResult<()> {
+    planner::provide();
     module.add("__version__", env!("CARGO_PKG_VERSION"))?;
     module.add_class::<camera::Camera>()?;
     module.add_class::<view::View>()?;

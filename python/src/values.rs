@@ -4,7 +4,7 @@ use crate::errors::{exception, input_error, internal_error};
 use nextview::sensor::Sensor;
 use nextview_scan::{Fault, FaultKind, Faults, Named, PlannerName, ScanConfig, files};
 use pyo3::prelude::*;
-use pyo3::types::{PyBool, PyDict, PyFloat, PyInt, PyList, PyString, PyTuple};
+use pyo3::types::{PyBool, PyDict, PyFloat, PyInt, PyList, PyString, PyTuple, PyType};
 use serde::Serialize;
 use std::path::PathBuf;
 use toml::{Table, Value};
@@ -60,6 +60,11 @@ fn value_of(name: &str, value: &Bound<'_, PyAny>, depth: usize) -> PyResult<Valu
     if value.is_instance_of::<PyList>() || value.is_instance_of::<PyTuple>() {
         let items = value.try_iter()?.map(|item| value_of(name, &item?, depth + 1));
         return Ok(Value::Array(items.collect::<PyResult<_>>()?));
+    }
+    if name == "planner"
+        && let Ok(class) = value.cast::<PyType>()
+    {
+        return Ok(Value::String(format!("python:{}:{}", class.module()?, class.qualname()?)));
     }
     number(name, value)
 }

@@ -63,7 +63,7 @@ impl Source {
         };
         let mut session = scan.session(planner, &mut random);
         let mut samples = Vec::new();
-        while let Decision::Move(next) = session.decide() {
+        while let Decision::Move(next) = session.decide().expect("the planner cannot fail") {
             let frame = scan.scene.camera().capture(&next.world_from_camera);
             let frame = frame.expect("candidates are in the room");
             session.observe(&frame).expect("nobody cancels");

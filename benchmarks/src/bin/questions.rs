@@ -126,7 +126,7 @@ impl Object {
         let (mut camera, mut evaluator) =
             (ScanCamera::new(&self.scene), Evaluator::new(&self.scene, &self.voxels));
         let mut n_seen = Vec::new();
-        while let Decision::Move(next) = session.decide() {
+        while let Decision::Move(next) = session.decide()? {
             let (frame, shown) = camera.capture(&next)?;
             let report = session.observe(&frame)?;
             let measures = evaluator.measure(&session, &frame.with_pose(report.world_from_camera), shown);
@@ -143,7 +143,7 @@ struct VariantPlanner {
 }
 
 impl ViewPlanner for VariantPlanner {
-    fn plan(&mut self, situation: &Situation<'_>) -> Result<Plan, Cancelled> {
+    fn plan(&mut self, situation: &Situation<'_>) -> Result<Plan, nextview::Error> {
         let scene = Beliefs::new(self.variant.belief, &self.prior, situation)?;
         let sight = Sight { free_space: FreeSpace::Fades, fade_limit: FADED };
         let caster = RayCaster::new(&scene.passes, situation.intrinsics(), RAY_SPACING, sight);
@@ -155,7 +155,7 @@ impl ViewPlanner for VariantPlanner {
                 situation.cancel().check()?;
                 Ok(scene.evidence(&caster, &situation.views().pose(view), self.variant.counts))
             })
-            .collect::<Result<_, _>>()?;
+            .collect::<Result<_, Cancelled>>()?;
         let mut values: Vec<f64> = evidence.iter().map(|one| one.gain).collect();
         if self.variant.looks_ahead {
             add_partners(&mut values, &evidence, scene.estimate.len());

@@ -28,7 +28,7 @@ fn scan(scene: &Scene) {
     let config = SessionConfig::new(VOXEL_SIZE, bounds);
     let mut session =
         Session::new(config, Intrinsics::d435i(), views, Box::new(planner)).expect("a sound configuration");
-    while let Decision::Move(next) = session.decide() {
+    while let Decision::Move(next) = session.decide().expect("the planner cannot fail") {
         let frame = scene.camera().capture(&next.world_from_camera).expect("a view in the room");
         session.observe(&frame).expect("nobody cancels");
     }

@@ -4,6 +4,7 @@ use nextview_recording::RecordingError;
 use serde::Serialize;
 use std::fmt;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 /// Something that is wrong, with the value and with what would be right.
 ///
@@ -30,7 +31,22 @@ pub struct Fault {
     /// What to do about it.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub remedy: Option<String>,
+    /// The error behind it, where a planner from outside the library failed.
+    #[serde(skip)]
+    pub cause: Option<Cause>,
 }
+
+/// The error behind a fault. Two are equal if they are the same one.
+#[derive(Clone, Debug)]
+pub struct Cause(pub Arc<dyn std::error::Error + Send + Sync>);
+
+impl PartialEq for Cause {
+    fn eq(&self, other: &Self) -> bool {
+        Arc::ptr_eq(&self.0, &other.0)
+    }
+}
+
+impl Eq for Cause {}
 
 /// Who can mend a fault.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
@@ -74,12 +90,18 @@ impl Fault {
 
     fn new(kind: FaultKind, message: impl fmt::Display) -> Self {
         let message = message.to_string();
-        Self { kind, place: None, key: None, value: None, expected: None, message, remedy: None }
+        Self { kind, place: None, key: None, value: None, expected: None, message, remedy: None, cause: None }
     }
 
     /// The same with a remedy.
     pub fn with_remedy(mut self, remedy: impl fmt::Display) -> Self {
         self.remedy = Some(remedy.to_string());
+        self
+    }
+
+    /// The same with the error behind it.
+    pub fn with_cause(mut self, cause: impl Into<Box<dyn std::error::Error + Send + Sync>>) -> Self {
+        self.cause = Some(Cause(cause.into().into()));
         self
     }
 
@@ -121,17 +143,23 @@ impl fmt::Display for Fault {
     }
 }
 
-impl std::error::Error for Fault {}
+impl std::error::Error for Fault {
+    fn source(&self) -> Option<&(dyn std::error::Error + 'static)> {
+        self.cause.as_ref().map(|cause| &*cause.0 as _)
+    }
+}
 
 impl From<nextview::Error> for Fault {
     fn from(error: nextview::Error) -> Self {
-        match &error {
+        let message = error.to_string();
+        match error {
             nextview::Error::InvalidParameter { name, value, expected } => {
-                Self { message: error.to_string(), ..Self::of_value(name, value, expected) }
+                Self { message, ..Self::of_value(name, value, expected) }
             }
-            nextview::Error::TooLarge { .. } => Self::request(error),
-            nextview::Error::Cancelled(cancelled) => (*cancelled).into(),
-            _ => Self::data(error),
+            nextview::Error::TooLarge { .. } => Self::request(message),
+            nextview::Error::Planner(cause) => Self::request(message).with_cause(cause),
+            nextview::Error::Cancelled(cancelled) => cancelled.into(),
+            _ => Self::data(message),
         }
     }
 }

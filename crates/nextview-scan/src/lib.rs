@@ -22,6 +22,7 @@ pub mod memory;
 mod model;
 mod names;
 mod pose_matrix;
+mod provided;
 mod record;
 mod results;
 mod run;
@@ -29,13 +30,14 @@ mod saved_map;
 mod source;
 
 pub use config::*;
-pub use fault::{Fault, FaultKind, Faults, Place};
+pub use fault::{Cause, Fault, FaultKind, Faults, Place};
 pub use journal::{Damage, Interrupted, Journal, JournalEntry, Kept, KeptFrame, ScanJournal, SkippedView};
 pub use live::{LiveFrame, LiveScan};
 pub use map_summary::{MapSummary, convert_map};
 pub use model::FinalModel;
 pub use names::Named;
 pub use pose_matrix::{pose_of_rows, rows_of_pose};
+pub use provided::{PlannerProvider, ProvidedPlanner, provide_planners};
 pub use record::{
     BuildIdentity, OtherBodyRecord, QualityMm, ScanRecord, StepRecord, ViewRecord, WaypointRecord,
 };

@@ -1,7 +1,7 @@
 //! The two planners that bound every other: random views, and the clairvoyant planner that knows the object.
 
 use crate::truth::TrueVisibility;
-use nextview::Cancelled;
+use nextview::Error;
 use nextview::geometry::random::Random;
 use nextview::planner::{Choice, Plan, Situation, ViewPlanner};
 use std::sync::Arc;
@@ -21,7 +21,7 @@ impl Clairvoyant {
 }
 
 impl ViewPlanner for Clairvoyant {
-    fn plan(&mut self, situation: &Situation<'_>) -> Result<Plan, Cancelled> {
+    fn plan(&mut self, situation: &Situation<'_>) -> Result<Plan, Error> {
         let is_within_reach = |view: usize| situation.views().is_within_reach(view);
         let next = next_clairvoyant(&self.truth, situation.visited(), is_within_reach);
         let choice = next.map(|(view, n_new)| Choice::new(view, n_new as f64));

@@ -23,7 +23,7 @@ fn main() -> Result<(), Error> {
     let mut session = Session::new(config, camera, views, Box::new(planner))?;
 
     let reason = loop {
-        match session.decide() {
+        match session.decide()? {
             Decision::Move(next) => {
                 let report = session.observe(&capture(&camera, &next.world_from_camera)?)?;
                 println!("view {:?}: {} new voxels", report.view, report.update.n_newly_occupied);

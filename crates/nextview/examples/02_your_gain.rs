@@ -50,7 +50,7 @@ fn main() -> Result<(), Error> {
     let mut session = Session::new(config, camera, views, Box::new(planner))?;
 
     let mut gains = Vec::new();
-    while let Decision::Move(next) = session.decide() {
+    while let Decision::Move(next) = session.decide()? {
         gains.extend(next.choice.map(|choice| choice.score));
         session.observe(&capture(&camera, &next.world_from_camera)?)?;
     }

@@ -1,13 +1,13 @@
 //! A planner of your own: it goes to the view that is farthest from all views so far, and says how far that
 //! is.
 
+use nextview::Error;
 use nextview::geometry::{Aabb, Pose};
 use nextview::glam::{DVec2, DVec3};
 use nextview::planner::{Choice, Plan, Situation, ViewPlanner};
 use nextview::sensor::{DepthImage, Frame, Intrinsics};
 use nextview::session::{Decision, Session, SessionConfig, StopReason, planning_box};
 use nextview::view::generate;
-use nextview::{Cancelled, Error};
 
 const RADIUS: f64 = 0.08;
 const VOXEL_SIZE: f64 = 0.01;
@@ -18,7 +18,7 @@ struct FarthestView {
 }
 
 impl ViewPlanner for FarthestView {
-    fn plan(&mut self, situation: &Situation<'_>) -> Result<Plan, Cancelled> {
+    fn plan(&mut self, situation: &Situation<'_>) -> Result<Plan, Error> {
         let position = |view: usize| situation.views().pose(view).translation();
         let mut best: Option<Choice> = None;
         for view in situation.open_views() {
@@ -46,7 +46,7 @@ fn main() -> Result<(), Error> {
 
     let mut distances = Vec::new();
     let reason = loop {
-        match session.decide() {
+        match session.decide()? {
             Decision::Move(next) => {
                 let explanation = next.choice.and_then(|choice| choice.explanation);
                 distances.extend(explanation.and_then(|explanation| explanation.get("nearest_view_m")));

@@ -55,6 +55,9 @@ pub enum Error {
         /// The fault, and the content expected.
         problem: String,
     },
+    /// A planner or a gain from outside the library failed.
+    #[error("the planner failed: {0}")]
+    Planner(#[source] Box<dyn std::error::Error + Send + Sync>),
     /// The computation was cancelled and has no result.
     #[error(transparent)]
     Cancelled(#[from] crate::Cancelled),

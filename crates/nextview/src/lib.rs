@@ -29,7 +29,7 @@
 //!     let views = generate::fibonacci_sphere(DVec3::ZERO, 0.4, 50)?;
 //!     let planner = MostSurface::new(MostSurfaceConfig::default())?;
 //!     let mut session = Session::new(config, camera, views, Box::new(planner))?;
-//!     while let Decision::Move(next) = session.decide() {
+//!     while let Decision::Move(next) = session.decide()? {
 //!         let depth = take_depth_image(&camera, &next.world_from_camera);
 //!         let image = DepthImage::from_metres(camera.width(), camera.height(), depth)?;
 //!         session.observe(&Frame::new(image, camera, next.world_from_camera, 3.0)?)?;

@@ -300,12 +300,12 @@ proptest! {
         let planner = RandomViews { seed: 1 };
         let Ok(mut session) = Session::new(config, camera(), views, Box::new(planner)) else { return Ok(()) };
         for frame in &frames {
-            if let Decision::Move(next) = session.decide() {
+            if let Decision::Move(next) = session.decide().unwrap() {
                 prop_assert!(session.trajectory_to(&next.world_from_camera).is_ok());
             }
             let report = session.observe(frame).unwrap();
             prop_assert!(report.map.entropy.is_finite());
-            let _ = (session.other_bodies().unwrap(), session.decide());
+            let _ = (session.other_bodies().unwrap(), session.decide().unwrap());
         }
     }
 

@@ -4,7 +4,6 @@
 #![allow(clippy::unwrap_used, reason = "helpers of tests")]
 
 use glam::{DVec2, DVec3, IVec3, UVec3};
-use nextview::Cancel;
 use nextview::flow::{BestSets, fewest_sets};
 use nextview::gain::{
     Apora, AreaFactor, AverageEntropy, InformationGain, Krainin, OcclusionAware, ProximityCount,
@@ -13,11 +12,13 @@ use nextview::gain::{
 use nextview::geometry::{Lattice, VoxelBlock};
 use nextview::map::{LogOdds, Snapshot, entropy, frontier};
 use nextview::planner::{
-    Greedy, GreedyConfig, InOrder, MaxFlow, MaxFlowConfig, Plan, RandomViews, Situation, ViewPlanner,
+    Greedy, GreedyByView, GreedyConfig, InOrder, MaxFlow, MaxFlowConfig, Plan, RandomViews, Situation,
+    ViewGain, ViewPlanner,
 };
 use nextview::sensor::{DepthImage, Frame, Intrinsics};
 use nextview::view::{ViewSpace, generate, look_at};
-use nextview::visibility::{FreeSpace, RayCaster};
+use nextview::visibility::{FreeSpace, Ray, RayCaster, Sight, ViewRays};
+use nextview::{Cancel, Error};
 
 /// A box with a solid ball in it whose +x side was measured, free space around that side, the rest unknown.
 fn half_seen_ball() -> Snapshot {
@@ -282,6 +283,48 @@ fn greedy_shows_no_threads<G: InformationGain>() {
 fn greedy_stops_when_nothing_is_left<G: InformationGain>() {
     let all: Vec<usize> = (0..60).collect();
     assert_eq!(greedy::<G>(GreedyConfig::default(), &half_seen_ball(), &all), Plan::default());
+}
+
+/// A gain of the library, given all rays of a view at once.
+struct AtOnce<G>(Option<G>);
+
+impl<G: InformationGain + Send> ViewGain for AtOnce<G> {
+    fn sight(&self) -> Sight {
+        G::SIGHT
+    }
+
+    fn begin(&mut self, situation: &Situation<'_>) -> Result<(), Error> {
+        self.0 = Some(G::new(situation.snapshot(), situation.frames(), situation.cancel())?);
+        Ok(())
+    }
+
+    fn gain(&mut self, _: &Situation<'_>, view: usize, rays: &ViewRays) -> Result<f64, Error> {
+        let gain = self.0.as_ref().ok_or_else(|| Error::Planner(format!("view {view} came first").into()))?;
+        let mut tally = G::Tally::default();
+        for (ends, &end) in rays.offsets.windows(2).zip(&rays.ends) {
+            gain.add(&Ray { crossings: &rays.crossings[ends[0]..ends[1]], end }, &mut tally);
+        }
+        Ok(G::total(&tally))
+    }
+}
+
+#[test]
+fn a_gain_that_gets_all_rays_of_a_view_at_once_plans_as_one_that_gets_each() {
+    fn check<G: InformationGain + Send>() {
+        let (snapshot, views, frames) = (half_seen_ball(), views(), [frame_of_ball()]);
+        let (camera, cancel) = (Intrinsics::d435i(), Cancel::default());
+        let config = GreedyConfig { theta: 0.2, ..GreedyConfig::default() };
+        let situation = Situation::new(&snapshot, &views, &camera, &cancel).with_frames(&frames);
+        let situation = situation.with_visited(&[4, 7]).unwrap();
+        let plan = GreedyByView::new(config, AtOnce::<G>(None)).unwrap().plan(&situation).unwrap();
+        assert_eq!(plan, greedy::<G>(config, &snapshot, &[4, 7]));
+        assert!(plan.choice.is_some());
+        cancel.cancel();
+        let cancelled = GreedyByView::new(config, AtOnce::<G>(None)).unwrap().plan(&situation);
+        assert!(matches!(cancelled, Err(Error::Cancelled(_))));
+    }
+    check::<UnobservedVoxel>();
+    check::<AverageEntropy>();
 }
 
 #[test]

@@ -4,7 +4,7 @@
 #![allow(clippy::unwrap_used, reason = "clippy allows it in test functions, not in their helpers")]
 
 use glam::DVec3;
-use nextview::Cancelled;
+use nextview::Error;
 use nextview::geometry::Aabb;
 use nextview::planner::{
     Choice, InOrder, Itinerary, Leg, Outlook, Plan, RandomViews, Situation, ViewPlanner,
@@ -23,7 +23,7 @@ const STEP: f64 = 0.125;
 struct Told(Vec<Outlook>);
 
 impl ViewPlanner for Told {
-    fn plan(&mut self, situation: &Situation<'_>) -> Result<Plan, Cancelled> {
+    fn plan(&mut self, situation: &Situation<'_>) -> Result<Plan, Error> {
         let view = situation.visited().len();
         let outlook = self.0.get(view - 1).copied();
         Ok(Plan { choice: outlook.map(|_| choice(view)), outlook, ..Plan::default() })
@@ -75,7 +75,7 @@ fn observe(session: &mut Session, view: usize) -> StepReport {
 fn scan(session: &mut Session) -> (Vec<(NextView, StepReport)>, StopReason) {
     let mut steps = Vec::new();
     loop {
-        match session.decide() {
+        match session.decide().unwrap() {
             Decision::Move(next) => {
                 let report = observe(session, next.view.unwrap());
                 steps.push((next, report));
@@ -90,7 +90,7 @@ fn check(planner: impl ViewPlanner + 'static, stop: StopConfig, n_views: usize, 
     let mut session = session(planner, stop);
     assert_eq!(scan(&mut session).1, reason, "{stop:?}");
     assert_eq!(session.visited(), (0..n_views).collect::<Vec<_>>(), "{stop:?}");
-    assert_eq!(session.decide(), Decision::Stop(reason), "the answer stays the same");
+    assert_eq!(session.decide().unwrap(), Decision::Stop(reason), "the answer stays the same");
 }
 
 #[test]
@@ -109,7 +109,7 @@ fn stops_when_six_views_show_nothing_new() {
     let scan_wall = |progress: f64, distance: fn(usize) -> f32| {
         let mut session = session(InOrder, StopConfig { progress, ..StopConfig::default() });
         loop {
-            match session.decide() {
+            match session.decide().unwrap() {
                 Decision::Stop(reason) => return (session.visited().len(), reason),
                 Decision::Move(next) => {
                     let distance = distance(next.view.unwrap());
@@ -131,7 +131,7 @@ fn stops_when_six_views_show_nothing_new() {
 fn without_a_next_view_a_scan_may_be_complete_or_not() {
     struct Done;
     impl ViewPlanner for Done {
-        fn plan(&mut self, _: &Situation<'_>) -> Result<Plan, Cancelled> {
+        fn plan(&mut self, _: &Situation<'_>) -> Result<Plan, Error> {
             Ok(Plan { outlook: Some(outlook(0.0, 25.0)), ..Plan::default() })
         }
     }
@@ -215,7 +215,7 @@ fn coarse_voxels_do_not_end_a_scan_for_what_they_show() {
 struct Nearer;
 
 impl ViewPlanner for Nearer {
-    fn plan(&mut self, situation: &Situation<'_>) -> Result<Plan, Cancelled> {
+    fn plan(&mut self, situation: &Situation<'_>) -> Result<Plan, Error> {
         let view = if situation.frames().len() < 2 { 3 } else { 2 };
         Ok(Plan { choice: Some(choice(view)), ..Plan::default() })
     }
@@ -226,12 +226,12 @@ fn another_frame_may_let_a_scan_go_on() {
     for (steps, goes_on) in [(2.0, true), (1.0, false)] {
         let stop = StopConfig { path_length: Some(steps * STEP), ..StopConfig::default() };
         let mut session = session(Nearer, stop);
-        assert!(matches!(session.decide(), Decision::Move(NextView { view: Some(0), .. })));
+        assert!(matches!(session.decide().unwrap(), Decision::Move(NextView { view: Some(0), .. })));
         observe(&mut session, 0);
-        assert_eq!(session.decide(), Decision::Stop(StopReason::PathLimit));
+        assert_eq!(session.decide().unwrap(), Decision::Stop(StopReason::PathLimit));
         observe(&mut session, 1);
         assert_eq!(session.visited(), [0], "the frame after a stop was not asked for");
-        assert_eq!(matches!(session.decide(), Decision::Move(_)), goes_on);
+        assert_eq!(matches!(session.decide().unwrap(), Decision::Move(_)), goes_on);
     }
 }
 
@@ -241,7 +241,7 @@ struct Fickle {
 }
 
 impl ViewPlanner for Fickle {
-    fn plan(&mut self, _: &Situation<'_>) -> Result<Plan, Cancelled> {
+    fn plan(&mut self, _: &Situation<'_>) -> Result<Plan, Error> {
         self.n_plans += 1;
         let view = if self.n_plans == 1 { 9 } else { 1 };
         Ok(Plan { choice: Some(choice(view)), ..Plan::default() })
@@ -252,7 +252,7 @@ impl ViewPlanner for Fickle {
 struct Tour;
 
 impl ViewPlanner for Tour {
-    fn plan(&mut self, situation: &Situation<'_>) -> Result<Plan, Cancelled> {
+    fn plan(&mut self, situation: &Situation<'_>) -> Result<Plan, Error> {
         let views = if situation.visited().len() == 1 { vec![1, 9] } else { vec![2, 3] };
         let leg = |view: &usize| Leg { choice: choice(*view), expected: 1.0 };
         let itinerary = Itinerary { legs: views.iter().map(leg).collect(), tolerance: f64::INFINITY };
@@ -269,7 +269,7 @@ fn asked_again_a_stop_stays_a_stop() {
         let reason = scan(&mut session).1;
         assert_eq!(reason, StopReason::PathLimit);
         for _ in 0..3 {
-            assert_eq!(session.decide(), Decision::Stop(reason));
+            assert_eq!(session.decide().unwrap(), Decision::Stop(reason));
         }
     }
 }
@@ -316,4 +316,26 @@ fn bad_values_are_refused() {
         progress: 1.0,
     };
     assert_eq!(fault(edges), Ok(()));
+}
+
+/// Fails at its first attempt.
+struct FailsOnce(bool);
+
+impl ViewPlanner for FailsOnce {
+    fn plan(&mut self, situation: &Situation<'_>) -> Result<Plan, Error> {
+        if std::mem::replace(&mut self.0, false) {
+            return Err(Error::Planner("the other program does not answer".into()));
+        }
+        InOrder.plan(situation)
+    }
+}
+
+#[test]
+fn a_planner_that_fails_can_be_asked_again() {
+    let mut session = session(FailsOnce(true), NO_PROGRESS_RULE);
+    assert!(matches!(session.decide(), Ok(Decision::Move(_))), "the first view is given");
+    observe(&mut session, 0);
+    let error = session.decide().unwrap_err();
+    assert_eq!(error.to_string(), "the planner failed: the other program does not answer");
+    assert!(matches!(session.decide(), Ok(Decision::Move(next)) if next.view == Some(1)));
 }

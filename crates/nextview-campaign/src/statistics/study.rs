@@ -1,7 +1,7 @@
 use super::measure::VOXEL_COVERAGE;
 use super::{Curve, Measure, MeasuredRun, PairedObject, PairedSample, Sample, mean};
 use crate::RunRecord;
-use nextview_scan::PlannerName;
+use nextview_scan::PlannerChoice;
 use std::cmp::Reverse;
 use std::collections::BTreeMap;
 
@@ -31,7 +31,7 @@ pub struct StudyVariant<'a> {
     /// Label.
     pub name: &'a str,
     /// The planner.
-    pub planner: PlannerName,
+    pub planner: &'a PlannerChoice,
     /// Any of its records, for the configuration.
     pub example: &'a RunRecord,
     /// The measured runs on each object of the study.
@@ -74,7 +74,12 @@ impl<'a> StudyVariant<'a> {
                 .collect()
         };
         let example = runs[0];
-        Self { name, planner: example.config.planner, example, runs: objects.iter().map(of_object).collect() }
+        Self {
+            name,
+            planner: &example.config.planner,
+            example,
+            runs: objects.iter().map(of_object).collect(),
+        }
     }
 
     /// The measure for each object of the study; none where no run measured it.

@@ -235,6 +235,10 @@ fn specifications_with_faults() {
         ("scan.seed = 1", &["`seed`", "`seeds` decides it"]),
         ("[[variant]]\n[[variant]]\nscan.max_flow.gamma = 2", &["variant 2: max_flow.gamma is 2", "0..=1"]),
         ("[[variant]]\nlabel = \"a\"\nscan.planner = \"best\"", &["variant 1 (\"a\"): ", "`best`"]),
+        (
+            "[[variant]]\nscan.planner = \"python:planners:Best\"",
+            &["variant 1: the planner python:planners:Best is written in Python", "nextview.bench"],
+        ),
         ("[[variant]]\nsweep.gamma = 1", &["sweep.gamma is 1", "a list"]),
         ("[[variant]]\nsweep.views = []", &["sweep.views is empty"]),
         ("[[variant]]\nsweep.first_view = [1]", &["`first_view`", "`first_views`"]),

@@ -1,7 +1,7 @@
 use super::grid::Grid;
 use super::network::Network;
 use super::views::{self, N_VIEWS};
-use nextview::Cancelled;
+use nextview::Error;
 use nextview::planner::{Choice, Plan, Situation, ViewPlanner};
 
 /// Takes the view that NBV-Net chooses.
@@ -22,7 +22,7 @@ impl NbvNet {
 }
 
 impl ViewPlanner for NbvNet {
-    fn plan(&mut self, situation: &Situation<'_>) -> Result<Plan, Cancelled> {
+    fn plan(&mut self, situation: &Situation<'_>) -> Result<Plan, Error> {
         let stand_ins = stand_ins(situation);
         situation.cancel().check()?;
         let logits = self.network.logits(&Grid::new(situation.snapshot()));

@@ -47,7 +47,7 @@ const N_VIEWS: usize = 10;
 fn run(variant: &str, (data_set, object): (&str, &str), rank: usize, object_idx: usize) -> RunRecord {
     let config = ScanConfig {
         object: format!("meshes/{object}.ply"),
-        planner: planner(variant),
+        planner: planner(variant).into(),
         views: Some(N_VIEWS),
         voxel_size_m: Some(0.005),
         ..ScanConfig::of_profile(Profile::Default)
@@ -55,7 +55,7 @@ fn run(variant: &str, (data_set, object): (&str, &str), rank: usize, object_idx:
     let rate = 0.3 + 0.08 * rank as f64 + 0.02 * (object_idx * (rank + 2) % 5) as f64;
     let mut record = ScanRecord {
         object: object.to_owned(),
-        planner: config.planner,
+        planner: config.planner.clone(),
         profile: config.profile,
         object_voxels: Some(1000),
         reachable_voxels: Some(960),

@@ -153,7 +153,7 @@ fn costs(study: &Study<'_>) -> Table {
 
 /// Each variant beyond random views, beyond a variant of random views, and beyond its best rivals.
 fn against(study: &Study<'_>) -> Table {
-    let random = study.variants.iter().find(|variant| variant.planner == PlannerName::Random);
+    let random = study.variants.iter().find(|variant| *variant.planner == PlannerName::Random);
     let mut head = vec!["reachable coverage beyond random views, points"];
     if random.is_some() {
         head.push("voxel coverage beyond the random variant, points");
@@ -187,7 +187,7 @@ fn best_other<'s, 'a>(
     let rivals = study
         .variants
         .iter()
-        .filter(|other| other.name != variant.name && other.planner != PlannerName::Clairvoyant);
+        .filter(|other| other.name != variant.name && *other.planner != PlannerName::Clairvoyant);
     let with_mean = rivals.filter_map(|other| Some((other, other.mean(measure)?)));
     // Of equal ones the first.
     Some(with_mean.rev().max_by(|a, b| a.1.total_cmp(&b.1))?.0)

@@ -148,7 +148,7 @@ fn rows_of(number: &str, configure: [fn(&mut ScanConfig); 3]) -> Vec<String> {
     let mut campaign = campaign(&names.iter().map(String::as_str).collect::<Vec<_>>(), 3);
     for run in &mut campaign.runs {
         if run.variant.starts_with("apora") {
-            run.config.planner = PlannerName::Apora;
+            run.config.planner = PlannerName::Apora.into();
         }
         configure[run.variant.rsplit(' ').next().unwrap().parse::<usize>().unwrap()](&mut run.config);
     }

@@ -51,7 +51,7 @@ pub fn scan(n_views: usize, width: u32) -> MadeUp {
     let config = ScanConfig { camera, views: Some(n_views), ..ScanConfig::of_profile(Profile::Default) };
     let record = ScanRecord {
         object: "vase_with_ring".into(),
-        planner: PlannerName::MostSurface,
+        planner: PlannerName::MostSurface.into(),
         profile: Profile::Default,
         seed: 42,
         stop_reason: Some(StopReason::ViewLimit),

@@ -1,6 +1,6 @@
 //! What a configuration must hold beyond what each of its parts checks itself.
 
-use super::{LiveConfig, PlannerName, RecordingConfig, ScanConfig, TableRule};
+use super::{LiveConfig, PlannerChoice, PlannerName, RecordingConfig, ScanConfig, TableRule};
 use crate::{Fault, Faults};
 use nextview::gain::Apora;
 use nextview::geometry::Aabb;
@@ -50,6 +50,7 @@ fn faults(config: &ScanConfig) -> Vec<Fault> {
         ("batch", Batch::new(config.batch).map(drop)),
     ];
     faults.extend(parts.into_iter().filter_map(|(section, result)| Some(of_part(section, result.err()?))));
+    faults.extend(config.planner.check().err());
     // The library's own weights need no check, which would cost tens of milliseconds.
     faults.extend(config.nbv_net.weights.as_ref().and_then(|_| config.nbv_net.planner().err()));
     faults.extend(config.reach.faults());
@@ -76,7 +77,7 @@ fn of_part(section: &str, error: nextview::Error) -> Fault {
 fn of_stop(config: &ScanConfig) -> Option<Fault> {
     let is_estimated = config.stop.completeness.or(config.stop.expected_gain).is_some();
     (is_estimated && !config.planner.estimates_completeness()).then(|| {
-        let planner = config.planner;
+        let planner = &config.planner;
         let message = format!(
             "the planner {planner} cannot stop by completeness or expected gain, which it does not estimate"
         );
@@ -90,9 +91,13 @@ fn of_goal(config: &ScanConfig) -> Option<Fault> {
     if !(goal > 0.0 && goal.is_finite()) {
         return Some(Fault::of_value("goal_mm", goal, "a positive number of millimetres"));
     }
-    let (problem, remedy) = match config.planner {
-        PlannerName::MostSurface if config.surface_error() != SurfaceError::default() => return None,
-        PlannerName::MostSurface => (
+    let (problem, remedy) = match &config.planner {
+        PlannerChoice::BuiltIn(PlannerName::MostSurface)
+            if config.surface_error() != SurfaceError::default() =>
+        {
+            return None;
+        }
+        PlannerChoice::BuiltIn(PlannerName::MostSurface) => (
             "`goal_mm` needs to know the error of the camera".to_owned(),
             "`sensor` names a camera whose error is known",
         ),

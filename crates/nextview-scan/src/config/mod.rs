@@ -6,6 +6,7 @@ mod live;
 mod load;
 #[cfg(feature = "simulated")]
 mod noise;
+mod planner_choice;
 mod planner_name;
 mod positions;
 mod reach;
@@ -21,6 +22,7 @@ pub use live::LiveConfig;
 pub use load::{merged, nested};
 #[cfg(feature = "simulated")]
 pub use noise::{NoiseConfig, NoiseModel};
+pub use planner_choice::PlannerChoice;
 pub use planner_name::{NbvNetConfig, PlannerConfigs, PlannerName};
 pub use positions::Positions;
 pub use reach::ReachConfig;

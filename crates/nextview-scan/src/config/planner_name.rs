@@ -56,7 +56,7 @@ pub struct PlannerConfigs {
     pub most_surface: MostSurfaceConfig,
     /// Of the paper's planner.
     pub max_flow: MaxFlowConfig,
-    /// Of all planners that are named after a gain.
+    /// Of all planners that are named after a gain, and of gains that are written in Python.
     pub greedy: GreedyConfig,
     /// Of the planner that chooses several views at once.
     pub batch: BatchConfig,

@@ -1,6 +1,6 @@
 use super::{
-    BoxRule, LiveConfig, NbvNetConfig, PlannerConfigs, PlannerName, Profile, ReachConfig, RecordingConfig,
-    TableRule, UnitName, ViewSpaceName,
+    BoxRule, LiveConfig, NbvNetConfig, PlannerChoice, PlannerConfigs, PlannerName, Profile, ReachConfig,
+    RecordingConfig, TableRule, UnitName, ViewSpaceName,
 };
 use crate::Fault;
 use nextview::map::{Background, RayRule, SensorModel};
@@ -35,7 +35,7 @@ pub struct ScanConfig {
     /// The named set of defaults that all other values started from.
     pub profile: Profile,
     /// How the next view is chosen.
-    pub planner: PlannerName,
+    pub planner: PlannerChoice,
     /// Maximum number of views; by default 10, or all candidates where there are fewer.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub views: Option<usize>,
@@ -97,7 +97,7 @@ pub struct ScanConfig {
     pub most_surface: MostSurfaceConfig,
     /// Of the planners max-flow and local.
     pub max_flow: MaxFlowConfig,
-    /// Of all planners that are named after a gain.
+    /// Of all planners that are named after a gain, and of gains that are written in Python.
     pub greedy: GreedyConfig,
     /// Of the planner batch.
     pub batch: BatchConfig,
@@ -177,7 +177,7 @@ impl ScanConfig {
         let config = Self {
             object: "builtin:teapot".to_owned(),
             profile,
-            planner: PlannerName::MostSurface,
+            planner: PlannerName::MostSurface.into(),
             views: None,
             candidates: 1000,
             first_view: 0,
@@ -219,7 +219,7 @@ impl ScanConfig {
             // The box is known and the voxel size fixed, as in the paper's comparison of view quality
             // functions (table I).
             Profile::Paper => Self {
-                planner: PlannerName::MaxFlow,
+                planner: PlannerName::MaxFlow.into(),
                 candidates: 5000,
                 voxel_size_m: Some(0.01),
                 map: MapConfig { background: Background::Ignore, ..MapConfig::default() },

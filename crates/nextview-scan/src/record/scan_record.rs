@@ -1,5 +1,5 @@
 use super::StepRecord;
-use crate::{BoxRule, PlannerName, Profile};
+use crate::{BoxRule, PlannerChoice, Profile};
 use nextview::session::{OtherBody, StopReason};
 use serde::{Deserialize, Serialize};
 
@@ -14,7 +14,7 @@ pub struct ScanRecord {
     /// Name of the object: of its file without the extension, or of the built-in object.
     pub object: String,
     /// The planner.
-    pub planner: PlannerName,
+    pub planner: PlannerChoice,
     /// The named set of defaults that the configuration came from.
     pub profile: Profile,
     /// Seed of the random planner.

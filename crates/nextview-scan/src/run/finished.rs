@@ -114,7 +114,7 @@ impl FinishedScan<'_> {
         let bounds = self.session.bounds();
         let mut record = ScanRecord {
             object: short_name(&config.object),
-            planner: config.planner,
+            planner: config.planner.clone(),
             profile: config.profile,
             seed: config.seed,
             stop_reason: self.stop_reason,

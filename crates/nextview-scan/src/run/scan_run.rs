@@ -304,7 +304,7 @@ impl<'a> ScanRun<'a> {
     /// Decides on the next view; a reason if the scan stops instead.
     fn decide(&mut self) -> Result<Option<StopReason>, Fault> {
         let start = Instant::now();
-        match self.scan.session.decide() {
+        match self.scan.session.decide()? {
             Decision::Stop(reason) => Ok(Some(reason)),
             Decision::Move(next) => {
                 let plan_time = start.elapsed();

@@ -17,7 +17,7 @@ use std::path::Path;
 fn config(planner: PlannerName) -> ScanConfig {
     ScanConfig {
         object: "builtin:mug".to_owned(),
-        planner,
+        planner: planner.into(),
         candidates: 40,
         views: Some(5),
         voxel_size_m: Some(0.01),
@@ -188,7 +188,7 @@ fn what_cannot_be_is_refused_with_its_reason() {
         |config, _| config.size_m = Some(0.1),
         "`size_m` is for simulations, not for a camera of one's own",
     );
-    check(|config, _| config.planner = PlannerName::Clairvoyant, "needs the true object");
+    check(|config, _| config.planner = PlannerName::Clairvoyant.into(), "needs the true object");
     check(|config, _| config.recording = Some(Default::default()), "frames are either recorded or come");
     check(|config, _| config.view_space.0 = "a.csv".to_owned(), "`view_space` is a.csv, expected shell");
     check(|_, live| live.table_z_m = Some(5.0), "no view candidate is above the table");

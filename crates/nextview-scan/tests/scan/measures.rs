@@ -14,7 +14,7 @@ use nextview_sim::mesh::sample_surface;
 fn config(object: &str) -> ScanConfig {
     ScanConfig {
         object: object.to_owned(),
-        planner: PlannerName::Random,
+        planner: PlannerName::Random.into(),
         candidates: 16,
         views: Some(4),
         voxel_size_m: Some(0.01),

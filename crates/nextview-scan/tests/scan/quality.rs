@@ -75,7 +75,7 @@ fn a_goal_is_worth_views_and_one_out_of_reach_is_refused() {
     assert!(message.starts_with("goal_mm is 0.01, expected at least 0."), "{message}");
     let message = refused(ScanConfig { goal_mm: Some(-1.0), ..free.clone() });
     assert!(message.contains("`goal_mm` is -1, expected a positive number"), "{message}");
-    let message = refused(ScanConfig { planner: PlannerName::Random, ..wanted });
+    let message = refused(ScanConfig { planner: PlannerName::Random.into(), ..wanted });
     assert!(message.contains("takes no second looks"), "{message}");
     let message = refused(ScanConfig { goal_mm: Some(1.0), ..ScanConfig::default() });
     assert!(message.contains("needs to know the error of the camera"), "{message}");

@@ -16,7 +16,7 @@ use nextview_scan::{
 fn config() -> ScanConfig {
     ScanConfig {
         object: "builtin:mug".to_owned(),
-        planner: PlannerName::MaxFlow,
+        planner: PlannerName::MaxFlow.into(),
         candidates: 20,
         views: Some(4),
         voxel_size_m: Some(0.01),
@@ -91,7 +91,7 @@ fn the_baselines_can_be_cancelled() {
 
 #[test]
 fn without_the_truth_there_is_no_clairvoyant_planner() {
-    let config = ScanConfig { planner: PlannerName::Clairvoyant, ..config() };
+    let config = ScanConfig { planner: PlannerName::Clairvoyant.into(), ..config() };
     let object = SimulatedObject::new(&config).unwrap();
     let simulation = Simulation::new(&object, &config, None);
     let Err(faults) = ScanRun::begin(&simulation, &config, Begin::default()) else {

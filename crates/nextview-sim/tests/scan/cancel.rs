@@ -76,7 +76,7 @@ fn decide_under_fire(
                 std::thread::sleep(delay);
                 cancel.cancel();
             });
-            session.decide()
+            session.decide().unwrap()
         });
         cancel.reset();
         match decision {
@@ -91,7 +91,7 @@ fn decide_under_fire(
 fn a_cancelled_decision_leaves_no_trace() {
     let (scene, mut random) = (scene(), Random::new(11, 0));
     for (undisturbed, disturbed) in planners().into_iter().zip(planners()) {
-        let expected = scan(&scene, &mut session(&scene, undisturbed), Session::decide);
+        let expected = scan(&scene, &mut session(&scene, undisturbed), |session| session.decide().unwrap());
         let (cancel, mut n_cancelled) = (Cancel::default(), 0);
         let mut session = session(&scene, disturbed).with_cancel(cancel.clone());
         let found = scan(&scene, &mut session, |session| {
@@ -106,9 +106,9 @@ fn a_cancelled_decision_leaves_no_trace() {
 fn a_decision_that_was_made_stays_until_it_is_used() {
     let (scene, cancel) = (scene(), Cancel::default());
     let mut session = session(&scene, Box::new(RandomViews { seed: 1 })).with_cancel(cancel.clone());
-    let first = session.decide();
+    let first = session.decide().unwrap();
     cancel.cancel();
-    assert_eq!(session.decide(), first);
+    assert_eq!(session.decide().unwrap(), first);
     let Decision::Move(next) = first else { panic!("a first view") };
     let frame = scene.camera().capture(&next.world_from_camera).unwrap();
     assert_eq!(session.observe(&frame), Err(Cancelled));
@@ -116,9 +116,9 @@ fn a_decision_that_was_made_stays_until_it_is_used() {
     cancel.reset();
     session.observe(&frame).unwrap();
     cancel.cancel();
-    assert_eq!(session.decide(), Decision::Stop(StopReason::Cancelled));
+    assert_eq!(session.decide().unwrap(), Decision::Stop(StopReason::Cancelled));
     cancel.reset();
-    assert!(matches!(session.decide(), Decision::Move(_)));
+    assert!(matches!(session.decide().unwrap(), Decision::Move(_)));
 }
 
 /// Voxels of 1 mm and 5000 candidates. A cancelled decision ends within 50 ms on an idle machine; the bound
@@ -135,7 +135,7 @@ fn cancelling_takes_no_time() {
         let cancel = Cancel::default();
         let session = Session::new(config, Intrinsics::d435i(), views.clone(), planner).unwrap();
         let mut session = session.with_cancel(cancel.clone());
-        session.decide();
+        session.decide().unwrap();
         frames.iter().for_each(|frame| _ = session.observe(frame).unwrap());
         for delay in [1, 20, 100, 300, 700, 1500] {
             let (decision, late) = std::thread::scope(|scope| {
@@ -144,7 +144,7 @@ fn cancelling_takes_no_time() {
                     cancel.cancel();
                     Instant::now()
                 });
-                let decision = threads.install(|| session.decide());
+                let decision = threads.install(|| session.decide().unwrap());
                 let now = Instant::now();
                 (decision, now.saturating_duration_since(cancelled.join().unwrap()))
             });
@@ -284,13 +284,13 @@ fn a_skipped_view_is_never_proposed_again() {
         let mut session = session(&scene, planner);
         let mut skipped = Vec::new();
         let (reports, ..) = scan(&scene, &mut session, |session| {
-            let rejected = session.decide();
+            let rejected = session.decide().unwrap();
             if let Some(view) = number(&rejected).filter(|_| skipped.len() < 8) {
                 session.skip(view);
                 skipped.push(view);
-                assert_ne!(number(&session.decide()), Some(view));
+                assert_ne!(number(&session.decide().unwrap()), Some(view));
             }
-            session.decide()
+            session.decide().unwrap()
         });
         assert!(skipped.len() >= 4 && reports.iter().all(|report| !skipped.contains(&report.view.unwrap())));
     }
@@ -306,14 +306,14 @@ fn instead_of_a_skipped_first_view_the_next_number_comes() {
     let views = views.restricted(|position| position != far);
     let planner = Box::new(RandomViews { seed: 1 });
     let mut session = Session::new(config, Intrinsics::d435i(), views, planner).unwrap();
-    assert_eq!(number(&session.decide()), Some(8));
+    assert_eq!(number(&session.decide().unwrap()), Some(8));
     session.skip(8);
-    assert_eq!(number(&session.decide()), Some(0), "9 is out of reach");
+    assert_eq!(number(&session.decide().unwrap()), Some(0), "9 is out of reach");
     session.skip(1);
     session.skip(0);
-    assert_eq!(number(&session.decide()), Some(2));
+    assert_eq!(number(&session.decide().unwrap()), Some(2));
     (0..10).for_each(|view| session.skip(view));
-    assert!(matches!(session.decide(), Decision::Stop(_)), "no view is left");
+    assert!(matches!(session.decide().unwrap(), Decision::Stop(_)), "no view is left");
 }
 
 #[test]
@@ -334,12 +334,12 @@ fn a_skipped_candidate_stays_skipped_when_the_box_grows() {
     let (reports, ..) = scan(&scene, &mut session, |session| {
         boxes.extend(session.bounds());
         for _ in 0..2 {
-            if let Some(view) = number(&session.decide()) {
+            if let Some(view) = number(&session.decide().unwrap()) {
                 session.skip(view);
                 skipped.push(view);
             }
         }
-        session.decide()
+        session.decide().unwrap()
     });
     boxes.dedup();
     assert!(boxes.len() > 1, "the box grew");

@@ -2,7 +2,7 @@
 //! threads.
 
 use crate::common::{Step, scan};
-use nextview::Cancelled;
+use nextview::Error;
 use nextview::geometry::Lattice;
 use nextview::map::Background;
 use nextview::planner::{
@@ -128,7 +128,7 @@ fn each_stop_reason_is_reached() {
 struct Counted(Batch, Arc<AtomicUsize>);
 
 impl ViewPlanner for Counted {
-    fn plan(&mut self, situation: &Situation<'_>) -> Result<Plan, Cancelled> {
+    fn plan(&mut self, situation: &Situation<'_>) -> Result<Plan, Error> {
         self.1.fetch_add(1, Ordering::Relaxed);
         self.0.plan(situation)
     }

@@ -19,7 +19,7 @@ pub fn scan(session: &mut Session, scene: &Scene, object: &ObjectVoxels) -> (Vec
     let (mut camera, mut evaluator) = (ScanCamera::new(scene), Evaluator::new(scene, object));
     let mut steps = Vec::new();
     loop {
-        let next = match session.decide() {
+        let next = match session.decide().unwrap() {
             Decision::Move(next) => next,
             Decision::Stop(reason) => return (steps, reason),
         };

@@ -187,16 +187,16 @@ fn empty_frame(pose: Pose) -> Frame {
 fn a_first_frame_without_an_object_ends_the_scan_until_another_shows_one() {
     let setup = Setup::new("mug", false);
     let mut session = setup.session(setup.growing(Table::None), setup.following(setup.first()));
-    let Decision::Move(first) = session.decide() else { panic!("the first view is given") };
+    let Decision::Move(first) = session.decide().unwrap() else { panic!("the first view is given") };
     assert_eq!(first.view, None);
     let position = first.world_from_camera.translation();
     let away = look_at(position, 2.0 * position - setup.scene.center()).unwrap();
     let report = session.observe(&empty_frame(away)).unwrap();
     assert_eq!((report.bounds, report.map.n_unknown), (None, 0));
-    assert_eq!(session.decide(), Decision::Stop(StopReason::NoObject));
+    assert_eq!(session.decide().unwrap(), Decision::Stop(StopReason::NoObject));
     assert!(session.snapshot().is_none() && session.map().voxels().is_empty());
     session.observe(&setup.scene.camera().capture(&first.world_from_camera).unwrap()).unwrap();
-    assert!(matches!(session.decide(), Decision::Move(next) if next.view.is_some()));
+    assert!(matches!(session.decide().unwrap(), Decision::Move(next) if next.view.is_some()));
 }
 
 #[test]

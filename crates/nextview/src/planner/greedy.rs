@@ -2,7 +2,7 @@ use super::utility::{self, Utility};
 use super::{Choice, Plan, Situation, ViewPlanner};
 use crate::checked::checked_when_read;
 use crate::gain::InformationGain;
-use crate::visibility::RayCaster;
+use crate::visibility::{RayCaster, Sight};
 use crate::{Cancelled, Error};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
@@ -35,6 +35,31 @@ impl GreedyConfig {
         utility::check_theta(self.theta)?;
         utility::check_ray_spacing(self.ray_spacing)
     }
+
+    /// What casts the rays of views, for checked parameters.
+    pub(super) fn caster<'a>(&self, situation: &Situation<'a>, sight: Sight) -> RayCaster<'a> {
+        let spacing = situation.in_snapshot_voxels(self.ray_spacing);
+        RayCaster::new(situation.snapshot(), situation.intrinsics(), spacing, sight)
+            .expect("the constructor checked the ray spacing")
+            .within(situation.depth_range())
+    }
+
+    /// The view of largest utility among open ones with these gains, one each.
+    pub(super) fn plan(&self, situation: &Situation<'_>, open: &[usize], gains: &[f64]) -> Plan {
+        let total: f64 = gains.iter().sum();
+        let utility = Utility::new(situation, self.theta);
+        let rate = |(&view, &gain): (&usize, &f64)| {
+            let local_share = utility::share(gain, total);
+            (Choice::new(view, utility.of(view, local_share)), local_share)
+        };
+        let rated = || open.iter().zip(gains).filter(|(_, gain)| **gain > 0.0).map(rate);
+        let choice = utility::best(rated().map(|(choice, _)| choice)).map(|choice| {
+            let local_share = rated().find(|(other, _)| other.view == choice.view).map(|(_, share)| share);
+            let explanation = local_share.map(|share| [("local_share", share)].into());
+            Choice { explanation, ..choice }
+        });
+        Plan { choice, ..Plan::default() }
+    }
 }
 
 /// Takes the view of largest utility: its share of all information gain, less the cost of moving there.
@@ -62,10 +87,7 @@ impl<G: InformationGain> Greedy<G> {
     /// The gain of each of these views, in the unit of the gain.
     pub fn gains(&self, situation: &Situation<'_>, views: &[usize]) -> Result<Vec<f64>, Cancelled> {
         let gain = G::new(situation.snapshot(), situation.frames(), situation.cancel())?;
-        let spacing = situation.in_snapshot_voxels(self.config.ray_spacing);
-        let caster = RayCaster::new(situation.snapshot(), situation.intrinsics(), spacing, G::SIGHT)
-            .expect("the constructor checked the ray spacing")
-            .within(situation.depth_range());
+        let caster = self.config.caster(situation, G::SIGHT);
         let gain_of = |&view: &usize| {
             let mut tally = G::Tally::default();
             caster.try_cast(&situation.views().pose(view), |ray| {
@@ -79,21 +101,9 @@ impl<G: InformationGain> Greedy<G> {
 }
 
 impl<G: InformationGain> ViewPlanner for Greedy<G> {
-    fn plan(&mut self, situation: &Situation<'_>) -> Result<Plan, Cancelled> {
+    fn plan(&mut self, situation: &Situation<'_>) -> Result<Plan, Error> {
         let open = situation.open_views();
         let gains = self.gains(situation, &open)?;
-        let total: f64 = gains.iter().sum();
-        let utility = Utility::new(situation, self.config.theta);
-        let rate = |(&view, &gain): (&usize, &f64)| {
-            let local_share = utility::share(gain, total);
-            (Choice::new(view, utility.of(view, local_share)), local_share)
-        };
-        let rated = || open.iter().zip(&gains).filter(|(_, gain)| **gain > 0.0).map(rate);
-        let choice = utility::best(rated().map(|(choice, _)| choice)).map(|choice| {
-            let local_share = rated().find(|(other, _)| other.view == choice.view).map(|(_, share)| share);
-            let explanation = local_share.map(|share| [("local_share", share)].into());
-            Choice { explanation, ..choice }
-        });
-        Ok(Plan { choice, ..Plan::default() })
+        Ok(self.config.plan(situation, &open, &gains))
     }
 }

@@ -1,5 +1,5 @@
 use super::{Choice, Plan, Situation, ViewPlanner};
-use crate::Cancelled;
+use crate::Error;
 
 /// Takes the views in the order of their numbers, and starts again after the last: the order of a recording,
 /// for comparison.
@@ -7,7 +7,7 @@ use crate::Cancelled;
 pub struct InOrder;
 
 impl ViewPlanner for InOrder {
-    fn plan(&mut self, situation: &Situation<'_>) -> Result<Plan, Cancelled> {
+    fn plan(&mut self, situation: &Situation<'_>) -> Result<Plan, Error> {
         let open = situation.open_views();
         let last = situation.visited().last();
         let next = open.iter().find(|view| last.is_none_or(|last| *view > last)).or(open.first());

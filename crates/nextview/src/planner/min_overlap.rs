@@ -53,7 +53,7 @@ impl MinOverlap {
 }
 
 impl ViewPlanner for MinOverlap {
-    fn plan(&mut self, situation: &Situation<'_>) -> Result<Plan, Cancelled> {
+    fn plan(&mut self, situation: &Situation<'_>) -> Result<Plan, Error> {
         if situation.are_poses_right() {
             return self.planner.plan(situation);
         }

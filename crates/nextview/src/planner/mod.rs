@@ -1,7 +1,8 @@
 //! From gains to a decision.
 //!
 //! A [`ViewPlanner`] makes a [`Plan`] of a [`Situation`]. [`MaxFlow`] is the paper's; with `gamma = 0` it is
-//! the greedy local planner. [`Greedy`] takes any of the literature's gains. [`Batch`] chooses several views
+//! the greedy local planner. [`Greedy`] takes any of the literature's gains,
+//! [`GreedyByView`] one that values all rays of a view at once. [`Batch`] chooses several views
 //! at once and the order to visit them in. [`MinOverlap`] restricts any of them to views that overlap with
 //! known surface. [`RandomViews`] is the baseline that every planner must beat, and [`InOrder`] repeats the
 //! order of a recording.
@@ -9,20 +10,24 @@
 mod batch;
 mod explanation;
 mod greedy;
+mod greedy_by_view;
 mod in_order;
 mod max_flow;
 mod min_overlap;
 mod most_surface;
 mod random_views;
 mod utility;
+mod view_gain;
 mod view_planner;
 
 pub use batch::{Batch, BatchConfig, BatchPlan, BatchView};
 pub use explanation::Explanation;
 pub use greedy::{Greedy, GreedyConfig};
+pub use greedy_by_view::GreedyByView;
 pub use in_order::InOrder;
 pub use max_flow::{MaxFlow, MaxFlowConfig, flow_gain};
 pub use min_overlap::MinOverlap;
 pub use most_surface::{MostSurface, MostSurfaceConfig};
 pub use random_views::RandomViews;
+pub use view_gain::ViewGain;
 pub use view_planner::{Choice, Itinerary, Leg, Outlook, Plan, Situation, ViewPlanner};

@@ -1,5 +1,5 @@
 use super::{Choice, Plan, Situation, ViewPlanner};
-use crate::Cancelled;
+use crate::Error;
 use crate::geometry::random::Random;
 
 /// Takes a view at random among those not yet visited: the baseline. Every seed gives one sequence of views,
@@ -11,7 +11,7 @@ pub struct RandomViews {
 }
 
 impl ViewPlanner for RandomViews {
-    fn plan(&mut self, situation: &Situation<'_>) -> Result<Plan, Cancelled> {
+    fn plan(&mut self, situation: &Situation<'_>) -> Result<Plan, Error> {
         let open = situation.open_views();
         if open.is_empty() {
             return Ok(Plan::default());

@@ -3,24 +3,24 @@ use crate::map::Snapshot;
 use crate::sensor::{DepthRange, Frame, Intrinsics};
 use crate::surface::MeasuredCells;
 use crate::view::ViewSpace;
-use crate::{Cancel, Cancelled, Error};
+use crate::{Cancel, Error};
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
 
 /// Chooses the next view.
 ///
 /// A planner serves one scan: it may remember its earlier plans. Apart from that, the same situation gives
-/// the same plan. A plan that was cancelled leaves the planner as it was.
+/// the same plan. A plan that was cancelled or failed leaves the planner as it was.
 ///
 /// ```
-/// use nextview::Cancelled;
+/// use nextview::Error;
 /// use nextview::planner::{Choice, Plan, Situation, ViewPlanner};
 ///
 /// /// Takes the highest view within reach.
 /// struct FromAbove;
 ///
 /// impl ViewPlanner for FromAbove {
-///     fn plan(&mut self, situation: &Situation<'_>) -> Result<Plan, Cancelled> {
+///     fn plan(&mut self, situation: &Situation<'_>) -> Result<Plan, Error> {
 ///         let height = |view: usize| situation.views().pose(view).translation().z;
 ///         let highest = situation.open_views().into_iter().max_by(|&a, &b| height(a).total_cmp(&height(b)));
 ///         Ok(Plan { choice: highest.map(|view| Choice::new(view, height(view))), ..Plan::default() })
@@ -40,8 +40,9 @@ use serde::{Deserialize, Serialize};
 pub trait ViewPlanner: Send {
     /// Ranks the views not yet visited and picks one; no choice if no view gains anything.
     ///
-    /// Long computations check [`Situation::cancel`] and fail if it is set.
-    fn plan(&mut self, situation: &Situation<'_>) -> Result<Plan, Cancelled>;
+    /// Long computations check [`Situation::cancel`] and fail if it is set. A planner that depends on
+    /// something else that can fail, such as another program, says so with [`Error::Planner`].
+    fn plan(&mut self, situation: &Situation<'_>) -> Result<Plan, Error>;
 }
 
 /// All information that a planner may use.

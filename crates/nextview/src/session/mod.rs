@@ -64,7 +64,7 @@ use taken_frames::TakenFrames;
 /// let config = SessionConfig::new(0.01, Aabb::cube(DVec3::ZERO, 0.1));
 /// let views = generate::fibonacci_sphere(DVec3::ZERO, 0.4, 50).unwrap();
 /// let mut session = Session::new(config, camera, views, Box::new(RandomViews { seed: 1 })).unwrap();
-/// while let Decision::Move(view) = session.decide() {
+/// while let Decision::Move(view) = session.decide().unwrap() {
 ///     let image = DepthImage::from_metres(640, 480, vec![f32::INFINITY; camera.n_pixels()]).unwrap();
 ///     session.observe(&Frame::new(image, camera, view.world_from_camera, 1.0).unwrap()).unwrap();
 /// }
@@ -155,13 +155,16 @@ impl Session {
 
     /// Decides on the next view. Repeated calls before the next observation return the same decision, unless
     /// it was [cancelled](Self::with_cancel).
-    pub fn decide(&mut self) -> Decision {
+    ///
+    /// Fails if the planner does, which none of the library's own can; the next call decides again.
+    pub fn decide(&mut self) -> Result<Decision, Error> {
         if let Some(decision) = &self.decision {
-            return decision.clone();
+            return Ok(decision.clone());
         }
         match self.decide_anew() {
-            Ok(decision) => self.decision.insert(decision).clone(),
-            Err(Cancelled) => Decision::Stop(StopReason::Cancelled),
+            Ok(decision) => Ok(self.decision.insert(decision).clone()),
+            Err(Error::Cancelled(_)) => Ok(Decision::Stop(StopReason::Cancelled)),
+            Err(error) => Err(error),
         }
     }
 
@@ -268,7 +271,7 @@ impl Session {
         &self.candidates
     }
 
-    fn decide_anew(&mut self) -> Result<Decision, Cancelled> {
+    fn decide_anew(&mut self) -> Result<Decision, Error> {
         self.cancel.check()?;
         if let Some((view, world_from_camera)) = self.first_view() {
             return Ok(Decision::go_to(view, world_from_camera, Plan::default()));
@@ -373,7 +376,7 @@ impl Session {
     }
 
     /// The next view of the itinerary, or else a new plan.
-    fn plan(&mut self, snapshot: &Snapshot) -> Result<Plan, Cancelled> {
+    fn plan(&mut self, snapshot: &Snapshot) -> Result<Plan, Error> {
         if let Some(choice) = self.itinerary.next(snapshot) {
             return Ok(Plan { choice: Some(choice), ..Plan::default() });
         }

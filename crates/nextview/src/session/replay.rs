@@ -34,7 +34,7 @@ mod tests {
         assert_eq!(session.replay().count(), 0);
         let mut known = Vec::new();
         for _ in 0..4 {
-            let Decision::Move(view) = session.decide() else { panic!("the scan is not over") };
+            let Decision::Move(view) = session.decide().unwrap() else { panic!("the scan is not over") };
             let image = DepthImage::from_metres(40, 30, vec![0.35; 1200]).unwrap();
             session.observe(&Frame::new(image, camera, view.world_from_camera, 1.0).unwrap()).unwrap();
             known.push(session.snapshot().unwrap());

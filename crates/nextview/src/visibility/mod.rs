@@ -11,6 +11,7 @@ mod ray_caster;
 mod ray_grid;
 mod sight;
 mod value_caster;
+mod view_rays;
 
 pub(crate) use paths::Paths;
 pub use ray::{Crossing, Ray, RayEnd};
@@ -18,6 +19,7 @@ pub use ray_caster::RayCaster;
 pub use ray_grid::{NO_VOXEL_MISSED, RayGrid};
 pub use sight::{FreeSpace, Sight};
 pub(crate) use value_caster::ValueCaster;
+pub use view_rays::ViewRays;
 
 #[cfg(test)]
 pub(crate) use packet::tests::archs;

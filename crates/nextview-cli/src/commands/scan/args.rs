@@ -224,7 +224,7 @@ impl ScanArgs {
         }
         set(&mut config.object, self.model.or(self.frames.clone()));
         self.recording.set(&mut config, self.frames.is_some())?;
-        set(&mut config.planner, self.planner);
+        set(&mut config.planner, self.planner.map(Into::into));
         set(&mut config.most_surface.theta, self.theta);
         set(&mut config.max_flow.theta, self.theta);
         set(&mut config.greedy.theta, self.theta);

@@ -2,7 +2,7 @@
 
 use super::published;
 use nextview_campaign::statistics::StudyVariant;
-use nextview_scan::PlannerName;
+use nextview_scan::{PlannerChoice, PlannerName};
 use serde_json::Value;
 
 /// A parameter by which variants differ, or a few that belong together.
@@ -12,7 +12,7 @@ pub(super) struct Axis {
     /// Dotted keys of the configuration.
     pub keys: &'static [&'static str],
     /// The value of a variant; none if the variant has no place in the table.
-    pub label: fn(PlannerName, &Value) -> Option<String>,
+    pub label: fn(&PlannerChoice, &Value) -> Option<String>,
 }
 
 pub(super) const METHOD: Axis =
@@ -45,7 +45,7 @@ pub(super) const GAMMA: Axis = Axis {
     name: "γ",
     keys: &["max_flow.gamma"],
     label: |planner, config| {
-        find(config, "max_flow.gamma").filter(|_| planner == PlannerName::MaxFlow).and_then(number)
+        find(config, "max_flow.gamma").filter(|_| *planner == PlannerName::MaxFlow).and_then(number)
     },
 };
 
@@ -61,7 +61,7 @@ pub(super) const THETA: Axis = Axis {
     label: |planner, config| find(config, &format!("{}.theta", planner_key(planner))).and_then(number),
 };
 
-fn method(planner: PlannerName) -> String {
+fn method(planner: &PlannerChoice) -> String {
     published::method(planner).map_or_else(|| planner.to_string(), str::to_owned)
 }
 
@@ -69,12 +69,12 @@ fn method(planner: PlannerName) -> String {
 const PLANNER_KEYS: [&str; 5] = ["most_surface", "max_flow", "greedy", "batch", "nbv_net"];
 
 /// The section of this planner.
-fn planner_key(planner: PlannerName) -> &'static str {
-    match planner {
-        PlannerName::MaxFlow | PlannerName::Local => "max_flow",
-        PlannerName::MostSurface => "most_surface",
-        PlannerName::Batch => "batch",
-        PlannerName::NbvNet => "nbv_net",
+fn planner_key(planner: &PlannerChoice) -> &'static str {
+    match planner.built_in() {
+        Some(PlannerName::MaxFlow | PlannerName::Local) => "max_flow",
+        Some(PlannerName::MostSurface) => "most_surface",
+        Some(PlannerName::Batch) => "batch",
+        Some(PlannerName::NbvNet) => "nbv_net",
         _ => "greedy",
     }
 }

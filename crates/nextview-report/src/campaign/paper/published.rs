@@ -3,7 +3,7 @@
 use crate::campaign::document::Cell;
 use nextview_campaign::statistics::measure::{COMPUTING_TIME, MEMORY, PATH, VOXEL_COVERAGE};
 use nextview_campaign::statistics::{Measure, StudyObject};
-use nextview_scan::PlannerName;
+use nextview_scan::{PlannerChoice, PlannerName};
 
 /// The methods of the paper's tables, in its order.
 pub(super) const METHODS: [&str; 4] = ["APORA", "RSE", "NBV-Net", "Ours"];
@@ -30,8 +30,8 @@ pub(super) fn number(table: &str, row: &str, column: &str, measure: &str) -> Opt
 }
 
 /// The paper's name of a planner.
-pub(super) fn method(planner: PlannerName) -> Option<&'static str> {
-    match planner {
+pub(super) fn method(planner: &PlannerChoice) -> Option<&'static str> {
+    match planner.built_in()? {
         PlannerName::Apora => Some("APORA"),
         PlannerName::Rse => Some("RSE"),
         PlannerName::NbvNet => Some("NBV-Net"),

@@ -55,8 +55,8 @@ impl RecordedScan {
             let note = truth.as_ref().and_then(|truth| truth.note.clone());
             if truth.is_none() {
                 // Before anything is computed.
-                config.planner(None).map(drop).map_err(|fault| match config.planner {
-                    crate::PlannerName::Clairvoyant => {
+                config.planner(None).map(drop).map_err(|fault| match config.planner.built_in() {
+                    Some(crate::PlannerName::Clairvoyant) => {
                         fault.with_remedy("name its mesh as `recording.truth`")
                     }
                     _ => fault,

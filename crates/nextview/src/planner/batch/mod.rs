@@ -153,7 +153,7 @@ type Cover = fn(&SetValues, usize, &Cancel) -> Result<Coverage, Cancelled>;
 
 /// Without the proof of how good the choice is, which would take longer than the choice.
 impl ViewPlanner for Batch {
-    fn plan(&mut self, situation: &Situation<'_>) -> Result<Plan, Cancelled> {
+    fn plan(&mut self, situation: &Situation<'_>) -> Result<Plan, Error> {
         let views = self.choose(situation, good_coverage)?.views;
         let legs: Vec<Leg> = views.iter().map(BatchView::leg).collect();
         let choice = legs.first().map(|leg| leg.choice.clone());

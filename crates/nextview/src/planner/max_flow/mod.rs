@@ -79,7 +79,7 @@ impl MaxFlow {
 }
 
 impl ViewPlanner for MaxFlow {
-    fn plan(&mut self, situation: &Situation<'_>) -> Result<Plan, Cancelled> {
+    fn plan(&mut self, situation: &Situation<'_>) -> Result<Plan, Error> {
         let Survey { local, best } = self.survey(situation)?;
         let optimal_views = fewest_sets(best.candidates(), situation.cancel())?;
         let history = if self.config.uses_history { self.history.as_slice() } else { &[] };

@@ -92,7 +92,7 @@ impl MostSurface {
 }
 
 impl ViewPlanner for MostSurface {
-    fn plan(&mut self, situation: &Situation<'_>) -> Result<Plan, Cancelled> {
+    fn plan(&mut self, situation: &Situation<'_>) -> Result<Plan, Error> {
         let snapshot = coarse_enough(situation.snapshot(), situation.cancel())?;
         let mut estimate = self.prior.estimate(&snapshot, situation.cancel())?;
         let mut doubt = self.doubt.learned(situation, &snapshot);

@@ -1,0 +1,224 @@
+//! Planners and gains that are written in Python.
+
+use crate::errors::Failure;
+use crate::plan_input::{self, Grid};
+use nextview::Error;
+use nextview::planner::{Choice, GreedyByView, GreedyConfig, Plan, Situation, ViewGain, ViewPlanner};
+use nextview::visibility::{FreeSpace, Sight, ViewRays};
+use nextview_scan::{Fault, PlannerProvider, ProvidedPlanner, provide_planners};
+use pyo3::prelude::*;
+use pyo3::types::{PyBool, PyTuple, PyType};
+
+/// Has configurations find their planners in this interpreter.
+pub fn provide() {
+    provide_planners(Box::new(Classes));
+}
+
+struct Classes;
+
+impl PlannerProvider for Classes {
+    fn check(&self, planner: &ProvidedPlanner) -> Result<(), Fault> {
+        Python::attach(|py| Class::find(py, planner).map(drop)).map_err(|failure| fault(planner, failure))
+    }
+
+    fn build(
+        &self,
+        planner: &ProvidedPlanner,
+        config: GreedyConfig,
+        seed: u64,
+    ) -> Result<Box<dyn ViewPlanner>, Fault> {
+        let built = Python::attach(|py| {
+            let Class { class, name, sight } = Class::find(py, planner)?;
+            let raised = |error| Failure::raised(py, &format!("{name}()"), error);
+            let instance = class.call0().map_err(raised)?.unbind();
+            Ok((Instance { instance, name, seed }, sight))
+        });
+        let (instance, sight) = built.map_err(|failure| fault(planner, failure))?;
+        Ok(match sight {
+            None => Box::new(instance),
+            Some(sight) => Box::new(GreedyByView::new(config, Gain { instance, sight, begun: None })?),
+        })
+    }
+}
+
+fn fault(planner: &ProvidedPlanner, failure: Failure) -> Fault {
+    let fault = Fault::request(format!("the planner {planner}: {failure}")).with_cause(failure);
+    fault.with_remedy(
+        "it is made without arguments, of a class in a module that can be imported: a subclass of \
+         nextview.Planner or nextview.Gain",
+    )
+}
+
+/// A class that makes planners.
+struct Class<'py> {
+    class: Bound<'py, PyType>,
+    name: String,
+    /// The rays of a gain; none of a planner.
+    sight: Option<Sight>,
+}
+
+impl<'py> Class<'py> {
+    fn find(py: Python<'py>, planner: &ProvidedPlanner) -> Result<Self, Failure> {
+        let (module, name) = (planner.module(), planner.class().to_owned());
+        if name.contains("<locals>") {
+            return Err(Failure::new(format!("{name} is defined in a function, where it has no name")));
+        }
+        let mut found = imported(py, module).map_err(|error| Failure::raised(py, "its import", error))?;
+        for part in name.split('.') {
+            found = found.getattr(part).map_err(|error| Failure::raised(py, "its lookup", error))?;
+        }
+        let Ok(class) = found.cast_into::<PyType>() else {
+            return Err(Failure::new(format!("{name} is no class")));
+        };
+        let lookup = |error| Failure::raised(py, "its check", error);
+        let is_a = |base: &str| class.is_subclass(&py.import("nextview")?.getattr(base)?);
+        let sight = match (is_a("Planner").map_err(lookup)?, is_a("Gain").map_err(lookup)?) {
+            (true, false) => None,
+            (false, true) => Some(sight(&class, &name)?),
+            (false, false) => return Err(Failure::new(format!("{name} is neither planner nor gain"))),
+            (true, true) => return Err(Failure::new(format!("{name} is planner and gain at once"))),
+        };
+        let missing = class.getattr("__abstractmethods__").and_then(|names| names.try_iter()?.collect());
+        let missing: Vec<Bound<'_, PyAny>> = missing.map_err(lookup)?;
+        match missing.first() {
+            Some(method) => Err(Failure::new(format!("{name} has no method `{method}`"))),
+            None => Ok(Self { class, name, sight }),
+        }
+    }
+}
+
+/// The module; one that is being imported, since it scans as it is, would wait for itself.
+fn imported<'py>(py: Python<'py>, module: &str) -> PyResult<Bound<'py, PyAny>> {
+    let known = py.import("sys")?.getattr("modules")?.call_method1("get", (module,))?;
+    if known.is_none() { Ok(py.import(module)?.into_any()) } else { Ok(known) }
+}
+
+fn sight(class: &Bound<'_, PyType>, name: &str) -> Result<Sight, Failure> {
+    let given = class.getattr("free_space").and_then(|value| value.extract::<String>());
+    match given.as_deref() {
+        Ok("clear") => Ok(Sight::endless(FreeSpace::Clear)),
+        Ok("fades") => Ok(Sight::endless(FreeSpace::Fades)),
+        Ok(other) => Err(Failure::new(format!("{name}.free_space is {other:?}, expected clear or fades"))),
+        Err(_) => Err(Failure::new(format!("{name}.free_space is no text, expected clear or fades"))),
+    }
+}
+
+/// An object that serves one scan.
+struct Instance {
+    instance: Py<PyAny>,
+    name: String,
+    seed: u64,
+}
+
+impl Instance {
+    fn call<'py>(
+        &self,
+        py: Python<'py>,
+        method: &str,
+        args: impl pyo3::call::PyCallArgs<'py>,
+    ) -> Result<Bound<'py, PyAny>, Failure> {
+        let result = self.instance.bind(py).call_method1(method, args);
+        result.map_err(|error| Failure::raised(py, &format!("{}.{method}", self.name), error))
+    }
+
+    fn situation<'py>(
+        &self,
+        py: Python<'py>,
+        situation: &Situation<'_>,
+    ) -> Result<Bound<'py, PyAny>, Failure> {
+        let made = plan_input::situation(py, situation, self.seed);
+        made.map_err(|error| Failure::raised(py, "the situation", error))
+    }
+
+    fn wrong(&self, method: &str, answer: &Bound<'_, PyAny>, expected: &str) -> Failure {
+        let kind = answer.get_type().name().map_or_else(|_| "?".to_owned(), |name| name.to_string());
+        let shown = answer.repr().map_or_else(|_| "?".to_owned(), |text| text.to_string());
+        let shown: String = shown.chars().take(80).collect();
+        Failure::new(format!("{}.{method} returned {shown}, a {kind}, expected {expected}", self.name))
+    }
+
+    /// The view that was answered; none if no view gains anything.
+    fn choice(
+        &self,
+        answer: &Bound<'_, PyAny>,
+        situation: &Situation<'_>,
+    ) -> Result<Option<Choice>, Failure> {
+        if answer.is_none() {
+            return Ok(None);
+        }
+        let wrong =
+            || self.wrong("plan", answer, "a number of `situation.open_views`, (number, score) or None");
+        let (view, score) = match answer.cast::<PyTuple>() {
+            Ok(pair) if pair.len() == 2 => {
+                let score = pair.get_item(1).and_then(|score| score.extract::<f64>());
+                let score = score.ok().filter(|score| score.is_finite()).ok_or_else(wrong)?;
+                (pair.get_item(0).map_err(|_| wrong())?, score)
+            }
+            Ok(_) => return Err(wrong()),
+            Err(_) => (answer.clone(), 0.0),
+        };
+        if view.is_instance_of::<PyBool>() {
+            return Err(wrong());
+        }
+        let view: usize = view.extract().map_err(|_| wrong())?;
+        if situation.open_views().binary_search(&view).is_ok() {
+            return Ok(Some(Choice::new(view, score)));
+        }
+        let problem = match view {
+            view if view >= situation.views().len() => "there are fewer candidates",
+            view if situation.visited().contains(&view) => "it was taken before",
+            _ => "it is out of reach",
+        };
+        let expected = "expected one of `situation.open_views`";
+        Err(Failure::new(format!("{}.plan returned view {view}, but {problem}; {expected}", self.name)))
+    }
+}
+
+impl ViewPlanner for Instance {
+    fn plan(&mut self, situation: &Situation<'_>) -> Result<Plan, Error> {
+        let choice = Python::attach(|py| {
+            let answer = self.call(py, "plan", (self.situation(py, situation)?,))?;
+            self.choice(&answer, situation)
+        })?;
+        situation.cancel().check()?;
+        Ok(Plan { choice, ..Plan::default() })
+    }
+}
+
+/// A gain, and what its calls for one plan share.
+struct Gain {
+    instance: Instance,
+    sight: Sight,
+    begun: Option<(Py<PyAny>, Grid)>,
+}
+
+impl ViewGain for Gain {
+    fn sight(&self) -> Sight {
+        self.sight
+    }
+
+    fn begin(&mut self, situation: &Situation<'_>) -> Result<(), Error> {
+        Python::attach(|py| {
+            let given = self.instance.situation(py, situation)?;
+            self.instance.call(py, "begin", (&given,))?;
+            self.begun = Some((given.unbind(), Grid::of(situation.snapshot())));
+            Ok(())
+        })
+    }
+
+    fn gain(&mut self, _: &Situation<'_>, view: usize, rays: &ViewRays) -> Result<f64, Error> {
+        let (situation, grid) = self.begun.as_ref().expect("every plan begins");
+        Python::attach(|py| {
+            let rays = plan_input::rays(py, view, rays, grid);
+            let rays = rays.map_err(|error| Failure::raised(py, "the rays", error))?;
+            let answer = self.instance.call(py, "gain", (situation, rays))?;
+            match answer.extract::<f64>() {
+                Ok(gain) if gain >= 0.0 && gain.is_finite() => Ok(gain),
+                _ => {
+                    let expected = format!("a finite number, at least 0, for view {view}");
+                    Err(self.instance.wrong("gain", &answer, &expected).into())
+                }
+            }
+        })
+    }
+}
