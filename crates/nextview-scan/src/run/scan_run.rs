@@ -181,8 +181,8 @@ impl<'a> ScanRun<'a> {
     }
 
     /// Takes in a frame, in any pose: keeps it, writes it into the map, measures. If a view was asked for, it
-    /// counts as visited. A frame that is [replayed](Next::Replay) has the colours and the name that were kept
-    /// with it.
+    /// counts as visited. A frame that is [replayed](Next::Replay) has the colours and the name that were
+    /// kept with it.
     ///
     /// Fails before anything has changed if the frame cannot be kept, and if it is
     /// [cancelled](Begin::cancel): it is then asked for again, or [replayed](Next::Replay) from the journal.
