@@ -101,7 +101,7 @@ pub(super) fn read_entry(bytes: &[u8]) -> Result<JournalEntry, String> {
             let color = color.map(|color| decompressed_color(color, &intrinsics)).transpose()?;
             let frame = Frame::new(image, intrinsics, world_from_camera, range_m);
             let frame = frame.map_err(|error| error.to_string())?;
-            Ok(JournalEntry::Frame(KeptFrame { view, was_asked, frame, color, name }))
+            Ok(JournalEntry::Frame(Box::new(KeptFrame { view, was_asked, frame, color, name })))
         }
     }
 }

@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 #[derive(Clone, Debug)]
 pub enum JournalEntry {
     /// A frame was taken.
-    Frame(KeptFrame),
+    Frame(Box<KeptFrame>),
     /// A view was skipped.
     Skip(SkippedView),
 }

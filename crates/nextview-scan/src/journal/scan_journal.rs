@@ -85,7 +85,7 @@ impl ScanJournal {
 
     /// The scan comes to this frame, which is kept, again.
     pub(crate) fn replay_again(&mut self, kept: KeptFrame) {
-        self.replays.push_front(JournalEntry::Frame(kept));
+        self.replays.push_front(JournalEntry::Frame(Box::new(kept)));
     }
 
     /// Keeps a frame: on the disk when this returns.

@@ -43,7 +43,7 @@ fn skipped() -> SkippedView {
 
 fn frames(kept: &Kept) -> Vec<&KeptFrame> {
     let frames = kept.entries.iter().filter_map(|entry| match entry {
-        JournalEntry::Frame(kept) => Some(kept),
+        JournalEntry::Frame(kept) => Some(&**kept),
         JournalEntry::Skip(_) => None,
     });
     frames.collect()
