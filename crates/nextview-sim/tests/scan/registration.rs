@@ -270,6 +270,9 @@ fn scan(noise: Noise, registration: RegistrationConfig, min_overlap: f64, n_thre
         let StepReport { world_from_camera, is_set_aside, .. } = &steps[number].report;
         let (moved, _) = error(&frame.world_from_camera(), world_from_camera, scene.center());
         assert!(*is_set_aside || moved < VOXEL_SIZE, "realigned by {moved}");
+        if number + 1 == steps.len() && !is_set_aside {
+            assert_eq!(frame.world_from_camera(), *world_from_camera, "reported as mapped");
+        }
     }
     steps
 }

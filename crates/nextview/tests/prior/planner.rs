@@ -5,7 +5,7 @@ use glam::{DVec3, IVec3, UVec3};
 use nextview::Cancel;
 use nextview::gain::ExpectedSurface;
 use nextview::geometry::{Aabb, VoxelBlock};
-use nextview::map::{Occupancy, Snapshot};
+use nextview::map::{LogOdds, Occupancy, Snapshot};
 use nextview::planner::{
     Choice, MostSurface, MostSurfaceConfig, Outlook, Plan, RandomViews, Situation, ViewPlanner,
 };
@@ -342,8 +342,39 @@ fn a_view_in_vain_is_not_repeated_next_to_it() {
     assert_eq!(other, plan_with(&mut planner(), &snapshot, &views, &[0, 1]));
     let whole = Snapshot::from_fn(snapshot.lattice(), snapshot.block(), |key| {
         let radius = snapshot.lattice().center(key).length();
-        (0.04..0.052).contains(&radius).then_some(nextview::map::LogOdds(0.85))
+        (0.04..0.052).contains(&radius).then_some(LogOdds(0.85))
     });
     let shown = plan_with(&mut doubting, &whole, &views, &[0, first]);
     assert_eq!(shown, plan_with(&mut planner(), &whole, &views, &[0, first]));
+}
+
+/// The less a view shows of what was expected, the less is expected of the same voxels.
+#[test]
+fn expectations_fall_with_the_share_that_was_shown() {
+    let (before, views) = (half_seen_ball(), views(300));
+    let planner = || MostSurface::with_prior(MostSurfaceConfig::default(), even_prior(0.3, 0.1)).unwrap();
+    let mut taught = planner();
+    let plan = plan_with(&mut taught, &before, &views, &[0]);
+    let (first, expected) = (plan.choice.unwrap().view, plan.outlook.unwrap().n_expected);
+    let is_unknown = |index: &usize| before.occupancy()[*index] == Occupancy::Unknown;
+    let unknown: Vec<usize> = (0..before.block().n_voxels()).filter(is_unknown).collect();
+    // What the taught planner expects in all, as a share of what a fresh one does.
+    let expectation = |shown: f64| {
+        let new = &unknown[..(shown * expected).round() as usize];
+        let after = Snapshot::from_fn(before.lattice(), before.block(), |key| {
+            let index = before.block().index(key).unwrap();
+            match before.occupancy()[index] {
+                Occupancy::Occupied => Some(LogOdds(0.85)),
+                Occupancy::Free => Some(LogOdds(-0.4)),
+                Occupancy::Unknown => new.binary_search(&index).is_ok().then_some(LogOdds(0.85)),
+            }
+        });
+        let unseen = |planner: &mut MostSurface| {
+            plan_with(planner, &after, &views, &[0, first]).outlook.unwrap().n_unseen
+        };
+        unseen(&mut taught.clone()) / unseen(&mut planner())
+    };
+    let shares = [0.0, 0.2, 0.35, 0.6].map(expectation);
+    assert!(shares.is_sorted() && shares[0] < 0.9 && shares[1] < shares[2], "{shares:?}");
+    assert!(shares[2] < 1.0 && shares[3] == 1.0, "{shares:?}");
 }
