@@ -156,6 +156,10 @@ impl From<nextview::Error> for Fault {
             nextview::Error::InvalidParameter { name, value, expected } => {
                 Self { message, ..Self::of_value(name, value, expected) }
             }
+            nextview::Error::UnreachableGoal { goal_mm, best_mm, distance } => {
+                let expected = format!("at least {best_mm}: three looks of this camera from {distance} m");
+                Self::of_value("goal_mm", goal_mm, expected)
+            }
             nextview::Error::TooLarge { .. } => Self::request(message),
             nextview::Error::Planner(cause) => Self::request(message).with_cause(cause),
             nextview::Error::Cancelled(cancelled) => cancelled.into(),

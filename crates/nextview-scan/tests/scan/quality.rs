@@ -72,7 +72,7 @@ fn a_goal_is_worth_views_and_one_out_of_reach_is_refused() {
             .to_string()
     };
     let message = refused(ScanConfig { goal_mm: Some(0.01), ..free.clone() });
-    assert!(message.starts_with("goal_mm is 0.01, expected at least 0."), "{message}");
+    assert!(message.starts_with("`goal_mm` is 0.01, expected at least 0."), "{message}");
     let message = refused(ScanConfig { goal_mm: Some(-1.0), ..free.clone() });
     assert!(message.contains("`goal_mm` is -1, expected a positive number"), "{message}");
     let message = refused(ScanConfig { planner: PlannerName::Random.into(), ..wanted });
