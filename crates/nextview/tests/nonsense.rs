@@ -233,7 +233,7 @@ proptest! {
         }
         let mut known = KnownSurface::new(RegistrationConfig::enabled()).unwrap();
         let bounds = Aabb::cube(DVec3::ZERO, 0.1);
-        known.add(&frame, bounds, never).unwrap();
+        known.add(&frame, &frame.world_from_camera(), bounds, never).unwrap();
         let found = known.register(&frame, bounds, never).unwrap();
         prop_assert!(found.world_from_camera.translation().is_finite());
     }

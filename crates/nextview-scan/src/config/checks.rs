@@ -194,9 +194,7 @@ fn simulated_keys(config: &ScanConfig) -> impl Iterator<Item = &'static str> {
     let given = [
         ("size_m", config.size_m != neutral.size_m),
         #[cfg(feature = "simulated")]
-        ("sensor", config.sensor.is_some()),
-        #[cfg(feature = "simulated")]
-        ("noise", config.sensor.is_none() && config.noise != neutral.noise),
+        ("noise", config.simulates_noise()),
         ("object_box.table", config.object_box.table == TableRule::Known),
     ];
     given.into_iter().filter(|(_, is_given)| *is_given).map(|(key, _)| key)
@@ -207,8 +205,7 @@ fn only_simulated(key: &str, section: &str) -> Fault {
         ("object_box.table", _) => &format!(
             "`{section}.table_z_m` states its height, `object_box.table` = fit finds it in the first image"
         ),
-        ("sensor", "live") => "`camera` states its optics, `live.max_depth_m` its range; leave it out",
-        ("sensor", _) => "a recording has a camera of its own; leave it out",
+        ("noise", _) => "`sensor` names a camera whose error is known, and `noise.depth` changes it",
         (_, "live") => "the frames of your camera are as they are; leave it out",
         _ => "recorded frames are as they are; leave it out",
     };

@@ -105,8 +105,9 @@ pub struct ScanConfig {
     pub nbv_net: NbvNetConfig,
     /// When the scan stops before its last view.
     pub stop: StopConfig,
-    /// Depth camera that is simulated: it decides the defaults of `camera` and `noise`. Without one, those
-    /// are the optics of the D435i, and no noise.
+    /// Depth camera: it decides the defaults of `camera` and `noise`. Without one, those are the optics of
+    /// the D435i, and no noise. Of recorded and live frames, `noise.depth` is not simulated but is the known
+    /// error, which `goal_mm` needs.
     #[cfg(feature = "simulated")]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub sensor: Option<super::SensorName>,
@@ -313,7 +314,7 @@ impl ScanConfig {
         self.min_overlap.or(is_wanted.then_some(OVERLAP_TO_ALIGN))
     }
 
-    /// The random error of the camera, as far as the configuration states it; none of a recording.
+    /// The random error of the camera, as far as the configuration states it.
     pub fn surface_error(&self) -> SurfaceError {
         #[cfg(feature = "simulated")]
         if let Some(depth) = self.noise.noise().depth {

@@ -1,6 +1,6 @@
 //! What a sensor decides of a configuration.
 
-use super::{NoiseModel, ScanConfig, SensorName, merged};
+use super::{NoiseConfig, NoiseModel, ScanConfig, SensorName, merged};
 use crate::{Fault, Faults, files};
 use nextview::sensor::{Intrinsics, Sensor};
 use nextview_sim::noise::DepthNoise;
@@ -20,6 +20,15 @@ impl ScanConfig {
         self.noise.model = NoiseModel::Sensor;
         self.noise.depth = camera.depth;
         Ok(())
+    }
+
+    /// Whether there is more noise than the error of the sensor, which a real camera has by itself.
+    pub(super) fn simulates_noise(&self) -> bool {
+        let NoiseConfig { model, depth, .. } = match self.sensor {
+            Some(_) => self.noise,
+            None => NoiseConfig::default(),
+        };
+        self.noise != NoiseConfig { model, depth, ..NoiseConfig::default() }
     }
 
     /// What is wrong with the sensor and the model of the noise together.

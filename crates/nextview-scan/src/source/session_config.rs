@@ -1,5 +1,6 @@
 use crate::{Fault, ScanConfig};
 use nextview::geometry::{Aabb, VoxelBlock};
+use nextview::registration::RegistrationConfig;
 use nextview::sensor::DepthRange;
 use nextview::session::{ObjectBox, SessionConfig, Table};
 
@@ -29,7 +30,11 @@ pub(super) fn session_config(
         sensor_model: config.map.sensor_model,
         rays: config.map.rays,
         background: config.map.background,
-        registration: config.registration,
+        registration: RegistrationConfig {
+            // Whoever simulates a right first pose knows that it is right.
+            first_pose_is_right: config.registration.first_pose_is_right || config.noise.first_pose_is_right,
+            ..config.registration
+        },
         motion: config.motion,
         max_views: config.max_views(n_candidates),
         stop: config.stop,

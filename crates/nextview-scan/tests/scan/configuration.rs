@@ -200,8 +200,8 @@ fn sensors_that_cannot_be_are_refused() {
             "3:1 `noise.model` = d435i is not the noise of the `sensor` d405 (leave one of them out)",
         ),
         (
-            "sensor = \"d405\"\n[recording]\n",
-            "1:1 `sensor` is for simulations, not for recorded frames (a recording has a camera of its own",
+            "sensor = \"d405\"\n[recording]\n[noise]\npose_error_mm = 2\n",
+            "3:2 `noise` is for simulations, not for recorded frames (`sensor` names a camera whose error is known",
         ),
     ] {
         let found = faults(text);

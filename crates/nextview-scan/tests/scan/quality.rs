@@ -1,8 +1,9 @@
 //! Expected errors beside true ones, and goals.
 
+use nextview::Cancel;
 use nextview_scan::{
-    Begin, FinalModel, Measured, ModelConfig, PlannerName, ScanConfig, ScanRecord, ScanRun, SensorName,
-    SimulatedObject, Simulation,
+    Begin, FinalModel, LiveScan, Measured, ModelConfig, PlannerName, ScanConfig, ScanRecord, ScanRun,
+    SensorName, SimulatedObject, Simulation,
 };
 
 fn config(sensor: &str) -> ScanConfig {
@@ -75,6 +76,9 @@ fn a_goal_is_worth_views_and_one_out_of_reach_is_refused() {
     assert!(message.starts_with("`goal_mm` is 0.01, expected at least 0."), "{message}");
     let message = refused(ScanConfig { goal_mm: Some(-1.0), ..free.clone() });
     assert!(message.contains("`goal_mm` is -1, expected a positive number"), "{message}");
+    let own_camera = "sensor = 'd405'\ngoal_mm = 0.5\n[live]\nbox_m = [0, 0, 0, 0.1, 0.1, 0.1]\n";
+    let own_camera = ScanConfig::parse(own_camera, None, None).unwrap();
+    LiveScan::begin(own_camera, None, Cancel::default()).expect("the sensor states the error");
     let message = refused(ScanConfig { planner: PlannerName::Random.into(), ..wanted });
     assert!(message.contains("takes no second looks"), "{message}");
     let message = refused(ScanConfig { goal_mm: Some(1.0), ..ScanConfig::default() });

@@ -30,6 +30,9 @@ pub struct RegistrationConfig {
     /// stays. Default 0.005: frames held less firmly were often turned by degrees about the axis of a bottle
     /// or a handle.
     pub min_stiffness: f64,
+    /// Whether the first given pose is exact: it alone then ties the scan to the world. By default, all given
+    /// poses do so alike, since each may be wrong.
+    pub first_pose_is_right: bool,
 }
 
 checked_when_read!(RegistrationConfig);
@@ -43,6 +46,7 @@ impl Default for RegistrationConfig {
             rotation_uncertainty: 10_f64.to_radians(),
             min_overlap: 0.15,
             min_stiffness: 0.005,
+            first_pose_is_right: false,
         }
     }
 }

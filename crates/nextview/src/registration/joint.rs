@@ -38,12 +38,31 @@ pub(super) struct View {
     /// Where the frame was put when it came. Directions in which nothing holds it keep that place.
     anchor: Pose,
     pub pose: Pose,
+    /// The pose that the frame came with.
+    given: Pose,
 }
 
 impl View {
-    /// A frame that shows these points, in the camera frame, and stands here; unless cancelled.
-    pub fn new(points: Vec<SurfacePoint>, pose: Pose, cancel: &Cancel) -> Result<Self, Cancelled> {
-        Ok(Self { tree: PointTree::new(&points, cancel)?, points, anchor: pose, pose })
+    /// A frame that shows these points, in the camera frame, stands here and came with a given pose; unless
+    /// cancelled.
+    pub fn new(
+        points: Vec<SurfacePoint>,
+        pose: Pose,
+        given: Pose,
+        cancel: &Cancel,
+    ) -> Result<Self, Cancelled> {
+        Ok(Self { tree: PointTree::new(&points, cancel)?, points, anchor: pose, pose, given })
+    }
+
+    /// Moves it and its anchor.
+    pub fn move_by(&mut self, motion: &Pose) {
+        (self.pose, self.anchor) = (*motion * self.pose, *motion * self.anchor);
+    }
+
+    /// Some of its points, evenly chosen: where they are, and where the given pose puts them.
+    pub fn placed_and_given(&self) -> impl Iterator<Item = [DVec3; 2]> + '_ {
+        let places = [self.pose, self.given];
+        self.some_points().map(move |point| places.map(|pose| pose.transform_point(point.position)))
     }
 
     /// The points in the world frame.

@@ -1,3 +1,4 @@
+use super::gauge::motion_to_given;
 use super::icp::{SearchReach, align, align_where_held, pairs};
 use super::joint::{self, View};
 use super::normal_equations::NormalEquations;
@@ -33,7 +34,7 @@ use rustc_hash::FxHashMap;
 /// let bounds = Aabb::cube(DVec3::new(0.0, 0.0, 0.45), 0.1);
 /// let mut known = KnownSurface::new(RegistrationConfig::default()).unwrap();
 /// let never = &Cancel::default();
-/// known.add(&frame, bounds, never).unwrap();
+/// known.add(&frame, &frame.world_from_camera(), bounds, never).unwrap();
 /// let wrong = Pose::new(DQuat::from_rotation_z(0.02), DVec3::new(0.01, 0.0, -0.005)).unwrap();
 /// let found = known.register(&frame.with_pose(wrong), bounds, never).unwrap();
 /// assert!(found.is_accepted() && found.world_from_camera.translation().length() < 1e-3);
@@ -86,9 +87,16 @@ impl KnownSurface {
     }
 
     /// Adds the surface that a frame shows in and around a box (world coordinates, finite), unless cancelled.
-    pub fn add(&mut self, frame: &Frame, bounds: Aabb, cancel: &Cancel) -> Result<(), Cancelled> {
+    /// `given` is the pose that the frame came with, before it was aligned.
+    pub fn add(
+        &mut self,
+        frame: &Frame,
+        given: &Pose,
+        bounds: Aabb,
+        cancel: &Cancel,
+    ) -> Result<(), Cancelled> {
         let shown = surface_points(frame, self.around(bounds), self.spacing, cancel)?;
-        let view = View::new(shown, frame.world_from_camera(), cancel)?;
+        let view = View::new(shown, frame.world_from_camera(), *given, cancel)?;
         let (mut slots, mut pools) = (self.slots.clone(), self.pools.clone());
         pool(&view, &self.lattice, &mut slots, &mut pools);
         self.tree = tree(&pools, cancel)?;
@@ -97,15 +105,21 @@ impl KnownSurface {
         Ok(())
     }
 
-    /// Aligns all frames but the first to each other at once, unless cancelled: so the errors of a chain of
-    /// frames that comes back to its beginning are shared by all. Returns the pose of each frame that was
-    /// added, in order; none if no point of a frame moves by more than a tenth of a cell.
+    /// Aligns all frames to each other at once, unless cancelled: so the errors of a chain of frames that
+    /// comes back to its beginning are shared by all. As a whole, they then lie where their given poses say
+    /// on average, or where the first one says, if it
+    /// [is right](RegistrationConfig::first_pose_is_right). Returns the pose of each frame that was added,
+    /// in order; none if no point of a frame moves by more than a tenth of a cell.
     pub fn realign(&mut self, cancel: &Cancel) -> Result<Option<Vec<Pose>>, Cancelled> {
         if self.views.len() < 2 {
             return Ok(None);
         }
         let mut views = self.views.clone();
         joint::align(&mut views, self.reach().last, self.config.min_stiffness, cancel)?;
+        if !self.config.first_pose_is_right {
+            let motion = motion_to_given(&views);
+            views.iter_mut().for_each(|view| view.move_by(&motion));
+        }
         let moved = views.iter().zip(&self.views).map(|(view, before)| view.moved_from(before));
         if moved.fold(0.0, f64::max) <= LEAST_MOTION * self.spacing {
             return Ok(None);

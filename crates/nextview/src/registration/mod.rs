@@ -7,6 +7,7 @@
 //! because a robot knows roughly where it is. The formulas are in `docs/methods/registration.md`.
 
 mod config;
+mod gauge;
 mod icp;
 mod joint;
 mod known_surface;

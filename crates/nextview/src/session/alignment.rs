@@ -66,7 +66,7 @@ impl Alignment {
         if registration.is_some_and(|registration| registration.fits()) {
             self.given.add(&(frame.world_from_camera() * given.inverse()), bounds);
         }
-        known.add(frame, bounds, cancel)
+        known.add(frame, given, bounds, cancel)
     }
 
     /// Aligns all frames to each other; their poses in the order in which they were remembered, or none if

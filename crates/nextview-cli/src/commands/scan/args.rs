@@ -31,7 +31,7 @@ pub struct ScanArgs {
     model: Option<String>,
     /// Recorded frames instead of a simulation: a folder with poses.csv, intrinsics.txt and depth/, one of
     /// TUM RGB-D, or an .mcap file of ROS 2
-    #[arg(long, value_name = "PATH", value_parser = values::file_name(), conflicts_with_all = ["model", "candidates", "view_space", "object_box", "sensor", "noise", "pose_error_mm", "pose_error_deg", "size_m"])]
+    #[arg(long, value_name = "PATH", value_parser = values::file_name(), conflicts_with_all = ["model", "candidates", "view_space", "object_box", "noise", "pose_error_mm", "pose_error_deg", "size_m"])]
     frames: Option<String>,
     #[command(flatten)]
     recording: RecordingArgs,
@@ -78,7 +78,8 @@ pub struct ScanArgs {
     table: Option<TableRule>,
     /// Depth camera, which decides optics, range and noise: d405, d415, d435, d435i, d455, l515,
     /// azure-kinect, femto-bolt, gemini-335, zivid-2-m60, phoxi-s, phoxi-m, or a .toml file that says in what
-    /// it differs from one of them [default: optics of the D435i, no limits and no noise]
+    /// it differs from one of them [default: optics of the D435i, no limits and no noise]. With --frames, it
+    /// states the error of the depth alone, which --goal-mm needs
     #[arg(long, value_name = "NAME|FILE", value_parser = values::file_name())]
     sensor: Option<String>,
     /// Errors and losses of the camera's depth [default: none, or those of --sensor]
