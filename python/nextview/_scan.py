@@ -117,7 +117,7 @@ class Scan:
     def observe(
         self,
         depth: NDArray[np.float32] | NDArray[np.uint16],
-        world_from_camera: Pose,
+        world_from_camera: Pose | None,
         color: NDArray[np.uint8] | None = None,
         *,
         depth_scale_m: float | None = None,
@@ -129,13 +129,38 @@ class Scan:
           and infinity means "nothing there"; or uint16 in units of `depth_scale_m`, where 0 means "not
           measured".
         - `world_from_camera`: where the camera truly was, 4 x 4 float64; or the view, if it was there
-          exactly. A rotation may be off by 1e-3.
+          exactly. A rotation may be off by 1e-3. None if the camera does not know: it is then found out as by
+          `locate`.
         - `color`: height x width x 3, uint8, aligned with the depth image; for cloud and mesh.
         - `mask`: height x width, bool; pixels where it is true count as not measured.
 
         Arrays of any memory layout are accepted. A scan keeps its frames, so that depths are copied once.
         """
         return self._engine.observe(depth, world_from_camera, color, depth_scale_m, mask)
+
+    def locate(
+        self,
+        depth: NDArray[np.float32] | NDArray[np.uint16],
+        *,
+        depth_scale_m: float | None = None,
+        mask: NDArray[np.bool_] | None = None,
+    ) -> Pose:
+        """Returns where a depth image was taken, by the surface known so far. It is not taken in.
+
+        For cameras in a hand: the camera must have moved by no more than some centimetres and degrees since
+        the last image. Needs `registration={"enabled": True, "given_poses": "tracked"}` when the scan is begun;
+        raises an error where the camera is lost.
+        """
+        return self._engine.locate(depth, depth_scale_m, mask)
+
+    def guidance(self, world_from_camera: Pose) -> dict[str, Any] | None:
+        """How to move the camera from this pose to the next view, or None if the scan is over.
+
+        `arrow_m` leads to the view, in the frame of the camera (right, down, forward), and is `distance_m` long;
+        `turn_deg` says how far to turn right and then down, `angle_deg` how far off the camera looks, and
+        `is_reached` whether it is near enough.
+        """
+        return self._engine.guidance(world_from_camera)
 
     def skip(self, view: int, reason: str = "out of reach") -> None:
         """Never proposes this candidate again, for example because the robot cannot go there."""

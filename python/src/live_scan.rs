@@ -3,7 +3,7 @@
 use crate::arrays::{color_image, depth_image};
 use crate::camera::{Camera, numbers};
 use crate::pictures::{self, MomentArrays, Taken};
-use crate::pose::pose_of;
+use crate::pose::{matrix, pose_of};
 use crate::values::{self, to_python};
 use crate::view::{View, poses};
 use crate::watch::compute;
@@ -11,7 +11,7 @@ use crate::{model, results};
 use nextview::Cancel;
 use nextview::session::StopReason;
 use nextview_scan::{Fault, Faults, LiveConfig, LiveFrame, Measured};
-use numpy::PyArray3;
+use numpy::{PyArray2, PyArray3};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use std::path::PathBuf;
@@ -70,17 +70,40 @@ impl LiveScan {
         &self,
         py: Python<'py>,
         depth: &Bound<'py, PyAny>,
-        world_from_camera: &Bound<'py, PyAny>,
+        world_from_camera: Option<&Bound<'py, PyAny>>,
         color: Option<&Bound<'py, PyAny>>,
         depth_scale_m: Option<f64>,
         mask: Option<&Bound<'py, PyAny>>,
     ) -> PyResult<Bound<'py, PyAny>> {
-        let pose = pose_of("world_from_camera", world_from_camera)?;
+        let world_from_camera =
+            world_from_camera.map(|pose| pose_of("world_from_camera", pose)).transpose()?;
         let image = depth_image(depth, depth_scale_m, mask)?;
         let color = color.map(color_image).transpose()?;
-        let taken = LiveFrame { color, ..LiveFrame::new(image, pose) };
+        let taken = LiveFrame { depth: image, world_from_camera, color, name: None };
         let step = self.with(py, |scan| Ok(scan.observe(taken)?.clone()))?;
         to_python(py, &step)
+    }
+
+    #[pyo3(signature = (depth, depth_scale_m, mask))]
+    fn locate<'py>(
+        &self,
+        py: Python<'py>,
+        depth: &Bound<'py, PyAny>,
+        depth_scale_m: Option<f64>,
+        mask: Option<&Bound<'py, PyAny>>,
+    ) -> PyResult<Bound<'py, PyArray2<f64>>> {
+        let image = depth_image(depth, depth_scale_m, mask)?;
+        let pose = self.with(py, |scan| Ok(scan.locate(&image)?))?;
+        Ok(matrix(py, &pose))
+    }
+
+    fn guidance<'py>(
+        &self,
+        py: Python<'py>,
+        world_from_camera: &Bound<'py, PyAny>,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        let pose = pose_of("world_from_camera", world_from_camera)?;
+        to_python(py, &self.with(py, |scan| Ok(scan.guidance(&pose)?))?)
     }
 
     fn skip(&self, py: Python<'_>, view: usize, reason: &str) -> PyResult<()> {

@@ -32,7 +32,7 @@ mod source;
 pub use config::*;
 pub use fault::{Cause, Fault, FaultKind, Faults, Place};
 pub use journal::{Damage, Interrupted, Journal, JournalEntry, Kept, KeptFrame, ScanJournal, SkippedView};
-pub use live::{LiveFrame, LiveScan};
+pub use live::{Guidance, LiveFrame, LiveScan};
 pub use map_summary::{MapSummary, convert_map};
 pub use model::FinalModel;
 pub use names::Named;

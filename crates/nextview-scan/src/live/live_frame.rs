@@ -6,8 +6,8 @@ use nextview::sensor::{ColorImage, DepthImage};
 pub struct LiveFrame {
     /// The depth image, of the camera's size.
     pub depth: DepthImage,
-    /// Where the camera stood.
-    pub world_from_camera: Pose,
+    /// Where the camera stood; none if that is to be [found out](crate::LiveScan::locate).
+    pub world_from_camera: Option<Pose>,
     /// A colour image of the same size that belongs to it.
     pub color: Option<ColorImage>,
     /// A name for it, which its record has.
@@ -17,6 +17,6 @@ pub struct LiveFrame {
 impl LiveFrame {
     /// A depth image without colours and name.
     pub fn new(depth: DepthImage, world_from_camera: Pose) -> Self {
-        Self { depth, world_from_camera, color: None, name: None }
+        Self { depth, world_from_camera: Some(world_from_camera), color: None, name: None }
     }
 }

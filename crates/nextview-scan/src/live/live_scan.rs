@@ -1,3 +1,4 @@
+use super::tracking::Whereabouts;
 use crate::files::ResultFolder;
 use crate::{
     Begin, Fault, Faults, FinishedScan, Interrupted, LiveFrame, Next, OwnCamera, Results, ScanConfig,
@@ -35,6 +36,7 @@ pub struct LiveScan {
     config: ScanConfig,
     run: ScanRun<'static>,
     cancel: Cancel,
+    pub(super) whereabouts: Whereabouts,
 }
 
 impl LiveScan {
@@ -79,7 +81,7 @@ impl LiveScan {
     ) -> Result<Self, Faults> {
         let begin = Begin { journal, cancel: cancel.clone() };
         let run = ScanRun::of_session(camera.session(&config)?, &config, begin);
-        Ok(Self { camera, config, run, cancel })
+        Ok(Self { camera, config, run, cancel, whereabouts: Whereabouts::default() })
     }
 
     /// The view to take next; none if the scan is over, for the [reason](Self::stop_reason). Asked again
@@ -93,7 +95,10 @@ impl LiveScan {
             match self.run.next()? {
                 // Its observation was cancelled after it had been kept.
                 Next::Replay(frame) => _ = self.run.push(frame)?,
-                Next::Capture(view) => return Ok(Some(view)),
+                Next::Capture(view) => {
+                    self.whereabouts.asked = Some(view.world_from_camera);
+                    return Ok(Some(view));
+                }
                 Next::Stop(StopReason::Cancelled) => return Err(nextview::Cancelled.into()),
                 Next::Stop(reason) => {
                     self.run.scan_mut().stop_reason = Some(reason);
@@ -103,14 +108,18 @@ impl LiveScan {
         }
     }
 
-    /// Takes in a frame from any pose. If a view was asked for, it counts as taken. Fails before anything has
-    /// changed if an image is not of the camera's size, cannot be kept, or if it is cancelled.
+    /// Takes in a frame from any pose; one without a pose is [located](Self::locate) first. If a view was
+    /// asked for, it counts as taken. Fails before anything has changed if an image is not of the camera's
+    /// size, cannot be kept, or if it is cancelled.
     ///
     /// A cancelled frame that was kept in a folder is taken in by [`next`](Self::next), or observed again.
     pub fn observe(&mut self, taken: LiveFrame) -> Result<&StepRecord, Fault> {
         let LiveFrame { depth, world_from_camera, color, name } = taken;
-        let frame = self.camera.frame(depth, world_from_camera)?;
-        self.run.push(TakenFrame { frame, color, name })
+        let pose = world_from_camera.map_or_else(|| self.locate(&depth), Ok)?;
+        let frame = self.camera.frame(depth, pose)?;
+        let step = self.run.push(TakenFrame { frame, color, name })?;
+        self.whereabouts = Whereabouts::default();
+        Ok(step)
     }
 
     /// Skips a candidate, for example because a robot cannot go there: it is never proposed again.

@@ -1,8 +1,11 @@
 //! A scan by a camera of one's own, from a configuration to the results: what a server, a ROS node and Python
 //! drive.
 
+mod guidance;
 mod live_frame;
 mod live_scan;
+mod tracking;
 
+pub use guidance::Guidance;
 pub use live_frame::LiveFrame;
 pub use live_scan::LiveScan;

@@ -1,6 +1,6 @@
 use crate::{Fault, ScanConfig};
 use nextview::geometry::{Aabb, VoxelBlock};
-use nextview::registration::RegistrationConfig;
+use nextview::registration::{GivenPoses, RegistrationConfig};
 use nextview::sensor::DepthRange;
 use nextview::session::{ObjectBox, SessionConfig, Table};
 
@@ -30,16 +30,21 @@ pub(super) fn session_config(
         sensor_model: config.map.sensor_model,
         rays: config.map.rays,
         background: config.map.background,
-        registration: RegistrationConfig {
-            // Whoever simulates a right first pose knows that it is right.
-            first_pose_is_right: config.registration.first_pose_is_right || config.noise.first_pose_is_right,
-            ..config.registration
-        },
+        registration: registration(config),
         motion: config.motion,
         max_views: config.max_views(n_candidates),
         stop: config.stop,
         memory_limit_mb: config.memory_limit_mb,
     }
+}
+
+/// Whoever simulates a right first pose knows that it is right.
+fn registration(config: &ScanConfig) -> RegistrationConfig {
+    #[cfg(feature = "simulated")]
+    if config.noise.first_pose_is_right {
+        return RegistrationConfig { given_poses: GivenPoses::FirstIsRight, ..config.registration };
+    }
+    config.registration
 }
 
 /// The voxels to plan in, if they are not too many.

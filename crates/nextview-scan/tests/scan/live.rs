@@ -1,8 +1,10 @@
 //! A camera of one's own sees what the simulated one sees, and scans the same.
 
 use crate::common::Folder;
+use glam::{DQuat, DVec3};
 use nextview::Cancel;
 use nextview::geometry::Pose;
+use nextview::registration::{GivenPoses, RegistrationConfig};
 use nextview::sensor::{ColorImage, Depth, DepthImage, Frame};
 use nextview::session::StopReason;
 use nextview_scan::files::{Overwrite, ResultFolder};
@@ -212,4 +214,69 @@ fn what_cannot_be_is_refused_with_its_reason() {
         .unwrap_err();
     assert!(fault.to_string().contains("`color` is 2 x 1, expected 640 x 480 pixels"), "{fault}");
     assert!(scan.scan().steps.is_empty());
+}
+
+/// A pose on the way around a point between two that look at it, by its share, but for the roll of the last.
+fn between(from: &Pose, to: &Pose, share: f64, around: DVec3) -> Pose {
+    let [a, b] = [from, to].map(|pose| pose.translation() - around);
+    let distance = a.length() + share * (b.length() - a.length());
+    let direction = a.normalize().lerp(b.normalize(), share).normalize();
+    let turn = DQuat::from_rotation_arc(a.normalize(), direction);
+    Pose::new(turn * from.rotation(), around + distance * direction).unwrap()
+}
+
+/// How far a pose puts the object and the camera from where another does, metres.
+fn apart(object: &SimulatedObject, a: &Pose, b: &Pose) -> f64 {
+    let middle = object.scene.center();
+    let at_object = (*a * b.inverse()).transform_point(middle).distance(middle);
+    at_object.max(a.translation().distance(b.translation()))
+}
+
+#[test]
+fn a_camera_in_a_hand_is_tracked_guided_and_found_again() {
+    let simulated = ScanConfig { object: "builtin:teapot".to_owned(), ..config(PlannerName::MostSurface) };
+    let object = SimulatedObject::new(&simulated).unwrap();
+    let mut config = live(&simulated, &object);
+    config.voxel_size_m = Some(0.005);
+    let image = |pose: &Pose| frame(&object, pose, false).image().clone();
+    let unposed = |depth| LiveFrame { depth, world_from_camera: None, color: None, name: None };
+
+    let mut untracked = LiveScan::begin(config.clone(), None, Cancel::default()).unwrap();
+    let first = untracked.next().unwrap().unwrap().world_from_camera;
+    let fault = untracked.observe(unposed(image(&first))).unwrap_err();
+    assert!(fault.remedy.unwrap().contains("`registration.given_poses` = tracked"));
+
+    config.registration =
+        RegistrationConfig { given_poses: GivenPoses::Tracked, ..RegistrationConfig::enabled() };
+    let mut unplaced = LiveScan::begin(config.clone(), None, Cancel::default()).unwrap();
+    assert_eq!(unplaced.observe(unposed(image(&first))).unwrap_err().key.unwrap(), "live.first_pose");
+    config.live.as_mut().unwrap().first_pose = Some(first);
+    let mut scan = LiveScan::begin(config, None, Cancel::default()).unwrap();
+    assert!(scan.guidance(&first).unwrap().unwrap().is_reached);
+    scan.observe(unposed(image(&first))).unwrap();
+    let mut place = first;
+    for n_taken in 1..4 {
+        let wanted = scan.next().unwrap().unwrap().world_from_camera;
+        assert!(!scan.guidance(&place).unwrap().unwrap().is_reached);
+        if n_taken == 1 {
+            // Away from the object, and from where the camera was: lost, and nothing has changed.
+            let away = Pose::new(DQuat::from_rotation_x(1.0) * wanted.rotation(), wanted.translation());
+            let fault = scan.observe(unposed(image(&away.unwrap()))).unwrap_err();
+            assert!(fault.message.starts_with("the camera is lost: "), "{fault:?}");
+            assert_eq!(scan.scan().steps.len(), 1);
+        }
+        for i in 1..=80 {
+            let on_the_way = between(&place, &wanted, i as f64 / 80.0, object.scene.center());
+            let found = scan.locate(&image(&on_the_way)).unwrap();
+            let apart = apart(&object, &found, &on_the_way);
+            assert!(apart < 0.008, "view {n_taken}, step {i}: {apart}");
+            if scan.guidance(&found).unwrap().unwrap().is_reached {
+                place = on_the_way;
+                break;
+            }
+            assert!(i < 80, "the view is not reached");
+        }
+        let step = scan.observe(unposed(image(&place))).unwrap();
+        assert!(apart(&object, &step.world_from_camera().unwrap(), &place) < 0.008);
+    }
 }

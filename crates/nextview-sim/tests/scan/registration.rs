@@ -7,7 +7,7 @@ use nextview::Cancel;
 use nextview::geometry::random::Random;
 use nextview::geometry::{Aabb, Pose};
 use nextview::planner::{MinOverlap, RandomViews, ViewPlanner};
-use nextview::registration::{KnownSurface, Registration, RegistrationConfig, Verdict};
+use nextview::registration::{GivenPoses, KnownSurface, Registration, RegistrationConfig, Verdict};
 use nextview::sensor::{Frame, Intrinsics};
 use nextview::session::{Session, SessionConfig, StepReport};
 use nextview::view::{ViewSpace, generate, look_at};
@@ -23,7 +23,7 @@ const VOXEL_SIZE: f64 = 0.005;
 
 fn known_from(frames: &[Frame], bounds: Aabb) -> KnownSurface {
     let mut known = KnownSurface::new(RegistrationConfig::default()).unwrap();
-    let mut add = |frame: &Frame| known.add(frame, &frame.world_from_camera(), bounds, &Cancel::default());
+    let add = |frame: &Frame| known.add(frame, &frame.world_from_camera(), bounds, &Cancel::default());
     frames.iter().map(add).for_each(Result::unwrap);
     known
 }
@@ -104,11 +104,16 @@ struct Loop {
     center: DVec3,
 }
 
+fn given_poses(first_pose_is_right: bool) -> GivenPoses {
+    if first_pose_is_right { GivenPoses::FirstIsRight } else { GivenPoses::Independent }
+}
+
 fn close_loop(seed: u64, first_pose_is_right: bool) -> Loop {
     let scene = scene(seed, Some(DepthNoise::d435i()));
     let (center, bounds, never) = (scene.center(), scene.planning_box(VOXEL_SIZE), &Cancel::default());
     let mut random = Random::new(seed, 0);
-    let config = RegistrationConfig { first_pose_is_right, ..RegistrationConfig::default() };
+    let config =
+        RegistrationConfig { given_poses: given_poses(first_pose_is_right), ..RegistrationConfig::default() };
     let mut known = KnownSurface::new(config).unwrap();
     let (mut truths, mut given, mut placed) = (Vec::new(), Vec::new(), Vec::new());
     for i in 0..12 {
@@ -264,7 +269,7 @@ fn what_moves_farther_than_poses_can_be_wrong_is_refused() {
     let frames: Vec<Frame> = views.poses().iter().map(|pose| scene.camera().capture(pose).unwrap()).collect();
     let sure = RegistrationConfig { position_uncertainty: 0.004, ..RegistrationConfig::default() };
     let mut known = KnownSurface::new(sure).unwrap();
-    let mut add = |frame: &Frame| known.add(frame, &frame.world_from_camera(), bounds, &Cancel::default());
+    let add = |frame: &Frame| known.add(frame, &frame.world_from_camera(), bounds, &Cancel::default());
     frames.iter().map(add).for_each(Result::unwrap);
     let shifted = |shift: f64| {
         let pose = frames[0].world_from_camera();
@@ -298,8 +303,8 @@ fn scan(noise: Noise, registration: RegistrationConfig, min_overlap: f64, n_thre
     let scene = scene.with_noise(noise).unwrap();
     let views: ViewSpace = generate::fibonacci_sphere(scene.center(), 4.0 * scene.size(), 60).unwrap();
     let bounds = scene.planning_box(VOXEL_SIZE);
-    let first_pose_is_right = noise.first_pose_is_right;
-    let registration = RegistrationConfig { first_pose_is_right, ..registration };
+    let given_poses = given_poses(noise.first_pose_is_right);
+    let registration = RegistrationConfig { given_poses, ..registration };
     let config = SessionConfig { registration, max_views: 8, ..SessionConfig::new(VOXEL_SIZE, bounds) };
     let planner: Box<dyn ViewPlanner> =
         Box::new(MinOverlap::new(min_overlap, Box::new(RandomViews { seed: 1 })).unwrap());
@@ -376,7 +381,7 @@ fn ring(seed: u64) -> (Session, Vec<Frame>) {
     let config = SessionConfig {
         registration: RegistrationConfig {
             min_overlap: 0.3,
-            first_pose_is_right: true,
+            given_poses: GivenPoses::FirstIsRight,
             ..RegistrationConfig::enabled()
         },
         ..SessionConfig::new(VOXEL_SIZE, bounds)

@@ -30,9 +30,23 @@ pub struct RegistrationConfig {
     /// stays. Default 0.005: frames held less firmly were often turned by degrees about the axis of a bottle
     /// or a handle.
     pub min_stiffness: f64,
-    /// Whether the first given pose is exact: it alone then ties the scan to the world. By default, all given
-    /// poses do so alike, since each may be wrong.
-    pub first_pose_is_right: bool,
+    /// What is known of the given poses, which decides what ties the scan to the world. Default: independent.
+    pub given_poses: GivenPoses,
+}
+
+/// What is known of the poses that frames come with.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(rename_all = "kebab-case")]
+pub enum GivenPoses {
+    /// Each may be wrong, by an error of its own: all frames lie where they say on average.
+    #[default]
+    Independent,
+    /// The first one is exact: its frame defines the world.
+    FirstIsRight,
+    /// They were found by alignment to the surface known before: they prove nothing about each other, and the
+    /// first frame defines the world.
+    Tracked,
 }
 
 checked_when_read!(RegistrationConfig);
@@ -46,7 +60,7 @@ impl Default for RegistrationConfig {
             rotation_uncertainty: 10_f64.to_radians(),
             min_overlap: 0.15,
             min_stiffness: 0.005,
-            first_pose_is_right: false,
+            given_poses: GivenPoses::Independent,
         }
     }
 }

@@ -5,7 +5,7 @@ use super::normal_equations::NormalEquations;
 use super::pair::Pair;
 use super::point_tree::PointTree;
 use super::surface_points::{SurfacePoint, surface_points};
-use super::{Registration, RegistrationConfig, Verdict};
+use super::{GivenPoses, Registration, RegistrationConfig, Verdict};
 use crate::geometry::{Aabb, Lattice, Pose};
 use crate::sensor::Frame;
 use crate::{Cancel, Cancelled, Error};
@@ -107,16 +107,16 @@ impl KnownSurface {
 
     /// Aligns all frames to each other at once, unless cancelled: so the errors of a chain of frames that
     /// comes back to its beginning are shared by all. As a whole, they then lie where their given poses say
-    /// on average, or where the first one says, if it
-    /// [is right](RegistrationConfig::first_pose_is_right). Returns the pose of each frame that was added,
-    /// in order; none if no point of a frame moves by more than a tenth of a cell.
+    /// on average, or where the first one says, if that [is known to be better](GivenPoses). Returns the pose
+    /// of each frame that was added, in order; none if no point of a frame moves by more than a tenth of a
+    /// cell.
     pub fn realign(&mut self, cancel: &Cancel) -> Result<Option<Vec<Pose>>, Cancelled> {
         if self.views.len() < 2 {
             return Ok(None);
         }
         let mut views = self.views.clone();
         joint::align(&mut views, self.reach().last, self.config.min_stiffness, cancel)?;
-        if !self.config.first_pose_is_right {
+        if self.config.given_poses == GivenPoses::Independent {
             let motion = motion_to_given(&views);
             views.iter_mut().for_each(|view| view.move_by(&motion));
         }
@@ -176,12 +176,14 @@ impl KnownSurface {
         cancel: &Cancel,
     ) -> Result<Option<Verdict>, Cancelled> {
         let config = &self.config;
+        // A pose that was found from another image, elsewhere, is no rival.
+        let is_rival = config.given_poses != GivenPoses::Tracked;
         let misfit = |pose: &Pose| misfit(points, &self.tree, pose, self.reach().last, cancel);
         Ok(if found.overlap < config.min_overlap || n_pairs < LEAST_PAIRS {
             Some(Verdict::LittleOverlap)
         } else if found.moved > config.position_uncertainty || found.turned > config.rotation_uncertainty {
             Some(Verdict::TooFar)
-        } else if misfit(&found.world_from_camera)? >= misfit(given)? {
+        } else if is_rival && misfit(&found.world_from_camera)? >= misfit(given)? {
             Some(Verdict::NoBetter)
         } else {
             None

@@ -17,7 +17,7 @@ mod pair;
 mod point_tree;
 mod surface_points;
 
-pub use config::RegistrationConfig;
+pub use config::{GivenPoses, RegistrationConfig};
 pub use icp::{MAX_STEPS, SearchReach, align};
 pub use known_surface::KnownSurface;
 pub use outcome::{Registration, Verdict};

@@ -1,5 +1,5 @@
 use crate::geometry::{Aabb, Pose};
-use crate::registration::{KnownSurface, Registration, RegistrationConfig};
+use crate::registration::{GivenPoses, KnownSurface, Registration, RegistrationConfig};
 use crate::sensor::Frame;
 use crate::{Cancel, Cancelled, Error};
 
@@ -8,12 +8,14 @@ use crate::{Cancel, Cancelled, Error};
 pub(super) struct Alignment {
     /// None without registration.
     known: Option<KnownSurface>,
-    given: GivenPoses,
+    given: PoseErrors,
+    /// Whether given poses were found elsewhere than by alignment to the known surface.
+    is_proof: bool,
 }
 
 /// How wrong the given poses of the frames that fitted were.
 #[derive(Clone, Copy, Debug)]
-struct GivenPoses {
+struct PoseErrors {
     /// Error up to which they count as right, root mean square at the corners of the box, metres.
     tolerance: f64,
     n: usize,
@@ -32,8 +34,8 @@ impl Alignment {
         let config = RegistrationConfig { spacing: Some(spacing), ..config };
         let known = config.enabled.then(|| KnownSurface::new(config)).transpose()?;
         // Half a cell of pooled points: an alignment itself is off by half a millimetre in cells of 5 mm.
-        let given = GivenPoses { tolerance: 0.5 * spacing, n: 0, sum_sq: 0.0 };
-        Ok(Self { known, given })
+        let given = PoseErrors { tolerance: 0.5 * spacing, n: 0, sum_sq: 0.0 };
+        Ok(Self { known, given, is_proof: config.given_poses != GivenPoses::Tracked })
     }
 
     /// Aligns a frame; none while there is no known surface to align it to.
@@ -63,7 +65,7 @@ impl Alignment {
         cancel: &Cancel,
     ) -> Result<(), Cancelled> {
         let (Some(known), Some(bounds)) = (&mut self.known, bounds) else { return Ok(()) };
-        if registration.is_some_and(|registration| registration.fits()) {
+        if self.is_proof && registration.is_some_and(|registration| registration.fits()) {
             self.given.add(&(frame.world_from_camera() * given.inverse()), bounds);
         }
         known.add(frame, given, bounds, cancel)
@@ -79,7 +81,7 @@ impl Alignment {
     }
 }
 
-impl GivenPoses {
+impl PoseErrors {
     fn add(&mut self, motion: &Pose, bounds: Aabb) {
         let corners = bounds.corners().map(|corner| motion.transform_point(corner).distance_squared(corner));
         self.n += 1;
@@ -100,7 +102,7 @@ mod tests {
     fn given_poses_are_right_once_two_were_and_while_their_errors_are_small() {
         let bounds = Aabb::cube(DVec3::X, 0.1);
         let moved = |shift: f64| Pose::new(DQuat::IDENTITY, DVec3::new(0.0, shift, 0.0)).unwrap();
-        let mut given = GivenPoses { tolerance: 0.0025, n: 0, sum_sq: 0.0 };
+        let mut given = PoseErrors { tolerance: 0.0025, n: 0, sum_sq: 0.0 };
         assert!(!given.are_right(), "nothing is known");
         given.add(&moved(0.0), bounds);
         assert!(!given.are_right(), "one may be right by chance");
@@ -109,7 +111,7 @@ mod tests {
         given.add(&moved(0.004), bounds);
         assert!(!given.are_right());
         let turned = Pose::new(DQuat::from_rotation_z(0.01), DVec3::ZERO).unwrap();
-        let mut given = GivenPoses { n: 1, sum_sq: 0.0, ..given };
+        let mut given = PoseErrors { n: 1, sum_sq: 0.0, ..given };
         given.add(&turned, bounds);
         assert!(!given.are_right(), "turned by a centimetre at the box");
     }

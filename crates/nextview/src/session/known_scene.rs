@@ -73,7 +73,7 @@ impl KnownScene {
     ) -> Result<Added, Cancelled> {
         let number = frames.places.len();
         frames.places.push(frame.world_from_camera());
-        let registration = self.alignment.register(frame, self.map.place().bounds, cancel)?;
+        let registration = self.register(frame, cancel)?;
         let mut added = Added { registration, ..Added::default() };
         if self.is_reliable(registration) {
             self.add((number, frame.clone(), registration), config, frames, &mut added, cancel)?;
@@ -90,6 +90,11 @@ impl KnownScene {
         let snapshot = self.map.finest_snapshot(cancel)?;
         let report = snapshot.map(|snapshot| MapReport::unless(&snapshot, cancel)).transpose()?;
         Ok(Added { report: report.unwrap_or_default(), ..added })
+    }
+
+    /// Aligns a frame to what is known; none while there is nothing to align it to.
+    pub fn register(&self, frame: &Frame, cancel: &Cancel) -> Result<Option<Registration>, Cancelled> {
+        self.alignment.register(frame, self.map.place().bounds, cancel)
     }
 
     /// Whether a frame lies where its alignment, or the given pose if that was refused, puts it.

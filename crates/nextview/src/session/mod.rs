@@ -40,6 +40,7 @@ use crate::geometry::{Aabb, Plane, Pose};
 use crate::map::{OccupancyMap, Snapshot};
 use crate::motion::{Surroundings, Trajectory};
 use crate::planner::{Plan, Situation, ViewPlanner};
+use crate::registration::Registration;
 use crate::sensor::{Frame, Intrinsics, SurfaceError};
 use crate::view::ViewSpace;
 use crate::{Cancel, Cancelled, Error};
@@ -151,6 +152,12 @@ impl Session {
         let is_planned = taken.as_ref().is_some_and(|next| next.choice.is_some());
         let voxel_size = if is_planned { planned_in } else { self.planning_voxel_size() };
         Ok(self.report(taken, voxel_size, added))
+    }
+
+    /// Where a frame was taken, by its alignment to the surface known so far; nothing is taken in. None
+    /// without [registration](crate::registration) and while nothing is known.
+    pub fn locate(&self, frame: &Frame) -> Result<Option<Registration>, Cancelled> {
+        self.scene.register(frame, &self.cancel)
     }
 
     /// Decides on the next view. Repeated calls before the next observation return the same decision, unless

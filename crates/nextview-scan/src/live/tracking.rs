@@ -1,0 +1,87 @@
+//! Where a camera stands that does not know it itself: by the surface known so far.
+
+use super::{Guidance, LiveScan};
+use crate::Fault;
+use nextview::geometry::Pose;
+use nextview::registration::{GivenPoses, Registration, Verdict};
+use nextview::sensor::DepthImage;
+
+/// What is known of where the camera is.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Whereabouts {
+    /// The view that was asked for last, if its frame did not come yet.
+    pub asked: Option<Pose>,
+    /// Where the last image was taken that was located after the last frame.
+    pub located: Option<Pose>,
+}
+
+impl LiveScan {
+    /// How to move the camera from this pose to the next view; none if the scan is over. Plans, if no view
+    /// was asked for yet.
+    pub fn guidance(&mut self, world_from_camera: &Pose) -> Result<Option<Guidance>, Fault> {
+        let Some(next) = self.next()? else { return Ok(None) };
+        let wanted = next.world_from_camera;
+        let middle = self.scan().session.bounds().map(|bounds| bounds.center());
+        let distance = middle.map_or(0.5, |middle| middle.distance(wanted.translation()));
+        Ok(Some(Guidance::to(&wanted, world_from_camera, distance)))
+    }
+
+    /// Finds out where a depth image was taken: where it fits the surface known so far, near where the last
+    /// image was located, the last frame was taken, or the view was that was asked for. It is not taken in.
+    ///
+    /// Needs registration with poses that are [tracked](GivenPoses::Tracked). Fails if the camera is lost: if
+    /// the image fits nowhere near there, or the surface does not hold it in place.
+    pub fn locate(&mut self, depth: &DepthImage) -> Result<Pose, Fault> {
+        let registration = self.config().registration;
+        if !registration.enabled || registration.given_poses != GivenPoses::Tracked {
+            let fault = Fault::request("a frame without a pose cannot be placed");
+            let remedy = "state its pose, or set `registration.enabled` = true and \
+                          `registration.given_poses` = tracked";
+            return Err(Fault {
+                key: Some("registration.given_poses".to_owned()),
+                ..fault.with_remedy(remedy)
+            });
+        }
+        let Some(last) = self.scan().steps.last() else { return self.first_pose() };
+        let last = last.world_from_camera();
+        let Whereabouts { asked, located } = self.whereabouts;
+        let mut best: Option<Registration> = None;
+        let mut refused = None;
+        for guess in [located, last, asked].into_iter().flatten() {
+            let frame = self.camera().frame(depth.clone(), guess)?;
+            let Some(found) = self.scan().session.locate(&frame)? else { continue };
+            if !found.is_accepted() {
+                refused.get_or_insert(found.verdict);
+            } else if best.is_none_or(|best| best.overlap < found.overlap) {
+                best = Some(found);
+            }
+        }
+        match best {
+            Some(found) => {
+                self.whereabouts.located = Some(found.world_from_camera);
+                Ok(found.world_from_camera)
+            }
+            None => Err(lost(refused)),
+        }
+    }
+
+    fn first_pose(&self) -> Result<Pose, Fault> {
+        let live = self.config().live.as_ref();
+        live.and_then(|live| live.first_pose).ok_or_else(|| {
+            let fault = Fault::request("the first frame defines the world and needs a pose");
+            let fault = fault.with_remedy("state its pose, or `live.first_pose`");
+            Fault { key: Some("live.first_pose".to_owned()), ..fault }
+        })
+    }
+}
+
+fn lost(refused: Option<Verdict>) -> Fault {
+    let why = match refused {
+        Some(Verdict::LittleOverlap) => "the image shows too little of the surface that is known",
+        Some(Verdict::Sliding) => "the surface in view is too even or too round to hold it in place",
+        Some(_) => "the image fits the known surface only far from where the camera was",
+        None => "nothing is known of the surface yet",
+    };
+    let fault = Fault::request(format!("the camera is lost: {why}"));
+    fault.with_remedy("go back to where the last frame was taken, and come from there in small steps")
+}
