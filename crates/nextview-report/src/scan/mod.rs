@@ -4,11 +4,13 @@
 
 mod chart;
 mod color;
+mod coverage;
 mod headline;
 mod input;
 mod of_scan;
 mod page;
 mod picture;
+mod shown;
 mod step_line;
 mod steps;
 mod stop_phrase;
@@ -20,6 +22,7 @@ pub use input::ScanPage;
 pub use of_scan::page_of_scan;
 pub use page::scan_page;
 pub use picture::ViewPicture;
+pub use shown::ShownModel;
 pub use step_line::{heading, step_line};
 pub use stop_phrase::stop_phrase;
 pub use summary::{summary, summary_text};

@@ -40,7 +40,7 @@ use crate::geometry::{Aabb, Plane, Pose};
 use crate::map::{OccupancyMap, Snapshot};
 use crate::motion::{Surroundings, Trajectory};
 use crate::planner::{Plan, Situation, ViewPlanner};
-use crate::sensor::{Frame, Intrinsics, SurfaceError};
+use crate::sensor::{DepthRange, Frame, Intrinsics, SurfaceError};
 use crate::view::ViewSpace;
 use crate::{Cancel, Cancelled, Error};
 use itinerary_progress::ItineraryProgress;
@@ -226,6 +226,11 @@ impl Session {
             ObjectBox::Growing => None,
         };
         suspect(&self.frames.mapped, known, self.config.depth_range)
+    }
+
+    /// The depths that the camera measures, metres.
+    pub fn depth_range(&self) -> DepthRange {
+        self.config.depth_range
     }
 
     /// The random error of the camera.
