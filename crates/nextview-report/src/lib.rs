@@ -7,6 +7,7 @@
 
 #[cfg(feature = "campaign")]
 mod campaign;
+pub mod live;
 #[cfg_attr(
     not(feature = "campaign"),
     allow(dead_code, unused_imports, reason = "campaigns draw more than scans")

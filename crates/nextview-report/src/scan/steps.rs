@@ -6,22 +6,33 @@ use super::{color, coverage, thumbnail};
 use crate::text::{count, escape, fixed, metres, percent, seconds};
 use nextview_scan::StepRecord;
 
-/// The table, with a thumbnail of each view.
+/// The table, with the pictures of each view.
 pub(super) fn table(page: &ScanPage<'_>) -> String {
+    let range = thumbnail::Range::of(page.views.iter().map(|picture| picture.depth));
+    table_with(page, range, |i| pictures(page, range, i))
+}
+
+/// The table with the picture that a function gives for each view, counted from 0; their depths are in this
+/// range.
+pub(super) fn table_with(
+    page: &ScanPage<'_>,
+    range: Option<thumbnail::Range>,
+    pictures: impl Fn(usize) -> String,
+) -> String {
     if page.steps().is_empty() {
         let yet = if page.record.stop_reason.is_none() { " yet" } else { "" };
         return format!(r#"<p class="note">No view was taken{yet}.</p>"#);
     }
-    let range = thumbnail::Range::of(page.views.iter().map(|picture| picture.depth));
     let columns = columns(page);
     let mut head = r#"<th scope="col">View</th><th scope="col">Depth</th>"#.to_owned();
     for column in &columns {
         head += &format!(r#"<th scope="col" class="number">{}</th>"#, column.name);
     }
-    let rows: String =
-        (0..page.steps().len()).map(|i| row(page, &columns, i, &pictures(page, range, i))).collect();
+    let rows: String = (0..page.steps().len()).map(|i| row(page, &columns, i, &pictures(i))).collect();
     let legend = thumbnail::legend(range);
-    format!(r#"{legend}<table class="steps"><thead><tr>{head}</tr></thead><tbody>{rows}</tbody></table>"#)
+    format!(
+        r#"{legend}<div class="steps-box"><table class="steps"><thead><tr>{head}</tr></thead><tbody>{rows}</tbody></table></div>"#
+    )
 }
 
 /// Depth and colour image of a view.

@@ -20,13 +20,14 @@ pub(in crate::scan) fn members(page: &ScanPage<'_>, after: usize, max_points: us
     let vertices: Vec<Vec3> = page.model.vertices.iter().map(|vertex| vertex.position.as_vec3()).collect();
     let core = if vertices.is_empty() { cloud.core } else { cloud::core(&vertices) };
     format!(
-        r#""after":{after},"n_views":{n_views},"ramp":{},"core":{},"surface":{},"expected":{},"candidates":{},"next":{},"views":{},"ends":{},"points":{}"#,
+        r#""after":{after},"n_views":{n_views},"ramp":{},"core":{},"surface":{},"expected":{},"candidates":{},"next":{},"lens":{},"views":{},"ends":{},"points":{}"#,
         list(color::VIEWS.map(|color| list(color.map(|c| c.to_string())))),
         positions(core.map(|p| p.as_dvec3())),
         surface(page.model, &vertices),
         shell(page.model),
         candidates(page),
         page.next.map_or("null".to_owned(), |next| next_view(next, &page.config.camera)),
+        positions(corners(&page.config.camera)),
         list((after..n_views).map(|i| view(page, i))),
         list(cloud.ends.iter().map(usize::to_string)),
         cloud.points.json(),

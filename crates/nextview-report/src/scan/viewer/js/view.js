@@ -157,10 +157,15 @@ function startView(gl, canvas, labelCanvas) {
     move(() => { eye.target = plus(plus(eye.target, rows[0], -right * metres), rows[1], up * metres); });
   }
 
+  function moveCamera(camera) {
+    scene.current = camera;
+    redraw();
+  }
+
   function resized() {
     if (isMoved) redraw();
     else reset();
   }
 
-  return { scene, show, load, resized, draw, redraw, reset, frameCameras, move, pan };
+  return { scene, show, load, moveCamera, resized, draw, redraw, reset, frameCameras, move, pan };
 }
