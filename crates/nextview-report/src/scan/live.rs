@@ -11,7 +11,7 @@ use nextview_scan::{FinishedScan, Measured, ScanConfig, ScanRecord, short_name};
 use serde_json::json;
 
 /// Maximum number of vertices of the surface, 26 bytes each: an update is to stay below 300 kB.
-const MAX_VERTICES: usize = 6000;
+const MAX_VERTICES: usize = 9000;
 
 /// Maximum number of points in an update, 8 bytes each, and of all points.
 const MAX_POINTS: [usize; 2] = [6000, 60_000];

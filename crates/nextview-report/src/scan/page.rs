@@ -71,7 +71,12 @@ pub(super) fn subtitle(page: &ScanPage<'_>) -> String {
 /// Labels and values, one pair a row.
 pub(super) fn summary_table(rows: &[(String, String)]) -> String {
     let row = |(label, value): &(String, String)| {
-        format!(r#"<tr><th scope="row">{}</th><td class="number">{}</td></tr>"#, escape(label), escape(value))
+        let class = if label.starts_with(' ') { r#" class="part""# } else { "" };
+        format!(
+            r#"<tr><th scope="row"{class}>{}</th><td class="number">{}</td></tr>"#,
+            escape(label.trim_start()),
+            escape(value)
+        )
     };
     let rows: String = rows.iter().map(row).collect();
     format!("<table class=\"summary\"><tbody>{rows}</tbody></table>")

@@ -1,26 +1,30 @@
 //! The measured surface, no finer than a page needs it.
 
 use nextview::geometry::Lattice;
+use nextview::map::Occupancy;
 use nextview::surface::{DistanceField, SurfaceMesh};
 use nextview::{Cancel, Error};
 use nextview_scan::FinishedScan;
 
 /// Cells are this much larger than those of the final model: what single frames leave open closes, and a
 /// picture of the whole object shows no smaller ones.
-const COARSER: f64 = 1.8;
+const COARSER: f64 = 1.4;
 
-/// Vertices of a surface over the squared number of cells along its box, for an object that fills it.
-const VERTICES_PER_CELL: f64 = 2.5;
+/// Vertices of a surface over the occupied voxels of a map with voxels as large as its cells.
+const VERTICES_PER_VOXEL: f64 = 1.6;
 
 /// The surface with at most so many vertices, and the edge of its cells, metres; none if there is no object.
+///
+/// The map says how large the cells must be: a second attempt would cost as much time as the first.
 pub(super) fn of_scan(
     scan: &FinishedScan<'_>,
     max_vertices: usize,
     cancel: &Cancel,
 ) -> Option<(SurfaceMesh, f64)> {
-    let bounds = scan.bounds()?;
-    let enough = bounds.longest_side() / (max_vertices as f64 / VERTICES_PER_CELL).sqrt();
-    let mut cell = (COARSER * scan.detail(bounds)).max(enough);
+    let voxel_size = scan.session.map().lattice().voxel_size();
+    let n_occupied = scan.session.snapshot()?.count(Occupancy::Occupied) as f64;
+    let enough = voxel_size * (VERTICES_PER_VOXEL * n_occupied / max_vertices as f64).sqrt();
+    let mut cell = enough.max(COARSER * scan.detail(scan.bounds()?));
     loop {
         let mesh = with_cells(scan, cell, cancel).ok()?;
         let excess = mesh.vertices.len() as f64 / max_vertices as f64;

@@ -18,7 +18,10 @@ function labelLayer(canvas) {
     const reach = view.focal * scene.radius / Math.max(center.depth, 1e-6);
     const isBehind = at.depth > center.depth && Math.hypot(at.x - center.x, at.y - center.y) < 0.8 * reach;
     ctx.globalAlpha = isBehind ? 0.3 : 1;
-    text(words, at.x + 5 * view.ratio, at.y - 5 * view.ratio, view.ratio, ink, paper);
+    ctx.font = `600 ${12 * view.ratio}px system-ui, sans-serif`;
+    const room = view.size[0] - ctx.measureText(words).width - 4 * view.ratio;
+    const isSeen = at.x > 0 && at.x < view.size[0];
+    text(words, isSeen ? Math.min(at.x + 5 * view.ratio, room) : at.x, at.y - 5 * view.ratio, view.ratio, ink, paper);
     ctx.globalAlpha = 1;
   };
   const axes = (view, ink, paper) => {
