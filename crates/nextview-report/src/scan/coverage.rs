@@ -32,8 +32,8 @@ pub(super) fn known(page: &ScanPage<'_>) -> Option<Coverage> {
     MEASURES.iter().enumerate().find_map(of)
 }
 
-/// The planner's estimate of the share of the visible surface that was seen after each view: what it said when
-/// it chose the next one.
+/// The planner's estimate of the share of the visible surface that was seen after each view: what it said
+/// when it chose the next one.
 pub(super) fn estimated(page: &ScanPage<'_>) -> Vec<Option<f64>> {
     let next = page.next.and_then(|next| next.outlook).map(|outlook| outlook.completeness());
     let after = page.steps().iter().skip(1).map(|step| step.estimated_completeness);

@@ -15,8 +15,8 @@ pub(super) fn of_session(session: &Session, cancel: &Cancel) -> Result<(SurfaceM
     Ok((shell(&snapshot, &estimate), candidate_gains(session, &snapshot, &estimate, cancel)?))
 }
 
-/// Around the unseen voxels of which they or one of their six neighbours hold surface with a probability above
-/// a half: that a sheet of surface is there is often sure where no single voxel is.
+/// Around the unseen voxels of which they or one of their six neighbours hold surface with a probability
+/// above a half: that a sheet of surface is there is often sure where no single voxel is.
 ///
 /// It is open towards measured surface, which it would only cover.
 fn shell(snapshot: &Snapshot, estimate: &SurfaceEstimate) -> SurfaceMesh {

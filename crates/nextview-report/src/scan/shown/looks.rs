@@ -1,6 +1,6 @@
 //! How often and how well each vertex of the surface was seen.
 
-use super::ShownVertex;
+use super::vertex::ShownVertex;
 use nextview::sensor::{ColorImage, Depth, Frame};
 use nextview::surface::{CloudPoint, SurfaceMesh};
 use nextview_scan::FinishedScan;
