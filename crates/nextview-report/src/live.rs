@@ -22,8 +22,8 @@ pub const CONTENT_SECURITY_POLICY: &str = "default-src 'none'; script-src 'self'
      connect-src 'self'; img-src 'self' data:; base-uri 'none'; form-action 'none'; frame-ancestors 'self'";
 
 /// What the page shows, as JSON: the surface so far, measured and expected, the candidates with their
-/// expected gains, the view to take next, the curves and tables, and the cameras, points and pictures of the views
-/// after number `after`; 0 is everything.
+/// expected gains, the view to take next, the curves and tables, and the cameras, points and pictures of the
+/// views after number `after`; 0 is everything.
 ///
 /// An update by one view of 640 x 480 pixels takes less than 300 kB. Making it takes time that grows with the
 /// number of frames, half a second for 8 and a second for 20 on two cores: no frame should wait for it.

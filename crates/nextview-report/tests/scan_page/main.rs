@@ -8,10 +8,11 @@ use made_up::{MadeUp, scan};
 use nextview::geometry::Aabb;
 use nextview::planner::InOrder;
 use nextview::sensor::{DepthImage, Frame, Intrinsics};
-use nextview::session::{Session, SessionConfig};
+use nextview::session::{NextView, Session, SessionConfig};
 use nextview::view::generate;
-use nextview_report::{ViewPicture, summary, summary_text};
-use nextview_scan::{BoxRule, Next, ScanRecord, ScanRun, TableRule};
+use nextview_report::{ViewPicture, live, summary, summary_text};
+use nextview_scan::{BoxRule, FinishedScan, Next, ScanConfig, ScanRecord, ScanRun, TableRule};
+use serde_json::Value;
 use std::collections::HashSet;
 
 /// Writes the page, for a look at it, and prints its path.
@@ -226,21 +227,29 @@ fn the_summary_names_what_is_known() {
     assert!(nothing.contains(&("box found".to_owned(), "none".to_owned())), "{nothing:?}");
 }
 
-#[test]
-fn pictures_hold_the_points_that_are_new() {
-    // The camera looks at the middle of the box from 0.4 m and sees a wall there.
+/// A scan in which every camera looks at the middle of a box from 0.4 m and sees a wall there.
+fn walls(n_views: usize) -> (FinishedScan<'static>, Option<NextView>, Aabb) {
     let camera = Intrinsics::d435i();
     let bounds = Aabb::cube(DVec3::ZERO, 0.1);
-    let views = generate::fibonacci_sphere(DVec3::ZERO, 0.4, 3).unwrap();
+    let views = generate::fibonacci_sphere(DVec3::ZERO, 0.4, n_views + 1).unwrap();
     let config = SessionConfig::new(0.01, bounds);
     let mut run = ScanRun::new(Session::new(config, camera, views, Box::new(InOrder)).unwrap());
-    for pushes in 0..3 {
+    for pushes in 0..n_views {
         let Next::Capture(view) = run.next().unwrap() else { panic!("stopped after {pushes} views") };
         let image = DepthImage::from_metres(640, 480, vec![0.4; camera.n_pixels()]).unwrap();
         let frame = Frame::new(image, camera, view.world_from_camera, 1.0).unwrap();
         run.push(frame).unwrap();
     }
-    let scan = run.finish(None);
+    let next = match run.next().unwrap() {
+        Next::Capture(view) => Some(view),
+        _ => None,
+    };
+    (run.finish(None), next, bounds)
+}
+
+#[test]
+fn pictures_hold_the_points_that_are_new() {
+    let (scan, _, bounds) = walls(3);
     let pictures = ViewPicture::of_scan(&scan);
     assert_eq!(pictures.len(), 3);
     assert!(pictures[0].path.is_empty() && pictures[1].path.len() > 1);
@@ -250,4 +259,46 @@ fn pictures_hold_the_points_that_are_new() {
     let n_points: Vec<usize> = pictures.iter().map(|picture| picture.points.len()).collect();
     assert_eq!(n_points.iter().sum::<usize>(), cells.len());
     assert!(n_points.iter().all(|&n| n > 0), "{n_points:?}");
+}
+
+fn scene(n_views: usize, after: usize) -> Value {
+    let (scan, next, _) = walls(n_views);
+    let text = live::scene(&scan, &ScanConfig::default(), next.as_ref(), after);
+    assert!(text.len() < 300_000, "{} bytes", text.len());
+    serde_json::from_str(&text).unwrap()
+}
+
+#[test]
+fn a_live_scene_holds_what_is_new() {
+    let (all, update) = (scene(3, 0), scene(3, 2));
+    let n = |scene: &Value, list: &str| scene[list].as_array().unwrap().len();
+    assert_eq!([n(&all, "views"), n(&update, "views")], [3, 1]);
+    assert_eq!([n(&all, "ends"), n(&update, "ends")], [3, 1]);
+    assert_eq!((all["n_views"].as_u64(), update["after"].as_u64()), (Some(3), Some(2)));
+    assert_eq!(all["surface"], update["surface"], "the surface is always the whole");
+    assert!(all["surface"].is_object() && all["next"]["view"].is_u64());
+    let pictures = |scene: &Value| scene["panels"]["pictures"].as_array().unwrap().len();
+    assert_eq!([pictures(&all), pictures(&update)], [3, 1]);
+    assert!(update["panels"]["views"].as_str().unwrap().matches("<tr>").count() == 4, "a head and 3 rows");
+}
+
+#[test]
+fn a_live_scene_before_the_first_view_and_with_too_few_views_is_one() {
+    let empty = scene(0, 0);
+    assert!(empty["surface"].is_null() && empty["expected"].is_null() && empty["next"].is_object());
+    assert_eq!(scene(1, 7)["after"], 1, "no more views were taken");
+}
+
+#[test]
+fn the_live_page_has_no_script_and_no_style_of_its_own() {
+    for (part, n) in
+        [("<script", 1), ("<script src=\"/assets/viewer.js\">", 1), ("<style", 0), (" style=", 0)]
+    {
+        assert_eq!(live::PAGE.matches(part).count(), n, "{part}");
+    }
+    for word in ["http://", "https://", "@import", "url(", "eval(", ".style."] {
+        assert!(!live::PAGE.contains(word) && !live::SCRIPT.contains(word), "{word}");
+        assert!(!live::STYLE.contains(word), "{word}");
+    }
+    assert!(!live::CONTENT_SECURITY_POLICY.contains("unsafe"));
 }
