@@ -2,18 +2,17 @@
 
 #[cfg(test)] // lets Clippy know that its `unwrap`s are those of a test
 mod made_up;
+#[cfg(test)]
+mod walls;
 
 use glam::{DVec3, IVec3, Vec3};
 use made_up::{MadeUp, scan};
-use nextview::geometry::Aabb;
-use nextview::planner::InOrder;
-use nextview::sensor::{DepthImage, Frame, Intrinsics};
-use nextview::session::{NextView, Session, SessionConfig};
-use nextview::view::generate;
+use nextview::sensor::DepthImage;
 use nextview_report::{ViewPicture, live, summary, summary_text};
-use nextview_scan::{BoxRule, FinishedScan, Next, ScanConfig, ScanRecord, ScanRun, TableRule};
+use nextview_scan::{BoxRule, ScanRecord, TableRule};
 use serde_json::Value;
 use std::collections::HashSet;
+use walls::{scene, walls};
 
 /// Writes the page, for a look at it, and prints its path.
 fn write(name: &str, page: &str) {
@@ -227,26 +226,6 @@ fn the_summary_names_what_is_known() {
     assert!(nothing.contains(&("box found".to_owned(), "none".to_owned())), "{nothing:?}");
 }
 
-/// A scan in which every camera looks at the middle of a box from 0.4 m and sees a wall there.
-fn walls(n_views: usize) -> (FinishedScan<'static>, Option<NextView>, Aabb) {
-    let camera = Intrinsics::d435i();
-    let bounds = Aabb::cube(DVec3::ZERO, 0.1);
-    let views = generate::fibonacci_sphere(DVec3::ZERO, 0.4, n_views + 1).unwrap();
-    let config = SessionConfig::new(0.01, bounds);
-    let mut run = ScanRun::new(Session::new(config, camera, views, Box::new(InOrder)).unwrap());
-    for pushes in 0..n_views {
-        let Next::Capture(view) = run.next().unwrap() else { panic!("stopped after {pushes} views") };
-        let image = DepthImage::from_metres(640, 480, vec![0.4; camera.n_pixels()]).unwrap();
-        let frame = Frame::new(image, camera, view.world_from_camera, 1.0).unwrap();
-        run.push(frame).unwrap();
-    }
-    let next = match run.next().unwrap() {
-        Next::Capture(view) => Some(view),
-        _ => None,
-    };
-    (run.finish(None), next, bounds)
-}
-
 #[test]
 fn pictures_hold_the_points_that_are_new() {
     let (scan, _, bounds) = walls(3);
@@ -259,13 +238,6 @@ fn pictures_hold_the_points_that_are_new() {
     let n_points: Vec<usize> = pictures.iter().map(|picture| picture.points.len()).collect();
     assert_eq!(n_points.iter().sum::<usize>(), cells.len());
     assert!(n_points.iter().all(|&n| n > 0), "{n_points:?}");
-}
-
-fn scene(n_views: usize, after: usize) -> Value {
-    let (scan, next, _) = walls(n_views);
-    let text = live::scene(&scan, &ScanConfig::default(), next.as_ref(), after);
-    assert!(text.len() < 300_000, "{} bytes", text.len());
-    serde_json::from_str(&text).unwrap()
 }
 
 #[test]
