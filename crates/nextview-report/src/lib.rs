@@ -7,6 +7,7 @@
 
 #[cfg(feature = "campaign")]
 mod campaign;
+pub mod live;
 #[cfg_attr(
     not(feature = "campaign"),
     allow(dead_code, unused_imports, reason = "campaigns draw more than scans")
@@ -18,5 +19,6 @@ mod text;
 #[cfg(feature = "campaign")]
 pub use campaign::{campaign_report, comparison_text, is_campaign_report};
 pub use scan::{
-    ScanPage, ViewPicture, heading, page_of_scan, scan_page, step_line, stop_phrase, summary, summary_text,
+    ScanPage, ShownModel, ViewPicture, heading, page_of_scan, scan_page, step_line, stop_phrase, summary,
+    summary_text,
 };

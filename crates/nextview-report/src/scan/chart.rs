@@ -1,19 +1,21 @@
 //! The coverage curve of a scan beside the baselines.
 
+use super::coverage::{self, Coverage};
 use super::input::ScanPage;
 use crate::plot::{Axis, Curve, Marker, Plot, legend_item};
 use nextview_scan::ScanRecord;
 
 /// The chart with its legend; a sentence if no coverage is known.
 pub(super) fn draw(page: &ScanPage<'_>) -> String {
-    let curves = curves(page.record);
-    if curves[0].points.is_empty() {
+    let coverage = coverage::known(page);
+    let curves = curves(page, coverage.as_ref());
+    if curves.is_empty() {
         return r#"<p class="note">Coverage is not known for this scan.</p>"#.to_owned();
     }
     let legend = legend(page.record, &curves);
     let plot = Plot {
         x_axis: Axis::Views,
-        y_label: "reachable coverage".to_owned(),
+        y_label: coverage.map_or("estimated completeness", |coverage| coverage.name).to_lowercase(),
         y_range: [0.0, 1.0],
         size: [378.0, 130.0, 294.0],
         curves,
@@ -21,8 +23,9 @@ pub(super) fn draw(page: &ScanPage<'_>) -> String {
     plot.draw() + &legend
 }
 
-/// The curve of this scan, then the baselines.
-fn curves(record: &ScanRecord) -> Vec<Curve> {
+/// The curve of this scan, the planner's estimate, then the baselines; those with a point.
+fn curves(page: &ScanPage<'_>, coverage: Option<&Coverage>) -> Vec<Curve> {
+    let record = page.record;
     let curve = |class: &str, label: &str, marker, coverage: Vec<Option<f64>>| Curve {
         class: class.to_owned(),
         label: label.to_owned(),
@@ -31,15 +34,21 @@ fn curves(record: &ScanRecord) -> Vec<Curve> {
         band: Vec::new(),
     };
     let all_known = |coverage: &[f64]| coverage.iter().copied().map(Some).collect();
-    let scan = record.steps.iter().map(|step| step.reachable_coverage).collect();
-    let mut curves = vec![curve("scan", "this scan", Marker::Circle, scan)];
-    if let Some(coverage) = &record.clairvoyant_curve {
-        curves.push(curve("clairvoyant", "clairvoyant", Marker::Triangle, all_known(coverage)));
+    let mut curves = Vec::new();
+    if let Some(coverage) = coverage {
+        curves.push(curve("scan", "this scan", Marker::Circle, coverage.values.clone()));
     }
-    if let Some(mean) = &record.random_curve {
-        let mean = curve("random", "random", Marker::Square, all_known(mean));
-        curves.push(Curve { band: band(record), ..mean });
+    curves.push(curve("estimated", "estimated", Marker::None, coverage::estimated(page)));
+    if coverage.is_some_and(|coverage| coverage.is_reachable) {
+        if let Some(coverage) = &record.clairvoyant_curve {
+            curves.push(curve("clairvoyant", "clairvoyant", Marker::Triangle, all_known(coverage)));
+        }
+        if let Some(mean) = &record.random_curve {
+            let mean = curve("random", "random", Marker::Square, all_known(mean));
+            curves.push(Curve { band: band(record), ..mean });
+        }
     }
+    curves.retain(|curve| !curve.points.is_empty());
     curves
 }
 
@@ -60,6 +69,7 @@ fn legend(record: &ScanRecord, curves: &[Curve]) -> String {
     for curve in curves {
         let text = match curve.class.as_str() {
             "scan" => format!("this scan ({})", record.planner),
+            "estimated" => "seen, as the planner estimates".to_owned(),
             "clairvoyant" => "clairvoyant: knows the object".to_owned(),
             _ => "random views, mean".to_owned(),
         };

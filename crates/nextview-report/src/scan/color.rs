@@ -8,7 +8,7 @@ pub type Rgb = [u8; 3];
 pub const DEPTH: [Rgb; 4] = [[252, 205, 97], [226, 122, 80], [138, 50, 108], [34, 18, 72]];
 
 /// Views from first to last: hues in spectral order, all readable on white and on near-black.
-const VIEWS: [Rgb; 6] =
+pub const VIEWS: [Rgb; 6] =
     [[58, 104, 214], [26, 152, 178], [58, 164, 84], [196, 158, 34], [222, 104, 44], [196, 46, 96]];
 
 /// The colour at `t` in 0..=1 on a ramp of evenly spaced stops.

@@ -1,5 +1,6 @@
-//! The five figures at the top of the page.
+//! The figures at the top of the page.
 
+use super::coverage;
 use super::input::ScanPage;
 use crate::text::{count, metres, percent, seconds};
 
@@ -10,8 +11,16 @@ pub(super) fn draw(page: &ScanPage<'_>) -> String {
     let mut figure = |value: String, label: &str, note: String| {
         out += &format!("<div><dt>{label}</dt><dd>{value}</dd><dd class=\"note\">{note}</dd></div>");
     };
-    if let Some(coverage) = steps.last().and_then(|step| step.reachable_coverage) {
-        figure(percent(coverage), "Reachable coverage", random_mean(page));
+    let known = coverage::known(page);
+    let last = |values: &[Option<f64>]| values.last().copied().flatten();
+    if let Some((coverage, share)) = known.as_ref().and_then(|known| Some((known, last(&known.values)?))) {
+        let random = if coverage.is_reachable { random_mean(page) } else { String::new() };
+        figure(percent(share), coverage.name, random);
+    }
+    let estimates = coverage::estimated(page);
+    if let Some(share) = estimates.iter().flatten().next_back() {
+        let views = estimates.iter().rposition(Option::is_some).map_or(0, |i| i + 1);
+        figure(percent(*share), "Estimated completeness", format!("by the planner, after {views} views"));
     }
     figure(count(steps.len()), "Views", format!("{} candidates", count(page.record.candidates)));
     figure(metres(steps.last().map_or(0.0, |step| step.path_length_m)), "Path length", String::new());

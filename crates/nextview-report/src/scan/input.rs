@@ -1,5 +1,7 @@
 use super::picture::ViewPicture;
+use super::shown::ShownModel;
 use glam::{DVec3, Vec3};
+use nextview::session::NextView;
 use nextview_scan::{ScanConfig, ScanRecord, StepRecord};
 
 /// A scan to show, finished or under way. All strings are plain text; the page escapes them.
@@ -14,6 +16,10 @@ pub struct ScanPage<'a> {
     pub views: &'a [ViewPicture<'a>],
     /// Positions of the view candidates, world frame, metres.
     pub candidates: &'a [DVec3],
+    /// The surface, measured and expected, and the gains of these candidates.
+    pub model: &'a ShownModel,
+    /// The view to take next; none where nothing is proposed.
+    pub next: Option<&'a NextView>,
     /// The command that runs this scan again.
     pub command: &'a str,
     /// The resolved configuration as text.

@@ -4,11 +4,14 @@
 
 mod chart;
 mod color;
+mod coverage;
 mod headline;
 mod input;
+mod live;
 mod of_scan;
 mod page;
 mod picture;
+mod shown;
 mod step_line;
 mod steps;
 mod stop_phrase;
@@ -17,9 +20,12 @@ mod thumbnail;
 mod viewer;
 
 pub use input::ScanPage;
+pub(crate) use live::scene;
 pub use of_scan::page_of_scan;
 pub use page::scan_page;
 pub use picture::ViewPicture;
+pub use shown::ShownModel;
 pub use step_line::{heading, step_line};
 pub use stop_phrase::stop_phrase;
 pub use summary::{summary, summary_text};
+pub(crate) use viewer::{LIVE_PAGE, LIVE_SCRIPT};

@@ -1,7 +1,11 @@
 use super::input::ScanPage;
 use super::page::scan_page;
 use super::picture::ViewPicture;
+use super::shown::ShownModel;
 use nextview_scan::{FinishedScan, ScanConfig, ScanRecord};
+
+/// Maximum number of vertices of the surface on a page. A vertex costs 26 bytes, so they take 1 MB.
+const MAX_VERTICES: usize = 40_000;
 
 /// The [page](scan_page) of a scan and of its record, with the command that runs it again and its resolved
 /// configuration as text.
@@ -14,5 +18,7 @@ pub fn page_of_scan(
 ) -> String {
     let candidates: Vec<_> = scan.session.views().poses().iter().map(|pose| pose.translation()).collect();
     let views = &ViewPicture::of_scan(scan);
-    scan_page(&ScanPage { record, config, views, candidates: &candidates, command, config_text })
+    let model = &ShownModel::of_scan(scan, MAX_VERTICES);
+    let candidates = &candidates;
+    scan_page(&ScanPage { record, config, views, candidates, model, next: None, command, config_text })
 }

@@ -3,13 +3,15 @@ use super::stop_phrase::stop_phrase;
 use super::summary::summary;
 use super::{chart, headline, steps, viewer};
 use crate::text::{STYLE, escape, fill};
+use base64::prelude::{BASE64_STANDARD, Engine};
+use sha2::{Digest, Sha256};
 
 /// The page of a scan as one HTML file that needs no network. Equal scans give equal bytes.
 ///
-/// Above 150 000 points it shows an even choice of them, so that it stays below 3 MB.
+/// Above 100 000 points it shows an even choice of them, so that it stays below 3 MB.
 ///
 /// ```
-/// use nextview_report::{ScanPage, scan_page};
+/// use nextview_report::{ScanPage, ShownModel, scan_page};
 /// use nextview_scan::{Profile, ScanConfig, ScanRecord};
 ///
 /// let config = ScanConfig::of_profile(Profile::Default);
@@ -19,6 +21,8 @@ use crate::text::{STYLE, escape, fill};
 ///     config: &config,
 ///     views: &[],
 ///     candidates: &[],
+///     model: &ShownModel::default(),
+///     next: None,
 ///     command: "nextview scan mug.stl",
 ///     config_text: "",
 /// });
@@ -31,20 +35,26 @@ pub fn scan_page(page: &ScanPage<'_>) -> String {
         ("subtitle", subtitle(page)),
         ("headline", headline::draw(page)),
         ("chart", chart::draw(page)),
-        ("n_views", page.steps().len().to_string()),
         ("steps", steps::table(page)),
         ("summary", summary_table(&summary(page.record, page.config))),
         ("command", escape(page.command)),
         ("config", escape(page.config_text)),
         ("thinned", viewer::note(page)),
         ("version", env!("CARGO_PKG_VERSION").to_owned()),
-        ("scene", viewer::scene(page)),
-        ("script", viewer::SCRIPT.to_owned()),
+        ("figure", viewer::FIGURE.to_owned()),
+        ("scene", format!("{{{}}}", viewer::scene(page, 0, viewer::MAX_POINTS))),
+        ("script_hash", hash(viewer::REPORT_SCRIPT)),
+        ("script", viewer::REPORT_SCRIPT.to_owned()),
     ];
     fill(include_str!("page.html"), &values)
 }
 
-fn subtitle(page: &ScanPage<'_>) -> String {
+/// The hash by which the page's policy knows its script, so that no other one runs.
+fn hash(script: &str) -> String {
+    BASE64_STANDARD.encode(Sha256::digest(format!("\n{script}")))
+}
+
+pub(super) fn subtitle(page: &ScanPage<'_>) -> String {
     let record = page.record;
     let state = record.stop_reason.map_or_else(
         || "<b>under way</b>".to_owned(),
@@ -59,9 +69,14 @@ fn subtitle(page: &ScanPage<'_>) -> String {
 }
 
 /// Labels and values, one pair a row.
-fn summary_table(rows: &[(String, String)]) -> String {
+pub(super) fn summary_table(rows: &[(String, String)]) -> String {
     let row = |(label, value): &(String, String)| {
-        format!(r#"<tr><th scope="row">{}</th><td class="number">{}</td></tr>"#, escape(label), escape(value))
+        let class = if label.starts_with(' ') { r#" class="part""# } else { "" };
+        format!(
+            r#"<tr><th scope="row"{class}>{}</th><td class="number">{}</td></tr>"#,
+            escape(label.trim_start()),
+            escape(value)
+        )
     };
     let rows: String = rows.iter().map(row).collect();
     format!("<table class=\"summary\"><tbody>{rows}</tbody></table>")

@@ -1,6 +1,6 @@
 use glam::{DVec3, Vec3};
 use nextview::motion::Trajectory;
-use nextview::sensor::{DepthImage, Frame};
+use nextview::sensor::{ColorImage, DepthImage, Frame};
 use nextview_scan::FinishedScan;
 use std::collections::{BTreeMap, HashSet};
 
@@ -9,6 +9,8 @@ use std::collections::{BTreeMap, HashSet};
 pub struct ViewPicture<'a> {
     /// Its depth image; shown as a thumbnail.
     pub depth: &'a DepthImage,
+    /// Its colour image, of the same size; none without colours.
+    pub color: Option<ColorImage>,
     /// The measured points that no frame in the map before saw, world frame, metres; none if the frame is not
     /// in the map.
     pub points: Vec<Vec3>,
@@ -37,6 +39,8 @@ impl<'a> ViewPicture<'a> {
         }
         let pictures = frames.into_iter().zip(&scan.trajectories).map(|((number, frame), trajectory)| Self {
             depth: frame.image(),
+            // A page without the colours of an image that can no longer be read is better than none.
+            color: scan.color(number).ok().flatten(),
             points: points.remove(&number).unwrap_or_default(),
             path: positions(trajectory),
         });

@@ -3,10 +3,19 @@
 use super::color::{self, DEPTH, Rgb};
 use crate::text;
 use base64::prelude::{BASE64_STANDARD, Engine};
-use nextview::sensor::{Depth, DepthImage};
+use nextview::sensor::{ColorImage, Depth, DepthImage};
 
-const MAX_WIDTH: u32 = 160;
-const MAX_HEIGHT: u32 = 120;
+/// Width and height, pixels, that a picture has at most.
+pub type Size = [u32; 2];
+
+/// As large as the table shows it.
+pub const SMALL: Size = [160, 120];
+
+/// Twice that, for a look at it.
+const LARGE: Size = [320, 240];
+
+/// Above so many views, pictures are small, so that the page stays below 3 MB.
+const MOST_LARGE: usize = 30;
 
 /// Entries of the palette: the ramp, then the three colours that are no depth.
 const N_DEPTHS: usize = 253;
@@ -28,7 +37,7 @@ impl Range {
     pub fn of<'a>(images: impl IntoIterator<Item = &'a DepthImage>) -> Option<Self> {
         let mut depths = Vec::new();
         for image in images {
-            depths.extend(shrink(image).surfaces());
+            depths.extend(shrink(image, SMALL).surfaces());
         }
         depths.sort_by(f32::total_cmp);
         let last = depths.len().checked_sub(1)?;
@@ -42,37 +51,76 @@ impl Range {
     }
 }
 
-/// The `img` element of view number `view`, counted from 1; empty for an image without pixels.
-pub fn img(image: &DepthImage, range: Range, view: usize) -> String {
-    let small = shrink(image);
+/// The size of depth images on a page with so many views.
+pub fn depth_size(n_views: usize) -> Size {
+    if n_views <= MOST_LARGE { LARGE } else { SMALL }
+}
+
+/// The `img` element of a depth image of view number `view`, counted from 1; empty for an image without
+/// pixels.
+pub fn depth(image: &DepthImage, range: Range, view: usize, size: Size) -> String {
+    let small = shrink(image, size);
     if small.pixels.is_empty() {
         return String::new();
     }
     let share = |n: usize| text::percent(n as f64 / small.pixels.len() as f64);
     let missing = small.pixels.iter().filter(|&&pixel| pixel == Depth::Missing).count();
-    format!(
-        r#"<img width="{}" height="{}" alt="Depth image of view {view}: {} surface, {} missing" src="data:image/png;base64,{}">"#,
-        small.width,
-        small.height,
+    let alt = format!(
+        "Depth image of view {view}: {} surface, {} missing",
         share(small.surfaces().count()),
-        share(missing),
-        BASE64_STANDARD.encode(small.png(range))
+        share(missing)
+    );
+    img(small.width, small.height, &alt, &small.png(range))
+}
+
+/// The `img` element of a colour image of view number `view`.
+pub fn color(image: &ColorImage, view: usize) -> String {
+    let (step, [width, height]) = step(image.width(), image.height(), SMALL);
+    let pixel = |i: u32| image.get((i % width) * step, (i / width) * step);
+    // The lower bits are noise, which takes half of the bytes.
+    let bytes: Vec<u8> = (0..width * height).flat_map(pixel).map(|c| c & 0xF8 | c >> 5).collect();
+    if bytes.is_empty() {
+        return String::new();
+    }
+    let mut out = Vec::new();
+    let mut encoder = png::Encoder::new(&mut out, width, height);
+    encoder.set_color(png::ColorType::Rgb);
+    encoder.set_depth(png::BitDepth::Eight);
+    encoder.set_compression(png::Compression::High);
+    let mut writer = encoder.write_header().expect("memory takes every byte");
+    writer.write_image_data(&bytes).expect("three bytes per pixel");
+    writer.finish().expect("memory takes every byte");
+    img(width, height, &format!("Colour image of view {view}"), &out)
+}
+
+/// A picture in a button that enlarges it.
+fn img(width: u32, height: u32, alt: &str, png: &[u8]) -> String {
+    format!(
+        r#"<button type="button" class="enlarge"><img width="{width}" height="{height}" alt="{alt}" src="data:image/png;base64,{}"></button>"#,
+        BASE64_STANDARD.encode(png)
     )
 }
 
 /// The legend of the colours.
 pub fn legend(range: Option<Range>) -> String {
     let scale = range.map_or_else(String::new, |Range { near, far }| {
-        let stops = DEPTH.map(color::css).join(",");
+        let stop = |(i, color)| format!(r#"<stop offset="{}" stop-color="{}"/>"#, i as f64 / 3.0, color::css(color));
+        let stops: String = DEPTH.into_iter().enumerate().map(stop).collect();
         format!(
-            r#"<span>{} <i class="scale" style="background:linear-gradient(90deg,{stops})"></i> {}</span>"#,
+            r##"<span>{} <svg class="scale" viewBox="0 0 10 1" preserveAspectRatio="none" aria-hidden="true"><linearGradient id="depths">{stops}</linearGradient><path fill="url(#depths)" d="M0 0h10v1H0z"/></svg> {}</span>"##,
             text::metres(near as f64),
             text::metres(far as f64)
         )
     });
     let [beyond, missing, stripe] = NO_DEPTH.map(color::css);
+    let filled =
+        |paths: &str| format!(r#"<svg class="box" viewBox="0 0 22 11" aria-hidden="true">{paths}</svg>"#);
     format!(
-        r#"<p class="legend">Depth: {scale}<span><i class="box" style="background:{beyond}"></i> nothing in range</span><span><i class="box" style="background:repeating-linear-gradient(135deg,{missing} 0 3px,{stripe} 3px 5px)"></i> no measurement</span></p>"#
+        r#"<p class="legend">Depth: {scale}<span>{} nothing in range</span><span>{} no measurement</span></p>"#,
+        filled(&format!(r#"<path fill="{beyond}" d="M0 0h22v11H0z"/>"#)),
+        filled(&format!(
+            r#"<path fill="{missing}" d="M0 0h22v11H0z"/><path stroke="{stripe}" stroke-width="2" d="M0 6l6-6M0 12l12-12M6 12l12-12M12 12l12-12M18 12l6-6"/>"#
+        ))
     )
 }
 
@@ -83,12 +131,17 @@ struct Small {
 }
 
 /// Takes single pixels: a mean over the edge of an object would show a depth that nobody measured.
-fn shrink(image: &DepthImage) -> Small {
-    let (width, height) = (image.width(), image.height());
-    let step = width.div_ceil(MAX_WIDTH).max(height.div_ceil(MAX_HEIGHT)).max(1);
-    let samples = move |side: u32| (0..side.div_ceil(step)).map(move |i| (i * step + step / 2).min(side - 1));
-    let pixels = samples(height).flat_map(|v| samples(width).map(move |u| image.get(u, v))).collect();
-    Small { width: width.div_ceil(step), height: height.div_ceil(step), pixels }
+fn shrink(image: &DepthImage, size: Size) -> Small {
+    let (step, [width, height]) = step(image.width(), image.height(), size);
+    let at = |i: u32, side: u32| (i * step + step / 2).min(side - 1);
+    let pixel = |i: u32| image.get(at(i % width, image.width()), at(i / width, image.height()));
+    Small { width, height, pixels: (0..width * height).map(pixel).collect() }
+}
+
+/// Every how many pixels one is taken so that an image fits, and its size then.
+fn step(width: u32, height: u32, [max_width, max_height]: Size) -> (u32, Size) {
+    let step = width.div_ceil(max_width).max(height.div_ceil(max_height)).max(1);
+    (step, [width.div_ceil(step), height.div_ceil(step)])
 }
 
 impl Small {
@@ -119,6 +172,7 @@ impl Small {
         encoder.set_color(png::ColorType::Indexed);
         encoder.set_depth(png::BitDepth::Eight);
         encoder.set_palette(palette());
+        encoder.set_compression(png::Compression::High);
         let mut writer = encoder.write_header().expect("memory takes every byte");
         writer.write_image_data(&self.entries(range)).expect("one entry per pixel");
         writer.finish().expect("memory takes every byte");
@@ -144,7 +198,7 @@ mod tests {
         let image = image(4, 1, vec![1.0, 2.0, f32::INFINITY, f32::NAN]);
         let range = Range::of([&image]).unwrap();
         assert_eq!(range, Range { near: 1.0, far: 2.0 });
-        let entries = shrink(&image).entries(range);
+        let entries = shrink(&image, SMALL).entries(range);
         assert_eq!(entries[..3], [0, 252, BEYOND]);
         assert!(entries[3] == MISSING || entries[3] == MISSING_STRIPE);
         assert_eq!(palette().len(), 3 * 256);
@@ -156,7 +210,7 @@ mod tests {
             [((640, 480), (160, 120)), ((848, 480), (142, 80)), ((3, 2000), (1, 118)), ((5, 4), (5, 4))]
         {
             let (width, height) = size;
-            let small = shrink(&image(width, height, vec![1.0; (width * height) as usize]));
+            let small = shrink(&image(width, height, vec![1.0; (width * height) as usize]), SMALL);
             assert_eq!((small.width, small.height), expected);
             assert_eq!(small.pixels.len(), (small.width * small.height) as usize);
         }
@@ -165,7 +219,7 @@ mod tests {
     #[test]
     fn a_png_reads_back() {
         let image = image(2, 1, vec![1.0, f32::INFINITY]);
-        let png = shrink(&image).png(Range { near: 1.0, far: 1.0 });
+        let png = shrink(&image, SMALL).png(Range { near: 1.0, far: 1.0 });
         let mut decoder = png::Decoder::new(std::io::Cursor::new(png));
         decoder.set_transformations(png::Transformations::EXPAND);
         let mut reader = decoder.read_info().unwrap();
@@ -178,7 +232,7 @@ mod tests {
     fn images_without_surface_or_without_pixels_are_fine() {
         let blank = image(2, 2, vec![f32::NAN; 4]);
         assert_eq!(Range::of([&blank]), None);
-        assert!(img(&blank, Range::default(), 1).contains("100.0\u{202f}% missing"));
-        assert_eq!(img(&image(0, 0, vec![]), Range::default(), 1), "");
+        assert!(depth(&blank, Range::default(), 1, SMALL).contains("100.0\u{202f}% missing"));
+        assert_eq!(depth(&image(0, 0, vec![]), Range::default(), 1, SMALL), "");
     }
 }

@@ -4,7 +4,7 @@ use glam::{DMat3, DQuat, DVec2, DVec3, IVec3, Vec3};
 use nextview::geometry::{Pose, sphere::fibonacci_hemisphere};
 use nextview::sensor::{DepthImage, Intrinsics};
 use nextview::session::StopReason;
-use nextview_report::{ScanPage, ViewPicture, scan_page};
+use nextview_report::{ScanPage, ShownModel, ViewPicture, scan_page};
 use nextview_scan::{PlannerName, Profile, QualityMm, ScanConfig, ScanRecord, StepRecord};
 use std::collections::HashSet;
 
@@ -29,6 +29,7 @@ impl MadeUp {
         let parts = self.depths.iter().zip(&self.points).zip(&self.paths);
         let picture = |((depth, points), path): ((_, &Vec<Vec3>), &Vec<DVec3>)| ViewPicture {
             depth,
+            color: None,
             points: points.clone(),
             path: path.clone(),
         };
@@ -37,6 +38,8 @@ impl MadeUp {
             config: &self.config,
             views: &parts.map(picture).collect::<Vec<_>>(),
             candidates: &self.candidates,
+            model: &ShownModel::default(),
+            next: None,
             command: &self.command,
             config_text: &self.config_text,
         })

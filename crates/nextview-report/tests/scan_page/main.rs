@@ -2,17 +2,17 @@
 
 #[cfg(test)] // lets Clippy know that its `unwrap`s are those of a test
 mod made_up;
+#[cfg(test)]
+mod walls;
 
 use glam::{DVec3, IVec3, Vec3};
 use made_up::{MadeUp, scan};
-use nextview::geometry::Aabb;
-use nextview::planner::InOrder;
-use nextview::sensor::{DepthImage, Frame, Intrinsics};
-use nextview::session::{Session, SessionConfig};
-use nextview::view::generate;
-use nextview_report::{ViewPicture, summary, summary_text};
-use nextview_scan::{BoxRule, Next, ScanRecord, ScanRun, TableRule};
+use nextview::sensor::DepthImage;
+use nextview_report::{ViewPicture, live, summary, summary_text};
+use nextview_scan::{BoxRule, ScanRecord, TableRule};
+use serde_json::Value;
 use std::collections::HashSet;
+use walls::{scene, walls};
 
 /// Writes the page, for a look at it, and prints its path.
 fn write(name: &str, page: &str) {
@@ -28,13 +28,14 @@ fn a_whole_page() {
     assert!(page.len() < 3_000_000);
     assert!(page.contains("<title>vase_with_ring – nextview scan</title>"));
     assert!(page.contains("stopped: <b>the view limit was reached</b>") && !page.contains("under way"));
-    assert_eq!(page.matches("<img ").count(), 10);
+    assert_eq!(page.matches("<img width").count(), 10);
     assert_eq!(page.matches("src=\"data:image/png;base64,").count(), 10);
 }
 
 #[test]
 fn nothing_is_loaded_from_elsewhere() {
-    let page = scan(2, 64).page();
+    // The legend's colours, which stand in the page.
+    let page = scan(2, 64).page().replace("url(#depths)", "");
     for word in ["http://", "https://", "@import", "url(", "srcset", "<iframe", "fetch(", "XMLHttp"] {
         assert!(!page.contains(word), "the page contains {word}");
     }
@@ -75,7 +76,10 @@ fn a_scan_under_way_is_a_page() {
             write("scan-under-way.html", &page);
         }
         // Nothing is known of the object, and the pictures are not there yet.
-        scan.record.steps.iter_mut().for_each(forget_truth);
+        scan.record.steps.iter_mut().for_each(|step| {
+            forget_truth(step);
+            forget_estimate(step);
+        });
         scan.record = ScanRecord { steps: scan.record.steps, ..ScanRecord::default() };
         scan.depths.clear();
         let page = scan.page();
@@ -94,6 +98,10 @@ fn forget_truth(step: &mut nextview_scan::StepRecord) {
     step.surface_coverage_2mm = None;
 }
 
+fn forget_estimate(step: &mut nextview_scan::StepRecord) {
+    step.estimated_completeness = None;
+}
+
 #[test]
 fn a_scan_without_baselines_and_coverage_has_no_empty_parts() {
     let mut scan = scan(3, 64);
@@ -106,9 +114,14 @@ fn a_scan_without_baselines_and_coverage_has_no_empty_parts() {
     assert!(
         page.contains("this scan") && !page.contains("random views") && !page.contains("knows the object")
     );
-    scan.record.steps.iter_mut().for_each(forget_truth);
+    scan.record.steps.iter_mut().for_each(|step| step.reachable_coverage = None);
     let page = scan.page();
-    assert!(page.contains("Coverage is not known") && !page.contains("<svg"));
+    assert!(page.contains("surface within 2 mm, %") && page.contains("as the planner estimates"));
+    scan.record.steps.iter_mut().for_each(forget_truth);
+    assert!(scan.page().contains("estimated completeness, %"));
+    scan.record.steps.iter_mut().for_each(forget_estimate);
+    let page = scan.page();
+    assert!(page.contains("Coverage is not known") && !page.contains("class=\"chart\""));
 }
 
 #[test]
@@ -143,7 +156,7 @@ fn images_without_surface_and_an_empty_cloud_are_fine() {
     scan.points.iter_mut().for_each(Vec::clear);
     scan.depths.fill(DepthImage::from_metres(2, 2, vec![f32::NAN; 4]).unwrap());
     let page = scan.page();
-    assert!(page.contains("\"points\":\"\"") && page.contains("no measurement"));
+    assert!(page.contains("\"data\":\"\"") && page.contains("no measurement"));
 }
 
 #[test]
@@ -152,7 +165,7 @@ fn a_huge_cloud_stays_below_3_mb() {
     scan.points[0] = (0..2_000_000).map(|i| Vec3::new(i as f32, (i % 7) as f32, 1.0)).collect();
     let page = scan.page();
     assert!(page.len() < 3_000_000, "{} bytes", page.len());
-    assert!(page.contains("Shown are 150\u{202f}000 of 2\u{202f}00"));
+    assert!(page.contains("Shown are 100\u{202f}000 of 2\u{202f}00"));
 }
 
 #[test]
@@ -215,19 +228,7 @@ fn the_summary_names_what_is_known() {
 
 #[test]
 fn pictures_hold_the_points_that_are_new() {
-    // The camera looks at the middle of the box from 0.4 m and sees a wall there.
-    let camera = Intrinsics::d435i();
-    let bounds = Aabb::cube(DVec3::ZERO, 0.1);
-    let views = generate::fibonacci_sphere(DVec3::ZERO, 0.4, 3).unwrap();
-    let config = SessionConfig::new(0.01, bounds);
-    let mut run = ScanRun::new(Session::new(config, camera, views, Box::new(InOrder)).unwrap());
-    for pushes in 0..3 {
-        let Next::Capture(view) = run.next().unwrap() else { panic!("stopped after {pushes} views") };
-        let image = DepthImage::from_metres(640, 480, vec![0.4; camera.n_pixels()]).unwrap();
-        let frame = Frame::new(image, camera, view.world_from_camera, 1.0).unwrap();
-        run.push(frame).unwrap();
-    }
-    let scan = run.finish(None);
+    let (scan, _, bounds) = walls(3);
     let pictures = ViewPicture::of_scan(&scan);
     assert_eq!(pictures.len(), 3);
     assert!(pictures[0].path.is_empty() && pictures[1].path.len() > 1);
@@ -237,4 +238,39 @@ fn pictures_hold_the_points_that_are_new() {
     let n_points: Vec<usize> = pictures.iter().map(|picture| picture.points.len()).collect();
     assert_eq!(n_points.iter().sum::<usize>(), cells.len());
     assert!(n_points.iter().all(|&n| n > 0), "{n_points:?}");
+}
+
+#[test]
+fn a_live_scene_holds_what_is_new() {
+    let (all, update) = (scene(3, 0), scene(3, 2));
+    let n = |scene: &Value, list: &str| scene[list].as_array().unwrap().len();
+    assert_eq!([n(&all, "views"), n(&update, "views")], [3, 1]);
+    assert_eq!([n(&all, "ends"), n(&update, "ends")], [3, 1]);
+    assert_eq!((all["n_views"].as_u64(), update["after"].as_u64()), (Some(3), Some(2)));
+    assert_eq!(all["surface"], update["surface"], "the surface is always the whole");
+    assert!(all["surface"].is_object() && all["next"]["view"].is_u64());
+    let pictures = |scene: &Value| scene["panels"]["pictures"].as_array().unwrap().len();
+    assert_eq!([pictures(&all), pictures(&update)], [3, 1]);
+    assert!(update["panels"]["views"].as_str().unwrap().matches("<tr>").count() == 4, "a head and 3 rows");
+}
+
+#[test]
+fn a_live_scene_before_the_first_view_and_with_too_few_views_is_one() {
+    let empty = scene(0, 0);
+    assert!(empty["surface"].is_null() && empty["expected"].is_null() && empty["next"].is_object());
+    assert_eq!(scene(1, 7)["after"], 1, "no more views were taken");
+}
+
+#[test]
+fn the_live_page_has_no_script_and_no_style_of_its_own() {
+    for (part, n) in
+        [("<script", 1), ("<script src=\"/assets/viewer.js\">", 1), ("<style", 0), (" style=", 0)]
+    {
+        assert_eq!(live::PAGE.matches(part).count(), n, "{part}");
+    }
+    for word in ["http://", "https://", "@import", "url(", "eval(", ".style."] {
+        assert!(!live::PAGE.contains(word) && !live::SCRIPT.contains(word), "{word}");
+        assert!(!live::STYLE.contains(word), "{word}");
+    }
+    assert!(!live::CONTENT_SECURITY_POLICY.contains("unsafe"));
 }

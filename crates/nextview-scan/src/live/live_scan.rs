@@ -1,4 +1,4 @@
-use super::tracking::Whereabouts;
+use super::whereabouts::Whereabouts;
 use crate::files::ResultFolder;
 use crate::{
     Begin, Fault, Faults, FinishedScan, Interrupted, LiveFrame, Next, OwnCamera, Results, ScanConfig,

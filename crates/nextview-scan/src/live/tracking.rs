@@ -1,19 +1,11 @@
 //! Where a camera stands that does not know it itself: by the surface known so far.
 
+use super::whereabouts::Whereabouts;
 use super::{Guidance, LiveScan};
 use crate::Fault;
 use nextview::geometry::Pose;
 use nextview::registration::{GivenPoses, Registration, Verdict};
 use nextview::sensor::DepthImage;
-
-/// What is known of where the camera is.
-#[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Whereabouts {
-    /// The view that was asked for last, if its frame did not come yet.
-    pub asked: Option<Pose>,
-    /// Where the last image was taken that was located after the last frame.
-    pub located: Option<Pose>,
-}
 
 impl LiveScan {
     /// How to move the camera from this pose to the next view; none if the scan is over. Plans, if no view

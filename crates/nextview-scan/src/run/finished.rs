@@ -149,8 +149,9 @@ impl FinishedScan<'_> {
         }
     }
 
-    /// The colours of a step: those that were pushed, or else those of the source.
-    fn color(&self, step_idx: usize) -> Result<Option<ColorImage>, Fault> {
+    /// The colour image of the step with this index: the one that was pushed, or else the source's; none if
+    /// its frame has no colours. Fails if the source cannot load it. Panics if there is no such step.
+    pub fn color(&self, step_idx: usize) -> Result<Option<ColorImage>, Fault> {
         match (&self.colors[step_idx], self.source) {
             (Some(color), _) => Ok(Some(color.clone())),
             (None, Some(source)) => source.color(self.steps[step_idx].view),

@@ -41,7 +41,7 @@ use crate::map::{OccupancyMap, Snapshot};
 use crate::motion::{Surroundings, Trajectory};
 use crate::planner::{Plan, Situation, ViewPlanner};
 use crate::registration::Registration;
-use crate::sensor::{Frame, Intrinsics, SurfaceError};
+use crate::sensor::{DepthRange, Frame, Intrinsics, SurfaceError};
 use crate::view::ViewSpace;
 use crate::{Cancel, Cancelled, Error};
 use itinerary_progress::ItineraryProgress;
@@ -233,6 +233,11 @@ impl Session {
             ObjectBox::Growing => None,
         };
         suspect(&self.frames.mapped, known, self.config.depth_range)
+    }
+
+    /// The depths that the camera measures, metres.
+    pub fn depth_range(&self) -> DepthRange {
+        self.config.depth_range
     }
 
     /// The random error of the camera.

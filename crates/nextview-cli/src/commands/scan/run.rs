@@ -9,7 +9,7 @@ use nextview_scan::{
     ScanJournal, ScanRun, SimulatedObject, Simulation, Truth, write_results,
 };
 use std::io::Write;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// Where results go and how they are printed.
 pub(super) struct Output {
@@ -115,7 +115,7 @@ fn drive(
         scan.forget_journal();
     }
     let Results { record, faults } = write_results(&mut folder, config, &scan);
-    let page = page_of_scan(&scan, &record, config, "nextview scan --config config.toml", &text);
+    let page = page_of_scan(&scan, &record, config, &command_again(&output.dir), &text);
     folder.add("report.html", |w| Ok(w.write_all(page.as_bytes())?))?;
     folder.publish()?;
     faults.map_or(Ok(()), Err)?;
@@ -127,6 +127,18 @@ fn drive(
             format!("\n{}\nresults in {dir} (open report.html there)\n", summary_text(&record, config))
         }
     })
+}
+
+/// The command that runs a scan again whose results are in this folder. Names in a configuration are relative
+/// to the place where the program runs, and so is this folder's.
+fn command_again(dir: &Path) -> String {
+    let quoted = |path: String| match path.chars().all(|c| c.is_alphanumeric() || "/._-+:\\".contains(c)) {
+        true => path,
+        false => format!("'{}'", path.replace('\'', "'\\''")),
+    };
+    let config = quoted(dir.join("config.toml").display().to_string());
+    let again = quoted(format!("{}-again", dir.display()));
+    format!("# in the folder where the scan was run\nnextview scan --config {config} --out {again}")
 }
 
 impl Output {

@@ -1,42 +1,34 @@
 //! The measured points in few bytes: an even choice of them, each coordinate in 16 bits.
 
+use super::pack::Positions;
 use crate::scan::input::ScanPage;
 use crate::text;
-use base64::prelude::{BASE64_STANDARD, Engine};
 use glam::Vec3;
+use std::ops::Range;
 
-/// Maximum number of points on a page. A point costs 8 characters, so they take 1.2 MB.
-const MAX_POINTS: usize = 150_000;
+/// Maximum number of points on a page. A point costs 8 characters, so they take 0.8 MB.
+pub(in crate::scan) const MAX_POINTS: usize = 100_000;
 
-/// Points of all views, view after view.
+/// Points of views, view after view.
 #[derive(Debug, PartialEq)]
 pub(super) struct Cloud {
-    /// Three little-endian 16-bit numbers per point, in base64.
-    pub data: String,
+    pub points: Positions,
     /// For each view, the number of points of all views up to it.
     pub ends: Vec<usize>,
-    /// Lowest corner of the points, metres.
-    pub min: Vec3,
-    /// Size of one unit along each axis, metres: 15 micrometres for an object of 1 m.
-    pub unit: Vec3,
     /// Corners of the box without the outer hundredth of the points on each side, in which stray ones lie.
     pub core: [Vec3; 2],
 }
 
-/// Packs the points of all steps; points that are not finite are left out.
-pub(super) fn pack(page: &ScanPage<'_>) -> Cloud {
+/// Packs at most so many points of these steps; points that are not finite are left out.
+pub(super) fn pack(page: &ScanPage<'_>, steps: Range<usize>, max_points: usize) -> Cloud {
     let finite = |i| page.points(i).iter().copied().filter(|p| p.is_finite()).collect::<Vec<_>>();
-    let views: Vec<Vec<Vec3>> = (0..page.steps().len()).map(finite).collect();
-    packed(&views)
+    packed(&steps.map(finite).collect::<Vec<_>>(), max_points)
 }
 
-fn packed(views: &[Vec<Vec3>]) -> Cloud {
+fn packed(views: &[Vec<Vec3>], max_points: usize) -> Cloud {
     let n_measured = views.iter().map(Vec::len).sum();
-    let (points, ends) = choose(views, n_measured);
-    let min = points.iter().copied().reduce(Vec3::min).unwrap_or_default();
-    let max = points.iter().copied().reduce(Vec3::max).unwrap_or_default();
-    let unit = (max - min) / u16::MAX as f32;
-    Cloud { data: quantise(&points, min, unit), ends, min, unit, core: core(&points) }
+    let (points, ends) = choose(views, n_measured, max_points);
+    Cloud { points: Positions::of(&points), ends, core: core(&points) }
 }
 
 /// A sentence for the reader if not all points are shown.
@@ -50,8 +42,8 @@ pub(in crate::scan) fn note(page: &ScanPage<'_>) -> String {
 
 /// One point out of each run of equal length, at a place that looks random: a fixed place would show the
 /// pixel grid of the camera as stripes.
-fn choose(views: &[Vec<Vec3>], n_measured: usize) -> (Vec<Vec3>, Vec<usize>) {
-    let n_shown = n_measured.min(MAX_POINTS);
+fn choose(views: &[Vec<Vec3>], n_measured: usize, max_points: usize) -> (Vec<Vec3>, Vec<usize>) {
+    let n_shown = n_measured.min(max_points);
     let mut points = Vec::with_capacity(n_shown);
     let mut ends = Vec::with_capacity(views.len());
     let mut picks = (0..n_shown).map(|i| pick(i, n_shown, n_measured)).peekable();
@@ -78,19 +70,7 @@ fn pick(i: usize, n_runs: usize, n: usize) -> usize {
     start + (((hash >> 32) * (end - start) as u64) >> 32) as usize
 }
 
-fn quantise(points: &[Vec3], min: Vec3, unit: Vec3) -> String {
-    let mut bytes = Vec::with_capacity(6 * points.len());
-    for point in points {
-        for axis in 0..3 {
-            // A flat cloud has a unit of 0 and gives 0 / 0, which converts to 0.
-            let steps = ((point[axis] - min[axis]) / unit[axis]).round() as u16;
-            bytes.extend(steps.to_le_bytes());
-        }
-    }
-    BASE64_STANDARD.encode(bytes)
-}
-
-fn core(points: &[Vec3]) -> [Vec3; 2] {
+pub(super) fn core(points: &[Vec3]) -> [Vec3; 2] {
     let mut corners = [Vec3::ZERO; 2];
     for axis in 0..3 {
         let mut values: Vec<f32> = points.iter().map(|p| p[axis]).collect();
@@ -119,17 +99,8 @@ mod tests {
     }
 
     #[test]
-    fn quantised_points_come_back() {
-        let points = [Vec3::new(-1.0, 2.0, 0.5), Vec3::new(0.0, 2.0, 0.75), Vec3::new(1.0, 2.0, 1.0)];
-        let (min, unit) = (points[0], Vec3::new(2.0, 0.0, 0.5) / 65535.0);
-        let bytes = BASE64_STANDARD.decode(quantise(&points, min, unit)).unwrap();
-        let numbers: Vec<u16> = bytes.chunks(2).map(|b| u16::from_le_bytes([b[0], b[1]])).collect();
-        assert_eq!(numbers, [0, 0, 0, 32768, 0, 32768, 65535, 0, 65535]);
-    }
-
-    #[test]
     fn nothing_measured_is_no_fault() {
-        let cloud = packed(&[]);
-        assert_eq!((cloud.data, cloud.ends), (String::new(), vec![]));
+        let cloud = packed(&[], 10);
+        assert_eq!((cloud.points, cloud.ends), (Positions::default(), vec![]));
     }
 }

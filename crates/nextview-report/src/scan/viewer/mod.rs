@@ -1,10 +1,49 @@
-//! The 3D view of a scan: measured points, cameras, the path between them.
+//! The 3D view of a scan: measured and expected surface, points, cameras, the path between them.
+//!
+//! Report and live page have the same one: a report is the live page of a finished scan.
 
 mod cloud;
+mod pack;
 mod scene;
 
-pub(super) use cloud::note;
-pub(super) use scene::json as scene;
+pub(super) use cloud::{MAX_POINTS, note};
+pub(super) use scene::members as scene;
 
-/// The script that draws the scene and lets the reader turn it.
-pub(super) const SCRIPT: &str = include_str!("viewer.js");
+/// The picture with its controls, as HTML.
+pub(super) const FIGURE: &str = include_str!("figure.html");
+
+/// The script that draws a scene and lets the reader turn it, one idea a file; further files belong to it.
+macro_rules! script {
+    ($($more:literal),*) => {
+        concat!(
+            "\"use strict\";\n(() => {\n",
+            include_str!("js/math.js"),
+            include_str!("js/decode.js"),
+            include_str!("js/gl.js"),
+            include_str!("js/lines.js"),
+            include_str!("js/points.js"),
+            include_str!("js/surface.js"),
+            include_str!("js/expected.js"),
+            include_str!("js/eye.js"),
+            include_str!("js/cameras.js"),
+            include_str!("js/grid.js"),
+            include_str!("js/labels.js"),
+            include_str!("js/view.js"),
+            include_str!("js/controls.js"),
+            include_str!("js/panel.js"),
+            include_str!("js/enlarge.js"),
+            $(include_str!($more),)*
+            "})();\n"
+        )
+    };
+}
+
+/// The page that shows a scan of a server as it happens.
+pub(crate) const LIVE_PAGE: &str =
+    concat!(include_str!("live_head.html"), include_str!("figure.html"), include_str!("live_tail.html"));
+
+/// Its script.
+pub(crate) const LIVE_SCRIPT: &str = script!("js/api.js", "js/guidance.js", "js/proposal.js", "js/live.js");
+
+/// The script of a report: it shows the scene that stands in its page.
+pub(super) const REPORT_SCRIPT: &str = script!("js/report.js");

@@ -2,27 +2,87 @@
 //! script element.
 
 use super::cloud;
+use super::pack::{Positions, base64, indices};
 use crate::scan::color;
 use crate::scan::input::ScanPage;
-use glam::{DVec2, DVec3};
+use crate::scan::shown::{ShownModel, ShownVertex};
+use glam::{DVec2, DVec3, Vec3};
 use nextview::geometry::Pose;
 use nextview::sensor::Intrinsics;
+use nextview::session::NextView;
 use nextview_scan::StepRecord;
 
-/// The scene, world frame, metres.
-pub(in crate::scan) fn json(page: &ScanPage<'_>) -> String {
-    let cloud = cloud::pack(page);
-    let views = (0..page.steps().len()).map(|i| view(page, i));
+/// The members of the scene, world frame, metres: views after number `after`, with at most so many points.
+pub(in crate::scan) fn members(page: &ScanPage<'_>, after: usize, max_points: usize) -> String {
+    let n_views = page.steps().len();
+    let after = after.min(n_views);
+    let cloud = cloud::pack(page, after..n_views, max_points);
+    let vertices: Vec<Vec3> = page.model.vertices.iter().map(|vertex| vertex.position.as_vec3()).collect();
+    let core = if vertices.is_empty() { cloud.core } else { cloud::core(&vertices) };
     format!(
-        r#"{{"core":{},"min":{},"unit":{},"ends":{},"candidates":{},"views":{},"points":"{}"}}"#,
-        positions(cloud.core.map(|p| p.as_dvec3())),
-        numbers(cloud.min.to_array()),
-        // Enough digits for 65535 units to stay exact to a unit.
-        list(cloud.unit.to_array().map(|u| format!("{u:e}"))),
+        r#""after":{after},"n_views":{n_views},"ramp":{},"core":{},"surface":{},"expected":{},"candidates":{},"next":{},"lens":{},"views":{},"ends":{},"points":{}"#,
+        list(color::VIEWS.map(|color| list(color.map(|c| c.to_string())))),
+        positions(core.map(|p| p.as_dvec3())),
+        surface(page.model, &vertices),
+        shell(page.model),
+        candidates(page),
+        page.next.map_or("null".to_owned(), |next| next_view(next, &page.config.camera)),
+        positions(corners(&page.config.camera)),
+        list((after..n_views).map(|i| view(page, i))),
         list(cloud.ends.iter().map(usize::to_string)),
-        positions(page.candidates.iter().copied()),
-        list(views),
-        cloud.data
+        cloud.points.json(),
+    )
+}
+
+/// The measured surface; null without one. By vertex: the number of looks, the cosine of the best one in
+/// 255ths, and the index of the first step, 255 for none and for those beyond.
+fn surface(model: &ShownModel, vertices: &[Vec3]) -> String {
+    if model.triangles.is_empty() {
+        return "null".to_owned();
+    }
+    let byte = |n: usize| n.min(255) as u8;
+    let looks = |vertex: &ShownVertex| {
+        let cosine = (255.0 * vertex.best_cosine).round() as u8;
+        [byte(vertex.n_looks), cosine, byte(vertex.first_step.unwrap_or(255))]
+    };
+    let colors = match model.vertices.iter().any(|vertex| vertex.color.is_some()) {
+        true => base64(model.vertices.iter().flat_map(|vertex| vertex.color.unwrap_or([150; 3]))),
+        false => String::new(),
+    };
+    format!(
+        r#"{{"positions":{},"triangles":"{}","looks":"{}","colors":"{colors}"}}"#,
+        Positions::of(vertices).json(),
+        indices(&model.triangles),
+        base64(model.vertices.iter().flat_map(looks)),
+    )
+}
+
+fn shell(model: &ShownModel) -> String {
+    if model.expected.triangles.is_empty() {
+        return "null".to_owned();
+    }
+    let vertices: Vec<Vec3> = model.expected.vertices.iter().map(|vertex| vertex.as_vec3()).collect();
+    let triangles = indices(&model.expected.triangles);
+    format!(r#"{{"positions":{},"triangles":"{triangles}"}}"#, Positions::of(&vertices).json())
+}
+
+/// The candidates, with their gains in 255ths of the largest; without gains, that list is empty.
+fn candidates(page: &ScanPage<'_>) -> String {
+    let gains = page.model.gains.iter().copied().map(Some).chain(std::iter::repeat(None));
+    let (places, gains): (Vec<Vec3>, Vec<Option<f64>>) = page
+        .candidates
+        .iter()
+        .map(|place| place.as_vec3())
+        .zip(gains)
+        .filter(|(place, _)| place.is_finite())
+        .unzip();
+    let gains: Vec<f64> = gains.into_iter().flatten().collect();
+    let best = gains.iter().copied().fold(0.0, f64::max);
+    let shares = gains.iter().map(|gain| (255.0 * gain / best.max(f64::MIN_POSITIVE)).round() as u8);
+    format!(
+        r#"{{"best":{best:.1},"positions":{},"gains":"{}"}}"#,
+        Positions::of(&places).json(),
+        base64(shares)
     )
 }
 
@@ -34,14 +94,27 @@ fn view(page: &ScanPage<'_>, i: usize) -> String {
     let before = i.checked_sub(1).map(|before| pose(&steps[before]).translation());
     let straight = before.map_or(vec![], |before| vec![before, position]);
     let path = page.picture(i).map(|picture| &picture.path).filter(|path| !path.is_empty());
-    let corners = corners(&page.config.camera).map(|corner| world_from_camera.rotation() * corner);
     format!(
-        r#"{{"position":{},"corners":{},"path":{},"color":{}}}"#,
-        numbers(position.to_array()),
-        positions(corners),
+        r#"{{{},"path":{}}}"#,
+        frustum(&world_from_camera, &page.config.camera),
         positions(path.unwrap_or(&straight).iter().copied()),
-        list(color::view(i, steps.len()).map(|c| c.to_string()))
     )
+}
+
+fn next_view(next: &NextView, camera: &Intrinsics) -> String {
+    let expected = next.outlook.map(|outlook| outlook.n_expected).filter(|n| n.is_finite());
+    format!(
+        r#"{{{},"view":{},"expected":{}}}"#,
+        frustum(&next.world_from_camera, camera),
+        next.view.map_or("null".to_owned(), |view| view.to_string()),
+        expected.map_or("null".to_owned(), |n| format!("{n:.1}"))
+    )
+}
+
+fn frustum(world_from_camera: &Pose, camera: &Intrinsics) -> String {
+    let corners = corners(camera).map(|corner| world_from_camera.rotation() * corner);
+    let position = numbers(world_from_camera.translation().to_array());
+    format!(r#""position":{position},"corners":{}"#, positions(corners))
 }
 
 /// The pose of a step; the identity where the record's rotation is none.

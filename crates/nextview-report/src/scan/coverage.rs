@@ -1,0 +1,41 @@
+//! The measure of a scan's progress: the best one that is known.
+
+use super::input::ScanPage;
+use nextview_scan::StepRecord;
+
+/// A share of the surface after each view.
+pub(super) struct Coverage {
+    /// What it is a share of, as its heading.
+    pub name: &'static str,
+    /// By step.
+    pub values: Vec<Option<f64>>,
+    /// Whether it is comparable with the baselines.
+    pub is_reachable: bool,
+}
+
+type Measure = (&'static str, fn(&StepRecord) -> Option<f64>);
+
+/// From the fairest on. Without baselines nobody knows what can be reached, without the truth nobody knows
+/// the surface; then the planner's estimate takes its place.
+const MEASURES: [Measure; 3] = [
+    ("Reachable coverage", |step| step.reachable_coverage),
+    ("Surface within 2 mm", |step| step.surface_coverage_2mm),
+    ("Voxel coverage", |step| step.voxel_coverage),
+];
+
+/// The best measure that is known; none where the truth is not.
+pub(super) fn known(page: &ScanPage<'_>) -> Option<Coverage> {
+    let of = |(i, (name, measure)): (usize, &Measure)| {
+        let values: Vec<Option<f64>> = page.steps().iter().map(measure).collect();
+        values.iter().any(Option::is_some).then_some(Coverage { name, values, is_reachable: i == 0 })
+    };
+    MEASURES.iter().enumerate().find_map(of)
+}
+
+/// The planner's estimate of the share of the visible surface that was seen after each view: what it said
+/// when it chose the next one.
+pub(super) fn estimated(page: &ScanPage<'_>) -> Vec<Option<f64>> {
+    let next = page.next.and_then(|next| next.outlook).map(|outlook| outlook.completeness());
+    let after = page.steps().iter().skip(1).map(|step| step.estimated_completeness);
+    after.chain([next]).take(page.steps().len()).collect()
+}

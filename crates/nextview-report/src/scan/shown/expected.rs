@@ -1,0 +1,37 @@
+//! Surface that nobody has seen yet, as the prior expects it.
+
+use super::candidate_gain::candidate_gains;
+use nextview::map::{Occupancy, Snapshot};
+use nextview::prior::{SurfaceEstimate, SurfacePrior, coarse_enough};
+use nextview::session::Session;
+use nextview::surface::{SurfaceMesh, surface_nets};
+use nextview::{Cancel, Error};
+
+/// A shell around the unseen voxels that probably hold surface, and what each candidate is expected to show.
+pub(super) fn of_session(session: &Session, cancel: &Cancel) -> Result<(SurfaceMesh, Vec<f64>), Error> {
+    let Some(snapshot) = session.snapshot() else { return Ok(Default::default()) };
+    let snapshot = coarse_enough(&snapshot, cancel)?;
+    let estimate = SurfacePrior::default().estimate(&snapshot, cancel)?;
+    Ok((shell(&snapshot, &estimate), candidate_gains(session, &snapshot, &estimate, cancel)?))
+}
+
+/// Around the unseen voxels of which they or one of their six neighbours hold surface with a probability
+/// above a half: that a sheet of surface is there is often sure where no single voxel is.
+///
+/// It is open towards measured surface, which it would only cover.
+fn shell(snapshot: &Snapshot, estimate: &SurfaceEstimate) -> SurfaceMesh {
+    let (occupancy, block) = (snapshot.occupancy(), snapshot.block());
+    let mut empty = vec![1.0; occupancy.len()];
+    for (i, &voxel) in estimate.voxels().iter().enumerate() {
+        if occupancy[voxel as usize] == Occupancy::Unknown {
+            empty[voxel as usize] = 1.0 - f64::from(estimate.stops(i));
+        }
+    }
+    surface_nets(&snapshot.lattice(), &block, |voxel| match occupancy[voxel] {
+        Occupancy::Occupied => None,
+        Occupancy::Free => Some(0.5),
+        Occupancy::Unknown => {
+            Some(empty[voxel] * block.neighbors(voxel).map(|next| empty[next]).product::<f64>() - 0.5)
+        }
+    })
+}
