@@ -4,6 +4,7 @@
 
 mod chart;
 mod color;
+mod color_png;
 mod headline;
 mod input;
 mod of_scan;
@@ -16,6 +17,7 @@ mod summary;
 mod thumbnail;
 mod viewer;
 
+pub use color_png::color_png;
 pub use input::ScanPage;
 pub use of_scan::page_of_scan;
 pub use page::scan_page;
@@ -23,3 +25,4 @@ pub use picture::ViewPicture;
 pub use step_line::{heading, step_line};
 pub use stop_phrase::stop_phrase;
 pub use summary::{summary, summary_text};
+pub use thumbnail::depth_png;

@@ -60,6 +60,12 @@ pub fn img(image: &DepthImage, range: Range, view: usize) -> String {
     )
 }
 
+/// The whole image as a PNG file in the same colours, from its nearest depth to its farthest.
+pub fn depth_png(image: &DepthImage) -> Vec<u8> {
+    let whole = sampled(image, 1);
+    whole.png(Range::of([image]).unwrap_or_default())
+}
+
 /// The legend of the colours.
 pub fn legend(range: Option<Range>) -> String {
     let scale = range.map_or_else(String::new, |Range { near, far }| {
@@ -85,7 +91,12 @@ struct Small {
 /// Takes single pixels: a mean over the edge of an object would show a depth that nobody measured.
 fn shrink(image: &DepthImage) -> Small {
     let (width, height) = (image.width(), image.height());
-    let step = width.div_ceil(MAX_WIDTH).max(height.div_ceil(MAX_HEIGHT)).max(1);
+    sampled(image, width.div_ceil(MAX_WIDTH).max(height.div_ceil(MAX_HEIGHT)).max(1))
+}
+
+/// Every so manieth pixel.
+fn sampled(image: &DepthImage, step: u32) -> Small {
+    let (width, height) = (image.width(), image.height());
     let samples = move |side: u32| (0..side.div_ceil(step)).map(move |i| (i * step + step / 2).min(side - 1));
     let pixels = samples(height).flat_map(|v| samples(width).map(move |u| image.get(u, v))).collect();
     Small { width: width.div_ceil(step), height: height.div_ceil(step), pixels }

@@ -1,3 +1,4 @@
+use super::fingerprint::fingerprint;
 use crate::files::ResultFolder;
 use crate::{
     Begin, Fault, Faults, FinishedScan, Interrupted, LiveFrame, Next, OwnCamera, Results, ScanConfig,
@@ -35,6 +36,8 @@ pub struct LiveScan {
     config: ScanConfig,
     run: ScanRun<'static>,
     cancel: Cancel,
+    /// By step, that of the frame as it was given.
+    fingerprints: Vec<u64>,
 }
 
 impl LiveScan {
@@ -63,7 +66,7 @@ impl LiveScan {
         let mut scan = Self::with_journal(camera, config, Some(journal), cancel)?;
         while scan.scan().steps.len() < n_frames {
             match scan.run.next()? {
-                Next::Replay(frame) => _ = scan.run.push(frame)?,
+                Next::Replay(frame) => _ = scan.push(frame.into())?,
                 Next::Stop(StopReason::Cancelled) => return Err(nextview::Cancelled.into()),
                 Next::Capture(_) | Next::Stop(_) => break,
             }
@@ -79,7 +82,7 @@ impl LiveScan {
     ) -> Result<Self, Faults> {
         let begin = Begin { journal, cancel: cancel.clone() };
         let run = ScanRun::of_session(camera.session(&config)?, &config, begin);
-        Ok(Self { camera, config, run, cancel })
+        Ok(Self { camera, config, run, cancel, fingerprints: Vec::new() })
     }
 
     /// The view to take next; none if the scan is over, for the [reason](Self::stop_reason). Asked again
@@ -92,7 +95,7 @@ impl LiveScan {
         loop {
             match self.run.next()? {
                 // Its observation was cancelled after it had been kept.
-                Next::Replay(frame) => _ = self.run.push(frame)?,
+                Next::Replay(frame) => _ = self.push(frame.into())?,
                 Next::Capture(view) => return Ok(Some(view)),
                 Next::Stop(StopReason::Cancelled) => return Err(nextview::Cancelled.into()),
                 Next::Stop(reason) => {
@@ -110,7 +113,32 @@ impl LiveScan {
     pub fn observe(&mut self, taken: LiveFrame) -> Result<&StepRecord, Fault> {
         let LiveFrame { depth, world_from_camera, color, name } = taken;
         let frame = self.camera.frame(depth, world_from_camera)?;
-        self.run.push(TakenFrame { frame, color, name })
+        self.push(TakenFrame { frame, color, name })
+    }
+
+    /// The step of a frame that was taken in before, recognised by its name; none of a new one, or of one
+    /// without a name. So a frame that is sent again, because nobody knew whether it had come, counts once.
+    ///
+    /// Fails if the frame of that name had another content.
+    pub fn known(&self, frame: &LiveFrame) -> Result<Option<&StepRecord>, Fault> {
+        let named = |step: &&StepRecord| frame.name.is_some() && step.frame == frame.name;
+        let Some(step) = self.scan().steps.iter().find(named) else { return Ok(None) };
+        let given = fingerprint(&frame.world_from_camera, &frame.depth, frame.color.as_ref());
+        if self.fingerprints[step.step - 1] == given {
+            return Ok(Some(step));
+        }
+        let name = frame.name.as_deref().unwrap_or_default();
+        let fault =
+            Fault::of_value("id", name, "the same content as before, or another id for another frame");
+        Err(fault.with_remedy(format!("step {} has a frame of this id with another content", step.step)))
+    }
+
+    fn push(&mut self, taken: TakenFrame) -> Result<&StepRecord, Fault> {
+        let (pose, image) = (taken.frame.world_from_camera(), taken.frame.image().clone());
+        let step_idx = self.run.push(taken)?.step - 1;
+        let color = self.run.scan().color(step_idx)?;
+        self.fingerprints.push(fingerprint(&pose, &image, color.as_ref()));
+        Ok(&self.run.steps()[step_idx])
     }
 
     /// Skips a candidate, for example because a robot cannot go there: it is never proposed again.
