@@ -52,7 +52,9 @@ async fn next(State(app): State<Arc<App>>, Path(id): Path<String>) -> Result<Jso
         };
         let is_accepted = about.accepted_after == Some(scan.scan().steps.len());
         let state = if about.confirm_views && !is_accepted { NextState::Proposed } else { NextState::View };
-        listened.events.tell("view", &view);
+        if work.is_news(view.view) {
+            listened.events.tell("view", &view);
+        }
         Ok(NextAnswer { state, view: Some(view), stop_reason: None })
     });
     Ok(Json(answer.await?))

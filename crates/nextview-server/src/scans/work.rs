@@ -20,6 +20,8 @@ pub(crate) struct Work {
     scan: Option<Box<LiveScan>>,
     phase: Phase,
     pub cancel: Cancel,
+    /// Number of frames after which listeners were told of this view.
+    told: Option<(usize, Option<usize>)>,
 }
 
 #[derive(Clone, Copy, PartialEq, Eq)]
@@ -33,14 +35,14 @@ impl Work {
     /// A scan that has just begun.
     pub fn begun(dir: PathBuf, about: About, scan: LiveScan) -> Self {
         let cancel = scan.cancel().clone();
-        Self { dir, about, scan: Some(Box::new(scan)), phase: Phase::UnderWay, cancel }
+        Self { dir, about, scan: Some(Box::new(scan)), phase: Phase::UnderWay, cancel, told: None }
     }
 
     /// One that is on the disk.
     pub fn kept(dir: PathBuf, about: About) -> Self {
         let is_finished = !ScanJournal::is_in(&dir) && dir.join("record.json").is_file();
         let phase = if is_finished { Phase::Finished } else { Phase::UnderWay };
-        Self { dir, about, scan: None, phase, cancel: Cancel::default() }
+        Self { dir, about, scan: None, phase, cancel: Cancel::default(), told: None }
     }
 
     /// Its folder.
@@ -76,6 +78,12 @@ impl Work {
             self.scan = Some(Box::new(self.resumed()?));
         }
         Ok((self.scan.as_mut().expect("it was resumed"), &mut self.about))
+    }
+
+    /// Whether listeners have not been told of this view yet. Now they are.
+    pub fn is_news(&mut self, view: Option<usize>) -> bool {
+        let n_frames = self.scan.as_ref().map_or(0, |scan| scan.scan().steps.len());
+        self.told.replace((n_frames, view)) != Some((n_frames, view))
     }
 
     /// The scan to look at, under way or finished by this process.
