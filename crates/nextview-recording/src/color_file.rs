@@ -46,6 +46,8 @@ fn decode_png(bytes: &[u8], intrinsics: &Intrinsics) -> Result<Vec<u8>, Recordin
     check_size((info.width, info.height), intrinsics)?;
     let mut pixels = vec![0; 3 * intrinsics.n_pixels()];
     reader.next_frame(&mut pixels).map_err(broken)?;
+    // A file that ends here was cut.
+    reader.finish().map_err(broken)?;
     Ok(pixels)
 }
 

@@ -76,6 +76,8 @@ fn pixels(
     check_size(info.width, info.height, intrinsics)?;
     let mut bytes = vec![0; bits as usize / 8 * intrinsics.n_pixels()];
     reader.next_frame(&mut bytes).map_err(broken)?;
+    // A file that ends here was cut.
+    reader.finish().map_err(broken)?;
     Ok(bytes)
 }
 
