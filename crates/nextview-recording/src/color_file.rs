@@ -11,8 +11,8 @@ use std::path::Path;
 /// The first bytes of a JPEG file.
 const JPEG: [u8; 2] = [0xff, 0xd8];
 
-/// The colour image of the bytes of a PNG or JPEG file, which must have 8 bits of red, green and blue each, and
-/// the size that the intrinsics of the depth state. The size is checked before pixels are decoded.
+/// The colour image of the bytes of a PNG or JPEG file, which must have 8 bits of red, green and blue each,
+/// and the size that the intrinsics of the depth state. The size is checked before pixels are decoded.
 ///
 /// # Errors
 /// If the image is damaged, or of another kind or size.

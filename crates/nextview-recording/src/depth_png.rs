@@ -6,9 +6,9 @@ use png::{BitDepth, ColorType, Decoder, DecodingError};
 use std::io::{BufRead, BufReader, Cursor, Seek};
 use std::path::Path;
 
-/// The depth image of a PNG file's bytes, of 16 bits a pixel without colour and of the size that the intrinsics
-/// state. `unit` is the length of a unit in metres, positive; 0 is a missing pixel. Where a mask, a PNG of 8
-/// bits a pixel, is 0, the ray is free: there is nothing of the object.
+/// The depth image of a PNG file's bytes, of 16 bits a pixel without colour and of the size that the
+/// intrinsics state. `unit` is the length of a unit in metres, positive; 0 is a missing pixel. Where a mask,
+/// a PNG of 8 bits a pixel, is 0, the ray is free: there is nothing of the object.
 ///
 /// The size is checked before pixels are decoded: an image takes no more memory than the intrinsics state.
 ///

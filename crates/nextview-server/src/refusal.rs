@@ -16,7 +16,8 @@ pub(crate) struct Refusal {
 /// A fault as it is answered.
 #[derive(Serialize, JsonSchema)]
 pub(crate) struct FaultAnswer {
-    /// `request`: whoever asked can mend it; `data`: a file or the system is at fault; `cancelled`: ask again.
+    /// `request`: whoever asked can mend it; `data`: a file or the system is at fault; `cancelled`: ask
+    /// again.
     kind: &'static str,
     /// Dotted key of the value that is wrong; none where it is not about one value.
     key: Option<String>,

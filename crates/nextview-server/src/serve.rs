@@ -60,8 +60,8 @@ pub struct Started {
 /// ```
 ///
 /// # Errors
-/// If it cannot listen there, or the folder cannot be read and written; if another address than a loopback one
-/// is asked for without a token.
+/// If it cannot listen there, or the folder cannot be read and written; if another address than a loopback
+/// one is asked for without a token.
 pub fn serve(config: ServerConfig, on_started: impl FnOnce(&Started)) -> Result<(), Faults> {
     let ServerConfig { listen, hosts, dir, token, limits } = config;
     let clients = token.map(|token| Token::chosen(&token)).transpose()?;

@@ -14,8 +14,8 @@ pub struct ViewRecord {
     /// Number among the candidates, from 0; none for a first view that is no candidate.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub view: Option<usize>,
-    /// Where the camera should stand: the rows of the 4 x 4 matrix that takes points of the camera, which looks
-    /// along z with y downwards, to the world; metres.
+    /// Where the camera should stand: the rows of the 4 x 4 matrix that takes points of the camera, which
+    /// looks along z with y downwards, to the world; metres.
     pub world_from_camera: [[f64; 4]; 4],
     /// The quantity that the planner maximised, in its unit; none for the first view.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -26,7 +26,8 @@ pub struct ViewRecord {
     /// What else the planner says about its choice, with units in the names.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub explanation: Option<Explanation>,
-    /// Voxels that this view is expected to add; this and the next two none for planners that do not estimate.
+    /// Voxels that this view is expected to add; this and the next two none for planners that do not
+    /// estimate.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub expected_new_voxels: Option<f64>,
     /// Voxels that all views together are expected to add.

@@ -69,8 +69,8 @@ pub fn write_results(folder: &mut ResultFolder, config: &ScanConfig, scan: &Fini
     Results { record, faults: Faults::of(faults) }
 }
 
-/// One of the [`RESULT_FILES`] of a scan as it stands, but `report.html`. The record is without measures of the
-/// model.
+/// One of the [`RESULT_FILES`] of a scan as it stands, but `report.html`. The record is without measures of
+/// the model.
 ///
 /// # Errors
 /// If the scan has none of this name, or it cannot be made, as a cloud before an object was found.

@@ -1,10 +1,8 @@
 //! Who may ask, and for which host.
 
-mod guard;
 mod host;
 mod token;
 
-pub(crate) use guard::guard;
 pub(crate) use host::Hosts;
 pub(crate) use token::{Token, random_hex};
 

@@ -6,7 +6,8 @@ use tokio::io::{AsyncRead, AsyncWrite, ReadBuf};
 use tokio::net::TcpStream;
 use tokio::time::Sleep;
 
-/// A connection that ends if the other side takes nothing of an answer for too long: it would be held for ever.
+/// A connection that ends if the other side takes nothing of an answer for too long: it would be held for
+/// ever.
 pub(crate) struct Patient {
     stream: TcpStream,
     patience: Duration,

@@ -12,8 +12,8 @@ pub(crate) struct FrameHead {
     /// A name that no other frame of the scan has, 1 to 128 characters: a frame that is sent again under it
     /// counts once.
     pub id: String,
-    /// Where the camera stood: the rows of the 4 x 4 matrix that takes points of the camera, which looks along z
-    /// with y downwards, to the world; metres.
+    /// Where the camera stood: the rows of the 4 x 4 matrix that takes points of the camera, which looks
+    /// along z with y downwards, to the world; metres.
     #[serde(default)]
     pub world_from_camera: Option<[[f64; 4]; 4]>,
     /// Length of a unit of 16-bit depth, metres. Default 0.001.

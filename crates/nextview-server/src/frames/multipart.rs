@@ -1,6 +1,6 @@
 use super::head::FrameHead;
 use super::posted::{DepthBytes, PostedFrame};
-use crate::body::json;
+use crate::json::json;
 use crate::refusal::Refusal;
 use axum::body::Body;
 use axum::extract::{FromRequest, Multipart};

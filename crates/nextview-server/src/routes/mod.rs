@@ -12,8 +12,8 @@ mod statics;
 
 pub(crate) use route::{Content, Doc, Operation, Route};
 
-use crate::access::guard;
 use crate::app::App;
+use crate::guard::guard;
 use crate::refusal::Refusal;
 use axum::Router;
 use axum::extract::Request;

@@ -1,4 +1,5 @@
 use crate::Limits;
+use crate::json::json;
 use crate::limits::exceeded;
 use crate::refusal::Refusal;
 use axum::http::StatusCode;
@@ -23,7 +24,7 @@ impl NewScan {
             let fault = exceeded("content-length", bytes.len(), format!("{MAX_BYTES} bytes"));
             return Err(Refusal::new(StatusCode::PAYLOAD_TOO_LARGE, fault));
         }
-        let mut keys: Map<String, Value> = crate::body::json(bytes, "the scan")?;
+        let mut keys: Map<String, Value> = json(bytes, "the scan")?;
         let mut faults = Vec::new();
         let id = take(&mut keys, "id", &mut faults, |value| {
             value.as_str().filter(|id| is_id(id)).map(str::to_owned)

@@ -97,8 +97,8 @@ fn whenever_it_is_killed_no_acknowledged_frame_is_lost() {
     }
 }
 
-/// One client of one scan after the other, until the server is gone: number of frames that were there already,
-/// and of scans that were completed.
+/// One client of one scan after the other, until the server is gone: number of frames that were there
+/// already, and of scans that were completed.
 fn drive(
     address: std::net::SocketAddr,
     (i, robot, steps): (usize, &Robot, &[Step]),

@@ -119,7 +119,8 @@ pub fn png(image: &DepthImage) -> Vec<u8> {
 pub fn encoded(width: u32, height: u32, kind: (png::ColorType, png::BitDepth), bytes: &[u8]) -> Vec<u8> {
     let mut out = Vec::new();
     let mut encoder = png::Encoder::new(&mut out, width, height);
-    (encoder.set_color(kind.0), encoder.set_depth(kind.1));
+    encoder.set_color(kind.0);
+    encoder.set_depth(kind.1);
     let mut writer = encoder.write_header().unwrap();
     writer.write_image_data(bytes).unwrap();
     writer.finish().unwrap();
