@@ -10,6 +10,7 @@ page=$PWD/docs/server.md
 work=$(mktemp -d)
 cd "$work"
 mkdir bin
+touch printed
 ln -s "$take_frame" bin/take_frame
 "$program" serve --listen 127.0.0.1:0 --dir scans >printed &
 server=$!

@@ -26,8 +26,8 @@ def ask(method, path, body=None, kind="application/json"):
 # A mug before a RealSense D435i with its noise: replace it by your robot and your camera.
 robot = nextview.SimulatedScene("builtin:mug", sensor="d435i")
 camera = robot.camera
-corners = [*robot.box[0].tolist(), *robot.box[1].tolist()]
-live = {"box_m": corners, "max_depth_m": camera.max_depth_m}
+lowest, highest = robot.box_m
+live = {"box_m": [*lowest, *highest], "max_depth_m": camera.depth_range_m[1]}
 optics = {key: getattr(camera, key) for key in ("width", "height", "fx", "fy", "cx", "cy")}
 new = {"object": "mug", "views": 6, "candidates": 200, "camera": optics, "live": live}
 scan = "/scans/" + ask("POST", "/scans", json.dumps(new).encode())["id"]
