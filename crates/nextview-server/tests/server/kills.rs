@@ -8,6 +8,7 @@ use nextview::geometry::random::Random;
 use nextview_scan::{LiveFrame, LiveScan, rows_of_pose};
 use serde_json::{Value, json};
 use std::sync::Mutex;
+use std::sync::atomic::{AtomicUsize, Ordering::Relaxed};
 use std::time::{Duration, Instant};
 
 const N_VIEWS: usize = 8;
@@ -60,17 +61,26 @@ fn whenever_it_is_killed_no_acknowledged_frame_is_lost() {
     let acknowledged = Mutex::new(vec![0_usize; N_SCANS]);
     let round = Mutex::new(vec![0_usize; N_SCANS]);
     let (mut n_duplicates, mut n_scans, start) = (0, 0, Instant::now());
-    for _ in 0..n_kills {
+    let n_acknowledged = AtomicUsize::new(0);
+    for i in 0..n_kills {
         let mut server = Server::start(&dir);
-        let address = server.address;
+        let (address, before) = (server.address, n_acknowledged.load(Relaxed));
         let done = std::thread::scope(|scope| {
             let clients: Vec<_> = (0..N_SCANS)
                 .map(|i| {
                     let (steps, robot, acknowledged, round) = (&steps, &robot, &acknowledged, &round);
-                    scope.spawn(move || drive(address, (i, robot, steps), acknowledged, round))
+                    let count = &n_acknowledged;
+                    scope.spawn(move || drive(address, (i, robot, steps), (acknowledged, count), round))
                 })
                 .collect();
-            std::thread::sleep(Duration::from_secs_f64(random.range(0.0, 0.6)));
+            // One in four at any time, also while scans are resumed; the others while frames are posted.
+            while i % 4 > 0
+                && n_acknowledged.load(Relaxed) == before
+                && clients.iter().all(|c| !c.is_finished())
+            {
+                std::thread::sleep(Duration::from_millis(1));
+            }
+            std::thread::sleep(Duration::from_secs_f64(random.range(0.0, 0.25)));
             server.kill();
             clients.into_iter().map(|client| client.join().unwrap()).collect::<Vec<_>>()
         });
@@ -79,9 +89,10 @@ fn whenever_it_is_killed_no_acknowledged_frame_is_lost() {
     }
     assert!(n_scans > 0 || n_kills < 50, "no scan came to its end: the kills came too early");
     println!(
-        "{n_kills} times killed in {:.0} s; {n_scans} scans completed; {n_duplicates} frames were there without \
-         having been acknowledged",
-        start.elapsed().as_secs_f64()
+        "{n_kills} times killed in {:.0} s; {n_scans} scans completed; {} frames acknowledged, and {n_duplicates} were \
+         there without having been acknowledged",
+        start.elapsed().as_secs_f64(),
+        n_acknowledged.load(Relaxed)
     );
     // And undisturbed to the end.
     let server = Server::start(&dir);
@@ -103,7 +114,7 @@ fn whenever_it_is_killed_no_acknowledged_frame_is_lost() {
 fn drive(
     address: std::net::SocketAddr,
     (i, robot, steps): (usize, &Robot, &[Step]),
-    acknowledged: &Mutex<Vec<usize>>,
+    (acknowledged, count): (&Mutex<Vec<usize>>, &AtomicUsize),
     round: &Mutex<Vec<usize>>,
 ) -> (usize, usize) {
     let (mut n_duplicates, mut n_scans) = (0, 0);
@@ -133,7 +144,10 @@ fn drive(
             }
             n_duplicates += n - known;
             acknowledged.lock().unwrap()[i] = n;
-            drive_from(&mut client, &id, steps, n, &mut |n| acknowledged.lock().unwrap()[i] = n)?;
+            drive_from(&mut client, &id, steps, n, &mut |n| {
+                acknowledged.lock().unwrap()[i] = n;
+                count.fetch_add(1, Relaxed);
+            })?;
             client.send("DELETE", &format!("/scans/{id}"), "", b"")?.expect(200);
             n_scans += 1;
             next_round(i);
