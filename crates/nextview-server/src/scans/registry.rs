@@ -16,6 +16,15 @@ use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use tokio::sync::Semaphore;
 
+/// Whether a folder holds no more than what a kill leaves of a scan that was just being created.
+fn is_stillborn(dir: &Path) -> bool {
+    let prefix = format!(".{}.", About::FILE);
+    let is_remnant = |name: &str| name.starts_with(&prefix) && name.ends_with(".partial");
+    let Ok(entries) = std::fs::read_dir(dir) else { return false };
+    let mut names = entries.map(|entry| entry.map(|entry| entry.file_name().to_string_lossy().into_owned()));
+    names.all(|name| name.is_ok_and(|name| is_remnant(&name)))
+}
+
 /// All scans of a server, each in a folder of its own.
 pub(crate) struct Scans {
     dir: PathBuf,
@@ -38,7 +47,7 @@ impl Scans {
         for entry in std::fs::read_dir(dir).map_err(|e| Fault::from(e).in_file(dir))? {
             let dir = entry?.path();
             let id = dir.file_name().unwrap_or_default().to_string_lossy().into_owned();
-            if id.starts_with('.') && id.ends_with(DELETED) {
+            if id.starts_with('.') && id.ends_with(DELETED) || is_stillborn(&dir) {
                 std::fs::remove_dir_all(&dir).map_err(|e| Fault::from(e).while_writing(&dir))?;
             } else if dir.join(About::FILE).is_file() {
                 let about = About::load(&dir)?;
@@ -139,10 +148,10 @@ impl Scans {
         Ok(())
     }
 
-    /// Whether there is something else under this name; an empty folder is what a kill leaves.
+    /// Whether there is something else under this name.
     fn is_taken(&self, id: &str) -> bool {
         let dir = self.dir.join(id);
-        dir.exists() && std::fs::read_dir(&dir).is_ok_and(|mut entries| entries.next().is_some())
+        dir.exists() && !is_stillborn(&dir)
     }
 
     fn begin(
