@@ -47,7 +47,7 @@ impl Scans {
         for entry in std::fs::read_dir(dir).map_err(|e| Fault::from(e).in_file(dir))? {
             let dir = entry?.path();
             let id = dir.file_name().unwrap_or_default().to_string_lossy().into_owned();
-            if id.starts_with('.') && id.ends_with(DELETED) || is_stillborn(&dir) {
+            if id.starts_with('.') && id.ends_with(DELETED) {
                 std::fs::remove_dir_all(&dir).map_err(|e| Fault::from(e).while_writing(&dir))?;
             } else if dir.join(About::FILE).is_file() {
                 let about = About::load(&dir)?;
