@@ -1,7 +1,7 @@
 //! The options of the command line that keys of the configuration have.
 
 /// Keys and their options.
-const FLAGS: [(&str, &str); 42] = [
+const FLAGS: [(&str, &str); 45] = [
     ("planner", "--planner"),
     ("views", "--views"),
     ("stop.completeness", "--complete"),
@@ -44,6 +44,9 @@ const FLAGS: [(&str, &str); 42] = [
     ("resume", "--resume"),
     ("visited", "--visited"),
     ("box", "--box"),
+    ("listen", "--listen"),
+    ("token_file", "--token-file"),
+    ("host", "--host"),
 ];
 
 /// Keys that a message may name and only a configuration file can hold.

@@ -11,20 +11,26 @@ use std::path::Path;
 /// The first bytes of a JPEG file.
 const JPEG: [u8; 2] = [0xff, 0xd8];
 
-/// Reads a colour image that must have 8 bits of red, green and blue each, and the size that the intrinsics
-/// of the depth state.
-pub(crate) fn read(path: &Path, intrinsics: &Intrinsics) -> Result<ColorImage, RecordingError> {
-    let decode = || {
-        // A few times the pixels: what a file holds beside them, such as a preview, is less.
-        let bytes = limits::read(path, (1 << 20) + 12 * intrinsics.n_pixels() as u64)?;
-        let pixels = match bytes.starts_with(&JPEG) {
-            true => decode_jpeg(&bytes, intrinsics)?,
-            false => decode_png(&bytes, intrinsics)?,
-        };
-        let pixels = pixels.chunks_exact(3).map(|rgb| [rgb[0], rgb[1], rgb[2]]).collect();
-        Ok(ColorImage::new(intrinsics.width(), intrinsics.height(), pixels)?)
+/// The colour image of the bytes of a PNG or JPEG file, which must have 8 bits of red, green and blue each,
+/// and the size that the intrinsics of the depth state. The size is checked before pixels are decoded.
+///
+/// # Errors
+/// If the image is damaged, or of another kind or size.
+pub fn decode_color(bytes: &[u8], intrinsics: &Intrinsics) -> Result<ColorImage, RecordingError> {
+    let pixels = match bytes.starts_with(&JPEG) {
+        true => decode_jpeg(bytes, intrinsics)?,
+        false => decode_png(bytes, intrinsics)?,
     };
-    decode().map_err(|error: RecordingError| error.in_file(path))
+    let pixels = pixels.chunks_exact(3).map(|rgb| [rgb[0], rgb[1], rgb[2]]).collect();
+    Ok(ColorImage::new(intrinsics.width(), intrinsics.height(), pixels)?)
+}
+
+/// The same of a file.
+pub(crate) fn read(path: &Path, intrinsics: &Intrinsics) -> Result<ColorImage, RecordingError> {
+    // A few times the pixels: what a file holds beside them, such as a preview, is less.
+    let bytes = limits::read(path, (1 << 20) + 12 * intrinsics.n_pixels() as u64);
+    let image = bytes.and_then(|bytes| decode_color(&bytes, intrinsics));
+    image.map_err(|error| error.in_file(path))
 }
 
 fn decode_png(bytes: &[u8], intrinsics: &Intrinsics) -> Result<Vec<u8>, RecordingError> {
@@ -40,6 +46,8 @@ fn decode_png(bytes: &[u8], intrinsics: &Intrinsics) -> Result<Vec<u8>, Recordin
     check_size((info.width, info.height), intrinsics)?;
     let mut pixels = vec![0; 3 * intrinsics.n_pixels()];
     reader.next_frame(&mut pixels).map_err(broken)?;
+    // A file that ends here was cut.
+    reader.finish().map_err(broken)?;
     Ok(pixels)
 }
 

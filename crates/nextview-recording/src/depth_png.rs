@@ -3,56 +3,82 @@
 use crate::{RecordingError, limits};
 use nextview::sensor::{DepthImage, Intrinsics};
 use png::{BitDepth, ColorType, Decoder, DecodingError};
-use std::io::BufReader;
+use std::io::{BufRead, BufReader, Cursor, Seek};
 use std::path::Path;
 
-/// Reads a depth image that must be of 16 bits a pixel, without colour, and of the size that the intrinsics
-/// state. The unit is in metres; 0 is a missing pixel. Where a mask of 8 bits a pixel is 0, the ray is free:
-/// there is nothing of the object.
+/// The depth image of a PNG file's bytes, of 16 bits a pixel without colour and of the size that the
+/// intrinsics state. `unit` is the length of a unit in metres, positive; 0 is a missing pixel. Where a mask,
+/// a PNG of 8 bits a pixel, is 0, the ray is free: there is nothing of the object.
+///
+/// The size is checked before pixels are decoded: an image takes no more memory than the intrinsics state.
+///
+/// # Errors
+/// If an image is damaged, or of another kind or size.
+pub fn decode_depth(
+    png: &[u8],
+    mask: Option<&[u8]>,
+    intrinsics: &Intrinsics,
+    unit: f64,
+) -> Result<DepthImage, RecordingError> {
+    let depth = pixels(Cursor::new(png), intrinsics, BitDepth::Sixteen, "depth")?;
+    let mask = mask.map(|mask| {
+        pixels(Cursor::new(mask), intrinsics, BitDepth::Eight, "a mask").map_err(|error| match error {
+            RecordingError::Content(problem) => RecordingError::Content(format!("the mask {problem}")),
+            error => error,
+        })
+    });
+    image(&depth, mask.transpose()?, intrinsics, unit)
+}
+
+/// The same of files.
 pub(crate) fn read(
     path: &Path,
     intrinsics: &Intrinsics,
     unit: f64,
     mask: Option<&Path>,
 ) -> Result<DepthImage, RecordingError> {
-    let bytes = pixels(path, intrinsics, BitDepth::Sixteen, "depth")?;
-    let mut depth: Vec<f32> = bytes
-        .chunks_exact(2)
-        .map(|pair| (u16::from_be_bytes([pair[0], pair[1]]) as f64 * unit) as f32)
-        .collect();
-    if let Some(mask) = mask {
-        let mask = pixels(mask, intrinsics, BitDepth::Eight, "a mask")?;
-        depth
-            .iter_mut()
-            .zip(mask)
-            .filter(|(_, of_object)| *of_object == 0)
-            .for_each(|(d, _)| *d = f32::INFINITY);
-    }
-    let image = DepthImage::from_metres(intrinsics.width(), intrinsics.height(), depth);
-    image.map_err(|error| RecordingError::from(error).in_file(path))
+    let file = |path: &Path, bits, what| {
+        let open = || pixels(BufReader::new(limits::open(path)?), intrinsics, bits, what);
+        open().map_err(|error| error.in_file(path))
+    };
+    let depth = file(path, BitDepth::Sixteen, "depth")?;
+    let mask = mask.map(|mask| file(mask, BitDepth::Eight, "a mask")).transpose()?;
+    image(&depth, mask, intrinsics, unit).map_err(|error| error.in_file(path))
+}
+
+fn image(
+    depth: &[u8],
+    mask: Option<Vec<u8>>,
+    intrinsics: &Intrinsics,
+    unit: f64,
+) -> Result<DepthImage, RecordingError> {
+    let metres = |pair: &[u8]| (u16::from_be_bytes([pair[0], pair[1]]) as f64 * unit) as f32;
+    let mut depth: Vec<f32> = depth.chunks_exact(2).map(metres).collect();
+    let beyond = depth.iter_mut().zip(mask.iter().flatten()).filter(|(_, of_object)| **of_object == 0);
+    beyond.for_each(|(depth, _)| *depth = f32::INFINITY);
+    Ok(DepthImage::from_metres(intrinsics.width(), intrinsics.height(), depth)?)
 }
 
 /// The bytes of an image that must have this many bits a pixel, no colour, and the size that the intrinsics
 /// state.
 fn pixels(
-    path: &Path,
+    file: impl BufRead + Seek,
     intrinsics: &Intrinsics,
     bits: BitDepth,
     what: &str,
 ) -> Result<Vec<u8>, RecordingError> {
-    let decode = || {
-        let mut decoder = Decoder::new(BufReader::new(limits::open(path)?));
-        decoder.set_ignore_text_chunk(true);
-        decoder.set_ignore_iccp_chunk(true);
-        let mut reader = decoder.read_info().map_err(broken)?;
-        let info = reader.info();
-        check_kind((info.color_type, info.bit_depth), bits, what)?;
-        check_size(info.width, info.height, intrinsics)?;
-        let mut bytes = vec![0; bits as usize / 8 * intrinsics.n_pixels()];
-        reader.next_frame(&mut bytes).map_err(broken)?;
-        Ok(bytes)
-    };
-    decode().map_err(|error: RecordingError| error.in_file(path))
+    let mut decoder = Decoder::new(file);
+    decoder.set_ignore_text_chunk(true);
+    decoder.set_ignore_iccp_chunk(true);
+    let mut reader = decoder.read_info().map_err(broken)?;
+    let info = reader.info();
+    check_kind((info.color_type, info.bit_depth), bits, what)?;
+    check_size(info.width, info.height, intrinsics)?;
+    let mut bytes = vec![0; bits as usize / 8 * intrinsics.n_pixels()];
+    reader.next_frame(&mut bytes).map_err(broken)?;
+    // A file that ends here was cut.
+    reader.finish().map_err(broken)?;
+    Ok(bytes)
 }
 
 fn check_kind(kind: (ColorType, BitDepth), bits: BitDepth, what: &str) -> Result<(), RecordingError> {

@@ -19,6 +19,8 @@ mod text;
 mod trajectory;
 mod tum;
 
+pub use color_file::decode_color;
+pub use depth_png::decode_depth;
 pub use error::RecordingError;
 pub use frame::RecordedFrame;
 pub use recording::{PoseDirection, ReadOptions, Recording, Skipped};

@@ -19,6 +19,6 @@ mod text;
 #[cfg(feature = "campaign")]
 pub use campaign::{campaign_report, comparison_text, is_campaign_report};
 pub use scan::{
-    ScanPage, ShownModel, ViewPicture, heading, page_of_scan, scan_page, step_line, stop_phrase, summary,
-    summary_text,
+    ScanPage, ShownModel, ViewPicture, color_png, depth_png, heading, page_of_scan, scan_page, step_line,
+    stop_phrase, summary, summary_text,
 };

@@ -38,8 +38,10 @@ pub use model::FinalModel;
 pub use names::Named;
 pub use pose_matrix::{pose_of_rows, rows_of_pose};
 pub use provided::{PlannerProvider, ProvidedPlanner, provide_planners};
-pub use record::{BuildIdentity, OtherBodyRecord, QualityMm, ScanRecord, StepRecord};
-pub use results::{RESULT_FILES, Results, result_folder, write_results};
+pub use record::{
+    BuildIdentity, OtherBodyRecord, QualityMm, ScanRecord, StepRecord, ViewRecord, WaypointRecord,
+};
+pub use results::{RESULT_FILES, Results, result_file, result_folder, write_results};
 pub use run::{Begin, Evaluator, FinishedScan, Measured, Next, ScanRun, TakenFrame};
 pub use saved_map::SavedMap;
 pub use source::*;

@@ -5,10 +5,11 @@
 
 #[test]
 fn schemas_are_those_of_the_types() {
-    use nextview_scan::{ScanConfig, ScanRecord, StepRecord};
+    use nextview_scan::{ScanConfig, ScanRecord, StepRecord, ViewRecord};
     let schemas = [
         ("step_record", schemars::schema_for!(StepRecord)),
         ("scan_record", schemars::schema_for!(ScanRecord)),
+        ("view_record", schemars::schema_for!(ViewRecord)),
         ("scan_config", schemars::schema_for!(ScanConfig)),
     ];
     for (name, schema) in schemas {

@@ -8,6 +8,7 @@ mod map;
 mod plan;
 mod report;
 mod scan;
+mod serve;
 mod values;
 mod views;
 
@@ -19,9 +20,10 @@ use clap::{Parser, Subcommand};
 ///
 /// `nextview scan` scans a simulated object from the first view to the last and writes the map, the cloud,
 /// the mesh and a report. `nextview bench` scans many objects with many planners, `nextview report` and
-/// `nextview compare` make figures and tables of that. `nextview plan` gives the next view, or the next few,
-/// for a saved map, `nextview map` summarises and converts maps, `nextview views` makes view candidates,
-/// `nextview dataset` training data for learned planners.
+/// `nextview compare` make figures and tables of that. `nextview serve` takes the frames of any camera over
+/// HTTP and answers with the next view. `nextview plan` gives the next view, or the next few, for a saved
+/// map, `nextview map` summarises and converts maps, `nextview views` makes view candidates, `nextview
+/// dataset` training data for learned planners.
 #[derive(Debug, Parser)]
 #[command(name = "nextview", version, max_term_width = 100, after_help = EXAMPLES)]
 pub struct Cli {
@@ -39,6 +41,7 @@ Examples:
   nextview scan builtin:mug --planner local  another object, another planner
   nextview bench paper-1 meshes/*.ply        every planner on your meshes
   nextview report bench-paper-1              the figures and tables of that
+  nextview serve                             scan with any camera, over HTTP
   nextview map info map.ot                   summary of a map
   nextview views > views.csv                 poses to choose from
   nextview plan --map map.ot --views views.csv
@@ -54,6 +57,7 @@ enum Command {
     Bench(bench::BenchArgs),
     Report(report::ReportArgs),
     Compare(compare::CompareArgs),
+    Serve(serve::ServeArgs),
     Plan(plan::PlanArgs),
     Views(views::ViewsArgs),
     #[command(subcommand)]
@@ -72,6 +76,7 @@ impl Cli {
         match self.command {
             Command::Scan(args) => args.run(),
             Command::Bench(args) => args.run(),
+            Command::Serve(args) => args.run(),
             Command::Plan(args) => args.run(),
             Command::Views(args) => args.run(),
             Command::Map(command) => command.run(),

@@ -31,6 +31,11 @@ fn of_bench() {
 }
 
 #[test]
+fn of_serve() {
+    check(&["serve"]);
+}
+
+#[test]
 fn of_plan() {
     check(&["plan"]);
 }

@@ -4,6 +4,7 @@
 
 mod chart;
 mod color;
+mod color_png;
 mod coverage;
 mod headline;
 mod input;
@@ -11,6 +12,7 @@ mod live;
 mod of_scan;
 mod page;
 mod picture;
+mod png_file;
 mod shown;
 mod step_line;
 mod steps;
@@ -19,6 +21,7 @@ mod summary;
 mod thumbnail;
 mod viewer;
 
+pub use color_png::color_png;
 pub use input::ScanPage;
 pub(crate) use live::scene;
 pub use of_scan::page_of_scan;
@@ -28,4 +31,5 @@ pub use shown::ShownModel;
 pub use step_line::{heading, step_line};
 pub use stop_phrase::stop_phrase;
 pub use summary::{summary, summary_text};
+pub use thumbnail::depth_png;
 pub(crate) use viewer::{LIVE_PAGE, LIVE_SCRIPT};

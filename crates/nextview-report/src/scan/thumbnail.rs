@@ -1,6 +1,7 @@
 //! Small pictures of depth images, as PNG data URIs.
 
 use super::color::{self, DEPTH, Rgb};
+use super::png_file::png_file;
 use crate::text;
 use base64::prelude::{BASE64_STANDARD, Engine};
 use nextview::sensor::{ColorImage, Depth, DepthImage};
@@ -73,6 +74,11 @@ pub fn depth(image: &DepthImage, range: Range, view: usize, size: Size) -> Strin
     img(small.width, small.height, &alt, &small.png(range))
 }
 
+/// The whole image as a PNG file in the same colours, from its nearest depth to its farthest.
+pub fn depth_png(image: &DepthImage) -> Vec<u8> {
+    shrink(image, [u32::MAX; 2]).png(Range::of([image]).unwrap_or_default())
+}
+
 /// The `img` element of a colour image of view number `view`.
 pub fn color(image: &ColorImage, view: usize) -> String {
     let (step, [width, height]) = step(image.width(), image.height(), SMALL);
@@ -82,15 +88,8 @@ pub fn color(image: &ColorImage, view: usize) -> String {
     if bytes.is_empty() {
         return String::new();
     }
-    let mut out = Vec::new();
-    let mut encoder = png::Encoder::new(&mut out, width, height);
-    encoder.set_color(png::ColorType::Rgb);
-    encoder.set_depth(png::BitDepth::Eight);
-    encoder.set_compression(png::Compression::High);
-    let mut writer = encoder.write_header().expect("memory takes every byte");
-    writer.write_image_data(&bytes).expect("three bytes per pixel");
-    writer.finish().expect("memory takes every byte");
-    img(width, height, &format!("Colour image of view {view}"), &out)
+    let png = png_file([width, height], &bytes, None, png::Compression::High);
+    img(width, height, &format!("Colour image of view {view}"), &png)
 }
 
 /// A picture in a button that enlarges it.
@@ -167,16 +166,8 @@ impl Small {
     }
 
     fn png(&self, range: Range) -> Vec<u8> {
-        let mut out = Vec::new();
-        let mut encoder = png::Encoder::new(&mut out, self.width, self.height);
-        encoder.set_color(png::ColorType::Indexed);
-        encoder.set_depth(png::BitDepth::Eight);
-        encoder.set_palette(palette());
-        encoder.set_compression(png::Compression::High);
-        let mut writer = encoder.write_header().expect("memory takes every byte");
-        writer.write_image_data(&self.entries(range)).expect("one entry per pixel");
-        writer.finish().expect("memory takes every byte");
-        out
+        let size = [self.width, self.height];
+        png_file(size, &self.entries(range), Some(palette()), png::Compression::High)
     }
 }
 

@@ -1,3 +1,4 @@
+use super::fingerprint::fingerprint;
 use super::whereabouts::Whereabouts;
 use crate::files::ResultFolder;
 use crate::{
@@ -5,7 +6,10 @@ use crate::{
     ScanJournal, ScanRun, StepRecord, TakenFrame, write_results,
 };
 use nextview::Cancel;
+use nextview::geometry::Pose;
 use nextview::motion::Trajectory;
+use nextview::registration::GivenPoses;
+use nextview::sensor::{ColorImage, DepthImage};
 use nextview::session::{NextView, StopReason};
 use std::path::Path;
 
@@ -36,6 +40,8 @@ pub struct LiveScan {
     config: ScanConfig,
     run: ScanRun<'static>,
     cancel: Cancel,
+    /// By step, that of the frame as it was given.
+    fingerprints: Vec<u64>,
     pub(super) whereabouts: Whereabouts,
 }
 
@@ -65,7 +71,7 @@ impl LiveScan {
         let mut scan = Self::with_journal(camera, config, Some(journal), cancel)?;
         while scan.scan().steps.len() < n_frames {
             match scan.run.next()? {
-                Next::Replay(frame) => _ = scan.run.push(frame)?,
+                Next::Replay(frame) => _ = scan.push(frame.into())?,
                 Next::Stop(StopReason::Cancelled) => return Err(nextview::Cancelled.into()),
                 Next::Capture(_) | Next::Stop(_) => break,
             }
@@ -81,7 +87,8 @@ impl LiveScan {
     ) -> Result<Self, Faults> {
         let begin = Begin { journal, cancel: cancel.clone() };
         let run = ScanRun::of_session(camera.session(&config)?, &config, begin);
-        Ok(Self { camera, config, run, cancel, whereabouts: Whereabouts::default() })
+        let (fingerprints, whereabouts) = Default::default();
+        Ok(Self { camera, config, run, cancel, fingerprints, whereabouts })
     }
 
     /// The view to take next; none if the scan is over, for the [reason](Self::stop_reason). Asked again
@@ -94,7 +101,7 @@ impl LiveScan {
         loop {
             match self.run.next()? {
                 // Its observation was cancelled after it had been kept.
-                Next::Replay(frame) => _ = self.run.push(frame)?,
+                Next::Replay(frame) => _ = self.push(frame.into())?,
                 Next::Capture(view) => {
                     self.whereabouts.asked = Some(view.world_from_camera);
                     return Ok(Some(view));
@@ -117,9 +124,39 @@ impl LiveScan {
         let LiveFrame { depth, world_from_camera, color, name } = taken;
         let pose = world_from_camera.map_or_else(|| self.locate(&depth), Ok)?;
         let frame = self.camera.frame(depth, pose)?;
-        let step = self.run.push(TakenFrame { frame, color, name })?;
+        self.push(TakenFrame { frame, color, name })
+    }
+
+    /// The step of a frame that was taken in before, recognised by its name; none of a new one, or of one
+    /// without a name. So a frame that is sent again, because nobody knew whether it had come, counts once.
+    ///
+    /// Fails if the frame of that name had another content.
+    pub fn known(&self, frame: &LiveFrame) -> Result<Option<&StepRecord>, Fault> {
+        let named = |step: &&StepRecord| frame.name.is_some() && step.frame == frame.name;
+        let Some(step) = self.scan().steps.iter().find(named) else { return Ok(None) };
+        let given = self.fingerprint(frame.world_from_camera.as_ref(), &frame.depth, frame.color.as_ref());
+        if self.fingerprints[step.step - 1] == given {
+            return Ok(Some(step));
+        }
+        let name = frame.name.as_deref().unwrap_or_default();
+        let fault =
+            Fault::of_value("id", name, "the same content as before, or another id for another frame");
+        Err(fault.with_remedy(format!("step {} has a frame of this id with another content", step.step)))
+    }
+
+    fn push(&mut self, taken: TakenFrame) -> Result<&StepRecord, Fault> {
+        let (pose, image) = (taken.frame.world_from_camera(), taken.frame.image().clone());
+        let step_idx = self.run.push(taken)?.step - 1;
         self.whereabouts = Whereabouts::default();
-        Ok(step)
+        let color = self.run.scan().color(step_idx)?;
+        self.fingerprints.push(self.fingerprint(Some(&pose), &image, color.as_ref()));
+        Ok(&self.run.steps()[step_idx])
+    }
+
+    /// Poses that are tracked are none of what is given.
+    fn fingerprint(&self, pose: Option<&Pose>, depth: &DepthImage, color: Option<&ColorImage>) -> u64 {
+        let is_given = self.config.registration.given_poses != GivenPoses::Tracked;
+        fingerprint(pose.filter(|_| is_given), depth, color)
     }
 
     /// Skips a candidate, for example because a robot cannot go there: it is never proposed again.

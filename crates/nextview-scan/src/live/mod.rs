@@ -1,6 +1,7 @@
 //! A scan by a camera of one's own, from a configuration to the results: what a server, a ROS node and Python
 //! drive.
 
+mod fingerprint;
 mod guidance;
 mod live_frame;
 mod live_scan;

@@ -4,11 +4,13 @@ mod build;
 mod quality_mm;
 mod scan_record;
 mod step_record;
+mod view_record;
 
 pub use build::BuildIdentity;
 pub use quality_mm::QualityMm;
 pub use scan_record::{OtherBodyRecord, ScanRecord};
 pub use step_record::StepRecord;
+pub use view_record::{ViewRecord, WaypointRecord};
 
 use std::time::Duration;
 

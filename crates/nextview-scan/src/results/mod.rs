@@ -2,7 +2,7 @@
 
 use crate::files::{Overwrite, ResultFolder, numbered};
 use crate::run::{FinishedScan, Measured};
-use crate::{Fault, Faults, ScanConfig, ScanJournal, ScanRecord, short_name};
+use crate::{Fault, Faults, ScanConfig, ScanJournal, ScanRecord, StepRecord, short_name};
 use nextview::geometry::Pose;
 use nextview::map::Octree;
 use nextview::motion::Waypoint;
@@ -57,7 +57,7 @@ pub fn write_results(folder: &mut ResultFolder, config: &ScanConfig, scan: &Fini
     add("config.toml", &|w| Ok(w.write_all(toml::to_string(config).map_err(Fault::data)?.as_bytes())?));
     add("record.json", &|w| write_json(w, &record));
     add("steps.jsonl", &|w| record.steps.iter().try_for_each(|step| write_json(w, step)));
-    add("views.csv", &|w| write_views(w, &record));
+    add("views.csv", &|w| write_views(w, &record.steps));
     add("waypoints.csv", &|w| write_waypoints(w, scan));
     let octree = scan.session.map().to_octree().map(|octree| octree.pruned());
     add("map.ot", &|w| Ok(octree_of(&octree)?.write_ot(w)?));
@@ -67,6 +67,32 @@ pub fn write_results(folder: &mut ResultFolder, config: &ScanConfig, scan: &Fini
         add("mesh.ply", &|w| Ok(write_mesh(w, &model.vertices, model.is_filled(), model.triangles())?));
     }
     Results { record, faults: Faults::of(faults) }
+}
+
+/// One of the [`RESULT_FILES`] of a scan as it stands, but `report.html`. The record is without measures of
+/// the model.
+///
+/// # Errors
+/// If the scan has none of this name, or it cannot be made, as a cloud before an object was found.
+pub fn result_file(name: &str, config: &ScanConfig, scan: &FinishedScan<'_>) -> Result<Vec<u8>, Fault> {
+    let w = &mut Vec::new();
+    let octree = || scan.session.map().to_octree().map(|octree| octree.pruned());
+    match name {
+        "config.toml" => w.extend(toml::to_string(config).map_err(Fault::data)?.into_bytes()),
+        "record.json" => write_json(w, &scan.record(config, Measured::Nothing)?)?,
+        "steps.jsonl" => scan.steps.iter().try_for_each(|step| write_json(w, step))?,
+        "views.csv" => write_views(w, &scan.steps)?,
+        "waypoints.csv" => write_waypoints(w, scan)?,
+        "map.ot" => octree()?.write_ot(&mut *w)?,
+        "map.bt" => octree()?.write_bt(&mut *w)?,
+        "cloud.ply" => write_cloud(&mut *w, &scan.model(config.model)?.cloud)?,
+        "mesh.ply" => {
+            let model = scan.model(config.model)?;
+            write_mesh(&mut *w, &model.vertices, model.is_filled(), model.triangles())?;
+        }
+        name => return Err(Fault::of_value("name", name, RESULT_FILES.join(", "))),
+    }
+    Ok(std::mem::take(w))
 }
 
 fn octree_of(octree: &Result<Octree, nextview::Error>) -> Result<&Octree, Fault> {
@@ -80,9 +106,9 @@ fn write_json(writer: &mut Vec<u8>, value: &impl serde::Serialize) -> Result<(),
     Ok(())
 }
 
-fn write_views(writer: &mut Vec<u8>, record: &ScanRecord) -> Result<(), Fault> {
+fn write_views(writer: &mut Vec<u8>, steps: &[StepRecord]) -> Result<(), Fault> {
     writeln!(writer, "step,view,x_m,y_m,z_m,qx,qy,qz,qw")?;
-    for step in &record.steps {
+    for step in steps {
         let view = step.view.map(|view| view.to_string()).unwrap_or_default();
         let ([x, y, z], [qx, qy, qz, qw]) = (step.position_m, step.quaternion_xyzw);
         writeln!(writer, "{},{view},{x},{y},{z},{qx},{qy},{qz},{qw}", step.step)?;

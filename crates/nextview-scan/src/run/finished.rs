@@ -6,7 +6,7 @@ use crate::{
 use glam::DVec3;
 use nextview::geometry::{Aabb, Plane};
 use nextview::motion::Trajectory;
-use nextview::sensor::ColorImage;
+use nextview::sensor::{ColorImage, Frame};
 use nextview::session::{BOX_MARGIN_FACTOR, BOX_MARGIN_VOXELS, ON_TABLE, Session, StopReason};
 use nextview::surface::{CloudPoint, SurfaceMesh, WatertightMesh, downsample};
 
@@ -149,8 +149,22 @@ impl FinishedScan<'_> {
         }
     }
 
-    /// The colour image of the step with this index: the one that was pushed, or else the source's; none if
-    /// its frame has no colours. Fails if the source cannot load it. Panics if there is no such step.
+    /// The frame of a step, by its index from 0, in the pose in which it was mapped, or set aside.
+    pub fn frame(&self, step_idx: usize) -> Result<&Frame, Fault> {
+        let mapped = self.session.frame_numbers().iter().copied().zip(self.session.frames());
+        let aside = self.session.set_aside().iter().map(|aside| (aside.number, &aside.frame));
+        let found = mapped.chain(aside).find(|(number, _)| *number == step_idx);
+        let expected = || match self.steps.len() {
+            0 => "a frame to be taken first".to_owned(),
+            n => format!("0 to {}", n - 1),
+        };
+        found.map(|(_, frame)| frame).ok_or_else(|| Fault::of_value("step_idx", step_idx, expected()))
+    }
+
+    /// The colours of a step, by its index from 0: those that were pushed, or else those of the source.
+    ///
+    /// # Panics
+    /// If there is no such step.
     pub fn color(&self, step_idx: usize) -> Result<Option<ColorImage>, Fault> {
         match (&self.colors[step_idx], self.source) {
             (Some(color), _) => Ok(Some(color.clone())),

@@ -1,0 +1,113 @@
+use crate::{Failure, stdout};
+use clap::Args;
+use nextview_scan::{Fault, files};
+use nextview_server::{Limits, ServerConfig, Started, serve};
+use std::net::SocketAddr;
+use std::path::PathBuf;
+
+/// Largest file of a token, bytes.
+const MAX_TOKEN: u64 = 4096;
+
+/// Serve scans over HTTP: post the frames of any camera, get the next view.
+///
+/// Every frame is on the disk before it is acknowledged, and a server that was killed goes on with all scans.
+/// docs/server.md describes the routes, /openapi.json too.
+///
+/// Whoever is on this machine may ask, but for web pages: the server's own page needs the token that is
+/// printed. An address that others can reach needs a token for everybody.
+#[derive(Debug, Args)]
+#[command(after_help = EXAMPLES)]
+pub(super) struct ServeArgs {
+    /// Address to listen on; port 0 takes any that is free
+    #[arg(long, value_name = "ADDRESS:PORT", default_value = "127.0.0.1:7878")]
+    listen: SocketAddr,
+    /// Folder of all scans
+    #[arg(long, value_name = "DIR", default_value = "nextview-scans")]
+    dir: PathBuf,
+    /// File with the token that clients must send, at least 16 characters [default: the environment variable
+    /// NEXTVIEW_TOKEN]
+    #[arg(long, value_name = "FILE")]
+    token_file: Option<PathBuf>,
+    /// Another name under which clients reach the server, without port; may be given several times
+    #[arg(long = "host", value_name = "NAME")]
+    hosts: Vec<String>,
+    /// Largest body of a request
+    #[arg(long, value_name = "MB", default_value = "64", value_parser = clap::value_parser!(u32).range(1..=1024))]
+    max_body_mb: u32,
+    /// Most pixels of an image
+    #[arg(long, value_name = "N", default_value = "8000000", value_parser = clap::value_parser!(u32).range(1..))]
+    max_pixels: u32,
+    /// Most scans under way
+    #[arg(long, value_name = "N", default_value = "64", value_parser = clap::value_parser!(u32).range(1..))]
+    max_scans: u32,
+    /// Most frames of a scan
+    #[arg(long, value_name = "N", default_value = "500", value_parser = clap::value_parser!(u32).range(1..))]
+    max_frames: u32,
+    /// Most connections at once
+    #[arg(long, value_name = "N", default_value = "256", value_parser = clap::value_parser!(u32).range(1..=65536))]
+    max_connections: u32,
+    /// Memory above which neither scans nor frames are taken
+    #[arg(long, value_name = "MB", default_value = "4096", value_parser = clap::value_parser!(u64).range(64..))]
+    max_memory_mb: u64,
+    /// Space of the disk that stays free
+    #[arg(long, value_name = "MB", default_value = "512")]
+    min_free_disk_mb: u64,
+}
+
+const EXAMPLES: &str = "\
+Examples:
+  nextview serve
+  nextview serve --listen 0.0.0.0:7878 --token-file token --host scanner.local
+  curl http://127.0.0.1:7878/scans";
+
+impl ServeArgs {
+    pub fn run(self) -> Result<(), Failure> {
+        let token = self.token()?;
+        let mut printed = Ok(());
+        serve(ServerConfig { token, limits: self.limits(), ..self.config() }, |started| {
+            printed = tell(started);
+        })?;
+        printed
+    }
+
+    fn config(&self) -> ServerConfig {
+        let (listen, hosts, dir) = (self.listen, self.hosts.clone(), self.dir.clone());
+        ServerConfig { listen, hosts, dir, ..ServerConfig::default() }
+    }
+
+    fn limits(&self) -> Limits {
+        let body_bytes = (self.max_body_mb as usize) << 20;
+        Limits {
+            body_bytes,
+            all_bodies_bytes: 4 * body_bytes,
+            image_pixels: self.max_pixels as usize,
+            scans: self.max_scans as usize,
+            frames: self.max_frames as usize,
+            connections: self.max_connections as usize,
+            event_streams: (self.max_connections as usize / 4).max(1),
+            memory_mb: self.max_memory_mb,
+            free_disk_mb: self.min_free_disk_mb,
+            ..Limits::default()
+        }
+    }
+
+    fn token(&self) -> Result<Option<String>, Failure> {
+        if let Some(file) = &self.token_file {
+            return Ok(Some(files::read_text(file, MAX_TOKEN)?));
+        }
+        match std::env::var("NEXTVIEW_TOKEN") {
+            Ok(token) => Ok(Some(token)),
+            Err(std::env::VarError::NotPresent) => Ok(None),
+            Err(error) => Err(Fault::request(format!("NEXTVIEW_TOKEN: {error}")).into()),
+        }
+    }
+}
+
+fn tell(started: &Started) -> Result<(), Failure> {
+    let resumed = match started.n_resumed {
+        0 => String::new(),
+        1 => "resumes 1 scan\n".to_owned(),
+        n => format!("resumes {n} scans\n"),
+    };
+    stdout::print(format!("listens on http://{}\npage: {}\n{resumed}", started.address, started.page))
+}

@@ -1,0 +1,20 @@
+use png::{BitDepth, ColorType, Compression};
+
+/// A PNG file with 8 bits for each sample: red, green and blue of each pixel, or its entry in a palette.
+pub fn png_file(
+    [width, height]: [u32; 2],
+    samples: &[u8],
+    palette: Option<Vec<u8>>,
+    compression: Compression,
+) -> Vec<u8> {
+    let mut out = Vec::new();
+    let mut encoder = png::Encoder::new(&mut out, width, height);
+    encoder.set_color(if palette.is_some() { ColorType::Indexed } else { ColorType::Rgb });
+    encoder.set_depth(BitDepth::Eight);
+    palette.into_iter().for_each(|palette| encoder.set_palette(palette));
+    encoder.set_compression(compression);
+    let mut writer = encoder.write_header().expect("memory takes every byte");
+    writer.write_image_data(samples).expect("as many samples as pixels");
+    writer.finish().expect("memory takes every byte");
+    out
+}

@@ -1,0 +1,43 @@
+use crate::Limits;
+use crate::access::Access;
+use crate::refusal::Refusal;
+use crate::scans::Scans;
+use axum::http::StatusCode;
+use nextview_scan::{Fault, memory};
+use std::sync::Arc;
+use tokio::sync::{Semaphore, watch};
+
+/// What all requests share.
+pub(crate) struct App {
+    pub limits: Limits,
+    pub access: Access,
+    pub scans: Scans,
+    /// Kilobytes of bodies that may still be received.
+    pub bodies: Arc<Semaphore>,
+    /// Event streams that may still begin.
+    pub streams: Arc<Semaphore>,
+    /// Whether the server is about to end.
+    pub is_closing: watch::Receiver<bool>,
+}
+
+impl App {
+    /// Fails if there is no room for another scan or frame.
+    pub fn check_room(&self) -> Result<(), Refusal> {
+        let most = self.limits.memory_mb;
+        if memory::now_mb().is_some_and(|now| now > most as f64) {
+            self.scans.forget_finished();
+        }
+        if let Some(now) = memory::now_mb().filter(|now| *now > most as f64) {
+            let message = format!("the server holds {now:.0} MB of memory, its limit is {most} MB");
+            let fault = Fault::request(message).with_remedy("finish or delete scans");
+            return Err(Refusal::new(StatusCode::SERVICE_UNAVAILABLE, fault));
+        }
+        let least = self.limits.free_disk_mb;
+        if let Some(free) = self.scans.free_disk_mb().filter(|free| *free < least) {
+            let message = format!("{free} MB of the server's disk are free, {least} MB are to stay free");
+            let fault = Fault::request(message).with_remedy("make room on the server's disk");
+            return Err(Refusal::new(StatusCode::SERVICE_UNAVAILABLE, fault));
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,85 @@
+//! Bodies of requests, of bounded size and time.
+
+use crate::app::App;
+use crate::json::json;
+use crate::limits::exceeded;
+use crate::refusal::Refusal;
+use axum::body::Body;
+use axum::http::{HeaderMap, StatusCode, header};
+use futures_util::StreamExt;
+use nextview_scan::Fault;
+use serde::de::DeserializeOwned;
+use tokio::sync::OwnedSemaphorePermit;
+
+/// A body, with its share of the memory for bodies, to be held as long as the bytes are.
+pub(crate) struct Received {
+    pub bytes: Vec<u8>,
+    pub share: OwnedSemaphorePermit,
+}
+
+/// Receives a body as a whole.
+pub(crate) async fn receive(app: &App, headers: &HeaderMap, body: Body) -> Result<Received, Refusal> {
+    let most = app.limits.body_bytes;
+    let stated = headers.get(header::CONTENT_LENGTH).and_then(|length| length.to_str().ok()?.parse().ok());
+    let stated: usize = stated.unwrap_or(most);
+    if stated > most {
+        return Err(too_large(stated, most));
+    }
+    let kilobytes = stated.div_ceil(1024) as u32;
+    let share = app.bodies.clone().try_acquire_many_owned(kilobytes).map_err(|_| {
+        let fault = Fault::request("the server receives as many large bodies as it has room for");
+        Refusal::busy(StatusCode::SERVICE_UNAVAILABLE, fault)
+    })?;
+    let bytes = tokio::time::timeout(app.limits.body_time, collect(body, most)).await;
+    let bytes = bytes.map_err(|_| {
+        let seconds = app.limits.body_time.as_secs();
+        Refusal::of(StatusCode::REQUEST_TIMEOUT, format!("the body did not come within {seconds} s"))
+    })??;
+    Ok(Received { bytes, share })
+}
+
+async fn collect(body: Body, most: usize) -> Result<Vec<u8>, Refusal> {
+    let mut bytes = Vec::new();
+    let mut parts = body.into_data_stream();
+    while let Some(part) = parts.next().await {
+        let part = part.map_err(|error| {
+            Refusal::of(StatusCode::BAD_REQUEST, format!("the body ended early or is broken: {error}"))
+        })?;
+        bytes.extend_from_slice(&part);
+        if bytes.len() > most {
+            return Err(too_large(bytes.len(), most));
+        }
+    }
+    Ok(bytes)
+}
+
+fn too_large(value: usize, most: usize) -> Refusal {
+    let fault = exceeded("content-length", value, format!("{most} bytes"));
+    Refusal::new(StatusCode::PAYLOAD_TOO_LARGE, fault)
+}
+
+/// Receives a JSON body. `what` it is stands in messages.
+pub(crate) async fn receive_json<T: DeserializeOwned>(
+    app: &App,
+    headers: &HeaderMap,
+    body: Body,
+    what: &str,
+) -> Result<T, Refusal> {
+    let kind = headers.get(header::CONTENT_TYPE).map(|kind| kind.as_bytes());
+    if kind.is_some_and(|kind| !is_kind(kind, "application/json")) {
+        return Err(wrong_kind(kind, "application/json"));
+    }
+    json(&receive(app, headers, body).await?.bytes, what)
+}
+
+/// Whether a content type is this one, whatever its parameters.
+pub(crate) fn is_kind(kind: &[u8], expected: &str) -> bool {
+    let bare = kind.split(|byte| *byte == b';').next().unwrap_or_default();
+    bare.trim_ascii().eq_ignore_ascii_case(expected.as_bytes())
+}
+
+/// A content type that is none of those that are read.
+pub(crate) fn wrong_kind(kind: Option<&[u8]>, expected: &str) -> Refusal {
+    let kind = kind.map_or("missing".into(), String::from_utf8_lossy);
+    Refusal::new(StatusCode::UNSUPPORTED_MEDIA_TYPE, Fault::of_value("content-type", kind, expected))
+}

@@ -1,0 +1,103 @@
+//! Connections: as many as there may be, none of which waits for ever.
+
+mod patient;
+
+use crate::Limits;
+use crate::refusal::Refusal;
+use axum::Router;
+use axum::body::Body;
+use axum::http::{Response, StatusCode};
+use axum::response::IntoResponse;
+use futures_util::FutureExt;
+use hyper::server::conn::http1;
+use hyper::service::service_fn;
+use hyper_util::rt::{TokioIo, TokioTimer};
+use hyper_util::server::graceful::GracefulShutdown;
+use nextview_scan::Fault;
+use patient::Patient;
+use std::convert::Infallible;
+use std::future::Future;
+use std::panic::AssertUnwindSafe;
+use std::sync::Arc;
+use std::time::Duration;
+use tokio::io::AsyncWriteExt;
+use tokio::net::{TcpListener, TcpStream};
+use tokio::sync::{Semaphore, watch};
+
+/// What is told to whoever connects when there is no room.
+const FULL: &str = "{\"faults\":[{\"kind\":\"request\",\"message\":\"as many clients are connected as the server has \
+                    room for\",\"remedy\":\"close connections, or ask again in a second\"}]}";
+
+/// Serves connections until the end is asked for, and then those requests that are under way.
+pub(crate) async fn accept(
+    listener: TcpListener,
+    router: Router,
+    limits: Limits,
+    end: impl Future<Output = ()>,
+    close: watch::Sender<bool>,
+) {
+    let places = Arc::new(Semaphore::new(limits.connections));
+    let graceful = GracefulShutdown::new();
+    let mut end = std::pin::pin!(end);
+    loop {
+        let stream = tokio::select! {
+            accepted = listener.accept() => match accepted {
+                Ok((stream, _)) => stream,
+                // No file handle is left, for example: it may be better in a moment.
+                Err(_) => {
+                    tokio::time::sleep(Duration::from_millis(50)).await;
+                    continue;
+                }
+            },
+            () = &mut end => break,
+        };
+        let Ok(place) = places.clone().try_acquire_owned() else {
+            tokio::spawn(refuse(stream));
+            continue;
+        };
+        // An answer is not held back until there is more of it.
+        let _ = stream.set_nodelay(true);
+        let router = router.clone();
+        let service = service_fn(move |request| answer(router.clone(), request));
+        let io = TokioIo::new(Patient::new(stream, limits.body_time));
+        let mut http = http1::Builder::new();
+        http.timer(TokioTimer::new()).header_read_timeout(limits.head_time).max_headers(64);
+        let connection = graceful.watch(http.serve_connection(io, service));
+        tokio::spawn(async move {
+            let _place = place;
+            // What is wrong with a connection is the client's to know.
+            let _ = connection.await;
+        });
+    }
+    drop(listener);
+    close.send_replace(true);
+    let _ = tokio::time::timeout(limits.answer_time, graceful.shutdown()).await;
+}
+
+/// A panic is answered, too.
+async fn answer(
+    router: Router,
+    request: hyper::Request<hyper::body::Incoming>,
+) -> Result<Response<Body>, Infallible> {
+    use hyper::service::Service;
+    let service = hyper_util::service::TowerToHyperService::new(router);
+    let answered = AssertUnwindSafe(service.call(request)).catch_unwind().await;
+    Ok(match answered {
+        Ok(Ok(response)) => response,
+        Err(_) => {
+            let fault = Fault::data("the server failed by a fault of its own")
+                .with_remedy("report it, with what was asked");
+            Refusal::new(StatusCode::INTERNAL_SERVER_ERROR, fault).into_response()
+        }
+    })
+}
+
+async fn refuse(mut stream: TcpStream) {
+    let head = format!(
+        "HTTP/1.1 503 Service Unavailable\r\ncontent-type: application/json\r\nretry-after: 1\r\n\
+         connection: close\r\ncontent-length: {}\r\n\r\n",
+        FULL.len()
+    );
+    let told = async { stream.write_all(format!("{head}{FULL}").as_bytes()).await };
+    let _ = tokio::time::timeout(Duration::from_secs(1), told).await;
+}

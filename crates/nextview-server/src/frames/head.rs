@@ -1,0 +1,65 @@
+use crate::refusal::Refusal;
+use nextview::geometry::Pose;
+use nextview::sensor::Intrinsics;
+use nextview_scan::{Fault, pose_of_rows};
+use schemars::JsonSchema;
+use serde::Deserialize;
+
+/// A frame without its images.
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct FrameHead {
+    /// A name that no other frame of the scan has, 1 to 128 characters: a frame that is sent again under it
+    /// counts once.
+    pub id: String,
+    /// Where the camera stood: the rows of the 4 x 4 matrix that takes points of the camera, which looks
+    /// along z with y downwards, to the world; metres.
+    #[serde(default)]
+    pub world_from_camera: Option<[[f64; 4]; 4]>,
+    /// Length of a unit of 16-bit depth, metres. Default 0.001.
+    #[serde(default = "millimetre")]
+    pub depth_scale_m: f64,
+    /// The optics; stated, they must be those of the scan.
+    #[serde(default)]
+    #[schemars(with = "Option<std::collections::BTreeMap<String, serde_json::Value>>")]
+    pub camera: Option<Intrinsics>,
+}
+
+pub(super) fn millimetre() -> f64 {
+    1e-3
+}
+
+impl FrameHead {
+    /// The pose. Fails on whatever of the head cannot be, or is not of this camera.
+    pub fn pose(&self, camera: &Intrinsics) -> Result<Pose, Refusal> {
+        let is_visible = |character: char| !character.is_control();
+        let n = self.id.chars().count();
+        if !(1..=128).contains(&n) || !self.id.chars().all(is_visible) {
+            let id: String = self.id.chars().take(128).collect();
+            let fault = Fault::of_value(
+                "id",
+                id.escape_debug(),
+                "1 to 128 characters, none of them a control character",
+            );
+            return Err(Refusal::content(fault));
+        }
+        let scale = self.depth_scale_m;
+        if !(scale > 0.0 && scale <= 1.0) {
+            let expected = "a positive number of metres, at most 1";
+            return Err(Refusal::content(Fault::of_value("depth_scale_m", scale, expected)));
+        }
+        if let Some(given) = self.camera.filter(|given| given != camera) {
+            let text = |camera: &Intrinsics| serde_json::to_string(camera).unwrap_or_default();
+            let fault =
+                Fault::of_value("camera", text(&given), format!("that of the scan, {}", text(camera)));
+            return Err(Refusal::content(
+                fault.with_remedy("leave it out, or create a scan for this camera"),
+            ));
+        }
+        let Some(rows) = &self.world_from_camera else {
+            let expected = "the rows of a 4 x 4 matrix: frames without a pose cannot be placed yet";
+            return Err(Refusal::content(Fault::of_value("world_from_camera", "missing", expected)));
+        };
+        pose_of_rows("world_from_camera", rows).map_err(Refusal::content)
+    }
+}

@@ -1,0 +1,60 @@
+use super::head::{FrameHead, millimetre};
+use super::posted::{Dtype, Shape};
+use crate::refusal::Refusal;
+use nextview_scan::Fault;
+use schemars::JsonSchema;
+use serde::Deserialize;
+
+/// A frame's head in the query, where the body is an image alone.
+#[derive(Clone, Debug, Default, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct FrameQuery {
+    /// A name that no other frame of the scan has.
+    id: Option<String>,
+    /// Where the camera stood: the 16 numbers of the matrix by rows, with commas between them.
+    world_from_camera: Option<String>,
+    /// Length of a unit of 16-bit depth, metres. Default 0.001.
+    depth_scale_m: Option<f64>,
+    /// Of raw numbers, the width in pixels.
+    width: Option<u32>,
+    /// Of raw numbers, the height in pixels.
+    height: Option<u32>,
+    /// Of raw numbers, their type.
+    dtype: Option<Dtype>,
+}
+
+impl FrameQuery {
+    pub fn head(&self) -> Result<FrameHead, Refusal> {
+        Ok(FrameHead {
+            id: self.id.clone().ok_or_else(|| missing("id", "a name of the frame"))?,
+            world_from_camera: self.world_from_camera.as_deref().map(rows).transpose()?,
+            depth_scale_m: self.depth_scale_m.unwrap_or_else(millimetre),
+            camera: None,
+        })
+    }
+
+    pub fn shape(&self) -> Result<Shape, Refusal> {
+        Ok(Shape {
+            width: self.width.ok_or_else(|| missing("width", "a number of pixels"))?,
+            height: self.height.ok_or_else(|| missing("height", "a number of pixels"))?,
+            dtype: self.dtype.ok_or_else(|| missing("dtype", "u16 or f32"))?,
+        })
+    }
+}
+
+fn missing(key: &str, expected: &str) -> Refusal {
+    Refusal::content(Fault::of_value(key, "missing in the query", expected))
+}
+
+fn rows(text: &str) -> Result<[[f64; 4]; 4], Refusal> {
+    let numbers: Option<Vec<f64>> = text.split(',').map(|number| number.trim().parse().ok()).collect();
+    let numbers = numbers.and_then(|numbers| <[f64; 16]>::try_from(numbers).ok()).ok_or_else(|| {
+        let text: String = text.chars().take(300).collect();
+        Refusal::content(Fault::of_value(
+            "world_from_camera",
+            text,
+            "16 numbers with commas between them, by rows",
+        ))
+    })?;
+    Ok(std::array::from_fn(|i| std::array::from_fn(|j| numbers[4 * i + j])))
+}

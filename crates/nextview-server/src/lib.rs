@@ -1,0 +1,26 @@
+//! An HTTP server for scans by any camera: whoever has the camera posts frames and gets the next views.
+//!
+//! Scans are those of [`nextview_scan::LiveScan`]; what is here is HTTP: routes, bodies, who may ask, and
+//! limits against whoever asks too much. Every frame is on the disk before it is acknowledged, and a server
+//! that was killed goes on with all scans. Start with [`serve`]; `docs/server.md` describes the routes.
+
+mod access;
+mod answers;
+mod app;
+mod body;
+mod connections;
+mod frames;
+mod guard;
+mod json;
+mod limits;
+mod openapi;
+mod page;
+mod refusal;
+mod routes;
+mod scans;
+mod serve;
+mod time;
+
+pub use limits::Limits;
+pub use openapi::openapi;
+pub use serve::{ServerConfig, Started, serve};

@@ -1,0 +1,119 @@
+use axum::http::{StatusCode, header};
+use axum::response::{IntoResponse, Response};
+use nextview_scan::{Fault, FaultKind, Faults};
+use schemars::JsonSchema;
+use serde::Serialize;
+
+/// Why a request was not done: a status and at least one fault.
+#[derive(Debug)]
+pub(crate) struct Refusal {
+    pub status: StatusCode,
+    pub faults: Faults,
+    /// Seconds after which it may be asked again.
+    pub retry_after_s: Option<u32>,
+}
+
+/// A fault as it is answered.
+#[derive(Serialize, JsonSchema)]
+pub(crate) struct FaultAnswer {
+    /// `request`: whoever asked can mend it; `data`: a file or the system is at fault; `cancelled`: ask
+    /// again.
+    kind: &'static str,
+    /// Dotted key of the value that is wrong; none where it is not about one value.
+    key: Option<String>,
+    /// The value that was given.
+    value: Option<String>,
+    /// What would be right.
+    expected: Option<String>,
+    /// The whole fault as a sentence.
+    message: String,
+    /// What to do about it.
+    remedy: Option<String>,
+}
+
+/// All that is wrong.
+#[derive(Serialize, JsonSchema)]
+pub(crate) struct FaultsAnswer {
+    /// At least one.
+    faults: Vec<FaultAnswer>,
+}
+
+impl Refusal {
+    pub fn new(status: StatusCode, fault: impl Into<Faults>) -> Self {
+        Self { status, faults: fault.into(), retry_after_s: None }
+    }
+
+    /// With no more than a sentence.
+    pub fn of(status: StatusCode, message: impl std::fmt::Display) -> Self {
+        Self::new(status, Fault::request(message))
+    }
+
+    /// There is too much to do just now.
+    pub fn busy(status: StatusCode, fault: Fault) -> Self {
+        Self { retry_after_s: Some(1), ..Self::new(status, fault.with_remedy("ask again in a second")) }
+    }
+
+    /// Whether a computation was cancelled.
+    pub fn is_cancelled(&self) -> bool {
+        self.faults.iter().any(|fault| fault.kind == FaultKind::Cancelled)
+    }
+
+    /// The request's content cannot be, whoever states that.
+    pub fn content(faults: impl Into<Faults>) -> Self {
+        Self::new(StatusCode::UNPROCESSABLE_ENTITY, faults)
+    }
+}
+
+impl From<Faults> for Refusal {
+    fn from(faults: Faults) -> Self {
+        let is = |kind| faults.iter().any(|fault| fault.kind == kind);
+        let status = match () {
+            _ if is(FaultKind::Data) => StatusCode::INTERNAL_SERVER_ERROR,
+            _ if is(FaultKind::Request) => StatusCode::UNPROCESSABLE_ENTITY,
+            _ => StatusCode::SERVICE_UNAVAILABLE,
+        };
+        Self::new(status, faults)
+    }
+}
+
+impl From<Fault> for Refusal {
+    fn from(fault: Fault) -> Self {
+        Faults::from(fault).into()
+    }
+}
+
+impl From<&Fault> for FaultAnswer {
+    fn from(fault: &Fault) -> Self {
+        // Where files are on the server's disk is nobody's business, nor can a client mend them.
+        let remedy = fault.remedy.clone().filter(|_| fault.place.is_none());
+        let file = fault.place.as_ref().and_then(|place| place.file.file_name());
+        let file = file.map(|name| format!("{}: ", name.to_string_lossy())).unwrap_or_default();
+        Self {
+            kind: match fault.kind {
+                FaultKind::Request => "request",
+                FaultKind::Data => "data",
+                FaultKind::Cancelled => "cancelled",
+            },
+            key: fault.key.clone(),
+            value: fault.value.clone(),
+            expected: fault.expected.clone(),
+            message: format!("{file}{}", fault.message),
+            remedy,
+        }
+    }
+}
+
+impl IntoResponse for Refusal {
+    fn into_response(self) -> Response {
+        let answer = FaultsAnswer { faults: self.faults.iter().map(FaultAnswer::from).collect() };
+        let mut response = (self.status, axum::Json(answer)).into_response();
+        let headers = response.headers_mut();
+        if let Some(seconds) = self.retry_after_s {
+            headers.insert(header::RETRY_AFTER, seconds.into());
+        }
+        if self.status == StatusCode::UNAUTHORIZED {
+            headers.insert(header::WWW_AUTHENTICATE, header::HeaderValue::from_static("Bearer"));
+        }
+        response
+    }
+}

@@ -1,0 +1,67 @@
+use super::route::{Content, Doc, Method, Route};
+use crate::answers::FrameAnswer;
+use crate::app::App;
+use crate::frames::{FrameHead, FrameQuery, receive_frame};
+use crate::refusal::Refusal;
+use axum::Json;
+use axum::body::Body;
+use axum::extract::{Path, Query, State};
+use axum::http::{HeaderMap, StatusCode};
+use nextview_scan::Fault;
+use schemars::JsonSchema;
+use std::sync::Arc;
+
+/// The parts of a frame.
+#[derive(JsonSchema)]
+#[expect(dead_code, reason = "describes what is received")]
+struct FrameParts {
+    /// Everything but the images, as JSON.
+    frame: FrameHead,
+    /// PNG of 16 bits a pixel, without colour, of the camera's size.
+    depth: String,
+    /// PNG or JPEG of 8 bits of red, green and blue each, of the same size.
+    color: Option<String>,
+    /// PNG of 8 bits a pixel, of the same size: where it is 0, there is nothing of the object.
+    mask: Option<String>,
+}
+
+pub(super) fn routes() -> Vec<Route> {
+    let parts = Content { kind: "multipart/form-data", ..Content::json::<FrameParts>() };
+    let doc = Doc::new(
+        "Takes in a frame: it is on the disk before this is answered",
+        Content::json::<FrameAnswer>(),
+    );
+    let doc = doc.with_query::<FrameQuery>().taking(parts);
+    let doc = doc.taking(Content::of("image/png")).taking(Content::of("application/octet-stream"));
+    vec![Route::new("/scans/{id}/frames").on(Method::Post, doc, post)]
+}
+
+async fn post(
+    State(app): State<Arc<App>>,
+    Path(id): Path<String>,
+    Query(query): Query<FrameQuery>,
+    headers: HeaderMap,
+    body: Body,
+) -> Result<Json<FrameAnswer>, Refusal> {
+    let scan = app.scans.find(&id)?;
+    app.check_room()?;
+    let (posted, share) = receive_frame(&app, &headers, query, body).await?;
+    let (most, listened) = (app.limits.frames, scan.clone());
+    let answer = scan.with(move |work| {
+        let _share = share;
+        let (scan, _) = work.under_way()?;
+        let frame = posted.decode(&scan.config().camera)?;
+        let known = scan.known(&frame).map_err(|fault| Refusal::new(StatusCode::CONFLICT, fault))?;
+        if let Some(step) = known {
+            return Ok(FrameAnswer { duplicate: true, step: step.clone() });
+        }
+        if scan.scan().steps.len() >= most {
+            let fault = Fault::of_value("frames", most + 1, format!("at most {most} in a scan"));
+            return Err(Refusal::new(StatusCode::CONFLICT, fault.with_remedy("finish the scan")));
+        }
+        let step = scan.observe(frame)?.clone();
+        listened.events.tell("frame", &step);
+        Ok(FrameAnswer { duplicate: false, step })
+    });
+    Ok(Json(answer.await?))
+}

@@ -1,0 +1,91 @@
+use super::route::{Content, Doc, Method, Route};
+use crate::app::App;
+use crate::page;
+use crate::refusal::Refusal;
+use axum::extract::{Path, Query, State};
+use axum::http::{StatusCode, header};
+use axum::response::{IntoResponse, Response};
+use nextview_report::{color_png, depth_png};
+use nextview_scan::{Fault, LiveScan};
+use schemars::JsonSchema;
+use serde::Deserialize;
+use std::sync::Arc;
+
+/// Which part of a scene.
+#[derive(Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+struct SceneQuery {
+    /// Number of frames that the page has already. Default 0.
+    #[serde(default)]
+    after: usize,
+}
+
+pub(super) fn routes() -> Vec<Route> {
+    let png = || Content::of("image/png");
+    let scene = Doc::new("The scan as the page draws it", Content::json::<serde_json::Value>());
+    vec![
+        Route::new("/scans/{id}/scene").on(Method::Get, scene.with_query::<SceneQuery>(), get_scene),
+        Route::new("/scans/{id}/frames/{step}/depth.png").on(
+            Method::Get,
+            Doc::new("The depth of a step, from 1, in colours", png()),
+            depth,
+        ),
+        Route::new("/scans/{id}/frames/{step}/color.png").on(
+            Method::Get,
+            Doc::new("The colours of a step, from 1", png()),
+            color,
+        ),
+    ]
+}
+
+async fn get_scene(
+    State(app): State<Arc<App>>,
+    Path(id): Path<String>,
+    Query(SceneQuery { after }): Query<SceneQuery>,
+) -> Result<Response, Refusal> {
+    let scan = app.scans.find(&id)?;
+    let scene = scan.with(move |work| {
+        let is_paused = work.is_finished() || work.about.is_paused;
+        let scan = work.shown()?;
+        let next = if is_paused { None } else { scan.next()? };
+        Ok(page::scene(scan.scan(), scan.config(), next.as_ref(), after))
+    });
+    Ok(([(header::CONTENT_TYPE, "application/json")], scene.await?).into_response())
+}
+
+async fn depth(
+    State(app): State<Arc<App>>,
+    Path((id, step)): Path<(String, usize)>,
+) -> Result<Response, Refusal> {
+    let scan = app.scans.find(&id)?;
+    let png = scan.with(move |work| {
+        let scan = work.shown()?;
+        let step_idx = step_idx(scan, step)?;
+        Ok(depth_png(scan.scan().frame(step_idx)?.image()))
+    });
+    Ok(([(header::CONTENT_TYPE, "image/png")], png.await?).into_response())
+}
+
+async fn color(
+    State(app): State<Arc<App>>,
+    Path((id, step)): Path<(String, usize)>,
+) -> Result<Response, Refusal> {
+    let scan = app.scans.find(&id)?;
+    let png = scan.with(move |work| {
+        let scan = work.shown()?;
+        let step_idx = step_idx(scan, step)?;
+        let color = scan.scan().color(step_idx)?;
+        let none =
+            || Refusal::of(StatusCode::NOT_FOUND, format!("the frame of step {step} came without colours"));
+        Ok(color_png(&color.ok_or_else(none)?))
+    });
+    Ok(([(header::CONTENT_TYPE, "image/png")], png.await?).into_response())
+}
+
+fn step_idx(scan: &LiveScan, step: usize) -> Result<usize, Refusal> {
+    let n = scan.scan().steps.len();
+    step.checked_sub(1).filter(|step_idx| *step_idx < n).ok_or_else(|| {
+        let fault = Fault::of_value("step", step, format!("1 to {n}, the frames so far"));
+        Refusal::new(StatusCode::NOT_FOUND, fault)
+    })
+}

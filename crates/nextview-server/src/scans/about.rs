@@ -1,0 +1,48 @@
+use nextview_scan::files::{self, Overwrite};
+use nextview_scan::{Fault, ScanConfig};
+use serde::{Deserialize, Serialize};
+use std::io::Write;
+use std::path::Path;
+
+/// What the server keeps of a scan beside its journal, in the scan's folder.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct About {
+    /// When it was created: UTC, RFC 3339.
+    pub created: String,
+    /// Whether a proposed view must be accepted before it is given out.
+    pub confirm_views: bool,
+    /// Whether no views are given out for now.
+    pub is_paused: bool,
+    /// Number of frames after which the next view was accepted; none where none is.
+    pub accepted_after: Option<usize>,
+    /// The configuration as it was given, as TOML.
+    pub config: String,
+}
+
+impl About {
+    /// Name of the file.
+    pub const FILE: &str = "server.json";
+
+    /// Largest file: a configuration may have a megabyte.
+    const MAX_BYTES: u64 = 1 << 22;
+
+    pub fn load(dir: &Path) -> Result<Self, Fault> {
+        let path = dir.join(Self::FILE);
+        let text = files::read_text(&path, Self::MAX_BYTES)?;
+        serde_json::from_str(&text).map_err(|error| Fault::data(error).in_file(&path))
+    }
+
+    /// On the disk when this returns.
+    pub fn save(&self, dir: &Path) -> Result<(), Fault> {
+        files::write(&dir.join(Self::FILE), &Overwrite::results(), |w| {
+            serde_json::to_writer(&mut *w, self).map_err(Fault::data)?;
+            Ok(w.write_all(b"\n")?)
+        })
+    }
+
+    /// The configuration.
+    pub fn config(&self) -> Result<ScanConfig, nextview_scan::Faults> {
+        ScanConfig::parse(&self.config, None, None)
+    }
+}

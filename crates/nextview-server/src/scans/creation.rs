@@ -1,0 +1,126 @@
+use crate::Limits;
+use crate::json::json;
+use crate::limits::exceeded;
+use crate::refusal::Refusal;
+use axum::http::StatusCode;
+use nextview_scan::{Fault, Faults, ScanConfig};
+use serde_json::{Map, Value};
+
+/// A scan that is asked for.
+pub(crate) struct NewScan {
+    /// Its name; none to make one.
+    pub id: Option<String>,
+    pub confirm_views: bool,
+    pub config: ScanConfig,
+}
+
+/// Largest configuration, bytes, as of a file.
+const MAX_BYTES: usize = 1 << 20;
+
+impl NewScan {
+    /// From a JSON object with the keys of a configuration, an optional `id` and `confirm_views`.
+    pub fn from_json(bytes: &[u8], limits: &Limits) -> Result<Self, Refusal> {
+        if bytes.len() > MAX_BYTES {
+            let fault = exceeded("content-length", bytes.len(), format!("{MAX_BYTES} bytes"));
+            return Err(Refusal::new(StatusCode::PAYLOAD_TOO_LARGE, fault));
+        }
+        let mut keys: Map<String, Value> = json(bytes, "the scan")?;
+        let mut faults = Vec::new();
+        let id = take(&mut keys, "id", &mut faults, |value| {
+            value.as_str().filter(|id| is_id(id)).map(str::to_owned)
+        });
+        let confirm_views = take(&mut keys, "confirm_views", &mut faults, Value::as_bool);
+        faults.extend(of_files(&keys));
+        if let Some(faults) = Faults::of(faults) {
+            return Err(Refusal::content(faults));
+        }
+        let config = ScanConfig::from_table(table(keys)?).map_err(Refusal::content)?;
+        let faults = too_much(&config, limits);
+        Faults::of(faults).map_or(Ok(()), |faults| Err(Refusal::content(faults)))?;
+        Ok(Self { id, confirm_views: confirm_views.unwrap_or(false), config })
+    }
+}
+
+/// Whether this is a name of a scan: it is one of a folder, too.
+fn is_id(id: &str) -> bool {
+    let is_letter = |byte: u8| byte.is_ascii_lowercase() || byte.is_ascii_digit();
+    id.len() <= 64
+        && id.bytes().next().is_some_and(is_letter)
+        && id.bytes().all(|byte| is_letter(byte) || b"-_".contains(&byte))
+}
+
+/// The value of a key that is the server's own.
+fn take<T>(
+    keys: &mut Map<String, Value>,
+    key: &str,
+    faults: &mut Vec<Fault>,
+    read: impl FnOnce(&Value) -> Option<T>,
+) -> Option<T> {
+    let value = keys.remove(key).filter(|value| !value.is_null())?;
+    let read = read(&value);
+    if read.is_none() {
+        let expected = match key {
+            "id" => "1 to 64 of a-z, 0-9, - and _, the first a letter or a digit",
+            _ => "true or false",
+        };
+        faults.push(Fault::of_value(key, value, expected));
+    }
+    read
+}
+
+/// Keys with which a scan would read files of the server's.
+fn of_files(keys: &Map<String, Value>) -> Vec<Fault> {
+    let weights = keys.get("nbv_net").and_then(|section| section.get("weights"));
+    let given = ["recording", "sensor"].into_iter().filter(|key| keys.contains_key(*key));
+    let given = given.chain(weights.is_some().then_some("nbv_net.weights"));
+    let fault = |key: &str| {
+        let fault =
+            Fault::request(format!("`{key}` is not for a server, which reads no files for its clients"));
+        Fault { key: Some(key.to_owned()), ..fault.with_remedy("leave it out") }
+    };
+    given.map(fault).collect()
+}
+
+/// The same keys as a configuration file has; those without a value are left out.
+fn table(keys: Map<String, Value>) -> Result<toml::Table, Refusal> {
+    let mut value = Value::Object(keys);
+    drop_null(&mut value);
+    let table = toml::Table::try_from(value);
+    table.map_err(|error| Refusal::content(Fault::request(format!("the scan: {error}"))))
+}
+
+fn drop_null(value: &mut Value) {
+    match value {
+        Value::Object(keys) => {
+            keys.retain(|_, value| !value.is_null());
+            keys.values_mut().for_each(drop_null);
+        }
+        Value::Array(values) => values.iter_mut().for_each(drop_null),
+        _ => (),
+    }
+}
+
+/// What the server does not take on.
+fn too_much(config: &ScanConfig, limits: &Limits) -> Vec<Fault> {
+    let mut faults = Vec::new();
+    if config.live.is_none() {
+        let fault =
+            Fault::request("`live` is missing, which says where the object is and what the camera measures");
+        let fault = fault.with_remedy("state `live.box_m`, or `live.first_pose`");
+        faults.push(Fault { key: Some("live".to_owned()), ..fault });
+    }
+    let poses = config.live.as_ref().map_or(0, |live| live.poses.len());
+    let counts = [
+        ("candidates", config.candidates, limits.candidates),
+        ("live.poses", poses, limits.candidates),
+        ("views", config.views.unwrap_or(0), limits.frames),
+        ("camera", config.camera.n_pixels(), limits.image_pixels),
+        ("memory_limit_mb", config.memory_limit_mb as usize, limits.memory_mb as usize),
+    ];
+    let exceeding = counts.into_iter().filter(|(_, value, most)| value > most);
+    faults.extend(exceeding.map(|(key, value, most)| match key {
+        "camera" => exceeded(key, format!("{value} pixels"), format!("{most} pixels")),
+        _ => exceeded(key, value, most),
+    }));
+    faults
+}

@@ -1,0 +1,101 @@
+use serde::Serialize;
+use std::collections::VecDeque;
+use std::sync::{Mutex, MutexGuard, PoisonError};
+use tokio::sync::watch;
+
+/// Number of events that are kept for listeners that come back.
+const KEPT: usize = 1000;
+
+/// What has happened to a scan since the server began to work on it.
+pub(crate) struct Events {
+    /// Tells the events of this process from those of one before.
+    run: String,
+    kept: Mutex<VecDeque<Told>>,
+    /// Number of all events.
+    n_told: watch::Sender<u64>,
+}
+
+/// Something that happened.
+#[derive(Clone, Debug)]
+pub(crate) struct Told {
+    /// From 1.
+    pub number: u64,
+    pub name: &'static str,
+    /// JSON.
+    pub data: String,
+}
+
+/// A listener's place in the events.
+pub(crate) struct EventStream {
+    last: u64,
+    n_told: watch::Receiver<u64>,
+    /// Whether it has missed events, which it is told first.
+    has_gap: bool,
+}
+
+impl Events {
+    pub fn new(run: String) -> Self {
+        Self { run, kept: Mutex::default(), n_told: watch::Sender::new(0) }
+    }
+
+    pub fn tell(&self, name: &'static str, data: &impl Serialize) {
+        let data = serde_json::to_string(data).expect("records are numbers and names");
+        let mut kept = self.kept();
+        let number = kept.back().map_or(0, |told| told.number) + 1;
+        kept.push_back(Told { number, name, data });
+        if kept.len() > KEPT {
+            kept.pop_front();
+        }
+        drop(kept);
+        self.n_told.send_replace(number);
+    }
+
+    /// Listens from the event after this one on, as a listener was told it; from now on without one.
+    pub fn listen(&self, last_id: Option<&str>) -> EventStream {
+        let n_told = self.n_told.subscribe();
+        let newest = *n_told.borrow();
+        let Some(id) = last_id else { return EventStream { last: newest, n_told, has_gap: false } };
+        let number = id.split_once('-').filter(|(run, _)| *run == self.run).and_then(|(_, n)| n.parse().ok());
+        let oldest = self.kept().front().map_or(1, |told| told.number);
+        match number {
+            Some(last) if last <= newest && last + 1 >= oldest => {
+                EventStream { last, n_told, has_gap: false }
+            }
+            _ => EventStream { last: newest, n_told, has_gap: true },
+        }
+    }
+
+    /// The id of an event.
+    pub fn id(&self, number: u64) -> String {
+        format!("{}-{number}", self.run)
+    }
+
+    /// The events that a listener has not been told, once there are some.
+    pub async fn next(&self, stream: &mut EventStream) -> Vec<Told> {
+        if std::mem::take(&mut stream.has_gap) {
+            return vec![Told { number: stream.last, name: "gap", data: "{}".to_owned() }];
+        }
+        loop {
+            stream.n_told.borrow_and_update();
+            let new: Vec<Told> =
+                self.kept().iter().filter(|told| told.number > stream.last).cloned().collect();
+            if let Some(first) = new.first() {
+                // It was so slow that events it was not told have been forgotten.
+                stream.has_gap = first.number > stream.last + 1;
+                stream.last =
+                    if stream.has_gap { *stream.n_told.borrow() } else { new[new.len() - 1].number };
+                if stream.has_gap {
+                    stream.has_gap = false;
+                    return vec![Told { number: stream.last, name: "gap", data: "{}".to_owned() }];
+                }
+                return new;
+            }
+            // The sender lives as long as these events.
+            let _ = stream.n_told.changed().await;
+        }
+    }
+
+    fn kept(&self) -> MutexGuard<'_, VecDeque<Told>> {
+        self.kept.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}

@@ -1,0 +1,16 @@
+//! All scans of a server: on the disk, in memory, and one request after the other for each.
+
+mod about;
+mod creation;
+mod events;
+mod registry;
+mod scan;
+mod summary;
+mod work;
+
+pub(crate) use creation::NewScan;
+pub(crate) use events::{EventStream, Told};
+pub(crate) use registry::Scans;
+pub(crate) use scan::Scan;
+pub(crate) use summary::{ScanState, ScanSummary};
+pub(crate) use work::Work;

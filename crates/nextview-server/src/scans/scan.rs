@@ -1,0 +1,134 @@
+use super::events::Events;
+use super::summary::ScanSummary;
+use super::work::Work;
+use crate::Limits;
+use crate::refusal::Refusal;
+use axum::http::StatusCode;
+use nextview::Cancel;
+use nextview_scan::{Fault, ScanConfig};
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::sync::{Arc, Mutex, PoisonError};
+use std::time::Duration;
+use tokio::sync::{Mutex as AsyncMutex, Semaphore};
+
+/// A scan of the server. Requests to it are worked on one after the other, in the order in which they came.
+pub(crate) struct Scan {
+    pub events: Events,
+    work: Arc<AsyncMutex<Work>>,
+    queue: Arc<Semaphore>,
+    /// Shared by all scans: how many may compute.
+    cores: Arc<Semaphore>,
+    answer_time: Duration,
+    /// As of the last request that was done: to be listed without waiting.
+    summary: Mutex<ScanSummary>,
+    cancel: Cancel,
+}
+
+impl Scan {
+    pub fn new(
+        id: String,
+        run: String,
+        work: Work,
+        config: &ScanConfig,
+        shared: (Arc<Semaphore>, &Limits),
+    ) -> Self {
+        let summary = ScanSummary {
+            id,
+            object: nextview_scan::short_name(&config.object),
+            state: work.state(),
+            n_frames: n_frames(&work),
+            created: work.about.created.clone(),
+        };
+        let (cores, limits) = shared;
+        Self {
+            events: Events::new(run),
+            cancel: work.cancel.clone(),
+            work: Arc::new(AsyncMutex::new(work)),
+            queue: Arc::new(Semaphore::new(limits.queue)),
+            cores,
+            answer_time: limits.answer_time,
+            summary: Mutex::new(summary),
+        }
+    }
+
+    /// The scan as of the last request that was done.
+    pub fn summary(&self) -> ScanSummary {
+        self.summary.lock().unwrap_or_else(PoisonError::into_inner).clone()
+    }
+
+    /// Does this with the scan, when all requests of before are done. It is done to its end, even if nobody
+    /// waits for it any more.
+    pub async fn with<T: Send + 'static>(
+        self: &Arc<Self>,
+        job: impl FnOnce(&mut Work) -> Result<T, Refusal> + Send + 'static,
+    ) -> Result<T, Refusal> {
+        let place = self.queue.clone().try_acquire_owned().map_err(|_| {
+            let fault = Fault::request("too many requests to this scan wait already");
+            Refusal::busy(StatusCode::TOO_MANY_REQUESTS, fault)
+        })?;
+        let scan = self.clone();
+        let done = async move {
+            let mut work = scan.work.clone().lock_owned().await;
+            let core = scan.cores.clone().acquire_owned().await;
+            let done = tokio::task::spawn_blocking(move || {
+                let _held = (place, core);
+                let done = catch_unwind(AssertUnwindSafe(|| job(&mut work)));
+                // What was kept without being counted is taken in when the scan is resumed.
+                if done.as_ref().map_or(true, |done| done.as_ref().is_err_and(Refusal::is_cancelled)) {
+                    work.forget();
+                }
+                scan.note(&work);
+                done.unwrap_or_else(|_| Err(panicked()))
+            });
+            done.await.unwrap_or_else(|_| Err(panicked()))
+        };
+        tokio::time::timeout(self.answer_time, done).await.unwrap_or_else(|_| Err(self.too_late()))
+    }
+
+    /// Stops what is being computed, for the scan is to be deleted.
+    pub fn cancel(&self) {
+        self.cancel.cancel();
+    }
+
+    /// It is not deleted after all.
+    pub fn go_on(&self) {
+        self.cancel.reset();
+    }
+
+    /// Frees the memory of a scan that is finished and that nobody is working on.
+    pub fn forget_finished(&self) {
+        if let Ok(mut work) = self.work.try_lock()
+            && work.is_finished()
+        {
+            work.forget();
+        }
+    }
+
+    fn note(&self, work: &Work) {
+        let mut summary = self.summary.lock().unwrap_or_else(PoisonError::into_inner);
+        summary.state = work.state();
+        summary.n_frames = n_frames(work).or(summary.n_frames);
+    }
+
+    fn too_late(&self) -> Refusal {
+        let seconds = self.answer_time.as_secs();
+        let fault =
+            Fault::request(format!("the answer took more than {seconds} s; the server goes on computing"));
+        Refusal::busy(StatusCode::SERVICE_UNAVAILABLE, fault)
+    }
+}
+
+/// Those in memory; of a scan that is finished, the lines of its file.
+fn n_frames(work: &Work) -> Option<usize> {
+    if let Some(scan) = work.in_memory() {
+        return Some(scan.scan().steps.len());
+    }
+    let steps = || std::fs::read_to_string(work.dir().join("steps.jsonl")).ok();
+    work.is_finished().then(steps)?.map(|steps| steps.lines().count())
+}
+
+fn panicked() -> Refusal {
+    let fault =
+        Fault::data("the server failed by a fault of its own; the scan is as it was before, on the disk");
+    Refusal::new(StatusCode::INTERNAL_SERVER_ERROR, fault.with_remedy("report it, with what was asked"))
+}

@@ -1,0 +1,147 @@
+use super::about::About;
+use super::summary::ScanState;
+use crate::refusal::Refusal;
+use axum::http::StatusCode;
+use nextview::Cancel;
+use nextview_report::page_of_scan;
+use nextview_scan::files::{Overwrite, ResultFolder};
+use nextview_scan::{Fault, Faults, LiveScan, RESULT_FILES, Results, ScanJournal};
+use std::io::Write;
+use std::path::{Path, PathBuf};
+
+/// The end of the name of a folder whose files are being removed.
+pub(super) const DELETED: &str = ".deleted";
+
+/// A scan as one request has it to itself.
+pub(crate) struct Work {
+    dir: PathBuf,
+    pub about: About,
+    /// None where it is to be resumed from the disk, or was finished before this process began.
+    scan: Option<Box<LiveScan>>,
+    phase: Phase,
+    pub cancel: Cancel,
+    /// Number of frames after which listeners were told of this view.
+    told: Option<(usize, Option<usize>)>,
+}
+
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Phase {
+    UnderWay,
+    Finished,
+    Deleted,
+}
+
+impl Work {
+    /// A scan that has just begun.
+    pub fn begun(dir: PathBuf, about: About, scan: LiveScan) -> Self {
+        let cancel = scan.cancel().clone();
+        Self { dir, about, scan: Some(Box::new(scan)), phase: Phase::UnderWay, cancel, told: None }
+    }
+
+    /// One that is on the disk.
+    pub fn kept(dir: PathBuf, about: About) -> Self {
+        let is_finished = !ScanJournal::is_in(&dir) && dir.join("record.json").is_file();
+        let phase = if is_finished { Phase::Finished } else { Phase::UnderWay };
+        Self { dir, about, scan: None, phase, cancel: Cancel::default(), told: None }
+    }
+
+    /// Its folder.
+    pub fn dir(&self) -> &Path {
+        &self.dir
+    }
+
+    pub fn is_finished(&self) -> bool {
+        self.phase == Phase::Finished
+    }
+
+    pub fn state(&self) -> ScanState {
+        match (self.phase, self.about.is_paused) {
+            (Phase::UnderWay, true) => ScanState::Paused,
+            (Phase::UnderWay, false) => ScanState::Running,
+            _ => ScanState::Finished,
+        }
+    }
+
+    /// The scan as far as it is in memory.
+    pub fn in_memory(&self) -> Option<&LiveScan> {
+        self.scan.as_deref()
+    }
+
+    /// The scan to go on with, resumed where it is not in memory.
+    pub fn under_way(&mut self) -> Result<(&mut LiveScan, &mut About), Refusal> {
+        match self.phase {
+            Phase::UnderWay => (),
+            Phase::Finished => return Err(Refusal::of(StatusCode::CONFLICT, "the scan is finished")),
+            Phase::Deleted => return Err(deleted()),
+        }
+        if self.scan.is_none() {
+            self.scan = Some(Box::new(self.resumed()?));
+        }
+        Ok((self.scan.as_mut().expect("it was resumed"), &mut self.about))
+    }
+
+    /// Whether listeners have not been told of this view yet. Now they are.
+    pub fn is_news(&mut self, view: Option<usize>) -> bool {
+        let n_frames = self.scan.as_ref().map_or(0, |scan| scan.scan().steps.len());
+        self.told.replace((n_frames, view)) != Some((n_frames, view))
+    }
+
+    /// The scan to look at, under way or finished by this process.
+    pub fn shown(&mut self) -> Result<&mut LiveScan, Refusal> {
+        match (self.phase, &self.scan) {
+            (Phase::Finished, None) => {
+                let fault = Fault::request("the scan was finished, and only its files are left");
+                let fault = fault.with_remedy("ask for its files: `report.html` shows it");
+                Err(Refusal::new(StatusCode::CONFLICT, fault))
+            }
+            (Phase::Finished, Some(_)) => Ok(self.scan.as_mut().expect("it is there")),
+            _ => Ok(self.under_way()?.0),
+        }
+    }
+
+    /// Writes the results; what could not be made is told, the scan is finished all the same.
+    pub fn finish(&mut self) -> Result<Option<Faults>, Refusal> {
+        if self.phase == Phase::Finished {
+            return Ok(None);
+        }
+        let dir = self.dir.clone();
+        let (scan, _) = self.under_way()?;
+        let mut folder = ResultFolder::begin(&dir, RESULT_FILES, Overwrite::results())?;
+        let Results { record, faults } = scan.write_results(&mut folder);
+        let text = toml::to_string(scan.config()).map_err(Fault::data)?;
+        let page = page_of_scan(scan.scan(), &record, scan.config(), "nextview serve", &text);
+        folder.add("report.html", |w| Ok(w.write_all(page.as_bytes())?))?;
+        folder.publish()?;
+        scan.forget_journal();
+        self.phase = Phase::Finished;
+        Ok(faults)
+    }
+
+    /// Removes all that there is of it.
+    pub fn delete(&mut self) -> Result<(), Refusal> {
+        self.scan = None;
+        self.phase = Phase::Deleted;
+        // At once for whoever looks, even if the server is killed while it removes the files.
+        let name = self.dir.file_name().unwrap_or_default().to_string_lossy();
+        let aside = self.dir.with_file_name(format!(".{name}{DELETED}"));
+        let removed = std::fs::rename(&self.dir, &aside).and_then(|()| std::fs::remove_dir_all(&aside));
+        Ok(removed.map_err(|e| Fault::from(e).while_writing(&self.dir))?)
+    }
+
+    /// It is resumed from the disk when it is needed again: after a panic, what is in memory may be anything.
+    pub fn forget(&mut self) {
+        self.scan = None;
+    }
+
+    fn resumed(&self) -> Result<LiveScan, Refusal> {
+        if ScanJournal::is_in(&self.dir) {
+            return Ok(LiveScan::resume(&self.dir, self.cancel.clone())?);
+        }
+        // A scan that has no frames yet leaves no journal.
+        Ok(LiveScan::begin(self.about.config()?, Some(&self.dir), self.cancel.clone())?)
+    }
+}
+
+pub(super) fn deleted() -> Refusal {
+    Refusal::of(StatusCode::NOT_FOUND, "the scan was deleted")
+}

@@ -1,0 +1,125 @@
+use crate::access::{Access, Hosts, Token};
+use crate::app::App;
+use crate::connections;
+use crate::scans::Scans;
+use crate::{Limits, routes};
+use nextview_scan::{Fault, Faults};
+use std::net::SocketAddr;
+use std::path::PathBuf;
+use std::sync::Arc;
+use tokio::net::TcpListener;
+use tokio::sync::{Semaphore, watch};
+
+/// What a server needs to know.
+#[derive(Clone, Debug)]
+pub struct ServerConfig {
+    /// Where it listens; port 0 for any that is free. Default 127.0.0.1:7878.
+    pub listen: SocketAddr,
+    /// Names beside the address and `localhost` under which clients reach it, without port.
+    pub hosts: Vec<String>,
+    /// The folder of all scans, each in a folder of its id. Default `nextview-scans`.
+    pub dir: PathBuf,
+    /// The token that clients other than its page must send; none where they need none, which is allowed on
+    /// loopback only.
+    pub token: Option<String>,
+    /// How much it takes on.
+    pub limits: Limits,
+}
+
+impl Default for ServerConfig {
+    fn default() -> Self {
+        Self {
+            listen: SocketAddr::from(([127, 0, 0, 1], 7878)),
+            hosts: Vec::new(),
+            dir: "nextview-scans".into(),
+            token: None,
+            limits: Limits::default(),
+        }
+    }
+}
+
+/// A server that takes requests from now on.
+#[derive(Clone, Debug)]
+pub struct Started {
+    /// Where it listens.
+    pub address: SocketAddr,
+    /// The page, with its token: whoever has it can do everything.
+    pub page: String,
+    /// Number of interrupted scans that are resumed.
+    pub n_resumed: usize,
+}
+
+/// Serves until the process is asked to end (Ctrl-C, or SIGTERM): then running requests are answered, and it
+/// returns.
+///
+/// ```no_run
+/// use nextview_server::{ServerConfig, serve};
+///
+/// serve(ServerConfig::default(), |started| println!("page: {}", started.page))?;
+/// # Ok::<(), nextview_scan::Faults>(())
+/// ```
+///
+/// # Errors
+/// If it cannot listen there, or the folder cannot be read and written; if another address than a loopback
+/// one is asked for without a token.
+pub fn serve(config: ServerConfig, on_started: impl FnOnce(&Started)) -> Result<(), Faults> {
+    let ServerConfig { listen, hosts, dir, token, limits } = config;
+    let clients = token.map(|token| Token::chosen(&token)).transpose()?;
+    if clients.is_none() && !listen.ip().is_loopback() {
+        let fault =
+            Fault::of_value("listen", listen, "a loopback address, such as 127.0.0.1:7878, or a token");
+        let remedy = "state a `token_file`, or the token in the environment variable NEXTVIEW_TOKEN";
+        return Err(fault.with_remedy(remedy).into());
+    }
+    let page = Token::random()?;
+    let scans = Scans::open(&dir, limits)?;
+    let runtime = tokio::runtime::Builder::new_multi_thread().enable_all().build()?;
+    runtime.block_on(async {
+        let listener = TcpListener::bind(listen).await.map_err(|error| {
+            Fault::data(format!("cannot listen on {listen}: {error}"))
+                .with_remedy("`listen` names another address")
+        })?;
+        let address = listener.local_addr()?;
+        let n_resumed = scans.n_interrupted();
+        let started = Started { address, page: page_address(address, &page), n_resumed };
+        let (close, is_closing) = watch::channel(false);
+        let app = Arc::new(App {
+            limits,
+            access: Access { hosts: Hosts::new(address, hosts), page, clients },
+            scans,
+            bodies: Arc::new(Semaphore::new(limits.all_bodies_bytes / 1024)),
+            streams: Arc::new(Semaphore::new(limits.event_streams)),
+            is_closing,
+        });
+        on_started(&started);
+        let resuming = app.clone();
+        tokio::spawn(async move { resuming.scans.resume_all().await });
+        connections::accept(listener, routes::service(app), limits, asked_to_end(), close).await;
+        Ok(())
+    })
+}
+
+/// The page's address for a browser on this machine.
+fn page_address(address: SocketAddr, token: &Token) -> String {
+    let address = match address.ip().is_unspecified() {
+        true => SocketAddr::from(([127, 0, 0, 1], address.port())),
+        false => address,
+    };
+    format!("http://{address}/#token={}", token.reveal())
+}
+
+/// Returns when the process is asked to end.
+async fn asked_to_end() {
+    #[cfg(unix)]
+    {
+        use tokio::signal::unix::{SignalKind, signal};
+        if let Ok(mut terminate) = signal(SignalKind::terminate()) {
+            tokio::select! {
+                _ = tokio::signal::ctrl_c() => (),
+                _ = terminate.recv() => (),
+            }
+            return;
+        }
+    }
+    let _ = tokio::signal::ctrl_c().await;
+}

@@ -1,0 +1,19 @@
+//! The server, driven as clients drive it: in a process of its own, over HTTP.
+
+// `cfg(test)` lets Clippy know that the `unwrap`s of helpers, too, are those of a test.
+#[cfg(test)]
+mod access;
+#[cfg(test)]
+mod client;
+#[cfg(test)]
+mod hostile;
+#[cfg(test)]
+mod kills;
+#[cfg(test)]
+mod process;
+#[cfg(test)]
+mod robot;
+#[cfg(test)]
+mod same_scan;
+#[cfg(test)]
+mod session;

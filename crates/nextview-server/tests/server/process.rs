@@ -1,0 +1,146 @@
+//! A server in a process of its own: this program again, with another task.
+
+use crate::client::Client;
+use nextview_server::{Limits, ServerConfig, serve};
+use std::fs;
+use std::io::{BufRead, BufReader};
+use std::net::SocketAddr;
+use std::path::{Path, PathBuf};
+use std::process::{Child, Command, Stdio};
+use std::time::Duration;
+
+/// The environment variables that tell the process what to do.
+const DIR: &str = "NEXTVIEW_TEST_SERVER_DIR";
+const TIGHT: &str = "NEXTVIEW_TEST_SERVER_TIGHT";
+const TOKEN: &str = "NEXTVIEW_TEST_SERVER_TOKEN";
+
+/// Not a test: what a process of [`Server`] does.
+#[test]
+fn is_a_server() {
+    let Some(dir) = std::env::var_os(DIR) else { return };
+    let tight = Limits {
+        body_bytes: 1 << 20,
+        all_bodies_bytes: 8 << 20,
+        scans: 6,
+        frames: 40,
+        connections: 40,
+        event_streams: 4,
+        queue: 4,
+        head_time: Duration::from_millis(500),
+        body_time: Duration::from_millis(500),
+        ..Limits::default()
+    };
+    let limits = if std::env::var_os(TIGHT).is_some() { tight } else { Limits::default() };
+    let limits = Limits { free_disk_mb: 1, ..limits };
+    let listen = SocketAddr::from(([127, 0, 0, 1], 0));
+    let token = std::env::var(TOKEN).ok();
+    let config = ServerConfig { listen, dir: dir.into(), limits, token, ..ServerConfig::default() };
+    serve(config, |started| println!("\nADDRESS {}\nTOKEN {}", started.address, started.page)).unwrap();
+}
+
+/// A running server, killed at the end.
+pub struct Server {
+    child: Child,
+    pub address: SocketAddr,
+    /// Of the page.
+    pub token: String,
+}
+
+impl Server {
+    pub fn start(dir: &Path) -> Self {
+        Self::with(dir, &[])
+    }
+
+    /// One with low limits.
+    pub fn tight(dir: &Path) -> Self {
+        Self::with(dir, &[(TIGHT, "1")])
+    }
+
+    /// One that asks every client for this token.
+    pub fn with_token(dir: &Path, token: &str) -> Self {
+        Self::with(dir, &[(TOKEN, token)])
+    }
+
+    fn with(dir: &Path, environment: &[(&str, &str)]) -> Self {
+        let mut command = Command::new(std::env::current_exe().unwrap());
+        command.args(["--exact", "process::is_a_server", "--nocapture"]).env(DIR, dir);
+        command.envs(environment.iter().copied()).stdout(Stdio::piped());
+        let mut child = command.spawn().unwrap();
+        let mut lines = BufReader::new(child.stdout.take().unwrap()).lines().map_while(Result::ok);
+        let mut value = |name: &str| {
+            let found = lines.find_map(|line| line.strip_prefix(name).map(str::to_owned));
+            found.unwrap_or_else(|| panic!("the server said no{name}"))
+        };
+        let address = value("ADDRESS ").parse().unwrap();
+        let token = value("TOKEN ").rsplit_once("#token=").unwrap().1.to_owned();
+        // It has nothing more to say; a pipe that is closed would be an error to it.
+        std::thread::spawn(move || lines.for_each(drop));
+        Self { child, address, token }
+    }
+
+    pub fn client(&self) -> Client {
+        Client::new(self.address)
+    }
+
+    /// As `kill -9`.
+    pub fn kill(&mut self) {
+        self.child.kill().unwrap();
+        self.child.wait().unwrap();
+    }
+
+    /// As Ctrl-C; whether it ended well.
+    #[cfg(unix)]
+    pub fn end(mut self) -> bool {
+        let id = self.child.id().to_string();
+        assert!(Command::new("kill").args(["-TERM", &id]).status().unwrap().success());
+        self.child.wait().unwrap().success()
+    }
+
+    /// The most memory that it ever held, MB.
+    pub fn peak_mb(&self) -> Option<f64> {
+        let status = fs::read_to_string(format!("/proc/{}/status", self.child.id())).ok()?;
+        let line = status.lines().find_map(|line| line.strip_prefix("VmHWM:"))?;
+        Some(line.trim().trim_end_matches("kB").trim().parse::<f64>().ok()? / 1024.0)
+    }
+
+    pub fn is_running(&mut self) -> bool {
+        self.child.try_wait().unwrap().is_none()
+    }
+}
+
+impl Drop for Server {
+    fn drop(&mut self) {
+        let _ = self.child.kill();
+        let _ = self.child.wait();
+    }
+}
+
+/// A fresh folder, removed at the end unless the test fails.
+pub struct Folder(PathBuf);
+
+impl Folder {
+    /// The name must differ from those of all other tests.
+    pub fn new(name: &str) -> Self {
+        let path = Path::new(env!("CARGO_TARGET_TMPDIR")).join(name);
+        let _ = fs::remove_dir_all(&path);
+        fs::create_dir_all(&path).unwrap();
+        Self(path)
+    }
+
+    pub fn path(&self, name: &str) -> PathBuf {
+        self.0.join(name)
+    }
+}
+
+impl Drop for Folder {
+    fn drop(&mut self) {
+        if !std::thread::panicking() {
+            let _ = fs::remove_dir_all(&self.0);
+        }
+    }
+}
+
+/// A number of repetitions that an environment variable may raise.
+pub fn n_from_env(name: &str, default: usize) -> usize {
+    std::env::var(name).map_or(default, |n| n.parse().unwrap())
+}

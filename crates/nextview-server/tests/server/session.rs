@@ -1,0 +1,145 @@
+//! What a client does in the course of a scan.
+
+use crate::process::{Folder, Server};
+use crate::robot::{Robot, encoded, multipart, png, post_raw};
+use serde_json::{Value, json};
+
+fn next(client: &mut crate::client::Client) -> Value {
+    client.get("/scans/mug/next").expect(200)
+}
+
+#[test]
+fn a_scan_from_its_creation_to_its_files() {
+    let folder = Folder::new("whole");
+    let server = Server::start(&folder.path("scans"));
+    let (robot, mut client) = (Robot::new(3, 160), server.client());
+    assert_eq!(client.get("/healthz").expect(200)["status"], "ok");
+    let mut body = robot.body("mug");
+    body["confirm_views"] = json!(true);
+    assert_eq!(client.post("/scans", &body).expect(201)["id"], "mug");
+    assert_eq!(client.post("/scans", &body).status, 409);
+    let mut events = server.client();
+    events
+        .write(format!("GET /scans/mug/events HTTP/1.1\r\nhost: {}\r\n\r\n", server.address).as_bytes())
+        .unwrap();
+
+    while !events.line().unwrap().is_empty() {}
+
+    // A proposed view is accepted, another one is not; one that is skipped never comes again.
+    let proposed = next(&mut client);
+    assert_eq!(proposed["state"], "proposed");
+    let view = proposed["view"]["view"].clone();
+    assert_eq!(client.post("/scans/mug/accept", &json!({ "view": 59 })).status, 409);
+    client.post("/scans/mug/skip", &json!({ "view": view, "reason": "out of reach" })).expect(200);
+    let other = next(&mut client);
+    assert_ne!(other["view"]["view"], view);
+    client.post("/scans/mug/accept", &json!({ "view": other["view"]["view"] })).expect(200);
+    let given = next(&mut client);
+    assert_eq!((&given["state"], &given["view"]), (&json!("view"), &other["view"]));
+
+    // While it is paused, no view is given out.
+    client.post("/scans/mug/pause", &json!({})).expect(200);
+    assert_eq!(next(&mut client)["state"], "paused");
+    assert_eq!(client.post("/scans/mug/continue", &json!({})).expect(200)["state"], "running");
+
+    // Frames in each of the three forms; each once, however often it is sent.
+    let rows = &given["view"]["world_from_camera"];
+    let frame = robot.frame(rows, true);
+    let step = post_raw(&mut client, "mug", "a", rows, frame.image()).expect(200);
+    assert_eq!((&step["step"], &step["frame"], &step["duplicate"]), (&json!(1), &json!("a"), &json!(false)));
+    let again = post_raw(&mut client, "mug", "a", rows, frame.image()).expect(200);
+    assert_eq!((&again["step"], &again["duplicate"]), (&json!(1), &json!(true)));
+    let other = robot.frame(&next(&mut client)["view"]["world_from_camera"], false);
+    assert_eq!(post_raw(&mut client, "mug", "a", rows, other.image()).status, 409);
+
+    let rows = next(&mut client)["view"]["world_from_camera"].clone();
+    let depth = robot.frame(&rows, false);
+    let colors = encoded(160, 120, (png::ColorType::Rgb, png::BitDepth::Eight), &[100; 160 * 120 * 3]);
+    let mask = encoded(160, 120, (png::ColorType::Grayscale, png::BitDepth::Eight), &[255; 160 * 120]);
+    let head = json!({ "id": "b", "world_from_camera": rows }).to_string();
+    let depth = png(depth.image());
+    let parts = [("frame", head.as_bytes()), ("depth", &depth), ("color", &colors), ("mask", &mask)];
+    let (kind, body) = multipart(&parts);
+    let step = client.send("POST", "/scans/mug/frames", &kind, &body).unwrap().expect(200);
+    assert_eq!((&step["step"], &step["frame"]), (&json!(2), &json!("b")));
+
+    let rows = next(&mut client)["view"]["world_from_camera"].clone();
+    let depth = png(robot.frame(&rows, false).image());
+    let numbers: Vec<String> =
+        rows.as_array().unwrap().iter().flat_map(|r| r.as_array().unwrap()).map(Value::to_string).collect();
+    let path = format!("/scans/mug/frames?id=c&world_from_camera={}", numbers.join(","));
+    assert_eq!(client.send("POST", &path, "image/png", &depth).unwrap().expect(200)["step"], 3);
+    assert_eq!(next(&mut client), json!({ "state": "finished", "view": null, "stop_reason": "view-limit" }));
+
+    // What there is while it is under way, and after.
+    assert_eq!(client.get("/scans/mug/frames/2/color.png").status, 200);
+    assert_eq!(client.get("/scans/mug/frames/1/color.png").status, 404);
+    assert!(client.get("/scans/mug/frames/1/depth.png").body.starts_with(b"\x89PNG"));
+    let cloud = client.get("/scans/mug/files/cloud.ply");
+    assert!(cloud.status == 200 && cloud.body.starts_with(b"ply"));
+    assert_eq!(client.get("/scans/mug/files/report.html").status, 409);
+    let finished = client.post("/scans/mug/finish", &json!({})).expect(200);
+    assert_eq!(finished["files"].as_array().unwrap().len(), 10, "{finished}");
+    assert_eq!(client.post("/scans/mug/finish", &json!({})).expect(200)["record"], finished["record"]);
+    assert_eq!(client.get("/scans/mug/files/cloud.ply").body, cloud.body);
+    assert!(client.get("/scans/mug/files/report.html").body.starts_with(b"<!"));
+    assert_eq!(client.get("/scans").expect(200)[0]["state"], "finished");
+    assert_eq!(post_raw(&mut client, "mug", "d", &rows, frame.image()).status, 409);
+
+    // All of that was told as it happened.
+    let mut told = Vec::new();
+    while told.last().is_none_or(|last| last != "finished") {
+        told.extend(events.line().unwrap().strip_prefix("event: ").map(str::to_owned));
+    }
+    let expected = "view skipped view accepted paused continued frame view frame view frame finished";
+    assert_eq!(told.join(" "), expected);
+
+    // And it is there after the end of the server, until it is deleted.
+    assert!(server.end());
+    let server = Server::start(&folder.path("scans"));
+    let mut client = server.client();
+    let scan = client.get("/scans/mug").expect(200);
+    assert_eq!(
+        (&scan["state"], &scan["n_frames"], &scan["record"]),
+        (&json!("finished"), &json!(3), &finished["record"])
+    );
+    assert_eq!(client.get("/scans/mug/files/cloud.ply").body, cloud.body);
+    assert_eq!(next(&mut client)["stop_reason"], "view-limit");
+    client.delete("/scans/mug").expect(200);
+    assert_eq!(client.get("/scans").expect(200), json!([]));
+    assert_eq!(std::fs::read_dir(folder.path("scans")).unwrap().count(), 0);
+}
+
+#[test]
+fn a_listener_that_comes_back_misses_nothing() {
+    let folder = Folder::new("events");
+    let server = Server::start(&folder.path("scans"));
+    let (robot, mut client) = (Robot::new(2, 80), server.client());
+    client.post("/scans", &robot.body("mug")).expect(201);
+    let told = |last: &str, n: usize| {
+        let mut events = server.client();
+        let last = if last.is_empty() { String::new() } else { format!("last-event-id: {last}\r\n") };
+        let head = format!("GET /scans/mug/events HTTP/1.1\r\nhost: {}\r\n{last}\r\n", server.address);
+        events.write(head.as_bytes()).unwrap();
+        while !events.line().unwrap().is_empty() {}
+        std::thread::sleep(std::time::Duration::from_millis(50));
+        client.post("/scans/mug/pause", &json!({})).expect(200);
+        client.post("/scans/mug/continue", &json!({})).expect(200);
+        let (mut names, mut ids) = (Vec::new(), Vec::new());
+        while names.len() < n || ids.len() < n {
+            let line = events.line().unwrap();
+            names.extend(line.strip_prefix("event: ").map(str::to_owned));
+            ids.extend(line.strip_prefix("id: ").map(str::to_owned));
+        }
+        (names, ids)
+    };
+    let mut told = told;
+    let (names, ids) = told("", 2);
+    assert_eq!(names, ["paused", "continued"]);
+    let (names, more) = told(&ids[0], 3);
+    assert_eq!(
+        (names, &more[0]),
+        (["continued", "paused", "continued"].map(str::to_owned).to_vec(), &ids[1])
+    );
+    assert_eq!(told("of-another-process-7", 3).0, ["gap", "paused", "continued"]);
+}
