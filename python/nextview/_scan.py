@@ -158,7 +158,7 @@ class Scan:
 
         `arrow_m` leads to the view, in the frame of the camera (right, down, forward), and is `distance_m` long;
         `turn_deg` says how far to turn right and then down, `angle_deg` how far off the camera looks, and
-        `is_reached` whether it is near enough.
+        `reached` whether it is near enough.
         """
         return self._engine.guidance(world_from_camera)
 

@@ -19,7 +19,7 @@ pub const STYLE: &str = crate::text::STYLE;
 /// The policy to send with the page: everything comes from the server itself, and no script stands in the
 /// page. The pictures of views are parts of the [`scene`].
 pub const CONTENT_SECURITY_POLICY: &str = "default-src 'none'; script-src 'self'; style-src 'self'; \
-     connect-src 'self'; img-src 'self' data:; base-uri 'none'; form-action 'none'; frame-ancestors 'self'";
+     connect-src 'self'; img-src 'self' data:; base-uri 'none'; form-action 'none'; frame-ancestors 'none'";
 
 /// What the page shows, as JSON: the surface so far, measured and expected, the candidates with their
 /// expected gains, the view to take next, the curves and tables, and the cameras, points and pictures of the

@@ -2,7 +2,7 @@
 
 use crate::scans::ScanSummary;
 use nextview::session::StopReason;
-use nextview_scan::{Fault, ScanRecord, StepRecord, ViewRecord};
+use nextview_scan::{Fault, Guidance, ScanRecord, StepRecord, ViewRecord};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -88,6 +88,32 @@ pub(crate) struct FinishAnswer {
     pub files: Vec<String>,
     /// What could not be made, such as the cloud of a scan that saw nothing.
     pub problems: Vec<String>,
+}
+
+/// Where the camera is.
+#[derive(Clone, Copy, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct Place {
+    /// The rows of the 4 x 4 matrix that takes points of the camera to the world; metres.
+    pub world_from_camera: [[f64; 4]; 4],
+}
+
+/// Where the camera is, and where it should go.
+#[derive(Clone, Copy, Serialize, JsonSchema)]
+pub(crate) struct GuidanceAnswer {
+    /// The rows of the 4 x 4 matrix that takes points of the camera to the world; metres.
+    pub world_from_camera: [[f64; 4]; 4],
+    /// The way to the next view; none if the scan is over.
+    pub guidance: Option<Guidance>,
+}
+
+/// Whether it is known where the camera is.
+#[derive(Clone, Serialize, JsonSchema)]
+pub(crate) struct Tracking {
+    /// Whether it is not.
+    pub lost: bool,
+    /// What to do then.
+    pub remedy: Option<String>,
 }
 
 /// It is done.

@@ -14,7 +14,6 @@ mod guard;
 mod json;
 mod limits;
 mod openapi;
-mod page;
 mod refusal;
 mod routes;
 mod scans;

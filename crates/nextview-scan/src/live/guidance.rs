@@ -14,7 +14,7 @@ pub struct Guidance {
     /// The angle between where the camera looks and where it should, 0..=180.
     pub angle_deg: f64,
     /// Whether the camera is near enough: the image would show nearly the same.
-    pub is_reached: bool,
+    pub reached: bool,
 }
 
 /// A camera is near enough up to this share of the distance that it looks from.
@@ -37,7 +37,7 @@ impl Guidance {
             distance_m: arrow.length(),
             turn_deg: [right.to_degrees(), down.to_degrees()],
             angle_deg,
-            is_reached: arrow.length() <= NEAR * distance && angle_deg <= NEAR_ANGLE,
+            reached: arrow.length() <= NEAR * distance && angle_deg <= NEAR_ANGLE,
         }
     }
 }
@@ -55,7 +55,7 @@ mod tests {
         let camera = Pose::new(turn, DVec3::new(-0.2, 0.5, 0.1)).unwrap();
         let guidance = Guidance::to(&wanted, &camera, 0.5);
         let there = camera.transform_point(DVec3::from_array(guidance.arrow_m));
-        assert!(there.distance(wanted.translation()) < 1e-12 && !guidance.is_reached);
+        assert!(there.distance(wanted.translation()) < 1e-12 && !guidance.reached);
         // Turned as it says, the camera looks along the wanted axis.
         let [right, down] = guidance.turn_deg.map(f64::to_radians);
         let turned = camera.rotation() * DQuat::from_rotation_y(right) * DQuat::from_rotation_x(-down);
@@ -69,8 +69,8 @@ mod tests {
             let turn = wanted.rotation() * DQuat::from_rotation_z(2.0) * DQuat::from_rotation_x(tilt);
             Guidance::to(&wanted, &Pose::new(turn, wanted.translation() + shift * DVec3::Y).unwrap(), 1.0)
         };
-        assert!(at(0.0, 0.0).is_reached && at(0.09, 0.1).is_reached);
-        assert!(!at(0.11, 0.0).is_reached && !at(0.0, 0.2).is_reached);
+        assert!(at(0.0, 0.0).reached && at(0.09, 0.1).reached);
+        assert!(!at(0.11, 0.0).reached && !at(0.0, 0.2).reached);
         assert!(at(0.0, 0.0).angle_deg < 1e-6 && (at(0.0, 3.0).angle_deg - 3_f64.to_degrees()).abs() < 1e-9);
     }
 }

@@ -252,12 +252,12 @@ fn a_camera_in_a_hand_is_tracked_guided_and_found_again() {
     assert_eq!(unplaced.observe(unposed(image(&first))).unwrap_err().key.unwrap(), "live.first_pose");
     config.live.as_mut().unwrap().first_pose = Some(first);
     let mut scan = LiveScan::begin(config, None, Cancel::default()).unwrap();
-    assert!(scan.guidance(&first).unwrap().unwrap().is_reached);
+    assert!(scan.guidance(&first).unwrap().unwrap().reached);
     scan.observe(unposed(image(&first))).unwrap();
     let mut place = first;
     for n_taken in 1..4 {
         let wanted = scan.next().unwrap().unwrap().world_from_camera;
-        assert!(!scan.guidance(&place).unwrap().unwrap().is_reached);
+        assert!(!scan.guidance(&place).unwrap().unwrap().reached);
         if n_taken == 1 {
             // Away from the object, and from where the camera was: lost, and nothing has changed.
             let away = Pose::new(DQuat::from_rotation_x(1.0) * wanted.rotation(), wanted.translation());
@@ -270,7 +270,7 @@ fn a_camera_in_a_hand_is_tracked_guided_and_found_again() {
             let found = scan.locate(&image(&on_the_way)).unwrap();
             let apart = apart(&object, &found, &on_the_way);
             assert!(apart < 0.008, "view {n_taken}, step {i}: {apart}");
-            if scan.guidance(&found).unwrap().unwrap().is_reached {
+            if scan.guidance(&found).unwrap().unwrap().reached {
                 place = on_the_way;
                 break;
             }

@@ -10,10 +10,11 @@ use serde::Deserialize;
 #[serde(deny_unknown_fields)]
 pub(crate) struct FrameHead {
     /// A name that no other frame of the scan has, 1 to 128 characters: a frame that is sent again under it
-    /// counts once.
-    pub id: String,
+    /// counts once. Only an image that is located needs none.
+    #[serde(default)]
+    pub id: Option<String>,
     /// Where the camera stood: the rows of the 4 x 4 matrix that takes points of the camera, which looks
-    /// along z with y downwards, to the world; metres.
+    /// along z with y downwards, to the world; metres. None if it is to be found out: the scan needs `registration.given_poses` = tracked.
     #[serde(default)]
     pub world_from_camera: Option<[[f64; 4]; 4]>,
     /// Length of a unit of 16-bit depth, metres. Default 0.001.
@@ -30,19 +31,22 @@ pub(super) fn millimetre() -> f64 {
 }
 
 impl FrameHead {
-    /// The pose. Fails on whatever of the head cannot be, or is not of this camera.
-    pub fn pose(&self, camera: &Intrinsics) -> Result<Pose, Refusal> {
-        let is_visible = |character: char| !character.is_control();
-        let n = self.id.chars().count();
-        if !(1..=128).contains(&n) || !self.id.chars().all(is_visible) {
-            let id: String = self.id.chars().take(128).collect();
-            let fault = Fault::of_value(
-                "id",
-                id.escape_debug(),
-                "1 to 128 characters, none of them a control character",
-            );
-            return Err(Refusal::content(fault));
+    /// The id, which a frame that is taken in needs.
+    pub fn id(&self) -> Result<&str, Refusal> {
+        let expected = "1 to 128 characters, none of them a control character";
+        let id = self.id.as_deref().ok_or_else(|| {
+            Refusal::content(Fault::of_value("id", "missing", format!("a name of the frame: {expected}")))
+        })?;
+        let is_short = (1..=128).contains(&id.chars().count());
+        if !is_short || id.chars().any(char::is_control) {
+            let id: String = id.chars().take(128).collect();
+            return Err(Refusal::content(Fault::of_value("id", id.escape_debug(), expected)));
         }
+        Ok(id)
+    }
+
+    /// The pose, if there is one. Fails on whatever of the head cannot be, or is not of this camera.
+    pub fn pose(&self, camera: &Intrinsics) -> Result<Option<Pose>, Refusal> {
         let scale = self.depth_scale_m;
         if !(scale > 0.0 && scale <= 1.0) {
             let expected = "a positive number of metres, at most 1";
@@ -56,10 +60,7 @@ impl FrameHead {
                 fault.with_remedy("leave it out, or create a scan for this camera"),
             ));
         }
-        let Some(rows) = &self.world_from_camera else {
-            let expected = "the rows of a 4 x 4 matrix: frames without a pose cannot be placed yet";
-            return Err(Refusal::content(Fault::of_value("world_from_camera", "missing", expected)));
-        };
-        pose_of_rows("world_from_camera", rows).map_err(Refusal::content)
+        let rows = self.world_from_camera.as_ref();
+        rows.map(|rows| pose_of_rows("world_from_camera", rows)).transpose().map_err(Refusal::content)
     }
 }

@@ -59,7 +59,7 @@ impl PostedFrame {
         };
         let color = self.color.as_ref().map(|bytes| decode_color(bytes, camera));
         let color = color.transpose().map_err(|error| of_image("color", &error))?;
-        Ok(LiveFrame { color, name: Some(self.head.id.clone()), ..LiveFrame::new(depth, world_from_camera) })
+        Ok(LiveFrame { depth, world_from_camera, color, name: self.head.id.clone() })
     }
 }
 

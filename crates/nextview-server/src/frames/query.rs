@@ -9,9 +9,10 @@ use serde::Deserialize;
 #[derive(Clone, Debug, Default, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct FrameQuery {
-    /// A name that no other frame of the scan has.
+    /// A name that no other frame of the scan has. Only an image that is located needs none.
     id: Option<String>,
-    /// Where the camera stood: the 16 numbers of the matrix by rows, with commas between them.
+    /// Where the camera stood: the 16 numbers of the matrix by rows, with commas between them. None if it is
+    /// to be found out: the scan needs `registration.given_poses` = tracked.
     world_from_camera: Option<String>,
     /// Length of a unit of 16-bit depth, metres. Default 0.001.
     depth_scale_m: Option<f64>,
@@ -26,7 +27,7 @@ pub(crate) struct FrameQuery {
 impl FrameQuery {
     pub fn head(&self) -> Result<FrameHead, Refusal> {
         Ok(FrameHead {
-            id: self.id.clone().ok_or_else(|| missing("id", "a name of the frame"))?,
+            id: self.id.clone(),
             world_from_camera: self.world_from_camera.as_deref().map(rows).transpose()?,
             depth_scale_m: self.depth_scale_m.unwrap_or_else(millimetre),
             camera: None,

@@ -13,7 +13,7 @@ use tokio::sync::{OwnedSemaphorePermit, watch};
 
 pub(super) fn routes() -> Vec<Route> {
     let summary = "What happens to a scan, as it happens: frame, view, skipped, accepted, paused, continued, finished, \
-                   deleted; gap where a listener has missed some and must look anew";
+                   deleted; pose and tracking while they are news; gap where a listener has missed some and must look anew";
     vec![Route::new("/scans/{id}/events").on(
         Method::Get,
         Doc::new(summary, Content::of("text/event-stream")),

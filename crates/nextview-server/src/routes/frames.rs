@@ -50,6 +50,7 @@ async fn post(
     let answer = scan.with(move |work| {
         let _share = share;
         let (scan, _) = work.under_way()?;
+        posted.head.id()?;
         let frame = posted.decode(&scan.config().camera)?;
         let known = scan.known(&frame).map_err(|fault| Refusal::new(StatusCode::CONFLICT, fault))?;
         if let Some(step) = known {

@@ -4,6 +4,7 @@ mod control;
 mod events;
 mod files;
 mod frames;
+mod guidance;
 mod next;
 mod pictures;
 mod route;
@@ -29,6 +30,7 @@ pub(crate) fn routes() -> Vec<Route> {
         scans::routes(),
         frames::routes(),
         next::routes(),
+        guidance::routes(),
         control::routes(),
         files::routes(),
         pictures::routes(),

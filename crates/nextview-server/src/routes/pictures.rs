@@ -1,11 +1,10 @@
 use super::route::{Content, Doc, Method, Route};
 use crate::app::App;
-use crate::page;
 use crate::refusal::Refusal;
 use axum::extract::{Path, Query, State};
 use axum::http::{StatusCode, header};
 use axum::response::{IntoResponse, Response};
-use nextview_report::{color_png, depth_png};
+use nextview_report::{color_png, depth_png, live};
 use nextview_scan::{Fault, LiveScan};
 use schemars::JsonSchema;
 use serde::Deserialize;
@@ -48,7 +47,7 @@ async fn get_scene(
         let is_paused = work.is_finished() || work.about.is_paused;
         let scan = work.shown()?;
         let next = if is_paused { None } else { scan.next()? };
-        Ok(page::scene(scan.scan(), scan.config(), next.as_ref(), after))
+        Ok(live::scene(scan.scan(), scan.config(), next.as_ref(), after))
     });
     Ok(([(header::CONTENT_TYPE, "application/json")], scene.await?).into_response())
 }

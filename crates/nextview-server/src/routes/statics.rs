@@ -1,9 +1,10 @@
 use super::route::{Content, Doc, Method, Route};
 use crate::answers::Health;
-use crate::{openapi, page};
+use crate::openapi;
 use axum::Json;
 use axum::http::header;
 use axum::response::{Html, IntoResponse};
+use nextview_report::live;
 
 pub(super) fn routes() -> Vec<Route> {
     let html = || Content::of("text/html");
@@ -34,15 +35,15 @@ pub(super) fn routes() -> Vec<Route> {
 }
 
 async fn page() -> Html<&'static str> {
-    Html(page::page())
+    Html(live::PAGE)
 }
 
 async fn script() -> impl IntoResponse {
-    ([(header::CONTENT_TYPE, "text/javascript; charset=utf-8")], page::script())
+    ([(header::CONTENT_TYPE, "text/javascript; charset=utf-8")], live::SCRIPT)
 }
 
 async fn style() -> impl IntoResponse {
-    ([(header::CONTENT_TYPE, "text/css; charset=utf-8")], page::style())
+    ([(header::CONTENT_TYPE, "text/css; charset=utf-8")], live::STYLE)
 }
 
 async fn health() -> Json<Health> {

@@ -13,6 +13,15 @@ pub(crate) struct Events {
     kept: Mutex<VecDeque<Told>>,
     /// Number of all events.
     n_told: watch::Sender<u64>,
+    /// Where the camera is, which is news only as long as it is there: nobody is told later.
+    whereabouts: watch::Sender<Option<Passing>>,
+}
+
+/// Something that is not kept.
+#[derive(Clone, Debug)]
+struct Passing {
+    name: &'static str,
+    data: String,
 }
 
 /// Something that happened.
@@ -29,13 +38,21 @@ pub(crate) struct Told {
 pub(crate) struct EventStream {
     last: u64,
     n_told: watch::Receiver<u64>,
+    whereabouts: watch::Receiver<Option<Passing>>,
     /// Whether it has missed events, which it is told first.
     has_gap: bool,
 }
 
 impl Events {
     pub fn new(run: String) -> Self {
-        Self { run, kept: Mutex::default(), n_told: watch::Sender::new(0) }
+        let (n_told, whereabouts) = (watch::Sender::new(0), watch::Sender::new(None));
+        Self { run, kept: Mutex::default(), n_told, whereabouts }
+    }
+
+    /// Tells those who listen now where the camera is; of several at once, the last.
+    pub fn pass(&self, name: &'static str, data: &impl Serialize) {
+        let data = serde_json::to_string(data).expect("records are numbers and names");
+        self.whereabouts.send_replace(Some(Passing { name, data }));
     }
 
     pub fn tell(&self, name: &'static str, data: &impl Serialize) {
@@ -52,16 +69,15 @@ impl Events {
 
     /// Listens from the event after this one on, as a listener was told it; from now on without one.
     pub fn listen(&self, last_id: Option<&str>) -> EventStream {
-        let n_told = self.n_told.subscribe();
+        let (n_told, whereabouts) = (self.n_told.subscribe(), self.whereabouts.subscribe());
         let newest = *n_told.borrow();
-        let Some(id) = last_id else { return EventStream { last: newest, n_told, has_gap: false } };
+        let stream = EventStream { last: newest, n_told, whereabouts, has_gap: false };
+        let Some(id) = last_id else { return stream };
         let number = id.split_once('-').filter(|(run, _)| *run == self.run).and_then(|(_, n)| n.parse().ok());
         let oldest = self.kept().front().map_or(1, |told| told.number);
         match number {
-            Some(last) if last <= newest && last + 1 >= oldest => {
-                EventStream { last, n_told, has_gap: false }
-            }
-            _ => EventStream { last: newest, n_told, has_gap: true },
+            Some(last) if last <= newest && last + 1 >= oldest => EventStream { last, ..stream },
+            _ => EventStream { has_gap: true, ..stream },
         }
     }
 
@@ -90,8 +106,16 @@ impl Events {
                 }
                 return new;
             }
-            // The sender lives as long as these events.
-            let _ = stream.n_told.changed().await;
+            // The senders live as long as these events.
+            tokio::select! {
+                _ = stream.n_told.changed() => (),
+                _ = stream.whereabouts.changed() => {
+                    let passing = stream.whereabouts.borrow_and_update().clone();
+                    if let Some(Passing { name, data }) = passing {
+                        return vec![Told { number: stream.last, name, data }];
+                    }
+                }
+            }
         }
     }
 
