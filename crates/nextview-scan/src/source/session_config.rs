@@ -1,6 +1,6 @@
 use crate::{Fault, ScanConfig};
 use nextview::geometry::{Aabb, VoxelBlock};
-use nextview::registration::{GivenPoses, RegistrationConfig};
+use nextview::registration::RegistrationConfig;
 use nextview::sensor::DepthRange;
 use nextview::session::{ObjectBox, SessionConfig, Table};
 
@@ -42,7 +42,8 @@ pub(super) fn session_config(
 fn registration(config: &ScanConfig) -> RegistrationConfig {
     #[cfg(feature = "simulated")]
     if config.noise.first_pose_is_right {
-        return RegistrationConfig { given_poses: GivenPoses::FirstIsRight, ..config.registration };
+        use nextview::registration::GivenPoses::FirstIsRight;
+        return RegistrationConfig { given_poses: FirstIsRight, ..config.registration };
     }
     config.registration
 }
