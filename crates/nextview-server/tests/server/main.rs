@@ -7,6 +7,7 @@ mod access;
 mod client;
 #[cfg(test)]
 mod hostile;
+mod in_a_hand;
 #[cfg(test)]
 mod kills;
 #[cfg(test)]
