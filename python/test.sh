@@ -33,5 +33,17 @@ print('nextview$module:', n, 'doctest lines'); sys.exit(failed > 0)"
 done
 for example in examples/*.py; do
     echo "--- $example"
-    "$venv/bin/python" "$example"
+    [[ $example == *server.py ]] || "$venv/bin/python" "$example"
 done
+if [ -z "${NEXTVIEW_PROGRAM:-}" ]; then
+    echo "09_server.py: SKIPPED, needs the program in NEXTVIEW_PROGRAM"
+    exit
+fi
+"$NEXTVIEW_PROGRAM" serve --listen 127.0.0.1:0 --dir scans >printed &
+server=$!
+trap 'kill $server; rm -rf "$work"' EXIT
+until grep -q '^page: ' printed; do
+    kill -0 $server
+    sleep 0.05
+done
+"$venv/bin/python" examples/09_server.py "$(sed -n 's/^listens on //p' printed)"
