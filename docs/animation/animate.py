@@ -31,8 +31,6 @@ WIDTH, QUALITY = 640, 45
 N_BEFORE, N_WITH_NEXT, N_LAST, FRAME_MS = 3, 4, 14, 130
 # Pixels that the pointer drags the scene between two pictures: 1.4 degrees.
 TURN = 3
-# Steps by which the eye is nearer than where all cameras fit into the picture.
-N_NEARER = 1
 
 # The view after the shown one as the next, where asked for: a report has none, since its scan is over.
 SCENE_NEXT = "const { next } = scene;"
@@ -78,9 +76,6 @@ def pictures(page: Page, coverages: list[float]) -> list[Image.Image]:
     page.select_option("#colouring", "first view")
     page.click("#frame-cameras")
     page.uncheck("#show-expected")
-    page.focus("#canvas")
-    for _ in range(N_NEARER):
-        page.keyboard.press("+")
     taken = []
     for shown, coverage in enumerate(coverages, 1):
         is_last = shown == len(coverages)

@@ -171,8 +171,9 @@ fn the_results_are_those_of_the_report() {
     let report = include_str!("../../../../docs/reproduction/paper-1.md");
     let (_, summary) = report.split_once("What was reached with the last view").unwrap();
     let cells = |line: &str| line.split('|').map(|cell| cell.trim().to_owned()).collect::<Vec<_>>();
-    let (_, table) =
-        include_str!("../../../../docs/results.md").split_once("| planner | voxel coverage, % | skill |").unwrap();
+    let (_, table) = include_str!("../../../../docs/results.md")
+        .split_once("| planner | voxel coverage, % | skill |")
+        .unwrap();
     let rows: Vec<_> = table.lines().skip(2).take_while(|line| line.starts_with('|')).map(cells).collect();
     assert!(rows.len() > 5);
     for row in rows {
