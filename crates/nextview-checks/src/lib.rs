@@ -19,7 +19,7 @@ pub use layers::upward_imports;
 pub use lister::public_items;
 pub use public_items::check_public_items;
 
-/// The examples of the README, kept working.
+/// The examples of the documentation, kept working.
 #[cfg(doctest)]
-#[doc = include_str!("../../../README.md")]
-struct Readme;
+#[doc = include_str!("../../../docs/library.md")]
+struct Library;

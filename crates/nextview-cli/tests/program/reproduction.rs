@@ -89,11 +89,11 @@ fn rows<'a>(text: &'a str, head: &str) -> BTreeMap<&'a str, Vec<&'a str>> {
     lines.map(cells).map(|cells| (cells[1], cells[2..].to_vec())).collect()
 }
 
-/// README.md has numbers of docs/planner.md, and that those of the campaigns' reports.
+/// docs/results.md has numbers of docs/planner.md, and that those of the campaigns' reports.
 #[test]
 fn the_default_planner_is_said_to_be_what_was_measured() {
     let all = rows(include_str!("../../../../docs/planner.md"), "| | 5 mm | 1 cm | 5 mm, table |");
-    let readme = rows(include_str!("../../../../README.md"), "| planner | voxels of 5 mm |");
+    let readme = rows(include_str!("../../../../docs/results.md"), "| planner | voxels of 5 mm |");
     assert!(all.len() == 17 && readme.len() == 5);
     for (name, cells) in readme {
         let name = name.replace(", as published", " as published");
@@ -122,6 +122,26 @@ fn the_default_planner_is_said_to_be_what_was_measured() {
     }
 }
 
+/// The numbers at the head of README.md are those of the pages that it names.
+#[test]
+fn the_readme_says_what_was_measured() {
+    let planner = include_str!("../../../../docs/planner.md");
+    let reality = rows(include_str!("../../../../docs/reality.md"), "| | skill, mean | lowest |");
+    let views = rows(planner, "| | 95 % | 99 % | 95 %, table |");
+    let (_, noisy) = planner.split_once("with noise, 24 objects").unwrap();
+    let noisy = rows(noisy, "| | skill before |");
+    let readme = rows(include_str!("../../../../README.md"), "| planner | views to 95 %, all around |");
+    assert_eq!(readme.len(), 5);
+    for (name, said) in readme {
+        let said: Vec<_> = said.iter().map(|cell| cell.trim_matches('*')).collect();
+        let name = name.trim_matches('*').split([':', ',']).next().unwrap();
+        let skill = noisy[name][1].split(" (").next().unwrap();
+        let share = reality.get(name).map(|row| 100.0 * row[2].parse::<f64>().unwrap());
+        let share = share.map(|share| format!("{share:.1}")).unwrap_or_default();
+        assert_eq!(said[..4], [views[name][0], views[name][2], skill, &share], "{name}");
+    }
+}
+
 /// The tables with exact truth in docs/planner.md are those of their reports.
 #[test]
 fn the_tables_with_exact_truth_are_those_of_the_reports() {
@@ -147,12 +167,13 @@ fn the_tables_with_exact_truth_are_those_of_the_reports() {
 }
 
 #[test]
-fn the_readme_says_what_the_report_says() {
+fn the_results_are_those_of_the_report() {
     let report = include_str!("../../../../docs/reproduction/paper-1.md");
     let (_, summary) = report.split_once("What was reached with the last view").unwrap();
     let cells = |line: &str| line.split('|').map(|cell| cell.trim().to_owned()).collect::<Vec<_>>();
-    let (_, table) =
-        include_str!("../../../../README.md").split_once("| planner | voxel coverage, % | skill |").unwrap();
+    let (_, table) = include_str!("../../../../docs/results.md")
+        .split_once("| planner | voxel coverage, % | skill |")
+        .unwrap();
     let rows: Vec<_> = table.lines().skip(2).take_while(|line| line.starts_with('|')).map(cells).collect();
     assert!(rows.len() > 5);
     for row in rows {

@@ -1,4 +1,4 @@
-//! The output that the README shows is what its first command prints, times and memory aside.
+//! The output that docs/scan.md shows is what its first command prints, times and memory aside.
 
 use std::process::Command;
 
@@ -20,14 +20,14 @@ fn lines(text: &str) -> Vec<Vec<&str>> {
 
 #[test]
 fn shows_what_the_first_command_prints() {
-    let folder = std::env::temp_dir().join(format!("nextview-readme-{}", std::process::id()));
+    let folder = std::env::temp_dir().join(format!("nextview-first-scan-{}", std::process::id()));
     let out = folder.to_string_lossy();
     let output =
         Command::new(env!("CARGO_BIN_EXE_nextview")).args(["scan", "--out", &*out]).output().unwrap();
     std::fs::remove_dir_all(&folder).unwrap();
     assert!(output.status.success());
     let printed = String::from_utf8(output.stdout).unwrap();
-    let readme = include_str!("../../../README.md");
-    let shown = readme.split("```text\n").nth(1).unwrap().split("```").next().unwrap();
-    assert_eq!(lines(shown), lines(&printed), "the README shows another output");
+    let page = include_str!("../../../docs/scan.md");
+    let shown = page.split("```text\n").nth(1).unwrap().split("```").next().unwrap();
+    assert_eq!(lines(shown), lines(&printed), "docs/scan.md shows another output");
 }
