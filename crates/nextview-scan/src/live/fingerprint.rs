@@ -2,8 +2,8 @@ use nextview::geometry::Pose;
 use nextview::sensor::{ColorImage, Depth, DepthImage};
 use std::hash::{DefaultHasher, Hash, Hasher};
 
-/// A number of what a camera has taken and of where it says it stood: the same for the same bits, and hardly ever for
-/// others. It is no secret, and must not leave the process.
+/// A number of what a camera has taken and of where it says it stood: the same for the same bits, and hardly
+/// ever for others. It is no secret, and must not leave the process.
 pub fn fingerprint(pose: Option<&Pose>, depth: &DepthImage, color: Option<&ColorImage>) -> u64 {
     let mut hasher = DefaultHasher::new();
     if let Some(pose) = pose {

@@ -14,7 +14,8 @@ pub(crate) struct FrameHead {
     #[serde(default)]
     pub id: Option<String>,
     /// Where the camera stood: the rows of the 4 x 4 matrix that takes points of the camera, which looks
-    /// along z with y downwards, to the world; metres. None if it is to be found out: the scan needs `registration.given_poses` = tracked.
+    /// along z with y downwards, to the world; metres. None if it is to be found out: the scan needs
+    /// `registration.given_poses` = tracked.
     #[serde(default)]
     pub world_from_camera: Option<[[f64; 4]; 4]>,
     /// Length of a unit of 16-bit depth, metres. Default 0.001.
