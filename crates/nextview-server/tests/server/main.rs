@@ -17,3 +17,4 @@ mod robot;
 mod same_scan;
 #[cfg(test)]
 mod session;
+mod watcher;

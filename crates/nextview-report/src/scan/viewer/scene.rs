@@ -12,7 +12,8 @@ use nextview::sensor::Intrinsics;
 use nextview::session::NextView;
 use nextview_scan::StepRecord;
 
-/// The members of the scene, world frame, metres: views after number `after`, with at most so many points.
+/// The members of the scene, world frame, metres: all views, whose poses registration may have moved, and at
+/// most so many points of those after number `after`.
 pub(in crate::scan) fn members(page: &ScanPage<'_>, after: usize, max_points: usize) -> String {
     let n_views = page.steps().len();
     let after = after.min(n_views);
@@ -20,7 +21,7 @@ pub(in crate::scan) fn members(page: &ScanPage<'_>, after: usize, max_points: us
     let vertices: Vec<Vec3> = page.model.vertices.iter().map(|vertex| vertex.position.as_vec3()).collect();
     let core = if vertices.is_empty() { cloud.core } else { cloud::core(&vertices) };
     format!(
-        r#""after":{after},"n_views":{n_views},"ramp":{},"core":{},"surface":{},"expected":{},"candidates":{},"next":{},"lens":{},"views":{},"ends":{},"points":{}"#,
+        r#""after":{after},"n_views":{n_views},"ramp":{},"core":{},"surface":{},"expected":{},"candidates":{},"next":{},"lens":{},"up":{},"views":{},"ends":{},"points":{}"#,
         list(color::VIEWS.map(|color| list(color.map(|c| c.to_string())))),
         positions(core.map(|p| p.as_dvec3())),
         surface(page.model, &vertices),
@@ -28,7 +29,8 @@ pub(in crate::scan) fn members(page: &ScanPage<'_>, after: usize, max_points: us
         candidates(page),
         page.next.map_or("null".to_owned(), |next| next_view(next, &page.config.camera)),
         positions(corners(&page.config.camera)),
-        list((after..n_views).map(|i| view(page, i))),
+        numbers(page.model.up.unwrap_or(DVec3::Z).to_array()),
+        list((0..n_views).map(|i| view(page, i))),
         list(cloud.ends.iter().map(usize::to_string)),
         cloud.points.json(),
     )
