@@ -19,7 +19,7 @@ BOX_M = [-0.08, -0.08, -0.02, 0.08, 0.08, 0.14]
 
 
 class Server:
-    """`nextview serve` on a free port, killed at the end."""
+    """`nextview serve` on a free port, ended with the block."""
 
     def __init__(self, program: str, folder: Path) -> None:
         command = [program, "serve", "--listen", "127.0.0.1:0", "--dir", str(folder)]
@@ -38,7 +38,7 @@ class Server:
         return self
 
     def __exit__(self, *_) -> None:
-        self.process.kill()
+        self.process.terminate()
         self.process.wait()
 
     def page(self, scan: str) -> str:

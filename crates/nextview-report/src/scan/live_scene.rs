@@ -14,7 +14,7 @@ use nextview::sensor::Frame;
 use serde_json::json;
 
 /// Maximum number of vertices of the surface, 26 bytes each: an update is to stay below 300 kB.
-const MAX_VERTICES: usize = 9000;
+const MAX_VERTICES: usize = 7000;
 
 /// Maximum number of points in an update, 8 bytes each, and of all points.
 const MAX_POINTS: [usize; 2] = [6000, 60_000];

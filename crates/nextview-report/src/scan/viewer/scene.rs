@@ -30,7 +30,7 @@ pub(in crate::scan) fn members(page: &ScanPage<'_>, after: usize, max_points: us
         page.next.map_or("null".to_owned(), |next| next_view(next, &page.config.camera)),
         positions(corners(&page.config.camera)),
         numbers(page.model.up.unwrap_or(DVec3::Z).to_array()),
-        list((0..n_views).map(|i| view(page, i))),
+        list((0..n_views).map(|i| view(page, i, i >= after))),
         list(cloud.ends.iter().map(usize::to_string)),
         cloud.points.json(),
     )
@@ -88,8 +88,9 @@ fn candidates(page: &ScanPage<'_>) -> String {
     )
 }
 
-/// A camera: where it stands, where the corners of its image lie at depth 1 from there, the path to it.
-fn view(page: &ScanPage<'_>, i: usize) -> String {
+/// A camera: where it stands, where the corners of its image lie at depth 1 from there, the path to it if that
+/// is new.
+fn view(page: &ScanPage<'_>, i: usize, is_new: bool) -> String {
     let steps = page.steps();
     let world_from_camera = pose(&steps[i]);
     let position = world_from_camera.translation();
@@ -99,7 +100,7 @@ fn view(page: &ScanPage<'_>, i: usize) -> String {
     format!(
         r#"{{{},"path":{}}}"#,
         frustum(&world_from_camera, &page.config.camera),
-        positions(path.unwrap_or(&straight).iter().copied()),
+        positions(path.unwrap_or(&straight).iter().filter(|_| is_new).copied()),
     )
 }
 

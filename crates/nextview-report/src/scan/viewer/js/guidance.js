@@ -25,6 +25,6 @@ function cameraAt(rows, lens) {
 
 function showTracking({ lost, remedy }) {
   byId("tracking").hidden = !lost;
-  byId("tracking").textContent = lost ? `It is not known where the camera is. ${remedy || "Go back to where it was last known."}` : "";
+  byId("tracking").textContent = lost ? `It is not known where the camera is: ${remedy || "go back to where it was last known"}.` : "";
   if (lost) showGuidance(null);
 }

@@ -100,7 +100,8 @@
     } else if (name === "tracking") showTracking(data);
     else {
       if (name === "gap") nViews = 0;
-      refresh();
+      // A view comes with the scene of the frame that led to it.
+      if (name !== "view") refresh();
     }
   }
 

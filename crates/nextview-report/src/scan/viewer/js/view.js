@@ -57,7 +57,9 @@ function startView(gl, canvas, labelCanvas) {
       scene.chunks.forEach((chunk) => chunk.buffers.free());
       scene.chunks = [];
     }
-    [scene.views, scene.nViews, scene.next] = [data.views, data.n_views, data.next];
+    // Poses of all, paths of the new ones.
+    scene.views = data.views.map((view, i) => i < data.after ? { ...view, path: scene.views[i].path } : view);
+    [scene.nViews, scene.next] = [data.n_views, data.next];
     [scene.ramp, scene.core, scene.axes] = [data.ramp, data.core, axesOf(data.up)];
     scene.center = mix(data.core[0], data.core[1], 0.5);
     scene.radius = Math.max(distance(data.core[0], data.core[1]) / 2, 0.005);
