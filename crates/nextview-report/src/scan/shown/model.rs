@@ -2,6 +2,7 @@ use super::vertex::ShownVertex;
 use super::{FusedFrames, expected, looks};
 use crate::scan::scan_copy::ScanCopy;
 use glam::DVec3;
+use nextview::geometry::Aabb;
 use nextview::surface::SurfaceMesh;
 use nextview_scan::FinishedScan;
 
@@ -20,6 +21,8 @@ pub struct ShownModel {
     pub(crate) gains: Vec<f64>,
     /// The normal of the table; none where none is known.
     pub(crate) up: Option<DVec3>,
+    /// The box around the object, metres; none where none is known.
+    pub(crate) bounds: Option<Aabb>,
 }
 
 impl ShownModel {
@@ -37,6 +40,7 @@ impl ShownModel {
         let (expected, gains) = expected::of_scan(scan).unwrap_or_default();
         let vertices = looks::vertices(scan, &mesh, cell);
         let up = scan.table.map(|table| table.normal());
-        Self { vertices, triangles: mesh.triangles, expected, gains, up }
+        let bounds = scan.place.map(|(bounds, _)| bounds);
+        Self { vertices, triangles: mesh.triangles, expected, gains, up, bounds }
     }
 }

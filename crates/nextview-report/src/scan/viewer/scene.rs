@@ -19,7 +19,12 @@ pub(in crate::scan) fn members(page: &ScanPage<'_>, after: usize, max_points: us
     let after = after.min(n_views);
     let cloud = cloud::pack(page, after..n_views, max_points);
     let vertices: Vec<Vec3> = page.model.vertices.iter().map(|vertex| vertex.position.as_vec3()).collect();
-    let core = if vertices.is_empty() { cloud.core } else { cloud::core(&vertices) };
+    let core = match page.model.bounds {
+        // Until something was seen, the box is all that is known.
+        Some(bounds) if n_views == 0 => [bounds.min, bounds.max].map(|corner| corner.as_vec3()),
+        _ if vertices.is_empty() => cloud.core,
+        _ => cloud::core(&vertices),
+    };
     format!(
         r#""after":{after},"n_views":{n_views},"ramp":{},"core":{},"surface":{},"expected":{},"candidates":{},"next":{},"lens":{},"up":{},"views":{},"ends":{},"points":{}"#,
         list(color::VIEWS.map(|color| list(color.map(|c| c.to_string())))),

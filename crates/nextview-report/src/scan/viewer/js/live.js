@@ -70,15 +70,19 @@
 
   async function load() {
     const [of, after] = [id, nViews];
+    const next = await getJson(`${base()}/next`).catch((error) => {
+      if (error.status === 404) return null;
+      throw error;
+    });
+    // After `next`, which waits for what is being done to the scan: the list alone would say how it was before.
     const summary = (await listScans()).find((scan) => scan.id === of);
     const data = summary && await getJson(`${base()}/scene?after=${after}`).catch((error) => {
       if (error.status === 409 && summary.state === "finished") return null;
       throw error;
     });
-    const next = summary ? await getJson(`${base()}/next`) : null;
     if (of !== id || after !== nViews) return;
     proposal = next;
-    if (!summary) return gone();
+    if (!next || !summary) return gone();
     document.body.classList.toggle("past", !data);
     if (data) showScene(data);
     else showPast(summary);
@@ -98,7 +102,10 @@
       showGuidance(data.guidance);
       if (view && lens) view.moveCamera(cameraAt(data.world_from_camera, lens));
     } else if (name === "tracking") showTracking(data);
-    else {
+    else if (name === "deleted") {
+      gone();
+      listScans().catch((error) => showFault("look", error));
+    } else {
       if (name === "gap") nViews = 0;
       // A view comes with the scene of the frame that led to it.
       if (name !== "view") refresh();

@@ -32,7 +32,9 @@ function startView(gl, canvas, labelCanvas) {
   }
 
   function reset() {
-    start = framing(startingEye(), cornersOf(scene.core), size().sides);
+    // Before the first view, there is nothing but the camera that is to take it.
+    const first = scene.nViews === 0 && scene.next ? [scene.next.position] : [];
+    start = framing(startingEye(), cornersOf(scene.core).concat(first), size().sides);
     [eye, isMoved] = [{ ...start }, false];
     redraw();
   }
