@@ -13,7 +13,7 @@ pub struct ScanPage<'a> {
     pub config: &'a ScanConfig,
     /// A picture of each step of the record, in the same order. For a step without one, only the numbers are
     /// shown.
-    pub views: &'a [ViewPicture<'a>],
+    pub views: &'a [ViewPicture],
     /// Positions of the view candidates, world frame, metres.
     pub candidates: &'a [DVec3],
     /// The surface, measured and expected, and the gains of these candidates.
@@ -33,7 +33,7 @@ impl<'a> ScanPage<'a> {
     }
 
     /// The picture of the step with this index; none without one.
-    pub(super) fn picture(&self, step_idx: usize) -> Option<&'a ViewPicture<'a>> {
+    pub(super) fn picture(&self, step_idx: usize) -> Option<&'a ViewPicture> {
         self.views.get(step_idx)
     }
 

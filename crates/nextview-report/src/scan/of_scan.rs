@@ -1,7 +1,9 @@
 use super::input::ScanPage;
+use super::new_points::NewPoints;
 use super::page::scan_page;
 use super::picture::ViewPicture;
-use super::shown::ShownModel;
+use super::scan_copy::ScanCopy;
+use super::shown::{FusedFrames, ShownModel};
 use nextview_scan::{FinishedScan, ScanConfig, ScanRecord};
 
 /// Maximum number of vertices of the surface on a page. A vertex costs 26 bytes, so they take 1 MB.
@@ -16,9 +18,12 @@ pub fn page_of_scan(
     command: &str,
     config_text: &str,
 ) -> String {
-    let candidates: Vec<_> = scan.session.views().poses().iter().map(|pose| pose.translation()).collect();
-    let views = &ViewPicture::of_scan(scan);
-    let model = &ShownModel::of_scan(scan, MAX_VERTICES);
+    let copy = ScanCopy::of(scan);
+    let candidates: Vec<_> = copy.candidates.poses().iter().map(|pose| pose.translation()).collect();
+    let mut points = NewPoints::default();
+    points.update(&copy);
+    let views = &ViewPicture::of_copy(&copy, &points);
+    let model = &ShownModel::of_copy(&copy, &mut FusedFrames::default(), MAX_VERTICES);
     let candidates = &candidates;
     scan_page(&ScanPage { record, config, views, candidates, model, next: None, command, config_text })
 }

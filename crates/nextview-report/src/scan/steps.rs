@@ -8,7 +8,7 @@ use nextview_scan::StepRecord;
 
 /// The table, with the pictures of each view.
 pub(super) fn table(page: &ScanPage<'_>) -> String {
-    let range = thumbnail::Range::of(page.views.iter().map(|picture| picture.depth));
+    let range = thumbnail::Range::of(page.views.iter().map(|picture| &picture.depth));
     table_with(page, range, |i| pictures(page, range, i))
 }
 
@@ -40,7 +40,7 @@ pub(super) fn pictures(page: &ScanPage<'_>, range: Option<thumbnail::Range>, i: 
     let Some(picture) = page.picture(i) else { return String::new() };
     let size = thumbnail::depth_size(page.steps().len());
     let color = picture.color.as_ref().map(|color| thumbnail::color(color, i + 1)).unwrap_or_default();
-    thumbnail::depth(picture.depth, range.unwrap_or_default(), i + 1, size) + &color
+    thumbnail::depth(&picture.depth, range.unwrap_or_default(), i + 1, size) + &color
 }
 
 struct Column {

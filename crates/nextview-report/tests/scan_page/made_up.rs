@@ -27,8 +27,8 @@ impl MadeUp {
     /// The page, with as many pictures as there are depth images.
     pub fn page(&self) -> String {
         let parts = self.depths.iter().zip(&self.points).zip(&self.paths);
-        let picture = |((depth, points), path): ((_, &Vec<Vec3>), &Vec<DVec3>)| ViewPicture {
-            depth,
+        let picture = |((depth, points), path): ((&DepthImage, &Vec<Vec3>), &Vec<DVec3>)| ViewPicture {
+            depth: depth.clone(),
             color: None,
             points: points.clone(),
             path: path.clone(),

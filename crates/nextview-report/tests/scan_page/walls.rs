@@ -6,7 +6,7 @@ use nextview::planner::InOrder;
 use nextview::sensor::{DepthImage, Frame, Intrinsics};
 use nextview::session::{NextView, Session, SessionConfig};
 use nextview::view::generate;
-use nextview_report::live;
+use nextview_report::live::{LiveScene, SceneSource};
 use nextview_scan::{FinishedScan, Next, ScanConfig, ScanRun};
 use serde_json::Value;
 
@@ -33,7 +33,7 @@ pub fn walls(n_views: usize) -> (FinishedScan<'static>, Option<NextView>, Aabb) 
 /// The live scene of that, with the views after number `after`.
 pub fn scene(n_views: usize, after: usize) -> Value {
     let (scan, next, _) = walls(n_views);
-    let text = live::scene(&scan, &ScanConfig::default(), next.as_ref(), after);
+    let text = LiveScene::default().json(&SceneSource::of_scan(&scan, &ScanConfig::default(), next), after);
     assert!(text.len() < 300_000, "{} bytes", text.len());
     serde_json::from_str(&text).unwrap()
 }

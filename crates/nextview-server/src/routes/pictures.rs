@@ -1,10 +1,12 @@
 use super::route::{Content, Doc, Method, Route};
 use crate::app::App;
 use crate::refusal::Refusal;
+use crate::scans::Work;
 use axum::extract::{Path, Query, State};
 use axum::http::{StatusCode, header};
 use axum::response::{IntoResponse, Response};
-use nextview_report::{color_png, depth_png, live};
+use nextview_report::live::SceneSource;
+use nextview_report::{color_png, depth_png};
 use nextview_scan::{Fault, LiveScan};
 use schemars::JsonSchema;
 use serde::Deserialize;
@@ -43,13 +45,14 @@ async fn get_scene(
     Query(SceneQuery { after }): Query<SceneQuery>,
 ) -> Result<Response, Refusal> {
     let scan = app.scans.find(&id)?;
-    let scene = scan.with(move |work| {
+    let copy = |work: &mut Work| {
         let is_paused = work.is_finished() || work.about.is_paused;
         let scan = work.shown()?;
         let next = if is_paused { None } else { scan.next()? };
-        Ok(live::scene(scan.scan(), scan.config(), next.as_ref(), after))
-    });
-    Ok(([(header::CONTENT_TYPE, "application/json")], scene.await?).into_response())
+        Ok(SceneSource::of_scan(scan.scan(), scan.config(), next))
+    };
+    let scene = scan.scene(copy, after).await?;
+    Ok(([(header::CONTENT_TYPE, "application/json")], scene).into_response())
 }
 
 async fn depth(

@@ -1,6 +1,6 @@
 use super::about::About;
 use super::creation::NewScan;
-use super::scan::Scan;
+use super::scan::{Cores, Scan};
 use super::summary::{ScanState, ScanSummary};
 use super::work::{DELETED, Work};
 use crate::Limits;
@@ -31,7 +31,7 @@ pub(crate) struct Scans {
     limits: Limits,
     /// Tells what happens in this process from what happened in one before.
     run: String,
-    cores: Arc<Semaphore>,
+    cores: Cores,
     /// None where a scan of this id is being created.
     scans: Mutex<BTreeMap<String, Option<Arc<Scan>>>>,
 }
@@ -41,7 +41,8 @@ impl Scans {
     pub fn open(dir: &Path, limits: Limits) -> Result<Self, Faults> {
         std::fs::create_dir_all(dir).map_err(|e| Fault::from(e).while_writing(dir))?;
         let n_cores = std::thread::available_parallelism().map_or(1, usize::from);
-        let cores = Arc::new(Semaphore::new(n_cores));
+        let [requests, scenes] = [n_cores, 1].map(|n| Arc::new(Semaphore::new(n)));
+        let cores = Cores { requests, scenes };
         let run = random_hex(4)?;
         let mut scans = BTreeMap::new();
         for entry in std::fs::read_dir(dir).map_err(|e| Fault::from(e).in_file(dir))? {

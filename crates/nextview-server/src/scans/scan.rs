@@ -5,19 +5,30 @@ use crate::Limits;
 use crate::refusal::Refusal;
 use axum::http::StatusCode;
 use nextview::Cancel;
+use nextview_report::live::{LiveScene, SceneSource};
 use nextview_scan::{Fault, ScanConfig};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Duration;
 use tokio::sync::{Mutex as AsyncMutex, Semaphore};
 
+/// How much is computed at once; shared by all scans.
+#[derive(Clone)]
+pub(crate) struct Cores {
+    /// Requests to different scans.
+    pub requests: Arc<Semaphore>,
+    /// Scenes: those who look on do not slow down those who scan.
+    pub scenes: Arc<Semaphore>,
+}
+
 /// A scan of the server. Requests to it are worked on one after the other, in the order in which they came.
 pub(crate) struct Scan {
     pub events: Events,
     work: Arc<AsyncMutex<Work>>,
     queue: Arc<Semaphore>,
-    /// Shared by all scans: how many may compute.
-    cores: Arc<Semaphore>,
+    /// What the page shows, which is made beside the other requests.
+    scene: Arc<AsyncMutex<LiveScene>>,
+    cores: Cores,
     answer_time: Duration,
     /// As of the last request that was done: to be listed without waiting.
     summary: Mutex<ScanSummary>,
@@ -25,13 +36,7 @@ pub(crate) struct Scan {
 }
 
 impl Scan {
-    pub fn new(
-        id: String,
-        run: String,
-        work: Work,
-        config: &ScanConfig,
-        shared: (Arc<Semaphore>, &Limits),
-    ) -> Self {
+    pub fn new(id: String, run: String, work: Work, config: &ScanConfig, shared: (Cores, &Limits)) -> Self {
         let summary = ScanSummary {
             id,
             object: nextview_scan::short_name(&config.object),
@@ -44,6 +49,7 @@ impl Scan {
             events: Events::new(run),
             cancel: work.cancel.clone(),
             work: Arc::new(AsyncMutex::new(work)),
+            scene: Arc::default(),
             queue: Arc::new(Semaphore::new(limits.queue)),
             cores,
             answer_time: limits.answer_time,
@@ -69,7 +75,7 @@ impl Scan {
         let scan = self.clone();
         let done = async move {
             let mut work = scan.work.clone().lock_owned().await;
-            let core = scan.cores.clone().acquire_owned().await;
+            let core = scan.cores.requests.clone().acquire_owned().await;
             let done = tokio::task::spawn_blocking(move || {
                 let _held = (place, core);
                 let done = catch_unwind(AssertUnwindSafe(|| job(&mut work)));
@@ -83,6 +89,28 @@ impl Scan {
             done.await.unwrap_or_else(|_| Err(panicked()))
         };
         tokio::time::timeout(self.answer_time, done).await.unwrap_or_else(|_| Err(self.too_late()))
+    }
+
+    /// What the page shows of the scan, with the views after number `after`. While it is made, frames are taken in:
+    /// they wait for no more than a copy.
+    pub async fn scene(
+        self: &Arc<Self>,
+        copy: impl FnOnce(&mut Work) -> Result<SceneSource, Refusal> + Send + 'static,
+        after: usize,
+    ) -> Result<String, Refusal> {
+        // In this order, so that no scene is of an earlier time than the one before.
+        let mut kept = self.scene.clone().lock_owned().await;
+        let source = self.with(copy).await?;
+        let core = self.cores.scenes.clone().acquire_owned().await;
+        let made = tokio::task::spawn_blocking(move || {
+            let _held = core;
+            // If this fails, nothing half-made is kept.
+            let mut scene = std::mem::take(&mut *kept);
+            let json = scene.json(&source, after);
+            *kept = scene;
+            json
+        });
+        made.await.map_err(|_| panicked())
     }
 
     /// Stops what is being computed, for the scan is to be deleted.
@@ -101,6 +129,9 @@ impl Scan {
             && work.is_finished()
         {
             work.forget();
+            if let Ok(mut scene) = self.scene.try_lock() {
+                *scene = LiveScene::default();
+            }
         }
     }
 

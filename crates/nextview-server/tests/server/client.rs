@@ -54,6 +54,11 @@ impl Client {
         Self { headers: headers.to_owned(), ..self }
     }
 
+    /// What requests name as their host.
+    pub fn host(&self) -> SocketAddr {
+        self.address
+    }
+
     pub fn get(&mut self, path: &str) -> Answer {
         self.send("GET", path, "", b"").unwrap()
     }

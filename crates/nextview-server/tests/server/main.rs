@@ -18,3 +18,4 @@ mod robot;
 mod same_scan;
 #[cfg(test)]
 mod session;
+mod watcher;

@@ -3,6 +3,7 @@
 use crate::client::Client;
 use crate::process::{Folder, Server, n_from_env};
 use crate::robot::{Robot, post_raw};
+use crate::watcher::Watcher;
 use nextview::Cancel;
 use nextview_scan::{LiveFrame, LiveScan, ScanRun, result_file, rows_of_pose};
 use serde_json::{Value, json};
@@ -40,6 +41,11 @@ fn in_process(robot: &Robot) -> Outcome {
 
 fn through_server(robot: &Robot, client: &mut Client, id: &str) -> Outcome {
     client.post("/scans", &robot.body(id)).expect(201);
+    scanned(robot, client, id)
+}
+
+/// A scan that was created.
+fn scanned(robot: &Robot, client: &mut Client, id: &str) -> Outcome {
     let mut outcome = Outcome::default();
     let path = format!("/scans/{id}/next");
     let mut next = client.get(&path).expect(200);
@@ -89,6 +95,33 @@ fn views_and_map_are_the_same() {
         println!("    {n_scans} scans in {:.1} s, with rendering", start.elapsed().as_secs_f64());
     }
     assert_eq!(expected.views.len(), N_VIEWS);
+}
+
+/// A page that shows the scan as it happens does not hold it up; `NEXTVIEW_SERVED` is the width of the images,
+/// `NEXTVIEW_WATCHED` the number of frames.
+#[test]
+fn a_page_changes_nothing() {
+    let n_views = n_from_env("NEXTVIEW_WATCHED", N_VIEWS);
+    let robot = Robot::new(n_views, n_from_env("NEXTVIEW_SERVED", 320) as u32);
+    let folder = Folder::new("watched");
+    let server = Server::start(&folder.path("scans"));
+    let alone = through_server(&robot, &mut server.client(), "alone");
+    row("server, no page", alone.latencies);
+
+    let watcher = Watcher::default();
+    let mut client = server.client();
+    client.post("/scans", &robot.body("watched")).expect(201);
+    let watched = std::thread::scope(|scope| {
+        scope.spawn(|| watcher.watch("watched", server.client(), server.client()));
+        let outcome = scanned(&robot, &mut client, "watched");
+        client.post("/scans/watched/finish", &json!({})).expect(200);
+        outcome
+    });
+    row("server, a page open", watched.latencies);
+    let (n_scenes, n_bytes) = (watcher.n_scenes.into_inner(), watcher.n_bytes.into_inner());
+    println!("    {n_scenes} scenes, {:.0} kB each", n_bytes as f64 / 1e3 / n_scenes.max(1) as f64);
+    assert_eq!(watched.views, alone.views);
+    assert!(n_scenes > 1 && watched.map == alone.map);
 }
 
 /// With noise, the program knows the errors of the camera that it simulates, and decides by them.

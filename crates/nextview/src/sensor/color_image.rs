@@ -1,6 +1,8 @@
 use crate::Error;
+use std::sync::Arc;
 
 /// A colour image aligned pixel by pixel with a depth image of the same size, row by row from the top left.
+/// Clones share the pixels.
 ///
 /// ```
 /// use nextview::sensor::ColorImage;
@@ -12,7 +14,7 @@ use crate::Error;
 pub struct ColorImage {
     width: u32,
     height: u32,
-    pixels: Vec<[u8; 3]>,
+    pixels: Arc<[[u8; 3]]>,
 }
 
 impl ColorImage {
@@ -23,7 +25,7 @@ impl ColorImage {
             let (name, value) = ("colour image", format!("{} pixels of {width} x {height}", pixels.len()));
             return Err(Error::invalid(name, value, "as many pixels as its size says"));
         }
-        Ok(Self { width, height, pixels })
+        Ok(Self { width, height, pixels: pixels.into() })
     }
 
     /// Width in pixels.

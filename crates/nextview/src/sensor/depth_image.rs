@@ -1,4 +1,5 @@
 use crate::Error;
+use std::sync::Arc;
 
 /// The reading of one pixel of a depth image.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -11,13 +12,13 @@ pub enum Depth {
     Surface(f32),
 }
 
-/// A depth image, row by row from the top left, in metres along the camera's z axis.
+/// A depth image, row by row from the top left, in metres along the camera's z axis. Clones share the pixels.
 #[derive(Clone, Debug, PartialEq)]
 pub struct DepthImage {
     width: u32,
     height: u32,
     /// Positive and finite: a surface. NaN: missing. Infinite: nothing came back.
-    depth: Vec<f32>,
+    depth: Arc<[f32]>,
 }
 
 impl DepthImage {
@@ -32,7 +33,7 @@ impl DepthImage {
                 *d = f32::NAN;
             }
         }
-        Ok(Self { width, height, depth })
+        Ok(Self { width, height, depth: depth.into() })
     }
 
     /// An image from raw units, as depth cameras and 16-bit PNG files give them; `scale` is the size of a

@@ -1,18 +1,20 @@
 //! Surface that nobody has seen yet, as the prior expects it.
 
 use super::candidate_gain::candidate_gains;
+use crate::scan::scan_copy::ScanCopy;
 use nextview::map::{Occupancy, Snapshot};
 use nextview::prior::{SurfaceEstimate, SurfacePrior, coarse_enough};
-use nextview::session::Session;
 use nextview::surface::{SurfaceMesh, surface_nets};
 use nextview::{Cancel, Error};
 
 /// A shell around the unseen voxels that probably hold surface, and what each candidate is expected to show.
-pub(super) fn of_session(session: &Session, cancel: &Cancel) -> Result<(SurfaceMesh, Vec<f64>), Error> {
-    let Some(snapshot) = session.snapshot() else { return Ok(Default::default()) };
-    let snapshot = coarse_enough(&snapshot, cancel)?;
+pub(super) fn of_scan(scan: &ScanCopy) -> Result<(SurfaceMesh, Vec<f64>), Error> {
+    // A page is wanted of a scan that was cancelled, too.
+    let cancel = &Cancel::default();
+    let Some(snapshot) = &scan.snapshot else { return Ok(Default::default()) };
+    let snapshot = coarse_enough(snapshot, cancel)?;
     let estimate = SurfacePrior::default().estimate(&snapshot, cancel)?;
-    Ok((shell(&snapshot, &estimate), candidate_gains(session, &snapshot, &estimate, cancel)?))
+    Ok((shell(&snapshot, &estimate), candidate_gains(scan, &snapshot, &estimate)?))
 }
 
 /// Around the unseen voxels of which they or one of their six neighbours hold surface with a probability

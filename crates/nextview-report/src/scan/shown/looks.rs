@@ -1,9 +1,9 @@
 //! How often and how well each vertex of the surface was seen.
 
 use super::vertex::ShownVertex;
+use crate::scan::scan_copy::ScanCopy;
 use nextview::sensor::{ColorImage, Depth, Frame};
 use nextview::surface::{CloudPoint, SurfaceMesh};
-use nextview_scan::FinishedScan;
 
 /// Cosine of the flattest angle at which a frame shows a vertex.
 const FLATTEST: f64 = 0.1;
@@ -12,16 +12,20 @@ const FLATTEST: f64 = 0.1;
 const TOLERANCE: f64 = 2.0;
 
 /// The vertices of a surface in cells of this edge, metres.
-pub(super) fn vertices(scan: &FinishedScan<'_>, mesh: &SurfaceMesh, cell: f64) -> Vec<ShownVertex> {
+pub(super) fn vertices(scan: &ScanCopy, mesh: &SurfaceMesh, cell: f64) -> Vec<ShownVertex> {
     let points = mesh.points();
     let mut vertices: Vec<ShownVertex> = points
         .iter()
         .map(|point| ShownVertex { position: point.position, ..ShownVertex::default() })
         .collect();
-    for (frame, &step_idx) in scan.session.frames().iter().zip(scan.session.frame_numbers()) {
-        // A page without the colours of an image that can no longer be read is better than none.
-        let color = scan.color(step_idx).ok().flatten();
-        look(frame, color.as_ref(), step_idx, TOLERANCE * cell, points.iter().zip(&mut vertices));
+    for (frame, &step_idx) in scan.frames.iter().zip(&scan.step_idxs) {
+        look(
+            frame,
+            scan.colors[step_idx].as_ref(),
+            step_idx,
+            TOLERANCE * cell,
+            points.iter().zip(&mut vertices),
+        );
     }
     vertices
 }

@@ -8,4 +8,5 @@ mod surface;
 mod vertex;
 
 pub use model::ShownModel;
+pub(super) use surface::FusedFrames;
 pub(crate) use vertex::ShownVertex;

@@ -1,6 +1,8 @@
 use super::vertex::ShownVertex;
-use super::{expected, looks, surface};
-use nextview::Cancel;
+use super::{FusedFrames, expected, looks};
+use crate::scan::scan_copy::ScanCopy;
+use glam::DVec3;
+use nextview::geometry::Aabb;
 use nextview::surface::SurfaceMesh;
 use nextview_scan::FinishedScan;
 
@@ -17,6 +19,10 @@ pub struct ShownModel {
     pub(crate) expected: SurfaceMesh,
     /// By candidate, the voxels of surface that it is expected to show anew; empty if that is not known.
     pub(crate) gains: Vec<f64>,
+    /// The normal of the table; none where none is known.
+    pub(crate) up: Option<DVec3>,
+    /// The box around the object, metres; none where none is known.
+    pub(crate) bounds: Option<Aabb>,
 }
 
 impl ShownModel {
@@ -25,10 +31,16 @@ impl ShownModel {
     ///
     /// Parts that cannot be made are left out: before an object was found, all of them.
     pub fn of_scan(scan: &FinishedScan<'_>, max_vertices: usize) -> Self {
-        // A page is wanted of a scan that was cancelled, too.
-        let cancel = &Cancel::default();
-        let (mesh, cell) = surface::of_scan(scan, max_vertices, cancel).unwrap_or_default();
-        let (expected, gains) = expected::of_session(&scan.session, cancel).unwrap_or_default();
-        Self { vertices: looks::vertices(scan, &mesh, cell), triangles: mesh.triangles, expected, gains }
+        Self::of_copy(&ScanCopy::of(scan), &mut FusedFrames::default(), max_vertices)
+    }
+
+    /// The same with the frames that were fused before.
+    pub(crate) fn of_copy(scan: &ScanCopy, fused: &mut FusedFrames, max_vertices: usize) -> Self {
+        let (mesh, cell) = fused.surface(scan, max_vertices).unwrap_or_default();
+        let (expected, gains) = expected::of_scan(scan).unwrap_or_default();
+        let vertices = looks::vertices(scan, &mesh, cell);
+        let up = scan.table.map(|table| table.normal());
+        let bounds = scan.place.map(|(bounds, _)| bounds);
+        Self { vertices, triangles: mesh.triangles, expected, gains, up, bounds }
     }
 }

@@ -1,10 +1,10 @@
 //! The measured surface, no finer than a page needs it.
 
+use crate::scan::scan_copy::ScanCopy;
+use nextview::Cancel;
 use nextview::geometry::Lattice;
 use nextview::map::Occupancy;
 use nextview::surface::{DistanceField, SurfaceMesh};
-use nextview::{Cancel, Error};
-use nextview_scan::FinishedScan;
 
 /// Cells are this much larger than those of the final model: what single frames leave open closes, and a
 /// picture of the whole object shows no smaller ones.
@@ -13,33 +13,57 @@ const COARSER: f64 = 1.4;
 /// Vertices of a surface over the occupied voxels of a map with voxels as large as its cells.
 const VERTICES_PER_VOXEL: f64 = 1.6;
 
-/// The surface with at most so many vertices, and the edge of its cells, metres; none if there is no object.
-///
-/// The map says how large the cells must be: a second attempt would cost as much time as the first.
-pub(super) fn of_scan(
-    scan: &FinishedScan<'_>,
-    max_vertices: usize,
-    cancel: &Cancel,
-) -> Option<(SurfaceMesh, f64)> {
-    let voxel_size = scan.session.map().lattice().voxel_size();
-    let n_occupied = scan.session.snapshot()?.count(Occupancy::Occupied) as f64;
-    let enough = voxel_size * (VERTICES_PER_VOXEL * n_occupied / max_vertices as f64).sqrt();
-    let mut cell = enough.max(COARSER * scan.detail(scan.bounds()?));
-    loop {
-        let mesh = with_cells(scan, cell, cancel).ok()?;
-        let excess = mesh.vertices.len() as f64 / max_vertices as f64;
-        if excess <= 1.0 {
-            return Some((mesh, cell));
+/// How much larger than needed cells become where there are too many: the next frame adds more.
+const SPARE: f64 = 1.1;
+
+/// The frames so far, fused: the next surface takes one more frame.
+#[derive(Default)]
+pub(crate) struct FusedFrames {
+    field: Option<DistanceField>,
+    n_frames: usize,
+}
+
+impl FusedFrames {
+    /// The surface with at most so many vertices, and the edge of its cells, metres; none if there is no
+    /// object. Box and poses of the frames must be those of before.
+    ///
+    /// The map says how large the cells must be: a second attempt would cost as much time as the first.
+    pub fn surface(&mut self, scan: &ScanCopy, max_vertices: usize) -> Option<(SurfaceMesh, f64)> {
+        let mut cell = match &self.field {
+            Some(field) => field.lattice().voxel_size(),
+            None => first_cell(scan, max_vertices)?,
+        };
+        loop {
+            // A page is wanted of a scan that was cancelled, too.
+            let cancel = &Cancel::default();
+            let mesh = self.fuse(scan, cell)?.surface(cancel).ok()?;
+            let excess = mesh.vertices.len() as f64 / max_vertices as f64;
+            if excess <= 1.0 {
+                return Some((mesh, cell));
+            }
+            *self = Self::default();
+            cell *= SPARE * excess.sqrt();
         }
-        cell *= 1.05 * excess.sqrt();
+    }
+
+    /// With the frames that are not in it yet.
+    fn fuse(&mut self, scan: &ScanCopy, cell: f64) -> Option<&DistanceField> {
+        if self.field.is_none() {
+            let lattice = Lattice::new(cell).ok()?;
+            let block = lattice.block_inside(&scan.place?.0)?;
+            self.field = Some(DistanceField::new(lattice, block, 2.0 * cell).ok()?);
+        }
+        let field = self.field.as_mut()?;
+        for frame in scan.frames.iter().skip(self.n_frames) {
+            field.integrate(frame, &Cancel::default()).ok()?;
+        }
+        self.n_frames = scan.frames.len();
+        Some(field)
     }
 }
 
-fn with_cells(scan: &FinishedScan<'_>, cell: f64, cancel: &Cancel) -> Result<SurfaceMesh, Error> {
-    let lattice = Lattice::new(cell)?;
-    let block = scan.bounds().and_then(|bounds| lattice.block_inside(&bounds));
-    let Some(block) = block else { return Ok(SurfaceMesh::default()) };
-    let mut field = DistanceField::new(lattice, block, 2.0 * cell)?;
-    scan.session.frames().iter().try_for_each(|frame| field.integrate(frame, cancel))?;
-    Ok(field.surface(cancel)?)
+fn first_cell(scan: &ScanCopy, max_vertices: usize) -> Option<f64> {
+    let n_occupied = scan.snapshot.as_ref()?.count(Occupancy::Occupied) as f64;
+    let enough = scan.voxel_size * (VERTICES_PER_VOXEL * n_occupied / max_vertices as f64).sqrt();
+    Some(enough.max(COARSER * scan.place?.1))
 }

@@ -43,7 +43,8 @@ pub(crate) const LIVE_PAGE: &str =
     concat!(include_str!("live_head.html"), include_str!("figure.html"), include_str!("live_tail.html"));
 
 /// Its script.
-pub(crate) const LIVE_SCRIPT: &str = script!("js/api.js", "js/guidance.js", "js/proposal.js", "js/live.js");
+pub(crate) const LIVE_SCRIPT: &str =
+    script!("js/api.js", "js/faults.js", "js/guidance.js", "js/proposal.js", "js/live.js");
 
 /// The script of a report: it shows the scene that stands in its page.
 pub(super) const REPORT_SCRIPT: &str = script!("js/report.js");

@@ -12,15 +12,21 @@ use nextview::sensor::Intrinsics;
 use nextview::session::NextView;
 use nextview_scan::StepRecord;
 
-/// The members of the scene, world frame, metres: views after number `after`, with at most so many points.
+/// The members of the scene, world frame, metres: all views, whose poses registration may have moved, and at
+/// most so many points of those after number `after`.
 pub(in crate::scan) fn members(page: &ScanPage<'_>, after: usize, max_points: usize) -> String {
     let n_views = page.steps().len();
     let after = after.min(n_views);
     let cloud = cloud::pack(page, after..n_views, max_points);
     let vertices: Vec<Vec3> = page.model.vertices.iter().map(|vertex| vertex.position.as_vec3()).collect();
-    let core = if vertices.is_empty() { cloud.core } else { cloud::core(&vertices) };
+    let core = match page.model.bounds {
+        // Until something was seen, the box is all that is known.
+        Some(bounds) if n_views == 0 => [bounds.min, bounds.max].map(|corner| corner.as_vec3()),
+        _ if vertices.is_empty() => cloud.core,
+        _ => cloud::core(&vertices),
+    };
     format!(
-        r#""after":{after},"n_views":{n_views},"ramp":{},"core":{},"surface":{},"expected":{},"candidates":{},"next":{},"lens":{},"views":{},"ends":{},"points":{}"#,
+        r#""after":{after},"n_views":{n_views},"ramp":{},"core":{},"surface":{},"expected":{},"candidates":{},"next":{},"lens":{},"up":{},"views":{},"ends":{},"points":{}"#,
         list(color::VIEWS.map(|color| list(color.map(|c| c.to_string())))),
         positions(core.map(|p| p.as_dvec3())),
         surface(page.model, &vertices),
@@ -28,7 +34,8 @@ pub(in crate::scan) fn members(page: &ScanPage<'_>, after: usize, max_points: us
         candidates(page),
         page.next.map_or("null".to_owned(), |next| next_view(next, &page.config.camera)),
         positions(corners(&page.config.camera)),
-        list((after..n_views).map(|i| view(page, i))),
+        numbers(page.model.up.unwrap_or(DVec3::Z).to_array()),
+        list((0..n_views).map(|i| view(page, i, i >= after))),
         list(cloud.ends.iter().map(usize::to_string)),
         cloud.points.json(),
     )
@@ -86,8 +93,9 @@ fn candidates(page: &ScanPage<'_>) -> String {
     )
 }
 
-/// A camera: where it stands, where the corners of its image lie at depth 1 from there, the path to it.
-fn view(page: &ScanPage<'_>, i: usize) -> String {
+/// A camera: where it stands, where the corners of its image lie at depth 1 from there, the path to it if that
+/// is new.
+fn view(page: &ScanPage<'_>, i: usize, is_new: bool) -> String {
     let steps = page.steps();
     let world_from_camera = pose(&steps[i]);
     let position = world_from_camera.translation();
@@ -97,7 +105,7 @@ fn view(page: &ScanPage<'_>, i: usize) -> String {
     format!(
         r#"{{{},"path":{}}}"#,
         frustum(&world_from_camera, &page.config.camera),
-        positions(path.unwrap_or(&straight).iter().copied()),
+        positions(path.unwrap_or(&straight).iter().filter(|_| is_new).copied()),
     )
 }
 

@@ -29,9 +29,10 @@ async function request(path, options = {}) {
   const headers = { ...(token() ? { Authorization: `Bearer ${token()}` } : {}), ...options.headers };
   const response = await fetch(path, { ...options, headers });
   if (response.ok) return response;
-  const fault = await response.json().catch(() => ({}));
-  const words = [fault.message || fault.key || `the server answers ${response.status}`, fault.remedy].filter(Boolean);
-  throw Object.assign(new Error(words.join("; ")), { status: response.status });
+  const { faults = [] } = await response.json().catch(() => ({}));
+  const words = faults.map(({ message, remedy }) => [message, remedy].filter(Boolean).join("; "));
+  const error = new Error(words.join(". ") || `the server answers ${response.status}`);
+  throw Object.assign(error, { status: response.status });
 }
 
 const getJson = async (path) => (await request(path)).json();

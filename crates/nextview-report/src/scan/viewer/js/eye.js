@@ -1,10 +1,20 @@
-// The eye goes around a target: a right-handed world, z up.
+// The eye goes around a target.
 const FIELD = Math.tan(Math.PI / 11); // half of the field of view over the shorter side
 const MARGIN = 0.9;
 
-function rowsOf({ azimuth, elevation }) {
+// Three axes, right-handed, of which the third points up; those of the world where that is z.
+function axesOf(up) {
+  const away = minus([1, 0, 0], [up[0] * up[0], up[0] * up[1], up[0] * up[2]]);
+  const level = length(away) > 0.1 ? away : minus([0, 1, 0], [up[1] * up[0], up[1] * up[1], up[1] * up[2]]);
+  const x = plus([0, 0, 0], level, 1 / length(level));
+  return [x, [up[1] * x[2] - up[2] * x[1], up[2] * x[0] - up[0] * x[2], up[0] * x[1] - up[1] * x[0]], up];
+}
+
+const along = (axes, [x, y, z]) => plus(plus(plus([0, 0, 0], axes[0], x), axes[1], y), axes[2], z);
+
+function rowsOf({ azimuth, elevation, axes }) {
   const [sa, ca, se, ce] = [Math.sin(azimuth), Math.cos(azimuth), Math.sin(elevation), Math.cos(elevation)];
-  return [[-sa, ca, 0], [-se * ca, -se * sa, ce], [ce * ca, ce * sa, se]];
+  return [[-sa, ca, 0], [-se * ca, -se * sa, ce], [ce * ca, ce * sa, se]].map((row) => along(axes, row));
 }
 
 // What is needed to draw from an eye: the directions right, up and towards the eye, its position, the matrix

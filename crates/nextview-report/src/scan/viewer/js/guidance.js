@@ -1,14 +1,20 @@
 // The way from the camera in the hand to the proposed view: an arrow in the picture of the camera.
-function showGuidance({ arrow_m: [right, down, forward], distance_m: away, angle_deg: turn, reached }) {
-  byId("guidance").hidden = false;
+function showGuidance(guidance) {
+  byId("guidance").hidden = !guidance;
+  if (!guidance) return;
+  const { arrow_m: [right, down, forward], turn_deg: [turnRight, turnDown], distance_m: away, reached } = guidance;
   byId("guidance").classList.toggle("reached", reached);
-  byId("arrow").setAttribute("transform", `rotate(${Math.atan2(right, -down) * 180 / Math.PI})`);
-  const part = (value, positive, negative) =>
-    Math.abs(value) < 0.005 ? [] : [`${lengthText(Math.abs(value))} ${value > 0 ? positive : negative}`];
-  const way = [...part(right, "right", "left"), ...part(down, "down", "up"), ...part(forward, "forward", "back")];
-  byId("guidance-text").textContent = reached
-    ? "Here it is: hold still."
-    : `${lengthText(away)} to go: ${way.join(", ") || "stay there"}; turn by ${Math.round(turn)}°.`;
+  // Short where the way leads ahead.
+  const size = Math.max(0.3, Math.hypot(right, down) / Math.max(away, 1e-6));
+  byId("arrow").setAttribute("transform", `rotate(${Math.atan2(right, -down) * 180 / Math.PI}) scale(${size})`);
+  const part = (value, least, text, positive, negative) =>
+    Math.abs(value) < least ? [] : [`${text(Math.abs(value))} ${value > 0 ? positive : negative}`];
+  const go = (value, ...directions) => part(value, 0.005, lengthText, ...directions);
+  const turn = (value, ...directions) => part(value, 1, (degrees) => `${Math.round(degrees)}°`, ...directions);
+  const way = [...go(right, "right", "left"), ...go(down, "down", "up"), ...go(forward, "forward", "back")];
+  const turns = [...turn(turnRight, "right", "left"), ...turn(turnDown, "down", "up")];
+  const words = [way.length ? `Go ${way.join(", ")}` : "Stay there", ...(turns.length ? [`turn ${turns.join(", ")}`] : [])];
+  byId("guidance-text").textContent = reached ? "Here it is: hold still." : `${words.join("; ")}.`;
 }
 
 // A camera in this pose, with the lens of the scan.
@@ -19,5 +25,6 @@ function cameraAt(rows, lens) {
 
 function showTracking({ lost, remedy }) {
   byId("tracking").hidden = !lost;
-  byId("tracking").textContent = lost ? `The camera's place is lost. ${remedy || "Go back to where it was last known."}` : "";
+  byId("tracking").textContent = lost ? `It is not known where the camera is: ${remedy || "go back to where it was last known"}.` : "";
+  if (lost) showGuidance(null);
 }

@@ -16,20 +16,14 @@
     byId("connection").classList.toggle("lost", isLost);
   }
 
-  function failure(error) {
-    byId("failure").hidden = !error;
-    byId("failure").textContent = error ? error.message : "";
-    if (error && (error.status === 401 || error.status === 403)) byId("token-form").hidden = false;
-  }
-
+  // What it changes comes as an event.
   async function perform(action) {
     try {
       await action();
-      failure(null);
+      showFault("action", null);
     } catch (error) {
-      failure(error);
+      showFault("action", error);
     }
-    refresh();
   }
 
   // Texts and tables are made by the server, which escapes all that is not its own.
@@ -41,49 +35,81 @@
     byId("views").querySelectorAll("td.depth").forEach((cell, i) => cell.append(pictures[i] || ""));
   }
 
+  function showScene(data) {
+    [nViews, lens] = [data.n_views, data.lens];
+    showPanels(data.panels, data.after);
+    if (view) view.load(data);
+  }
+
+  // A scan of which the server has no more than its files.
+  function showPast({ object }) {
+    byId("title").textContent = object;
+    document.title = `${object} – nextview`;
+    byId("subtitle").textContent = "It was finished before the server started: its report shows it, see the downloads.";
+    for (const part of ["headline", "chart", "measures", "views"]) byId(part).replaceChildren();
+  }
+
   // One refresh at a time; what happens meanwhile asks for another one.
   let isLoading = false;
   let isStale = false;
   async function refresh() {
     isStale = true;
-    if (isLoading || !id) return;
+    if (isLoading || id === null) return;
     isLoading = true;
     while (isStale) {
       isStale = false;
       try {
         await load();
+        showFault("look", null);
       } catch (error) {
-        failure(error);
+        showFault("look", error);
       }
     }
     isLoading = false;
   }
 
   async function load() {
-    const of = id;
-    const data = await getJson(`${base()}/scene?after=${nViews}`);
-    if (of !== id) return;
-    [nViews, lens] = [data.n_views, data.lens];
-    showPanels(data.panels, data.after);
-    if (view) view.load(data);
-    proposal = await getJson(`${base()}/next`);
-    if (of === id) showProposal(proposal);
+    const [of, after] = [id, nViews];
+    const next = await getJson(`${base()}/next`).catch((error) => {
+      if (error.status === 404) return null;
+      throw error;
+    });
+    // After `next`, which waits for what is being done to the scan: the list alone would say how it was before.
+    const summary = (await listScans()).find((scan) => scan.id === of);
+    const data = summary && await getJson(`${base()}/scene?after=${after}`).catch((error) => {
+      if (error.status === 409 && summary.state === "finished") return null;
+      throw error;
+    });
+    if (of !== id || after !== nViews) return;
+    proposal = next;
+    if (!next || !summary) return gone();
+    document.body.classList.toggle("past", !data);
+    if (data) showScene(data);
+    else showPast(summary);
+    showProposal(next, summary);
+  }
+
+  function gone() {
+    listening.abort();
+    connection("this scan was deleted", true);
+    showProposal(null, null);
   }
 
   function onEvent(name, text) {
-    let data = {};
-    try {
-      data = text ? JSON.parse(text) : {};
-    } catch { /* a comment */ }
+    const data = text ? JSON.parse(text) : {};
     if (name === "pose") {
-      if (data.guidance) showGuidance(data.guidance);
-      if (view && lens && data.world_from_camera) view.moveCamera(cameraAt(data.world_from_camera, lens));
+      showTracking({ lost: false });
+      showGuidance(data.guidance);
+      if (view && lens) view.moveCamera(cameraAt(data.world_from_camera, lens));
     } else if (name === "tracking") showTracking(data);
     else if (name === "deleted") {
-      listening.abort();
-      connection("this scan was deleted", true);
-      listScans();
-    } else refresh();
+      gone();
+      listScans().catch((error) => showFault("look", error));
+    } else {
+      if (name === "gap") nViews = 0;
+      // A view comes with the scene of the frame that led to it.
+      if (name !== "view") refresh();
+    }
   }
 
   async function listen() {
@@ -94,12 +120,14 @@
       try {
         await readEvents(`${base()}/events`, mine.signal, () => {
           connection("live");
-          wait = 1;
+          [wait, nViews] = [1, 0]; // what happened before is not told
           refresh();
         }, onEvent);
       } catch (error) {
-        if (error.status) failure(error);
-        if (error.status === 404) break;
+        if (mine.signal.aborted) return;
+        if (error.status) showFault("look", error);
+        if (error.status === 401) return;
+        if (error.status === 404) return refresh();
       }
       if (mine.signal.aborted) return;
       connection(`connection lost; next try in ${wait} s`, true);
@@ -110,31 +138,40 @@
 
   function choose(chosen) {
     [id, nViews, pictures, proposal] = [chosen, 0, [], null];
+    history.replaceState(null, "", `${base()}/page`);
     if (view) view.moveCamera(null);
-    byId("guidance").hidden = true;
+    showTracking({ lost: false });
+    showGuidance(null);
+    showFault("action", null);
     listen();
   }
 
   async function listScans() {
-    try {
-      const scans = await getJson("/scans");
-      const text = (scan) => `${scan.object} (${scan.state}, ${scan.n_frames} frames)`;
-      const options = scans.map((scan) => element("option", { value: scan.id, textContent: text(scan) }));
-      byId("scans").replaceChildren(...options);
-      failure(null);
-      if (!scans.length) connection("no scan yet; it will show here");
-      if (id === null && scans.length) id = String(scans[scans.length - 1].id);
-      if (id !== null) byId("scans").value = id;
-    } catch (error) {
-      failure(error);
-      connection("connection lost", true);
-    }
+    const scans = await getJson("/scans");
+    const frames = ({ n_frames: n }) => (n === null ? "" : n === 1 ? ", 1 frame" : `, ${n} frames`);
+    const text = (scan) => `${scan.id}: ${scan.object} (${scan.state}${frames(scan)})`;
+    const options = scans.map((scan) => element("option", { value: scan.id, textContent: text(scan) }));
+    const isNew = options.map((option) => option.text).join("\n") !== [...byId("scans").options].map((option) => option.text).join("\n");
+    if (isNew) byId("scans").replaceChildren(...options);
+    byId("scans").value = id;
+    return scans;
   }
 
+  // Shows the newest scan that is under way, or else the newest.
   async function begin() {
-    await listScans();
-    if (id !== null) listen();
-    else setTimeout(begin, 3000);
+    try {
+      const scans = await listScans();
+      showFault("look", null);
+      const byAge = scans.sort((a, b) => (a.created < b.created ? -1 : 1));
+      const newest = byAge.filter((scan) => scan.state !== "finished").pop() || byAge.pop();
+      if (id !== null || newest) return choose(id === null ? newest.id : id);
+      connection("no scan yet; it will show here");
+    } catch (error) {
+      showFault("look", error);
+      connection("not connected", true);
+      if (error.status === 401) return;
+    }
+    setTimeout(begin, 3000);
   }
 
   byId("scans").addEventListener("change", () => choose(byId("scans").value));
@@ -144,6 +181,6 @@
     byId("token-form").hidden = true;
     begin();
   });
-  startProposal(base, () => (proposal && proposal.view ? proposal.view.index : null), perform);
+  startProposal(base, () => proposal && proposal.view ? proposal.view.view : null, perform);
   begin();
 })();

@@ -7,6 +7,9 @@ const distance = (a, b) => length(minus(a, b));
 const mix = (a, b, t) => plus([a[0] * (1 - t), a[1] * (1 - t), a[2] * (1 - t)], b, t);
 const clamp = (x, low, high) => Math.min(Math.max(x, low), high);
 
+// The corners of a box between two of them.
+const cornersOf = (box) => [...Array(8).keys()].map((i) => [0, 1, 2].map((k) => box[i >> k & 1][k]));
+
 // 1, 2 or 5 times a power of ten, no more than this.
 function roundStep(size) {
   const power = 10 ** Math.floor(Math.log10(size));

@@ -1,25 +1,48 @@
 // The proposed view with its reasons, and the controls of the scan.
-const STATE_TEXT = {
-  view: "The camera is to go to", proposed: "Proposed is", paused: "The scan is paused; next would be", finished: "The scan is over",
+const percentText = (share) => `${Math.round(100 * share)} %`;
+const plainText = (value) => String(+value.toPrecision(3));
+
+// What is said of a view, in this order; the planner's own quantities follow.
+const REASONS = {
+  expected_new_voxels: ["New voxels expected", (n) => String(Math.round(n))],
+  expected_unseen_voxels: ["All others can add", (n) => String(Math.round(n))],
+  estimated_completeness: ["Complete, estimated", percentText],
+  trajectory_length_m: ["Way there", lengthText],
+  trajectory_time_s: ["Time for it", (seconds) => `${plainText(seconds)} s`],
+  score: ["Score", plainText],
+  runner_up: ["Next best", (view) => `view ${view}`],
 };
 
-function showProposal({ state, view, stop_reason: reason }) {
-  const place = view && (view.index === null || view.index === undefined ? "the given view" : `view ${view.index}`);
-  const end = state === "finished" ? (reason ? `: ${String(reason).replaceAll("-", " ")}` : "") : place ? ` ${place}` : " nothing";
-  byId("next-text").textContent = `${STATE_TEXT[state] || state}${end}.`;
-  const plain = (value) => (typeof value === "number" ? String(+value.toPrecision(3)) : String(value));
-  const { explanation, index, world_from_camera: _pose, ...rest } = view || {};
-  const reasons = { ...rest, ...explanation };
-  const isShown = ([, value]) => ["number", "string", "boolean"].includes(typeof value);
-  byId("next-reasons").replaceChildren(...Object.entries(reasons).filter(isShown).map(([name, value]) =>
-    element("div", {}, element("dt", { textContent: name.replaceAll("_", " ") }), element("dd", { textContent: plain(value) }))));
-  const over = state === "finished";
-  byId("continue").disabled = state !== "paused";
-  byId("pause").disabled = over || state === "paused";
-  byId("accept").disabled = state !== "proposed";
-  byId("skip").disabled = over || !view || typeof index !== "number";
-  byId("finish").disabled = over;
-  if (over) byId("guidance").hidden = true;
+const viewName = ({ view }) => (view === undefined ? "the given first view" : `view ${view}`);
+
+function proposalText({ state, view, stop_reason: reason }, isWritten) {
+  const why = reason ? `: ${reason.replaceAll("-", " ")}` : "";
+  if (isWritten) return `The scan is finished${why}.`;
+  if (state === "finished") return `No view is left${why}. Finish writes the results.`;
+  if (state === "paused") return "The scan is paused: no view is given out.";
+  return state === "proposed" ? `Proposed is ${viewName(view)}; it waits to be accepted.` : `The camera is to go to ${viewName(view)}.`;
+}
+
+// What is to come, and what can be done; `summary` is the scan as the list of all has it, null if it is gone.
+function showProposal(next, summary) {
+  const { state, view } = next || {};
+  const isWritten = Boolean(summary) && summary.state === "finished";
+  byId("next-text").textContent = next ? proposalText(next, isWritten) : "";
+  const known = Object.entries(REASONS).filter(([name]) => view && view[name] !== undefined);
+  const reasons = known.map(([name, [label, text]]) => [label, text(view[name])]);
+  const own = Object.entries(view && view.explanation || {}).map(([name, value]) => [name.replaceAll("_", " "), plainText(value)]);
+  byId("next-reasons").replaceChildren(...reasons.concat(own).map(([label, text]) =>
+    element("div", {}, element("dt", { textContent: label }), element("dd", { textContent: text }))));
+  const isOver = !summary || isWritten;
+  byId("continue").disabled = isOver || state !== "paused";
+  byId("pause").disabled = isOver || state === "paused";
+  byId("accept").disabled = isOver || state !== "proposed";
+  byId("skip").disabled = isOver || !view || view.view === undefined;
+  byId("finish").disabled = isOver;
+  for (const button of byId("downloads").children) {
+    button.disabled = !summary || !summary.n_frames || (button.value === "report.html" && !isWritten);
+  }
+  if (isOver || !view) showGuidance(null);
 }
 
 // `base` gives the address of the scan, `proposed` the number of the view, `perform` runs and reports.
@@ -33,13 +56,17 @@ function startProposal(base, proposed, perform) {
     if (confirm("Finish the scan? No more frames are taken.")) perform(() => post(`${base()}/finish`));
   });
   const files = { "cloud.ply": "Cloud", "mesh.ply": "Mesh", "map.ot": "Map", "record.json": "Record", "report.html": "Report" };
-  for (const [name, textContent] of Object.entries(files)) {
-    const button = element("button", { type: "button", textContent });
-    button.addEventListener("click", () => perform(async () => {
-      const href = URL.createObjectURL(await (await request(`${base()}/files/${name}`)).blob());
-      element("a", { href, download: name }).click();
-      setTimeout(() => URL.revokeObjectURL(href), 60000);
-    }));
+  for (const [value, textContent] of Object.entries(files)) {
+    const button = element("button", { type: "button", value, textContent, disabled: true });
+    button.addEventListener("click", () => perform(() => download(`${base()}/files/${value}`, `${base().split("/").pop()}-${value}`)));
     byId("downloads").append(button);
   }
+  showProposal(null, null);
+}
+
+// A link alone could not send the token.
+async function download(path, name) {
+  const href = URL.createObjectURL(await (await request(path)).blob());
+  element("a", { href, download: name }).click();
+  setTimeout(() => URL.revokeObjectURL(href), 60000);
 }

@@ -10,7 +10,7 @@ void main() {
 }`;
 const SURFACE_FRAGMENT = `
 in vec3 direction, place, seen, own; in float hidden;
-uniform float colouring, n_views; uniform vec3 eye, right, up;
+uniform float colouring, n_views; uniform vec3 eye, right, up, zenith;
 uniform vec3 views[6]; uniform vec3 confidence[5];
 out vec4 pixel;
 vec3 fromLow(float t) {
@@ -35,7 +35,7 @@ void main() {
   bool inside = dot(outward, back) < 0.0;
   if (inside) { outward = -outward; base = mix(base, vec3(0.36, 0.34, 0.38), 0.75); }
   vec3 key = normalize(back + 0.55 * up - 0.45 * right);
-  float light = 0.34 + 0.22 * (0.5 + 0.5 * outward.z) + 0.52 * max(dot(outward, key), 0.0);
+  float light = 0.34 + 0.22 * (0.5 + 0.5 * dot(outward, zenith)) + 0.52 * max(dot(outward, key), 0.0);
   float gloss = pow(max(dot(outward, normalize(key + back)), 0.0), 24.0);
   float rim = pow(1.0 - max(dot(outward, back), 0.0), 3.0);
   pixel = vec4(base * (light - 0.18 * rim) + (inside ? 0.0 : 0.07) * gloss, 1.0);
@@ -59,12 +59,13 @@ function surfaceLayer(gl) {
       ], indices);
       return { ...buffers, count: indices.length, hasColors: colors !== "" };
     },
-    draw: (buffers, view, { colouring, shown, nViews, ramp }) => {
+    draw: (buffers, view, { colouring, shown, nViews, ramp, zenith }) => {
       surface.use();
       surface.matrix("clip", view.clip);
       surface.vector("eye", view.position);
       surface.vector("right", view.rows[0]);
       surface.vector("up", view.rows[1]);
+      surface.vector("zenith", zenith);
       surface.colors("views", ramp);
       surface.colors("confidence", CONFIDENCE);
       surface.number("colouring", COLOURINGS.indexOf(colouring));

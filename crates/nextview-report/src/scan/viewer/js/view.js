@@ -5,11 +5,12 @@ function startView(gl, canvas, labelCanvas) {
   const scene = {
     views: [], nViews: 0, next: null, current: null, chunks: [], surface: null, expected: null, candidates: null,
     core: [[-0.1, -0.1, 0], [0.1, 0.1, 0.2]], center: [0, 0, 0.1], radius: 0.2, gridStep: 0.05, ramp: [],
+    axes: axesOf([0, 0, 1]),
   };
   const show = {
     surface: true, points: false, expected: true, cameras: true, candidates: false, colouring: "shape", shown: Infinity,
   };
-  let eye = { azimuth: -0.9, elevation: 0.4, range: 1, target: scene.center };
+  let eye = { azimuth: -0.9, elevation: 0.4, range: 1, target: scene.center, axes: scene.axes };
   let start = eye;
   let isMoved = false;
   let isWaiting = false;
@@ -21,26 +22,26 @@ function startView(gl, canvas, labelCanvas) {
     return { sides, ratio };
   }
 
-  const corners = (box) => [...Array(8).keys()].map((i) => [0, 1, 2].map((k) => box[i >> k & 1][k]));
-
   // Looks at the object from the side from which most cameras did.
   function startingEye() {
     const sum = scene.views.reduce((sum, v) => plus(sum, minus(v.position, scene.center)), [0, 0, 0]);
     const reach = scene.views.reduce((reach, v) => reach + distance(v.position, scene.center), 0);
-    const isOneSided = Math.hypot(sum[0], sum[1]) > 0.3 * reach;
-    const azimuth = isOneSided ? Math.atan2(sum[1], sum[0]) - 0.3 : -0.9;
-    return { azimuth, elevation: 0.4, range: 1, target: scene.center };
+    const [x, y] = scene.axes.map((axis) => dot(axis, sum));
+    const azimuth = Math.hypot(x, y) > 0.3 * reach ? Math.atan2(y, x) - 0.3 : -0.9;
+    return { azimuth, elevation: 0.4, range: 1, target: scene.center, axes: scene.axes };
   }
 
   function reset() {
-    start = framing(startingEye(), corners(scene.core), size().sides);
+    // Before the first view, there is nothing but the camera that is to take it.
+    const first = scene.nViews === 0 && scene.next ? [scene.next.position] : [];
+    start = framing(startingEye(), cornersOf(scene.core).concat(first), size().sides);
     [eye, isMoved] = [{ ...start }, false];
     redraw();
   }
 
   function frameCameras() {
     const places = [...scene.views, scene.next, scene.current].filter(Boolean).map((v) => v.position);
-    eye = framing({ ...eye, target: scene.center }, corners(scene.core).concat(places), size().sides);
+    eye = framing({ ...eye, target: scene.center }, cornersOf(scene.core).concat(places), size().sides);
     isMoved = true;
     redraw();
   }
@@ -56,10 +57,12 @@ function startView(gl, canvas, labelCanvas) {
   function load(data) {
     if (data.after === 0) {
       scene.chunks.forEach((chunk) => chunk.buffers.free());
-      [scene.views, scene.chunks] = [[], []];
+      scene.chunks = [];
     }
-    scene.views = scene.views.slice(0, data.after).concat(data.views);
-    [scene.nViews, scene.next, scene.ramp, scene.core] = [data.n_views, data.next, data.ramp, data.core];
+    // Poses of all, paths of the new ones.
+    scene.views = data.views.map((view, i) => i < data.after ? { ...view, path: scene.views[i].path } : view);
+    [scene.nViews, scene.next] = [data.n_views, data.next];
+    [scene.ramp, scene.core, scene.axes] = [data.ramp, data.core, axesOf(data.up)];
     scene.center = mix(data.core[0], data.core[1], 0.5);
     scene.radius = Math.max(distance(data.core[0], data.core[1]) / 2, 0.005);
     scene.gridStep = roundStep(scene.radius / 2);
@@ -77,7 +80,8 @@ function startView(gl, canvas, labelCanvas) {
       places: positionsOf(data.candidates.positions), gains: bytesOf(data.candidates.gains), best: data.candidates.best,
     };
     scene.candidates.buffers = dots();
-    if (!isMoved) reset();
+    if (isMoved) eye.axes = scene.axes;
+    else reset();
     redraw();
   }
 
@@ -120,7 +124,7 @@ function startView(gl, canvas, labelCanvas) {
     gl.blendFunc(gl.ONE, gl.ONE_MINUS_SRC_ALPHA);
     drawLines(gridLines(scene, ink), view);
     const hasSurface = scene.surface && show.surface;
-    if (hasSurface) surface.draw(scene.surface, view, { ...show, shown, nViews: scene.nViews, ramp: scene.ramp });
+    if (hasSurface) surface.draw(scene.surface, view, { ...show, shown, nViews: scene.nViews, ramp: scene.ramp, zenith: scene.axes[2] });
     if (show.points || (show.surface && !scene.surface)) drawPoints(view);
     if (show.candidates) {
       points.draw(scene.candidates.buffers, 0, scene.candidates.places.length / 3, 0.05 * scene.radius, view, [4, 9]);

@@ -1,0 +1,30 @@
+use super::scan_copy::ScanCopy;
+use glam::{IVec3, Vec3};
+use std::collections::{BTreeMap, HashSet};
+
+/// The measured points of each frame that no frame in the map before saw, told apart by the cells of the final
+/// model.
+#[derive(Default)]
+pub(super) struct NewPoints {
+    known: HashSet<IVec3>,
+    /// By step, world frame, metres.
+    by_step: BTreeMap<usize, Vec<Vec3>>,
+}
+
+impl NewPoints {
+    /// Adds the frames that are not among them yet. Box and poses must be those of before.
+    pub fn update(&mut self, scan: &ScanCopy) {
+        let Some((bounds, cell)) = scan.place else { return };
+        let frames = scan.step_idxs.iter().zip(&scan.frames);
+        for (step_idx, frame) in frames.skip(self.by_step.len()) {
+            let points = frame.points_in(bounds).map(|p| ((p / cell).floor().as_ivec3(), p.as_vec3()));
+            let new = points.filter(|(key, _)| self.known.insert(*key)).map(|(_, point)| point);
+            self.by_step.insert(*step_idx, new.collect());
+        }
+    }
+
+    /// Those of a step; none if its frame is not in the map.
+    pub fn of_step(&self, step_idx: usize) -> &[Vec3] {
+        self.by_step.get(&step_idx).map_or(&[], Vec::as_slice)
+    }
+}

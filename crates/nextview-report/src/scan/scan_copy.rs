@@ -1,0 +1,50 @@
+use nextview::geometry::{Aabb, Plane};
+use nextview::map::Snapshot;
+use nextview::motion::Trajectory;
+use nextview::sensor::{ColorImage, DepthRange, Frame};
+use nextview::view::ViewSpace;
+use nextview_scan::FinishedScan;
+
+/// What a page shows of a scan, copied, so that the scan can go on while the page is made. Images are shared.
+pub(crate) struct ScanCopy {
+    /// The frames in the map, in the poses in which they were mapped.
+    pub frames: Vec<Frame>,
+    /// The index of the step of each.
+    pub step_idxs: Vec<usize>,
+    /// Step and frame where the frame could not be aligned.
+    pub set_aside: Vec<(usize, Frame)>,
+    /// By step; none without colours.
+    pub colors: Vec<Option<ColorImage>>,
+    /// By step, from the view before.
+    pub trajectories: Vec<Trajectory>,
+    pub candidates: ViewSpace,
+    /// None before an object was found.
+    pub snapshot: Option<Snapshot>,
+    /// The box around the object, and the edge of the final model's cells, metres; none if no object was
+    /// found.
+    pub place: Option<(Aabb, f64)>,
+    /// Edge of the finest voxels, metres.
+    pub voxel_size: f64,
+    pub depth_range: DepthRange,
+    pub table: Option<Plane>,
+}
+
+impl ScanCopy {
+    pub fn of(scan: &FinishedScan<'_>) -> Self {
+        let session = &scan.session;
+        Self {
+            frames: session.frames().to_vec(),
+            step_idxs: session.frame_numbers().to_vec(),
+            set_aside: session.set_aside().iter().map(|a| (a.number, a.frame.clone())).collect(),
+            // A page without the colours of an image that can no longer be read is better than none.
+            colors: (0..scan.steps.len()).map(|step_idx| scan.color(step_idx).ok().flatten()).collect(),
+            trajectories: scan.trajectories.clone(),
+            candidates: session.views().clone(),
+            snapshot: session.snapshot(),
+            place: scan.bounds().map(|bounds| (bounds, scan.detail(bounds))),
+            voxel_size: session.map().lattice().voxel_size(),
+            depth_range: session.depth_range(),
+            table: session.table(),
+        }
+    }
+}
