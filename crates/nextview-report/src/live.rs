@@ -1,8 +1,8 @@
 //! The live page: what a server needs to show a scan as it happens.
 //!
 //! A server answers `/` and `/scans/{id}/page` with [`PAGE`], `/assets/viewer.js` with [`SCRIPT`],
-//! `/assets/style.css` with [`STYLE`], and `/scans/{id}/scene?after=N` with [`LiveScene::json`]. The page asks for
-//! nothing from anywhere else, and runs under [`CONTENT_SECURITY_POLICY`].
+//! `/assets/style.css` with [`STYLE`], and `/scans/{id}/scene?after=N` with [`LiveScene::json`]. The page
+//! asks for nothing from anywhere else, and runs under [`CONTENT_SECURITY_POLICY`].
 
 pub use crate::scan::{LiveScene, SceneSource};
 

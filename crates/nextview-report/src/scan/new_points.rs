@@ -2,8 +2,8 @@ use super::scan_copy::ScanCopy;
 use glam::{IVec3, Vec3};
 use std::collections::{BTreeMap, HashSet};
 
-/// The measured points of each frame that no frame in the map before saw, told apart by the cells of the final
-/// model.
+/// The measured points of each frame that no frame in the map before saw, told apart by the cells of the
+/// final model.
 #[derive(Default)]
 pub(super) struct NewPoints {
     known: HashSet<IVec3>,

@@ -2,8 +2,8 @@ use super::scan_copy::ScanCopy;
 use nextview::session::NextView;
 use nextview_scan::{FinishedScan, Measured, ScanConfig, ScanRecord, short_name};
 
-/// What a [scene](crate::live::LiveScene) shows: a scan as it stands, copied, so that no frame has to wait while the
-/// scene is made.
+/// What a [scene](crate::live::LiveScene) shows: a scan as it stands, copied, so that no frame has to wait
+/// while the scene is made.
 pub struct SceneSource {
     pub(super) copy: ScanCopy,
     pub(super) record: ScanRecord,

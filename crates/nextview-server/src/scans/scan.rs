@@ -91,8 +91,8 @@ impl Scan {
         tokio::time::timeout(self.answer_time, done).await.unwrap_or_else(|_| Err(self.too_late()))
     }
 
-    /// What the page shows of the scan, with the views after number `after`. While it is made, frames are taken in:
-    /// they wait for no more than a copy.
+    /// What the page shows of the scan, with the views after number `after`. While it is made, frames are
+    /// taken in: they wait for no more than a copy.
     pub async fn scene(
         self: &Arc<Self>,
         copy: impl FnOnce(&mut Work) -> Result<SceneSource, Refusal> + Send + 'static,

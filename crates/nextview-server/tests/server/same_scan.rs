@@ -97,8 +97,8 @@ fn views_and_map_are_the_same() {
     assert_eq!(expected.views.len(), N_VIEWS);
 }
 
-/// A page that shows the scan as it happens does not hold it up; `NEXTVIEW_SERVED` is the width of the images,
-/// `NEXTVIEW_WATCHED` the number of frames.
+/// A page that shows the scan as it happens does not hold it up; `NEXTVIEW_SERVED` is the width of the
+/// images, `NEXTVIEW_WATCHED` the number of frames.
 #[test]
 fn a_page_changes_nothing() {
     let n_views = n_from_env("NEXTVIEW_WATCHED", N_VIEWS);

@@ -93,8 +93,8 @@ fn candidates(page: &ScanPage<'_>) -> String {
     )
 }
 
-/// A camera: where it stands, where the corners of its image lie at depth 1 from there, the path to it if that
-/// is new.
+/// A camera: where it stands, where the corners of its image lie at depth 1 from there, the path to it if
+/// that is new.
 fn view(page: &ScanPage<'_>, i: usize, is_new: bool) -> String {
     let steps = page.steps();
     let world_from_camera = pose(&steps[i]);
