@@ -7,6 +7,7 @@ mod access;
 mod client;
 #[cfg(test)]
 mod hostile;
+#[cfg(test)]
 mod in_a_hand;
 #[cfg(test)]
 mod kills;
@@ -18,4 +19,5 @@ mod robot;
 mod same_scan;
 #[cfg(test)]
 mod session;
+#[cfg(test)]
 mod watcher;
