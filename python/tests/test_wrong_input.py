@@ -39,7 +39,7 @@ WRONG_FRAMES: list[tuple[dict[str, Any], str]] = [
     ({"world_from_camera": 2 * np.eye(4)}, "the last row is"),
     ({"world_from_camera": np.diag([1.1, 1.0, 1.0, 1.0])}, "the rotation is not rigid"),
     ({"world_from_camera": BOTTOM}, r"the last row is \[0.5, 0.0, 0.0, 1.0\], expected 0 0 0 1; is the"),
-    ({"world_from_camera": None}, "is of type NoneType"),
+    ({"world_from_camera": None}, "a frame without a pose cannot be placed"),
     ({"color": np.zeros((60, 80), np.uint8)}, r"`color` has the shape \[60, 80\]"),
     ({"color": np.zeros((60, 80, 3), np.float32)}, "`color` is of float32, expected a uint8"),
     ({"color": np.zeros((30, 80, 3), np.uint8)}, "`color` is 80 x 30, expected 80 x 60 pixels"),
