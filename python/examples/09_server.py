@@ -7,6 +7,7 @@ import json
 import sys
 import urllib.parse
 import urllib.request
+from typing import Any
 
 import numpy as np
 
@@ -16,7 +17,7 @@ server = sys.argv[1] if len(sys.argv) > 1 else "http://127.0.0.1:7878"
 token = {"Authorization": f"Bearer {sys.argv[2]}"} if len(sys.argv) > 2 else {}
 
 
-def ask(method, path, body=None, kind="application/json"):
+def ask(method: str, path: str, body: bytes | None = None, kind: str = "application/json") -> Any:
     headers = {"Content-Type": kind, **token}
     request = urllib.request.Request(server + path, data=body, headers=headers, method=method)
     with urllib.request.urlopen(request) as answer:
