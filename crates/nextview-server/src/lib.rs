@@ -18,7 +18,6 @@ mod refusal;
 mod routes;
 mod scans;
 mod serve;
-mod time;
 
 pub use limits::Limits;
 pub use openapi::openapi;

@@ -196,6 +196,11 @@ impl LiveScan {
         &self.cancel
     }
 
+    /// Ends the scan, if it is not over for another [reason](Self::stop_reason).
+    pub fn end(&mut self) {
+        self.run.scan_mut().stop_reason.get_or_insert(StopReason::Ended);
+    }
+
     /// Adds the results of the scan as it stands; see [`write_results`].
     pub fn write_results(&self, folder: &mut ResultFolder) -> Results {
         write_results(folder, &self.config, self.scan())

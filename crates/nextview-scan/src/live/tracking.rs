@@ -7,6 +7,9 @@ use nextview::geometry::Pose;
 use nextview::registration::{GivenPoses, Registration, Verdict};
 use nextview::sensor::DepthImage;
 
+/// Where depth cameras mostly look from, metres: as long as it is not known where the object is.
+const USUAL_DISTANCE: f64 = 0.5;
+
 impl LiveScan {
     /// How to move the camera from this pose to the next view; none if the scan is over. Plans, if no view
     /// was asked for yet.
@@ -14,7 +17,7 @@ impl LiveScan {
         let Some(next) = self.next()? else { return Ok(None) };
         let wanted = next.world_from_camera;
         let middle = self.scan().session.bounds().map(|bounds| bounds.center());
-        let distance = middle.map_or(0.5, |middle| middle.distance(wanted.translation()));
+        let distance = middle.map_or(USUAL_DISTANCE, |middle| middle.distance(wanted.translation()));
         Ok(Some(Guidance::to(&wanted, world_from_camera, distance)))
     }
 

@@ -55,31 +55,29 @@ async fn get_scene(
     Ok(([(header::CONTENT_TYPE, "application/json")], scene).into_response())
 }
 
-async fn depth(
-    State(app): State<Arc<App>>,
-    Path((id, step)): Path<(String, usize)>,
-) -> Result<Response, Refusal> {
-    let scan = app.scans.find(&id)?;
-    let png = scan.with(move |work| {
-        let scan = work.shown()?;
-        let step_idx = step_idx(scan, step)?;
-        Ok(depth_png(scan.scan().frame(step_idx)?.image()))
-    });
-    Ok(([(header::CONTENT_TYPE, "image/png")], png.await?).into_response())
+async fn depth(app: State<Arc<App>>, path: Path<(String, usize)>) -> Result<Response, Refusal> {
+    picture(app, path, |scan, step_idx| Ok(depth_png(scan.scan().frame(step_idx)?.image()))).await
 }
 
-async fn color(
+async fn color(app: State<Arc<App>>, path: Path<(String, usize)>) -> Result<Response, Refusal> {
+    let png = |scan: &LiveScan, step_idx| {
+        let color = scan.scan().color(step_idx)?;
+        let none = || Refusal::of(StatusCode::NOT_FOUND, "the frame of this step came without colours");
+        Ok(color_png(&color.ok_or_else(none)?))
+    };
+    picture(app, path, png).await
+}
+
+/// A picture of the step with this index from 0, as PNG.
+async fn picture(
     State(app): State<Arc<App>>,
     Path((id, step)): Path<(String, usize)>,
+    png: impl FnOnce(&LiveScan, usize) -> Result<Vec<u8>, Refusal> + Send + 'static,
 ) -> Result<Response, Refusal> {
     let scan = app.scans.find(&id)?;
     let png = scan.with(move |work| {
         let scan = work.shown()?;
-        let step_idx = step_idx(scan, step)?;
-        let color = scan.scan().color(step_idx)?;
-        let none =
-            || Refusal::of(StatusCode::NOT_FOUND, format!("the frame of step {step} came without colours"));
-        Ok(color_png(&color.ok_or_else(none)?))
+        png(scan, step_idx(scan, step)?)
     });
     Ok(([(header::CONTENT_TYPE, "image/png")], png.await?).into_response())
 }

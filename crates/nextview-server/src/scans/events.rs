@@ -34,6 +34,13 @@ pub(crate) struct Told {
     pub data: String,
 }
 
+impl Told {
+    /// Events up to this one were missed.
+    fn gap(number: u64) -> Self {
+        Self { number, name: "gap", data: "{}".to_owned() }
+    }
+}
+
 /// A listener's place in the events.
 pub(crate) struct EventStream {
     last: u64,
@@ -55,6 +62,7 @@ impl Events {
         self.whereabouts.send_replace(Some(Passing { name, data }));
     }
 
+    /// Tells all listeners, also those that come back later, what happened.
     pub fn tell(&self, name: &'static str, data: &impl Serialize) {
         let data = serde_json::to_string(data).expect("records are numbers and names");
         let mut kept = self.kept();
@@ -89,22 +97,17 @@ impl Events {
     /// The events that a listener has not been told, once there are some.
     pub async fn next(&self, stream: &mut EventStream) -> Vec<Told> {
         if std::mem::take(&mut stream.has_gap) {
-            return vec![Told { number: stream.last, name: "gap", data: "{}".to_owned() }];
+            return vec![Told::gap(stream.last)];
         }
         loop {
             stream.n_told.borrow_and_update();
             let new: Vec<Told> =
                 self.kept().iter().filter(|told| told.number > stream.last).cloned().collect();
-            if let Some(first) = new.first() {
+            if let [first, ..] = &*new {
                 // It was so slow that events it was not told have been forgotten.
-                stream.has_gap = first.number > stream.last + 1;
-                stream.last =
-                    if stream.has_gap { *stream.n_told.borrow() } else { new[new.len() - 1].number };
-                if stream.has_gap {
-                    stream.has_gap = false;
-                    return vec![Told { number: stream.last, name: "gap", data: "{}".to_owned() }];
-                }
-                return new;
+                let has_gap = first.number > stream.last + 1;
+                stream.last = new[new.len() - 1].number;
+                return if has_gap { vec![Told::gap(stream.last)] } else { new };
             }
             // The senders live as long as these events.
             tokio::select! {

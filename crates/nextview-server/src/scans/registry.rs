@@ -7,13 +7,14 @@ use crate::Limits;
 use crate::access::random_hex;
 use crate::limits::exceeded;
 use crate::refusal::Refusal;
-use crate::time;
 use axum::http::StatusCode;
+use chrono::{DateTime, SecondsFormat, Utc};
 use nextview::Cancel;
 use nextview_scan::{Fault, Faults, LiveScan};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::time::SystemTime;
 use tokio::sync::Semaphore;
 
 /// Whether a folder holds no more than what a kill leaves of a scan that was just being created.
@@ -164,7 +165,7 @@ impl Scans {
     ) -> Result<Arc<Scan>, Refusal> {
         let text = toml::to_string(&config).map_err(Fault::data)?;
         let about = About {
-            created: time::now(),
+            created: DateTime::<Utc>::from(SystemTime::now()).to_rfc3339_opts(SecondsFormat::Secs, true),
             confirm_views,
             is_paused: false,
             accepted_after: None,

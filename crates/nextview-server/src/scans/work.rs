@@ -106,6 +106,7 @@ impl Work {
         }
         let dir = self.dir.clone();
         let (scan, _) = self.under_way()?;
+        scan.end();
         let mut folder = ResultFolder::begin(&dir, RESULT_FILES, Overwrite::results())?;
         let Results { record, faults } = scan.write_results(&mut folder);
         let text = toml::to_string(scan.config()).map_err(Fault::data)?;

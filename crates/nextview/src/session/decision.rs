@@ -55,6 +55,8 @@ pub enum StopReason {
     /// The box around everything connected to the object needs more memory than allowed, for example because
     /// of a table or wall that it touches.
     BoxTooLarge,
+    /// Whoever drives the scan ended it. Never decided by a session.
+    Ended,
 }
 
 impl Decision {
