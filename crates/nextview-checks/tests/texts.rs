@@ -6,12 +6,13 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 /// The crates that front ends share.
-const LIBRARIES: [&str; 7] = [
+const LIBRARIES: [&str; 8] = [
     "nextview-scan",
     "nextview-campaign",
     "nextview-report",
     "nextview-learned",
     "nextview-recording",
+    "nextview-robot",
     "nextview-sim",
     "nextview",
 ];

@@ -1,0 +1,9 @@
+//! A serial arm: joints, links and where they are.
+
+mod joint;
+mod link;
+mod serial;
+
+pub use joint::{Joint, JointKind, JointLimits};
+pub use link::{Link, Shape, ShapeKind};
+pub use serial::Arm;

@@ -1,0 +1,59 @@
+use super::{Joint, Link};
+use nextview::geometry::Pose;
+
+/// A serial arm: a base, joints that move, the links between them, and a flange for tools.
+/// A serial arm: a base, joints that move, the links between them, and a flange for tools. Link 0 is the
+/// base, whose frame is that of the arm; link i + 1 moves with joint i. Parts that a fixed joint connects are
+/// one link.
+pub struct Arm {
+    /// Name of the robot.
+    pub name: String,
+    /// The joints from the base to the flange.
+    pub joints: Vec<Joint>,
+    /// The links, one more than joints.
+    pub links: Vec<Link>,
+    /// The frame of the flange in that of the last link. Tools and cameras are mounted there.
+    pub last_link_from_flange: Pose,
+    /// Pairs of links, lower number first, that may touch, for example because they are neighbours.
+    pub may_touch: Vec<[usize; 2]>,
+}
+
+impl Arm {
+    /// Number of joints.
+    pub fn n_joints(&self) -> usize {
+        self.joints.len()
+    }
+
+    /// The frames of all links in that of the base: `base_from_link`, one more than joints.
+    ///
+    /// # Panics
+    ///
+    /// If there are not as many values as joints.
+    pub fn link_poses(&self, values: &[f64]) -> Vec<Pose> {
+        assert_eq!(values.len(), self.joints.len(), "a value for each joint");
+        let mut poses = Vec::with_capacity(self.links.len());
+        let mut base_from_link = Pose::IDENTITY;
+        poses.push(base_from_link);
+        for (joint, &value) in self.joints.iter().zip(values) {
+            base_from_link = base_from_link * joint.parent_from_child(value);
+            poses.push(base_from_link);
+        }
+        poses
+    }
+
+    /// Where the flange is: `base_from_flange`.
+    ///
+    /// # Panics
+    ///
+    /// If there are not as many values as joints.
+    pub fn forward(&self, values: &[f64]) -> Pose {
+        assert_eq!(values.len(), self.joints.len(), "a value for each joint");
+        let step = |pose: Pose, (joint, &value): (&Joint, &f64)| pose * joint.parent_from_child(value);
+        self.joints.iter().zip(values).fold(Pose::IDENTITY, step) * self.last_link_from_flange
+    }
+
+    /// Whether every value is within its joint's limits.
+    pub fn is_within_limits(&self, values: &[f64]) -> bool {
+        self.joints.iter().zip(values).all(|(joint, value)| joint.limits.contains(*value))
+    }
+}
