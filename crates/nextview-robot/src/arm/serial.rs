@@ -1,10 +1,10 @@
 use super::{Joint, Link};
 use nextview::geometry::Pose;
 
-/// A serial arm: a base, joints that move, the links between them, and a flange for tools.
 /// A serial arm: a base, joints that move, the links between them, and a flange for tools. Link 0 is the
 /// base, whose frame is that of the arm; link i + 1 moves with joint i. Parts that a fixed joint connects are
 /// one link.
+#[derive(Clone, Debug, PartialEq)]
 pub struct Arm {
     /// Name of the robot.
     pub name: String,
