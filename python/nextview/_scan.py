@@ -14,6 +14,7 @@ from nextview._camera import Camera
 from nextview._model import Cloud, Map, Mesh, cloud_of, map_of, mesh_of
 from nextview._page import Page
 from nextview._planner import Gain, Planner
+from nextview._turntable import Turntable
 from nextview.errors import InputError
 
 Pose = NDArray[np.float64] | _native.View
@@ -32,13 +33,14 @@ class Scan:
     - `first_pose`: the pose of the first view, needed where the box grows and `poses` are not given: for
       example where the camera is now.
     - `poses`: the view candidates; by default a rule makes `candidates` of them around the object:
-      `view_space`, "shell", "sphere" or "hemisphere".
+      `view_space`, "shell", "sphere", "hemisphere" or "ring".
     - `planner`: one of `nextview.planners`, or one of your own: a subclass of `nextview.Planner` or
       `nextview.Gain`, or its name "python:module:Class".
     - `views`: the maximum number of views; by default 10.
     - `voxel_size_m`: edge of a voxel; by default a fortieth of the box, or 0.005.
     - `table`: what the object stands on: "none", "fit" (it is found in the first image), or its height z,
       metres.
+    - `turntable`: the camera stands still, and the object turns. Its plate is then the table.
     - `name`: of the object, for records and reports.
     - `out`: a folder. Every frame is on the disk there before it counts; after an interruption,
       `nextview.resume` resumes the scan. `save` writes the results there. It must not hold results of another
@@ -76,6 +78,7 @@ class Scan:
         views: int | None = None,
         voxel_size_m: float | None = None,
         table: str | float = "none",
+        turntable: Turntable | None = None,
         name: str = "object",
         out: str | os.PathLike[str] | None = None,
         force: bool = False,
@@ -94,10 +97,17 @@ class Scan:
         else:
             live["table_z_m"] = table
         given = {"planner": planner, "views": views, "voxel_size_m": voxel_size_m, "object": name}
+        if turntable is not None:
+            if not isinstance(turntable, Turntable):
+                kind = type(turntable).__name__
+                raise InputError(f"`turntable` is of type {kind}, expected nextview.Turntable")
+            options = {**turntable._options(), **options}
         config = {**options, **given, "live": live, "object_box": object_box}
         listed = None if poses is None else list(poses)
         path = None if out is None else os.fspath(out)
-        self._begin(_native.LiveScan(config, camera, first_pose, listed, path, force), path, force)
+        turning = None if turntable is None else (turntable.table_from_camera, turntable.plate_radius_m)
+        scan = _native.LiveScan(config, camera, first_pose, listed, turning, path, force)
+        self._begin(scan, path, force)
 
     def _begin(self, scan: _native.LiveScan, out: str | None, force: bool) -> None:
         self._engine, self._out, self._force = scan, out, force
@@ -113,6 +123,13 @@ class Scan:
         if view is not None and view.estimated_completeness is not None:
             self._completeness = view.estimated_completeness
         return view
+
+    def turntable_pose(self, angle_deg: float) -> NDArray[np.float64]:
+        """Where the camera is, seen from the object, after the plate was turned by this angle: 4 x 4 float64.
+
+        Raises `InputError` without a turntable.
+        """
+        return self._engine.turntable_pose(angle_deg)
 
     def observe(
         self,

@@ -18,6 +18,7 @@ pub struct View {
     next: NextView,
     waypoints: Vec<(f64, Pose)>,
     trajectory_length: f64,
+    turntable_angle_deg: Option<f64>,
 }
 
 /// A view as it is pickled.
@@ -29,24 +30,32 @@ struct Pickled {
     outlook: Option<Outlook>,
     waypoints: Vec<(f64, Pose)>,
     trajectory_length: f64,
+    turntable_angle_deg: Option<f64>,
 }
 
 /// The view of a pickled text.
 #[pyfunction]
 pub fn view_of_text(py: Python<'_>, text: &str) -> PyResult<View> {
-    let Pickled { view, world_from_camera, choice, outlook, waypoints, trajectory_length } =
-        serde_json::from_str(text)
-            .map_err(|error| input_error(py, format!("this is no pickled view: {error}")))?;
+    let Pickled {
+        view,
+        world_from_camera,
+        choice,
+        outlook,
+        waypoints,
+        trajectory_length,
+        turntable_angle_deg,
+    } = serde_json::from_str(text)
+        .map_err(|error| input_error(py, format!("this is no pickled view: {error}")))?;
     let next = NextView { view, world_from_camera, choice, outlook };
-    Ok(View { next, waypoints, trajectory_length })
+    Ok(View { next, waypoints, trajectory_length, turntable_angle_deg })
 }
 
 impl View {
-    /// The view and the trajectory to it.
-    pub fn new(next: NextView, trajectory: &Trajectory) -> Self {
+    /// The view, the trajectory to it, and with a turntable its angle, degrees.
+    pub fn new(next: NextView, trajectory: &Trajectory, turntable_angle_deg: Option<f64>) -> Self {
         let point = |point: &Waypoint| (point.time, point.world_from_camera);
         let waypoints = trajectory.waypoints().iter().map(point).collect();
-        Self { next, waypoints, trajectory_length: trajectory.length() }
+        Self { next, waypoints, trajectory_length: trajectory.length(), turntable_angle_deg }
     }
 
     /// The pose, to the bit.
@@ -67,6 +76,13 @@ impl View {
     #[getter(world_from_camera)]
     fn matrix<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray2<f64>> {
         matrix(py, &self.next.world_from_camera)
+    }
+
+    /// The angle to turn the plate of a turntable to, degrees, 0 to 360, counter-clockwise seen from above;
+    /// None without one.
+    #[getter]
+    fn turntable_angle_deg(&self) -> Option<f64> {
+        self.turntable_angle_deg
     }
 
     /// The quantity that the planner maximised, in its unit; None for the first view.
@@ -128,7 +144,16 @@ impl View {
     fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<(Bound<'py, PyAny>, (String,))> {
         let NextView { view, world_from_camera, choice, outlook } = self.next.clone();
         let (waypoints, trajectory_length) = (self.waypoints.clone(), self.trajectory_length);
-        let pickled = Pickled { view, world_from_camera, choice, outlook, waypoints, trajectory_length };
+        let turntable_angle_deg = self.turntable_angle_deg;
+        let pickled = Pickled {
+            view,
+            world_from_camera,
+            choice,
+            outlook,
+            waypoints,
+            trajectory_length,
+            turntable_angle_deg,
+        };
         let text = serde_json::to_string(&pickled).map_err(|error| internal_error(py, &error.to_string()))?;
         Ok((py.import("nextview._native")?.getattr("view_of_text")?, (text,)))
     }

@@ -22,8 +22,8 @@ impl Clairvoyant {
 
 impl ViewPlanner for Clairvoyant {
     fn plan(&mut self, situation: &Situation<'_>) -> Result<Plan, Error> {
-        let is_within_reach = |view: usize| situation.views().is_within_reach(view);
-        let next = next_clairvoyant(&self.truth, situation.visited(), is_within_reach);
+        let can_go = |view: usize| situation.can_go(view);
+        let next = next_clairvoyant(&self.truth, situation.visited(), can_go);
         let choice = next.map(|(view, n_new)| Choice::new(view, n_new as f64));
         Ok(Plan { choice, ..Plan::default() })
     }
@@ -34,14 +34,14 @@ impl ViewPlanner for Clairvoyant {
 fn next_clairvoyant(
     truth: &TrueVisibility,
     visited: &[usize],
-    is_within_reach: impl Fn(usize) -> bool,
+    can_go: impl Fn(usize) -> bool,
 ) -> Option<(usize, usize)> {
     let mut covered = truth.seen(visited.first().copied().unwrap_or(0)).clone();
     covered.clear();
     visited.iter().for_each(|&view| covered.union_with(truth.seen(view)));
     let n_new = |view: usize| truth.seen(view).difference_count(&covered);
     let best = (0..truth.n_views())
-        .filter(|&view| is_within_reach(view))
+        .filter(|&view| can_go(view))
         .map(|view| (view, n_new(view)))
         .max_by_key(|&(view, n)| (n, std::cmp::Reverse(view)));
     best.filter(|&(_, n)| n > 0)

@@ -20,6 +20,7 @@ use nextview::surface::{CloudPoint, DistanceField, downsample, fit_normals, take
 use nextview::view::{Reach, ViewSpace, generate, look_at};
 use nextview::visibility::{FreeSpace, RayCaster};
 use proptest::prelude::*;
+use std::sync::Arc;
 
 /// A number that nobody means, or a plain one.
 fn number() -> impl Strategy<Value = f64> {
@@ -294,7 +295,7 @@ proptest! {
         };
         let unit = generate::shell(DVec3::ZERO, 1.0, 20, 1).unwrap();
         let views = match grows {
-            true => Views::Following { first: unit.pose(0), unit, reach: Reach::default() },
+            true => Views::Following { first: unit.pose(0), unit, reach: Arc::new(Reach::default()) },
             false => unit.into(),
         };
         let planner = RandomViews { seed: 1 };

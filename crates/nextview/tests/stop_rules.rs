@@ -288,6 +288,44 @@ fn reports_tell_what_was_expected_and_how_far_the_camera_went() {
     assert_eq!((report.outlook, report.travel), (None, 4.0 * STEP));
 }
 
+/// Takes the open view that costs least to go to.
+struct Cheapest;
+
+impl ViewPlanner for Cheapest {
+    fn plan(&mut self, situation: &Situation<'_>) -> Result<Plan, Error> {
+        let travel = |view: &usize| situation.travel(*view).unwrap_or_default();
+        let open = situation.open_views().into_iter();
+        let cheapest = open.min_by(|a, b| travel(a).total_cmp(&travel(b)));
+        Ok(Plan { choice: cheapest.map(choice), ..Plan::default() })
+    }
+}
+
+#[test]
+fn goes_only_where_the_robot_can_go_now() {
+    let stop = NO_PROGRESS_RULE;
+    let mut session = session(Cheapest, stop);
+    let next = |session: &mut Session| session.decide().unwrap();
+    let only = |open: &[(usize, f64)]| {
+        let mut times = vec![None; 12];
+        open.iter().for_each(|&(view, time)| times[view] = Some(time));
+        times
+    };
+    session.set_approaches(only(&[(3, 9.0), (5, 1.0)]));
+    let Decision::Move(first) = next(&mut session) else { panic!("goes on") };
+    assert_eq!(first.view, Some(3), "the first view is the next one where it can go");
+    observe(&mut session, 3);
+
+    assert!(matches!(next(&mut session), Decision::Move(NextView { view: Some(2), .. })), "by distance");
+    session.set_approaches(only(&[(2, 9.0), (5, 1.0), (3, 0.1)]));
+    assert!(matches!(next(&mut session), Decision::Move(NextView { view: Some(5), .. })), "by time");
+    session.set_approaches(only(&[(3, 0.1)]));
+    assert!(matches!(next(&mut session), Decision::Stop(StopReason::OutOfReach)), "where it is already");
+    session.set_approaches(only(&[(2, 9.0)]));
+    assert!(matches!(next(&mut session), Decision::Move(NextView { view: Some(2), .. })));
+    observe(&mut session, 2);
+    assert!(matches!(next(&mut session), Decision::Move(NextView { view: Some(1), .. })), "forgotten");
+}
+
 #[test]
 fn bad_values_are_refused() {
     let fault = |stop: StopConfig| {

@@ -95,7 +95,7 @@ fn info_in_a_box_counts_all_its_voxels() {
 fn every_rule_makes_views_that_plan_reads() {
     let folder = Folder::new("views");
     folder.ok(&small(&["--views", "1", "--baselines", "off"]));
-    for rule in ["shell", "sphere", "hemisphere"] {
+    for rule in ["shell", "sphere", "hemisphere", "ring"] {
         let args = ["views", "--rule", rule, "--count", "12", "--center=-0.01,0,0.05", "--size-m", "0.08"];
         let csv = folder.ok(&args);
         folder.ok(&[args.as_slice(), &["--out", "views.csv", "--force"]].concat());

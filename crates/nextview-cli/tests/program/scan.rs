@@ -189,7 +189,7 @@ fn moving_may_cost() {
 #[test]
 fn every_view_space_and_profile_scans() {
     let folder = Folder::new("scan-view-spaces");
-    for rule in ["sphere", "hemisphere"] {
+    for rule in ["sphere", "hemisphere", "ring"] {
         folder.json(&small(&["--views", "2", "--view-space", rule, "--baselines", "off", "--json"]));
         let heights = folder.text("out/steps.jsonl");
         assert_eq!(heights.lines().count(), 2);

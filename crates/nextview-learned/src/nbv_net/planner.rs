@@ -44,7 +44,7 @@ fn stand_ins(situation: &Situation<'_>) -> [Option<usize>; N_VIEWS] {
     let (snapshot, views) = (situation.snapshot(), situation.views());
     let bounds = snapshot.lattice().bounds(&snapshot.block());
     views::positions(&bounds).map(|position| {
-        let candidates = (0..views.len()).filter(|&view| views.is_within_reach(view));
+        let candidates = (0..views.len()).filter(|&view| situation.can_go(view));
         let distances =
             candidates.map(|view| (views.pose(view).translation().distance_squared(position), view));
         distances.min_by(|(a, _), (b, _)| a.total_cmp(b)).map(|(_, view)| view)

@@ -14,6 +14,7 @@ pub fn stop_phrase(reason: StopReason) -> &'static str {
         StopReason::NothingToGain => "no candidate gains anything",
         StopReason::NoObject => "the camera saw no object",
         StopReason::BoxTooLarge => "the object's box would need more memory than allowed",
+        StopReason::OutOfReach => "the robot can go to no further candidate",
         StopReason::Ended => "it was ended by hand",
         _ => "another stop rule applied",
     }

@@ -1,6 +1,6 @@
 //! What a configuration must hold beyond what each of its parts checks itself.
 
-use super::{LiveConfig, PlannerChoice, PlannerName, RecordingConfig, ScanConfig, TableRule};
+use super::{LiveConfig, PlannerChoice, PlannerName, RecordingConfig, ScanConfig, TableRule, ViewRule};
 use crate::{Fault, Faults};
 use nextview::gain::Apora;
 use nextview::geometry::Aabb;
@@ -58,6 +58,7 @@ fn faults(config: &ScanConfig) -> Vec<Fault> {
     faults.extend(config.noise.faults().into_iter().chain(config.of_sensor()));
     faults.extend(config.recording.iter().flat_map(|recording| of_recording(recording, config)));
     faults.extend(config.live.iter().flat_map(|live| of_live(live, config)));
+    faults.extend(of_turntable(config));
     faults.extend(of_stop(config));
     faults.extend(of_goal(config));
     faults
@@ -164,6 +165,30 @@ fn of_live(live: &LiveConfig, config: &ScanConfig) -> Vec<Fault> {
         faults.push(Fault::of_value("live.max_depth_m", live.max_depth_m, expected));
     }
     faults.extend(simulated_keys(config).map(|key| only_simulated(key, "live")));
+    faults
+}
+
+/// Everything that is wrong with a turntable, which is for a camera of one's own.
+fn of_turntable(config: &ScanConfig) -> Vec<Fault> {
+    let Some(turntable) = &config.turntable else { return Vec::new() };
+    let mut faults = turntable.faults();
+    let mut refuse = |problem: &str, remedy: &str| {
+        let fault = Fault::request(problem).with_remedy(remedy);
+        faults.push(Fault { key: Some("turntable".to_owned()), ..fault });
+    };
+    if config.view_space.rule() != Some(ViewRule::Ring) {
+        refuse("the views of a `turntable` are a ring", "set `view_space` = ring");
+    }
+    match &config.live {
+        None => refuse(
+            "`turntable` is for a camera of one's own",
+            "`view_space` = ring alone simulates a turntable; add `live` for a camera of your own",
+        ),
+        Some(live) if !live.poses.is_empty() => {
+            refuse("the candidates of a `turntable` are angles", "leave out `live.poses`");
+        }
+        Some(_) => (),
+    }
     faults
 }
 

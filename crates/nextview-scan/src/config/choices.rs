@@ -63,11 +63,15 @@ named! {
         #[default] Shell = "shell": "The paper's random shell: outside the cube of half-side 2 x size, inside the sphere of radius 4 x size",
         Sphere = "sphere": "A Fibonacci sphere of radius 3 x size",
         Hemisphere = "hemisphere": "The upper half of it, for an object on a table",
+        Ring = "ring": "A circle of radius 3 x size, 30 degrees up: a turntable before a camera that stands still",
     }
 }
 
 /// Half-sides of objects that there can be views of, metres.
 const SIZES_M: RangeInclusive<f64> = 1e-6..=1e6;
+
+/// How far above an object's middle the ring is, seen from there: sides and top are then in view.
+const RING_ELEVATION_DEG: f64 = 30.0;
 
 impl ViewRule {
     /// The candidates around an object of this centre and half-side, metres.
@@ -83,6 +87,7 @@ impl ViewRule {
             Self::Shell => generate::shell(center, size, n, seed)?,
             Self::Sphere => generate::fibonacci_sphere(center, 3.0 * size, n)?,
             Self::Hemisphere => generate::hemisphere(center, 3.0 * size, n)?,
+            Self::Ring => generate::ring(center, 3.0 * size, RING_ELEVATION_DEG.to_radians(), n)?,
         })
     }
 }

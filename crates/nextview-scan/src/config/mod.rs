@@ -16,6 +16,7 @@ mod scan_config;
 mod sensor;
 #[cfg(feature = "simulated")]
 mod sensor_name;
+mod turntable;
 
 pub use choices::{BoxRule, Profile, TableRule, UnitName, ViewRule, ViewSpaceName};
 pub use live::LiveConfig;
@@ -30,3 +31,4 @@ pub use recording::RecordingConfig;
 pub use scan_config::{MapConfig, ModelConfig, ObjectBoxConfig, ScanConfig};
 #[cfg(feature = "simulated")]
 pub use sensor_name::SensorName;
+pub use turntable::TurntableConfig;

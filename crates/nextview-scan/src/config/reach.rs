@@ -1,7 +1,7 @@
 use crate::Fault;
 use glam::DVec3;
 use nextview::geometry::Aabb;
-use nextview::view::{Reach, ReachSphere, ViewSpace};
+use nextview::view::{Reach, ReachSphere, Reachability, ViewSpace};
 use serde::{Deserialize, Serialize};
 
 /// Where a robot can hold the camera. Candidates elsewhere are dropped, and the others numbered anew.

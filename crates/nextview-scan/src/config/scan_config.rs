@@ -1,6 +1,6 @@
 use super::{
     BoxRule, LiveConfig, NbvNetConfig, PlannerChoice, PlannerConfigs, PlannerName, Profile, ReachConfig,
-    RecordingConfig, TableRule, UnitName, ViewSpaceName,
+    RecordingConfig, TableRule, TurntableConfig, UnitName, ViewSpaceName,
 };
 use crate::Fault;
 use nextview::map::{Background, RayRule, SensorModel};
@@ -123,6 +123,9 @@ pub struct ScanConfig {
     /// The frames come from a camera of one's own while the scan is under way.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub live: Option<LiveConfig>,
+    /// That camera stands still, and the object turns: candidates are angles. Needs `view_space` = ring.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub turntable: Option<TurntableConfig>,
 }
 
 /// How frames are written into the map.
@@ -214,6 +217,7 @@ impl ScanConfig {
             noise: super::NoiseConfig::default(),
             recording: None,
             live: None,
+            turntable: None,
         };
         match profile {
             Profile::Default => config,

@@ -3,7 +3,7 @@ use super::whereabouts::Whereabouts;
 use crate::files::ResultFolder;
 use crate::{
     Begin, Fault, Faults, FinishedScan, Interrupted, LiveFrame, Next, OwnCamera, Results, ScanConfig,
-    ScanJournal, ScanRun, StepRecord, TakenFrame, write_results,
+    ScanJournal, ScanRun, StepRecord, TakenFrame, ViewRecord, write_results,
 };
 use nextview::Cancel;
 use nextview::geometry::Pose;
@@ -169,6 +169,26 @@ impl LiveScan {
     /// [`Session::trajectory_to`]: nextview::session::Session::trajectory_to
     pub fn trajectory_to(&self, view: &NextView) -> Result<Trajectory, Fault> {
         Ok(self.run.session().trajectory_to(&view.world_from_camera)?)
+    }
+
+    /// The view to take next, as a robot and a page are told it.
+    pub fn record_of(&self, view: &NextView) -> Result<ViewRecord, Fault> {
+        let record = ViewRecord::new(view, &self.trajectory_to(view)?);
+        Ok(ViewRecord { turntable_angle_deg: self.turntable_angle_deg(&view.world_from_camera), ..record })
+    }
+
+    /// The angle to turn the plate of the [turntable](crate::TurntableConfig) to for a view, degrees, 0 to
+    /// 360; none without a turntable.
+    pub fn turntable_angle_deg(&self, world_from_camera: &Pose) -> Option<f64> {
+        self.config.turntable.map(|turntable| turntable.angle_deg(world_from_camera))
+    }
+
+    /// Where the camera is, seen from the object, after the plate of the turntable was turned by this angle.
+    /// Fails without a turntable.
+    pub fn turntable_pose(&self, angle_deg: f64) -> Result<Pose, Fault> {
+        let none =
+            || Fault { key: Some("turntable".to_owned()), ..Fault::request("there is no `turntable`") };
+        self.config.turntable.ok_or_else(none)?.pose_at(angle_deg)
     }
 
     /// The scan as it stands: its map, its model, its record.

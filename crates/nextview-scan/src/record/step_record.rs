@@ -27,6 +27,10 @@ pub struct StepRecord {
     /// Rotation of the camera, world from camera, with the scalar last.
     pub quaternion_xyzw: [f64; 4],
 
+    /// The angle of a turntable, 0 to 360, counter-clockwise seen from above; none without one.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub turntable_angle_deg: Option<f64>,
+
     /// The quantity that the planner maximised, of this view; none for the first one.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub score: Option<f64>,

@@ -17,6 +17,10 @@ pub struct ViewRecord {
     /// Where the camera should stand: the rows of the 4 x 4 matrix that takes points of the camera, which
     /// looks along z with y downwards, to the world; metres.
     pub world_from_camera: [[f64; 4]; 4],
+    /// The angle to turn the plate of a turntable to, 0 to 360, counter-clockwise seen from above; none
+    /// without one.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub turntable_angle_deg: Option<f64>,
     /// The quantity that the planner maximised, in its unit; none for the first view.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub score: Option<f64>,
@@ -59,7 +63,7 @@ pub struct WaypointRecord {
 
 impl ViewRecord {
     /// The record of a view and of the trajectory to it.
-    pub fn new(next: &NextView, trajectory: &Trajectory) -> Self {
+    pub(crate) fn new(next: &NextView, trajectory: &Trajectory) -> Self {
         let (choice, outlook) = (next.choice.as_ref(), next.outlook);
         let waypoint = |Waypoint { time, world_from_camera }: &Waypoint| WaypointRecord {
             time_s: *time,
@@ -69,6 +73,7 @@ impl ViewRecord {
         Self {
             view: next.view,
             world_from_camera: rows_of_pose(&next.world_from_camera),
+            turntable_angle_deg: None,
             score: choice.map(|choice| choice.score),
             runner_up: choice.and_then(|choice| choice.runner_up),
             explanation: choice.and_then(|choice| choice.explanation.clone()),

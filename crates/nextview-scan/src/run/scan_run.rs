@@ -2,7 +2,7 @@ use super::warning::warning;
 use super::{Evaluator, FinishedScan};
 use crate::journal::{JournalEntry, KeptFrame, SkippedView};
 use crate::record::milliseconds;
-use crate::{Fault, FaultKind, Faults, FrameSource, ScanConfig, ScanJournal, StepRecord};
+use crate::{Fault, FaultKind, Faults, FrameSource, ScanConfig, ScanJournal, StepRecord, TurntableConfig};
 use glam::DVec3;
 use nextview::motion::Trajectory;
 use nextview::sensor::{ColorImage, Frame};
@@ -54,6 +54,7 @@ pub struct ScanRun<'a> {
     began: Option<Instant>,
     asked: Option<Asked>,
     path: Path,
+    turntable: Option<TurntableConfig>,
 }
 
 /// What to do next.
@@ -105,7 +106,8 @@ impl<'a> ScanRun<'a> {
     /// A run of this session by a camera of one's own.
     pub fn new(session: Session) -> Self {
         let scan = FinishedScan::new(session);
-        Self { scan, evaluator: None, time_limit: None, began: None, asked: None, path: Path::default() }
+        let (path, turntable) = Default::default();
+        Self { scan, evaluator: None, time_limit: None, began: None, asked: None, path, turntable }
     }
 
     /// The run that a configuration describes, with frames from this source.
@@ -121,6 +123,7 @@ impl<'a> ScanRun<'a> {
         let mut run = Self::new(session.with_cancel(begin.cancel));
         run.time_limit = config.time_limit_s.map(Duration::try_from_secs_f64).and_then(Result::ok);
         run.scan.journal = begin.journal;
+        run.turntable = config.turntable;
         run
     }
 
@@ -214,6 +217,8 @@ impl<'a> ScanRun<'a> {
         record.path_length_m = self.path.extend_to(report.world_from_camera.translation());
         record.trajectory_length_m = last.map_or(0.0, |last| last.trajectory_length_m) + trajectory.length();
         record.trajectory_time_s = last.map_or(0.0, |last| last.trajectory_time_s) + trajectory.duration();
+        let place = report.world_from_camera;
+        record.turntable_angle_deg = self.turntable.map(|turntable| turntable.angle_deg(&place));
         record.plan_time_ms = milliseconds(plan_time.unwrap_or_default());
         record.map_time_ms = milliseconds(map_time);
         record.capture_time_ms = milliseconds(capture_time);

@@ -1,10 +1,13 @@
 use super::session_config::{VOXEL_SIZE, session_config, suitable_voxel_size, voxel_block};
-use crate::{BoxRule, Fault, Faults, LiveConfig, ScanConfig, TableRule, ViewRule, short_name};
+use crate::{
+    BoxRule, Fault, Faults, LiveConfig, ScanConfig, TableRule, TurntableConfig, ViewRule, short_name,
+};
 use glam::DVec3;
 use nextview::geometry::{Aabb, Pose};
 use nextview::sensor::{DepthImage, Frame, Intrinsics};
 use nextview::session::{ObjectBox, Session, SessionConfig, Table, Views};
 use nextview::view::ViewSpace;
+use std::sync::Arc;
 
 /// A camera of one's own before an unknown object: it takes its frames elsewhere, and they are pushed into
 /// the run. See [`LiveScan`](crate::LiveScan).
@@ -12,6 +15,7 @@ pub struct OwnCamera {
     intrinsics: Intrinsics,
     /// The depth up to which a pixel from which nothing came back is free, metres.
     range: f64,
+    turntable: Option<TurntableConfig>,
     session_config: SessionConfig,
     views: Views,
     n_views: usize,
@@ -42,7 +46,8 @@ impl OwnCamera {
         let session_config = SessionConfig { depth_range: live.depth_range(), ..session_config };
         bounds.map(|bounds| voxel_block(&session_config, &bounds)).transpose()?;
         let (intrinsics, range) = (config.camera, live.max_depth_m);
-        Ok(Self { intrinsics, range, session_config, views, n_views, reach_note })
+        let turntable = config.turntable;
+        Ok(Self { intrinsics, range, turntable, session_config, views, n_views, reach_note })
     }
 
     /// The session that the configuration describes, which must be the one that [`open`](Self::open)
@@ -60,6 +65,10 @@ impl OwnCamera {
             let expected = format!("{} x {} pixels, as the camera has", expected.0, expected.1);
             return Err(Fault::of_value("depth", format!("{width} x {height}"), expected));
         }
+        let image = match &self.turntable {
+            Some(turntable) => turntable.turning_part(&image, &self.intrinsics)?,
+            None => image,
+        };
         Ok(Frame::new(image, self.intrinsics, world_from_camera, self.range)?)
     }
 
@@ -84,6 +93,7 @@ fn table(config: &ScanConfig, live: &LiveConfig) -> Table {
     match (live.table_z_m, config.object_box.table) {
         (Some(z), _) => Table::AtHeight(z),
         (None, TableRule::Fit) => Table::Fitted,
+        (None, _) if config.turntable.is_some() => Table::AtHeight(0.0),
         _ => Table::None,
     }
 }
@@ -104,11 +114,14 @@ impl Candidates {
 }
 
 fn candidates(config: &ScanConfig, live: &LiveConfig) -> Result<Candidates, Fault> {
+    if let Some(turntable) = &config.turntable {
+        return Candidates::fixed(turntable.views(config.candidates)?, config);
+    }
     if !live.poses.is_empty() {
         return Candidates::fixed(ViewSpace::new(live.poses.clone())?, config);
     }
     let Some(rule) = config.view_space.rule() else {
-        let fault = Fault::of_value("view_space", &config.view_space.0, "shell, sphere or hemisphere");
+        let fault = Fault::of_value("view_space", &config.view_space.0, "shell, sphere, hemisphere or ring");
         return Err(fault.with_remedy("`live.poses` takes candidates of one's own"));
     };
     match live.bounds() {
@@ -141,6 +154,6 @@ fn following(rule: ViewRule, config: &ScanConfig, live: &LiveConfig) -> Result<C
     };
     let unit = rule.views(DVec3::ZERO, 1.0, config.candidates, config.view_seed())?;
     let n_views = unit.len();
-    let views = Views::Following { first, unit, reach: config.reach.rule() };
+    let views = Views::Following { first, unit, reach: Arc::new(config.reach.rule()) };
     Ok(Candidates { views, n_views, reach_note: None })
 }

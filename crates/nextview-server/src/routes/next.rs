@@ -62,7 +62,7 @@ async fn next(State(app): State<Arc<App>>, Path(id): Path<String>) -> Result<Jso
 
 fn view_of(scan: &mut LiveScan) -> Result<Option<ViewRecord>, Refusal> {
     let Some(next) = scan.next()? else { return Ok(None) };
-    Ok(Some(ViewRecord::new(&next, &scan.trajectory_to(&next)?)))
+    Ok(Some(scan.record_of(&next)?))
 }
 
 async fn skip(

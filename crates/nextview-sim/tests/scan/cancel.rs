@@ -19,6 +19,7 @@ use nextview::{Cancel, Cancelled};
 use nextview_sim::builtin;
 use nextview_sim::evaluator::ScanCamera;
 use nextview_sim::scene::Scene;
+use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
@@ -170,7 +171,7 @@ fn busy_session(scene: &Scene, voxel_size: f64) -> Session {
     };
     let unit = generate::shell(DVec3::ZERO, 1.0, 100, 1).unwrap();
     let first = look_at(scene.center() + DVec3::new(0.3, 0.2, 0.4), scene.center()).unwrap();
-    let views = Views::Following { first, unit, reach: Reach::default().within(scene.room()) };
+    let views = Views::Following { first, unit, reach: Arc::new(Reach::default().within(scene.room())) };
     let planner = Box::new(RandomViews { seed: 1 });
     Session::new(config, Intrinsics::d435i(), views, planner).unwrap()
 }
@@ -327,7 +328,7 @@ fn a_skipped_candidate_stays_skipped_when_the_box_grows() {
     };
     let unit = generate::shell(DVec3::ZERO, 1.0, 200, 1).unwrap();
     let first = look_at(scene.center() + DVec3::new(0.3, 0.2, 0.4), scene.center()).unwrap();
-    let views = Views::Following { first, unit, reach: Reach::default().within(scene.room()) };
+    let views = Views::Following { first, unit, reach: Arc::new(Reach::default().within(scene.room())) };
     let planner = Box::new(MaxFlow::new(MaxFlowConfig::default()).unwrap());
     let mut session = Session::new(config, Intrinsics::d435i(), views, planner).unwrap();
     let (mut skipped, mut boxes) = (Vec::new(), Vec::new());

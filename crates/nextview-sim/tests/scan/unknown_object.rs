@@ -14,6 +14,7 @@ use nextview_sim::builtin;
 use nextview_sim::noise::{DepthNoise, Noise, PoseError};
 use nextview_sim::scene::Scene;
 use nextview_sim::truth::{ObjectVoxels, TrueVisibility};
+use std::sync::Arc;
 
 const VOXEL_SIZE: f64 = 0.01;
 
@@ -58,7 +59,7 @@ impl Setup {
         Views::Following {
             first,
             unit: self.views.around(-center / size, 1.0 / size).unwrap(),
-            reach: Reach::default(),
+            reach: Arc::new(Reach::default()),
         }
     }
 

@@ -75,6 +75,21 @@ impl Trajectory {
         Ok(Self { waypoints, length: track.length() })
     }
 
+    /// The trajectory through these poses, in the order of their times, such as those of a camera on an arm.
+    ///
+    /// Fails unless there is at least one, the first at 0 s, with times that increase.
+    pub fn through(waypoints: Vec<Waypoint>) -> Result<Self, Error> {
+        let starts = waypoints.first().map(|first| first.time);
+        let increase = waypoints.windows(2).all(|pair| pair[0].time < pair[1].time);
+        if starts != Some(0.0) || !increase || !waypoints.iter().all(|point| point.time.is_finite()) {
+            let times: Vec<f64> = waypoints.iter().map(|point| point.time).collect();
+            return Err(Error::invalid("times", format!("{times:?}"), "0 first, and each above the last"));
+        }
+        let position = |point: &Waypoint| point.world_from_camera.translation();
+        let length = waypoints.windows(2).map(|pair| position(&pair[0]).distance(position(&pair[1]))).sum();
+        Ok(Self { waypoints, length })
+    }
+
     /// A trajectory that stays at this pose.
     pub fn at(world_from_camera: Pose) -> Self {
         Self { waypoints: vec![Waypoint { time: 0.0, world_from_camera }], length: 0.0 }
@@ -219,6 +234,19 @@ mod tests {
         let stop =
             trajectory.waypoints().iter().find(|point| (point.time - outward).abs() < 1e-9).expect("a stop");
         assert!((stop.world_from_camera.translation().distance(middle) - radius).abs() < 1e-9);
+    }
+
+    #[test]
+    fn leads_through_the_waypoints_of_others() {
+        let at = |time: f64, x: f64| Waypoint {
+            time,
+            world_from_camera: Pose::new(DQuat::IDENTITY, DVec3::X * x).unwrap(),
+        };
+        let trajectory = Trajectory::through(vec![at(0.0, 1.0), at(0.5, 1.0), at(1.0, 0.0)]).unwrap();
+        assert_eq!((trajectory.length(), trajectory.duration()), (1.0, 1.0));
+        for wrong in [vec![], vec![at(0.1, 0.0)], vec![at(0.0, 0.0), at(0.0, 1.0)]] {
+            assert!(Trajectory::through(wrong).is_err());
+        }
     }
 
     #[test]

@@ -3,31 +3,29 @@ use crate::Error;
 use crate::checked::check_range;
 
 /// The value of a view after the cost of moving there (the paper, section V.D): (1 - theta) times its share
-/// of all gain, less theta times its share of all distances from where the camera is.
+/// of all gain, less theta times its share of what it costs to go to all views.
 #[derive(Debug)]
 pub(super) struct Utility {
     theta: f64,
     /// By view; zeros where moving costs nothing.
-    distance_share: Vec<f64>,
+    travel_share: Vec<f64>,
 }
 
 impl Utility {
-    /// Distances are straight lines from where the camera is to the open views, and are shares of the sum
-    /// over those; all are zero before the first view.
+    /// The costs are [those](Situation::travel) of the open views, and shares of their sum; all are zero
+    /// before the first view.
     pub fn new(situation: &Situation<'_>, theta: f64) -> Self {
-        let mut distance_share = vec![0.0; situation.views().len()];
-        if let Some(position) = situation.camera_position() {
-            let distance = |view: usize| situation.views().pose(view).translation().distance(position);
-            let open = situation.open_views();
-            let total: f64 = open.iter().map(|&view| distance(view)).sum();
-            open.into_iter().for_each(|view| distance_share[view] = share(distance(view), total));
-        }
-        Self { theta, distance_share }
+        let mut travel_share = vec![0.0; situation.views().len()];
+        let open = situation.open_views();
+        let travel: Vec<f64> = open.iter().filter_map(|&view| situation.travel(view)).collect();
+        let total: f64 = travel.iter().sum();
+        open.iter().zip(&travel).for_each(|(&view, travel)| travel_share[view] = share(*travel, total));
+        Self { theta, travel_share }
     }
 
     /// The utility of a view with this share of all gain; exactly the share where theta is 0.
     pub fn of(&self, view: usize, gain_share: f64) -> f64 {
-        (1.0 - self.theta) * gain_share - self.theta * self.distance_share[view]
+        (1.0 - self.theta) * gain_share - self.theta * self.travel_share[view]
     }
 }
 

@@ -57,6 +57,8 @@ pub struct Situation<'a> {
     measured: Option<(&'a MeasuredCells, f64)>,
     /// Numbers of candidates.
     visited: &'a [usize],
+    /// By candidate, seconds; none of those where the camera cannot go now.
+    approaches: Option<&'a [Option<f64>]>,
     /// At most the voxel size of the snapshot, metres, and at least that which [`MOST_VOXELS`] allows.
     finest_voxel_size: f64,
     cancel: &'a Cancel,
@@ -86,6 +88,7 @@ impl<'a> Situation<'a> {
             are_poses_right: false,
             measured: None,
             visited: &[],
+            approaches: None,
             finest_voxel_size,
             cancel,
         }
@@ -119,6 +122,15 @@ impl<'a> Situation<'a> {
             Some(view) => Err(Error::invalid("visited", view, "numbers below that of view candidates")),
             None => Ok(Self { visited, ..self }),
         }
+    }
+
+    /// The same for a robot that needs so long to each candidate from where it is, seconds; none where it
+    /// cannot go at present. Fails if there are not as many as candidates.
+    pub fn with_approaches(self, approaches: &'a [Option<f64>]) -> Result<Self, Error> {
+        if approaches.len() == self.views.len() {
+            return Ok(Self { approaches: Some(approaches), ..self });
+        }
+        Err(Error::invalid("number of approaches", approaches.len(), "that of view candidates"))
     }
 
     /// The same for a scan that ends in voxels of this size, metres: that of the snapshot, or finer.
@@ -192,10 +204,15 @@ impl<'a> Situation<'a> {
         self.cancel
     }
 
-    /// The views within reach and not yet visited, in increasing order.
+    /// Whether the camera can go to this view now: it is within reach, and no robot stated otherwise.
+    pub fn can_go(&self, view: usize) -> bool {
+        let is_stated = self.approaches.is_none_or(|approaches| approaches[view].is_some());
+        is_stated && self.views.is_within_reach(view)
+    }
+
+    /// The views within reach, where the camera can go now, and not yet visited, in increasing order.
     pub fn open_views(&self) -> Vec<usize> {
-        let mut is_open: Vec<bool> =
-            (0..self.views.len()).map(|view| self.views.is_within_reach(view)).collect();
+        let mut is_open: Vec<bool> = (0..self.views.len()).map(|view| self.can_go(view)).collect();
         self.visited.iter().for_each(|&view| is_open[view] = false);
         (0..is_open.len()).filter(|&view| is_open[view]).collect()
     }
@@ -206,6 +223,15 @@ impl<'a> Situation<'a> {
         let last_frame = self.frames.last().map(|frame| frame.world_from_camera());
         let pose = last_frame.or_else(|| self.visited.last().map(|&view| self.views.pose(view)));
         pose.map(|pose| pose.translation())
+    }
+
+    /// What it costs to go to a view: seconds where a robot [stated](Self::with_approaches) them, else the
+    /// straight distance from [where the camera is](Self::camera_position), metres. None before the first
+    /// view.
+    pub fn travel(&self, view: usize) -> Option<f64> {
+        let stated = self.approaches.and_then(|approaches| approaches[view]);
+        let distance = |from: DVec3| self.views.pose(view).translation().distance(from);
+        self.camera_position().map(|from| stated.unwrap_or_else(|| distance(from)))
     }
 
     /// A distance in voxels of the finest size as one in voxels of the snapshot.

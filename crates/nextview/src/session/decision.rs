@@ -55,6 +55,8 @@ pub enum StopReason {
     /// The box around everything connected to the object needs more memory than allowed, for example because
     /// of a table or wall that it touches.
     BoxTooLarge,
+    /// The robot [can go](super::Session::set_approaches) to no further candidate, at least from where it is.
+    OutOfReach,
     /// Whoever drives the scan ended it. Never decided by a session.
     Ended,
 }

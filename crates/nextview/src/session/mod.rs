@@ -85,6 +85,8 @@ pub struct Session {
     seen: SeenCells,
     /// Views that are never to be proposed again.
     skipped: BTreeSet<usize>,
+    /// By candidate, how long the robot needs to it; none of those where it cannot go now.
+    approaches: Option<Vec<Option<f64>>>,
     /// The decision since the last frame.
     decision: Option<Decision>,
     itinerary: ItineraryProgress,
@@ -118,6 +120,7 @@ impl Session {
             n_taken: 0,
             visited: Vec::new(),
             skipped: BTreeSet::new(),
+            approaches: None,
             decision: None,
             itinerary: ItineraryProgress::default(),
             cancel: Cancel::default(),
@@ -146,6 +149,7 @@ impl Session {
         if let Some(location) = &added.moved {
             self.candidates = self.without_skipped(self.views.candidates(location, self.config.depth_range));
         }
+        self.approaches = None;
         let taken = self.decision.take().and_then(Decision::next_view);
         self.n_taken += taken.is_some() as usize;
         self.visited.extend(taken.as_ref().and_then(|next| next.view));
@@ -184,6 +188,22 @@ impl Session {
         self.skipped.insert(view);
         self.candidates = self.without_skipped(self.candidates.clone());
         self.itinerary.skip(view, self.decision.take().is_some());
+    }
+
+    /// States how long a robot needs to each candidate from where it is, seconds; none where it cannot go at
+    /// present. Holds until the next frame, for all planners; those with a [movement
+    /// cost](crate::planner::GreedyConfig::theta) take the times for it. The current decision is discarded.
+    ///
+    /// # Panics
+    ///
+    /// If there are not as many times as candidates.
+    pub fn set_approaches(&mut self, times: Vec<Option<f64>>) {
+        assert_eq!(times.len(), self.candidates.len(), "a time for each candidate");
+        let is_discarded = self.decision.take().is_some();
+        for view in (0..times.len()).filter(|&view| times[view].is_none()) {
+            self.itinerary.skip(view, is_discarded);
+        }
+        self.approaches = Some(times);
     }
 
     /// The trajectory from where the last frame was taken to a view, such as the next one: around the ball
@@ -313,7 +333,7 @@ impl Session {
                 return Ok(Decision::go_to(Some(view), self.candidates.pose(view), plan));
             }
             if self.scene.map.is_finest() {
-                return Ok(Decision::Stop(StopReason::NothingToGain));
+                return Ok(Decision::Stop(self.reason_for_no_choice()));
             }
             self.scene.map.refine(&self.frames.mapped, &self.cancel)?; // finer voxels may show more than coarse ones
         }
@@ -340,13 +360,16 @@ impl Session {
         }
     }
 
-    /// The configured first view or, if that is skipped, the next one within reach; none if there is none.
+    /// The configured first view or, if that is skipped or the robot cannot go there, the next one where it
+    /// can; none if there is none.
     fn first_candidate(&self) -> Option<usize> {
         let first = self.config.first_view;
-        if !self.skipped.contains(&first) {
+        let can_go = |view: usize| self.approaches.as_ref().is_none_or(|times| times[view].is_some());
+        if !self.skipped.contains(&first) && can_go(first) {
             return Some(first);
         }
-        (first..self.candidates.len()).chain(0..first).find(|&view| self.candidates.is_within_reach(view))
+        let can_be_first = |view: usize| self.candidates.is_within_reach(view) && can_go(view);
+        (first..self.candidates.len()).chain(0..first).find(|&view| can_be_first(view))
     }
 
     fn without_skipped(&self, views: ViewSpace) -> ViewSpace {
@@ -375,6 +398,15 @@ impl Session {
         is_too_long.then_some(StopReason::PathLimit)
     }
 
+    /// Why no view was chosen: the robot can go to none, or none gains anything.
+    fn reason_for_no_choice(&self) -> StopReason {
+        let is_open = |(view, time): (usize, &Option<f64>)| time.is_some() && !self.visited.contains(&view);
+        match &self.approaches {
+            Some(times) if !times.iter().enumerate().any(is_open) => StopReason::OutOfReach,
+            _ => StopReason::NothingToGain,
+        }
+    }
+
     /// Length of the straight path through the places of all frames and on to a view, metres.
     fn path_length_with(&self, view: usize) -> f64 {
         let next = self.candidates.pose(view).translation();
@@ -401,6 +433,10 @@ impl Session {
             .map(|situation| match &self.scene.quality {
                 Some(quality) => situation.with_goal(&quality.measured, quality.goal),
                 None => situation,
+            })
+            .and_then(|situation| match &self.approaches {
+                Some(times) => situation.with_approaches(times),
+                None => Ok(situation),
             });
         let mut plan =
             self.planner.plan(&situation.expect("the session visits candidates in checked voxels"))?;

@@ -2,7 +2,8 @@ use super::location::Location;
 use crate::Error;
 use crate::geometry::Pose;
 use crate::sensor::DepthRange;
-use crate::view::{Reach, ViewSpace};
+use crate::view::{Reachability, ViewSpace};
+use std::sync::Arc;
 
 /// Where the camera could go.
 #[derive(Clone, Debug)]
@@ -21,9 +22,9 @@ pub enum Views {
         /// always means the same direction and relative distance, and stays taken once it was, although the
         /// candidate may have moved a little since.
         unit: ViewSpace,
-        /// Candidates that have moved out of it are out of reach. Of fixed ones,
-        /// [`restricted`](ViewSpace::restricted) does the same.
-        reach: Reach,
+        /// Candidates that have moved out of it are out of reach. Of fixed ones, [`held`](ViewSpace::held)
+        /// does the same.
+        reach: Arc<dyn Reachability>,
     },
 }
 
@@ -46,10 +47,9 @@ impl Views {
     pub(super) fn candidates(&self, location: &Location, range: DepthRange) -> ViewSpace {
         let views = match (self, location.object) {
             (Self::Fixed(views), _) => views.clone(),
-            (Self::Following { unit, reach, .. }, Some((center, size))) => unit
-                .following(center, size)
-                .within_range(center, size, range)
-                .restricted(|position| reach.contains(position)),
+            (Self::Following { unit, reach, .. }, Some((center, size))) => {
+                unit.following(center, size).within_range(center, size, range).held(&**reach)
+            }
             (Self::Following { unit, .. }, None) => unit.clone(),
         };
         let is_clear = |position| location.place.table.is_none_or(|table| table.is_clear(position));

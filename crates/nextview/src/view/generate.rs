@@ -3,9 +3,11 @@
 
 use super::{ViewSpace, look_at};
 use crate::Error;
+use crate::checked::check_range;
 use crate::geometry::random::Random;
 use crate::geometry::{check_position, sphere};
-use glam::DVec3;
+use glam::{DVec2, DVec3};
+use std::f64::consts::{FRAC_PI_2, TAU};
 
 /// The paper's random shell: positions uniform outside the cube of half-side `2 * size` and inside the sphere
 /// of radius `4 * size`, both around `center`; `size` is half the longest side of the object's box, metres.
@@ -31,6 +33,21 @@ pub fn fibonacci_sphere(center: DVec3, radius: f64, n: usize) -> Result<ViewSpac
 pub fn hemisphere(center: DVec3, radius: f64, n: usize) -> Result<ViewSpace, Error> {
     on_sphere(center, radius, n, sphere::fibonacci_hemisphere)
 }
+
+/// Positions on a circle at this distance (metres) from `center`, this angle (radians, below pi / 2) above
+/// it: where a camera that stands still is, seen from an object on a turntable. Candidate i shows the object
+/// after the table was turned by i / n of a turn counter-clockwise, seen from above; at 0, the camera is at
+/// +x.
+pub fn ring(center: DVec3, distance: f64, elevation: f64, n: usize) -> Result<ViewSpace, Error> {
+    check(distance, n)?;
+    check_range("elevation", elevation, -LIMIT_OF_RING..=LIMIT_OF_RING, "less than pi / 2 up or down")?;
+    let (sin, cos) = elevation.sin_cos();
+    let turned = |i: usize| DVec2::from_angle(-TAU * i as f64 / n as f64) * cos;
+    looking_at(center, (0..n).map(|i| center + turned(i).extend(sin) * distance))
+}
+
+/// Straight above, a camera has no horizon.
+const LIMIT_OF_RING: f64 = FRAC_PI_2 - 1e-6;
 
 fn on_sphere(
     center: DVec3,
@@ -60,6 +77,7 @@ fn check(length: f64, n: usize) -> Result<(), Error> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use glam::DQuat;
 
     #[test]
     fn the_shell_lies_between_cube_and_sphere_and_looks_inward() {
@@ -88,11 +106,26 @@ mod tests {
     }
 
     #[test]
+    fn the_ring_is_what_a_turntable_shows() {
+        let center = DVec3::new(0.1, -0.2, 0.3);
+        let views = ring(center, 0.4, 0.5, 12).unwrap();
+        let first = views.pose(0).translation() - center;
+        assert!((first - DVec3::new(0.5_f64.cos(), 0.0, 0.5_f64.sin()) * 0.4).length() < 1e-15);
+        for view in 0..12 {
+            // The camera stands still; the object turns counter-clockwise.
+            let turned = DQuat::from_rotation_z(TAU * view as f64 / 12.0);
+            let seen_from = turned * (views.pose(view).translation() - center);
+            assert!(seen_from.distance(first) < 1e-15);
+        }
+    }
+
+    #[test]
     fn refuses_no_views_and_no_size() {
         assert!(shell(DVec3::ZERO, 0.1, 0, 0).is_err());
         assert!(shell(DVec3::ZERO, -0.1, 5, 0).is_err());
         assert!(fibonacci_sphere(DVec3::ZERO, f64::NAN, 5).is_err());
         assert!(fibonacci_sphere(DVec3::ZERO, 1e9, 5).is_err());
+        assert!(ring(DVec3::ZERO, 0.4, FRAC_PI_2, 5).is_err());
     }
 
     #[test]

@@ -10,5 +10,5 @@ mod reach;
 mod view_space;
 
 pub use look_at::look_at;
-pub use reach::{Reach, ReachSphere};
+pub use reach::{Reach, ReachSphere, Reachability};
 pub use view_space::ViewSpace;

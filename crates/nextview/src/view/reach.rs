@@ -1,6 +1,19 @@
 use crate::Error;
-use crate::geometry::Aabb;
+use crate::geometry::{Aabb, Pose};
 use glam::DVec3;
+use std::fmt::Debug;
+
+/// Where a robot can hold the camera.
+pub trait Reachability: Debug + Send + Sync {
+    /// The pose in which the camera can be held there: this one, or where only that is possible, one turned
+    /// about the optical axis, which shows the same. None if the robot does not get there.
+    fn held(&self, world_from_camera: &Pose) -> Option<Pose>;
+
+    /// Fails on the first value out of range.
+    fn check(&self) -> Result<(), Error> {
+        Ok(())
+    }
+}
 
 /// The positions at which a robot can hold the camera. By default, all.
 ///
@@ -35,9 +48,12 @@ pub struct ReachSphere {
     pub max_radius: f64,
 }
 
-impl Reach {
-    /// Fails on the first value out of range.
-    pub fn check(&self) -> Result<(), Error> {
+impl Reachability for Reach {
+    fn held(&self, world_from_camera: &Pose) -> Option<Pose> {
+        self.contains(world_from_camera.translation()).then_some(*world_from_camera)
+    }
+
+    fn check(&self) -> Result<(), Error> {
         if let Some(ReachSphere { base, min_radius, max_radius }) = self.sphere {
             if !base.is_finite() {
                 return Err(Error::invalid("base", base, "a finite position"));
@@ -56,7 +72,9 @@ impl Reach {
             None => Ok(()),
         }
     }
+}
 
+impl Reach {
     /// The same, but nowhere outside of this box.
     pub fn within(mut self, bounds: Aabb) -> Self {
         if self.allowed.is_empty() {

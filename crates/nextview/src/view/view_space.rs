@@ -1,4 +1,4 @@
-use super::csv;
+use super::{Reachability, csv};
 use crate::Error;
 use crate::geometry::{Pose, check_position};
 use crate::sensor::DepthRange;
@@ -82,6 +82,17 @@ impl ViewSpace {
     pub fn restricted(mut self, can_stand: impl Fn(DVec3) -> bool) -> Self {
         for (within_reach, pose) in self.within_reach.iter_mut().zip(&self.poses) {
             *within_reach &= can_stand(pose.translation());
+        }
+        self
+    }
+
+    /// The same candidates as a robot holds the camera there; those where it cannot are out of reach.
+    pub fn held(mut self, reach: &dyn Reachability) -> Self {
+        for (within_reach, pose) in self.within_reach.iter_mut().zip(&mut self.poses) {
+            match within_reach.then(|| reach.held(pose)).flatten() {
+                Some(held) => *pose = held,
+                None => *within_reach = false,
+            }
         }
         self
     }

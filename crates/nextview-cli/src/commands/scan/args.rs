@@ -107,7 +107,8 @@ pub struct ScanArgs {
     /// column `filled` [default: off]
     #[arg(long, value_enum, value_name = "on|off", hide_possible_values = true)]
     watertight: Option<Switch>,
-    /// View candidates: shell (the paper's), sphere, hemisphere, or a CSV file of poses [default: shell]
+    /// View candidates: shell (the paper's), sphere, hemisphere, ring (a turntable), or a CSV file of poses
+    /// [default: shell]
     #[arg(long, value_name = "RULE|FILE", value_parser = values::file_name())]
     view_space: Option<String>,
     /// Base of a robot and its reach, in metres; candidates beyond are dropped [default: everywhere]

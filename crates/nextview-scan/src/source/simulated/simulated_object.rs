@@ -9,6 +9,7 @@ use nextview_sim::quality::TrueSurface;
 use nextview_sim::scene::Scene;
 use nextview_sim::truth::ObjectVoxels;
 use std::path::Path;
+use std::sync::Arc;
 
 /// An object before the camera, and the view candidates around it: shared by scans of it by different
 /// planners.
@@ -70,7 +71,7 @@ impl SimulatedObject {
         let (center, size) = (self.scene.center(), self.scene.size());
         let unit = self.views.around(-center / size, 1.0 / size)?;
         // The box may grow by what is not there, when poses are wrong, and candidates with it.
-        let reach = config.reach.rule().within(self.scene.room());
+        let reach = Arc::new(config.reach.rule().within(self.scene.room()));
         Ok(Views::Following { first: self.views.pose(config.first_view), unit, reach })
     }
 }
@@ -123,7 +124,7 @@ const LOWEST_VIEW: f64 = 0.03;
 
 fn views_of_file(config: &ScanConfig, scene: &Scene) -> Result<ViewSpace, Fault> {
     let path = Path::new(&config.view_space.0);
-    let hint = "`view_space` takes shell, sphere, hemisphere or a CSV file";
+    let hint = "`view_space` takes shell, sphere, hemisphere, ring or a CSV file";
     let file = files::open(path).map_err(|fault| fault.with_remedy(hint))?;
     let views = ViewSpace::read_csv(file, scene.center()).map_err(|e| Fault::from(e).in_file(path))?;
     check_in_room(scene, &views).map_err(|fault| fault.in_file(path))?;
