@@ -50,7 +50,7 @@ const FLAGS: [(&str, &str); 45] = [
 ];
 
 /// Keys that a message may name and only a configuration file can hold.
-const FILE_KEYS: [&str; 8] = [
+const FILE_KEYS: [&str; 10] = [
     "memory_limit_mb",
     "view_seed",
     "reach.base_m",
@@ -59,6 +59,8 @@ const FILE_KEYS: [&str; 8] = [
     "recording.read.depth_topic",
     "recording.read.pose_topic",
     "recording.read.pose_tolerance_s",
+    "recording.read.world_frame",
+    "recording.read.color_topic",
 ];
 
 /// The text with options in the place of keys, which stand in backticks: `` `table` = fit `` becomes `--table

@@ -67,7 +67,7 @@ fn check_kind(is_right: bool, kind: impl Fn() -> String) -> Result<(), Recording
     if is_right { Ok(()) } else { Err(RecordingError::Content(problem())) }
 }
 
-fn check_size(size: (u32, u32), intrinsics: &Intrinsics) -> Result<(), RecordingError> {
+pub(crate) fn check_size(size: (u32, u32), intrinsics: &Intrinsics) -> Result<(), RecordingError> {
     let expected = (intrinsics.width(), intrinsics.height());
     if size == expected {
         return Ok(());

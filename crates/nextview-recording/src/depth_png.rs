@@ -46,6 +46,22 @@ pub(crate) fn read(
     image(&depth, mask, intrinsics, unit).map_err(|error| error.in_file(path))
 }
 
+/// Whether these are the bytes of a PNG file of 16 bits a pixel without colour: its head says so.
+pub(crate) fn is_depth(bytes: &[u8]) -> bool {
+    let info = Decoder::new(Cursor::new(bytes)).read_info();
+    info.is_ok_and(|reader| {
+        let info = reader.info();
+        (info.color_type, info.bit_depth) == (ColorType::Grayscale, BitDepth::Sixteen)
+    })
+}
+
+/// The pixels of a PNG file's bytes, of 16 bits a pixel without colour and of the size that the intrinsics
+/// state.
+pub(crate) fn units(png: &[u8], intrinsics: &Intrinsics) -> Result<Vec<u16>, RecordingError> {
+    let bytes = pixels(Cursor::new(png), intrinsics, BitDepth::Sixteen, "depth")?;
+    Ok(bytes.chunks_exact(2).map(|pair| u16::from_be_bytes([pair[0], pair[1]])).collect())
+}
+
 fn image(
     depth: &[u8],
     mask: Option<Vec<u8>>,

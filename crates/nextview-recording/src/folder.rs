@@ -1,7 +1,7 @@
 //! Our own form: `intrinsics.txt`, `poses.csv`, and images by number in `depth/` and, where there is colour,
 //! in `color/`.
 
-use crate::frame::DepthSource;
+use crate::frame::{ColorSource, DepthSource};
 use crate::lens::{self, Lens};
 use crate::recording::{ReadOptions, Recording, Skipped};
 use crate::rigid::{self, Rigid};
@@ -66,7 +66,7 @@ pub(crate) fn read(folder: &Path, options: &ReadOptions) -> Result<Recording, Re
             world_from_camera: row.rigid.pose,
             intrinsics,
             depth: DepthSource::Png { path, unit: depth_unit, mask: mask.flatten() },
-            color: colors.remove(&number),
+            color: colors.remove(&number).map(ColorSource::File),
         });
     }
     skipped.extend(images.into_keys().map(|number| Skipped {

@@ -1,7 +1,7 @@
 use crate::RecordingError;
 use crate::color_file;
 use crate::depth_png;
-use crate::mcap::{self, Place};
+use crate::mcap::{self, ImagePlace};
 use nextview::geometry::Pose;
 use nextview::sensor::{ColorImage, Depth, DepthImage, Frame, Intrinsics};
 use std::path::PathBuf;
@@ -17,8 +17,7 @@ pub struct RecordedFrame {
     pub world_from_camera: Pose,
     pub(crate) intrinsics: Intrinsics,
     pub(crate) depth: DepthSource,
-    /// The file of its colour image.
-    pub(crate) color: Option<PathBuf>,
+    pub(crate) color: Option<ColorSource>,
 }
 
 /// Where the depth of a frame is.
@@ -28,7 +27,16 @@ pub(crate) enum DepthSource {
     /// object.
     Png { path: PathBuf, unit: f64, mask: Option<PathBuf> },
     /// In a message of an MCAP file.
-    Message { path: PathBuf, place: Place },
+    Message { path: PathBuf, at: ImagePlace },
+}
+
+/// Where the colour image of a frame is.
+#[derive(Debug)]
+pub(crate) enum ColorSource {
+    /// In a PNG or JPEG file.
+    File(PathBuf),
+    /// In a message of an MCAP file.
+    Message { path: PathBuf, at: ImagePlace },
 }
 
 /// A frame needs a depth up to which pixels without return are free. Recorded images have no such pixels
@@ -43,10 +51,9 @@ impl RecordedFrame {
             DepthSource::Png { path, unit, mask } => {
                 depth_png::read(path, &self.intrinsics, *unit, mask.as_deref())?
             }
-            DepthSource::Message { path, place } => {
-                let image = mcap::depth(path, *place, &self.intrinsics);
-                let named = |error: RecordingError| RecordingError::format(&self.name, error.to_string());
-                image.map_err(|error| named(error).in_file(path))?
+            DepthSource::Message { path, at } => {
+                let image = mcap::depth(path, *at, &self.intrinsics);
+                image.map_err(|error| RecordingError::format(&self.name, error.to_string()).in_file(path))?
             }
         };
         Ok(Frame::new(image, self.intrinsics, self.world_from_camera, RANGE)?)
@@ -56,7 +63,7 @@ impl RecordedFrame {
     pub(crate) fn cost(&self) -> usize {
         let record = match &self.depth {
             DepthSource::Png { .. } => 0,
-            DepthSource::Message { place, .. } => 3 * place.n_bytes,
+            DepthSource::Message { at, .. } => 3 * at.place.n_bytes,
         };
         16 * self.intrinsics.n_pixels() + record
     }
@@ -77,7 +84,17 @@ impl RecordedFrame {
     /// Reads the colour image, of the size of the depth image; none if there is none. As for the depth, this
     /// fails only if a file has changed since the recording was opened.
     pub fn load_color(&self) -> Result<Option<ColorImage>, RecordingError> {
-        self.color.as_ref().map(|path| color_file::read(path, &self.intrinsics)).transpose()
+        let color = match &self.color {
+            None => return Ok(None),
+            Some(ColorSource::File(path)) => color_file::read(path, &self.intrinsics),
+            Some(ColorSource::Message { path, at }) => {
+                let named = |error: RecordingError| {
+                    RecordingError::format(format!("the colour of {}", self.name), error.to_string())
+                };
+                mcap::color(path, *at, &self.intrinsics).map_err(|error| named(error).in_file(path))
+            }
+        };
+        color.map(Some)
     }
 }
 

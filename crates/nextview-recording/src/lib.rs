@@ -1,8 +1,8 @@
 //! Recorded depth images with camera poses, and with colour where there is some, from files.
 //!
 //! Start with [`Recording::open`]: it recognises a folder of our own simple form, a folder of the TUM RGB-D
-//! benchmark, and an `.mcap` file with ROS 2 messages. `docs/recorded.md` describes all three. Nothing here
-//! plans or maps.
+//! benchmark, and an `.mcap` file with ROS 2 messages. `docs/recorded.md` describes all three. [`ros`] holds
+//! what a node needs as well: images, optics and transforms of ROS 2. Nothing here plans or maps.
 
 mod color_file;
 mod depth_png;
@@ -15,6 +15,7 @@ mod mcap;
 mod open;
 mod recording;
 mod rigid;
+pub mod ros;
 mod text;
 mod trajectory;
 mod tum;

@@ -94,7 +94,16 @@ pub struct ReadOptions {
     /// For MCAP: the topic of the camera's poses, needed if there are several.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub pose_topic: Option<String>,
-    /// For TUM and MCAP: maximum time, seconds, between an image and its pose, and for TUM its colour.
+    /// For MCAP: the frame of the world, in which transforms say where the camera is. By default the root of
+    /// the tree of frames that the camera is in, where there is no topic of poses.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub world_frame: Option<String>,
+    /// For MCAP: the topic of colour images that show, pixel by pixel, what the depth measures. By default
+    /// none: whether they do cannot be known.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub color_topic: Option<String>,
+    /// For TUM and MCAP: maximum time, seconds, between an image and its pose, and its colour where
+    /// that has a time.
     /// Default 0.02.
     pub pose_tolerance_s: f64,
 }
@@ -122,6 +131,8 @@ impl Default for ReadOptions {
             poses: PoseDirection::default(),
             depth_topic: None,
             pose_topic: None,
+            world_frame: None,
+            color_topic: None,
             pose_tolerance_s: 0.02,
         }
     }
@@ -138,6 +149,12 @@ impl ReadOptions {
 
     /// Fails on the first value out of range.
     pub fn check(&self) -> Result<(), RecordingError> {
+        if let (Some(topic), Some(frame)) = (&self.pose_topic, &self.world_frame) {
+            return Err(RecordingError::Content(format!(
+                "`pose_topic` is {topic} and `world_frame` is {frame}, expected one of both: poses come from a topic or from \
+                 transforms"
+            )));
+        }
         let tolerance = self.pose_tolerance_s;
         if tolerance >= 0.0 && tolerance.is_finite() {
             return Ok(());

@@ -1,7 +1,7 @@
 //! The TUM RGB-D benchmark's form (Sturm et al. 2012): lists of images and of poses, each with its own
 //! timestamps.
 
-use crate::frame::DepthSource;
+use crate::frame::{ColorSource, DepthSource};
 use crate::lens::{self, Lens};
 use crate::recording::{ReadOptions, Recording, Skipped};
 use crate::text::{self, Line};
@@ -44,7 +44,7 @@ pub(crate) fn read(folder: &Path, options: &ReadOptions) -> Result<Recording, Re
                 world_from_camera,
                 intrinsics,
                 depth: DepthSource::Png { path, unit: depth_unit, mask: None },
-                color: color(time),
+                color: color(time).map(ColorSource::File),
             }),
         }
     }

@@ -187,7 +187,8 @@ impl From<nextview_sim::SimError> for Fault {
 impl From<RecordingError> for Fault {
     fn from(error: RecordingError) -> Self {
         // The options of that library are keys of `recording.read` here.
-        let keys = ["pose_columns", "depth_topic", "pose_topic", "pose_tolerance_s"];
+        let keys =
+            ["pose_columns", "depth_topic", "pose_topic", "world_frame", "color_topic", "pose_tolerance_s"];
         let message = keys.iter().fold(error.to_string(), |message, key| {
             message.replace(&format!("`{key}`"), &format!("`recording.read.{key}`"))
         });

@@ -1,13 +1,13 @@
-//! ROS 2 messages in an MCAP file: the optics, depth images and poses of one camera.
+//! ROS 2 messages in an MCAP file: the optics, images and poses of one camera.
 
 mod cdr;
 mod chunk;
 mod cursor;
-mod depth;
 mod file;
+mod image;
 mod messages;
+mod poses;
 mod topics;
 
-pub(crate) use depth::depth;
-pub(crate) use file::Place;
+pub(crate) use image::{ImagePlace, color, depth};
 pub(crate) use topics::read;

@@ -1,8 +1,10 @@
 use super::file::{self, Place, Record};
-use super::messages::{self, Image};
-use crate::frame::DepthSource;
+use super::image::ImagePlace;
+use super::messages::{self, AnyImage, Packing};
+use super::poses::{Poses, Transforms};
+use crate::frame::{ColorSource, DepthSource};
 use crate::recording::{ReadOptions, Recording, Skipped};
-use crate::trajectory::{Stamped, Trajectory};
+use crate::trajectory::{Stamped, Trajectory, nearest};
 use crate::{RecordedFrame, RecordingError, limits};
 use nextview::geometry::Pose;
 use nextview::sensor::Intrinsics;
@@ -13,35 +15,78 @@ use std::path::Path;
 #[derive(Default)]
 struct Topics {
     cameras: BTreeMap<String, Intrinsics>,
-    images: BTreeMap<String, Vec<Stamped<Place>>>,
+    depths: BTreeMap<String, Images>,
+    /// Images that are no depth.
+    others: BTreeMap<String, Images>,
     poses: BTreeMap<String, Vec<Stamped<Pose>>>,
+    transforms: Transforms,
     /// Number of images and poses.
     n_entries: usize,
 }
 
+/// The images of a topic.
+struct Images {
+    /// The frame that took them.
+    frame: String,
+    places: Vec<Stamped<ImagePlace>>,
+}
+
 pub(crate) fn read(path: &Path, options: &ReadOptions) -> Result<Recording, RecordingError> {
-    let Topics { cameras, mut images, mut poses, .. } = Topics::read(path)?;
-    let depth_topic = chosen("depth image", &images, "depth_topic", options.depth_topic.as_deref())?;
-    let pose_topic = chosen("PoseStamped", &poses, "pose_topic", options.pose_topic.as_deref())?;
+    let Topics { cameras, mut depths, mut others, poses, transforms, .. } = Topics::read(path)?;
+    let depth_topic = chosen("depth image", &depths, "depth_topic", options.depth_topic.as_deref())?;
     let intrinsics = cameras[&camera_topic(&cameras, &depth_topic)?];
-    let images = Stamped::sorted(images.remove(&depth_topic).unwrap_or_default())?;
-    let poses = Stamped::sorted(poses.remove(&pose_topic).unwrap_or_default())?;
-    let trajectory = Trajectory::new(poses, options.pose_tolerance_s);
+    let Images { frame, places } = depths.remove(&depth_topic).expect("it was chosen of these");
+    let notes = transforms.notes();
+    let poses = poses_of(poses, transforms, &frame, options)?;
+    let colors = match &options.color_topic {
+        None => Vec::new(),
+        Some(topic) => {
+            chosen("colour image", &others, "color_topic", Some(topic))?;
+            Stamped::sorted(others.remove(topic).map_or(Vec::new(), |images| images.places))?
+        }
+    };
+    let color = |time: f64| {
+        let near =
+            nearest(&colors, time).filter(|color| (color.time - time).abs() <= options.pose_tolerance_s);
+        near.map(|color| ColorSource::Message { path: path.to_owned(), at: color.value })
+    };
     let (mut frames, mut skipped) = (Vec::new(), Vec::new());
-    for Stamped { time, place: name, value: place } in images {
-        match trajectory.at(time) {
+    for Stamped { time, place: name, value: at } in Stamped::sorted(places)? {
+        match poses.at(time) {
             Err(why) => skipped.push(Skipped { what: name, why }),
             Ok(world_from_camera) => frames.push(RecordedFrame {
                 name,
                 timestamp_s: Some(time),
                 world_from_camera,
                 intrinsics,
-                depth: DepthSource::Message { path: path.to_owned(), place },
-                color: None,
+                depth: DepthSource::Message { path: path.to_owned(), at },
+                color: color(time),
             }),
         }
     }
-    Ok(Recording { intrinsics, frames, skipped, notes: Vec::new() })
+    Ok(Recording { intrinsics, frames, skipped, notes })
+}
+
+/// From the topic of poses, unless there is none or the options name a frame of the world.
+fn poses_of(
+    mut topics: BTreeMap<String, Vec<Stamped<Pose>>>,
+    transforms: Transforms,
+    camera: &str,
+    options: &ReadOptions,
+) -> Result<Poses, RecordingError> {
+    let world = options.world_frame.as_deref();
+    let wants_transforms = world.is_some() || (topics.is_empty() && options.pose_topic.is_none());
+    if wants_transforms && transforms.n_transforms > 0 {
+        return Poses::of_transforms(transforms.tree, camera, world);
+    }
+    if let Some(world) = world {
+        let problem =
+            format!("`world_frame` is {world}, but there are no transforms, expected /tf and /tf_static");
+        return Err(RecordingError::Content(problem));
+    }
+    let topic = chosen("PoseStamped", &topics, "pose_topic", options.pose_topic.as_deref())?;
+    let poses = Stamped::sorted(topics.remove(&topic).unwrap_or_default())?;
+    Ok(Poses::Topic(Trajectory::new(poses, options.pose_tolerance_s)))
 }
 
 impl Topics {
@@ -84,7 +129,6 @@ impl Topics {
         place: Place,
         data: &[u8],
     ) -> Result<(), RecordingError> {
-        let place_name = name.to_owned();
         match schema {
             "sensor_msgs/msg/CameraInfo" => {
                 let camera = messages::camera_info(data)?;
@@ -93,22 +137,48 @@ impl Topics {
                     return Err(RecordingError::Content("the intrinsics change, expected one camera".into()));
                 }
             }
-            "sensor_msgs/msg/Image" => {
-                let image = Image::new(data)?;
-                if image.is_depth() {
-                    let stamped = Stamped { time: image.time, place: place_name, value: place };
-                    self.images.entry(topic.to_owned()).or_default().push(stamped);
-                    self.n_entries += 1;
-                }
+            "sensor_msgs/msg/Image" => self.add_image(topic, name, data, place, Packing::Plain)?,
+            "sensor_msgs/msg/CompressedImage" => {
+                self.add_image(topic, name, data, place, Packing::Compressed)?;
             }
             "geometry_msgs/msg/PoseStamped" => {
                 let (time, value) = messages::pose_stamped(data)?;
-                let stamped = Stamped { time, place: place_name, value };
+                let stamped = Stamped { time, place: name.to_owned(), value };
                 self.poses.entry(topic.to_owned()).or_default().push(stamped);
                 self.n_entries += 1;
             }
+            "tf2_msgs/msg/TFMessage" => {
+                let is_static = topic.rsplit('/').next() == Some("tf_static");
+                for transform in messages::transforms(data)? {
+                    self.transforms.add(transform, is_static);
+                    self.n_entries += 1;
+                }
+            }
             _ => {}
         }
+        Ok(())
+    }
+
+    fn add_image(
+        &mut self,
+        topic: &str,
+        name: &str,
+        data: &[u8],
+        place: Place,
+        packing: Packing,
+    ) -> Result<(), RecordingError> {
+        let (header, image) = AnyImage::read(data, packing)?;
+        let is_depth = image.is_depth();
+        let topics = if is_depth { &mut self.depths } else { &mut self.others };
+        let new = || Images { frame: header.frame.to_owned(), places: Vec::new() };
+        let images = topics.entry(topic.to_owned()).or_insert_with(new);
+        if is_depth && images.frame != header.frame {
+            let problem = format!("the frame is '{}', expected '{}' as before", header.frame, images.frame);
+            return Err(RecordingError::Content(problem));
+        }
+        let value = ImagePlace { place, packing };
+        images.places.push(Stamped { time: header.time, place: name.to_owned(), value });
+        self.n_entries += 1;
         Ok(())
     }
 }
@@ -135,10 +205,13 @@ fn chosen<T>(
     Err(RecordingError::Content(problem))
 }
 
-/// The optics of a depth topic: those beside it, or else the only ones.
+/// The optics of a depth topic: those beside it, or else the only ones. A compressed topic is one level below
+/// the image's.
 fn camera_topic(cameras: &BTreeMap<String, Intrinsics>, depth_topic: &str) -> Result<String, RecordingError> {
     let folder = |topic: &str| topic.rsplit_once('/').map_or(String::new(), |(folder, _)| folder.to_owned());
-    let beside: Vec<&String> = cameras.keys().filter(|topic| folder(topic) == folder(depth_topic)).collect();
+    let image = ["/compressedDepth", "/compressed"].iter().find_map(|end| depth_topic.strip_suffix(end));
+    let beside_image = folder(image.unwrap_or(depth_topic));
+    let beside: Vec<&String> = cameras.keys().filter(|topic| folder(topic) == beside_image).collect();
     let all: Vec<&String> = cameras.keys().collect();
     match (beside.as_slice(), all.as_slice()) {
         ([only], _) | ([], [only]) => Ok((*only).clone()),

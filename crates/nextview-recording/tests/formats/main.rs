@@ -8,7 +8,6 @@ mod data;
 #[cfg(test)]
 mod faults;
 #[cfg(test)]
-#[cfg(test)]
 mod jpeg;
 #[cfg(test)]
 mod made_up;
@@ -16,3 +15,7 @@ mod made_up;
 mod maps;
 #[cfg(test)]
 mod mcap;
+#[cfg(test)]
+mod rosbags;
+#[cfg(test)]
+mod transforms;

@@ -26,25 +26,45 @@ impl Form {
 }
 
 const DEPTH: &str = "/camera/depth/image_rect_raw";
-const TOPICS: [(&str, &str); 4] = [
+/// Numbers of topics.
+pub const CAMERA: u16 = 0;
+pub const POSES: u16 = 2;
+pub const TF: u16 = 4;
+pub const TF_STATIC: u16 = 5;
+pub const COMPRESSED_DEPTH: u16 = 6;
+pub const COLOR: u16 = 7;
+const TOPICS: [(&str, &str); 8] = [
     ("sensor_msgs/msg/CameraInfo", "/camera/depth/camera_info"),
     ("sensor_msgs/msg/Image", DEPTH),
     ("geometry_msgs/msg/PoseStamped", "/camera_pose"),
     ("sensor_msgs/msg/Image", "/camera/color/image_raw"),
+    ("tf2_msgs/msg/TFMessage", "/tf"),
+    ("tf2_msgs/msg/TFMessage", "/tf_static"),
+    ("sensor_msgs/msg/CompressedImage", "/camera/depth/image_rect_raw/compressedDepth"),
+    ("sensor_msgs/msg/CompressedImage", "/camera/depth/color/compressed"),
 ];
 
 /// Writes values as CDR does.
-struct Cdr {
+pub struct Cdr {
     bytes: Vec<u8>,
     is_big_endian: bool,
 }
 
 impl Cdr {
     /// A message that begins with a header.
-    fn new(is_big_endian: bool, time: f64) -> Self {
+    pub fn new(is_big_endian: bool, time: f64) -> Self {
         let mut cdr = Self { bytes: Vec::new(), is_big_endian };
-        cdr.u32(time.floor() as u32).u32(((time - time.floor()) * 1e9).round() as u32).text("camera");
+        cdr.header(time, "camera");
         cdr
+    }
+
+    /// One without a header.
+    pub fn bare() -> Self {
+        Self { bytes: Vec::new(), is_big_endian: false }
+    }
+
+    pub fn header(&mut self, time: f64, frame: &str) -> &mut Self {
+        self.u32(time.floor() as u32).u32(((time - time.floor()) * 1e9).round() as u32).text(frame)
     }
 
     fn number<const N: usize>(&mut self, mut little: [u8; N]) -> &mut Self {
@@ -56,21 +76,27 @@ impl Cdr {
         self
     }
 
-    fn u32(&mut self, value: u32) -> &mut Self {
+    pub fn u32(&mut self, value: u32) -> &mut Self {
         self.number(value.to_le_bytes())
     }
 
-    fn f64s(&mut self, values: &[f64]) -> &mut Self {
+    pub fn f64s(&mut self, values: &[f64]) -> &mut Self {
         values.iter().for_each(|value| _ = self.number(value.to_le_bytes()));
         self
     }
 
-    fn text(&mut self, text: &str) -> &mut Self {
+    pub fn text(&mut self, text: &str) -> &mut Self {
         self.u32(text.len() as u32 + 1).bytes.extend(text.bytes().chain([0]));
         self
     }
 
-    fn message(&self) -> Vec<u8> {
+    /// Bytes after their number.
+    pub fn blob(&mut self, bytes: &[u8]) -> &mut Self {
+        self.u32(bytes.len() as u32).bytes.extend(bytes);
+        self
+    }
+
+    pub fn message(&self) -> Vec<u8> {
         [&[0, !self.is_big_endian as u8, 0, 0], &self.bytes[..]].concat()
     }
 }
@@ -81,7 +107,7 @@ pub fn bytes(made_up: &MadeUp, form: Form) -> Vec<u8> {
 }
 
 /// Messages with the numbers of their topics.
-fn messages(made_up: &MadeUp, form: Form) -> Vec<(u16, Vec<u8>)> {
+pub fn messages(made_up: &MadeUp, form: Form) -> Vec<(u16, Vec<u8>)> {
     let mut messages = vec![(0, camera_info(made_up, form))];
     for (i, pose) in made_up.poses.iter().enumerate() {
         let time = 1_700_000_000.0 + 0.1 * i as f64;
@@ -129,7 +155,7 @@ fn image(is_big_endian: bool, time: f64, [width, height]: [u32; 2], encoding: &s
     cdr
 }
 
-fn file(form: Form, messages: &[(u16, Vec<u8>)]) -> Vec<u8> {
+pub fn file(form: Form, messages: &[(u16, Vec<u8>)]) -> Vec<u8> {
     let mut names = Vec::new();
     for (id, (schema, topic)) in (0_u16..).zip(TOPICS) {
         let schema_id = (id + 1).to_le_bytes();
@@ -181,7 +207,7 @@ fn text(text: &str) -> Vec<u8> {
     [&(text.len() as u32).to_le_bytes()[..], text.as_bytes()].concat()
 }
 
-fn open(folder: &Folder, bytes: &[u8], options: &ReadOptions) -> Result<Recording, String> {
+pub fn open(folder: &Folder, bytes: &[u8], options: &ReadOptions) -> Result<Recording, String> {
     folder.write("bag.mcap", bytes);
     Recording::open(&folder.0.join("bag.mcap"), options).map_err(|error| error.to_string())
 }
@@ -195,7 +221,7 @@ fn error(folder: &str, change: impl Fn(&mut Vec<(u16, Vec<u8>)>)) -> String {
 }
 
 #[track_caller]
-fn assert_parts(error: &str, parts: &[&str]) {
+pub fn assert_parts(error: &str, parts: &[&str]) {
     parts.iter().for_each(|part| assert!(error.contains(part), "expected {part:?} in {error:?}"));
 }
 

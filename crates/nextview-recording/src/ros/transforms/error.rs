@@ -1,0 +1,114 @@
+/// Why a transform cannot be kept or found.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum TransformError {
+    /// Nobody has published a frame of this name.
+    #[error("no transform names the frame '{frame}', expected one of {known}")]
+    UnknownFrame {
+        /// The frame that was asked for.
+        frame: String,
+        /// The frames that there are.
+        known: String,
+    },
+    /// Both frames are known, but belong to different trees.
+    #[error(
+        "nothing connects '{source_frame}', a frame of the tree of '{source_root}', to '{destination}', one of the tree of '{destination_root}'"
+    )]
+    NoPath {
+        /// The frame to which points are taken.
+        destination: String,
+        /// The root of its tree.
+        destination_root: String,
+        /// The frame from which points are taken.
+        source_frame: String,
+        /// The root of its tree.
+        source_root: String,
+    },
+    /// The time is before the first transform that is known.
+    #[error("'{frame}' in '{parent}' is known from {first_s:.3} s on, {:.3} s after the time asked for", first_s - time_s)]
+    Before {
+        /// The child frame.
+        frame: String,
+        /// Its parent.
+        parent: String,
+        /// The time asked for, seconds.
+        time_s: f64,
+        /// The first time that is known, seconds.
+        first_s: f64,
+    },
+    /// The time is after the last transform so far: one that reaches it may still come.
+    #[error("'{frame}' in '{parent}' is known until {last_s:.3} s, {:.3} s before the time asked for", time_s - last_s)]
+    After {
+        /// The child frame.
+        frame: String,
+        /// Its parent.
+        parent: String,
+        /// The time asked for, seconds.
+        time_s: f64,
+        /// The last time that is known, seconds.
+        last_s: f64,
+    },
+    /// The time is in a gap across which nothing is interpolated.
+    #[error(
+        "'{frame}' in '{parent}' moves, and is not known from {from_s:.3} s to {to_s:.3} s, expected at most 1 s in between"
+    )]
+    Gap {
+        /// The child frame.
+        frame: String,
+        /// Its parent.
+        parent: String,
+        /// Where the gap begins, seconds.
+        from_s: f64,
+        /// Where it ends, seconds.
+        to_s: f64,
+    },
+    /// A transform is much older than another one of the same frame: a simulation was begun anew, or a
+    /// recording is played again.
+    #[error(
+        "the clock ran backwards: '{frame}' was at {newest_s:.3} s and is at {time_s:.3} s now, expected at most 10 s less"
+    )]
+    ClockBackwards {
+        /// The child frame.
+        frame: String,
+        /// Its time, seconds.
+        time_s: f64,
+        /// The newest time of that frame before, seconds.
+        newest_s: f64,
+    },
+    /// A frame has another parent than before: two programs publish it.
+    #[error(
+        "'{frame}' has the parent '{parent}', expected '{before}' as before: do two programs publish it?"
+    )]
+    OtherParent {
+        /// The child frame.
+        frame: String,
+        /// The parent.
+        parent: String,
+        /// The parent so far.
+        before: String,
+    },
+    /// A frame is both static and moving: two programs publish it.
+    #[error("'{frame}' is published as static and as moving, expected one of both")]
+    BothKinds {
+        /// The child frame.
+        frame: String,
+    },
+    /// A transform would make a frame its own ancestor.
+    #[error("'{frame}' in '{parent}' closes a circle, expected a tree")]
+    Circle {
+        /// The child frame.
+        frame: String,
+        /// Its parent.
+        parent: String,
+    },
+    /// A transform is none.
+    #[error("'{frame}' in '{parent}': {problem}")]
+    Invalid {
+        /// The child frame.
+        frame: String,
+        /// Its parent.
+        parent: String,
+        /// What is wrong, and what would be right.
+        problem: String,
+    },
+}
