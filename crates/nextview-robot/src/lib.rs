@@ -4,5 +4,6 @@
 //! views or maps.
 
 pub mod arm;
+pub mod urdf;
 
 pub use arm::{Arm, Joint, JointKind, JointLimits, Link, Shape, ShapeKind};

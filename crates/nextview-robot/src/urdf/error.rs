@@ -1,0 +1,46 @@
+use std::fmt;
+
+/// Why a URDF is no arm: every fault that could be told at once.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("{}", listed(faults))]
+pub struct UrdfError {
+    /// The faults in the order of the file, at least one.
+    pub faults: Vec<UrdfFault>,
+}
+
+/// One fault of a URDF.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct UrdfFault {
+    /// The line of the element, counted from 1; none where it is about the options or the whole tree.
+    pub line: Option<u32>,
+    /// The element, such as `joint "elbow"`, or the option.
+    pub place: String,
+    /// What is wrong, the value, and what would be right.
+    pub problem: String,
+}
+
+impl UrdfFault {
+    pub(super) fn new(line: Option<u32>, place: impl Into<String>, problem: impl Into<String>) -> Self {
+        Self { line, place: place.into(), problem: problem.into() }
+    }
+}
+
+impl fmt::Display for UrdfFault {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        if let Some(line) = self.line {
+            write!(f, "line {line}, ")?;
+        }
+        write!(f, "{}: {}", self.place, self.problem)
+    }
+}
+
+impl From<UrdfFault> for UrdfError {
+    fn from(fault: UrdfFault) -> Self {
+        Self { faults: vec![fault] }
+    }
+}
+
+/// The faults as one text, a line each.
+fn listed(faults: &[UrdfFault]) -> String {
+    faults.iter().map(UrdfFault::to_string).collect::<Vec<_>>().join("\n")
+}
