@@ -21,8 +21,15 @@ table_from_camera = np.eye(4)
 table_from_camera[:3, :3] = np.column_stack([right, np.cross(ahead, right), ahead])
 table_from_camera[:3, 3] = position
 
-turntable = nextview.Turntable(table_from_camera, plate_radius_m=0.15)
-scan = nextview.Scan(simulated.camera, turntable=turntable, views=8, voxel_size_m=0.004, name="mug")
+scan = nextview.Scan(
+    simulated.camera,
+    turntable={"table_from_camera": table_from_camera, "plate_radius_m": 0.15},
+    view_space="ring",
+    candidates=72,  # every 5 degrees
+    views=8,
+    voxel_size_m=0.004,
+    name="mug",
+)
 while (view := scan.next_view()) is not None:
     assert view.turntable_angle_deg is not None
     seen_from = scan.turntable_pose(view.turntable_angle_deg)  # turn the plate here, and wait

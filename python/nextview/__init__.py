@@ -23,7 +23,6 @@ from nextview._page import Page
 from nextview._planner import Gain, Planner, Rays, Situation
 from nextview._scan import Scan, resume
 from nextview._simulated import ScanResult, SimulatedScene, scan
-from nextview._turntable import Turntable
 from nextview.errors import DataError, InputError, InternalError, NextviewError
 
 __all__ = [
@@ -44,7 +43,6 @@ __all__ = [
     "ScanResult",
     "SimulatedScene",
     "Situation",
-    "Turntable",
     "View",
     "__version__",
     "bench",

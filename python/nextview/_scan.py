@@ -14,7 +14,6 @@ from nextview._camera import Camera
 from nextview._model import Cloud, Map, Mesh, cloud_of, map_of, mesh_of
 from nextview._page import Page
 from nextview._planner import Gain, Planner
-from nextview._turntable import Turntable
 from nextview.errors import InputError
 
 Pose = NDArray[np.float64] | _native.View
@@ -40,13 +39,13 @@ class Scan:
     - `voxel_size_m`: edge of a voxel; by default a fortieth of the box, or 0.005.
     - `table`: what the object stands on: "none", "fit" (it is found in the first image), or its height z,
       metres.
-    - `turntable`: the camera stands still, and the object turns. Its plate is then the table.
     - `name`: of the object, for records and reports.
     - `out`: a folder. Every frame is on the disk there before it counts; after an interruption,
       `nextview.resume` resumes the scan. `save` writes the results there. It must not hold results of another
       scan, unless `force` is true, which replaces them.
-    - `options`: any other key of a configuration, such as `registration={"enabled": True}` or
-      `stop={"completeness": 0.98}`.
+    - `options`: any other key of a configuration, such as `registration={"enabled": True}`,
+      `stop={"completeness": 0.98}`, or `robot={"arm": "ur5e", "world_from_base": pose}`. Poses are 4 x 4
+      arrays of float64.
 
     Raises `InputError` if the values cannot be, and `DataError` if the folder cannot be used.
 
@@ -78,7 +77,6 @@ class Scan:
         views: int | None = None,
         voxel_size_m: float | None = None,
         table: str | float = "none",
-        turntable: Turntable | None = None,
         name: str = "object",
         out: str | os.PathLike[str] | None = None,
         force: bool = False,
@@ -97,17 +95,10 @@ class Scan:
         else:
             live["table_z_m"] = table
         given = {"planner": planner, "views": views, "voxel_size_m": voxel_size_m, "object": name}
-        if turntable is not None:
-            if not isinstance(turntable, Turntable):
-                kind = type(turntable).__name__
-                raise InputError(f"`turntable` is of type {kind}, expected nextview.Turntable")
-            options = {**turntable._options(), **options}
         config = {**options, **given, "live": live, "object_box": object_box}
         listed = None if poses is None else list(poses)
         path = None if out is None else os.fspath(out)
-        turning = None if turntable is None else (turntable.table_from_camera, turntable.plate_radius_m)
-        scan = _native.LiveScan(config, camera, first_pose, listed, turning, path, force)
-        self._begin(scan, path, force)
+        self._begin(_native.LiveScan(config, camera, first_pose, listed, path, force), path, force)
 
     def _begin(self, scan: _native.LiveScan, out: str | None, force: bool) -> None:
         self._engine, self._out, self._force = scan, out, force

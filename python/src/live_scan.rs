@@ -10,7 +10,7 @@ use crate::watch::compute;
 use crate::{model, results};
 use nextview::Cancel;
 use nextview::session::StopReason;
-use nextview_scan::{Fault, Faults, LiveConfig, LiveFrame, Measured, TurntableConfig};
+use nextview_scan::{Fault, Faults, LiveConfig, LiveFrame, Measured};
 use numpy::{PyArray2, PyArray3};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -27,14 +27,13 @@ pub struct LiveScan {
 #[pymethods]
 impl LiveScan {
     #[new]
-    #[pyo3(signature = (config, camera, first_pose, poses, turntable, out, force))]
+    #[pyo3(signature = (config, camera, first_pose, poses, out, force))]
     fn new(
         py: Python<'_>,
         config: &Bound<'_, PyDict>,
         camera: &Camera,
         first_pose: Option<&Bound<'_, PyAny>>,
         poses: Option<Vec<Bound<'_, PyAny>>>,
-        turntable: Option<(Bound<'_, PyAny>, f64)>,
         out: Option<PathBuf>,
         force: bool,
     ) -> PyResult<Self> {
@@ -46,10 +45,6 @@ impl LiveScan {
         let numbered = poses.iter().flatten().enumerate();
         live.poses =
             numbered.map(|(i, pose)| pose_of(&format!("poses[{i}]"), pose)).collect::<PyResult<_>>()?;
-        if let Some((pose, plate_radius_m)) = turntable {
-            let table_from_camera = pose_of("table_from_camera", &pose)?;
-            config.turntable = Some(TurntableConfig { table_from_camera, plate_radius_m });
-        }
         Self::opened(py, |cancel| {
             out.iter().try_for_each(|dir| results::begin(dir, force, config.inputs()).map(drop))?;
             nextview_scan::LiveScan::begin(config, out.as_deref(), cancel)
@@ -67,7 +62,8 @@ impl LiveScan {
             let Some(next) = scan.next()? else { return Ok(None) };
             let trajectory = scan.trajectory_to(&next)?;
             let angle = scan.turntable_angle_deg(&next.world_from_camera);
-            Ok(Some(View::new(next, &trajectory, angle)))
+            let joints = scan.joints_to(&next).cloned();
+            Ok(Some(View::new(next, &trajectory, joints, angle)))
         })
     }
 

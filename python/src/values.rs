@@ -1,8 +1,11 @@
 //! Values between Python and the library: configurations in, records out.
 
 use crate::errors::{exception, input_error, internal_error};
+use crate::pose::pose_of;
+use crate::view::View;
 use nextview::sensor::Sensor;
 use nextview_scan::{Fault, FaultKind, Faults, Named, PlannerName, ScanConfig, files};
+use numpy::{PyUntypedArray, PyUntypedArrayMethods};
 use pyo3::prelude::*;
 use pyo3::types::{PyBool, PyDict, PyFloat, PyInt, PyList, PyString, PyTuple, PyType};
 use serde::Serialize;
@@ -56,6 +59,11 @@ fn value_of(name: &str, value: &Bound<'_, PyAny>, depth: usize) -> PyResult<Valu
     }
     if let Ok(dict) = value.cast::<PyDict>() {
         return Ok(Value::Table(table(dict)?));
+    }
+    let is_matrix = value.cast::<PyUntypedArray>().is_ok_and(|array| array.ndim() == 2);
+    if is_matrix || value.is_instance_of::<View>() {
+        let pose = pose_of(name, value)?;
+        return Value::try_from(pose).map_err(|error| internal_error(py, &error.to_string()));
     }
     if value.is_instance_of::<PyList>() || value.is_instance_of::<PyTuple>() {
         let items = value.try_iter()?.map(|item| value_of(name, &item?, depth + 1));

@@ -7,6 +7,7 @@ use nextview::geometry::Pose;
 use nextview::motion::{Trajectory, Waypoint};
 use nextview::planner::{Choice, Outlook};
 use nextview::session::NextView;
+use nextview_robot::path::JointTrajectory;
 use nextview_scan::rows_of_pose;
 use numpy::{PyArray, PyArray1, PyArray2, PyArray3, PyArrayMethods};
 use pyo3::prelude::*;
@@ -18,8 +19,13 @@ pub struct View {
     next: NextView,
     waypoints: Vec<(f64, Pose)>,
     trajectory_length: f64,
+    /// Of the robot: names, and the values at each waypoint.
+    joints: Option<Joints>,
     turntable_angle_deg: Option<f64>,
 }
+
+/// Names of joints, and their values at each waypoint.
+type Joints = (Vec<String>, Vec<Vec<f64>>);
 
 /// A view as it is pickled.
 #[derive(Serialize, Deserialize)]
@@ -30,6 +36,8 @@ struct Pickled {
     outlook: Option<Outlook>,
     waypoints: Vec<(f64, Pose)>,
     trajectory_length: f64,
+    /// Of the robot: names, and the values at each waypoint.
+    joints: Option<Joints>,
     turntable_angle_deg: Option<f64>,
 }
 
@@ -43,19 +51,28 @@ pub fn view_of_text(py: Python<'_>, text: &str) -> PyResult<View> {
         outlook,
         waypoints,
         trajectory_length,
+        joints,
         turntable_angle_deg,
     } = serde_json::from_str(text)
         .map_err(|error| input_error(py, format!("this is no pickled view: {error}")))?;
     let next = NextView { view, world_from_camera, choice, outlook };
-    Ok(View { next, waypoints, trajectory_length, turntable_angle_deg })
+    Ok(View { next, waypoints, trajectory_length, joints, turntable_angle_deg })
 }
 
 impl View {
-    /// The view, the trajectory to it, and with a turntable its angle, degrees.
-    pub fn new(next: NextView, trajectory: &Trajectory, turntable_angle_deg: Option<f64>) -> Self {
+    /// The view, the trajectory to it, the joints of a robot on the way, and with a turntable its angle,
+    /// degrees.
+    pub fn new(
+        next: NextView,
+        trajectory: &Trajectory,
+        joints: Option<JointTrajectory>,
+        turntable_angle_deg: Option<f64>,
+    ) -> Self {
+        let values = |points: Vec<(f64, Vec<f64>)>| points.into_iter().map(|(_, values)| values).collect();
+        let joints = joints.map(|JointTrajectory { names, points }| (names, values(points)));
         let point = |point: &Waypoint| (point.time, point.world_from_camera);
         let waypoints = trajectory.waypoints().iter().map(point).collect();
-        Self { next, waypoints, trajectory_length: trajectory.length(), turntable_angle_deg }
+        Self { next, waypoints, trajectory_length: trajectory.length(), joints, turntable_angle_deg }
     }
 
     /// The pose, to the bit.
@@ -76,6 +93,19 @@ impl View {
     #[getter(world_from_camera)]
     fn matrix<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray2<f64>> {
         matrix(py, &self.next.world_from_camera)
+    }
+
+    /// The names of the robot's joints; None without a robot.
+    #[getter]
+    fn joint_names(&self) -> Option<Vec<String>> {
+        self.joints.as_ref().map(|(names, _)| names.clone())
+    }
+
+    /// The joints of the robot at each waypoint: N x joints, float64, radians or metres; None without a robot.
+    #[getter]
+    fn joint_values<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyArray2<f64>>>> {
+        let values = self.joints.as_ref().map(|(_, values)| PyArray2::from_vec2(py, values));
+        values.transpose().map_err(|error| internal_error(py, &error.to_string()))
     }
 
     /// The angle to turn the plate of a turntable to, degrees, 0 to 360, counter-clockwise seen from above;
@@ -144,7 +174,7 @@ impl View {
     fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<(Bound<'py, PyAny>, (String,))> {
         let NextView { view, world_from_camera, choice, outlook } = self.next.clone();
         let (waypoints, trajectory_length) = (self.waypoints.clone(), self.trajectory_length);
-        let turntable_angle_deg = self.turntable_angle_deg;
+        let (joints, turntable_angle_deg) = (self.joints.clone(), self.turntable_angle_deg);
         let pickled = Pickled {
             view,
             world_from_camera,
@@ -152,6 +182,7 @@ impl View {
             outlook,
             waypoints,
             trajectory_length,
+            joints,
             turntable_angle_deg,
         };
         let text = serde_json::to_string(&pickled).map_err(|error| internal_error(py, &error.to_string()))?;

@@ -1,7 +1,7 @@
 //! The options of the command line that keys of the configuration have.
 
 /// Keys and their options.
-const FLAGS: [(&str, &str); 45] = [
+const FLAGS: [(&str, &str); 48] = [
     ("planner", "--planner"),
     ("views", "--views"),
     ("stop.completeness", "--complete"),
@@ -24,6 +24,9 @@ const FLAGS: [(&str, &str); 45] = [
     ("view_space", "--view-space"),
     ("model.watertight", "--watertight"),
     ("reach", "--reach"),
+    ("robot.arm", "--robot"),
+    ("robot.world_from_base", "--robot-base"),
+    ("robot.flange_from_camera", "--hand-eye"),
     ("seed", "--seed"),
     ("profile", "--profile"),
     ("unit", "--unit"),
@@ -50,12 +53,15 @@ const FLAGS: [(&str, &str); 45] = [
 ];
 
 /// Keys that a message may name and only a configuration file can hold.
-const FILE_KEYS: [&str; 10] = [
+const FILE_KEYS: [&str; 13] = [
     "memory_limit_mb",
     "view_seed",
     "reach.base_m",
     "reach.min_radius_m",
     "reach.max_radius_m",
+    "robot.home",
+    "robot.base_from_camera",
+    "robot.flange_from_world",
     "recording.read.depth_topic",
     "recording.read.pose_topic",
     "recording.read.pose_tolerance_s",

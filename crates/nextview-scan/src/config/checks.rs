@@ -54,6 +54,7 @@ fn faults(config: &ScanConfig) -> Vec<Fault> {
     // The library's own weights need no check, which would cost tens of milliseconds.
     faults.extend(config.nbv_net.weights.as_ref().and_then(|_| config.nbv_net.planner().err()));
     faults.extend(config.reach.faults());
+    faults.extend(config.robot.as_ref().and_then(|robot| robot.cell().err()));
     #[cfg(feature = "simulated")]
     faults.extend(config.noise.faults().into_iter().chain(config.of_sensor()));
     faults.extend(config.recording.iter().flat_map(|recording| of_recording(recording, config)));
@@ -141,6 +142,7 @@ fn of_recording(recording: &RecordingConfig, config: &ScanConfig) -> Vec<Fault> 
         ("candidates", config.candidates != neutral.candidates),
         ("view_space", config.view_space != neutral.view_space),
         ("view_seed", config.view_seed != neutral.view_seed),
+        ("robot", config.robot.is_some()),
     ];
     let given = given.into_iter().filter(|(_, is_given)| *is_given).map(|(key, _)| key);
     faults.extend(given.chain(simulated_keys(config)).map(|key| only_simulated(key, "recording")));

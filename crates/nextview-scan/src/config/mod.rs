@@ -10,7 +10,9 @@ mod planner_choice;
 mod planner_name;
 mod positions;
 mod reach;
+mod reachable;
 mod recording;
+mod robot;
 mod scan_config;
 #[cfg(feature = "simulated")]
 mod sensor;
@@ -28,6 +30,7 @@ pub use planner_name::{NbvNetConfig, PlannerConfigs, PlannerName};
 pub use positions::Positions;
 pub use reach::ReachConfig;
 pub use recording::RecordingConfig;
+pub use robot::RobotConfig;
 pub use scan_config::{MapConfig, ModelConfig, ObjectBoxConfig, ScanConfig};
 #[cfg(feature = "simulated")]
 pub use sensor_name::SensorName;

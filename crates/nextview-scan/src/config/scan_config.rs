@@ -1,6 +1,6 @@
 use super::{
     BoxRule, LiveConfig, NbvNetConfig, PlannerChoice, PlannerConfigs, PlannerName, Profile, ReachConfig,
-    RecordingConfig, TableRule, TurntableConfig, UnitName, ViewSpaceName,
+    RecordingConfig, RobotConfig, TableRule, TurntableConfig, UnitName, ViewSpaceName,
 };
 use crate::Fault;
 use nextview::map::{Background, RayRule, SensorModel};
@@ -89,7 +89,10 @@ pub struct ScanConfig {
     /// Where a robot can hold the camera.
     #[serde(skip_serializing_if = "ReachConfig::is_default")]
     pub reach: ReachConfig,
-    /// How a robot would move the camera.
+    /// The arm that holds the camera or the object; without one, the camera can be everywhere.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub robot: Option<RobotConfig>,
+    /// How a robot would move the camera, where no arm is stated.
     pub motion: MotionConfig,
     /// Whether frames are aligned to what was measured before, and how.
     pub registration: RegistrationConfig,
@@ -202,6 +205,7 @@ impl ScanConfig {
             object_box: ObjectBoxConfig::default(),
             model: ModelConfig::default(),
             reach: ReachConfig::default(),
+            robot: None,
             motion: MotionConfig::default(),
             registration: RegistrationConfig::default(),
             max_flow: MaxFlowConfig::default(),
@@ -260,6 +264,8 @@ impl ScanConfig {
         let truth = recording.flat_map(|recording| [&recording.truth, &recording.truth_from_world]).flatten();
         let named = object.into_iter().chain(views).chain(truth).map(PathBuf::from);
         let named = named.chain(self.nbv_net.weights.clone());
+        let urdf = self.robot.iter().filter_map(|robot| robot.file());
+        let named = named.chain(urdf.map(PathBuf::from));
         #[cfg(feature = "simulated")]
         let named = named.chain(self.sensor.iter().filter_map(|sensor| Some(sensor.file()?.to_owned())));
         named.collect()

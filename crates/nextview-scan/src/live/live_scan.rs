@@ -11,6 +11,7 @@ use nextview::motion::Trajectory;
 use nextview::registration::GivenPoses;
 use nextview::sensor::{ColorImage, DepthImage};
 use nextview::session::{NextView, StopReason};
+use nextview_robot::path::JointTrajectory;
 use std::path::Path;
 
 /// A scan by a camera of one's own, which a configuration with a section `live` describes.
@@ -86,7 +87,7 @@ impl LiveScan {
         cancel: Cancel,
     ) -> Result<Self, Faults> {
         let begin = Begin { journal, cancel: cancel.clone() };
-        let run = ScanRun::of_session(camera.session(&config)?, &config, begin);
+        let run = ScanRun::of_session(camera.session(&config)?, &config, begin)?;
         let (fingerprints, whereabouts) = Default::default();
         Ok(Self { camera, config, run, cancel, fingerprints, whereabouts })
     }
@@ -164,17 +165,23 @@ impl LiveScan {
         self.run.skip(view, reason)
     }
 
-    /// The trajectory from the last frame to a view; see [`Session::trajectory_to`].
+    /// The trajectory from the last frame to a view: that of the robot, of a view that was asked for; else see
+    /// [`Session::trajectory_to`].
     ///
     /// [`Session::trajectory_to`]: nextview::session::Session::trajectory_to
     pub fn trajectory_to(&self, view: &NextView) -> Result<Trajectory, Fault> {
-        Ok(self.run.session().trajectory_to(&view.world_from_camera)?)
+        self.run.trajectory_to(view)
     }
 
     /// The view to take next, as a robot and a page are told it.
     pub fn record_of(&self, view: &NextView) -> Result<ViewRecord, Fault> {
-        let record = ViewRecord::new(view, &self.trajectory_to(view)?);
+        let record = ViewRecord::new(view, &self.trajectory_to(view)?, self.joints_to(view));
         Ok(ViewRecord { turntable_angle_deg: self.turntable_angle_deg(&view.world_from_camera), ..record })
+    }
+
+    /// The motion of the robot to a view that was asked for; none without a robot.
+    pub fn joints_to(&self, view: &NextView) -> Option<&JointTrajectory> {
+        self.run.joints_to(view)
     }
 
     /// The angle to turn the plate of the [turntable](crate::TurntableConfig) to for a view, degrees, 0 to

@@ -27,6 +27,9 @@ pub struct StepRecord {
     /// Rotation of the camera, world from camera, with the scalar last.
     pub quaternion_xyzw: [f64; 4],
 
+    /// Where the robot's joints are, radians or metres; none without a robot.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub joint_values: Option<Vec<f64>>,
     /// The angle of a turntable, 0 to 360, counter-clockwise seen from above; none without one.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub turntable_angle_deg: Option<f64>,

@@ -2,6 +2,7 @@ use crate::rows_of_pose;
 use nextview::motion::{Trajectory, Waypoint};
 use nextview::planner::{Explanation, Outlook};
 use nextview::session::NextView;
+use nextview_robot::path::JointTrajectory;
 use serde::{Deserialize, Serialize};
 
 /// A view that is to be taken next, and why: what a robot and a page are told.
@@ -44,6 +45,9 @@ pub struct ViewRecord {
     pub trajectory_length_m: f64,
     /// Time that a robot would take for it.
     pub trajectory_time_s: f64,
+    /// The names of the robot's joints; none without a robot.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub joint_names: Option<Vec<String>>,
     /// That trajectory, from the last frame to this view.
     pub waypoints: Vec<WaypointRecord>,
 }
@@ -59,17 +63,27 @@ pub struct WaypointRecord {
     pub position_m: [f64; 3],
     /// Rotation of the camera, world from camera, with the scalar last.
     pub quaternion_xyzw: [f64; 4],
+    /// Where the robot's joints are, radians or metres; none without a robot.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub joint_values: Option<Vec<f64>>,
 }
 
 impl ViewRecord {
     /// The record of a view and of the trajectory to it.
-    pub(crate) fn new(next: &NextView, trajectory: &Trajectory) -> Self {
+    pub(crate) fn new(next: &NextView, trajectory: &Trajectory, joints: Option<&JointTrajectory>) -> Self {
         let (choice, outlook) = (next.choice.as_ref(), next.outlook);
         let waypoint = |Waypoint { time, world_from_camera }: &Waypoint| WaypointRecord {
             time_s: *time,
             position_m: world_from_camera.translation().to_array(),
             quaternion_xyzw: world_from_camera.rotation().to_array(),
+            joint_values: None,
         };
+        let mut waypoints: Vec<WaypointRecord> = trajectory.waypoints().iter().map(waypoint).collect();
+        for (waypoint, (_, values)) in
+            waypoints.iter_mut().zip(joints.iter().flat_map(|joints| &joints.points))
+        {
+            waypoint.joint_values = Some(values.clone());
+        }
         Self {
             view: next.view,
             world_from_camera: rows_of_pose(&next.world_from_camera),
@@ -82,7 +96,8 @@ impl ViewRecord {
             estimated_completeness: outlook.as_ref().map(Outlook::completeness),
             trajectory_length_m: trajectory.length(),
             trajectory_time_s: trajectory.duration(),
-            waypoints: trajectory.waypoints().iter().map(waypoint).collect(),
+            joint_names: joints.map(|joints| joints.names.clone()),
+            waypoints,
         }
     }
 }

@@ -118,13 +118,30 @@ fn write_views(writer: &mut Vec<u8>, steps: &[StepRecord]) -> Result<(), Fault> 
 
 /// The trajectory to each view, from the view before, with times since the camera set off there.
 fn write_waypoints(writer: &mut Vec<u8>, scan: &FinishedScan<'_>) -> Result<(), Fault> {
-    writeln!(writer, "step,time_s,x_m,y_m,z_m,qx,qy,qz,qw")?;
-    for (step, trajectory) in scan.steps.iter().zip(&scan.trajectories) {
-        for Waypoint { time, world_from_camera } in trajectory.waypoints() {
-            writeln!(writer, "{},{time},{}", step.step, numbers(world_from_camera))?;
+    let names = scan.joint_trajectories.iter().flatten().next().map_or(&[][..], |joints| &joints.names);
+    write!(writer, "step,time_s,x_m,y_m,z_m,qx,qy,qz,qw")?;
+    names.iter().try_for_each(|name| write!(writer, ",{}", quoted(name)))?;
+    writeln!(writer)?;
+    let motions = scan.trajectories.iter().zip(&scan.joint_trajectories);
+    for (step, (trajectory, joints)) in scan.steps.iter().zip(motions) {
+        for (i, Waypoint { time, world_from_camera }) in trajectory.waypoints().iter().enumerate() {
+            write!(writer, "{},{time},{}", step.step, numbers(world_from_camera))?;
+            match joints {
+                Some(joints) => joints.points[i].1.iter().try_for_each(|value| write!(writer, ",{value}"))?,
+                None => names.iter().try_for_each(|_| write!(writer, ","))?,
+            }
+            writeln!(writer)?;
         }
     }
     Ok(())
+}
+
+/// A name as a cell of CSV.
+fn quoted(name: &str) -> String {
+    match name.contains([',', '"', '\n']) {
+        true => format!("\"{}\"", name.replace('"', "\"\"")),
+        false => name.to_owned(),
+    }
 }
 
 /// Position and quaternion, with commas.

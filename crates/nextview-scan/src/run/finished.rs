@@ -9,6 +9,7 @@ use nextview::motion::Trajectory;
 use nextview::sensor::{ColorImage, Frame};
 use nextview::session::{BOX_MARGIN_FACTOR, BOX_MARGIN_VOXELS, ON_TABLE, Session, StopReason};
 use nextview::surface::{CloudPoint, SurfaceMesh, WatertightMesh, downsample};
+use nextview_robot::path::JointTrajectory;
 
 /// A scan that is over, or as it stands.
 pub struct FinishedScan<'a> {
@@ -19,6 +20,8 @@ pub struct FinishedScan<'a> {
     pub(crate) journal: Option<ScanJournal>,
     /// The trajectory to each view, from the view before.
     pub trajectories: Vec<Trajectory>,
+    /// By step, the motion of the robot to its view; none without a robot, and of frames that were not asked for.
+    pub joint_trajectories: Vec<Option<JointTrajectory>>,
     /// The views.
     pub steps: Vec<StepRecord>,
     /// By step, the colours that were pushed with its frame.
@@ -46,6 +49,7 @@ impl FinishedScan<'_> {
             source: None,
             journal: None,
             trajectories: Vec::new(),
+            joint_trajectories: Vec::new(),
             steps: Vec::new(),
             colors: Vec::new(),
             stop_reason: None,
@@ -54,8 +58,7 @@ impl FinishedScan<'_> {
 
     /// The same scan without the source of its frames, and with it without its colours and its truth.
     pub fn without_source(self) -> FinishedScan<'static> {
-        let Self { session, journal, trajectories, steps, colors, stop_reason, source: _ } = self;
-        FinishedScan { session, source: None, journal, trajectories, steps, colors, stop_reason }
+        FinishedScan { source: None, ..self }
     }
 
     /// The box around the object, metres; none if no object was found.

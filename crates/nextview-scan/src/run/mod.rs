@@ -1,5 +1,6 @@
 //! The run: one scan from the first view to the last, pushed by whoever owns the camera.
 
+mod arm;
 mod evaluator;
 mod finished;
 mod scan_run;

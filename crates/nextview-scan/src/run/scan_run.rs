@@ -1,3 +1,4 @@
+use super::arm::{Arm, Way};
 use super::warning::warning;
 use super::{Evaluator, FinishedScan};
 use crate::journal::{JournalEntry, KeptFrame, SkippedView};
@@ -8,6 +9,7 @@ use nextview::motion::Trajectory;
 use nextview::sensor::{ColorImage, Frame};
 use nextview::session::{Decision, NextView, Session, StopReason};
 use nextview::{Cancel, Cancelled};
+use nextview_robot::path::JointTrajectory;
 use std::time::{Duration, Instant};
 
 /// Number of frames after which nobody looks for what may be wrong with them.
@@ -55,6 +57,7 @@ pub struct ScanRun<'a> {
     asked: Option<Asked>,
     path: Path,
     turntable: Option<TurntableConfig>,
+    arm: Option<Arm>,
 }
 
 /// What to do next.
@@ -98,6 +101,8 @@ impl From<Frame> for TakenFrame {
 struct Asked {
     next: NextView,
     trajectory: Trajectory,
+    /// Of the robot, with that trajectory of the camera.
+    joints: Option<JointTrajectory>,
     plan_time: Duration,
     since: Instant,
 }
@@ -106,25 +111,27 @@ impl<'a> ScanRun<'a> {
     /// A run of this session by a camera of one's own.
     pub fn new(session: Session) -> Self {
         let scan = FinishedScan::new(session);
-        let (path, turntable) = Default::default();
-        Self { scan, evaluator: None, time_limit: None, began: None, asked: None, path, turntable }
+        let path = Path::default();
+        let (turntable, arm) = (None, None);
+        Self { scan, evaluator: None, time_limit: None, began: None, asked: None, path, turntable, arm }
     }
 
     /// The run that a configuration describes, with frames from this source.
     pub fn begin(source: &'a dyn FrameSource, config: &ScanConfig, begin: Begin) -> Result<Self, Faults> {
-        let mut run = Self::of_session(source.session(config)?, config, begin);
+        let mut run = Self::of_session(source.session(config)?, config, begin)?;
         run.scan.source = Some(source);
         run.evaluator = source.evaluator(config);
         Ok(run)
     }
 
     /// The run of this session by a camera of one's own, with the time limit of a configuration.
-    pub(crate) fn of_session(session: Session, config: &ScanConfig, begin: Begin) -> Self {
+    pub(crate) fn of_session(session: Session, config: &ScanConfig, begin: Begin) -> Result<Self, Fault> {
         let mut run = Self::new(session.with_cancel(begin.cancel));
         run.time_limit = config.time_limit_s.map(Duration::try_from_secs_f64).and_then(Result::ok);
         run.scan.journal = begin.journal;
         run.turntable = config.turntable;
-        run
+        run.arm = config.robot.as_ref().map(Arm::of_config).transpose()?;
+        Ok(run)
     }
 
     /// The same with every frame kept in this journal.
@@ -206,7 +213,9 @@ impl<'a> ScanRun<'a> {
             }
         };
         let map_time = start.elapsed();
-        let (next, plan_time) = self.asked.take().map(|asked| (asked.next, asked.plan_time)).unzip();
+        let asked = self.asked.take();
+        let joints = asked.as_ref().and_then(|asked| asked.joints.clone());
+        let (next, plan_time) = asked.map(|asked| (asked.next, asked.plan_time)).unzip();
         let mut record = StepRecord::of_report(self.scan.steps.len() + 1, &report);
         if let Some(evaluator) = &mut self.evaluator {
             let frame = frame.with_pose(report.world_from_camera);
@@ -223,7 +232,12 @@ impl<'a> ScanRun<'a> {
         record.map_time_ms = milliseconds(map_time);
         record.capture_time_ms = milliseconds(capture_time);
         record.warning = self.warning();
+        if let Some(arm) = &mut self.arm {
+            arm.arrive(joints.as_ref(), &report.world_from_camera);
+            record.joint_values = arm.values().map(<[f64]>::to_vec);
+        }
         self.scan.trajectories.push(trajectory);
+        self.scan.joint_trajectories.push(joints);
         self.scan.colors.push(color);
         self.scan.steps.push(record);
         Ok(self.scan.steps.last().expect("a step was added"))
@@ -306,18 +320,44 @@ impl<'a> ScanRun<'a> {
         self.scan.journal.as_ref().and_then(ScanJournal::replay)
     }
 
-    /// Decides on the next view; a reason if the scan stops instead.
+    /// Decides on the next view; a reason if the scan stops instead. A robot says first which candidates it
+    /// can go to; one that it finds no path to is given up until the next frame.
     fn decide(&mut self) -> Result<Option<StopReason>, Fault> {
         let start = Instant::now();
-        match self.scan.session.decide()? {
-            Decision::Stop(reason) => Ok(Some(reason)),
-            Decision::Move(next) => {
-                let plan_time = start.elapsed();
-                let trajectory = self.scan.session.trajectory_to(&next.world_from_camera)?;
-                self.asked = Some(Asked { next, trajectory, plan_time, since: Instant::now() });
-                Ok(None)
+        loop {
+            let session = &mut self.scan.session;
+            if let Some(arm) = &mut self.arm {
+                let times = arm.times(session)?;
+                session.set_approaches(times);
             }
+            let next = match session.decide()? {
+                Decision::Stop(reason) => return Ok(Some(reason)),
+                Decision::Move(next) => next,
+            };
+            let Way { trajectory, joints } = match &mut self.arm {
+                None => Way { trajectory: session.trajectory_to(&next.world_from_camera)?, joints: None },
+                Some(arm) => match arm.way_to(&next, session)? {
+                    Some(way) => way,
+                    None => continue,
+                },
+            };
+            let plan_time = start.elapsed();
+            self.asked = Some(Asked { next, trajectory, joints, plan_time, since: Instant::now() });
+            return Ok(None);
         }
+    }
+
+    /// The trajectory to a view: that of the robot, if the view was asked for.
+    pub(crate) fn trajectory_to(&self, view: &NextView) -> Result<Trajectory, Fault> {
+        match self.asked.as_ref().filter(|asked| asked.next == *view) {
+            Some(asked) => Ok(asked.trajectory.clone()),
+            None => Ok(self.scan.session.trajectory_to(&view.world_from_camera)?),
+        }
+    }
+
+    /// The motion of the robot to a view that was asked for; none without a robot.
+    pub(crate) fn joints_to(&self, view: &NextView) -> Option<&JointTrajectory> {
+        self.asked.as_ref().filter(|asked| asked.next == *view)?.joints.as_ref()
     }
 
     /// The frame and its colours, once they are on the disk: those of the journal where the scan was there

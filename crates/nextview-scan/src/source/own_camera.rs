@@ -108,7 +108,7 @@ struct Candidates {
 impl Candidates {
     /// Those of these poses that are within reach.
     fn fixed(views: ViewSpace, config: &ScanConfig) -> Result<Self, Fault> {
-        let (views, reach_note) = config.reach.views(views)?;
+        let (views, reach_note) = config.within_reach(views)?;
         Ok(Self { n_views: views.len(), views: Views::Fixed(views), reach_note })
     }
 }
@@ -154,6 +154,6 @@ fn following(rule: ViewRule, config: &ScanConfig, live: &LiveConfig) -> Result<C
     };
     let unit = rule.views(DVec3::ZERO, 1.0, config.candidates, config.view_seed())?;
     let n_views = unit.len();
-    let views = Views::Following { first, unit, reach: Arc::new(config.reach.rule()) };
+    let views = Views::Following { first, unit, reach: Arc::new(config.held(|reach| reach)?) };
     Ok(Candidates { views, n_views, reach_note: None })
 }

@@ -4,12 +4,14 @@
 
 mod common;
 mod configuration;
+mod dbg;
 mod far;
 mod journal;
 mod live;
 mod measures;
 mod quality;
 mod resume;
+mod robot;
 mod run;
 mod simulation;
 mod watertight;

@@ -2,6 +2,7 @@ use super::run::{Output, begin, resume};
 use crate::Failure;
 use crate::commands::values::{self, named};
 use clap::{Args, ValueEnum};
+use glam::DVec3;
 use nextview::sensor::CameraAxes;
 use nextview_recording::{PoseDirection, ReadOptions};
 use nextview_scan::files::Overwrite;
@@ -114,6 +115,8 @@ pub struct ScanArgs {
     /// Base of a robot and its reach, in metres; candidates beyond are dropped [default: everywhere]
     #[arg(long, value_name = "X,Y,Z,R", value_parser = values::sphere, allow_hyphen_values = true)]
     reach: Option<[f64; 4]>,
+    #[command(flatten)]
+    robot: RobotArgs,
     /// Seed of the random shell and the random planner [default: 0]
     #[arg(long, value_name = "S", value_parser = values::seed, allow_negative_numbers = true)]
     seed: Option<u64>,
@@ -147,6 +150,22 @@ pub struct ScanArgs {
     /// Print one JSON object instead of text
     #[arg(long)]
     json: bool,
+}
+
+/// The arm that holds the camera.
+#[derive(Debug, Default, PartialEq, Args)]
+struct RobotArgs {
+    /// Arm that holds the camera: ur3e, ur5e, ur10e, kr6_r900, lr_mate_200id, panda, or a URDF file; only views
+    /// that it reaches without touching anything are taken [default: none]
+    #[arg(long = "robot", value_name = "NAME|URDF", value_parser = values::file_name())]
+    arm: Option<String>,
+    /// With --robot: where its base stands, upright, in metres [default: 0,0,0]
+    #[arg(long = "robot-base", value_name = "X,Y,Z", value_parser = values::point, allow_hyphen_values = true)]
+    base: Option<DVec3>,
+    /// With --robot: file of the 4 x 4 matrix, row by row and in metres, that takes points of the camera to the
+    /// flange [default: no offset]
+    #[arg(long, value_name = "FILE")]
+    hand_eye: Option<PathBuf>,
 }
 
 /// What only recordings need.
@@ -236,6 +255,7 @@ impl ScanArgs {
         set(&mut config.first_view, self.first_view);
         set(&mut config.view_space, self.view_space.map(ViewSpaceName));
         self.reach.into_iter().for_each(|sphere| config.reach.set_sphere(sphere));
+        self.robot.set(&mut config)?;
         set(&mut config.seed, self.seed);
         set(&mut config.unit, self.unit);
         set(&mut config.multi_resolution.enabled, self.multi_resolution.map(|switch| switch == Switch::On));
@@ -268,6 +288,22 @@ impl ScanArgs {
             return Ok(ScanConfig::of_profile(self.profile.unwrap_or_default()));
         };
         Ok(ScanConfig::load(path, self.profile)?)
+    }
+}
+
+impl RobotArgs {
+    /// Overrides what the configuration says of its robot; fails if there is none.
+    fn set(self, config: &mut ScanConfig) -> Result<(), Failure> {
+        if self == Self::default() {
+            return Ok(());
+        }
+        if self.arm.is_none() && config.robot.is_none() {
+            return Err(Failure::usage("--robot-base and --hand-eye need --robot"));
+        }
+        let robot = config.robot.get_or_insert_default();
+        set(&mut robot.arm, self.arm);
+        self.base.map_or(Ok(()), |base| robot.set_base(base))?;
+        Ok(self.hand_eye.map_or(Ok(()), |file| robot.read_hand_eye(&file))?)
     }
 }
 

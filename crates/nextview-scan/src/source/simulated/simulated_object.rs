@@ -35,7 +35,7 @@ impl SimulatedObject {
         let object = Object::load(config)?;
         let voxel_size = object.voxel_size(config)?;
         let scene = object.scene(config)?.with_noise(config.noise.noise())?;
-        let (views, reach_note) = config.reach.views(view_space(config, &scene)?)?;
+        let (views, reach_note) = config.within_reach(view_space(config, &scene)?)?;
         config.check_views(views.len())?;
         let session = simulated_session(config, views.len(), &scene, voxel_size);
         let block = voxel_block(&session, &scene.planning_box(voxel_size))?;
@@ -71,7 +71,7 @@ impl SimulatedObject {
         let (center, size) = (self.scene.center(), self.scene.size());
         let unit = self.views.around(-center / size, 1.0 / size)?;
         // The box may grow by what is not there, when poses are wrong, and candidates with it.
-        let reach = Arc::new(config.reach.rule().within(self.scene.room()));
+        let reach = Arc::new(config.held(|reach| reach.within(self.scene.room()))?);
         Ok(Views::Following { first: self.views.pose(config.first_view), unit, reach })
     }
 }

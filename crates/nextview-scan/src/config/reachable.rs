@@ -1,0 +1,52 @@
+use super::ScanConfig;
+use crate::Fault;
+use nextview::geometry::Pose;
+use nextview::view::{Reach, Reachability, ViewSpace};
+use nextview_robot::RobotCell;
+
+/// Where the camera can be: what `reach` says, and, with a robot, what that can.
+#[derive(Debug)]
+pub(crate) struct Held {
+    reach: Reach,
+    robot: Option<RobotCell>,
+}
+
+impl Reachability for Held {
+    fn held(&self, world_from_camera: &Pose) -> Option<Pose> {
+        let held = self.reach.held(world_from_camera)?;
+        self.robot.as_ref().map_or(Some(held), |robot| robot.held(&held))
+    }
+
+    fn check(&self) -> Result<(), nextview::Error> {
+        self.reach.check()
+    }
+}
+
+impl ScanConfig {
+    /// Where the camera can be, changed by whoever knows more.
+    pub(crate) fn held(&self, change: impl FnOnce(Reach) -> Reach) -> Result<Held, Fault> {
+        let robot = self.robot.as_ref().map(|robot| robot.cell()).transpose()?;
+        Ok(Held { reach: change(self.reach.rule()), robot })
+    }
+
+    /// Those of the candidates where the camera can be, numbered anew, and a note on how many are left, unless
+    /// all may stay. Fails if none is left.
+    pub(crate) fn within_reach(&self, views: ViewSpace) -> Result<(ViewSpace, Option<String>), Fault> {
+        let (views, note) = self.reach.views(views)?;
+        let Some(robot) = &self.robot else { return Ok((views, note)) };
+        let n = views.len();
+        let held = views.held(&robot.cell()?);
+        let left: Vec<Pose> =
+            (0..n).filter(|&view| held.is_within_reach(view)).map(|view| held.pose(view)).collect();
+        if left.is_empty() {
+            let name = &robot.arm;
+            let fault =
+                Fault::request(format!("{name} can hold the camera at none of the {n} view candidates"));
+            return Err(fault.with_remedy(
+                "`robot.world_from_base` says where its base stands, in the coordinates of the object, metres",
+            ));
+        }
+        let note = format!("the robot can hold the camera at {} of {n} candidates", left.len());
+        Ok((ViewSpace::new(left)?, Some(note)))
+    }
+}
