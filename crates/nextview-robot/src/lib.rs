@@ -4,6 +4,7 @@
 //! views or maps.
 
 pub mod arm;
+pub mod presets;
 pub mod urdf;
 
 pub use arm::{Arm, Joint, JointKind, JointLimits, Link, Shape, ShapeKind};
