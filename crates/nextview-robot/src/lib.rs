@@ -4,6 +4,7 @@
 //! views or maps.
 
 pub mod arm;
+mod inverse;
 pub mod presets;
 pub mod urdf;
 
