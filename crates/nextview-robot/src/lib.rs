@@ -4,6 +4,8 @@
 //! views or maps.
 
 pub mod arm;
+mod inverse;
+pub mod presets;
 pub mod urdf;
 
 pub use arm::{Arm, Joint, JointKind, JointLimits, Link, Shape, ShapeKind};

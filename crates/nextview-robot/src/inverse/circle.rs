@@ -1,0 +1,66 @@
+//! Where a vector that turns about an axis is what it should be: the subproblems that closed forms consist of.
+
+use glam::{DQuat, DVec3};
+
+/// Vectors whose product is shorter, metres or metres squared, determine no angle.
+const SINGULAR: f64 = 1e-7;
+/// A target that is missed by this share of the circle's radius is touched: a pose at the border of what can
+/// be reached is there in spite of rounding, and of axes that are slightly off. Newton steps and a test of
+/// every solution follow.
+const TOUCHED: f64 = 1e-2;
+
+/// The angles by which `vector` turns about the unit vector `axis` until its product with `other` is `product`:
+/// none, two (equal ones where the circle is touched), or if it is independent of the angle and right, those
+/// of `free`.
+pub(super) fn angles_to_product(
+    axis: DVec3,
+    vector: DVec3,
+    other: DVec3,
+    product: f64,
+    free: &[f64],
+) -> Vec<f64> {
+    let along = axis * axis.dot(vector);
+    let (cosine, sine) = ((vector - along).dot(other), axis.cross(vector).dot(other));
+    let (radius, rest) = (cosine.hypot(sine), product - along.dot(other));
+    if radius < SINGULAR {
+        return if rest.abs() < SINGULAR { free.to_vec() } else { Vec::new() };
+    }
+    let ratio = rest / radius;
+    if ratio.abs() > 1.0 + TOUCHED {
+        return Vec::new();
+    }
+    let (middle, half) = (sine.atan2(cosine), ratio.clamp(-1.0, 1.0).acos());
+    vec![middle - half, middle + half]
+}
+
+/// The angles by which `point` turns about an axis through `center` until it is as far from `target` as told.
+pub(super) fn angles_to_distance(
+    axis: DVec3,
+    center: DVec3,
+    point: DVec3,
+    target: DVec3,
+    distance: f64,
+    free: &[f64],
+) -> Vec<f64> {
+    let (arm, other) = (point - center, target - center);
+    let product = (arm.length_squared() + other.length_squared() - distance * distance) / 2.0;
+    angles_to_product(axis, arm, other, product, free)
+}
+
+/// The angle by which `from` turns about the unit vector `axis` until it is in the half-plane of `to`; those of
+/// `free` if one of them is along the axis.
+pub(super) fn angles_between(axis: DVec3, from: DVec3, to: DVec3, free: &[f64]) -> Vec<f64> {
+    let flat = |vector: DVec3| vector - axis * axis.dot(vector);
+    let (from, to) = (flat(from), flat(to));
+    if from.length().min(to.length()) < SINGULAR {
+        return free.to_vec();
+    }
+    vec![axis.dot(from.cross(to)).atan2(from.dot(to))]
+}
+
+/// The angle of a rotation about an axis, from the image of one vector.
+pub(super) fn angle_of(axis: DVec3, rotation: DQuat) -> f64 {
+    let from = axis.any_orthonormal_vector();
+    let to = rotation * from;
+    axis.dot(from.cross(to)).atan2(from.dot(to))
+}

@@ -1,0 +1,76 @@
+use super::axis::SixAxes;
+use super::parallel_axes::ParallelAxes;
+use super::wrist::Wrist;
+use nextview::geometry::Pose;
+use std::f64::consts::TAU;
+
+/// Values for a joint that may have any in a singular pose.
+const N_FREE: usize = 8;
+
+/// What joints without influence are set to: equal steps, and the values that the caller is near to.
+pub(super) struct Free {
+    near: Option<[f64; 6]>,
+}
+
+impl Free {
+    pub fn values(&self, joint: usize) -> Vec<f64> {
+        let steps = (0..N_FREE).map(|step| (step as f64 / N_FREE as f64 - 0.5) * TAU);
+        self.near.iter().map(|near| near[joint]).chain(steps).collect()
+    }
+
+    fn reversed(&self) -> Self {
+        let near = self.near.map(|mut near| {
+            near.reverse();
+            near
+        });
+        Self { near }
+    }
+}
+
+enum Form {
+    Wrist(Wrist),
+    ParallelAxes(ParallelAxes),
+}
+
+/// A way to solve six turning axes by formulas.
+pub(super) struct ClosedForm {
+    form: Form,
+    /// The formulas are for the arm from the flange to the base.
+    is_reversed: bool,
+    flange_from_base: Pose,
+}
+
+impl ClosedForm {
+    /// The form that fits the axes, if one does.
+    pub fn of(arm: &SixAxes) -> Option<Self> {
+        let flange_from_base = arm.base_from_flange.inverse();
+        let mut backward = arm.axes.map(|axis| axis.reversed());
+        backward.reverse();
+        [(false, &arm.axes), (true, &backward)].into_iter().find_map(|(is_reversed, axes)| {
+            let wrist = Wrist::of(axes).map(Form::Wrist);
+            let form = wrist.or_else(|| ParallelAxes::of(axes).map(Form::ParallelAxes))?;
+            Some(Self { form, is_reversed, flange_from_base })
+        })
+    }
+
+    /// All angles, up to whole turns, that bring the flange to a pose, and some that nearly do: candidates.
+    pub fn solve(&self, base_from_flange: &Pose, near: Option<[f64; 6]>) -> Vec<[f64; 6]> {
+        let motion = *base_from_flange * self.flange_from_base;
+        let free = Free { near };
+        if !self.is_reversed {
+            return self.form.solve(&motion, &free);
+        }
+        let mut solutions = self.form.solve(&motion.inverse(), &free.reversed());
+        solutions.iter_mut().for_each(|angles| angles.reverse());
+        solutions
+    }
+}
+
+impl Form {
+    fn solve(&self, motion: &Pose, free: &Free) -> Vec<[f64; 6]> {
+        match self {
+            Self::Wrist(form) => form.solve(motion, free),
+            Self::ParallelAxes(form) => form.solve(motion, free),
+        }
+    }
+}

@@ -1,0 +1,64 @@
+//! Inverse kinematics: the joint values that bring the flange to a pose.
+//!
+//! The geometry of an arm decides how, not its name: closed forms for six turning axes of which three meet
+//! (a wrist) or three are parallel, the same with a seventh joint sampled, and numbers for all other arms.
+
+mod axis;
+mod circle;
+mod closed_form;
+mod descent;
+mod numeric;
+mod parallel_axes;
+mod redundant;
+mod solutions;
+mod turns;
+mod wrist;
+
+use crate::Arm;
+use nextview::geometry::Pose;
+
+impl Arm {
+    /// All joint values within the limits that bring the flange to a pose, in lexicographic order; empty if
+    /// none do. Each reproduces the pose to 1e-6, in metres and in radians.
+    ///
+    /// - Six turning axes with a wrist (three axes that meet, first or last) or with three parallel axes
+    ///   between a first one and two that meet: every solution, from a closed form. Axes count as parallel
+    ///   within 0.01 rad and as meeting within 5 mm, so that calibrated arms, whose axes are slightly off, are
+    ///   solved by it, too; Newton steps then remove the difference.
+    /// - Seven joints of which one can be held so that such an arm remains: that joint is sampled at 64
+    ///   values, or at 1024 if none of these has a solution, and every solution for each is returned.
+    /// - All other arms: what damped least squares find from 50 seeded starts, not necessarily all solutions.
+    ///
+    /// Where limits allow further turns, each is a solution of its own, up to 2π to either side of the value
+    /// nearest to 0. In a singular pose, where a joint may have any value, eight values stand for all.
+    ///
+    /// Sources: Brandstötter, Angerer and Hofbaur 2014 (arms with a wrist); Hawkins 2013 (parallel axes);
+    /// He and Liu 2021 (a seventh axis held). Their formulas need the axes of the text book; here, the same
+    /// circles are intersected for axes in any place (the subproblems of Paden and Kahan; Murray, Li and
+    /// Sastry 1994, section 3.2).
+    pub fn inverse(&self, base_from_flange: &Pose) -> Vec<Vec<f64>> {
+        solutions::all(self, base_from_flange, None)
+    }
+
+    /// As [`inverse`](Self::inverse), the nearest solution first: the one that the slowest joint reaches
+    /// soonest at full speed. A seventh axis, a joint without influence and the first numerical start take
+    /// their values from `near` as well.
+    ///
+    /// # Panics
+    ///
+    /// If there are not as many values as joints.
+    pub fn inverse_near(&self, base_from_flange: &Pose, near: &[f64]) -> Vec<Vec<f64>> {
+        assert_eq!(near.len(), self.joints.len(), "a value for each joint");
+        let time = |values: &[f64]| {
+            let times = self.joints.iter().zip(values.iter().zip(near));
+            times.map(|(joint, (a, b))| (a - b).abs() / joint.limits.velocity).fold(0.0, f64::max)
+        };
+        let mut found = solutions::all(self, base_from_flange, Some(near));
+        // Stable: equal times stay in lexicographic order.
+        found.sort_by(|a, b| time(a).total_cmp(&time(b)));
+        found
+    }
+}
+
+#[cfg(test)]
+mod tests;
