@@ -4,5 +4,7 @@
 //! views or maps.
 
 pub mod arm;
+pub mod collision;
+pub mod path;
 
 pub use arm::{Arm, Joint, JointKind, JointLimits, Link, Shape, ShapeKind};
