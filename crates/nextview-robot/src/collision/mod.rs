@@ -1,0 +1,23 @@
+//! What an arm would touch: itself, solids, tables and blocked voxels. Start with [`Checker`].
+//!
+//! Distances are lower bounds, so that an error shows as a contact that is none, never as a miss. The
+//! algorithm is our own: libraries with one state an upper bound (the distance of the nearest points found),
+//! and cost more build time than the rest of this crate.
+
+mod checker;
+mod contact;
+mod error;
+mod gjk;
+mod obstacle;
+mod simplex;
+mod solid;
+mod sweep;
+mod touching;
+mod voxels;
+
+pub use checker::{Attachment, Checker};
+pub use contact::Contact;
+pub use error::CellError;
+pub use obstacle::{Obstacle, ObstacleKind};
+pub use touching::touching_links;
+pub use voxels::BlockedVoxels;

@@ -1,0 +1,31 @@
+use crate::collision::Contact;
+use nextview::Cancelled;
+
+/// Why there is no path.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum NoPath {
+    /// Start or goals are no joint values of the arm; all faults at once.
+    #[error("{}", .0.join("; "))]
+    Invalid(Vec<String>),
+    /// The arm touches something where it starts.
+    #[error("at the start, {0}")]
+    StartTouches(Contact),
+    /// The arm would touch something at every goal.
+    #[error("at the end, {}", list(.0))]
+    EndTouches(Vec<Contact>),
+    /// None was found; there may be one.
+    #[error("no path was found with {n_samples} samples")]
+    NotFound {
+        /// Joint values that were tried.
+        n_samples: usize,
+    },
+    /// The search was cancelled.
+    #[error(transparent)]
+    Cancelled(#[from] Cancelled),
+}
+
+fn list(contacts: &[Contact]) -> String {
+    let mut each: Vec<String> = contacts.iter().map(Contact::to_string).collect();
+    each.dedup();
+    each.join(", or ")
+}
