@@ -12,4 +12,4 @@ pub use joint_path::JointPath;
 pub use line::line_contact;
 pub use no_path::NoPath;
 pub use plan::{plan_path, plan_path_to_any};
-pub use timing::JointTrajectory;
+pub use timing::{JointTrajectory, motion_time};

@@ -1,6 +1,6 @@
 use super::line::line_contact;
 use super::shortcut::shorten;
-use super::timing::{duration, leg_duration};
+use super::timing::{duration, motion_time};
 use super::tree::connect;
 use super::{JointPath, NoPath};
 use crate::Arm;
@@ -43,7 +43,7 @@ pub fn plan_path_to_any(
         return Err(NoPath::StartTouches(contact));
     }
     let mut order: Vec<(f64, usize)> =
-        (0..goals.len()).map(|goal| (leg_duration(checker.arm(), from, &goals[goal]), goal)).collect();
+        (0..goals.len()).map(|goal| (motion_time(checker.arm(), from, &goals[goal]), goal)).collect();
     order.sort_by(|a, b| a.0.total_cmp(&b.0));
     let (mut free, mut contacts) = (Vec::new(), Vec::new());
     for &(_, goal) in &order {

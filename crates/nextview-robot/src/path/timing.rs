@@ -51,13 +51,13 @@ impl JointTrajectory {
 }
 
 /// How long the straight motion between joint values takes, from rest to rest, seconds.
-pub(super) fn leg_duration(arm: &Arm, from: &[f64], to: &[f64]) -> f64 {
+pub fn motion_time(arm: &Arm, from: &[f64], to: &[f64]) -> f64 {
     profile(arm, from, to).duration()
 }
 
 /// How long straight motions along all of these corners take, seconds.
 pub(super) fn duration(arm: &Arm, corners: &[Vec<f64>]) -> f64 {
-    corners.windows(2).map(|leg| leg_duration(arm, &leg[0], &leg[1])).sum()
+    corners.windows(2).map(|leg| motion_time(arm, &leg[0], &leg[1])).sum()
 }
 
 /// The values at a share of the way.

@@ -109,6 +109,11 @@ impl TransformTree {
         Ok(())
     }
 
+    /// Forgets where moving frames were, as when the clock begins anew; static ones are kept.
+    pub fn forget_motion(&mut self) {
+        self.edges.retain(|_, edge| matches!(edge.kind, Kind::Static(_)));
+    }
+
     /// The transform that takes points of the source to the destination at a time, seconds.
     ///
     /// # Errors

@@ -1,0 +1,146 @@
+use super::capture::{Capture, Shot, Taken};
+use super::rest::{Rest, is_near};
+use super::whereabouts::Whereabouts;
+use crate::connections::Message;
+use crate::messages::{CompressedImage, Header, Image};
+use crate::notes::Notes;
+use crate::parameters::Parameters;
+use nextview::geometry::Pose;
+use nextview::sensor::{DepthImage, Intrinsics};
+use nextview_recording::RecordingError;
+
+/// The camera as its messages describe it. Of images, one is kept at most, and only while one is wanted.
+pub struct Camera {
+    whereabouts: Whereabouts,
+    /// As the last camera_info says.
+    pub intrinsics: Option<Intrinsics>,
+    /// What took the last image, and when.
+    last: Option<Header>,
+    /// Number of images so far.
+    pub n_images: u64,
+    rest: Rest,
+    capture: Option<Capture>,
+}
+
+impl Camera {
+    pub fn new(parameters: &Parameters) -> Self {
+        Self {
+            whereabouts: Whereabouts::new(&parameters.global_frame, parameters.use_tf_transforms),
+            intrinsics: None,
+            last: None,
+            n_images: 0,
+            rest: Rest::default(),
+            capture: None,
+        }
+    }
+
+    /// Takes in a message.
+    pub fn take(&mut self, message: Message, notes: &mut Notes) {
+        match message {
+            Message::Info(info) => match info.content().intrinsics() {
+                Ok(intrinsics) => {
+                    self.intrinsics = Some(intrinsics);
+                    notes.clear("depth/camera_info");
+                }
+                Err(error) => notes.add("depth/camera_info", error.to_string()),
+            },
+            Message::Transforms { message, is_static } => {
+                self.whereabouts.transforms(&message, is_static, notes);
+            }
+            Message::Pose(pose) => self.whereabouts.pose(&pose, notes),
+            Message::Image(image) => self.image(&image, notes),
+            Message::Compressed(image) => self.image(&image, notes),
+            Message::Unreadable(topic, problem) => notes.add(topic, problem),
+        }
+    }
+
+    fn image(&mut self, image: &impl Picture, notes: &mut Notes) {
+        self.n_images += 1;
+        let header = image.header();
+        let is_backwards =
+            self.last.as_ref().is_some_and(|last| header.stamp.seconds() < last.stamp.seconds());
+        self.last = Some(header.clone());
+        let is_wanted = self.capture.as_ref().is_some_and(Capture::wants_image);
+        let shot = match (is_backwards, self.intrinsics) {
+            (true, _) => Err("the stamp is before that of the image before, expected a later one".to_owned()),
+            (_, None) => Err("there is no camera_info yet, expected it on depth/camera_info".to_owned()),
+            // Nobody wants it: what can be said without reading it is said all the same.
+            _ if !is_wanted => image.check().map(|()| None),
+            (_, Some(intrinsics)) => match image.depth(&intrinsics) {
+                Ok(depth) => Ok(Some(Shot { header: header.clone(), depth, intrinsics })),
+                Err(error) => Err(error.to_string()),
+            },
+        };
+        match &shot {
+            Ok(_) => notes.clear("depth/image"),
+            Err(problem) => notes.add("depth/image", problem.clone()),
+        }
+        if let (Some(capture), true, Some(shot)) = (&mut self.capture, is_wanted, shot.transpose()) {
+            capture.saw(shot);
+        }
+    }
+
+    /// From now on, the next image is wanted.
+    pub fn capture(&mut self, timeout: f64) {
+        self.capture = Some(Capture::begin(timeout));
+    }
+
+    pub fn is_capturing(&self) -> bool {
+        self.capture.is_some()
+    }
+
+    /// The image that was wanted, once; or why there is none.
+    pub fn taken(&mut self) -> Option<Result<Taken, String>> {
+        let done = self.capture.as_mut()?.done(&self.whereabouts)?;
+        self.capture = None;
+        Some(done)
+    }
+
+    /// Whether the camera rests near a pose, as far as it is known where it is. To be asked regularly.
+    pub fn rests_near(&mut self, wanted: &Pose, distance: f64, angle: f64) -> bool {
+        let Some(Header { stamp, frame_id }) = &self.last else { return false };
+        if let Ok(pose) = self.whereabouts.at(frame_id, stamp.seconds()) {
+            self.rest.saw(stamp.seconds(), pose);
+        }
+        self.rest.place().is_some_and(|place| is_near(&place, wanted, distance, angle))
+    }
+}
+
+/// An image of either kind.
+trait Picture {
+    fn header(&self) -> &Header;
+    fn depth(&self, intrinsics: &Intrinsics) -> Result<DepthImage, RecordingError>;
+    /// Fails if it is no depth image.
+    fn check(&self) -> Result<(), String>;
+}
+
+impl Picture for Image {
+    fn header(&self) -> &Header {
+        &self.header
+    }
+
+    fn depth(&self, intrinsics: &Intrinsics) -> Result<DepthImage, RecordingError> {
+        self.content().depth(intrinsics)
+    }
+
+    fn check(&self) -> Result<(), String> {
+        let expected = "16UC1 (millimetres) or 32FC1 (metres)";
+        let refused = || format!("the encoding is '{}', expected {expected}", self.encoding);
+        self.content().is_depth().then_some(()).ok_or_else(refused)
+    }
+}
+
+impl Picture for CompressedImage {
+    fn header(&self) -> &Header {
+        &self.header
+    }
+
+    fn depth(&self, intrinsics: &Intrinsics) -> Result<DepthImage, RecordingError> {
+        self.content().depth(intrinsics)
+    }
+
+    fn check(&self) -> Result<(), String> {
+        let refused = || format!("the format is '{}', expected compressedDepth png", self.format);
+        self.content().is_depth().then_some(()).ok_or_else(refused)
+    }
+}

@@ -1,0 +1,11 @@
+//! What the node reads from and writes to over DDS.
+
+mod connector;
+mod inputs;
+mod outputs;
+mod services;
+
+pub use connector::{Connector, join};
+pub use inputs::{Inputs, Message};
+pub use outputs::{Output, Outputs};
+pub use services::{Service, Services};

@@ -1,0 +1,64 @@
+use super::connector::Connector;
+use crate::messages::{MarkerArray, Octomap, Path, PointCloud2, PoseArray, PoseStamped, Text};
+use ros2_client::dds::Publisher;
+
+/// A message to be published.
+pub enum Output {
+    NextView(PoseStamped),
+    Candidates(PoseArray),
+    Path(Path),
+    OctomapBinary(Octomap),
+    OctomapFull(Octomap),
+    Cloud(PointCloud2),
+    Markers(MarkerArray),
+    Status(Text),
+}
+
+/// The topics that the node writes; those who come later get the last message of each.
+pub struct Outputs {
+    next_view: Publisher<PoseStamped>,
+    candidates: Publisher<PoseArray>,
+    path: Publisher<Path>,
+    octomap_binary: Publisher<Octomap>,
+    octomap_full: Publisher<Octomap>,
+    cloud: Publisher<PointCloud2>,
+    markers: Publisher<MarkerArray>,
+    status: Publisher<Text>,
+}
+
+impl Outputs {
+    pub fn connect(connector: &mut Connector<'_>) -> Result<Self, String> {
+        Ok(Self {
+            next_view: connector.publisher("~/next_view", ("geometry_msgs", "PoseStamped"))?,
+            candidates: connector.publisher("~/candidates", ("geometry_msgs", "PoseArray"))?,
+            path: connector.publisher("~/path", ("nav_msgs", "Path"))?,
+            octomap_binary: connector.publisher("~/octomap_binary", ("octomap_msgs", "Octomap"))?,
+            octomap_full: connector.publisher("~/octomap_full", ("octomap_msgs", "Octomap"))?,
+            cloud: connector.publisher("~/cloud", ("sensor_msgs", "PointCloud2"))?,
+            markers: connector.publisher("~/markers", ("visualization_msgs", "MarkerArray"))?,
+            status: connector.publisher("~/status", ("std_msgs", "String"))?,
+        })
+    }
+
+    /// Publishes a message; or says why it cannot be.
+    pub fn publish(&self, output: Output) -> Result<(), String> {
+        match output {
+            Output::NextView(message) => sent("~/next_view", self.next_view.publish(message)),
+            Output::Candidates(message) => sent("~/candidates", self.candidates.publish(message)),
+            Output::Path(message) => sent("~/path", self.path.publish(message)),
+            Output::OctomapBinary(message) => sent("~/octomap_binary", self.octomap_binary.publish(message)),
+            Output::OctomapFull(message) => sent("~/octomap_full", self.octomap_full.publish(message)),
+            Output::Cloud(message) => sent("~/cloud", self.cloud.publish(message)),
+            Output::Markers(message) => sent("~/markers", self.markers.publish(message)),
+            Output::Status(message) => sent("~/status", self.status.publish(message)),
+        }
+    }
+}
+
+fn sent<M>(topic: &str, result: Result<(), ros2_client::WriteError<M>>) -> Result<(), String> {
+    // The message itself, which the error holds, may be megabytes.
+    result.map_err(|error| match error {
+        ros2_client::WriteError::WouldBlock { .. } => format!("{topic}: nobody takes what was sent before"),
+        _ => format!("{topic}: a message cannot be sent"),
+    })
+}

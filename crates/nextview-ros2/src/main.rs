@@ -1,0 +1,39 @@
+//! The program `nextview-ros2`: a node of ROS 2 that scans with any depth camera. Images and transforms come
+//! in; next views, maps and clouds go out. It decides nothing: that is [`nextview_scan::LiveScan`]'s.
+//!
+//! `docs/ros2.md` describes its topics, services and parameters.
+
+mod camera;
+mod connections;
+mod messages;
+mod names;
+mod node;
+mod notes;
+mod parameters;
+mod scan;
+mod status;
+
+use parameters::{Parameters, RosArguments};
+use std::process::ExitCode;
+
+fn main() -> ExitCode {
+    let arguments = RosArguments::parse(std::env::args().skip(1));
+    let started = arguments.and_then(|arguments| {
+        let parameters = Parameters::new(&arguments)?;
+        Ok((arguments, parameters))
+    });
+    let (arguments, parameters) = match started {
+        Ok(started) => started,
+        Err(problem) => {
+            eprintln!("{problem}");
+            return ExitCode::from(2);
+        }
+    };
+    match node::run(&arguments.names, parameters) {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(problem) => {
+            eprintln!("{problem}");
+            ExitCode::FAILURE
+        }
+    }
+}

@@ -1,0 +1,50 @@
+//! A scan as messages.
+
+use super::{cloud, markers, octomap};
+use crate::connections::Output;
+use crate::messages::{Header, Path, Pose, PoseArray, PoseStamped, Time};
+use glam::DVec3;
+use nextview::session::NextView;
+use nextview::surface::downsample;
+use nextview_scan::{Fault, LiveScan};
+
+/// All that there is to see after a decision, in this frame. When the scan is over, there is no next view,
+/// and its path is empty.
+pub fn outputs(scan: &LiveScan, next: Option<&NextView>, frame: &str) -> Result<Vec<Output>, Fault> {
+    let session = &scan.scan().session;
+    let stamped =
+        |stamp: Time, pose: Pose| PoseStamped { header: Header { stamp, ..Header::of(frame) }, pose };
+    let mut outputs = Vec::new();
+    let mut waypoints = Vec::new();
+    if let Some(next) = next {
+        outputs.push(Output::NextView(stamped(Time::default(), (&next.world_from_camera).into())));
+        let trajectory = scan.trajectory_to(next)?;
+        // The times are those since the camera set off.
+        let waypoint = |at: &nextview::motion::Waypoint| {
+            stamped(Time::from_seconds(at.time), (&at.world_from_camera).into())
+        };
+        waypoints = trajectory.waypoints().iter().map(waypoint).collect();
+    }
+    outputs.push(Output::Path(Path { header: Header::of(frame), poses: waypoints }));
+    let visited = session.visited();
+    let free = session.views().poses().iter().enumerate().filter(|(view, _)| !visited.contains(view));
+    let poses = free.map(|(_, pose)| pose.into()).collect();
+    outputs.push(Output::Candidates(PoseArray { header: Header::of(frame), poses }));
+    let [full, binary] = octomap::messages(session.map(), frame)?;
+    outputs.extend([Output::OctomapBinary(binary), Output::OctomapFull(full)]);
+    outputs.push(Output::Cloud(cloud::message(&points(scan)?, frame)));
+    let taken: Vec<DVec3> =
+        session.frames().iter().map(|frame| frame.world_from_camera().translation()).collect();
+    let pose = next.map(|next| &next.world_from_camera);
+    outputs.push(Output::Markers(markers::message(session.bounds(), pose, &taken, frame)));
+    Ok(outputs)
+}
+
+/// The measured points in the box, one a voxel.
+fn points(scan: &LiveScan) -> Result<Vec<DVec3>, Fault> {
+    let session = &scan.scan().session;
+    let Some(bounds) = session.bounds() else { return Ok(Vec::new()) };
+    let points = session.frames().iter().flat_map(|frame| frame.points_in(bounds));
+    let thinned = downsample(points, session.map().lattice().voxel_size())?;
+    Ok(thinned.into_iter().map(|point| point.position).collect())
+}

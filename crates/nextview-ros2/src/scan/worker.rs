@@ -1,0 +1,252 @@
+use super::picture::outputs;
+use crate::camera::Taken;
+use crate::connections::Output;
+use crate::messages::TriggerResponse;
+use crate::parameters::Parameters;
+use nextview::Cancel;
+use nextview::geometry::Pose;
+use nextview::sensor::Intrinsics;
+use nextview::session::StopReason;
+use nextview_scan::files::{Overwrite, ResultFolder};
+use nextview_scan::{Fault, Faults, LiveFrame, LiveScan, RESULT_FILES, ScanJournal};
+use serde::Serialize;
+use std::sync::mpsc;
+use tokio::sync::mpsc::UnboundedSender;
+
+/// Something to be done with the scan, and who waits for the answer.
+pub struct Order<T> {
+    pub job: Job,
+    pub askers: Vec<T>,
+}
+
+pub enum Job {
+    /// Begins with this camera, or goes on if the interrupted scan is one of it.
+    Begin(Intrinsics),
+    Observe(Box<Taken>),
+    Plan,
+    Skip,
+    Save,
+    /// Begins anew with this camera.
+    Reset(Intrinsics),
+}
+
+/// What the thread tells.
+pub enum Report<T> {
+    /// To be published.
+    Outputs(Vec<Output>),
+    State(State),
+    /// The last thing that was done has failed; none if it has not.
+    Problem(Option<String>),
+    /// An order is done.
+    Done {
+        askers: Vec<T>,
+        answer: TriggerResponse,
+    },
+}
+
+/// Where the scan is.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+pub struct State {
+    pub state: Stage,
+    /// Number of frames that were taken.
+    pub frames: usize,
+    /// Number of the next view among the candidates; none if it is no candidate, or if there is none.
+    pub view: Option<usize>,
+    /// Estimated share of the surface that can be seen that has been seen.
+    pub estimated_completeness: Option<f64>,
+    pub stop_reason: Option<StopReason>,
+    /// Where the camera should stand.
+    #[serde(skip)]
+    pub wanted: Option<Pose>,
+}
+
+/// In the words of the status.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Stage {
+    /// No camera_info has come.
+    #[default]
+    WaitingForCamera,
+    /// The next view is known.
+    View,
+    /// Nothing is left to do.
+    Finished,
+}
+
+/// Starts the thread. Orders are done one after the other, in the order in which they come.
+pub fn start<T: Send + 'static>(
+    parameters: Parameters,
+    reports: UnboundedSender<Report<T>>,
+) -> mpsc::Sender<Order<T>> {
+    let (sender, orders) = mpsc::channel();
+    std::thread::spawn(move || {
+        let mut worker = Worker { parameters, scan: None, is_saved: false };
+        if worker.resumes() {
+            worker.tell(&reports, |worker| worker.resume());
+        }
+        for Order { job, askers } in orders {
+            let answer = worker.tell(&reports, |worker| worker.work(job));
+            // If nobody listens, the node has ended.
+            let _ = reports.send(Report::Done { askers, answer });
+        }
+    });
+    sender
+}
+
+struct Worker {
+    parameters: Parameters,
+    scan: Option<LiveScan>,
+    /// Whether the results of the finished scan are on the disk.
+    is_saved: bool,
+}
+
+impl Worker {
+    /// Does something, and reports what there is to see then.
+    fn tell<T>(
+        &mut self,
+        reports: &UnboundedSender<Report<T>>,
+        job: impl FnOnce(&mut Self) -> Result<bool, Faults>,
+    ) -> TriggerResponse {
+        let shown = job(self).and_then(|has_changed| self.show(has_changed));
+        let (problem, response) = match shown {
+            Ok((outputs, state)) => {
+                let message = serde_json::to_string(&state).unwrap_or_default();
+                let _ = reports.send(Report::Outputs(outputs));
+                let _ = reports.send(Report::State(state));
+                (None, TriggerResponse { success: true, message })
+            }
+            Err(faults) => {
+                let message = told(&faults);
+                (Some(message.clone()), TriggerResponse { success: false, message })
+            }
+        };
+        let _ = reports.send(Report::Problem(problem));
+        response
+    }
+
+    /// Whether anything has changed that can be seen.
+    fn work(&mut self, job: Job) -> Result<bool, Faults> {
+        match job {
+            Job::Begin(camera) => self.begin_or_check(camera),
+            Job::Observe(taken) => {
+                let Taken { header, depth, intrinsics, world_from_camera } = *taken;
+                self.begin_or_check(intrinsics)?;
+                let name = format!("{}.{:09}", header.stamp.sec, header.stamp.nanosec);
+                let frame = LiveFrame { name: Some(name), ..LiveFrame::new(depth, world_from_camera) };
+                self.under_way()?.observe(frame)?;
+                Ok(true)
+            }
+            Job::Plan => self.under_way().map(|_| true),
+            Job::Skip => {
+                let scan = self.under_way()?;
+                match scan.next()?.map(|next| next.view) {
+                    Some(Some(view)) => scan.skip(view, "the robot cannot go there")?,
+                    Some(None) => {
+                        let fault = Fault::request("the first view is no candidate and cannot be skipped");
+                        return Err(fault
+                            .with_remedy("take an image from anywhere that shows the object")
+                            .into());
+                    }
+                    None => return Err(Fault::request("the scan is over: there is no view to skip").into()),
+                }
+                Ok(true)
+            }
+            Job::Save => self.save().map(|()| false),
+            Job::Reset(camera) => {
+                if let Some(mut scan) = self.scan.take() {
+                    scan.forget_journal();
+                }
+                self.begin(camera)
+            }
+        }
+    }
+
+    /// Begins the scan, unless it is under way with this camera.
+    fn begin_or_check(&mut self, camera: Intrinsics) -> Result<bool, Faults> {
+        match &self.scan {
+            None => self.begin(camera),
+            Some(scan) if scan.config().camera == camera => Ok(false),
+            Some(_) => {
+                let fault =
+                    Fault::data("camera_info is not that of the scan, whose images must be of one camera");
+                Err(fault.with_remedy("`~/reset` begins anew with this camera").into())
+            }
+        }
+    }
+
+    fn begin(&mut self, camera: Intrinsics) -> Result<bool, Faults> {
+        let config = self.parameters.scan_config(camera)?;
+        let directory = self.parameters.directory.as_deref();
+        self.scan = Some(LiveScan::begin(config, directory, Cancel::default())?);
+        self.is_saved = false;
+        Ok(true)
+    }
+
+    fn resumes(&self) -> bool {
+        self.parameters.directory.as_deref().is_some_and(ScanJournal::is_in)
+    }
+
+    fn resume(&mut self) -> Result<bool, Faults> {
+        let directory = self.parameters.directory.as_deref().unwrap_or(".".as_ref());
+        self.scan = Some(LiveScan::resume(directory, Cancel::default())?);
+        Ok(true)
+    }
+
+    fn under_way(&mut self) -> Result<&mut LiveScan, Faults> {
+        self.scan.as_mut().ok_or_else(|| {
+            let fault = Fault::request("there is no scan yet, because no camera_info has come");
+            fault.with_remedy("remap depth/camera_info to the topic of the camera").into()
+        })
+    }
+
+    /// Plans, if need be; and saves what is over.
+    fn show(&mut self, has_changed: bool) -> Result<(Vec<Output>, State), Faults> {
+        let Some(scan) = &mut self.scan else { return Ok((Vec::new(), State::default())) };
+        let next = scan.next()?;
+        let state = State {
+            state: if next.is_some() { Stage::View } else { Stage::Finished },
+            frames: scan.scan().steps.len(),
+            view: next.as_ref().and_then(|next| next.view),
+            estimated_completeness: next
+                .as_ref()
+                .and_then(|next| next.outlook)
+                .map(|outlook| outlook.completeness()),
+            stop_reason: scan.stop_reason(),
+            wanted: next.as_ref().map(|next| next.world_from_camera),
+        };
+        let seen = match has_changed {
+            true => outputs(scan, next.as_ref(), &self.parameters.global_frame)?,
+            false => Vec::new(),
+        };
+        if next.is_none() && self.parameters.directory.is_some() && !self.is_saved {
+            self.save()?;
+            self.is_saved = true;
+        }
+        Ok((seen, state))
+    }
+
+    /// Writes the results. Those of a scan that is over are final: its journal is removed.
+    fn save(&mut self) -> Result<(), Faults> {
+        let Some(directory) = self.parameters.directory.clone() else {
+            let fault = Fault::request("there is no folder to save in");
+            return Err(fault.with_remedy("state the parameter `directory`").into());
+        };
+        let scan = self.under_way()?;
+        let mut folder = ResultFolder::begin(&directory, RESULT_FILES, Overwrite::results())?;
+        let faults = scan.write_results(&mut folder).faults;
+        folder.publish()?;
+        if scan.stop_reason().is_some() {
+            scan.forget_journal();
+        }
+        faults.map_or(Ok(()), Err)
+    }
+}
+
+/// All faults in a line, with what to do about them.
+fn told(faults: &Faults) -> String {
+    let fault = |fault: &Fault| match &fault.remedy {
+        Some(remedy) => format!("{fault}: {remedy}"),
+        None => fault.to_string(),
+    };
+    faults.iter().map(fault).collect::<Vec<_>>().join("; ")
+}

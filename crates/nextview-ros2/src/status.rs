@@ -1,0 +1,33 @@
+//! What the node says of itself, as JSON.
+
+use crate::messages::Text;
+use crate::scan::State;
+use serde::Serialize;
+use std::collections::BTreeMap;
+
+#[derive(Serialize)]
+struct Status<'a> {
+    #[serde(flatten)]
+    scan: &'a State,
+    /// Orders that are being done or wait: while there are some, the next view is not yet known.
+    busy: usize,
+    /// Whether an image is waited for.
+    capturing: bool,
+    /// Number of images that came since the node started.
+    images: u64,
+    /// What is wrong at present, by what it is about.
+    problems: BTreeMap<&'static str, &'a str>,
+}
+
+/// The status as a message.
+pub fn message(
+    scan: &State,
+    busy: usize,
+    capturing: bool,
+    images: u64,
+    problems: BTreeMap<&'static str, &str>,
+) -> Text {
+    let status = Status { scan, busy, capturing, images, problems };
+    // Only maps of other keys than texts could fail.
+    Text { data: serde_json::to_string(&status).unwrap_or_default() }
+}
