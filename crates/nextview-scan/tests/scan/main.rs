@@ -4,7 +4,6 @@
 
 mod common;
 mod configuration;
-mod dbg;
 mod far;
 mod journal;
 mod live;

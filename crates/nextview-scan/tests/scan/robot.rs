@@ -11,7 +11,7 @@ use nextview_scan::{
 };
 
 /// A UR5e beside a mug on a table, with the camera 5 cm before its flange.
-pub fn config() -> ScanConfig {
+fn config() -> ScanConfig {
     let mut robot = RobotConfig {
         flange_from_camera: Pose::new(glam::DQuat::IDENTITY, DVec3::Z * 0.05).unwrap(),
         ..RobotConfig::default()
@@ -98,7 +98,7 @@ fn the_same_scan_after_an_interruption() {
 fn an_arm_out_of_reach_says_so() {
     let mut config = config();
     config.robot.as_mut().unwrap().set_base(DVec3::X * 5.0).unwrap();
-    let fault = SimulatedObject::new(&config).err().unwrap().to_string();
+    let fault = format!("{:?}", SimulatedObject::new(&config).err().unwrap());
     assert!(fault.contains("none of the") && fault.contains("robot.world_from_base"), "{fault}");
 }
 
