@@ -1,17 +1,17 @@
-//! Where a vector that turns about an axis is what it should be: the subproblems that closed forms consist of.
+//! The angle by which a vector turns about an axis to be where it should: what closed forms consist of.
 
 use glam::{DQuat, DVec3};
 
 /// Vectors whose product is shorter, metres or metres squared, determine no angle.
 const SINGULAR: f64 = 1e-7;
-/// A target that is missed by this share of the circle's radius is touched: a pose at the border of what can
-/// be reached is there in spite of rounding, and of axes that are slightly off. Newton steps and a test of
-/// every solution follow.
+/// A target that is missed by this share of the circle's radius is touched: a pose at the border of what
+/// can be reached is there in spite of rounding, and of axes that are slightly off. Newton steps and a test
+/// of every solution follow.
 const TOUCHED: f64 = 1e-2;
 
-/// The angles by which `vector` turns about the unit vector `axis` until its product with `other` is `product`:
-/// none, two (equal ones where the circle is touched), or if it is independent of the angle and right, those
-/// of `free`.
+/// The angles by which `vector` turns about the unit vector `axis` until its product with `other` is
+/// `product`: none, two (equal ones where the circle is touched), or if it is independent of the angle and
+/// right, those of `free`.
 pub(super) fn angles_to_product(
     axis: DVec3,
     vector: DVec3,
@@ -47,8 +47,8 @@ pub(super) fn angles_to_distance(
     angles_to_product(axis, arm, other, product, free)
 }
 
-/// The angle by which `from` turns about the unit vector `axis` until it is in the half-plane of `to`; those of
-/// `free` if one of them is along the axis.
+/// The angle by which `from` turns about the unit vector `axis` until it is in the half-plane of `to`; those
+/// of `free` if one of them is along the axis.
 pub(super) fn angles_between(axis: DVec3, from: DVec3, to: DVec3, free: &[f64]) -> Vec<f64> {
     let flat = |vector: DVec3| vector - axis * axis.dot(vector);
     let (from, to) = (flat(from), flat(to));

@@ -1,31 +1,8 @@
 use super::axis::SixAxes;
+use super::free::Free;
 use super::parallel_axes::ParallelAxes;
 use super::wrist::Wrist;
 use nextview::geometry::Pose;
-use std::f64::consts::TAU;
-
-/// Values for a joint that may have any in a singular pose.
-const N_FREE: usize = 8;
-
-/// What joints without influence are set to: equal steps, and the values that the caller is near to.
-pub(super) struct Free {
-    near: Option<[f64; 6]>,
-}
-
-impl Free {
-    pub fn values(&self, joint: usize) -> Vec<f64> {
-        let steps = (0..N_FREE).map(|step| (step as f64 / N_FREE as f64 - 0.5) * TAU);
-        self.near.iter().map(|near| near[joint]).chain(steps).collect()
-    }
-
-    fn reversed(&self) -> Self {
-        let near = self.near.map(|mut near| {
-            near.reverse();
-            near
-        });
-        Self { near }
-    }
-}
 
 enum Form {
     Wrist(Wrist),
@@ -56,7 +33,7 @@ impl ClosedForm {
     /// All angles, up to whole turns, that bring the flange to a pose, and some that nearly do: candidates.
     pub fn solve(&self, base_from_flange: &Pose, near: Option<[f64; 6]>) -> Vec<[f64; 6]> {
         let motion = *base_from_flange * self.flange_from_base;
-        let free = Free { near };
+        let free = Free::new(near);
         if !self.is_reversed {
             return self.form.solve(&motion, &free);
         }

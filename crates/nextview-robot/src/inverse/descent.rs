@@ -11,6 +11,9 @@ const EXACT: f64 = 1e-11;
 const FIRST_DAMPING: f64 = 1e-4;
 const LAST_DAMPING: f64 = 1e4;
 
+/// A step to values beyond, radians or metres, is none: next to a singular pose, steps have no bounds.
+const FARTHEST: f64 = 1e6;
+
 /// How far a pose is from another: metres and, as a vector along the axis, radians.
 type Error = [f64; 6];
 
@@ -38,6 +41,10 @@ pub(super) fn descend(
                 let turned = turns::values(joint, *value).first().copied();
                 *value = turned.unwrap_or(value.clamp(joint.limits.lower, joint.limits.upper));
             }
+        }
+        if !moved.iter().all(|value| value.abs() < FARTHEST) {
+            damping *= 10.0;
+            continue;
         }
         let new_error = error_of(arm, target, &moved);
         if norm(&new_error) < norm(&error) {

@@ -7,6 +7,7 @@ mod axis;
 mod circle;
 mod closed_form;
 mod descent;
+mod free;
 mod numeric;
 mod parallel_axes;
 mod redundant;
@@ -23,8 +24,9 @@ impl Arm {
     ///
     /// - Six turning axes with a wrist (three axes that meet, first or last) or with three parallel axes
     ///   between a first one and two that meet: every solution, from a closed form. Axes count as parallel
-    ///   within 0.01 rad and as meeting within 5 mm, so that calibrated arms, whose axes are slightly off, are
-    ///   solved by it, too; Newton steps then remove the difference.
+    ///   within 0.01 rad and as meeting within 5 mm, so that calibrated arms, whose axes are slightly off,
+    ///   are solved by it, too; damped Newton steps then remove the difference. Of such an arm, off by 1 mrad
+    ///   and 0.5 mm, some solutions near singular poses are missed, up to 2 %, and all of 0.3 % of the poses.
     /// - Seven joints of which one can be held so that such an arm remains: that joint is sampled at 64
     ///   values, or at 1024 if none of these has a solution, and every solution for each is returned.
     /// - All other arms: what damped least squares find from 50 seeded starts, not necessarily all solutions.
@@ -46,14 +48,18 @@ impl Arm {
     ///
     /// # Panics
     ///
-    /// If there are not as many values as joints.
+    /// If there are not as many values as joints, or one is not a finite number.
     pub fn inverse_near(&self, base_from_flange: &Pose, near: &[f64]) -> Vec<Vec<f64>> {
         assert_eq!(near.len(), self.joints.len(), "a value for each joint");
+        assert!(near.iter().all(|value| value.is_finite()), "finite values, not {near:?}");
         let time = |values: &[f64]| {
             let times = self.joints.iter().zip(values.iter().zip(near));
             times.map(|(joint, (a, b))| (a - b).abs() / joint.limits.velocity).fold(0.0, f64::max)
         };
-        let mut found = solutions::all(self, base_from_flange, Some(near));
+        // A start, or a value of a joint that is held, must be one that the arm can have.
+        let joints = self.joints.iter().zip(near);
+        let within = joints.map(|(joint, value)| value.clamp(joint.limits.lower, joint.limits.upper));
+        let mut found = solutions::all(self, base_from_flange, Some(&within.collect::<Vec<_>>()));
         // Stable: equal times stay in lexicographic order.
         found.sort_by(|a, b| time(a).total_cmp(&time(b)));
         found

@@ -1,6 +1,6 @@
 use super::axis::Axis;
 use super::circle::{angle_of, angles_between, angles_to_distance, angles_to_product};
-use super::closed_form::Free;
+use super::free::Free;
 use glam::DVec3;
 use nextview::geometry::Pose;
 

@@ -6,7 +6,7 @@ use crate::{Arm, JointKind};
 use nextview::geometry::Pose;
 use std::f64::consts::TAU;
 
-/// Most steps after a closed form. Exact axes need none or one, calibrated ones more, near singular poses many.
+/// Most steps after a closed form. Exact axes need none or one, calibrated ones near singular poses many.
 const N_POLISH: usize = 50;
 /// Solutions whose joints differ by less are one: a double root, found twice.
 const SAME: f64 = 1e-6;

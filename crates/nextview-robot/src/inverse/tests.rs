@@ -5,6 +5,7 @@ use crate::{Arm, Joint, JointKind, JointLimits, Link};
 use glam::{DQuat, DVec3};
 use nextview::geometry::Pose;
 use nextview::geometry::random::Random;
+use proptest::prelude::*;
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
 const SIX_AXES: [&str; 5] = ["ur3e", "ur5e", "ur10e", "kr6_r900", "lr_mate_200id"];
@@ -65,8 +66,8 @@ impl Tally {
     }
 }
 
-/// `NEXTVIEW_IK_POSES` is the number of poses (2000 if it is not set), spread over the arms. All are solved, and
-/// 99.9 % of the joint values that made them are found again: an independent measure of completeness.
+/// `NEXTVIEW_IK_POSES` is the number of poses (2000 if it is not set), spread over the arms. All are solved,
+/// and the joint values that made them are found again: an independent measure of completeness.
 #[test]
 fn arms_of_six_axes_are_solved_completely() {
     for (seed, name) in SIX_AXES.into_iter().enumerate() {
@@ -157,7 +158,7 @@ fn singular_poses_have_solutions() {
 #[test]
 fn a_first_axis_without_influence_takes_any_value() {
     let arm = Arm::preset("kr6_r900").unwrap();
-    // 0.025 + 0.455 cos a = 0.42 sin b - 0.035 cos b - ..., solved by bisection over the third joint.
+    // By bisection over the third joint.
     let wrist_x = |third: f64| arm.link_poses(&[0.0, -1.8, third, 0.0, 0.3, 0.0])[5].translation().x;
     let (mut low, mut high) = (0.0, 2.5);
     let sign = wrist_x(low).signum();
@@ -292,6 +293,24 @@ fn a_seventh_joint_is_found_by_the_geometry() {
             solutions.iter().for_each(|solution| assert_reaches(&arm, solution, &pose));
             assert!(is_near(&solutions[0], &values, 1e-5));
             assert!(!arm.inverse(&pose).is_empty());
+        }
+    }
+}
+
+proptest! {
+    /// Any pose and any values to be near to, the absurd included.
+    #[test]
+    fn any_pose_is_solved_or_not(
+        which in 0..crate::presets::NAMES.len(),
+        at in prop::array::uniform3(prop_oneof![-1.5..1.5, -1e8..1e8, Just(0.0)]),
+        turn in prop::array::uniform3(prop_oneof![-4.0..4.0, Just(0.0), Just(PI)]),
+        near in prop::array::uniform7(prop_oneof![-7.0..7.0, Just(0.0), any::<f64>()]),
+    ) {
+        let arm = Arm::preset(crate::presets::NAMES[which]).unwrap();
+        let pose = Pose::new(DQuat::from_scaled_axis(turn.into()), at.into()).unwrap();
+        let near: Vec<f64> = near[..arm.n_joints()].iter().map(|x: &f64| if x.is_finite() { *x } else { 0.0 }).collect();
+        for solution in arm.inverse(&pose).iter().chain(&arm.inverse_near(&pose, &near)) {
+            assert_reaches(&arm, solution, &pose);
         }
     }
 }

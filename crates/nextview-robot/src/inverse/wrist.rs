@@ -1,6 +1,6 @@
 use super::axis::Axis;
 use super::circle::{angle_of, angles_between, angles_to_distance, angles_to_product};
-use super::closed_form::Free;
+use super::free::Free;
 use glam::{DQuat, DVec3};
 use nextview::geometry::Pose;
 
@@ -62,7 +62,7 @@ impl Wrist {
         solutions
     }
 
-    /// Turning about the first two axes keeps a point's distance from the shoulder; this gives the third angle.
+    /// Turning about the first two axes keeps the distance from the shoulder; this gives the third angle.
     fn place_by_shoulder(&self, shoulder: DVec3, target: DVec3, free: &Free) -> Vec<[f64; 3]> {
         let [first, second, third, ..] = &self.axes;
         let (distance, to_target) = (target.distance(shoulder), target - shoulder);

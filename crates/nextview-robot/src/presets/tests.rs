@@ -19,8 +19,8 @@ fn every_preset_is_an_arm_with_solids() {
     assert!(error.starts_with("no arm is called \"ur5\", expected one of ur3e, ur5e"), "{error}");
 }
 
-/// A row of a Denavit-Hartenberg table: theta is the joint, then d, a and alpha, in the order of the text book
-/// (turn and move along z, then move and turn along x), or in Craig's (x first).
+/// A row of a Denavit-Hartenberg table: d, a and alpha beside the joint's theta, in the order of the text
+/// book (turn and move along z, then along x), or in Craig's (x first).
 struct Row(f64, f64, f64);
 
 fn by_table(rows: &[Row], values: &[f64], is_craig: bool) -> DMat4 {

@@ -4,8 +4,8 @@ use glam::{DQuat, DVec3};
 use proptest::prelude::*;
 use std::f64::consts::TAU;
 
-/// Base, column (fixed), a turning joint, a sliding one, a flange (fixed), and beside them a finger that turns
-/// and a lamp on the base.
+/// Base, column (fixed), a turning joint, a sliding one, a flange (fixed), and beside them a finger that
+/// turns and a lamp on the base.
 const ROBOT: &str = r#"<?xml version="1.0"?>
 <robot name="crane">
   <link name="base"><collision><geometry><box size="2 4 6"/></geometry></collision></link>
