@@ -1,5 +1,7 @@
 //! Paths and trajectories of a whole arm.
 
+#![allow(clippy::unwrap_used, reason = "helpers of tests")]
+
 mod cell;
 
 use nextview::Cancel;
