@@ -2,7 +2,7 @@
 
 check_node.py NODE SIMULATED_CAMERA [--full]
 
-Needs Linux, the right to make a network of its own (`unshare`), and the packages cyclonedds, rosbags and numpy.
+Needs Linux, the right to make a network of its own (`unshare`), and the packages cyclonedds, rosbags, numpy and pillow.
 """
 
 import atexit
@@ -105,7 +105,7 @@ def check_bytes(robot):
     octomap = "std_msgs/Header header\nbool binary\nstring id\nfloat64 resolution\nint8[] data\n"
     store.register(get_types_from_msg(octomap, "octomap_msgs/msg/Octomap"))
     for name, message in robot.latest.items():
-        package, kind = type(message).__idl_typename__.replace("_", "_").split("::msg::dds_::")
+        package, kind = type(message).__idl_typename__.split("::msg::dds_::")
         kind = f"{package}/msg/{kind.removesuffix('_')}"
         content = bytes(message.serialize(use_version_2=False))
         read = store.deserialize_cdr(content, kind)
@@ -166,13 +166,16 @@ def check_transforms(reference):
     assert not reply.success and "no transform names the frame 'map'" in reply.message, reply.message
     reply = robot.capture(pose, move=lambda robot, pose, at: robot.publish_tf(pose, at - 0.5))
     assert not reply.success and "is known until" in reply.message, reply.message
-    robot.publish_tf(pose, robot.time + 20.0, child="elsewhere", parent="nowhere")
-    reply = robot.capture(pose, move=lambda robot, pose, at: robot.publish_tf(pose, at + 30.0))
-    assert not reply.success and "moves" not in reply.message, reply.message
-    assert robot.capture(pose).success is False or True
+    assert robot.capture(pose).success
+    robot.until("plan", lambda status: status["busy"] == 0)
+    time.sleep(0.05)
+    for encoding in ("compressedDepth", "16UC1"):
+        reply = robot.capture(next_pose(robot), encoding)
+        assert reply.success, reply.message
+    assert json.loads(reply.message)["frames"] == 3, reply
     robot.close()
     node.stop()
-    return "late, missing and disordered transforms"
+    return "late, missing and disordered; compressedDepth and millimetres as well"
 
 
 def check_restarts(reference):
@@ -248,7 +251,10 @@ def check_bad_input():
 
 
 def check_memory(seconds):
-    """30 images and 100 transforms a second: the memory does not grow."""
+    """30 images and 90 transforms a second, as far as Python is fast enough: the memory does not grow.
+
+    The library for DDS keeps the last 64 images, 39 MB, before it forgets any.
+    """
     node, robot = Node(), new_robot()
     begin(robot)
     pose = next_pose(robot)
@@ -258,7 +264,7 @@ def check_memory(seconds):
         robot.time += 1 / 30
         for i in range(3):
             robot.publish_tf(pose, robot.time + i / 100)
-        robot.publish_image(metres, robot.time)
+        robot.publish_image(metres, robot.time, "16UC1")
         n += 1
         robot.listen()
         sizes.append(node.resident_mb())
@@ -269,7 +275,7 @@ def check_memory(seconds):
     third = len(sizes) // 3
     early, late = max(sizes[third : 2 * third]), max(sizes[2 * third :])
     assert status["images"] > 0.5 * n, (status["images"], n)
-    assert late < 1.05 * early + 4, (early, late)
+    assert late < 160 and (not IS_FULL or late < 1.02 * early + 2), (early, late)
     return f"{status['images']} of {n} images in {seconds} s; at most {early:.0f} MB in the second third, {late:.0f} in the last"
 
 
@@ -312,7 +318,7 @@ if __name__ == "__main__":
     ]
     if IS_FULL:
         checks.append(("restarts", lambda: check_restarts(REFERENCE)))
-    checks.append(("memory", lambda: check_memory(60 if IS_FULL else 6)))
+    checks.append(("memory", lambda: check_memory(60 if IS_FULL else 8)))
     chosen = [argument for argument in sys.argv[3:] if not argument.startswith("--")]
     for name, check in checks:
         if not chosen or name in chosen:

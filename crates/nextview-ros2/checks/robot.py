@@ -1,6 +1,7 @@
 """A robot with a simulated depth camera, as another implementation of DDS: the node's peer in the checks."""
 
 import atexit
+import io
 import json
 import subprocess
 import time
@@ -12,6 +13,7 @@ from cyclonedds.pub import DataWriter
 from cyclonedds.sub import DataReader
 from cyclonedds.topic import Topic
 from cyclonedds.util import duration
+from PIL import Image
 
 import ros_messages as ros
 
@@ -32,8 +34,6 @@ OUTPUTS = {
     "status": ros.Text,
 }
 WIDTH, HEIGHT = 640, 480
-FX = FY = 385.0
-CX, CY = 319.5, 239.5
 
 
 class Robot:
@@ -89,6 +89,13 @@ class Robot:
         self.tf.write(ros.TFMessage([transform]))
 
     def publish_image(self, metres, at, encoding="32FC1", frame="optical"):
+        if encoding == "compressedDepth":
+            millimetres = np.nan_to_num(np.round(metres * 1000.0)).astype(np.uint16).reshape(HEIGHT, WIDTH)
+            file = io.BytesIO()
+            Image.fromarray(millimetres).save(file, format="PNG")
+            data = bytes(12) + file.getvalue()
+            self.compressed.write(ros.CompressedImage(self.header(at, frame), f"16UC1; {encoding} png", data))
+            return
         if encoding == "16UC1":
             pixels = np.nan_to_num(np.round(metres * 1000.0)).astype("<u2")
         else:

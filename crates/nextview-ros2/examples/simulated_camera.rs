@@ -1,6 +1,6 @@
-//! A simulated depth camera before a mug, for checks of the node. Without arguments it reads a pose a line, the
-//! position and the quaternion x y z w of the camera in the world, and writes its image, 640 x 480 floats of
-//! four bytes, the lowest first, in metres, NaN where nothing is measured.
+//! A simulated depth camera before a mug, for checks of the node. Without arguments it reads a pose a line,
+//! the position and the quaternion x y z w of the camera in the world, and writes its image, 640 x 480 floats
+//! of four bytes, the lowest first, in metres, NaN where nothing is measured.
 //!
 //! `simulated_camera scan VIEWS` scans in this process, and prints the numbers of the views and those of
 //! occupied and of free voxels at the end.

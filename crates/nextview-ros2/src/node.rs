@@ -53,6 +53,7 @@ async fn spin(names: &Names, parameters: Parameters) -> Result<(), String> {
         n_orders: 0,
         askers: Vec::new(),
     };
+    node.order(Job::Resume, Vec::new());
     say(&names.full(), "is ready");
     let (mut messages, mut requests) = (inputs.messages(), services.requests());
     let mut tick = tokio::time::interval(TICK);
@@ -70,11 +71,7 @@ async fn spin(names: &Names, parameters: Parameters) -> Result<(), String> {
                 None => return Err("the scan has failed by a fault of its own; its frames are kept".to_owned()),
                 Some(Report::Outputs(outputs)) => seen = outputs,
                 Some(Report::State(state)) => node.state = state,
-                Some(Report::Problem(problem)) => node.heard(problem),
-                Some(Report::Done { askers, answer }) => {
-                    node.n_orders -= 1;
-                    answers.extend(askers.into_iter().map(|ticket| (ticket, answer.clone())));
-                }
+                Some(Report::Done { askers, answer }) => answers.extend(node.done(askers, &answer)),
             },
             _ = tick.tick() => {
                 answers.extend(node.tick());
@@ -200,11 +197,19 @@ impl Node {
         }
     }
 
-    fn heard(&mut self, problem: Option<String>) {
-        match problem {
-            Some(problem) => self.notes.add("scan", problem),
-            None => self.notes.clear("scan"),
+    /// An order is done: what failed that nobody asked for is a problem.
+    fn done(
+        &mut self,
+        askers: Vec<Ticket>,
+        answer: &TriggerResponse,
+    ) -> impl Iterator<Item = (Ticket, TriggerResponse)> {
+        self.n_orders -= 1;
+        if answer.success {
+            self.notes.clear("scan");
+        } else if askers.is_empty() {
+            self.notes.add("scan", answer.message.clone());
         }
+        askers.into_iter().map(|ticket| (ticket, answer.clone()))
     }
 
     fn status(&self, n_images: u64) -> Text {

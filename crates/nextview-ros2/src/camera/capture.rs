@@ -20,7 +20,12 @@ pub struct Shot {
     pub header: Header,
     pub depth: DepthImage,
     pub intrinsics: Intrinsics,
+    pub came: Instant,
 }
+
+/// How long an image waits for transforms of a time before its own, which hardly come after those of later
+/// times.
+const PATIENCE: Duration = Duration::from_millis(500);
 
 /// An image that is wanted.
 pub struct Capture {
@@ -53,16 +58,17 @@ impl Capture {
 
     /// The image, once its pose is known; or, when time is up, why there is none.
     pub fn done(&mut self, whereabouts: &Whereabouts) -> Option<Result<Taken, String>> {
-        if let Some(Shot { header, depth, intrinsics }) = self.shot.take() {
+        if let Some(Shot { header, depth, intrinsics, came }) = self.shot.take() {
             match whereabouts.at(&header.frame_id, header.stamp.seconds()) {
                 Ok(world_from_camera) => {
                     return Some(Ok(Taken { header, depth, intrinsics, world_from_camera }));
                 }
                 Err(error) => {
                     self.why = format!("the pose of the image is not known: {error}");
-                    // Only the next image can help if the time is one of before; else what lacks may come.
-                    let is_lost = matches!(error, TransformError::Before { .. } | TransformError::Gap { .. });
-                    self.shot = (!is_lost).then_some(Shot { header, depth, intrinsics });
+                    // Then only the next image can help; else what lacks may come.
+                    let is_past = matches!(error, TransformError::Before { .. } | TransformError::Gap { .. });
+                    let is_lost = is_past && came.elapsed() > PATIENCE;
+                    self.shot = (!is_lost).then_some(Shot { header, depth, intrinsics, came });
                 }
             }
         }

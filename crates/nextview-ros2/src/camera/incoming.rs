@@ -8,6 +8,7 @@ use crate::parameters::Parameters;
 use nextview::geometry::Pose;
 use nextview::sensor::{DepthImage, Intrinsics};
 use nextview_recording::RecordingError;
+use std::time::Instant;
 
 /// The camera as its messages describe it. Of images, one is kept at most, and only while one is wanted.
 pub struct Camera {
@@ -67,7 +68,9 @@ impl Camera {
             // Nobody wants it: what can be said without reading it is said all the same.
             _ if !is_wanted => image.check().map(|()| None),
             (_, Some(intrinsics)) => match image.depth(&intrinsics) {
-                Ok(depth) => Ok(Some(Shot { header: header.clone(), depth, intrinsics })),
+                Ok(depth) => {
+                    Ok(Some(Shot { header: header.clone(), depth, intrinsics, came: Instant::now() }))
+                }
                 Err(error) => Err(error.to_string()),
             },
         };

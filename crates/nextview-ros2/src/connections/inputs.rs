@@ -28,8 +28,9 @@ pub struct Inputs {
 }
 
 enum Poses {
-    Transforms { moving: Subscription<TfMessage>, fixed: Subscription<TfMessage> },
-    Topic(Subscription<PoseStamped>),
+    /// Each with whether it is of static frames.
+    Transforms(Vec<(bool, Subscription<TfMessage>)>),
+    Topic(Box<Subscription<PoseStamped>>),
 }
 
 /// Transforms that wait to be read: those of a second of a robot with many joints.
@@ -39,19 +40,18 @@ impl Inputs {
     pub fn connect(connector: &mut Connector<'_>, use_tf_transforms: bool) -> Result<Self, String> {
         let tf = ("tf2_msgs", "TFMessage");
         let poses = match use_tf_transforms {
-            true => Poses::Transforms {
-                moving: connector.subscription("/tf", tf, reliable(TRANSFORMS))?,
-                fixed: connector.subscription(
-                    "/tf_static",
-                    tf,
-                    reliable(TRANSFORMS).durability(Durability::TransientLocal),
-                )?,
-            },
-            false => Poses::Topic(connector.subscription(
-                "pose",
-                ("geometry_msgs", "PoseStamped"),
-                sensor_data(),
-            )?),
+            true => {
+                let latched = reliable(TRANSFORMS).durability(Durability::TransientLocal);
+                Poses::Transforms(vec![
+                    (false, connector.subscription("/tf", tf, reliable(TRANSFORMS))?),
+                    (true, connector.subscription("/tf_static", tf, latched)?),
+                ])
+            }
+            false => {
+                let poses =
+                    connector.subscription("pose", ("geometry_msgs", "PoseStamped"), sensor_data())?;
+                Poses::Topic(Box::new(poses))
+            }
         };
         Ok(Self {
             image: connector.subscription("depth/image", ("sensor_msgs", "Image"), sensor_data())?,
@@ -78,11 +78,10 @@ impl Inputs {
         ];
         match &self.poses {
             Poses::Topic(poses) => streams.push(stream("pose", poses, Message::Pose)),
-            Poses::Transforms { moving, fixed } => {
-                let of = |is_static| move |message| Message::Transforms { message, is_static };
-                streams.push(stream("/tf", moving, of(false)));
-                streams.push(stream("/tf_static", fixed, of(true)));
-            }
+            Poses::Transforms(topics) => streams.extend(topics.iter().map(|(is_static, transforms)| {
+                let topic = if *is_static { "/tf_static" } else { "/tf" };
+                stream(topic, transforms, |message| Message::Transforms { message, is_static: *is_static })
+            })),
         }
         select_all(streams)
     }

@@ -17,7 +17,8 @@ pub struct Parameters {
     pub auto_capture: bool,
     /// How near, metres. Default 0.01.
     pub capture_distance: f64,
-    /// How near, radians, between the directions in which the camera looks and should look. Default 3 degrees.
+    /// How near, radians, between the directions in which the camera looks and should look. Default 3
+    /// degrees.
     pub capture_angle: f64,
     /// How long to wait for an image, and for its pose, seconds. Default 5.
     pub capture_timeout: f64,

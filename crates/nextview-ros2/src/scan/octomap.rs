@@ -8,7 +8,7 @@ const END_OF_HEAD: &[u8] = b"\ndata\n";
 
 /// The map with P(occupied) of each voxel, and with free and occupied ones only.
 pub fn messages(map: &OccupancyMap, frame: &str) -> Result<[Octomap; 2], nextview::Error> {
-    let octree = map.to_octree()?;
+    let octree = map.to_octree()?.pruned();
     let (mut full, mut binary) = (Vec::new(), Vec::new());
     octree.write_ot(&mut full)?;
     octree.write_bt(&mut binary)?;

@@ -20,6 +20,8 @@ pub struct Order<T> {
 }
 
 pub enum Job {
+    /// Goes on with the interrupted scan of the folder, if there is one.
+    Resume,
     /// Begins with this camera, or goes on if the interrupted scan is one of it.
     Begin(Intrinsics),
     Observe(Box<Taken>),
@@ -35,8 +37,6 @@ pub enum Report<T> {
     /// To be published.
     Outputs(Vec<Output>),
     State(State),
-    /// The last thing that was done has failed; none if it has not.
-    Problem(Option<String>),
     /// An order is done.
     Done {
         askers: Vec<T>,
@@ -81,11 +81,8 @@ pub fn start<T: Send + 'static>(
     let (sender, orders) = mpsc::channel();
     std::thread::spawn(move || {
         let mut worker = Worker { parameters, scan: None, is_saved: false };
-        if worker.resumes() {
-            worker.tell(&reports, |worker| worker.resume());
-        }
         for Order { job, askers } in orders {
-            let answer = worker.tell(&reports, |worker| worker.work(job));
+            let answer = worker.tell(&reports, job);
             // If nobody listens, the node has ended.
             let _ = reports.send(Report::Done { askers, answer });
         }
@@ -102,31 +99,23 @@ struct Worker {
 
 impl Worker {
     /// Does something, and reports what there is to see then.
-    fn tell<T>(
-        &mut self,
-        reports: &UnboundedSender<Report<T>>,
-        job: impl FnOnce(&mut Self) -> Result<bool, Faults>,
-    ) -> TriggerResponse {
-        let shown = job(self).and_then(|has_changed| self.show(has_changed));
-        let (problem, response) = match shown {
+    fn tell<T>(&mut self, reports: &UnboundedSender<Report<T>>, job: Job) -> TriggerResponse {
+        match self.work(job).and_then(|has_changed| self.show(has_changed)) {
             Ok((outputs, state)) => {
+                // Numbers and names can always be written.
                 let message = serde_json::to_string(&state).unwrap_or_default();
                 let _ = reports.send(Report::Outputs(outputs));
                 let _ = reports.send(Report::State(state));
-                (None, TriggerResponse { success: true, message })
+                TriggerResponse { success: true, message }
             }
-            Err(faults) => {
-                let message = told(&faults);
-                (Some(message.clone()), TriggerResponse { success: false, message })
-            }
-        };
-        let _ = reports.send(Report::Problem(problem));
-        response
+            Err(faults) => TriggerResponse { success: false, message: told(&faults) },
+        }
     }
 
     /// Whether anything has changed that can be seen.
     fn work(&mut self, job: Job) -> Result<bool, Faults> {
         match job {
+            Job::Resume => self.resume(),
             Job::Begin(camera) => self.begin_or_check(camera),
             Job::Observe(taken) => {
                 let Taken { header, depth, intrinsics, world_from_camera } = *taken;
@@ -182,12 +171,11 @@ impl Worker {
         Ok(true)
     }
 
-    fn resumes(&self) -> bool {
-        self.parameters.directory.as_deref().is_some_and(ScanJournal::is_in)
-    }
-
     fn resume(&mut self) -> Result<bool, Faults> {
-        let directory = self.parameters.directory.as_deref().unwrap_or(".".as_ref());
+        let Some(directory) = self.parameters.directory.as_deref() else { return Ok(false) };
+        if !ScanJournal::is_in(directory) {
+            return Ok(false);
+        }
         self.scan = Some(LiveScan::resume(directory, Cancel::default())?);
         Ok(true)
     }

@@ -50,7 +50,7 @@ pub enum TransformError {
     },
     /// The time is in a gap across which nothing is interpolated.
     #[error(
-        "'{frame}' in '{parent}' moves, and is not known from {from_s:.3} s to {to_s:.3} s, expected at most 1 s in between"
+        "'{frame}' in '{parent}' moves, and is not known from {from_s:.3} s to {to_s:.3} s, expected at most 0.5 s in between"
     )]
     Gap {
         /// The child frame.
