@@ -101,7 +101,8 @@ impl View {
         self.joints.as_ref().map(|(names, _)| names.clone())
     }
 
-    /// The joints of the robot at each waypoint: N x joints, float64, radians or metres; None without a robot.
+    /// The joints of the robot at each waypoint: N x joints, float64, radians or metres; None without a
+    /// robot.
     #[getter]
     fn joint_values<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyArray2<f64>>>> {
         let values = self.joints.as_ref().map(|(_, values)| PyArray2::from_vec2(py, values));

@@ -53,8 +53,8 @@ impl RobotCell {
         self.mount.world_from_camera(self.arm(), values)
     }
 
-    /// All joint values with which the camera is there, and the arm touches neither itself nor anything that is
-    /// declared to be around it.
+    /// All joint values with which the camera is there, and the arm touches neither itself nor anything that
+    /// is declared to be around it.
     pub fn solutions(&self, world_from_camera: &Pose) -> Vec<Vec<f64>> {
         self.free_solutions(world_from_camera, &self.checker)
     }

@@ -29,8 +29,8 @@ impl ScanConfig {
         Ok(Held { reach: change(self.reach.rule()), robot })
     }
 
-    /// Those of the candidates where the camera can be, numbered anew, and a note on how many are left, unless
-    /// all may stay. Fails if none is left.
+    /// Those of the candidates where the camera can be, numbered anew, and a note on how many are left,
+    /// unless all may stay. Fails if none is left.
     pub(crate) fn within_reach(&self, views: ViewSpace) -> Result<(ViewSpace, Option<String>), Fault> {
         let (views, note) = self.reach.views(views)?;
         let Some(robot) = &self.robot else { return Ok((views, note)) };

@@ -8,8 +8,8 @@ use nextview_robot::{Arm, Mount, RobotCell, Shape, ShapeKind, UrdfOptions};
 use serde::{Deserialize, Serialize};
 use std::path::Path;
 
-/// The arm that moves the camera, or the object before a camera that stands still. Views that it does not reach
-/// are no candidates, and every view comes with a joint trajectory that touches nothing.
+/// The arm that moves the camera, or the object before a camera that stands still. Views that it does not
+/// reach are no candidates, and every view comes with a joint trajectory that touches nothing.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(default, deny_unknown_fields)]

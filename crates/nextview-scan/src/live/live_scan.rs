@@ -165,8 +165,8 @@ impl LiveScan {
         self.run.skip(view, reason)
     }
 
-    /// The trajectory from the last frame to a view: that of the robot, of a view that was asked for; else see
-    /// [`Session::trajectory_to`].
+    /// The trajectory from the last frame to a view: that of the robot, of a view that was asked for; else
+    /// see [`Session::trajectory_to`].
     ///
     /// [`Session::trajectory_to`]: nextview::session::Session::trajectory_to
     pub fn trajectory_to(&self, view: &NextView) -> Result<Trajectory, Fault> {

@@ -81,7 +81,8 @@ impl Arm {
         solutions.iter().map(time).min_by(f64::total_cmp)
     }
 
-    /// The motion to a view; none if there is none to a candidate, which is then given up until the next frame.
+    /// The motion to a view; none if there is none to a candidate, which is then given up until the next
+    /// frame.
     ///
     /// Fails if the arm touches something where it is, if it does not get to a first view that is no
     /// candidate, or if it is cancelled.

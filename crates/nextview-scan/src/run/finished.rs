@@ -20,7 +20,8 @@ pub struct FinishedScan<'a> {
     pub(crate) journal: Option<ScanJournal>,
     /// The trajectory to each view, from the view before.
     pub trajectories: Vec<Trajectory>,
-    /// By step, the motion of the robot to its view; none without a robot, and of frames that were not asked for.
+    /// By step, the motion of the robot to its view; none without a robot, and of frames that were not asked
+    /// for.
     pub joint_trajectories: Vec<Option<JointTrajectory>>,
     /// The views.
     pub steps: Vec<StepRecord>,

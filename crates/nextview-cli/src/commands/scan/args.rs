@@ -155,15 +155,15 @@ pub struct ScanArgs {
 /// The arm that holds the camera.
 #[derive(Debug, Default, PartialEq, Args)]
 struct RobotArgs {
-    /// Arm that holds the camera: ur3e, ur5e, ur10e, kr6_r900, lr_mate_200id, panda, or a URDF file; only views
-    /// that it reaches without touching anything are taken [default: none]
+    /// Arm that holds the camera: ur3e, ur5e, ur10e, kr6_r900, lr_mate_200id, panda, or a URDF file; only
+    /// views that it reaches without touching anything are taken [default: none]
     #[arg(long = "robot", value_name = "NAME|URDF", value_parser = values::file_name())]
     arm: Option<String>,
     /// With --robot: where its base stands, upright, in metres [default: 0,0,0]
     #[arg(long = "robot-base", value_name = "X,Y,Z", value_parser = values::point, allow_hyphen_values = true)]
     base: Option<DVec3>,
-    /// With --robot: file of the 4 x 4 matrix, row by row and in metres, that takes points of the camera to the
-    /// flange [default: no offset]
+    /// With --robot: file of the 4 x 4 matrix, row by row and in metres, that takes points of the camera to
+    /// the flange [default: no offset]
     #[arg(long, value_name = "FILE")]
     hand_eye: Option<PathBuf>,
 }
