@@ -157,7 +157,7 @@ def main():
         print(f"duration over that of the best of 20 attempts, {len(shares)} paths: median "
               f"{np.median(shares):.3f}, 99 % {np.percentile(shares, 99):.3f}, largest {shares.max():.3f}, "
               f"within twice: {np.mean(shares <= 2.0):.4f}")
-    least, n_samples, collisions = np.inf, 0, 0
+    least, n_samples, collisions = np.full(2, np.inf), 0, 0
     for number, pair in enumerate(found[:most]):
         corners = np.array(pair["corners"])
         legs = [least_on(cell, a, b) for a, b in zip(corners, corners[1:])]

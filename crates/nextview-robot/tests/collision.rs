@@ -5,8 +5,8 @@ mod cell;
 use glam::DVec3;
 use nextview::geometry::Pose;
 use nextview::geometry::random::Random;
-use nextview_robot::collision::{Checker, Obstacle, ObstacleKind};
-use nextview_robot::{Shape, ShapeKind};
+use nextview_robot::collision::{Checker, Obstacle, ObstacleKind, touching_links};
+use nextview_robot::{JointKind, Shape, ShapeKind};
 
 /// Points in a solid, its border included, in the frame of the base.
 fn points(base_from_link: Pose, shape: &Shape, random: &mut Random) -> Vec<DVec3> {
@@ -112,11 +112,29 @@ fn sizes_that_are_none_are_refused_all_at_once() {
     let obstacle = Obstacle { name: "ball".to_owned(), kind };
     let mut arm = cell::arm();
     arm.links[2].shapes[0].kind = ShapeKind::Box(DVec3::new(1.0, 0.0, 1.0));
+    arm.joints[1].limits.velocity = 0.0;
+    arm.joints[4].limits.upper = f64::NAN;
     let error = Checker::new(arm, vec![], vec![obstacle], 0.0).unwrap_err();
     assert_eq!(
         error.to_string(),
         "clearance_m is 0, expected 0.001 to 1; \
+         joint 2: velocity 0 and acceleration 5, expected positive numbers; \
+         joint 5: range -6.283185307179586 to NaN, expected one that has ends; \
          upper arm: half of the sides of a box is [1, 0, 1], expected positive metres; \
          ball: radius of a sphere is NaN, expected positive metres"
     );
+}
+
+/// A joint that turns without end has an infinite range.
+#[test]
+fn joints_may_turn_without_end_and_not_slide_without_end() {
+    let mut arm = cell::arm();
+    arm.joints[5].limits.lower = f64::NEG_INFINITY;
+    arm.joints[5].limits.upper = f64::INFINITY;
+    assert_eq!(touching_links(&arm).unwrap(), cell::arm().may_touch);
+    arm.joints[5].kind = JointKind::Prismatic;
+    assert!(touching_links(&arm).unwrap_err().to_string().contains("expected one that has ends"));
+    arm.links.pop();
+    let error = Checker::new(arm, vec![], vec![], 0.01).unwrap_err();
+    assert!(error.to_string().starts_with("the arm has 6 links, expected one more than its 6 joints"));
 }

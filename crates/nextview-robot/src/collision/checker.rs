@@ -2,7 +2,7 @@ use super::obstacle::{Barrier, solid_distance};
 use super::solid::{self, Placement, Solid};
 use super::sweep::sweeps;
 use super::{CellError, Contact, Obstacle, ObstacleKind};
-use crate::{Arm, Shape};
+use crate::{Arm, Joint, JointKind, JointLimits, Shape};
 use std::ops::Range;
 
 /// Something mounted on the flange of an arm, for example the body of a camera.
@@ -59,7 +59,7 @@ impl Checker {
     pub const SLACK: f64 = 5e-4;
 
     /// Checks an arm that carries `attached` among `obstacles`, from which it keeps `clearance_m`, 0.001..=1;
-    /// 0.02 suits most arms. Fails on sizes that are none and on a clearance out of range.
+    /// 0.02 suits most arms. Fails on shapes without size, joints without limits and a clearance out of range.
     pub fn new(
         arm: Arm,
         attached: Vec<Attachment>,
@@ -101,7 +101,7 @@ impl Checker {
     ///
     /// # Panics
     ///
-    /// If there are not as many values as joints.
+    /// If there are not as many values as joints, or one is not finite.
     pub fn contact(&self, values: &[f64]) -> Option<Contact> {
         self.clear_share(values, &self.motion(values, values), 1.0).err()
     }
@@ -111,7 +111,7 @@ impl Checker {
     ///
     /// # Panics
     ///
-    /// If there are not as many values as joints.
+    /// If there are not as many values as joints, or one is not finite.
     pub fn distance(&self, values: &[f64]) -> f64 {
         let placed = self.place(values);
         let pairs = self.pairs.iter();
@@ -227,6 +227,11 @@ fn check(
     if !(1e-3..=1.0).contains(&clearance) {
         faults.push(format!("clearance_m is {clearance}, expected 0.001 to 1"));
     }
+    if arm.links.len() != arm.n_joints() + 1 {
+        let (n_links, n_joints) = (arm.links.len(), arm.n_joints());
+        faults.push(format!("the arm has {n_links} links, expected one more than its {n_joints} joints"));
+    }
+    faults.extend(arm.joints.iter().filter_map(joint_fault));
     let links = arm.links.iter().map(|link| (&link.name, &link.shapes));
     let carried = attached.iter().map(|attachment| (&attachment.name, &attachment.shapes));
     for (name, shapes) in links.chain(carried) {
@@ -238,4 +243,18 @@ fn check(
         }
     }
     CellError::unless_empty(faults)
+}
+
+/// Why motions of a joint cannot be bounded or timed, if they cannot.
+fn joint_fault(joint: &Joint) -> Option<String> {
+    let JointLimits { lower, upper, velocity, acceleration } = joint.limits;
+    let is_limit = |limit: f64| limit > 0.0 && limit.is_finite();
+    if !is_limit(velocity) || !is_limit(acceleration) {
+        let found = format!("velocity {velocity} and acceleration {acceleration}");
+        return Some(format!("{}: {found}, expected positive numbers", joint.name));
+    }
+    // A joint may turn without end, but it cannot slide without end.
+    let is_bounded = joint.kind == JointKind::Revolute || lower.is_finite() && upper.is_finite();
+    let is_range = lower <= upper && is_bounded;
+    (!is_range).then(|| format!("{}: range {lower} to {upper}, expected one that has ends", joint.name))
 }

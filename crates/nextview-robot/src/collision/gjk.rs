@@ -4,8 +4,7 @@ use super::simplex::Simplex;
 use super::solid::{Placement, Solid};
 use glam::DVec3;
 
-/// More steps are never needed for solids that are no degenerate ones; without convergence the bound is low,
-/// but still a bound.
+/// Most pairs need about ten steps. Where these do not suffice, the bound is low, but still a bound.
 const MOST_STEPS: usize = 64;
 
 /// A bound this close to the distance is good enough, as a share of it.
@@ -18,8 +17,8 @@ const NOTHING: f64 = 1e-9;
 /// touch.
 ///
 /// The distance of two convex solids is that of their Minkowski difference from the origin. For any
-/// direction, the plane that supports the difference there separates it from the origin, so that the bound
-/// does not depend on convergence or rounding in the simplex.
+/// direction, the plane that supports the difference there bounds it, so that the result is a lower bound
+/// whether or not the search has converged, and whatever the rounding in the simplex.
 pub(super) fn distance(a: &Solid, b: &Solid, a_from_b: &Placement, limit: f64) -> f64 {
     let b_from_a = a_from_b.rotation.transpose();
     let lowest = |direction: DVec3| {

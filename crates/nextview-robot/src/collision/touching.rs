@@ -1,6 +1,7 @@
 use super::{CellError, Checker};
 use crate::Arm;
 use nextview::geometry::random::Random;
+use std::f64::consts::TAU as TURN;
 
 /// Configurations that are tried.
 const N_TRIED: usize = 1000;
@@ -11,7 +12,7 @@ const ALWAYS: f64 = 0.95;
 /// The pairs of links that may touch: those that the arm states, neighbours, and those that touch in almost
 /// all of a thousand random configurations, always the same ones. Sorted, lower number first.
 ///
-/// Fails if a shape has no size.
+/// Fails if a shape has no size or a joint no limits.
 pub fn touching_links(arm: &Arm) -> Result<Vec<[usize; 2]>, CellError> {
     let mut may_touch = arm.may_touch.clone();
     may_touch.extend((1..arm.links.len()).map(|link| [link - 1, link]));
@@ -21,7 +22,9 @@ pub fn touching_links(arm: &Arm) -> Result<Vec<[usize; 2]>, CellError> {
     let mut random = Random::new(0, 0);
     for _ in 0..N_TRIED {
         let limits = arm.joints.iter().map(|joint| joint.limits);
-        let values: Vec<f64> = limits.map(|limits| random.range(limits.lower, limits.upper)).collect();
+        // The range of a joint that turns without end is infinite; one turn shows all of it.
+        let ranges = limits.map(|limits| (limits.lower.max(-TURN), limits.upper.min(TURN)));
+        let values: Vec<f64> = ranges.map(|(low, high)| random.range(low, high)).collect();
         checker.touching(&values).for_each(|[a, b]| n_touching[a * n + b] += 1);
     }
     let is_always = |pair: &usize| n_touching[*pair] as f64 > ALWAYS * N_TRIED as f64;

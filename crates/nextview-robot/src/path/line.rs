@@ -12,7 +12,7 @@ use std::collections::VecDeque;
 ///
 /// # Panics
 ///
-/// If there are not as many values as joints.
+/// If there are not as many values as joints, or one is not finite.
 pub fn line_contact(
     checker: &Checker,
     from: &[f64],

@@ -1,5 +1,4 @@
-//! An arm like a UR5e with a camera on its flange, in a cell with a table, a wall and a box of unknown
-//! voxels.
+//! An arm like a UR5e with a camera on its flange, and its cell: a table, a wall, a box of unknown voxels.
 
 #![allow(dead_code, clippy::unwrap_used, reason = "shared by tests and an example, each using a part")]
 
