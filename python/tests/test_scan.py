@@ -168,3 +168,26 @@ def test_what_is_plain_can_be_pickled() -> None:
 def test_a_configuration_repeats_a_scan() -> None:
     scan = begin(stop={"entropy_share": 0.5}, reach={"base_m": [0.0, 0.0, 0.0], "max_radius_m": 5.0})
     assert scan.config["stop"]["entropy_share"] == 0.5 and scan.config["live"]["box_m"] == sum(BOX, [])
+
+
+def test_an_arm_gets_joints_to_every_view() -> None:
+    base = np.eye(4)
+    base[:3, 3] = [-0.6, 0.0, -0.3]
+    scan = begin(robot={"arm": "ur5e", "world_from_base": base}, views=3)
+    seen = []
+    while (view := scan.next_view()) is not None:
+        assert view.joint_names is not None and len(view.joint_names) == 6
+        assert view.joint_values is not None and view.joint_values.shape == (len(view.waypoint_times_s), 6)
+        again = pickle.loads(pickle.dumps(view))
+        assert (again.joint_values == view.joint_values).all()
+        step = scan.observe(ball(view.world_from_camera), view)
+        assert step["joint_values"] == list(view.joint_values[-1])
+        seen.append(view.number)
+    assert len(seen) == 3 and len(scan.candidates) < 1000
+
+
+def test_poses_in_options_are_checked() -> None:
+    with pytest.raises(nextview.InputError, match="world_from_base"):
+        begin(robot={"arm": "ur5e", "world_from_base": np.zeros((4, 4))})
+    with pytest.raises(nextview.InputError, match="ring"):
+        begin(turntable={"table_from_camera": np.eye(4), "plate_radius_m": 0.1})
