@@ -59,7 +59,7 @@ impl Checker {
     pub const SLACK: f64 = 5e-4;
 
     /// Checks an arm that carries `attached` among `obstacles`, from which it keeps `clearance_m`, 0.001..=1;
-    /// 0.02 suits most arms. Fails on shapes without size, joints without limits and a clearance out of range.
+    /// 0.02 suits most arms. Fails on shapes without size, joints without limits, a clearance out of range.
     pub fn new(
         arm: Arm,
         attached: Vec<Attachment>,
