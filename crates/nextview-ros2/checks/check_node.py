@@ -279,6 +279,30 @@ def check_memory(seconds):
     return f"{status['images']} of {n} images in {seconds} s; at most {early:.0f} MB in the second third, {late:.0f} in the last"
 
 
+def check_arm():
+    """With an arm, every view comes with a joint trajectory, which begins where the last one ended."""
+    base = ["robot.arm:=ur5e", "robot.world_from_base.translation_m:=[-0.5,0.0,-0.1]",
+            "robot.world_from_base.rotation_xyzw:=[0.0,0.0,0.0,1.0]"]
+    node, robot = Node(*base, views=3), new_robot()
+    begin(robot)
+    ends = []
+    for _ in range(3):
+        pose = next_pose(robot)
+        trajectory = robot.latest["joint_trajectory"]
+        assert len(trajectory.joint_names) == 6 and len(trajectory.points) == len(robot.latest["path"].poses)
+        assert not ends or list(trajectory.points[0].positions) == ends[-1], trajectory
+        ends.append(list(trajectory.points[-1].positions))
+        reply = robot.capture(pose)
+        assert reply.success, reply.message
+        robot.until("plan", lambda status: status["busy"] == 0 and status["frames"] == len(ends))
+        time.sleep(0.05)
+    checked = check_bytes(robot)
+    assert "joint_trajectory" in checked, checked
+    robot.close()
+    node.stop()
+    return f"three views of a UR5e, {len(set(map(tuple, ends)))} places of its joints"
+
+
 def check_auto_capture(reference):
     """With auto_capture, the robot only moves and rests."""
     node, robot = Node("auto_capture:=true", views=3), new_robot()
@@ -315,6 +339,7 @@ if __name__ == "__main__":
         ("transforms", lambda: check_transforms(REFERENCE)),
         ("bad input", check_bad_input),
         ("auto_capture", lambda: check_auto_capture(REFERENCE)),
+        ("arm", check_arm),
     ]
     if IS_FULL:
         checks.append(("restarts", lambda: check_restarts(REFERENCE)))

@@ -27,6 +27,7 @@ OUTPUTS = {
     "next_view": ros.PoseStamped,
     "candidates": ros.PoseArray,
     "path": ros.Path,
+    "joint_trajectory": ros.JointTrajectory,
     "octomap_binary": ros.Octomap,
     "octomap_full": ros.Octomap,
     "cloud": ros.PointCloud2,

@@ -88,6 +88,22 @@ class Path(IdlStruct, typename=of("nav_msgs", "Path")):
 
 
 @dataclass
+class JointTrajectoryPoint(IdlStruct, typename=of("trajectory_msgs", "JointTrajectoryPoint")):
+    positions: sequence[float64]
+    velocities: sequence[float64]
+    accelerations: sequence[float64]
+    effort: sequence[float64]
+    time_from_start: Duration
+
+
+@dataclass
+class JointTrajectory(IdlStruct, typename=of("trajectory_msgs", "JointTrajectory")):
+    header: Header
+    joint_names: sequence[str]
+    points: sequence[JointTrajectoryPoint]
+
+
+@dataclass
 class Transform(IdlStruct, typename=of("geometry_msgs", "Transform")):
     translation: Vector3
     rotation: Quaternion

@@ -1,5 +1,7 @@
 use super::connector::Connector;
-use crate::messages::{MarkerArray, Octomap, Path, PointCloud2, PoseArray, PoseStamped, Text};
+use crate::messages::{
+    JointTrajectory, MarkerArray, Octomap, Path, PointCloud2, PoseArray, PoseStamped, Text,
+};
 use ros2_client::dds::Publisher;
 
 /// A message to be published.
@@ -7,6 +9,7 @@ pub enum Output {
     NextView(PoseStamped),
     Candidates(PoseArray),
     Path(Path),
+    JointTrajectory(JointTrajectory),
     OctomapBinary(Octomap),
     OctomapFull(Octomap),
     Cloud(PointCloud2),
@@ -19,6 +22,7 @@ pub struct Outputs {
     next_view: Publisher<PoseStamped>,
     candidates: Publisher<PoseArray>,
     path: Publisher<Path>,
+    joint_trajectory: Publisher<JointTrajectory>,
     octomap_binary: Publisher<Octomap>,
     octomap_full: Publisher<Octomap>,
     cloud: Publisher<PointCloud2>,
@@ -32,6 +36,8 @@ impl Outputs {
             next_view: connector.publisher("~/next_view", ("geometry_msgs", "PoseStamped"))?,
             candidates: connector.publisher("~/candidates", ("geometry_msgs", "PoseArray"))?,
             path: connector.publisher("~/path", ("nav_msgs", "Path"))?,
+            joint_trajectory: connector
+                .publisher("~/joint_trajectory", ("trajectory_msgs", "JointTrajectory"))?,
             octomap_binary: connector.publisher("~/octomap_binary", ("octomap_msgs", "Octomap"))?,
             octomap_full: connector.publisher("~/octomap_full", ("octomap_msgs", "Octomap"))?,
             cloud: connector.publisher("~/cloud", ("sensor_msgs", "PointCloud2"))?,
@@ -46,6 +52,9 @@ impl Outputs {
             Output::NextView(message) => sent("~/next_view", self.next_view.publish(message)),
             Output::Candidates(message) => sent("~/candidates", self.candidates.publish(message)),
             Output::Path(message) => sent("~/path", self.path.publish(message)),
+            Output::JointTrajectory(message) => {
+                sent("~/joint_trajectory", self.joint_trajectory.publish(message))
+            }
             Output::OctomapBinary(message) => sent("~/octomap_binary", self.octomap_binary.publish(message)),
             Output::OctomapFull(message) => sent("~/octomap_full", self.octomap_full.publish(message)),
             Output::Cloud(message) => sent("~/cloud", self.cloud.publish(message)),

@@ -9,5 +9,6 @@ pub use basic::{Bytes, Header, Text, Time};
 pub use geometry::{Point, Pose, PoseStamped, Quaternion, Vector3};
 pub use inputs::{CameraInfo, CompressedImage, Image, TfMessage, TriggerRequest};
 pub use outputs::{
-    ColorRgba, Marker, MarkerArray, Octomap, Path, PointCloud2, PointField, PoseArray, TriggerResponse,
+    ColorRgba, Duration, JointTrajectory, JointTrajectoryPoint, Marker, MarkerArray, Octomap, Path,
+    PointCloud2, PointField, PoseArray, TriggerResponse,
 };

@@ -1,4 +1,4 @@
-use super::basic::{Bytes, Header};
+use super::basic::{Bytes, Header, Time};
 use super::geometry::{Point, Pose, PoseStamped, Vector3};
 use serde::{Deserialize, Serialize};
 
@@ -68,10 +68,36 @@ pub struct ColorRgba {
 }
 
 /// `builtin_interfaces/msg/Duration`.
-#[derive(Clone, Copy, Debug, Default, Serialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
 pub struct Duration {
     pub sec: i32,
     pub nanosec: u32,
+}
+
+impl Duration {
+    /// From a time that is not negative, seconds.
+    pub fn from_seconds(seconds: f64) -> Self {
+        let Time { sec, nanosec } = Time::from_seconds(seconds);
+        Self { sec, nanosec }
+    }
+}
+
+/// `trajectory_msgs/msg/JointTrajectory`.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct JointTrajectory {
+    pub header: Header,
+    pub joint_names: Vec<String>,
+    pub points: Vec<JointTrajectoryPoint>,
+}
+
+/// `trajectory_msgs/msg/JointTrajectoryPoint`.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+pub struct JointTrajectoryPoint {
+    pub positions: Vec<f64>,
+    pub velocities: Vec<f64>,
+    pub accelerations: Vec<f64>,
+    pub effort: Vec<f64>,
+    pub time_from_start: Duration,
 }
 
 /// `visualization_msgs/msg/MeshFile`.

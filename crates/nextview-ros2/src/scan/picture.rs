@@ -2,7 +2,9 @@
 
 use super::{cloud, markers, octomap};
 use crate::connections::Output;
-use crate::messages::{Header, Path, Pose, PoseArray, PoseStamped, Time};
+use crate::messages::{
+    Duration, Header, JointTrajectory, JointTrajectoryPoint, Path, Pose, PoseArray, PoseStamped, Time,
+};
 use glam::DVec3;
 use nextview::session::NextView;
 use nextview::surface::downsample;
@@ -24,6 +26,8 @@ pub fn outputs(scan: &LiveScan, next: Option<&NextView>, frame: &str) -> Result<
             stamped(Time::from_seconds(at.time), (&at.world_from_camera).into())
         };
         waypoints = trajectory.waypoints().iter().map(waypoint).collect();
+        let joints = scan.joints_to(next).map(|joints| Output::JointTrajectory(joint_trajectory(joints)));
+        outputs.extend(joints);
     }
     outputs.push(Output::Path(Path { header: Header::of(frame), poses: waypoints }));
     let visited = session.visited();
@@ -38,6 +42,17 @@ pub fn outputs(scan: &LiveScan, next: Option<&NextView>, frame: &str) -> Result<
     let pose = next.map(|next| &next.world_from_camera);
     outputs.push(Output::Markers(markers::message(session.bounds(), pose, &taken, frame)));
     Ok(outputs)
+}
+
+/// It is not of a frame, and begins when it is received: its header is empty.
+fn joint_trajectory(joints: &nextview_robot::path::JointTrajectory) -> JointTrajectory {
+    let point = |(time, values): &(f64, Vec<f64>)| JointTrajectoryPoint {
+        positions: values.clone(),
+        time_from_start: Duration::from_seconds(*time),
+        ..JointTrajectoryPoint::default()
+    };
+    let points = joints.points.iter().map(point).collect();
+    JointTrajectory { header: Header::default(), joint_names: joints.names.clone(), points }
 }
 
 /// The measured points in the box, one a voxel.
