@@ -125,6 +125,17 @@ impl RobotConfig {
             .map_err(|error| Fault { key: Some("robot".to_owned()), ..Fault::request(error) })
     }
 
+    /// Fails if the base stands where the object is, as it does where nobody stated where it stands.
+    pub(crate) fn check_beside(&self, object: &Aabb) -> Result<(), Fault> {
+        let place = self.world_from_base.translation();
+        if self.base_from_camera.is_some() || !object.contains(place) {
+            return Ok(());
+        }
+        let (min, max) = (object.min, object.max);
+        let expected = format!("a place outside the object's box, {min:.3} to {max:.3} m");
+        Err(Fault::of_value("robot.world_from_base", format!("{place:.3}"), expected))
+    }
+
     fn mount(&self) -> Result<Mount, Fault> {
         match (self.base_from_camera, self.flange_from_world) {
             (None, None) => Ok(Mount::Camera {

@@ -37,6 +37,9 @@ impl OwnCamera {
         config.object_box.rule = if bounds.is_some() { BoxRule::Known } else { BoxRule::Grows };
         let suitable = bounds.map_or(VOXEL_SIZE, |bounds| suitable_voxel_size(bounds.longest_side()));
         let voxel_size = *config.voxel_size_m.get_or_insert(suitable);
+        if let Some((robot, bounds)) = config.robot.as_ref().zip(bounds) {
+            robot.check_beside(&bounds)?;
+        }
         let Candidates { views, n_views, reach_note } = candidates(config, &live)?;
         config.check_views(n_views)?;
         config.views = Some(config.max_views(n_views));

@@ -103,6 +103,14 @@ fn an_arm_out_of_reach_says_so() {
 }
 
 #[test]
+fn a_base_within_the_object_is_refused() {
+    let mut config = config();
+    config.robot.as_mut().unwrap().set_base(DVec3::ZERO).unwrap();
+    let fault = SimulatedObject::new(&config).err().unwrap().to_string();
+    assert!(fault.contains("robot.world_from_base") && fault.contains("outside the object's box"), "{fault}");
+}
+
+#[test]
 fn what_is_no_robot_is_refused() {
     let of = |change: &dyn Fn(&mut RobotConfig)| {
         let mut robot = RobotConfig::default();

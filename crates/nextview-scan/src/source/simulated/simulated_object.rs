@@ -35,10 +35,12 @@ impl SimulatedObject {
         let object = Object::load(config)?;
         let voxel_size = object.voxel_size(config)?;
         let scene = object.scene(config)?.with_noise(config.noise.noise())?;
+        let bounds = scene.planning_box(voxel_size);
+        config.robot.as_ref().map_or(Ok(()), |robot| robot.check_beside(&bounds))?;
         let (views, reach_note) = config.within_reach(view_space(config, &scene)?)?;
         config.check_views(views.len())?;
         let session = simulated_session(config, views.len(), &scene, voxel_size);
-        let block = voxel_block(&session, &scene.planning_box(voxel_size))?;
+        let block = voxel_block(&session, &bounds)?;
         let mesh = scene.camera().mesh();
         let object_voxels = ObjectVoxels::new(mesh, Lattice::new(voxel_size)?, block);
         let true_surface = TrueSurface::new(mesh);
