@@ -326,6 +326,37 @@ fn goes_only_where_the_robot_can_go_now() {
     assert!(matches!(next(&mut session), Decision::Move(NextView { view: Some(1), .. })), "forgotten");
 }
 
+/// Goes along an itinerary of all views; the score is the number of the plan.
+#[derive(Default)]
+struct Along {
+    n_plans: usize,
+}
+
+impl ViewPlanner for Along {
+    fn plan(&mut self, situation: &Situation<'_>) -> Result<Plan, Error> {
+        self.n_plans += 1;
+        let choice = |view| Choice::new(view, self.n_plans as f64);
+        let open = situation.open_views();
+        let legs = open.iter().map(|&view| Leg { choice: choice(view), expected: 1.0 }).collect();
+        let itinerary = Some(Itinerary { legs, tolerance: f64::INFINITY });
+        Ok(Plan { choice: open.first().map(|&view| choice(view)), itinerary, ..Plan::default() })
+    }
+}
+
+#[test]
+fn an_itinerary_is_kept_where_the_robot_says_again_where_it_can_go() {
+    let mut session = session(Along::default(), NO_PROGRESS_RULE);
+    session.decide().unwrap();
+    observe(&mut session, 0);
+    for _ in 0..3 {
+        let Decision::Move(NextView { choice: Some(choice), .. }) = session.decide().unwrap() else {
+            panic!("goes on")
+        };
+        assert_eq!((choice.view, choice.score), (1, 1.0));
+        session.set_approaches(vec![Some(1.0); 12]);
+    }
+}
+
 #[test]
 fn bad_values_are_refused() {
     let fault = |stop: StopConfig| {

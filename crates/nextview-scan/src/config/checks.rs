@@ -1,6 +1,8 @@
 //! What a configuration must hold beyond what each of its parts checks itself.
 
-use super::{LiveConfig, PlannerChoice, PlannerName, RecordingConfig, ScanConfig, TableRule, ViewRule};
+use super::{
+    LiveConfig, PlannerChoice, PlannerName, RecordingConfig, RobotConfig, ScanConfig, TableRule, ViewRule,
+};
 use crate::{Fault, Faults};
 use nextview::gain::Apora;
 use nextview::geometry::Aabb;
@@ -54,7 +56,7 @@ fn faults(config: &ScanConfig) -> Vec<Fault> {
     // The library's own weights need no check, which would cost tens of milliseconds.
     faults.extend(config.nbv_net.weights.as_ref().and_then(|_| config.nbv_net.planner().err()));
     faults.extend(config.reach.faults());
-    faults.extend(config.robot.as_ref().and_then(|robot| robot.cell().err()));
+    faults.extend(config.robot.iter().flat_map(RobotConfig::faults));
     #[cfg(feature = "simulated")]
     faults.extend(config.noise.faults().into_iter().chain(config.of_sensor()));
     faults.extend(config.recording.iter().flat_map(|recording| of_recording(recording, config)));

@@ -90,7 +90,16 @@ impl RobotConfig {
         (!presets::NAMES.contains(&self.arm.as_str())).then(|| Path::new(&self.arm))
     }
 
-    /// The arm in its surroundings; fails on all that cannot be, at once as far as possible.
+    /// Everything that cannot be; what only the arm itself shows where nothing else is wrong.
+    pub(crate) fn faults(&self) -> Vec<Fault> {
+        let boxes = self.boxes_m.iter().map(|corners| solid("robot.boxes_m", corners));
+        let body = solid("robot.camera_body_m", &self.camera_body_m);
+        let solids = boxes.chain([body]).filter_map(Result::err);
+        let faults: Vec<Fault> = solids.chain(self.mount().err()).collect();
+        if faults.is_empty() { self.cell().err().into_iter().collect() } else { faults }
+    }
+
+    /// The arm in its surroundings; fails on the first value that cannot be.
     pub fn cell(&self) -> Result<RobotCell, Fault> {
         let arm = self.arm()?;
         if !self.home.is_empty() && (self.home.len() != arm.n_joints() || !arm.is_within_limits(&self.home)) {

@@ -14,6 +14,9 @@ const EFFORT: usize = 2000;
 /// Joint values for one pose that a path is searched to.
 const MOST_GOALS: usize = 16;
 
+/// A pose that a robot states may be off by this much, metres, and the camera still be where it was sent.
+const SAME_PLACE: f64 = 0.05;
+
 /// Surface beside the planning box is kept clear of in cells of at least this size, metres: a robot needs no
 /// finer ones, and a room has few of them.
 const COARSE: f64 = 0.02;
@@ -140,18 +143,22 @@ impl Arm {
         Ok(Way { trajectory, joints: Some(joints) })
     }
 
-    /// A frame was taken: at the end of this motion, or else from this pose.
+    /// A frame was taken from this pose, as it claims: at the end of this motion, or, where that is another
+    /// place, at the nearest joint values that hold the camera there. It is not known where the arm is if
+    /// there are none.
     pub fn arrive(&mut self, joints: Option<&JointTrajectory>, world_from_camera: &Pose) {
-        let end = joints.and_then(|joints| joints.points.last()).map(|(_, values)| values.clone());
-        let found = || {
-            let mut solutions = self.cell.solutions(world_from_camera);
-            let time = |values: &Vec<f64>| {
-                self.values.as_ref().map_or(0.0, |from| motion_time(self.cell.arm(), from, values))
-            };
-            solutions.sort_by(|a, b| time(a).total_cmp(&time(b)));
-            solutions.into_iter().next()
+        let is_there = |values: &Vec<f64>| {
+            let place = self.cell.world_from_camera(values).translation();
+            place.distance(world_from_camera.translation()) <= SAME_PLACE
         };
-        self.values = end.or_else(found).or_else(|| self.values.clone());
+        let end = joints.and_then(|joints| joints.points.last()).map(|(_, values)| values);
+        self.values = end.filter(|values| is_there(values)).cloned().or_else(|| {
+            let solutions = self.cell.solutions(world_from_camera);
+            match &self.values {
+                Some(from) => self.nearest(from, solutions).into_iter().next(),
+                None => most_central(&self.cell, &solutions),
+            }
+        });
         self.survey = None;
     }
 }

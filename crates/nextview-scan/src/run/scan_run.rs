@@ -205,6 +205,7 @@ impl<'a> ScanRun<'a> {
             None => self.scan.session.trajectory_to(&taken.frame.world_from_camera())?,
         };
         let TakenFrame { frame, color, name } = self.keep(taken)?;
+        let claimed = frame.world_from_camera();
         let start = Instant::now();
         let report = match self.scan.session.observe(&frame) {
             Ok(report) => report,
@@ -233,7 +234,7 @@ impl<'a> ScanRun<'a> {
         record.capture_time_ms = milliseconds(capture_time);
         record.warning = self.warning();
         if let Some(arm) = &mut self.arm {
-            arm.arrive(joints.as_ref(), &report.world_from_camera);
+            arm.arrive(joints.as_ref(), &claimed);
             record.joint_values = arm.values().map(<[f64]>::to_vec);
         }
         self.scan.trajectories.push(trajectory);

@@ -6,8 +6,8 @@ use nextview::Cancel;
 use nextview::geometry::Pose;
 use nextview::session::StopReason;
 use nextview_scan::{
-    Begin, ObjectBoxConfig, RobotConfig, ScanConfig, ScanRun, SimulatedObject, Simulation, TableRule,
-    result_file,
+    Begin, FrameSource, Next, ObjectBoxConfig, RobotConfig, ScanConfig, ScanRun, SimulatedObject, Simulation,
+    TableRule, result_file,
 };
 
 /// A UR5e beside a mug on a table, with the camera 5 cm before its flange.
@@ -92,6 +92,23 @@ fn the_same_scan_after_an_interruption() {
     let mut resumed = ScanRun::begin(&source, &config, begin).unwrap();
     resumed.drive(|_| Ok(())).unwrap();
     assert_eq!(views(&resumed), views(&whole));
+}
+
+/// Whoever moves the arm by hand pushes a frame from somewhere else: the next motion begins there.
+#[test]
+fn the_arm_is_where_the_frame_was_taken() {
+    let config = config();
+    let cell = config.robot.as_ref().unwrap().cell().unwrap();
+    let object = SimulatedObject::new(&config).unwrap();
+    let source = Simulation::new(&object, &config, None);
+    let mut run = ScanRun::begin(&source, &config, Begin::default()).unwrap();
+    let Next::Capture(mut view) = run.next().unwrap() else { panic!("begins") };
+    let far = |pose: &&Pose| pose.translation().distance(view.world_from_camera.translation()) > 0.2;
+    let elsewhere = *object.views.poses().iter().find(far).unwrap();
+    view.world_from_camera = elsewhere;
+    run.push(source.capture(&view, true).unwrap()).unwrap();
+    let values = run.steps()[0].joint_values.clone().unwrap();
+    assert!(cell.world_from_camera(&values).translation().distance(elsewhere.translation()) < 1e-6);
 }
 
 #[test]

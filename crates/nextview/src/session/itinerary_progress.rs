@@ -53,10 +53,10 @@ impl ItineraryProgress {
         self.legs.front().map(|leg| leg.choice.clone())
     }
 
-    /// Drops an itinerary that leads to this view; keeps another one, and its current leg if the decision for
-    /// it is discarded.
-    pub fn skip(&mut self, view: usize, is_discarded: bool) {
-        if self.legs.iter().any(|leg| leg.choice.view == view) {
+    /// Drops an itinerary that leads to a view that is given up; keeps another one, and its current leg if
+    /// the decision for it is discarded.
+    pub fn skip(&mut self, is_given_up: impl Fn(usize) -> bool, is_discarded: bool) {
+        if self.legs.iter().any(|leg| is_given_up(leg.choice.view)) {
             self.legs.clear();
         }
         self.is_discarded = is_discarded && !self.legs.is_empty();

@@ -187,7 +187,7 @@ impl Session {
     pub fn skip(&mut self, view: usize) {
         self.skipped.insert(view);
         self.candidates = self.without_skipped(self.candidates.clone());
-        self.itinerary.skip(view, self.decision.take().is_some());
+        self.itinerary.skip(|given_up| given_up == view, self.decision.take().is_some());
     }
 
     /// States how long a robot needs to each candidate from where it is, seconds; none where it cannot go at
@@ -199,10 +199,7 @@ impl Session {
     /// If there are not as many times as candidates.
     pub fn set_approaches(&mut self, times: Vec<Option<f64>>) {
         assert_eq!(times.len(), self.candidates.len(), "a time for each candidate");
-        let is_discarded = self.decision.take().is_some();
-        for view in (0..times.len()).filter(|&view| times[view].is_none()) {
-            self.itinerary.skip(view, is_discarded);
-        }
+        self.itinerary.skip(|view| times[view].is_none(), self.decision.take().is_some());
         self.approaches = Some(times);
     }
 
