@@ -12,6 +12,7 @@ use nextview::planner::{Batch, BatchConfig, BatchPlan, Situation, ViewPlanner};
 use nextview::prior::SurfacePrior;
 use nextview::sensor::{DepthRange, Intrinsics};
 use nextview::view::{ViewSpace, generate};
+use nextview::visibility::MeasuredParts;
 
 const N_VIEWS: usize = 14;
 const VISITED: [usize; 2] = [3, 9];
@@ -49,8 +50,10 @@ fn plan(config: BatchConfig) -> BatchPlan {
 /// For every view the value of each voxel: the probability that it shows new surface.
 fn values(snapshot: &Snapshot, views: &ViewSpace) -> Vec<Vec<f64>> {
     let estimate = SurfacePrior::default().estimate(snapshot, &Cancel::default()).unwrap();
-    let gain =
-        ExpectedSurface::new(snapshot, &Intrinsics::d435i(), DepthRange::default(), &estimate, 2.0).unwrap();
+    let (lattice, block) = (snapshot.lattice(), snapshot.block());
+    let measured = MeasuredParts::new(&[], lattice, block, &Cancel::default()).unwrap();
+    let (camera, range) = (Intrinsics::d435i(), DepthRange::default());
+    let gain = ExpectedSurface::new(snapshot, &camera, range, &measured, &estimate, 2.0).unwrap();
     let look = |view: usize| {
         let mut value = vec![0.0; estimate.len()];
         gain.evaluator().survey(&views.pose(view), |i, class| value[i] = estimate.shows(i, class) as f64);

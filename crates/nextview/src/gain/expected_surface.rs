@@ -3,18 +3,20 @@ use crate::geometry::Pose;
 use crate::map::{Occupancy, Snapshot};
 use crate::prior::{SurfaceEstimate, ViewingClass};
 use crate::sensor::{DepthRange, Intrinsics};
-use crate::visibility::{Paths, RayCaster, ValueCaster};
+use crate::visibility::{MeasuredParts, Paths, RayCaster, ValueCaster};
 use glam::{DVec3, Vec3};
 
 /// The number of surface voxels not seen before that a view is expected to show, under a
 /// [`SurfacePrior`](crate::prior::SurfacePrior).
 ///
-/// Rays continue behind unknown voxels as far as the prior lets them. Each voxel counts once per view, with
-/// the probability that the view newly sees it, taken from the ray that reaches it with the largest
-/// visibility.
+/// Rays end at the [parts](MeasuredParts) of occupied voxels that were measured, and continue through unknown
+/// voxels as far as the prior lets them. Each voxel counts once per view, with the probability that the view
+/// newly sees it, taken from the ray that reaches it with the largest visibility. Voxels in which surface was
+/// measured do not count, even if later rays made them free.
 #[derive(Debug)]
 pub struct ExpectedSurface<'a> {
     estimate: &'a SurfaceEstimate,
+    measured: &'a MeasuredParts,
     caster: ValueCaster<'a>,
     /// The middle of each voxel of the estimate, metres from `origin`.
     centers: Vec<Vec3>,
@@ -22,29 +24,37 @@ pub struct ExpectedSurface<'a> {
     origin: DVec3,
 }
 
-/// The visibility behind an occupied voxel: the surface in it may leave a part of it open.
+/// The visibility behind an occupied voxel of which it is not known where in it surface was measured: the
+/// surface may leave a part of it open.
 const PASSES_OCCUPIED: f32 = 0.25;
 
-/// The same for a free voxel at the border of the unknown, where surface may lie after all.
-const PASSES_BORDER: f32 = 0.95;
+/// The same beside the measured surface of an occupied voxel, where the rest of it may lie, and for a free
+/// voxel at the border of the unknown.
+const PASSES_BORDER: f32 = 0.995;
 
 /// Visibility below which a ray ends.
 const FADED: f32 = 0.03;
 
 impl<'a> ExpectedSurface<'a> {
     /// The gain under an estimate for this snapshot, for a camera with these optics that measures these
-    /// depths. `ray_spacing` is the distance between neighbouring rays
-    /// at the far side of the box, in voxels of the snapshot, positive.
+    /// depths. `measured` are the parts of the snapshot's voxels where surface was measured. `ray_spacing` is
+    /// the distance between neighbouring rays at the far side of the box, in voxels of the snapshot, positive.
+    ///
+    /// # Panics
+    /// If `measured` is of another block.
     pub fn new(
         snapshot: &'a Snapshot,
         intrinsics: &Intrinsics,
         depth_range: DepthRange,
+        measured: &'a MeasuredParts,
         estimate: &'a SurfaceEstimate,
         ray_spacing: f64,
     ) -> Result<Self, Error> {
-        let passes = passes(snapshot, estimate);
+        assert_eq!(measured.block(), snapshot.block(), "parts of the snapshot's voxels");
+        let passes = passes(snapshot, measured, estimate);
         let caster =
             RayCaster::through(snapshot, intrinsics, ray_spacing, &passes, FADED)?.within(depth_range);
+        let caster = caster.behind(measured);
         // Every voxel of the estimate weakens rays, so the caster numbers all of them in the order of the
         // estimate.
         let mut is_item = vec![0.0; passes.len()];
@@ -53,7 +63,8 @@ impl<'a> ExpectedSurface<'a> {
         let (local, origin) = (block.localized(), block.local_origin().as_dvec3() * lattice.voxel_size());
         let center = |&voxel: &u32| lattice.center(local.key(voxel as usize)).as_vec3();
         let centers = estimate.voxels().iter().map(center).collect();
-        Ok(Self { estimate, caster: ValueCaster::new(caster, snapshot, &is_item), centers, origin })
+        let caster = ValueCaster::new(caster, snapshot, &is_item);
+        Ok(Self { estimate, measured, caster, centers, origin })
     }
 
     /// An evaluator of view candidates, one after the other.
@@ -95,7 +106,10 @@ impl ViewEvaluator<'_> {
         let camera = (world_from_camera.translation() - gain.origin).as_vec3();
         for item in seen.drain(..).map(|item| item as usize) {
             let facing = (camera - gain.centers[item]).normalize().dot(gain.estimate.normal(item));
-            visit(item, ViewingClass::new(std::mem::take(&mut visibility[item]), facing));
+            let visibility = std::mem::take(&mut visibility[item]);
+            if !gain.measured.is_measured(gain.estimate.voxels()[item] as usize) {
+                visit(item, ViewingClass::new(visibility, facing));
+            }
         }
     }
 
@@ -108,10 +122,14 @@ impl ViewEvaluator<'_> {
 }
 
 /// The share of visibility that each voxel of the snapshot passes on.
-fn passes(snapshot: &Snapshot, estimate: &SurfaceEstimate) -> Vec<f32> {
+fn passes(snapshot: &Snapshot, measured: &MeasuredParts, estimate: &SurfaceEstimate) -> Vec<f32> {
     let occupancy = snapshot.occupancy();
-    let pass_measured = |state: &Occupancy| if *state == Occupancy::Occupied { PASSES_OCCUPIED } else { 1.0 };
-    let mut passes: Vec<f32> = occupancy.iter().map(pass_measured).collect();
+    let pass_known = |(voxel, state): (usize, &Occupancy)| match state {
+        Occupancy::Occupied if measured.is_measured(voxel) => PASSES_BORDER,
+        Occupancy::Occupied => PASSES_OCCUPIED,
+        _ => 1.0,
+    };
+    let mut passes: Vec<f32> = occupancy.iter().enumerate().map(pass_known).collect();
     for (i, &voxel) in estimate.voxels().iter().enumerate() {
         let is_free = occupancy[voxel as usize] == Occupancy::Free;
         passes[voxel as usize] =

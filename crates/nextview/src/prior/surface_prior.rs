@@ -109,6 +109,23 @@ impl SurfacePrior {
 }
 
 impl SurfaceEstimate {
+    /// An estimate of your own, for the voxels of a snapshot, by increasing index: for each the direction of
+    /// free space, of length 1 or 0, the probability, 0..=1, that a ray ends there, and for each
+    /// [`ViewingClass`] the probability that a view shows unseen surface in it.
+    ///
+    /// # Panics
+    /// If there are not as many of each as voxels.
+    pub fn new(
+        voxels: Vec<u32>,
+        normals: Vec<Vec3>,
+        stops: Vec<f32>,
+        shows: Vec<[f32; ViewingClass::N]>,
+    ) -> Self {
+        let n = voxels.len();
+        assert_eq!((normals.len(), stops.len(), shows.len()), (n, n, n), "as many of each as voxels");
+        Self { voxels, normals, stops, shows: shows.into_flattened() }
+    }
+
     /// Number of voxels that may hold unseen surface.
     pub fn len(&self) -> usize {
         self.voxels.len()

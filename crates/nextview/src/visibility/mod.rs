@@ -3,6 +3,7 @@
 //! Start with [`RayCaster`]: it sends the rays of a view through a dense [`Snapshot`](crate::map::Snapshot)
 //! and returns one [`Ray`] after the other. The rays are evaluated elsewhere.
 
+mod measured_parts;
 mod packet;
 mod pass_grid;
 mod paths;
@@ -13,6 +14,7 @@ mod sight;
 mod value_caster;
 mod view_rays;
 
+pub use measured_parts::MeasuredParts;
 pub(crate) use paths::Paths;
 pub use ray::{Crossing, Ray, RayEnd};
 pub use ray_caster::RayCaster;

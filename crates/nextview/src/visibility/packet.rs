@@ -23,6 +23,10 @@ pub(super) struct Packet {
     /// misses the block.
     pub index: Lanes,
     pub axes: [PacketAxis; 3],
+    /// Where all rays come from.
+    pub origin: DVec3,
+    /// Along each axis; of length 1 in depth.
+    pub directions: [Lanes; 3],
 }
 
 /// The part of a packet along one axis.
@@ -51,6 +55,7 @@ impl Packet {
         directions: &Directions,
         depths: DepthRange,
     ) {
+        (self.origin, self.directions) = (origin, directions.axes);
         let mut is_ray = [0.0; LANES];
         #[allow(
             clippy::needless_range_loop,
@@ -70,6 +75,12 @@ impl Packet {
             let enters = simd.and_m64s(is_ray, clip.meets);
             store::<S>(&mut self.index, part, simd.select_f64s(enters, index, simd.splat_f64s(OUTSIDE)));
         }
+    }
+
+    /// The direction of one of the rays.
+    pub fn direction(&self, lane: usize) -> DVec3 {
+        let [x, y, z] = &self.directions;
+        DVec3::new(x[lane], y[lane], z[lane])
     }
 
     /// Fills one axis, and returns how far along it the ray enters, in cells.

@@ -1,7 +1,8 @@
 use super::FreeSpace;
+use super::measured_parts::{MeasuredParts, meets};
 use crate::geometry::VoxelBlock;
 use crate::map::{Occupancy, Snapshot};
-use glam::IVec3;
+use glam::{DVec3, IVec3};
 use std::ops::Range;
 
 /// The share of visibility that each voxel of a block passes on, with a layer of [`OUTSIDE`](Self::OUTSIDE)
@@ -13,8 +14,11 @@ pub(super) struct PassGrid {
     pub block: VoxelBlock,
     /// The block with the layer.
     pub padded: VoxelBlock,
-    /// By cell, 1 - P(occupied) or 1 where free space is clear; 0 where a ray ends.
+    /// By cell, 1 - P(occupied) or 1 where free space is clear; 0 where a ray ends; below
+    /// [`OUTSIDE`](Self::OUTSIDE) where only a [part](Self::beside) ends it.
     pub passes: Vec<f32>,
+    /// The cells of which parts end rays: those parts, and the share that passes beside them.
+    parts: Vec<(u64, f32)>,
 }
 
 impl PassGrid {
@@ -45,11 +49,34 @@ impl PassGrid {
 
     fn with_passes(snapshot: &Snapshot, block: VoxelBlock, pass: impl Fn(usize) -> f32) -> Self {
         let padded = block.padded();
-        let mut grid = Self { block, padded, passes: vec![Self::OUTSIDE; padded.n_voxels()] };
+        let passes = vec![Self::OUTSIDE; padded.n_voxels()];
+        let mut grid = Self { block, padded, passes, parts: Vec::new() };
         for (cells, voxels) in grid.rows(snapshot) {
             grid.passes[cells].iter_mut().zip(voxels).for_each(|(cell, voxel)| *cell = pass(voxel));
         }
         grid
+    }
+
+    /// The same where rays end at the measured parts of occupied voxels, and beside them go on. Measured voxels
+    /// that the map has free are left as they are: noise put points there.
+    pub fn behind(mut self, measured: &MeasuredParts, snapshot: &Snapshot) -> Self {
+        for (cells, voxels) in self.rows(snapshot) {
+            for (cell, voxel) in cells.zip(voxels) {
+                if measured.is_measured(voxel) && snapshot.occupancy()[voxel] == Occupancy::Occupied {
+                    self.parts.push((measured.of(voxel), self.passes[cell]));
+                    self.passes[cell] = Self::OUTSIDE - self.parts.len() as f32;
+                }
+            }
+        }
+        self
+    }
+
+    /// The share that a cell whose pass is below [`OUTSIDE`](Self::OUTSIDE) passes on of a ray, `origin` and
+    /// `direction` in voxels: 0 if the ray meets one of its parts.
+    #[cold]
+    pub fn beside(&self, cell: usize, origin: DVec3, direction: DVec3) -> f32 {
+        let (parts, pass) = self.parts[(Self::OUTSIDE - self.passes[cell]) as usize - 1];
+        if meets(parts, self.padded.key(cell), origin, direction) { 0.0 } else { pass }
     }
 
     /// The rows of the block along x, as ranges of cells and of voxels of the snapshot, both increasing.

@@ -71,7 +71,7 @@ impl Paths {
             // Where a ray ends is known only after many cycles: it may go a step too far, so as not to wait
             // for that.
             let may_move = goes_on;
-            let (pass, after) = step.pass::<S>(part, grid, &mut visibility);
+            let (pass, after) = step.pass::<S>(part, packet, grid, &mut visibility);
             let crosses = simd.and_m64s(goes_on, simd.greater_than_f64s(pass, zero));
             len = simd.add_f64s(len, simd.select_f64s(crosses, one, zero));
             n_clear = simd.add_f64s(n_clear, simd.select_f64s(simd.equal_f64s(after, one), one, zero));
@@ -99,6 +99,7 @@ impl Step {
     fn pass<S: Simd>(
         &self,
         part: usize,
+        packet: &Packet,
         grid: &PassGrid,
         visibility: &mut [f32; LANES],
     ) -> (S::f64s, S::f64s) {
@@ -108,8 +109,11 @@ impl Step {
             reason = "iterators are not always inlined into vector instructions"
         )]
         for lane in 0..S::F64_LANES {
-            let pass = grid.passes.get(cell(self.index[part * S::F64_LANES + lane]));
-            passes[lane] = pass.copied().unwrap_or(PassGrid::OUTSIDE);
+            let cell = cell(self.index[part * S::F64_LANES + lane]);
+            passes[lane] = grid.passes.get(cell).copied().unwrap_or(PassGrid::OUTSIDE);
+            if passes[lane] < PassGrid::OUTSIDE {
+                passes[lane] = grid.beside(cell, packet.origin, packet.direction(part * S::F64_LANES + lane));
+            }
         }
         let (mut pass, mut after) = ([0.0; LANES], [0.0; LANES]);
         for lane in 0..S::F64_LANES {

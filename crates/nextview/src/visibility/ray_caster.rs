@@ -1,7 +1,7 @@
 use super::packet::Packet;
 use super::pass_grid::PassGrid;
 use super::ray_grid::Cells;
-use super::{Crossing, Ray, RayEnd, RayGrid, Sight};
+use super::{Crossing, MeasuredParts, Ray, RayEnd, RayGrid, Sight};
 use crate::Error;
 use crate::geometry::lanes::{LANES, cell};
 use crate::geometry::{Aabb, Pose};
@@ -111,6 +111,11 @@ impl<'a> RayCaster<'a> {
         Self { depths: DepthRange { min: in_voxels(range.min), max: in_voxels(range.max) }, ..self }
     }
 
+    /// The same where rays end at the measured parts of occupied voxels, and beside them go on.
+    pub(crate) fn behind(self, measured: &MeasuredParts) -> Self {
+        Self { passes: self.passes.behind(measured, self.snapshot), ..self }
+    }
+
     /// Casts the rays of a view, in a fixed order; those that miss the box are left out.
     pub fn cast(&self, world_from_camera: &Pose, mut visit: impl FnMut(Ray<'_>)) {
         let Ok(()) = self.try_cast(world_from_camera, |ray| {
@@ -158,7 +163,7 @@ impl<'a> RayCaster<'a> {
 
     /// Follows one ray of a packet; none if it misses the box.
     fn trace(&self, packet: &Packet, lane: usize, crossings: &mut Vec<Crossing>) -> Option<RayEnd> {
-        let PassGrid { block, padded, passes } = &self.passes;
+        let PassGrid { block, padded, passes, .. } = &self.passes;
         let mut index = cell(packet.index[lane]);
         let key = padded.key(index);
         block.index(key)?;
@@ -172,7 +177,12 @@ impl<'a> RayCaster<'a> {
         let (mut x, mut y, mut z) = (x.next[lane], y.next[lane], z.next[lane]);
         let mut visibility = 1.0_f32;
         loop {
-            let pass = passes[index];
+            let pass = match passes[index] {
+                pass if pass < PassGrid::OUTSIDE => {
+                    self.passes.beside(index, packet.origin, packet.direction(lane))
+                }
+                pass => pass,
+            };
             let crossing = Crossing { voxel: voxel as u32, visibility };
             if pass <= 0.0 {
                 return Some(if pass == 0.0 { RayEnd::Occupied(crossing) } else { RayEnd::LeftBox });
@@ -227,6 +237,7 @@ mod tests {
     use crate::map::{LogOdds, Occupancy};
     use crate::sensor::Distortion;
     use crate::view::look_at;
+    use crate::visibility::measured_parts::meets;
     use crate::visibility::packet::tests::Enter;
     use crate::visibility::{FreeSpace, NO_VOXEL_MISSED};
     use glam::{DVec2, IVec3, UVec3};
@@ -327,6 +338,33 @@ mod tests {
     }
 
     proptest! {
+        /// The slow twin: the walk among the whole voxels, up to the first occupied one of which it meets a part.
+        #[test]
+        fn rays_end_at_measured_parts(
+            origin in prop::array::uniform3(-30.0..30.0), direction in prop::array::uniform3(-1.0..1.0),
+            dims in prop::array::uniform3(1_u32..9), drawn in prop::collection::vec((0_usize..4, any::<u64>(), any::<u64>()), 512),
+        ) {
+            let (origin, direction) = (DVec3::from_array(origin), DVec3::from_array(direction));
+            let snapshot = snapshot(UVec3::from_array(dims), |i| [None, Some(0.85), Some(0.85), Some(-0.4)][drawn[i].0]);
+            let block = snapshot.block();
+            let parts: Vec<u64> = drawn.iter().map(|(_, a, b)| a & b).take(block.n_voxels()).collect();
+            let measured = MeasuredParts::of_parts(block, parts.clone());
+            let passes = vec![0.95; block.n_voxels()];
+            let whole = RayCaster::through(&snapshot, &Intrinsics::d435i(), 1.0, &passes, 0.03).unwrap();
+            let expected = trace(&whole, origin, direction).map(|(crossings, end)| {
+                let ends = |crossing: &Crossing| {
+                    let voxel = crossing.voxel as usize;
+                    snapshot.occupancy()[voxel] == Occupancy::Occupied
+                        && meets(parts[voxel], block.key(voxel), origin, direction)
+                };
+                match crossings.iter().position(ends) {
+                    Some(n) => (crossings[..n].to_vec(), RayEnd::Occupied(crossings[n])),
+                    None => (crossings, end),
+                }
+            });
+            prop_assert_eq!(trace(&whole.behind(&measured), origin, direction), expected);
+        }
+
         /// The slow twin: the general walk and a product, from the first voxel on that weakens any ray.
         #[test]
         fn rays_go_through_what_passes_are_given(

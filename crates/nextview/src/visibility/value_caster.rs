@@ -114,7 +114,7 @@ mod tests {
     use crate::sensor::{Distortion, Intrinsics};
     use crate::view::look_at;
     use crate::visibility::packet::tests::archs;
-    use crate::visibility::{FreeSpace, Sight};
+    use crate::visibility::{FreeSpace, MeasuredParts, Sight};
     use glam::{DVec2, DVec3, IVec3, UVec3};
     use proptest::prelude::*;
 
@@ -164,6 +164,27 @@ mod tests {
             let passes: Vec<f32> = (0..states.len()).map(pass).collect();
             let value: Vec<f64> = passes.iter().map(|&pass| if pass == 0.25 || pass == 1.0 { 0.0 } else { 1.0 }).collect();
             let caster = || RayCaster::through(&snapshot, &cameras()[camera], spacing, &passes, fade_limit).unwrap();
+            check(caster, &snapshot, &value, &look_at(DVec3::from_array(position), DVec3::ZERO).unwrap())?;
+        }
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig::with_cases(64))]
+
+        /// The same where measured parts end rays.
+        #[test]
+        fn tells_what_single_rays_up_to_measured_parts_tell(
+            states in states(), parts in prop::collection::vec(prop_oneof![2 => Just(0_u64), 1 => any::<u64>()], 11 * 9 * 10),
+            position in prop::array::uniform3(-0.4..0.4), spacing in 0.5..6.0,
+        ) {
+            let snapshot = snapshot(&states);
+            let measured = MeasuredParts::of_parts(snapshot.block(), parts);
+            let pass = |state: &Option<f32>| state.map_or(0.6, |log_odds| if log_odds > 0.0 { 0.95 } else { 1.0 });
+            let passes: Vec<f32> = states.iter().map(pass).collect();
+            let value: Vec<f64> = states.iter().map(|state| f64::from(u8::from(state.is_none()))).collect();
+            let caster = || {
+                RayCaster::through(&snapshot, &Intrinsics::d435i(), spacing, &passes, 0.03).unwrap().behind(&measured)
+            };
             check(caster, &snapshot, &value, &look_at(DVec3::from_array(position), DVec3::ZERO).unwrap())?;
         }
     }

@@ -1,6 +1,6 @@
 //! What a view shows against its rays, each walked voxel by voxel.
 
-use crate::made_up::{half_seen_ball, prior, random_snapshot, snapshot};
+use crate::made_up::{half_seen_ball, nothing_measured, prior, random_snapshot, snapshot};
 use glam::{DVec2, DVec3, IVec3, UVec3};
 use nextview::Cancel;
 use nextview::gain::ExpectedSurface;
@@ -20,7 +20,7 @@ fn passes(snapshot: &Snapshot, estimate: &SurfaceEstimate) -> Vec<f32> {
         let item = estimate.voxels().iter().position(|&item| item as usize == voxel);
         match (occupancy[voxel], item) {
             (Occupancy::Occupied, _) => 0.25,
-            (Occupancy::Free, Some(_)) => 0.95,
+            (Occupancy::Free, Some(_)) => 0.995,
             (Occupancy::Unknown, Some(item)) => (1.0 - estimate.stops(item)).clamp(0.001, 0.999),
             _ => 1.0,
         }
@@ -95,7 +95,9 @@ fn check_view(
     pose: &Pose,
 ) -> Result<usize, TestCaseError> {
     let estimate = prior(seed).estimate(snapshot, &Cancel::default()).unwrap();
-    let gain = ExpectedSurface::new(snapshot, camera, DepthRange::default(), &estimate, spacing).unwrap();
+    let measured = nothing_measured(snapshot);
+    let range = DepthRange::default();
+    let gain = ExpectedSurface::new(snapshot, camera, range, &measured, &estimate, spacing).unwrap();
     let (mut evaluator, mut found, mut sum) = (gain.evaluator(), BTreeMap::new(), 0.0);
     for _ in 0..2 {
         // A second look shows the same: nothing is left of the first.
@@ -171,9 +173,9 @@ fn rays_are_a_positive_distance_apart() {
     let (snapshot, estimate) =
         (half_seen_ball(), prior(1).estimate(&half_seen_ball(), &Cancel::default()).unwrap());
     for bad in [0.0, -1.0, f64::NAN, f64::INFINITY] {
-        let error =
-            ExpectedSurface::new(&snapshot, &Intrinsics::d435i(), DepthRange::default(), &estimate, bad)
-                .unwrap_err();
+        let (camera, range) = (Intrinsics::d435i(), DepthRange::default());
+        let measured = nothing_measured(&snapshot);
+        let error = ExpectedSurface::new(&snapshot, &camera, range, &measured, &estimate, bad).unwrap_err();
         assert_eq!(error.to_string(), format!("ray_spacing is {bad}, expected a positive number of voxels"));
     }
 }

@@ -1,10 +1,12 @@
 //! Priors and maps made up by chance.
 
 use glam::{IVec3, UVec3};
+use nextview::Cancel;
 use nextview::geometry::random::Random;
 use nextview::geometry::{Lattice, VoxelBlock};
 use nextview::map::{LogOdds, Snapshot};
 use nextview::prior::{Network, SurfacePrior, ViewingClass};
+use nextview::visibility::MeasuredParts;
 
 /// Voxels of 1 cm of which so much is known.
 pub fn snapshot(block: VoxelBlock, log_odds: impl Fn(IVec3) -> Option<f32>) -> Snapshot {
@@ -37,6 +39,11 @@ pub fn half_seen_ball() -> Snapshot {
             _ => None,
         }
     })
+}
+
+/// Where surface was measured is not known: no frame is.
+pub fn nothing_measured(snapshot: &Snapshot) -> MeasuredParts {
+    MeasuredParts::new(&[], snapshot.lattice(), snapshot.block(), &Cancel::default()).unwrap()
 }
 
 /// A prior that learned nothing: its weights are chance.

@@ -1,10 +1,11 @@
 //! What the view candidates are expected to show.
 
 use crate::scan::scan_copy::ScanCopy;
-use nextview::Error;
 use nextview::gain::ExpectedSurface;
 use nextview::map::Snapshot;
 use nextview::prior::SurfaceEstimate;
+use nextview::visibility::MeasuredParts;
+use nextview::{Cancel, Error};
 
 /// Rays side by side across the box: enough to rank candidates, few enough for thousands of them.
 const RAYS_ACROSS: f64 = 8.0;
@@ -17,7 +18,10 @@ pub(super) fn candidate_gains(
 ) -> Result<Vec<f64>, Error> {
     let Some(frame) = scan.frames.last() else { return Ok(Vec::new()) };
     let spacing = (f64::from(snapshot.block().dims().max_element()) / RAYS_ACROSS).max(1.0);
-    let gain = ExpectedSurface::new(snapshot, frame.intrinsics(), scan.depth_range, estimate, spacing)?;
+    let (lattice, block) = (snapshot.lattice(), snapshot.block());
+    let measured = MeasuredParts::new(&scan.frames, lattice, block, &Cancel::default())?;
+    let gain =
+        ExpectedSurface::new(snapshot, frame.intrinsics(), scan.depth_range, &measured, estimate, spacing)?;
     let mut evaluator = gain.evaluator();
     let views = &scan.candidates;
     let gain = |view: usize| match views.is_within_reach(view) {

@@ -3,6 +3,7 @@ use crate::flow::{SetValues, tidied};
 use crate::gain::ExpectedSurface;
 use crate::planner::Situation;
 use crate::prior::{SurfacePrior, coarse_enough};
+use crate::visibility::MeasuredParts;
 use rayon::prelude::*;
 
 /// The values of the views: a set for every view, in the order given, whose items are voxels.
@@ -19,10 +20,13 @@ pub(super) fn values_of_views(
     let cancel = situation.cancel();
     let snapshot = coarse_enough(situation.snapshot(), cancel)?;
     let estimate = SurfacePrior::default().estimate(&snapshot, cancel)?;
+    let (lattice, block) = (snapshot.lattice(), snapshot.block());
+    let measured = MeasuredParts::new(situation.frames(), lattice, block, cancel)?;
     let gain = ExpectedSurface::new(
         &snapshot,
         situation.intrinsics(),
         situation.depth_range(),
+        &measured,
         &estimate,
         ray_spacing,
     )

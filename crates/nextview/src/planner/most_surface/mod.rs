@@ -8,6 +8,7 @@ use crate::checked::{check_range, checked_when_read};
 use crate::gain::{ExpectedSurface, ViewEvaluator};
 use crate::map::{Occupancy, Snapshot};
 use crate::prior::{SurfaceEstimate, SurfacePrior, coarse_enough};
+use crate::visibility::MeasuredParts;
 use crate::{Cancelled, Error};
 use doubt::Doubt;
 use rayon::prelude::*;
@@ -19,10 +20,10 @@ use serde::{Deserialize, Serialize};
 #[serde(default, deny_unknown_fields, remote = "Self")]
 pub struct MostSurfaceConfig {
     /// Number of planning rays side by side across the longest side of the box, at its far side; 1..=1000.
-    /// Default 32.
+    /// Default 64.
     ///
-    /// More than 1000 views are first evaluated with an eighth as many rays, the best 1000 of them with a
-    /// quarter, the best 250 of these with half as many, and only the best 40 with all rays. The number of
+    /// More than 1000 views are first evaluated with a sixteenth as many rays, the best 1000 of them with an
+    /// eighth, the best 150 of these with half as many, and only the best 24 with all rays. The number of
     /// rays is the same in fine voxels as in coarse ones.
     pub rays_across: f64,
     /// Weight of the movement cost against the gain, 0..=1; the paper's theta (section V.D). Default 0:
@@ -32,7 +33,7 @@ pub struct MostSurfaceConfig {
 
 impl Default for MostSurfaceConfig {
     fn default() -> Self {
-        Self { rays_across: 32.0, theta: 0.0 }
+        Self { rays_across: 64.0, theta: 0.0 }
     }
 }
 
@@ -49,7 +50,7 @@ impl MostSurfaceConfig {
 /// Passes, one after the other: the number of best views so far, and the factor by which rays are farther
 /// apart. Passes over more views than there are, except for the last such pass, are left out: few views with
 /// few rays show too little.
-const PASSES: [(usize, f64); 4] = [(usize::MAX, 8.0), (1000, 4.0), (250, 2.0), (40, 1.0)];
+const PASSES: [(usize, f64); 4] = [(usize::MAX, 16.0), (1000, 8.0), (150, 2.0), (24, 1.0)];
 
 /// A view is expected to show something if its gain is at least this many voxels.
 const LEAST_GAIN: f64 = 0.5;
@@ -76,6 +77,8 @@ pub struct MostSurface {
     config: MostSurfaceConfig,
     prior: SurfacePrior,
     doubt: Doubt,
+    /// Of the last plan, so that no frame is read twice.
+    measured: Option<MeasuredParts>,
 }
 
 impl MostSurface {
@@ -87,7 +90,7 @@ impl MostSurface {
     /// A planner with checked parameters and a prior of your own.
     pub fn with_prior(config: MostSurfaceConfig, prior: SurfacePrior) -> Result<Self, Error> {
         config.check()?;
-        Ok(Self { config, prior, doubt: Doubt::default() })
+        Ok(Self { config, prior, doubt: Doubt::default(), measured: None })
     }
 }
 
@@ -97,7 +100,14 @@ impl ViewPlanner for MostSurface {
         let mut estimate = self.prior.estimate(&snapshot, situation.cancel())?;
         let mut doubt = self.doubt.learned(situation, &snapshot);
         doubt.lower(&mut estimate, &snapshot);
-        let scene = Scene { situation, snapshot: &snapshot, estimate: &estimate };
+        let (lattice, block) = (snapshot.lattice(), snapshot.block());
+        let (frames, cancel) = (situation.frames(), situation.cancel());
+        let measured = match self.measured.take() {
+            Some(before) => before.after(frames, lattice, block, cancel)?,
+            None => MeasuredParts::new(frames, lattice, block, cancel)?,
+        };
+        let measured: &MeasuredParts = self.measured.insert(measured);
+        let scene = Scene { situation, snapshot: &snapshot, measured, estimate: &estimate };
         let open = situation.open_views();
         let ray_spacing = snapshot.block().dims().max_element() as f64 / self.config.rays_across;
         let first_pass = PASSES.iter().rposition(|(n_views, _)| *n_views >= open.len()).unwrap_or(0);
@@ -209,6 +219,7 @@ impl Rating {
 struct Scene<'a> {
     situation: &'a Situation<'a>,
     snapshot: &'a Snapshot,
+    measured: &'a MeasuredParts,
     estimate: &'a SurfaceEstimate,
 }
 
@@ -224,7 +235,9 @@ impl Scene<'_> {
     /// Surveys these views with rays `ray_spacing` voxels apart.
     fn survey(&self, views: &[usize], ray_spacing: f64) -> Result<Survey, Cancelled> {
         let (intrinsics, depth_range) = (self.situation.intrinsics(), self.situation.depth_range());
-        let gain = ExpectedSurface::new(self.snapshot, intrinsics, depth_range, self.estimate, ray_spacing);
+        let (snapshot, measured) = (self.snapshot, self.measured);
+        let gain =
+            ExpectedSurface::new(snapshot, intrinsics, depth_range, measured, self.estimate, ray_spacing);
         let gain = gain.expect("the constructor checked the number of rays");
         let nothing = || Survey { gains: Vec::new(), shown: vec![0.0; self.estimate.len()] };
         let parts = views.par_iter().try_fold(

@@ -1,0 +1,325 @@
+use crate::geometry::{Aabb, Lattice, Pose, VoxelBlock, VoxelKey};
+use crate::sensor::Frame;
+use crate::{Cancel, Cancelled};
+use glam::{DVec3, IVec3};
+use rayon::prelude::*;
+
+/// Which parts of voxels hold measured surface: 64 cubes a quarter of a voxel wide, whatever later rays did to
+/// the voxel.
+///
+/// A map says that a voxel holds surface; a ray may pass beside it all the same. Openings of one or two voxels
+/// would be closed, and a view that grazes a wall could not be told from one that ends in it.
+///
+/// Pixels side by side on the same surface are joined, so that parts have no holes where pixels are farther
+/// apart than they are.
+#[derive(Clone, Debug)]
+pub struct MeasuredParts {
+    lattice: Lattice,
+    block: VoxelBlock,
+    /// By voxel of the block, a bit for each part: [`bit`].
+    parts: Vec<u64>,
+    /// The poses of the frames that the parts are from, in order.
+    poses: Vec<Pose>,
+}
+
+/// Parts along each edge of a voxel.
+const N: i32 = 4;
+
+/// Points that join two pixels are at most this far apart, in parts: less than the least diagonal.
+const SPACING: f64 = 0.9;
+
+/// Neighbouring pixels show the same surface if they are less than this many pixels apart, which are as wide
+/// as at the nearer one: flatter surfaces are hardly measured, and edges lie farther apart.
+const SAME_SURFACE: f64 = 6.0;
+
+impl MeasuredParts {
+    /// The parts of the voxels of a block that surface in these frames lies in.
+    ///
+    /// Fails if `cancel` is set.
+    pub fn new(
+        frames: &[Frame],
+        lattice: Lattice,
+        block: VoxelBlock,
+        cancel: &Cancel,
+    ) -> Result<Self, Cancelled> {
+        let nothing = || Self { lattice, block, parts: vec![0; block.n_voxels()], poses: Vec::new() };
+        let add = |mut all: Self, frame: &Frame| {
+            cancel.check()?;
+            all.add(frame);
+            Ok(all)
+        };
+        let join = |a: Self, b: Self| Ok(a.joined(b));
+        frames.par_iter().try_fold(nothing, add).try_reduce(nothing, join)
+    }
+
+    /// The parts of these frames in these voxels: frames that are in these parts, with the same poses, are not
+    /// read again.
+    ///
+    /// Fails if `cancel` is set.
+    pub fn after(
+        self,
+        frames: &[Frame],
+        lattice: Lattice,
+        block: VoxelBlock,
+        cancel: &Cancel,
+    ) -> Result<Self, Cancelled> {
+        let poses = frames.iter().map(Frame::world_from_camera);
+        let n_known = self.poses.len();
+        let is_part = (self.lattice, self.block) == (lattice, block)
+            && poses.take(n_known).eq(self.poses.iter().copied());
+        match is_part {
+            true => Ok(self.joined(Self::new(&frames[n_known..], lattice, block, cancel)?)),
+            false => Self::new(frames, lattice, block, cancel),
+        }
+    }
+
+    /// These parts and those of later frames in the same voxels.
+    fn joined(mut self, later: Self) -> Self {
+        self.parts.iter_mut().zip(later.parts).for_each(|(a, b)| *a |= b);
+        self.poses.extend(later.poses);
+        self
+    }
+
+    /// The voxels that they are in.
+    pub fn block(&self) -> VoxelBlock {
+        self.block
+    }
+
+    /// Whether surface was measured in a voxel of the block, by its index.
+    pub fn is_measured(&self, voxel: usize) -> bool {
+        self.parts[voxel] != 0
+    }
+
+    /// The parts of a voxel of the block, a bit each, x fastest; by its index.
+    pub(super) fn of(&self, voxel: usize) -> u64 {
+        self.parts[voxel]
+    }
+
+    /// These parts, one number for each voxel of the block.
+    #[cfg(test)]
+    pub(super) fn of_parts(block: VoxelBlock, parts: Vec<u64>) -> Self {
+        Self { lattice: Lattice::new(0.01).unwrap(), block, parts, poses: Vec::new() }
+    }
+
+    fn add(&mut self, frame: &Frame) {
+        self.poses.push(frame.world_from_camera());
+        let (lattice, bounds) = (self.lattice, self.lattice.bounds(&self.block));
+        let width = frame.image().width() as usize;
+        let mut rows = [vec![None; width], vec![None; width]];
+        for v in 0..frame.image().height() {
+            rows.swap(0, 1);
+            let [above, row] = &mut rows;
+            row.fill(None);
+            frame.row_pixels_in(v, bounds).for_each(|(u, point)| {
+                row[u as usize] = Some(lattice.to_voxels(point));
+            });
+            self.add_row(frame, above, row);
+        }
+    }
+
+    /// Adds a row of points, in voxels, joined with each other and with those of the row above.
+    fn add_row(&mut self, frame: &Frame, above: &[Option<DVec3>], row: &[Option<DVec3>]) {
+        let camera = self.lattice.to_voxels(frame.world_from_camera().translation());
+        let pitch = SAME_SURFACE / frame.intrinsics().focal().min_element();
+        for u in 0..row.len() {
+            let Some(point) = row[u] else { continue };
+            self.mark(point);
+            let limit = pitch * point.distance(camera);
+            let near = |other: Option<DVec3>| other.filter(|other| other.distance(point) < limit);
+            let (left, up) = (near(u.checked_sub(1).and_then(|u| row[u])), near(above[u]));
+            let corner = near(u.checked_sub(1).and_then(|u| above[u]));
+            match (left, up, corner) {
+                (Some(left), Some(up), Some(corner)) => self.fill(point, left, up, corner),
+                _ => left.into_iter().chain(up).for_each(|other| self.fill(point, other, point, other)),
+            }
+        }
+    }
+
+    /// Marks the parts of the surface between four points.
+    fn fill(&mut self, point: DVec3, left: DVec3, up: DVec3, corner: DVec3) {
+        let n_points = |length: f64| (length * N as f64 / SPACING).ceil().max(1.0);
+        let across = n_points(point.distance(left).max(up.distance(corner)));
+        let down = n_points(point.distance(up).max(left.distance(corner)));
+        if across == 1.0 && down == 1.0 {
+            return;
+        }
+        for i in 0..across as u32 {
+            let along = i as f64 / across;
+            let (low, high) = (point.lerp(left, along), up.lerp(corner, along));
+            for j in 0..down as u32 {
+                self.mark(low.lerp(high, j as f64 / down));
+            }
+        }
+    }
+
+    /// Marks the part that a point, in voxels, lies in.
+    fn mark(&mut self, point: DVec3) {
+        let part = (point * N as f64).floor().as_ivec3();
+        let key = IVec3::new(part.x.div_euclid(N), part.y.div_euclid(N), part.z.div_euclid(N));
+        if let Some(voxel) = self.block.index(key) {
+            self.parts[voxel] |= 1 << bit(part - key * N);
+        }
+    }
+}
+
+/// The number of a part, by its place in the voxel.
+fn bit(part: IVec3) -> i32 {
+    part.x + N * (part.y + N * part.z)
+}
+
+/// Whether a ray meets one of these parts of a voxel that it crosses; `origin` and `direction` in voxels.
+pub(super) fn meets(parts: u64, key: VoxelKey, origin: DVec3, direction: DVec3) -> bool {
+    let n = N as f64;
+    let (origin, direction) = ((origin - key.as_dvec3()) * n, direction * n);
+    let Some((t_in, _)) =
+        (Aabb { min: DVec3::ZERO, max: DVec3::splat(n) }).clip(origin, direction, f64::INFINITY)
+    else {
+        return false;
+    };
+    let mut part = (origin + direction * t_in).floor().as_ivec3().clamp(IVec3::ZERO, IVec3::splat(N - 1));
+    let is_forward = direction.cmpgt(DVec3::ZERO);
+    let step = IVec3::select(is_forward, IVec3::ONE, IVec3::NEG_ONE);
+    let border = part.as_dvec3() + DVec3::select(is_forward, DVec3::ONE, DVec3::ZERO);
+    let (mut next, apart) = ((border - origin) / direction, (1.0 / direction).abs());
+    next = DVec3::select(direction.cmpeq(DVec3::ZERO), DVec3::INFINITY, next);
+    loop {
+        if parts >> bit(part) & 1 == 1 {
+            return true;
+        }
+        let axis = if next.x <= next.y && next.x <= next.z {
+            0
+        } else if next.y <= next.z {
+            1
+        } else {
+            2
+        };
+        part[axis] += step[axis];
+        if !(0..N).contains(&part[axis]) {
+            return false;
+        }
+        next[axis] += apart[axis];
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::sensor::made_up::of_depth;
+    use glam::{DQuat, UVec3};
+    use proptest::prelude::*;
+
+    fn block() -> VoxelBlock {
+        VoxelBlock::new(IVec3::new(-6, -6, 40), UVec3::new(12, 12, 20)).unwrap()
+    }
+
+    fn lattice() -> Lattice {
+        Lattice::new(0.01).unwrap()
+    }
+
+    fn measured(frames: &[Frame]) -> MeasuredParts {
+        MeasuredParts::new(frames, lattice(), block(), &Cancel::default()).unwrap()
+    }
+
+    fn part_of(point: DVec3) -> Option<i32> {
+        let part = (point * N as f64).floor().as_ivec3();
+        (part.min_element() >= 0 && part.max_element() < N).then(|| bit(part))
+    }
+
+    proptest! {
+        /// The slow twin: many points of the ray.
+        #[test]
+        fn a_ray_meets_the_parts_that_it_goes_through(
+            drawn: u64, mask: u64, key in prop::array::uniform3(-3..3),
+            through in prop::array::uniform3(0.01..0.99), direction in prop::array::uniform3(-1.0..1.0),
+            still in 0_usize..6,
+        ) {
+            let (parts, key, mut direction) = (drawn & mask, IVec3::from_array(key), DVec3::from_array(direction));
+            if still < 3 {
+                direction[still] = 0.0;
+            }
+            prop_assume!(direction.length() > 0.01);
+            let middle = key.as_dvec3() + DVec3::from_array(through);
+            let origin = middle - 20.0 * direction / direction.length();
+            let points = (-4000..4000).map(|i| DVec3::from_array(through) + direction.normalize() * f64::from(i) * 5e-4);
+            let met: Vec<i32> = points.filter_map(part_of).filter(|bit| parts >> bit & 1 == 1).collect();
+            let found = meets(parts, key, origin, direction);
+            prop_assert!(met.is_empty() || found, "goes through {met:?}");
+            if met.is_empty() && found {
+                // Through a corner that lies between two of the points.
+                let aside = [DVec3::X, DVec3::Y, DVec3::Z].map(|axis| axis.cross(direction).normalize_or_zero() * 1e-3);
+                let is_near = |by: DVec3| (-4000..4000).any(|i| {
+                    let point = DVec3::from_array(through) + direction.normalize() * f64::from(i) * 5e-4 + by;
+                    part_of(point).is_some_and(|bit| parts >> bit & 1 == 1)
+                });
+                prop_assert!(aside.into_iter().any(|by| is_near(by) || is_near(-by)));
+            }
+        }
+    }
+
+    /// Pixels are a centimetre apart, parts a quarter of it.
+    #[test]
+    fn a_wall_has_no_holes() {
+        for slope in [0.0, 0.4, 2.0] {
+            let wall = measured(&[of_depth(21, 17, |u, _| 0.5 + slope * 0.005 * (u as f32 - 10.0))]);
+            for i in 0..40 * 40 {
+                let aim = DVec3::new(f64::from(i % 40) * 0.2 - 4.0, f64::from(i / 40) * 0.2 - 4.0, 50.0);
+                let hits = (0..block().n_voxels()).any(|voxel| {
+                    wall.is_measured(voxel) && meets(wall.of(voxel), block().key(voxel), DVec3::ZERO, aim)
+                });
+                assert!(hits, "slope {slope}: a ray to {aim} goes through");
+            }
+        }
+    }
+
+    #[test]
+    fn edges_are_not_joined() {
+        let step = measured(&[of_depth(21, 17, |u, _| if u < 10 { 0.45 } else { 0.55 })]);
+        let middle = (47..53).flat_map(|z| (-6..6).map(move |x| IVec3::new(x, 0, z)));
+        for key in middle {
+            assert!(!step.is_measured(block().index(key).unwrap()), "{key}");
+        }
+    }
+
+    #[test]
+    fn frames_add_up_and_none_is_nothing() {
+        let (left, right) =
+            (of_depth(21, 17, |u, _| if u < 10 { 0.5 } else { 9.0 }), of_depth(21, 17, |_, _| 0.45));
+        let both = measured(&[left.clone(), right.clone()]);
+        let (left, right) = (measured(&[left]), measured(&[right]));
+        for voxel in 0..block().n_voxels() {
+            assert_eq!(both.of(voxel), left.of(voxel) | right.of(voxel));
+            assert!(!measured(&[]).is_measured(voxel));
+        }
+    }
+
+    /// The slow twin: all frames anew.
+    #[test]
+    fn more_frames_other_poses_and_other_voxels_give_their_own_parts() {
+        let frame = |depth: f32, x: f64| {
+            let pose = Pose::new(DQuat::IDENTITY, DVec3::X * x).unwrap();
+            of_depth(21, 17, move |_, _| depth).with_pose(pose)
+        };
+        let (a, b, moved) = (frame(0.45, 0.0), frame(0.5, 0.02), frame(0.45, 0.01));
+        let other = VoxelBlock::new(IVec3::new(-4, -4, 44), UVec3::splat(8)).unwrap();
+        let before = measured(&[a.clone()]);
+        for (frames, block) in [
+            (vec![a.clone(), b.clone()], block()),
+            (vec![a.clone()], block()),
+            (vec![moved, b.clone()], block()),
+            (vec![b], block()),
+            (vec![], block()),
+            (vec![a], other),
+        ] {
+            let anew = MeasuredParts::new(&frames, lattice(), block, &Cancel::default()).unwrap();
+            let after = before.clone().after(&frames, lattice(), block, &Cancel::default()).unwrap();
+            assert_eq!((after.parts, after.poses, after.block), (anew.parts, anew.poses, anew.block));
+        }
+    }
+
+    #[test]
+    fn beyond_the_block_nothing_is_kept() {
+        let away = Pose::new(DQuat::IDENTITY, DVec3::X).unwrap();
+        let far = measured(&[of_depth(21, 17, |_, _| 0.5).with_pose(away)]);
+        assert!((0..block().n_voxels()).all(|voxel| !far.is_measured(voxel)));
+    }
+}
