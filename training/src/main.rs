@@ -4,6 +4,7 @@
 //! learned prior to OUT. The same arguments give the same bits. `docs/planner.md` states the arguments for
 //! the library's own prior.
 
+mod housing;
 mod optimizer;
 mod scans;
 
@@ -21,6 +22,9 @@ use std::sync::Arc;
 /// Samples after each view of a scan.
 const N_STOPS: usize = 600;
 const N_SHOWS: usize = 1200;
+
+/// Parts of the objects: each is scanned with what was learned from those before.
+const N_ROUNDS: usize = 3;
 
 /// How often each sample is drawn.
 const N_EPOCHS: usize = 4;
@@ -49,8 +53,8 @@ fn main() -> Result<(), Box<dyn Error>> {
     let blank = Network::from_numbers(&blank, ViewingClass::N).ok_or("no network")?;
     let mut prior = SurfacePrior::new(stops.clone(), blank);
     let mut learned = Vec::new();
-    for round in 0..2 {
-        let part: Vec<Source> = sources.iter().skip(round).step_by(2).cloned().collect();
+    for round in 0..N_ROUNDS {
+        let part: Vec<Source> = sources.iter().skip(round).step_by(N_ROUNDS).cloned().collect();
         learned.extend(samples(&part, Target::Shows(&prior), N_SHOWS));
         let shows = train(&learned, ViewingClass::N, N_EPOCHS, 2);
         let held_out = samples(&held_out, Target::Shows(&prior), N_SHOWS);

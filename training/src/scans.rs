@@ -1,17 +1,19 @@
+use crate::housing::housing;
 use crate::optimizer::Sample;
-use glam::{DQuat, DVec3};
+use glam::{DQuat, DVec2, DVec3};
 use nextview::Cancel;
 use nextview::gain::ExpectedSurface;
-use nextview::geometry::Lattice;
 use nextview::geometry::random::Random;
+use nextview::geometry::{Aabb, Lattice, Pose, SegmentWalk};
 use nextview::map::{Occupancy, Snapshot};
 use nextview::planner::{MostSurface, MostSurfaceConfig, RandomViews, ViewPlanner};
 use nextview::prior::{SurfacePrior, VoxelFeatures};
-use nextview::sensor::{DepthRange, Intrinsics};
+use nextview::sensor::{DepthRange, Frame, Intrinsics};
 use nextview::session::{Decision, Session, SessionConfig, Table};
 use nextview::view::{ViewSpace, generate};
-use nextview::visibility::{FreeSpace, RayCaster, Sight};
+use nextview::visibility::MeasuredParts;
 use nextview_sim::mesh::TriangleMesh;
+use nextview_sim::noise::{DepthNoise, Noise, PoseError};
 use nextview_sim::random_object::random_object;
 use nextview_sim::scene::Scene;
 use nextview_sim::truth::ObjectVoxels;
@@ -26,6 +28,17 @@ const VOXEL_SIZES: [f64; 4] = [0.01, 0.007, 0.005, 0.0036];
 /// Share of scans over a table.
 const WITH_TABLE: f64 = 0.35;
 
+/// Share of scans with the noise of a D435i and wrong poses.
+const WITH_NOISE: f64 = 0.4;
+
+/// Share of scans of which the box is larger than the object needs, up to so many times.
+const WITH_ROOM: f64 = 0.3;
+const MOST_ROOM: f64 = 1.5;
+
+/// Pixels between the rays that the first network learns from, and views that they are cast from.
+const PIXELS_APART: usize = 8;
+const N_LOOKS: usize = 8;
+
 /// Views of a scan, and candidates.
 const N_VIEWS: usize = 7;
 const N_CANDIDATES: usize = 150;
@@ -33,7 +46,7 @@ const N_CANDIDATES: usize = 150;
 /// An object to be scanned, with all random choices of the scan.
 #[derive(Clone, Debug)]
 pub struct Source {
-    /// A mesh to be turned and stretched, or else a random object.
+    /// A mesh to be turned and stretched, or else a random object, of which every fourth is a housing.
     pub mesh: Option<Arc<TriangleMesh>>,
     /// Seed of the random choices.
     pub seed: u64,
@@ -42,7 +55,7 @@ pub struct Source {
 /// The quantity that a network learns from a scan.
 #[derive(Clone, Copy, Debug)]
 pub enum Target<'a> {
-    /// Whether a ray that reaches an unknown voxel ends in it.
+    /// Whether a ray that reaches an unknown voxel ends at the surface in it.
     Stops,
     /// Whether a view shows something new of a voxel, given how well it sees it under this prior. Half of the
     /// scans are planned with it.
@@ -70,7 +83,7 @@ impl Source {
             let Some(snapshot) = session.snapshot() else { continue };
             let all = match target {
                 Target::Stops => scan.rays(&snapshot, &mut random),
-                Target::Shows(prior) => scan.observations(&snapshot, prior, &mut random),
+                Target::Shows(prior) => scan.observations(&snapshot, session.frames(), prior, &mut random),
             };
             let features = features(&snapshot);
             let n_samples = if all.is_empty() { 0 } else { n_per_view };
@@ -84,6 +97,7 @@ impl Source {
 
     fn object(&self, random: &mut Random) -> TriangleMesh {
         let object = match &self.mesh {
+            None if self.seed % 4 == 3 => varied(&housing(self.seed), random),
             None => random_object(self.seed),
             Some(mesh) => varied(mesh, random),
         };
@@ -115,6 +129,8 @@ struct Scan {
     views: ViewSpace,
     voxel_size: f64,
     has_table: bool,
+    /// The box that the scan plans in.
+    bounds: Aabb,
     object: ObjectVoxels,
 }
 
@@ -134,15 +150,26 @@ impl Scan {
         let object = source.object(random);
         let scene = Scene::new(object, Intrinsics::d435i()).expect("the objects are small");
         let scene = if has_table { scene.with_table().expect("the camera stands above") } else { scene };
+        let noise = Noise {
+            seed: source.seed,
+            depth: Some(DepthNoise::d435i()),
+            pose: PoseError { translation_sigma: 0.002, rotation_sigma: 0.2_f64.to_radians() },
+            first_pose_is_right: true,
+        };
+        let noise = if random.unit() < WITH_NOISE { noise } else { Noise::default() };
+        let scene = scene.with_noise(noise).expect("errors in range");
         let n_around = if has_table { 2 * N_CANDIDATES } else { N_CANDIDATES };
         let around = generate::shell(scene.center(), scene.size(), n_around, source.seed).expect("a shell");
         let lowest = scene.room().min.z + 0.03;
         let poses = around.poses().iter().filter(|pose| !has_table || pose.translation().z > lowest);
         let views = ViewSpace::new(poses.copied().collect()).expect("some are above the table");
         let lattice = Lattice::new(voxel_size).expect("a length");
-        let block = lattice.block_inside(&scene.planning_box(voxel_size)).expect("larger than a voxel");
+        let close = scene.planning_box(voxel_size);
+        let room = if random.unit() < WITH_ROOM { random.range(1.0, MOST_ROOM) } else { 1.0 };
+        let bounds = Aabb::cube(close.center(), 0.5 * room * close.longest_side());
+        let block = lattice.block_inside(&close).expect("larger than a voxel");
         let object = ObjectVoxels::new(scene.camera().mesh(), lattice, block);
-        Self { scene, views, voxel_size, has_table, object }
+        Self { scene, views, voxel_size, has_table, bounds, object }
     }
 
     fn session(&self, planner: Box<dyn ViewPlanner>, random: &mut Random) -> Session {
@@ -151,50 +178,72 @@ impl Scan {
             table,
             first_view: random.index(self.views.len()),
             max_views: N_VIEWS,
-            ..SessionConfig::new(self.voxel_size, self.scene.planning_box(self.voxel_size))
+            ..SessionConfig::new(self.voxel_size, self.bounds)
         };
         let camera = *self.scene.camera().intrinsics();
         Session::new(config, camera, self.views.clone(), planner).expect("all is in range")
     }
 
-    fn random_view(&self, random: &mut Random) -> nextview::geometry::Pose {
+    fn random_view(&self, random: &mut Random) -> Pose {
         self.views.pose(random.index(self.views.len()))
     }
 
-    /// The voxels that the rays of a few views reach, up to the first voxel of the object.
+    /// The unknown voxels that the rays of a few views reach, up to the one in which they meet surface.
     fn rays(&self, snapshot: &Snapshot, random: &mut Random) -> Vec<Observation> {
-        let features = features(snapshot);
-        let mut item_of = vec![u32::MAX; snapshot.block().n_voxels()];
+        let (features, lattice, block) = (features(snapshot), snapshot.lattice(), snapshot.block());
+        let mut item_of = vec![u32::MAX; block.n_voxels()];
         features.voxels.iter().zip(0..).for_each(|(&voxel, item)| item_of[voxel as usize] = item);
-        let camera = self.scene.camera().intrinsics();
-        let caster = RayCaster::new(snapshot, camera, 3.0, Sight::endless(FreeSpace::Clear));
-        let caster = caster.expect("the spacing is positive");
         let mut all = Vec::new();
-        for _ in 0..8 {
-            caster.cast(&self.random_view(random), |ray| {
-                let voxels = ray.crossings.iter().map(|crossing| crossing.voxel as usize);
-                for voxel in voxels.filter(|&voxel| snapshot.occupancy()[voxel] == Occupancy::Unknown) {
-                    let is_so = self.object.number(snapshot.block().key(voxel)).is_some();
-                    all.push(Observation { item: item_of[voxel], output: 0, is_so });
-                    if is_so {
+        for _ in 0..N_LOOKS {
+            let pose = self.random_view(random);
+            for end in self.ray_ends(&pose) {
+                let (from, to) = (lattice.to_voxels(pose.translation()), lattice.to_voxels(end));
+                let mut walk = SegmentWalk::within(from, to, block.min(), block.max());
+                while let Some(at) = &mut walk {
+                    let voxel = block.index(at.key()).expect("the walk is within the block");
+                    if snapshot.occupancy()[voxel] == Occupancy::Unknown {
+                        let is_so = at.key() == lattice.key(end);
+                        all.push(Observation { item: item_of[voxel], output: 0, is_so });
+                    }
+                    if at.advance().is_none() {
                         break;
                     }
                 }
-            });
+            }
         }
         all
+    }
+
+    /// Where the rays of a view truly end, in world coordinates.
+    fn ray_ends(&self, pose: &Pose) -> Vec<DVec3> {
+        let camera = self.scene.camera();
+        let depths = camera.render_depth(pose).expect("candidates are in the room");
+        let (width, optics) = (camera.intrinsics().width() as usize, camera.intrinsics());
+        let mut ends = Vec::new();
+        for (v, row) in depths.chunks_exact(width).enumerate().step_by(PIXELS_APART) {
+            for (u, &depth) in row.iter().enumerate().step_by(PIXELS_APART) {
+                let ideal = optics.deproject(DVec2::new(u as f64, v as f64));
+                let Some(ideal) = ideal.filter(|_| depth.is_finite()) else { continue };
+                ends.push(pose.transform_point(ideal.extend(1.0) * f64::from(depth)));
+            }
+        }
+        ends
     }
 
     /// The observations that a few views make of the voxels that their rays reach.
     fn observations(
         &self,
         snapshot: &Snapshot,
+        frames: &[Frame],
         prior: &SurfacePrior,
         random: &mut Random,
     ) -> Vec<Observation> {
         let estimate = prior.estimate(snapshot, &Cancel::default()).expect("nobody cancels");
         let camera = self.scene.camera();
-        let gain = ExpectedSurface::new(snapshot, camera.intrinsics(), DepthRange::default(), &estimate, 1.0);
+        let (lattice, block, optics) = (snapshot.lattice(), snapshot.block(), camera.intrinsics());
+        let measured =
+            MeasuredParts::new(frames, lattice, block, &Cancel::default()).expect("nobody cancels");
+        let gain = ExpectedSurface::new(snapshot, optics, DepthRange::default(), &measured, &estimate, 1.0);
         let gain = gain.expect("the spacing is positive");
         let (mut evaluator, mut all) = (gain.evaluator(), Vec::new());
         for _ in 0..4 {
