@@ -38,7 +38,8 @@ const FADED: f32 = 0.03;
 impl<'a> ExpectedSurface<'a> {
     /// The gain under an estimate for this snapshot, for a camera with these optics that measures these
     /// depths. `measured` are the parts of the snapshot's voxels where surface was measured. `ray_spacing` is
-    /// the distance between neighbouring rays at the far side of the box, in voxels of the snapshot, positive.
+    /// the distance between neighbouring rays at the far side of the box, in voxels of the snapshot,
+    /// positive.
     ///
     /// # Panics
     /// If `measured` is of another block.

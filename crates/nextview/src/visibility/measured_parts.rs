@@ -4,11 +4,11 @@ use crate::{Cancel, Cancelled};
 use glam::{DVec3, IVec3};
 use rayon::prelude::*;
 
-/// Which parts of voxels hold measured surface: 64 cubes a quarter of a voxel wide, whatever later rays did to
-/// the voxel.
+/// Which parts of voxels hold measured surface: 64 cubes a quarter of a voxel wide, whatever later rays did
+/// to the voxel.
 ///
-/// A map says that a voxel holds surface; a ray may pass beside it all the same. Openings of one or two voxels
-/// would be closed, and a view that grazes a wall could not be told from one that ends in it.
+/// A map says that a voxel holds surface; a ray may pass beside it all the same. If whole voxels ended rays,
+/// openings of one or two voxels would be closed.
 ///
 /// Pixels side by side on the same surface are joined, so that parts have no holes where pixels are farther
 /// apart than they are.
@@ -25,7 +25,7 @@ pub struct MeasuredParts {
 /// Parts along each edge of a voxel.
 const N: i32 = 4;
 
-/// Points that join two pixels are at most this far apart, in parts: less than the least diagonal.
+/// Points that join two pixels are at most this far apart, in parts.
 const SPACING: f64 = 0.9;
 
 /// Neighbouring pixels show the same surface if they are less than this many pixels apart, which are as wide
@@ -52,8 +52,8 @@ impl MeasuredParts {
         frames.par_iter().try_fold(nothing, add).try_reduce(nothing, join)
     }
 
-    /// The parts of these frames in these voxels: frames that are in these parts, with the same poses, are not
-    /// read again.
+    /// The parts of these frames in these voxels: frames that are in these parts, with the same poses, are
+    /// not read again.
     ///
     /// Fails if `cancel` is set.
     pub fn after(
@@ -301,7 +301,7 @@ mod tests {
         };
         let (a, b, moved) = (frame(0.45, 0.0), frame(0.5, 0.02), frame(0.45, 0.01));
         let other = VoxelBlock::new(IVec3::new(-4, -4, 44), UVec3::splat(8)).unwrap();
-        let before = measured(&[a.clone()]);
+        let before = measured(std::slice::from_ref(&a));
         for (frames, block) in [
             (vec![a.clone(), b.clone()], block()),
             (vec![a.clone()], block()),

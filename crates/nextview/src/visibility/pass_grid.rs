@@ -57,8 +57,8 @@ impl PassGrid {
         grid
     }
 
-    /// The same where rays end at the measured parts of occupied voxels, and beside them go on. Measured voxels
-    /// that the map has free are left as they are: noise put points there.
+    /// The same where rays end at the measured parts of occupied voxels, and beside them go on. Measured
+    /// voxels that the map has free are left as they are: noise put points there.
     pub fn behind(mut self, measured: &MeasuredParts, snapshot: &Snapshot) -> Self {
         for (cells, voxels) in self.rows(snapshot) {
             for (cell, voxel) in cells.zip(voxels) {

@@ -338,7 +338,8 @@ mod tests {
     }
 
     proptest! {
-        /// The slow twin: the walk among the whole voxels, up to the first occupied one of which it meets a part.
+        /// The slow twin: the walk among the whole voxels, up to the first occupied one of which it meets a
+        /// part.
         #[test]
         fn rays_end_at_measured_parts(
             origin in prop::array::uniform3(-30.0..30.0), direction in prop::array::uniform3(-1.0..1.0),

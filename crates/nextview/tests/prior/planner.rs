@@ -88,12 +88,12 @@ fn slow_plan(
     let first_factor = match open.len() {
         0..=24 => 1.0,
         25..=150 => 2.0,
-        151..=1000 => 8.0,
-        _ => 16.0,
+        151..=1000 => 4.0,
+        _ => 8.0,
     };
     let mut gains = look(&looked_at, first_factor);
     let mut total: f64 = values(&looked_at, &gains).iter().sum();
-    for (n_views, factor) in [(1000, 8.0), (150, 2.0), (24, 1.0)].into_iter().filter(|(n, _)| *n < open.len())
+    for (n_views, factor) in [(1000, 4.0), (150, 2.0), (24, 1.0)].into_iter().filter(|(n, _)| *n < open.len())
     {
         let before = values(&looked_at, &gains);
         let mut best = ranked(&looked_at, &before, total);

@@ -20,10 +20,10 @@ use serde::{Deserialize, Serialize};
 #[serde(default, deny_unknown_fields, remote = "Self")]
 pub struct MostSurfaceConfig {
     /// Number of planning rays side by side across the longest side of the box, at its far side; 1..=1000.
-    /// Default 64.
+    /// Default 32.
     ///
-    /// More than 1000 views are first evaluated with a sixteenth as many rays, the best 1000 of them with an
-    /// eighth, the best 150 of these with half as many, and only the best 24 with all rays. The number of
+    /// More than 1000 views are first evaluated with an eighth as many rays, the best 1000 of them with a
+    /// quarter, the best 150 of these with half as many, and only the best 24 with all rays. The number of
     /// rays is the same in fine voxels as in coarse ones.
     pub rays_across: f64,
     /// Weight of the movement cost against the gain, 0..=1; the paper's theta (section V.D). Default 0:
@@ -33,7 +33,7 @@ pub struct MostSurfaceConfig {
 
 impl Default for MostSurfaceConfig {
     fn default() -> Self {
-        Self { rays_across: 64.0, theta: 0.0 }
+        Self { rays_across: 32.0, theta: 0.0 }
     }
 }
 
@@ -50,7 +50,7 @@ impl MostSurfaceConfig {
 /// Passes, one after the other: the number of best views so far, and the factor by which rays are farther
 /// apart. Passes over more views than there are, except for the last such pass, are left out: few views with
 /// few rays show too little.
-const PASSES: [(usize, f64); 4] = [(usize::MAX, 16.0), (1000, 8.0), (150, 2.0), (24, 1.0)];
+const PASSES: [(usize, f64); 4] = [(usize::MAX, 8.0), (1000, 4.0), (150, 2.0), (24, 1.0)];
 
 /// A view is expected to show something if its gain is at least this many voxels.
 const LEAST_GAIN: f64 = 0.5;
