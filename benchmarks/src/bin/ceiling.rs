@@ -1,8 +1,8 @@
 //! What is the best that ways to evaluate a view can do: planners with the truth in place of the prior.
 //!
-//!     cargo run --release -p nextview-benchmarks --bin ceiling -- N_STARTS MESH ...
+//!     cargo run --release -p nextview-benchmarks --bin ceiling -- N_STARTS all|default MESH ...
 //!
-//! Each planner takes ten views of each mesh (longest side 0.2 m, 5 mm voxels, 1000 candidates all around, no
+//! Each planner, or the default planner alone, takes ten views of each mesh (longest side 0.2 m, 5 mm voxels, 1000 candidates all around, no
 //! noise) from each of so many first views, and gets a line with its mean skill and that of the worst object.
 //! `default` is the default planner. `truth` knows which share of the rays through a voxel end in it, and
 //! which voxels hold surface, and evaluates views as the default planner does, with so many rays across the
@@ -67,17 +67,22 @@ enum Kind {
 fn main() -> Outcome<()> {
     let mut arguments = std::env::args().skip(1);
     let n_starts: usize = arguments.next().ok_or("the number of first views is missing")?.parse()?;
-    let mut skills = vec![Vec::new(); PLANNERS.len()];
+    let kinds = match arguments.next().as_deref() {
+        Some("all") => &PLANNERS[..],
+        Some("default") => &PLANNERS[..1],
+        _ => return Err("the second argument must be 'all' or 'default'".into()),
+    };
+    let mut skills = vec![Vec::new(); kinds.len()];
     for path in arguments {
         let object = Arc::new(Object::load(Path::new(&path))?);
-        for (kind, skills) in PLANNERS.into_iter().zip(&mut skills) {
+        for (&kind, skills) in kinds.iter().zip(&mut skills) {
             let all = (0..n_starts).map(|start| object.skill(kind, start * APART % N_CANDIDATES));
             let all: Vec<f64> = all.collect::<Outcome<_>>()?;
             skills.push(all.iter().sum::<f64>() / n_starts as f64);
         }
         eprintln!("{path}: {:.2?}", skills.iter().filter_map(|skills| skills.last()).collect::<Vec<_>>());
     }
-    for (kind, skills) in PLANNERS.iter().zip(&skills) {
+    for (kind, skills) in kinds.iter().zip(&skills) {
         let mean = skills.iter().sum::<f64>() / skills.len() as f64;
         let lowest = skills.iter().copied().fold(f64::INFINITY, f64::min);
         println!(
