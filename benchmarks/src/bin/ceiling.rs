@@ -2,12 +2,12 @@
 //!
 //!     cargo run --release -p nextview-benchmarks --bin ceiling -- N_STARTS all|default MESH ...
 //!
-//! Each planner, or the default planner alone, takes ten views of each mesh (longest side 0.2 m, 5 mm voxels, 1000 candidates all around, no
-//! noise) from each of so many first views, and gets a line with its mean skill and that of the worst object.
-//! `default` is the default planner. `truth` knows which share of the rays through a voxel end in it, and
-//! which voxels hold surface, and evaluates views as the default planner does, with so many rays across the
-//! box. `rendered` renders the true surface in images so many pixels wide and counts the voxels that show
-//! surface not measured so far.
+//! Each planner, or the default planner alone, takes ten views of each mesh (longest side 0.2 m, 5 mm voxels,
+//! 1000 candidates all around, no noise) from each of so many first views, and gets a line with its mean
+//! skill and that of the worst object. `default` is the default planner. `truth` knows which share of the
+//! rays through a voxel end in it, and which voxels hold surface, and evaluates views as the default planner
+//! does, with so many rays across the box. `rendered` renders the true surface in images so many pixels wide
+//! and counts the voxels that show surface not measured so far.
 
 use fixedbitset::FixedBitSet;
 use glam::{DVec2, DVec3};
