@@ -234,8 +234,8 @@ fn apart(object: &SimulatedObject, a: &Pose, b: &Pose) -> f64 {
 
 #[test]
 fn a_camera_in_a_hand_is_tracked_guided_and_found_again() {
-    // A planner that has learned nothing: other weights would lead the camera another way, maybe past the round
-    // side, where there is nothing to track.
+    // A planner that has learned nothing: other weights would lead the camera another way, maybe past the
+    // round side, where there is nothing to track.
     let simulated = ScanConfig { object: "builtin:teapot".to_owned(), ..config(PlannerName::MaxFlow) };
     let object = SimulatedObject::new(&simulated).unwrap();
     let mut config = live(&simulated, &object);
