@@ -240,9 +240,8 @@ impl Scan {
     ) -> Vec<Observation> {
         let estimate = prior.estimate(snapshot, &Cancel::default()).expect("nobody cancels");
         let camera = self.scene.camera();
-        let (lattice, block, optics) = (snapshot.lattice(), snapshot.block(), camera.intrinsics());
-        let measured =
-            MeasuredParts::new(frames, lattice, block, &Cancel::default()).expect("nobody cancels");
+        let optics = camera.intrinsics();
+        let measured = MeasuredParts::new(frames, snapshot, &Cancel::default()).expect("nobody cancels");
         let gain = ExpectedSurface::new(snapshot, optics, DepthRange::default(), &measured, &estimate, 1.0);
         let gain = gain.expect("the spacing is positive");
         let (mut evaluator, mut all) = (gain.evaluator(), Vec::new());

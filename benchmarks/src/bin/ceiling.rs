@@ -12,27 +12,18 @@
 use fixedbitset::FixedBitSet;
 use glam::{DVec2, DVec3};
 use nextview::gain::ExpectedSurface;
-use nextview::geometry::{Lattice, Pose, SegmentWalk, VoxelBlock};
+use nextview::geometry::{Lattice, Pose, SegmentWalk};
 use nextview::map::Occupancy;
 use nextview::planner::{Choice, MostSurface, MostSurfaceConfig, Plan, Situation, ViewPlanner};
 use nextview::prior::{SurfaceEstimate, SurfacePrior, ViewingClass};
 use nextview::sensor::{DepthRange, Intrinsics};
-use nextview::session::{Decision, Session, SessionConfig};
-use nextview::view::{ViewSpace, generate};
 use nextview::visibility::MeasuredParts;
-use nextview_sim::baseline::{RandomCurve, clairvoyant_curve, extended, skill};
-use nextview_sim::evaluator::{Evaluator, ScanCamera};
-use nextview_sim::mesh::{self, TriangleMesh, Unit};
+use nextview_benchmarks::known_object::KnownObject;
 use nextview_sim::scene::Scene;
-use nextview_sim::truth::{ObjectVoxels, TrueVisibility};
 use rayon::prelude::*;
 use std::error::Error;
 use std::path::Path;
 use std::sync::Arc;
-
-const N_VIEWS: usize = 10;
-const N_CANDIDATES: usize = 1000;
-const VOXEL_SIZE: f64 = 0.005;
 
 /// First views are this many candidates apart: a prime, so that they lie all around.
 const APART: usize = 137;
@@ -76,7 +67,8 @@ fn main() -> Outcome<()> {
     for path in arguments {
         let object = Arc::new(Object::load(Path::new(&path))?);
         for (&kind, skills) in kinds.iter().zip(&mut skills) {
-            let all = (0..n_starts).map(|start| object.skill(kind, start * APART % N_CANDIDATES));
+            let all =
+                (0..n_starts).map(|start| object.skill(kind, start * APART % KnownObject::N_CANDIDATES));
             let all: Vec<f64> = all.collect::<Outcome<_>>()?;
             skills.push(all.iter().sum::<f64>() / n_starts as f64);
         }
@@ -95,83 +87,58 @@ fn main() -> Outcome<()> {
 }
 
 struct Object {
-    mesh: TriangleMesh,
-    scene: Scene,
-    views: ViewSpace,
-    voxels: ObjectVoxels,
-    truth: TrueVisibility,
+    known: KnownObject,
     /// By voxel, the share of the rays through it that end in it.
     stops: Vec<f32>,
 }
 
 impl Object {
     fn load(path: &Path) -> Outcome<Self> {
-        let (mesh, _) = mesh::load(path)?.to_metres(Unit::LongestSide(0.2))?;
-        let scene = Scene::new(mesh.clone(), Intrinsics::d435i())?;
-        let views = generate::shell(scene.center(), scene.size(), N_CANDIDATES, 0)?;
-        let lattice = Lattice::new(VOXEL_SIZE)?;
-        let block = lattice.block_inside(&scene.planning_box(VOXEL_SIZE)).ok_or("no voxels")?;
-        let voxels = ObjectVoxels::new(scene.camera().mesh(), lattice, block);
-        let truth = TrueVisibility::new(scene.camera(), &voxels, &views, || {})?;
-        let mut object = Self { mesh, scene, views, voxels, truth, stops: Vec::new() };
-        object.stops = object.true_stops(lattice, block)?;
-        Ok(object)
-    }
-
-    /// A camera with the same view and so many pixels side by side.
-    fn camera(&self, width: u32) -> Outcome<Scene> {
-        let full = Intrinsics::d435i();
-        let scale = f64::from(width) / f64::from(full.width());
-        let height = (f64::from(full.height()) * scale).round() as u32;
-        let center = DVec2::new(f64::from(width) - 1.0, f64::from(height) - 1.0) * 0.5;
-        Ok(Scene::new(self.mesh.clone(), Intrinsics::pinhole(width, height, full.focal() * scale, center)?)?)
-    }
-
-    fn true_stops(&self, lattice: Lattice, block: VoxelBlock) -> Outcome<Vec<f32>> {
-        let scene = self.camera(COUNTED_PIXELS)?;
-        let mut counts = vec![(0_u32, 0_u32); block.n_voxels()];
-        for pose in self.views.poses().iter().step_by(COUNTED_VIEWS) {
-            for end in ray_ends(&scene, pose)? {
-                let (from, to) = (lattice.to_voxels(pose.translation()), lattice.to_voxels(end));
-                let mut walk = SegmentWalk::within(from, to, block.min(), block.max());
-                while let Some(at) = &mut walk {
-                    let (n_through, n_ended) =
-                        &mut counts[block.index(at.key()).expect("the walk is within the block")];
-                    *n_through += 1;
-                    *n_ended += u32::from(at.key() == lattice.key(end));
-                    if at.advance().is_none() {
-                        break;
-                    }
-                }
-            }
-        }
-        Ok(counts.into_iter().map(|(n, n_ended)| n_ended as f32 / n.max(1) as f32).collect())
+        let known = KnownObject::load(path)?;
+        let stops = true_stops(&known)?;
+        Ok(Self { known, stops })
     }
 
     fn skill(self: &Arc<Self>, kind: Kind, first_view: usize) -> Outcome<f64> {
-        let bounds = self.scene.planning_box(VOXEL_SIZE);
-        let config =
-            SessionConfig { first_view, max_views: N_VIEWS, ..SessionConfig::new(VOXEL_SIZE, bounds) };
         let planner: Box<dyn ViewPlanner> = match kind {
             Kind::Default => Box::new(MostSurface::new(MostSurfaceConfig::default())?),
             Kind::Truth { rays_across } => Box::new(WithTruth { object: self.clone(), rays_across }),
             Kind::Rendered { width } => Box::new(Rendered::new(self, width)?),
         };
-        let mut session = Session::new(config, Intrinsics::d435i(), self.views.clone(), planner)?;
-        let (mut camera, mut evaluator) =
-            (ScanCamera::new(&self.scene), Evaluator::new(&self.scene, &self.voxels));
-        let mut seen = Vec::new();
-        while let Decision::Move(next) = session.decide()? {
-            let (frame, shown) = camera.capture(&next)?;
-            let report = session.observe(&frame)?;
-            let measures = evaluator.measure(&session, &frame.with_pose(report.world_from_camera), shown);
-            seen.push(measures.n_seen as f64 / self.truth.n_reachable() as f64);
-        }
-        let random = RandomCurve::new(&self.truth, first_view, N_VIEWS, 0).mean;
-        let clairvoyant = clairvoyant_curve(&self.truth, first_view, N_VIEWS);
-        Ok(skill(&extended(seen, N_VIEWS), &random, &clairvoyant)
-            .ok_or("random views are the best there are")?)
+        Ok(self.known.skill(planner, first_view)?.ok_or("random views are the best there are")?)
     }
+}
+
+/// The object before a camera with the same view and so many pixels side by side.
+fn small_camera(object: &KnownObject, width: u32) -> Outcome<Scene> {
+    let full = Intrinsics::d435i();
+    let scale = f64::from(width) / f64::from(full.width());
+    let height = (f64::from(full.height()) * scale).round() as u32;
+    let center = DVec2::new(f64::from(width) - 1.0, f64::from(height) - 1.0) * 0.5;
+    let small = Intrinsics::pinhole(width, height, full.focal() * scale, center)?;
+    Ok(Scene::new((**object.scene.camera().mesh()).clone(), small)?)
+}
+
+fn true_stops(object: &KnownObject) -> Outcome<Vec<f32>> {
+    let (scene, lattice) = (small_camera(object, COUNTED_PIXELS)?, Lattice::new(KnownObject::VOXEL_SIZE)?);
+    let block = object.voxels.block();
+    let mut counts = vec![(0_u32, 0_u32); block.n_voxels()];
+    for pose in object.views.poses().iter().step_by(COUNTED_VIEWS) {
+        for end in ray_ends(&scene, pose)? {
+            let (from, to) = (lattice.to_voxels(pose.translation()), lattice.to_voxels(end));
+            let mut walk = SegmentWalk::within(from, to, block.min(), block.max());
+            while let Some(at) = &mut walk {
+                let (n_through, n_ended) =
+                    &mut counts[block.index(at.key()).expect("the walk is within the block")];
+                *n_through += 1;
+                *n_ended += u32::from(at.key() == lattice.key(end));
+                if at.advance().is_none() {
+                    break;
+                }
+            }
+        }
+    }
+    Ok(counts.into_iter().map(|(n, n_ended)| n_ended as f32 / n.max(1) as f32).collect())
 }
 
 /// Where the rays of all pixels truly end, in world coordinates; those beyond all range are left out.
@@ -201,9 +168,9 @@ struct WithTruth {
 impl ViewPlanner for WithTruth {
     fn plan(&mut self, situation: &Situation<'_>) -> Result<Plan, nextview::Error> {
         let (snapshot, cancel) = (situation.snapshot(), situation.cancel());
-        let (lattice, block) = (snapshot.lattice(), snapshot.block());
+        let block = snapshot.block();
         let learned = SurfacePrior::default().estimate(snapshot, cancel)?;
-        let is_object = |voxel: u32| self.object.voxels.number(block.key(voxel as usize)).is_some();
+        let is_object = |voxel: u32| self.object.known.voxels.number(block.key(voxel as usize)).is_some();
         let (mut stops, mut shows) = (Vec::new(), Vec::new());
         for &voxel in learned.voxels() {
             let is_unknown = snapshot.occupancy()[voxel as usize] == Occupancy::Unknown;
@@ -214,7 +181,7 @@ impl ViewPlanner for WithTruth {
         }
         let normals = (0..learned.len()).map(|i| learned.normal(i)).collect();
         let estimate = SurfaceEstimate::new(learned.voxels().to_vec(), normals, stops, shows);
-        let measured = MeasuredParts::new(situation.frames(), lattice, block, cancel)?;
+        let measured = MeasuredParts::new(situation.frames(), snapshot, cancel)?;
         let rate = |views: &[usize], rays_across: f64| -> Result<Vec<f64>, nextview::Error> {
             let spacing = f64::from(block.dims().max_element()) / rays_across;
             let (optics, range) = (situation.intrinsics(), DepthRange::default());
@@ -246,12 +213,14 @@ struct Rendered {
 
 impl Rendered {
     fn new(object: &Arc<Object>, width: u32) -> Outcome<Self> {
-        let (scene, lattice) = (object.camera(width)?, Lattice::new(VOXEL_SIZE)?);
+        let (scene, lattice) = (small_camera(&object.known, width)?, Lattice::new(KnownObject::VOXEL_SIZE)?);
         let mut shown = Vec::new();
-        for pose in object.views.poses() {
-            let mut voxels = FixedBitSet::with_capacity(object.voxels.len());
+        for pose in object.known.views.poses() {
+            let mut voxels = FixedBitSet::with_capacity(object.known.voxels.len());
             let numbers = ray_ends(&scene, pose)?.into_iter();
-            numbers.filter_map(|end| object.voxels.number(lattice.key(end))).for_each(|n| voxels.insert(n));
+            numbers
+                .filter_map(|end| object.known.voxels.number(lattice.key(end)))
+                .for_each(|n| voxels.insert(n));
             shown.push(voxels);
         }
         Ok(Self { object: object.clone(), shown })
@@ -260,8 +229,8 @@ impl Rendered {
 
 impl ViewPlanner for Rendered {
     fn plan(&mut self, situation: &Situation<'_>) -> Result<Plan, nextview::Error> {
-        let mut seen = FixedBitSet::with_capacity(self.object.voxels.len());
-        situation.frames().iter().for_each(|frame| seen.union_with(&self.object.voxels.seen_in(frame)));
+        let mut seen = FixedBitSet::with_capacity(self.object.known.voxels.len());
+        situation.frames().iter().for_each(|frame| seen.union_with(&self.object.known.voxels.seen_in(frame)));
         let open = situation.open_views();
         let values: Vec<f64> =
             open.iter().map(|&view| self.shown[view].difference_count(&seen) as f64).collect();

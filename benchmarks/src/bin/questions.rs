@@ -9,26 +9,16 @@
 
 use glam::IVec3;
 use nextview::Cancelled;
-use nextview::geometry::{Lattice, Pose};
+use nextview::geometry::Pose;
 use nextview::map::{LogOdds, Occupancy, Snapshot};
 use nextview::planner::{Choice, Plan, Situation, ViewPlanner};
 use nextview::prior::{SurfaceEstimate, SurfacePrior, ViewingClass};
-use nextview::sensor::Intrinsics;
-use nextview::session::{Decision, Session, SessionConfig};
-use nextview::view::{ViewSpace, generate};
 use nextview::visibility::{FreeSpace, RayCaster, RayEnd, Sight};
-use nextview_sim::baseline::{RandomCurve, clairvoyant_curve, extended, skill};
-use nextview_sim::evaluator::{Evaluator, ScanCamera};
-use nextview_sim::mesh::{self, Unit};
-use nextview_sim::scene::Scene;
-use nextview_sim::truth::{ObjectVoxels, TrueVisibility};
+use nextview_benchmarks::known_object::KnownObject;
 use rayon::prelude::*;
 use std::error::Error;
 use std::path::Path;
 
-const N_VIEWS: usize = 10;
-const N_CANDIDATES: usize = 1000;
-const VOXEL_SIZE: f64 = 0.005;
 const RAY_SPACING: f64 = 2.0;
 
 /// Visibility below which a ray ends.
@@ -86,9 +76,10 @@ const VARIANTS: [Variant; 8] = [
 fn main() -> Outcome<()> {
     let mut skills = vec![Vec::new(); VARIANTS.len()];
     for path in std::env::args().skip(1) {
-        let object = Object::load(Path::new(&path))?;
+        let object = KnownObject::load(Path::new(&path))?;
         for (variant, skills) in VARIANTS.into_iter().zip(&mut skills) {
-            skills.extend(object.skill(variant)?);
+            let planner = Box::new(VariantPlanner { variant, prior: SurfacePrior::default() });
+            skills.extend(object.skill(planner, 0)?);
         }
         eprintln!("{path}: {:.2?}", skills.iter().filter_map(|skills| skills.last()).collect::<Vec<_>>());
     }
@@ -98,43 +89,6 @@ fn main() -> Outcome<()> {
         println!("{:<20} mean {mean:5.2}, lowest {lowest:5.2}, {} objects", variant.name, skills.len());
     }
     Ok(())
-}
-
-struct Object {
-    scene: Scene,
-    views: ViewSpace,
-    voxels: ObjectVoxels,
-    truth: TrueVisibility,
-}
-
-impl Object {
-    fn load(path: &Path) -> Outcome<Self> {
-        let (mesh, _) = mesh::load(path)?.to_metres(Unit::LongestSide(0.2))?;
-        let scene = Scene::new(mesh, Intrinsics::d435i())?;
-        let views = generate::shell(scene.center(), scene.size(), N_CANDIDATES, 0)?;
-        let lattice = Lattice::new(VOXEL_SIZE)?;
-        let block = lattice.block_inside(&scene.planning_box(VOXEL_SIZE)).ok_or("no voxels")?;
-        let voxels = ObjectVoxels::new(scene.camera().mesh(), lattice, block);
-        let truth = TrueVisibility::new(scene.camera(), &voxels, &views, || {})?;
-        Ok(Self { scene, views, voxels, truth })
-    }
-
-    fn skill(&self, variant: Variant) -> Outcome<Option<f64>> {
-        let config = SessionConfig::new(VOXEL_SIZE, self.scene.planning_box(VOXEL_SIZE));
-        let planner = Box::new(VariantPlanner { variant, prior: SurfacePrior::default() });
-        let mut session = Session::new(config, Intrinsics::d435i(), self.views.clone(), planner)?;
-        let (mut camera, mut evaluator) =
-            (ScanCamera::new(&self.scene), Evaluator::new(&self.scene, &self.voxels));
-        let mut n_seen = Vec::new();
-        while let Decision::Move(next) = session.decide()? {
-            let (frame, shown) = camera.capture(&next)?;
-            let report = session.observe(&frame)?;
-            let measures = evaluator.measure(&session, &frame.with_pose(report.world_from_camera), shown);
-            n_seen.push(measures.n_seen as f64 / self.truth.n_reachable() as f64);
-        }
-        let random = RandomCurve::new(&self.truth, 0, N_VIEWS, 0).mean;
-        Ok(skill(&extended(n_seen, N_VIEWS), &random, &clairvoyant_curve(&self.truth, 0, N_VIEWS)))
-    }
 }
 
 struct VariantPlanner {

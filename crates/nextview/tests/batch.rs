@@ -50,8 +50,7 @@ fn plan(config: BatchConfig) -> BatchPlan {
 /// For every view the value of each voxel: the probability that it shows new surface.
 fn values(snapshot: &Snapshot, views: &ViewSpace) -> Vec<Vec<f64>> {
     let estimate = SurfacePrior::default().estimate(snapshot, &Cancel::default()).unwrap();
-    let (lattice, block) = (snapshot.lattice(), snapshot.block());
-    let measured = MeasuredParts::new(&[], lattice, block, &Cancel::default()).unwrap();
+    let measured = MeasuredParts::new(&[], snapshot, &Cancel::default()).unwrap();
     let (camera, range) = (Intrinsics::d435i(), DepthRange::default());
     let gain = ExpectedSurface::new(snapshot, &camera, range, &measured, &estimate, 2.0).unwrap();
     let look = |view: usize| {

@@ -1,4 +1,5 @@
-use crate::geometry::{Aabb, Lattice, Pose, VoxelBlock, VoxelKey};
+use crate::geometry::{Lattice, Pose, SegmentWalk, VoxelBlock, VoxelKey};
+use crate::map::Snapshot;
 use crate::sensor::Frame;
 use crate::{Cancel, Cancelled};
 use glam::{DVec3, IVec3};
@@ -33,15 +34,11 @@ const SPACING: f64 = 0.9;
 const SAME_SURFACE: f64 = 6.0;
 
 impl MeasuredParts {
-    /// The parts of the voxels of a block that surface in these frames lies in.
+    /// The parts of a snapshot's voxels that surface in these frames lies in.
     ///
     /// Fails if `cancel` is set.
-    pub fn new(
-        frames: &[Frame],
-        lattice: Lattice,
-        block: VoxelBlock,
-        cancel: &Cancel,
-    ) -> Result<Self, Cancelled> {
+    pub fn new(frames: &[Frame], snapshot: &Snapshot, cancel: &Cancel) -> Result<Self, Cancelled> {
+        let (lattice, block) = (snapshot.lattice(), snapshot.block());
         let nothing = || Self { lattice, block, parts: vec![0; block.n_voxels()], poses: Vec::new() };
         let add = |mut all: Self, frame: &Frame| {
             cancel.check()?;
@@ -52,24 +49,19 @@ impl MeasuredParts {
         frames.par_iter().try_fold(nothing, add).try_reduce(nothing, join)
     }
 
-    /// The parts of these frames in these voxels: frames that are in these parts, with the same poses, are
-    /// not read again.
+    /// The parts of these frames in the voxels of a snapshot: frames that are in these parts, with the same
+    /// poses, are not read again.
     ///
     /// Fails if `cancel` is set.
-    pub fn after(
-        self,
-        frames: &[Frame],
-        lattice: Lattice,
-        block: VoxelBlock,
-        cancel: &Cancel,
-    ) -> Result<Self, Cancelled> {
+    pub fn after(self, frames: &[Frame], snapshot: &Snapshot, cancel: &Cancel) -> Result<Self, Cancelled> {
+        let voxels = (snapshot.lattice(), snapshot.block());
         let poses = frames.iter().map(Frame::world_from_camera);
         let n_known = self.poses.len();
-        let is_part = (self.lattice, self.block) == (lattice, block)
-            && poses.take(n_known).eq(self.poses.iter().copied());
+        let is_part =
+            (self.lattice, self.block) == voxels && poses.take(n_known).eq(self.poses.iter().copied());
         match is_part {
-            true => Ok(self.joined(Self::new(&frames[n_known..], lattice, block, cancel)?)),
-            false => Self::new(frames, lattice, block, cancel),
+            true => Ok(self.joined(Self::new(&frames[n_known..], snapshot, cancel)?)),
+            false => Self::new(frames, snapshot, cancel),
         }
     }
 
@@ -169,36 +161,17 @@ fn bit(part: IVec3) -> i32 {
 
 /// Whether a ray meets one of these parts of a voxel that it crosses; `origin` and `direction` in voxels.
 pub(super) fn meets(parts: u64, key: VoxelKey, origin: DVec3, direction: DVec3) -> bool {
-    let n = N as f64;
-    let (origin, direction) = ((origin - key.as_dvec3()) * n, direction * n);
-    let Some((t_in, _)) =
-        (Aabb { min: DVec3::ZERO, max: DVec3::splat(n) }).clip(origin, direction, f64::INFINITY)
-    else {
-        return false;
-    };
-    let mut part = (origin + direction * t_in).floor().as_ivec3().clamp(IVec3::ZERO, IVec3::splat(N - 1));
-    let is_forward = direction.cmpgt(DVec3::ZERO);
-    let step = IVec3::select(is_forward, IVec3::ONE, IVec3::NEG_ONE);
-    let border = part.as_dvec3() + DVec3::select(is_forward, DVec3::ONE, DVec3::ZERO);
-    let (mut next, apart) = ((border - origin) / direction, (1.0 / direction).abs());
-    next = DVec3::select(direction.cmpeq(DVec3::ZERO), DVec3::INFINITY, next);
-    loop {
-        if parts >> bit(part) & 1 == 1 {
+    let first = key * N;
+    let mut walk = SegmentWalk::ray_within(origin * N as f64, direction, first, first + (N - 1));
+    while let Some(at) = &mut walk {
+        if parts >> bit(at.key() - first) & 1 == 1 {
             return true;
         }
-        let axis = if next.x <= next.y && next.x <= next.z {
-            0
-        } else if next.y <= next.z {
-            1
-        } else {
-            2
-        };
-        part[axis] += step[axis];
-        if !(0..N).contains(&part[axis]) {
-            return false;
+        if at.advance().is_none() {
+            break;
         }
-        next[axis] += apart[axis];
     }
+    false
 }
 
 #[cfg(test)]
@@ -212,12 +185,12 @@ mod tests {
         VoxelBlock::new(IVec3::new(-6, -6, 40), UVec3::new(12, 12, 20)).unwrap()
     }
 
-    fn lattice() -> Lattice {
-        Lattice::new(0.01).unwrap()
+    fn snapshot(block: VoxelBlock) -> Snapshot {
+        Snapshot::from_fn(Lattice::new(0.01).unwrap(), block, |_| None)
     }
 
     fn measured(frames: &[Frame]) -> MeasuredParts {
-        MeasuredParts::new(frames, lattice(), block(), &Cancel::default()).unwrap()
+        MeasuredParts::new(frames, &snapshot(block()), &Cancel::default()).unwrap()
     }
 
     fn part_of(point: DVec3) -> Option<i32> {
@@ -310,8 +283,8 @@ mod tests {
             (vec![], block()),
             (vec![a], other),
         ] {
-            let anew = MeasuredParts::new(&frames, lattice(), block, &Cancel::default()).unwrap();
-            let after = before.clone().after(&frames, lattice(), block, &Cancel::default()).unwrap();
+            let anew = MeasuredParts::new(&frames, &snapshot(block), &Cancel::default()).unwrap();
+            let after = before.clone().after(&frames, &snapshot(block), &Cancel::default()).unwrap();
             assert_eq!((after.parts, after.poses, after.block), (anew.parts, anew.poses, anew.block));
         }
     }

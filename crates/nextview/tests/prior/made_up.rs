@@ -43,7 +43,7 @@ pub fn half_seen_ball() -> Snapshot {
 
 /// Where surface was measured is not known: no frame is.
 pub fn nothing_measured(snapshot: &Snapshot) -> MeasuredParts {
-    MeasuredParts::new(&[], snapshot.lattice(), snapshot.block(), &Cancel::default()).unwrap()
+    MeasuredParts::new(&[], snapshot, &Cancel::default()).unwrap()
 }
 
 /// A prior that learned nothing: its weights are chance.

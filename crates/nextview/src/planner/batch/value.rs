@@ -20,8 +20,7 @@ pub(super) fn values_of_views(
     let cancel = situation.cancel();
     let snapshot = coarse_enough(situation.snapshot(), cancel)?;
     let estimate = SurfacePrior::default().estimate(&snapshot, cancel)?;
-    let (lattice, block) = (snapshot.lattice(), snapshot.block());
-    let measured = MeasuredParts::new(situation.frames(), lattice, block, cancel)?;
+    let measured = MeasuredParts::new(situation.frames(), &snapshot, cancel)?;
     let gain = ExpectedSurface::new(
         &snapshot,
         situation.intrinsics(),

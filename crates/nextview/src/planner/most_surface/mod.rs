@@ -100,11 +100,10 @@ impl ViewPlanner for MostSurface {
         let mut estimate = self.prior.estimate(&snapshot, situation.cancel())?;
         let mut doubt = self.doubt.learned(situation, &snapshot);
         doubt.lower(&mut estimate, &snapshot);
-        let (lattice, block) = (snapshot.lattice(), snapshot.block());
         let (frames, cancel) = (situation.frames(), situation.cancel());
         let measured = match self.measured.take() {
-            Some(before) => before.after(frames, lattice, block, cancel)?,
-            None => MeasuredParts::new(frames, lattice, block, cancel)?,
+            Some(before) => before.after(frames, &snapshot, cancel)?,
+            None => MeasuredParts::new(frames, &snapshot, cancel)?,
         };
         let measured: &MeasuredParts = self.measured.insert(measured);
         let scene = Scene { situation, snapshot: &snapshot, measured, estimate: &estimate };
