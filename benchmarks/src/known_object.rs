@@ -52,20 +52,45 @@ impl KnownObject {
         planner: Box<dyn ViewPlanner>,
         first_view: usize,
     ) -> Result<Option<f64>, Box<dyn Error>> {
-        let bounds = self.scene.planning_box(Self::VOXEL_SIZE);
-        let config =
-            SessionConfig { first_view, max_views: N_VIEWS, ..SessionConfig::new(Self::VOXEL_SIZE, bounds) };
-        let mut session = Session::new(config, Intrinsics::d435i(), self.views.clone(), planner)?;
-        let (mut camera, mut evaluator) =
-            (ScanCamera::new(&self.scene), Evaluator::new(&self.scene, &self.voxels));
-        let mut seen = Vec::new();
-        while let Decision::Move(next) = session.decide()? {
-            let (frame, shown) = camera.capture(&next)?;
-            let report = session.observe(&frame)?;
-            let measures = evaluator.measure(&session, &frame.with_pose(report.world_from_camera), shown);
-            seen.push(measures.n_seen as f64 / self.truth.n_reachable() as f64);
-        }
+        let steps = self.scan(planner, first_view, |steps| steps.len() == N_VIEWS)?;
+        let seen = steps.iter().map(|step| step.coverage).collect();
         let random = RandomCurve::new(&self.truth, first_view, N_VIEWS, 0).mean;
         Ok(skill(&extended(seen, N_VIEWS), &random, &clairvoyant_curve(&self.truth, first_view, N_VIEWS)))
     }
+
+    /// A scan from this view on, until its steps are enough or the planner has no more views.
+    pub fn scan(
+        &self,
+        planner: Box<dyn ViewPlanner>,
+        first_view: usize,
+        is_enough: impl Fn(&[Step]) -> bool,
+    ) -> Result<Vec<Step>, Box<dyn Error>> {
+        let bounds = self.scene.planning_box(Self::VOXEL_SIZE);
+        let max_views = self.views.len();
+        let config = SessionConfig { first_view, max_views, ..SessionConfig::new(Self::VOXEL_SIZE, bounds) };
+        let sensing_time = config.motion.sensing_time;
+        let mut session = Session::new(config, Intrinsics::d435i(), self.views.clone(), planner)?;
+        let (mut camera, mut evaluator) =
+            (ScanCamera::new(&self.scene), Evaluator::new(&self.scene, &self.voxels));
+        let (mut steps, mut seconds) = (Vec::new(), 0.0);
+        while !is_enough(&steps)
+            && let Decision::Move(next) = session.decide()?
+        {
+            seconds += session.trajectory_to(&next.world_from_camera)?.duration() + sensing_time;
+            let (frame, shown) = camera.capture(&next)?;
+            let report = session.observe(&frame)?;
+            let measures = evaluator.measure(&session, &frame.with_pose(report.world_from_camera), shown);
+            let coverage = measures.n_seen as f64 / self.truth.n_reachable() as f64;
+            steps.push(Step { seconds, coverage });
+        }
+        Ok(steps)
+    }
+}
+
+/// The state of a scan after a view.
+pub struct Step {
+    /// Seconds since the camera was at the first view: all moves, and the sensing time of each view.
+    pub seconds: f64,
+    /// Reachable coverage, 0..=1.
+    pub coverage: f64,
 }

@@ -3,7 +3,8 @@
 //! One list of [`stages`](stage::stages) on one [`Workload`](workload::Workload) serves four programs:
 //! `cargo bench` (wall time), the program `stages` (CPU time, beside the peers in `peers/`), the program
 //! `kernels` (instruction counts) and, over sizes, the program `growth`. The results are in `BENCHMARK.md`.
-//! The programs `questions` and `ceiling` compare planners on [objects whose truth is known](known_object).
+//! The programs `questions`, `ceiling` and `seconds` compare planners on [objects whose truth is
+//! known](known_object).
 
 pub mod known_object;
 pub mod log_plot;

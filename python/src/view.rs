@@ -138,19 +138,25 @@ impl View {
     /// Number of voxels that this view is expected to add; None for planners that do not estimate.
     #[getter]
     fn expected_new_voxels(&self) -> Option<f64> {
-        Some(self.next.outlook?.n_expected)
+        Some(self.next.outlook.as_ref()?.n_expected_next())
     }
 
     /// Number of voxels that all views together are expected to add; None for planners that do not estimate.
     #[getter]
     fn expected_unseen_voxels(&self) -> Option<f64> {
-        Some(self.next.outlook?.n_unseen)
+        Some(self.next.outlook.as_ref()?.n_unseen)
     }
 
     /// Estimated share, 0 to 1, of the visible surface seen before this view; None without an estimate.
     #[getter]
     fn estimated_completeness(&self) -> Option<f64> {
-        Some(self.next.outlook?.completeness())
+        Some(self.next.outlook.as_ref()?.completeness())
+    }
+
+    /// The same after this view and each of those expected to follow, as a list; None without an estimate.
+    #[getter]
+    fn forecast_completeness(&self) -> Option<Vec<f64>> {
+        Some(self.next.outlook.as_ref()?.forecast())
     }
 
     /// Times of the waypoints, seconds since the camera sets off: N, float64.

@@ -40,6 +40,9 @@ def test_a_view_says_where_why_and_how() -> None:
     np.testing.assert_array_equal(scan.candidates[view.number], view.world_from_camera)
     assert view.score is not None and view.score > 0 and view.explanation
     assert view.expected_new_voxels is not None and view.expected_unseen_voxels is not None
+    forecast = view.forecast_completeness
+    assert forecast is not None and len(forecast) == 5 and forecast == sorted(forecast)
+    assert view.estimated_completeness is not None and view.estimated_completeness < forecast[0]
     assert scan.completeness == view.estimated_completeness
     assert view.waypoints.shape == (len(view.waypoint_times_s), 4, 4)
     np.testing.assert_allclose(view.waypoints[-1], view.world_from_camera)

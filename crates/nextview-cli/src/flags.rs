@@ -1,8 +1,9 @@
 //! The options of the command line that keys of the configuration have.
 
 /// Keys and their options.
-const FLAGS: [(&str, &str); 48] = [
+const FLAGS: [(&str, &str); 49] = [
     ("planner", "--planner"),
+    ("most_surface.per_second", "--per-second"),
     ("views", "--views"),
     ("stop.completeness", "--complete"),
     ("stop.path_length_m", "--max-path-m"),

@@ -313,7 +313,7 @@ proptest! {
     #[test]
     fn configurations(x in number(), y in number(), n in 0_usize..3) {
         let _ = MaxFlow::new(MaxFlowConfig { gamma: x, ray_spacing: y, theta: x, ..MaxFlowConfig::default() });
-        let _ = MostSurface::new(MostSurfaceConfig { rays_across: x, theta: y });
+        let _ = MostSurface::new(MostSurfaceConfig { rays_across: x, theta: y, per_second: x < 0.5 });
         let config = BatchConfig { n_views: n, theta: x, least_share: y, tolerance: x, ray_spacing: y };
         let _ = Batch::new(config);
         let config = MaxFlowConfig { ray_spacing: x.abs().min(1.0), ..MaxFlowConfig::default() };

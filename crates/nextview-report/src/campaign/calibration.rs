@@ -1,4 +1,4 @@
-//! How well planners estimate the completeness of their scans.
+//! How well planners estimate the completeness of their scans, now and after their next views.
 
 use super::document::{Block, Cell, Column, Figure, Row, Section, Table};
 use crate::plot::{Axis, Curve, Marker, Plot};
@@ -28,8 +28,51 @@ pub(crate) fn section(study: &Study<'_>) -> Option<Section> {
     };
     Some(Section {
         title: "How complete is the scan, as the planner estimates".to_owned(),
-        blocks: vec![Block::Figure(figure)],
+        blocks: std::iter::once(Block::Figure(figure)).chain(forecasts(study)).collect(),
     })
+}
+
+/// Forecasts beside what came of them; none if no planner makes any.
+fn forecasts(study: &Study<'_>) -> Option<Block> {
+    let rows: Vec<Row> = study.variants.iter().flat_map(forecast_rows).collect();
+    let caption = "Estimated completeness after the next views, as the planner forecast it before the first \
+                   of them, and reachable coverage after them: means over all views of all runs, and the mean \
+                   of the differences without their signs.";
+    let numbers = ["views ahead", "forecasts", "forecast, %", "reachable coverage, %", "difference, points"];
+    (!rows.is_empty()).then(|| {
+        let head = std::iter::once(Column::text("planner")).chain(numbers.map(Column::number)).collect();
+        Block::Table(Table { caption: caption.to_owned(), head, rows })
+    })
+}
+
+/// A row for each number of views ahead.
+fn forecast_rows(variant: &StudyVariant<'_>) -> Vec<Row> {
+    let steps = variant.measured().map(|run| &run.record.steps);
+    // By number of views ahead, pairs of a forecast and the true coverage.
+    let mut ahead: Vec<Vec<(f64, f64)>> = Vec::new();
+    for (steps, i) in steps.flat_map(|steps| (0..steps.len()).map(move |i| (steps, i))) {
+        let forecast = steps[i].forecast_completeness.iter().flatten();
+        let truths = steps[i..].iter().filter_map(|step| step.reachable_coverage);
+        for (n, pair) in forecast.copied().zip(truths).enumerate() {
+            ahead.resize_with(ahead.len().max(n + 1), Vec::new);
+            ahead[n].push(pair);
+        }
+    }
+    let row = |(n, pairs): (usize, Vec<(f64, f64)>)| {
+        let (forecasts, truths): (Vec<f64>, Vec<f64>) = pairs.iter().copied().unzip();
+        let differences: Vec<f64> = pairs.iter().map(|(forecast, truth)| (forecast - truth).abs()).collect();
+        let percent = |shares: &[f64]| fixed(100.0 * mean(shares).unwrap_or_default(), 1);
+        let cells = [
+            variant.name.to_owned(),
+            (n + 1).to_string(),
+            pairs.len().to_string(),
+            percent(&forecasts),
+            percent(&truths),
+            percent(&differences),
+        ];
+        Row::new(cells.map(Cell::from).into())
+    };
+    ahead.into_iter().enumerate().map(row).collect()
 }
 
 /// Pairs of an estimate and the true coverage, of all runs of a variant after all their views but the last.
@@ -148,5 +191,28 @@ mod tests {
         let (title, plot) = &figure.panels[0];
         assert_eq!((&title[..], plot.x_axis), ("b", Axis::Percent("estimated completeness")));
         assert_eq!(plot.curves[0].points, [(97, 0.5), (100, 0.9)]);
+    }
+
+    #[test]
+    fn every_forecast_is_held_against_the_views_that_followed() {
+        let mut campaign = made_up::campaign(&["a"], 1);
+        for run in &mut campaign.runs {
+            let steps = &mut made_up::record_mut(run).steps;
+            steps.truncate(3);
+            let all = [(None, 0.5), (Some(vec![0.8, 1.0, 1.0]), 0.7), (Some(vec![0.9]), 0.9)];
+            for (step, (forecast, truth)) in steps.iter_mut().zip(all) {
+                (step.forecast_completeness, step.reachable_coverage) = (forecast, Some(truth));
+                step.estimated_completeness = Some(0.5);
+            }
+        }
+        let study = Study::new(&campaign.runs);
+        let Block::Table(table) = &section(&study).unwrap().blocks[1] else { panic!("a table") };
+        let texts = |row: &Row| row.cells.iter().map(|cell| cell.text.clone()).collect::<Vec<_>>();
+        let n_runs = campaign.runs.len();
+        let expected = [
+            ["a", "1", &(2 * n_runs).to_string(), "85.0", "80.0", "5.0"].map(str::to_owned),
+            ["a", "2", &n_runs.to_string(), "100.0", "90.0", "10.0"].map(str::to_owned),
+        ];
+        assert_eq!(table.rows.iter().map(texts).collect::<Vec<_>>(), expected);
     }
 }

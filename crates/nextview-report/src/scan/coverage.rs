@@ -1,6 +1,7 @@
 //! The measure of a scan's progress: the best one that is known.
 
 use super::input::ScanPage;
+use nextview::planner::Outlook;
 use nextview_scan::StepRecord;
 
 /// A share of the surface after each view.
@@ -35,7 +36,7 @@ pub(super) fn known(page: &ScanPage<'_>) -> Option<Coverage> {
 /// The planner's estimate of the share of the visible surface that was seen after each view: what it said
 /// when it chose the next one.
 pub(super) fn estimated(page: &ScanPage<'_>) -> Vec<Option<f64>> {
-    let next = page.next.and_then(|next| next.outlook).map(|outlook| outlook.completeness());
+    let next = page.next.and_then(|next| next.outlook.as_ref()).map(Outlook::completeness);
     let after = page.steps().iter().skip(1).map(|step| step.estimated_completeness);
     after.chain([next]).take(page.steps().len()).collect()
 }

@@ -5,6 +5,7 @@ use crate::messages::TriggerResponse;
 use crate::parameters::Parameters;
 use nextview::Cancel;
 use nextview::geometry::Pose;
+use nextview::planner::Outlook;
 use nextview::sensor::Intrinsics;
 use nextview::session::StopReason;
 use nextview_scan::files::{Overwrite, ResultFolder};
@@ -54,6 +55,7 @@ pub struct State {
     pub view: Option<usize>,
     /// Estimated share of the surface that can be seen that has been seen.
     pub estimated_completeness: Option<f64>,
+    pub forecast_completeness: Option<Vec<f64>>,
     pub stop_reason: Option<StopReason>,
     /// Where the camera should stand.
     #[serde(skip)]
@@ -191,14 +193,13 @@ impl Worker {
     fn show(&mut self, has_changed: bool) -> Result<(Vec<Output>, State), Faults> {
         let Some(scan) = &mut self.scan else { return Ok((Vec::new(), State::default())) };
         let next = scan.next()?;
+        let outlook = next.as_ref().and_then(|next| next.outlook.as_ref());
         let state = State {
             state: if next.is_some() { Stage::View } else { Stage::Finished },
             frames: scan.scan().steps.len(),
             view: next.as_ref().and_then(|next| next.view),
-            estimated_completeness: next
-                .as_ref()
-                .and_then(|next| next.outlook)
-                .map(|outlook| outlook.completeness()),
+            estimated_completeness: outlook.map(Outlook::completeness),
+            forecast_completeness: outlook.map(Outlook::forecast),
             stop_reason: scan.stop_reason(),
             wanted: next.as_ref().map(|next| next.world_from_camera),
         };

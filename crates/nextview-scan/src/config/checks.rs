@@ -64,6 +64,7 @@ fn faults(config: &ScanConfig) -> Vec<Fault> {
     faults.extend(of_turntable(config));
     faults.extend(of_stop(config));
     faults.extend(of_goal(config));
+    faults.extend(of_seconds(config));
     faults
 }
 
@@ -86,6 +87,16 @@ fn of_stop(config: &ScanConfig) -> Option<Fault> {
             "the planner {planner} cannot stop by completeness or expected gain, which it does not estimate"
         );
         Fault::request(message).with_remedy("`planner` = most-surface does")
+    })
+}
+
+/// Only one planner counts seconds.
+fn of_seconds(config: &ScanConfig) -> Option<Fault> {
+    let counts = config.planner.built_in() == Some(PlannerName::MostSurface);
+    (config.most_surface.per_second && !counts).then(|| {
+        let message = format!("the planner {} does not count seconds", config.planner);
+        let fault = Fault::request(message).with_remedy("`planner` = most-surface does");
+        Fault { key: Some("most_surface.per_second".to_owned()), ..fault }
     })
 }
 

@@ -43,7 +43,7 @@ pub struct StepRecord {
     /// What else the planner says about its choice, with units in the names.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub explanation: Option<Explanation>,
-    /// Voxels seen before this view, of the size that the planner thinks in; this and the next three none for
+    /// Voxels seen before this view, of the size that the planner thinks in; this and the next four none for
     /// planners that do not estimate.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub planner_seen_voxels: Option<usize>,
@@ -56,6 +56,9 @@ pub struct StepRecord {
     /// Estimated share, 0..=1, of the surface that can be seen that had been seen before this view.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub estimated_completeness: Option<f64>,
+    /// The same after this view and each of those expected to follow.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub forecast_completeness: Option<Vec<f64>>,
 
     /// Edge of the voxels in which the view was planned.
     pub voxel_size_m: f64,
@@ -200,7 +203,7 @@ impl StepRecord {
     /// The session's part: everything but what is known of the truth, lengths and times.
     pub(crate) fn of_report(step: usize, report: &StepReport) -> Self {
         let choice = report.choice.as_ref();
-        let outlook = report.outlook;
+        let outlook = report.outlook.as_ref();
         let mut record = Self {
             step,
             view: report.view,
@@ -208,9 +211,10 @@ impl StepRecord {
             runner_up: choice.and_then(|choice| choice.runner_up),
             explanation: choice.and_then(|choice| choice.explanation.clone()),
             planner_seen_voxels: outlook.map(|outlook| outlook.n_seen),
-            expected_new_voxels: outlook.map(|outlook| outlook.n_expected),
+            expected_new_voxels: outlook.map(Outlook::n_expected_next),
             expected_unseen_voxels: outlook.map(|outlook| outlook.n_unseen),
-            estimated_completeness: outlook.as_ref().map(Outlook::completeness),
+            estimated_completeness: outlook.map(Outlook::completeness),
+            forecast_completeness: outlook.map(Outlook::forecast),
             voxel_size_m: report.voxel_size,
             box_min_m: report.bounds.map(|bounds| bounds.min.to_array()),
             box_max_m: report.bounds.map(|bounds| bounds.max.to_array()),

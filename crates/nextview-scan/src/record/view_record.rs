@@ -31,7 +31,7 @@ pub struct ViewRecord {
     /// What else the planner says about its choice, with units in the names.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub explanation: Option<Explanation>,
-    /// Voxels that this view is expected to add; this and the next two none for planners that do not
+    /// Voxels that this view is expected to add; this and the next three none for planners that do not
     /// estimate.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub expected_new_voxels: Option<f64>,
@@ -41,6 +41,9 @@ pub struct ViewRecord {
     /// Estimated share, 0..=1, of the surface that can be seen that has been seen.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub estimated_completeness: Option<f64>,
+    /// The same after this view and each of those expected to follow.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub forecast_completeness: Option<Vec<f64>>,
     /// Length of the trajectory from the last frame to this view, around the object and above its table.
     pub trajectory_length_m: f64,
     /// Time that a robot would take for it.
@@ -71,7 +74,7 @@ pub struct WaypointRecord {
 impl ViewRecord {
     /// The record of a view and of the trajectory to it.
     pub(crate) fn new(next: &NextView, trajectory: &Trajectory, joints: Option<&JointTrajectory>) -> Self {
-        let (choice, outlook) = (next.choice.as_ref(), next.outlook);
+        let (choice, outlook) = (next.choice.as_ref(), next.outlook.as_ref());
         let waypoint = |Waypoint { time, world_from_camera }: &Waypoint| WaypointRecord {
             time_s: *time,
             position_m: world_from_camera.translation().to_array(),
@@ -91,9 +94,10 @@ impl ViewRecord {
             score: choice.map(|choice| choice.score),
             runner_up: choice.and_then(|choice| choice.runner_up),
             explanation: choice.and_then(|choice| choice.explanation.clone()),
-            expected_new_voxels: outlook.map(|outlook| outlook.n_expected),
+            expected_new_voxels: outlook.map(Outlook::n_expected_next),
             expected_unseen_voxels: outlook.map(|outlook| outlook.n_unseen),
-            estimated_completeness: outlook.as_ref().map(Outlook::completeness),
+            estimated_completeness: outlook.map(Outlook::completeness),
+            forecast_completeness: outlook.map(Outlook::forecast),
             trajectory_length_m: trajectory.length(),
             trajectory_time_s: trajectory.duration(),
             joint_names: joints.map(|joints| joints.names.clone()),

@@ -1,31 +1,51 @@
 use super::{Choice, Situation};
 use crate::Error;
 use crate::checked::check_range;
+use rayon::prelude::*;
 
-/// The value of a view after the cost of moving there (the paper, section V.D): (1 - theta) times its share
-/// of all gain, less theta times its share of what it costs to go to all views.
+/// The value of a view after the cost of moving there.
 #[derive(Debug)]
-pub(super) struct Utility {
-    theta: f64,
-    /// By view; zeros where moving costs nothing.
-    travel_share: Vec<f64>,
+pub(super) enum Utility {
+    /// (1 - theta) times its share of all gain, less theta times its share of what it costs to go to all
+    /// views: the paper, section V.D.
+    LessTravel {
+        theta: f64,
+        /// By view; zeros where moving costs nothing.
+        travel_share: Vec<f64>,
+    },
+    /// Its share of all gain, by the seconds until it is measured.
+    PerSecond { seconds: Vec<f64> },
 }
 
 impl Utility {
-    /// The costs are [those](Situation::travel) of the open views, and shares of their sum; all are zero
-    /// before the first view.
+    /// The utility per second; 0 where there is no way.
+    pub fn per_second(situation: &Situation<'_>) -> Self {
+        let mut seconds = vec![f64::INFINITY; situation.views().len()];
+        let open = situation.open_views();
+        let times: Vec<f64> = open.par_iter().map(|&view| situation.seconds(view)).collect();
+        open.iter().zip(times).for_each(|(&view, time)| seconds[view] = time);
+        Self::PerSecond { seconds }
+    }
+
+    /// The utility less the cost of travel. The costs are [those](Situation::travel) of the open views, and
+    /// shares of their sum; all are zero before the first view.
     pub fn new(situation: &Situation<'_>, theta: f64) -> Self {
         let mut travel_share = vec![0.0; situation.views().len()];
         let open = situation.open_views();
         let travel: Vec<f64> = open.iter().filter_map(|&view| situation.travel(view)).collect();
         let total: f64 = travel.iter().sum();
         open.iter().zip(&travel).for_each(|(&view, travel)| travel_share[view] = share(*travel, total));
-        Self { theta, travel_share }
+        Self::LessTravel { theta, travel_share }
     }
 
     /// The utility of a view with this share of all gain; exactly the share where theta is 0.
     pub fn of(&self, view: usize, gain_share: f64) -> f64 {
-        (1.0 - self.theta) * gain_share - self.theta * self.travel_share[view]
+        match self {
+            Self::LessTravel { theta, travel_share } => {
+                (1.0 - theta) * gain_share - theta * travel_share[view]
+            }
+            Self::PerSecond { seconds } => gain_share / seconds[view],
+        }
     }
 }
 

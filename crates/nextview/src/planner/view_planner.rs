@@ -1,5 +1,7 @@
 use super::Explanation;
+use crate::geometry::Pose;
 use crate::map::Snapshot;
+use crate::motion::{MotionConfig, Surroundings, Trajectory};
 use crate::sensor::{DepthRange, Frame, Intrinsics};
 use crate::surface::MeasuredCells;
 use crate::view::ViewSpace;
@@ -59,6 +61,8 @@ pub struct Situation<'a> {
     visited: &'a [usize],
     /// By candidate, seconds; none of those where the camera cannot go now.
     approaches: Option<&'a [Option<f64>]>,
+    motion: MotionConfig,
+    surroundings: Surroundings,
     /// At most the voxel size of the snapshot, metres, and at least that which [`MOST_VOXELS`] allows.
     finest_voxel_size: f64,
     cancel: &'a Cancel,
@@ -89,6 +93,8 @@ impl<'a> Situation<'a> {
             measured: None,
             visited: &[],
             approaches: None,
+            motion: MotionConfig::default(),
+            surroundings: Surroundings::default(),
             finest_voxel_size,
             cancel,
         }
@@ -131,6 +137,13 @@ impl<'a> Situation<'a> {
             return Ok(Self { approaches: Some(approaches), ..self });
         }
         Err(Error::invalid("number of approaches", approaches.len(), "that of view candidates"))
+    }
+
+    /// The same for a camera that moves like this, around these surroundings; without it, with the defaults
+    /// in an empty room. Fails on a configuration out of range.
+    pub fn with_motion(self, motion: MotionConfig, surroundings: Surroundings) -> Result<Self, Error> {
+        motion.check()?;
+        Ok(Self { motion, surroundings, ..self })
     }
 
     /// The same for a scan that ends in voxels of this size, metres: that of the snapshot, or finer.
@@ -220,9 +233,12 @@ impl<'a> Situation<'a> {
     /// The position of the camera, metres: where it took the last frame, or else the last view; none before
     /// the first.
     pub fn camera_position(&self) -> Option<DVec3> {
+        self.world_from_camera().map(|pose| pose.translation())
+    }
+
+    fn world_from_camera(&self) -> Option<Pose> {
         let last_frame = self.frames.last().map(|frame| frame.world_from_camera());
-        let pose = last_frame.or_else(|| self.visited.last().map(|&view| self.views.pose(view)));
-        pose.map(|pose| pose.translation())
+        last_frame.or_else(|| self.visited.last().map(|&view| self.views.pose(view)))
     }
 
     /// What it costs to go to a view: seconds where a robot [stated](Self::with_approaches) them, else the
@@ -232,6 +248,19 @@ impl<'a> Situation<'a> {
         let stated = self.approaches.and_then(|approaches| approaches[view]);
         let distance = |from: DVec3| self.views.pose(view).translation().distance(from);
         self.camera_position().map(|from| stated.unwrap_or_else(|| distance(from)))
+    }
+
+    /// How long it takes to go to a view and to measure there, seconds: the way as a robot
+    /// [stated](Self::with_approaches) it, or else that of the [trajectory](Self::with_motion), and the
+    /// sensing time. Infinite where there is no way.
+    pub fn seconds(&self, view: usize) -> f64 {
+        let stated = self.approaches.map(|approaches| approaches[view].unwrap_or(f64::INFINITY));
+        let way = |from: Pose| {
+            let trajectory = Trajectory::new(&from, &self.views.pose(view), &self.surroundings, &self.motion);
+            trajectory.map_or(f64::INFINITY, |trajectory| trajectory.duration())
+        };
+        let way = stated.unwrap_or_else(|| self.world_from_camera().map_or(0.0, way));
+        way + self.motion.sensing_time
     }
 
     /// A distance in voxels of the finest size as one in voxels of the snapshot.
@@ -253,12 +282,13 @@ pub struct Plan {
 }
 
 /// The expectations of a planner.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Outlook {
     /// Number of voxels occupied so far, in the voxel size of the planner.
     pub n_seen: usize,
-    /// Number of voxels that the chosen view is expected to add.
-    pub n_expected: f64,
+    /// Number of voxels expected to be added in all after each of the next views, the chosen view first;
+    /// empty if none was chosen.
+    pub n_expected: Vec<f64>,
     /// Number of voxels expected to be seen if every view were taken.
     pub n_unseen: f64,
 }
@@ -270,9 +300,21 @@ impl Outlook {
         if n_seen + self.n_unseen > 0.0 { n_seen / (n_seen + self.n_unseen) } else { 1.0 }
     }
 
+    /// The estimated completeness after each of the next views, the chosen view first.
+    pub fn forecast(&self) -> Vec<f64> {
+        let all = self.n_seen as f64 + self.n_unseen;
+        let after = |n: &f64| if all > 0.0 { (self.n_seen as f64 + n.min(self.n_unseen)) / all } else { 1.0 };
+        self.n_expected.iter().map(after).collect()
+    }
+
+    /// Number of voxels that the chosen view is expected to add; 0 if none was chosen.
+    pub fn n_expected_next(&self) -> f64 {
+        self.n_expected.first().copied().unwrap_or(0.0)
+    }
+
     /// The expected gain of the chosen view, as a share of the surface seen; infinite if none was seen.
     pub fn gain(&self) -> f64 {
-        if self.n_seen > 0 { self.n_expected / self.n_seen as f64 } else { f64::INFINITY }
+        if self.n_seen > 0 { self.n_expected_next() / self.n_seen as f64 } else { f64::INFINITY }
     }
 }
 
@@ -326,7 +368,7 @@ mod tests {
     use super::*;
 
     fn outlook(n_seen: usize, n_expected: f64, n_unseen: f64) -> Outlook {
-        Outlook { n_seen, n_expected, n_unseen }
+        Outlook { n_seen, n_expected: vec![n_expected], n_unseen }
     }
 
     #[test]
@@ -335,6 +377,14 @@ mod tests {
         assert_eq!(outlook(90, 0.0, 0.0).completeness(), 1.0);
         assert_eq!(outlook(0, 0.0, 10.0).completeness(), 0.0);
         assert_eq!(outlook(0, 0.0, 0.0).completeness(), 1.0, "nothing can be seen");
+    }
+
+    #[test]
+    fn a_forecast_is_the_completeness_that_the_next_views_lead_to() {
+        let outlook = Outlook { n_seen: 80, n_expected: vec![8.0, 14.0, 25.0], n_unseen: 20.0 };
+        assert_eq!(outlook.forecast(), [0.88, 0.94, 1.0]);
+        assert!(Outlook { n_expected: Vec::new(), ..outlook }.forecast().is_empty());
+        assert_eq!(self::outlook(0, 0.0, 0.0).forecast(), [1.0], "nothing can be seen");
     }
 
     #[test]

@@ -210,9 +210,12 @@ impl Session {
     /// Fails if it would leave [`Pose::REACH`].
     pub fn trajectory_to(&self, world_from_camera: &Pose) -> Result<Trajectory, Error> {
         let Some(last) = self.frames.places.last() else { return Ok(Trajectory::at(*world_from_camera)) };
+        Trajectory::new(last, world_from_camera, &self.surroundings(), &self.config.motion)
+    }
+
+    fn surroundings(&self) -> Surroundings {
         let Place { bounds: object, table } = self.scene.map.place();
-        let surroundings = Surroundings { object, floor: table.map(|table| table.floor()) };
-        Trajectory::new(last, world_from_camera, &surroundings, &self.config.motion)
+        Surroundings { object, floor: table.map(|table| table.floor()) }
     }
 
     /// The map so far, in the finest voxels.
@@ -383,7 +386,7 @@ impl Session {
     /// The reason not to take the plan's next view, if there is one.
     fn reason_to_stop(&self, plan: &Plan) -> Option<StopReason> {
         let StopConfig { completeness, expected_gain, path_length, .. } = self.config.stop;
-        let outlook = plan.outlook.filter(|_| self.scene.map.is_finest());
+        let outlook = plan.outlook.as_ref().filter(|_| self.scene.map.is_finest());
         if outlook.zip(completeness).is_some_and(|(outlook, enough)| outlook.completeness() >= enough) {
             return Some(StopReason::Complete);
         }
@@ -427,6 +430,7 @@ impl Session {
             .with_right_poses(self.scene.alignment.trusts_given_poses())
             .with_visited(&self.visited)
             .and_then(|situation| situation.with_finest_voxel_size(self.config.voxel_size))
+            .and_then(|situation| situation.with_motion(self.config.motion, self.surroundings()))
             .map(|situation| match &self.scene.quality {
                 Some(quality) => situation.with_goal(&quality.measured, quality.goal),
                 None => situation,
@@ -451,7 +455,7 @@ impl Session {
             registration: added.registration,
             is_set_aside: self.frames.set_aside.iter().any(|waiting| waiting.number == number),
             recovered: added.recovered,
-            outlook: taken.as_ref().and_then(|next| next.outlook),
+            outlook: taken.as_ref().and_then(|next| next.outlook.clone()),
             choice: taken.and_then(|next| next.choice),
             travel: self.legs().next_back().unwrap_or(0.0),
             voxel_size,

@@ -6,6 +6,7 @@ use nextview::Cancel;
 use nextview::gain::ExpectedSurface;
 use nextview::geometry::{Aabb, VoxelBlock};
 use nextview::map::{LogOdds, Occupancy, Snapshot};
+use nextview::motion::{MotionConfig, Surroundings, Trajectory};
 use nextview::planner::{
     Choice, MostSurface, MostSurfaceConfig, Outlook, Plan, RandomViews, Situation, ViewPlanner,
 };
@@ -47,7 +48,7 @@ fn slow_plan(
     views: &ViewSpace,
     visited: &[usize],
 ) -> Plan {
-    let MostSurfaceConfig { rays_across, theta } = config;
+    let MostSurfaceConfig { rays_across, theta, per_second } = config;
     let cancel = &Cancel::default();
     let (snapshot, camera) = (coarse_enough(snapshot, cancel).unwrap(), Intrinsics::d435i());
     let ray_spacing = snapshot.block().dims().max_element() as f64 / rays_across;
@@ -72,6 +73,9 @@ fn slow_plan(
         views.iter().zip(gains).map(value).collect()
     };
     let score = |view: usize, value: f64, total: f64| {
+        if per_second {
+            return share(value, total) / seconds_to(views, visited, view);
+        }
         (1.0 - theta) * share(value, total) - theta * share(distance(view), path)
     };
     // Sorting is stable: of equals the lower number stays before the higher.
@@ -116,27 +120,66 @@ fn slow_plan(
         runner_up: order.get(1).map(|&i| looked_at[i]),
         explanation: Some([("local_share", share(values[i], total))].into()),
     });
-    let mut shown = vec![0.0; estimate.len()];
-    for &view in &open {
-        let gain = ExpectedSurface::new(
-            &snapshot,
-            &camera,
-            DepthRange::default(),
-            &measured,
-            &estimate,
-            first_factor * ray_spacing,
-        )
-        .unwrap();
-        gain.evaluator().survey(&views.pose(view), |item, class| {
-            shown[item] = estimate.shows(item, class).max(shown[item]);
-        });
-    }
+    let shown_by = |view: usize, spacing: f64| -> Vec<f32> {
+        let mut shown = vec![0.0; estimate.len()];
+        let range = DepthRange::default();
+        let gain = ExpectedSurface::new(&snapshot, &camera, range, &measured, &estimate, spacing).unwrap();
+        gain.evaluator().survey(&views.pose(view), |item, class| shown[item] = estimate.shows(item, class));
+        shown
+    };
+    let all = open.iter().map(|&view| shown_by(view, first_factor * ray_spacing));
+    let shown = all.fold(vec![0.0; estimate.len()], |all, view| best_of(&all, &view));
     let outlook = Outlook {
         n_seen: snapshot.count(Occupancy::Occupied),
-        n_expected: order.first().map_or(0.0, |&i| gains[i]),
+        n_expected: order.first().map_or(Vec::new(), |&i| {
+            let shown = |view: usize| shown_by(view, ray_spacing);
+            n_expected(bounds.center(), views, &open, looked_at[i], shown)
+        }),
         n_unseen: shown.iter().map(|&p| p as f64).sum(),
     };
     Plan { choice, outlook: Some(outlook), ..Plan::default() }
+}
+
+/// Seconds to go straight to a view that looks at the same point, at the default speed, and to measure there.
+fn seconds_to(views: &ViewSpace, visited: &[usize], view: usize) -> f64 {
+    let (empty, motion) = (Surroundings::default(), MotionConfig::default());
+    let way = |&last: &usize| Trajectory::new(&views.pose(last), &views.pose(view), &empty, &motion).unwrap();
+    visited.last().map_or(0.0, |last| way(last).duration()) + 2.0
+}
+
+/// The larger of both, number by number.
+fn best_of(a: &[f32], b: &[f32]) -> Vec<f32> {
+    a.iter().zip(b).map(|(a, b)| a.max(*b)).collect()
+}
+
+fn total(shown: &[f32]) -> f64 {
+    shown.iter().map(|&p| p as f64).sum()
+}
+
+/// What is expected in all after each of five views, of 24 that lie all around, `chosen` first.
+fn n_expected(
+    center: DVec3,
+    views: &ViewSpace,
+    open: &[usize],
+    chosen: usize,
+    shown: impl Fn(usize) -> Vec<f32>,
+) -> Vec<f64> {
+    let toward = |view: usize| (views.pose(view).translation() - center).normalize();
+    let mut around = vec![chosen];
+    while around.len() < open.len().min(24) {
+        let cosine =
+            |view: usize| around.iter().map(|&taken| toward(view).dot(toward(taken))).fold(-1.0, f64::max);
+        let left = open.iter().filter(|view| !around.contains(view));
+        around.push(*left.min_by(|&&a, &&b| cosine(a).total_cmp(&cosine(b))).unwrap());
+    }
+    let mut seen = shown(chosen);
+    let mut after = vec![total(&seen)];
+    while after.len() < around.len().min(5) {
+        let with = around.iter().map(|&view| best_of(&seen, &shown(view)));
+        seen = with.max_by(|a, b| total(a).total_cmp(&total(b))).unwrap();
+        after.push(total(&seen));
+    }
+    after
 }
 
 /// What speaks for the second view besides its gain, in shares of the largest gain.
@@ -178,7 +221,10 @@ proptest! {
     ) {
         let dims = UVec3::from_array(dims);
         let snapshot = random_snapshot(-(dims / 2).as_ivec3(), dims, seed);
-        let (config, prior, views) = (MostSurfaceConfig { rays_across, theta }, prior(seed), views(n_views));
+        let per_second = seed % 2 == 1;
+        let theta = if per_second { 0.0 } else { theta };
+        let config = MostSurfaceConfig { rays_across, theta, per_second };
+        let (prior, views) = (prior(seed), views(n_views));
         for visited in [&[][..], &[0]] {
             let found = plan(config, &prior, &snapshot, &views, visited);
             assert_alike(&found, &slow_plan(config, &prior, &snapshot, &views, visited), visited);
@@ -217,7 +263,7 @@ fn what_was_visited_is_not_chosen_again() {
     }
     assert_eq!(visited.len(), 12, "the map does not change, so every view goes on showing something");
     let outlook = plan(config, &prior(3), &half_seen_ball(), &views, &visited).outlook.unwrap();
-    assert_eq!((outlook.n_expected, outlook.n_unseen), (0.0, 0.0));
+    assert_eq!((outlook.n_expected_next(), outlook.n_unseen), (0.0, 0.0));
 }
 
 #[test]
@@ -256,7 +302,7 @@ fn half_a_voxel_is_the_least_gain_of_a_view() {
         assert_eq!((plan.choice.is_some(), outlook.n_seen), (is_chosen, 63));
         assert!((outlook.n_unseen - shows as f64).abs() < 1e-6);
         let expected = if is_chosen { shows as f64 } else { 0.0 };
-        assert!((outlook.n_expected - expected).abs() < 1e-6);
+        assert!((outlook.n_expected_next() - expected).abs() < 1e-6);
     }
 }
 
@@ -266,9 +312,9 @@ fn where_nothing_is_to_be_seen_there_is_no_choice() {
     for (log_odds, n_seen) in [(-0.4, 0), (0.85, 512)] {
         let known = snapshot(block, |_| Some(log_odds));
         let plan = plan(MostSurfaceConfig::default(), &prior(5), &known, &views(50), &[]);
-        let outlook = Outlook { n_seen, n_expected: 0.0, n_unseen: 0.0 };
-        assert_eq!(plan, Plan { outlook: Some(outlook), ..Plan::default() });
+        let outlook = Outlook { n_seen, n_expected: Vec::new(), n_unseen: 0.0 };
         assert_eq!(outlook.completeness(), 1.0);
+        assert_eq!(plan, Plan { outlook: Some(outlook), ..Plan::default() });
     }
 }
 
@@ -309,7 +355,8 @@ fn the_library_has_a_prior_of_its_own() {
 #[test]
 fn bad_parameters_are_refused() {
     let fault = |rays_across, theta| {
-        MostSurface::new(MostSurfaceConfig { rays_across, theta }).map(|_| ()).map_err(|e| e.to_string())
+        let config = MostSurfaceConfig { rays_across, theta, ..MostSurfaceConfig::default() };
+        MostSurface::new(config).map(|_| ()).map_err(|e| e.to_string())
     };
     for bad in [-0.1, 1.1, f64::NAN] {
         assert_eq!(fault(9.0, bad), Err(format!("theta is {bad}, expected a number in 0..=1")));
@@ -317,6 +364,12 @@ fn bad_parameters_are_refused() {
     for bad in [0.0, 0.99, 1001.0, f64::NAN, f64::INFINITY] {
         assert_eq!(fault(bad, 0.0), Err(format!("rays_across is {bad}, expected a number in 1..=1000")));
     }
+    let both = MostSurfaceConfig { theta: 0.3, per_second: true, ..MostSurfaceConfig::default() };
+    let fault_of_both = MostSurface::new(both).map(|_| ()).map_err(|e| e.to_string());
+    assert_eq!(
+        fault_of_both.unwrap_err(),
+        "theta is 0.3, expected 0 with per_second, which counts all the time"
+    );
     for (rays_across, theta) in [(1.0, 0.0), (1000.0, 1.0)] {
         assert_eq!(fault(rays_across, theta), Ok(()));
     }
@@ -336,7 +389,7 @@ fn a_view_in_vain_is_not_repeated_next_to_it() {
         a.distance(b)
     };
     assert!(distance(&after) >= distance(&fresh), "{} {}", distance(&after), distance(&fresh));
-    let unseen = |plan: &Plan| plan.outlook.unwrap().n_unseen;
+    let unseen = |plan: &Plan| plan.outlook.as_ref().unwrap().n_unseen;
     assert!(unseen(&after) < 0.9 * unseen(&fresh), "{} {}", unseen(&after), unseen(&fresh));
     // A view of somebody else's choice teaches nothing, and neither does one that showed enough.
     let other = plan_with(&mut doubting.clone(), &snapshot, &views, &[0, 1]);
@@ -356,7 +409,7 @@ fn expectations_fall_with_the_share_that_was_shown() {
     let planner = || MostSurface::with_prior(MostSurfaceConfig::default(), even_prior(0.3, 0.1)).unwrap();
     let mut taught = planner();
     let plan = plan_with(&mut taught, &before, &views, &[0]);
-    let (first, expected) = (plan.choice.unwrap().view, plan.outlook.unwrap().n_expected);
+    let (first, expected) = (plan.choice.unwrap().view, plan.outlook.unwrap().n_expected_next());
     let is_unknown = |index: &usize| before.occupancy()[*index] == Occupancy::Unknown;
     let unknown: Vec<usize> = (0..before.block().n_voxels()).filter(is_unknown).collect();
     // What the taught planner expects in all, as a share of what a fresh one does.

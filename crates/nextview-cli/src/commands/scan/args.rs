@@ -42,6 +42,10 @@ pub struct ScanArgs {
     /// Penalty on long moves, 0 to 1: the weight of the movement cost, the paper's theta [default: 0]
     #[arg(long, value_name = "T", value_parser = values::share, allow_negative_numbers = true)]
     theta: Option<f64>,
+    /// Take the view of most surface per second of moving there and measuring, instead of per view; only
+    /// most-surface can
+    #[arg(long, conflicts_with = "theta")]
+    per_second: bool,
     /// Maximum number of views [default: 10, or all candidates if there are fewer]
     #[arg(long, value_name = "N", value_parser = values::count, allow_negative_numbers = true)]
     views: Option<usize>,
@@ -246,6 +250,7 @@ impl ScanArgs {
         set(&mut config.object, self.model.or(self.frames.clone()));
         self.recording.set(&mut config, self.frames.is_some())?;
         set(&mut config.planner, self.planner.map(Into::into));
+        set(&mut config.most_surface.per_second, self.per_second.then_some(true));
         set(&mut config.most_surface.theta, self.theta);
         set(&mut config.max_flow.theta, self.theta);
         set(&mut config.greedy.theta, self.theta);

@@ -8,6 +8,7 @@ use crate::scan::input::ScanPage;
 use crate::scan::shown::{ShownModel, ShownVertex};
 use glam::{DVec2, DVec3, Vec3};
 use nextview::geometry::Pose;
+use nextview::planner::Outlook;
 use nextview::sensor::Intrinsics;
 use nextview::session::NextView;
 use nextview_scan::StepRecord;
@@ -110,7 +111,7 @@ fn view(page: &ScanPage<'_>, i: usize, is_new: bool) -> String {
 }
 
 fn next_view(next: &NextView, camera: &Intrinsics) -> String {
-    let expected = next.outlook.map(|outlook| outlook.n_expected).filter(|n| n.is_finite());
+    let expected = next.outlook.as_ref().map(Outlook::n_expected_next).filter(|n| n.is_finite());
     format!(
         r#"{{{},"view":{},"expected":{}}}"#,
         frustum(&next.world_from_camera, camera),

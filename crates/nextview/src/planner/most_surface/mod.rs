@@ -1,17 +1,18 @@
 mod doubt;
+mod forecast;
+mod scene;
 mod second_look;
 mod second_view;
 
 use super::utility::{self, Utility};
 use super::{Choice, Outlook, Plan, Situation, ViewPlanner};
 use crate::checked::{check_range, checked_when_read};
-use crate::gain::{ExpectedSurface, ViewEvaluator};
-use crate::map::{Occupancy, Snapshot};
-use crate::prior::{SurfaceEstimate, SurfacePrior, coarse_enough};
+use crate::map::Occupancy;
+use crate::prior::{SurfacePrior, coarse_enough};
 use crate::visibility::MeasuredParts;
 use crate::{Cancelled, Error};
 use doubt::Doubt;
-use rayon::prelude::*;
+use scene::Scene;
 use serde::{Deserialize, Serialize};
 
 /// Parameters of [`MostSurface`].
@@ -29,11 +30,14 @@ pub struct MostSurfaceConfig {
     /// Weight of the movement cost against the gain, 0..=1; the paper's theta (section V.D). Default 0:
     /// moving is free.
     pub theta: f64,
+    /// Whether the view of most expected surface per second is taken, with the time to go there and to
+    /// measure, instead of the view of most surface; then theta is 0. Default false.
+    pub per_second: bool,
 }
 
 impl Default for MostSurfaceConfig {
     fn default() -> Self {
-        Self { rays_across: 32.0, theta: 0.0 }
+        Self { rays_across: 32.0, theta: 0.0, per_second: false }
     }
 }
 
@@ -43,6 +47,9 @@ impl MostSurfaceConfig {
     /// Fails on the first value out of range.
     pub fn check(&self) -> Result<(), Error> {
         utility::check_theta(self.theta)?;
+        if self.per_second && self.theta != 0.0 {
+            return Err(Error::invalid("theta", self.theta, "0 with per_second, which counts all the time"));
+        }
         check_range("rays_across", self.rays_across, 1.0..=1000.0, "a number in 1..=1000")
     }
 }
@@ -64,7 +71,8 @@ const LEAST_GAIN: f64 = 0.5;
 /// A view that shows hardly anything of what was expected lowers the expectations of the same voxels.
 ///
 /// Each plan has an [`Outlook`]. The surface that can be seen is the surface that all views within reach show
-/// in the first pass.
+/// in the first pass; the next views are the one chosen and after it those, of some that lie all around, that
+/// are expected to add most.
 ///
 /// ```
 /// use nextview::planner::{MostSurface, MostSurfaceConfig};
@@ -111,7 +119,7 @@ impl ViewPlanner for MostSurface {
         let ray_spacing = snapshot.block().dims().max_element() as f64 / self.config.rays_across;
         let first_pass = PASSES.iter().rposition(|(n_views, _)| *n_views >= open.len()).unwrap_or(0);
         let first = scene.survey(&open, PASSES[first_pass].1 * ray_spacing)?;
-        let mut rating = Rating::new(&scene, self.config.theta, first.gains)?;
+        let mut rating = Rating::new(&scene, &self.config, first.gains)?;
         for &(n_views, factor) in &PASSES[first_pass + 1..] {
             rating.shortlist(n_views);
             let closer = scene.survey(&rating.views(), factor * ray_spacing)?;
@@ -120,7 +128,10 @@ impl ViewPlanner for MostSurface {
         let best = rating.best();
         let outlook = Outlook {
             n_seen: snapshot.count(Occupancy::Occupied),
-            n_expected: best.as_ref().map_or(0.0, |(_, gain)| *gain),
+            n_expected: match &best {
+                Some((choice, _)) => forecast::n_expected(&scene, choice.view, &open, ray_spacing)?,
+                None => Vec::new(),
+            },
             n_unseen: first.shown.iter().map(|&p| p as f64).sum(),
         };
         if let Some((choice, gain)) = &best {
@@ -147,9 +158,16 @@ struct Rating {
 }
 
 impl Rating {
-    fn new(scene: &Scene<'_>, theta: f64, gains: Vec<(usize, f64)>) -> Result<Self, Cancelled> {
+    fn new(
+        scene: &Scene<'_>,
+        config: &MostSurfaceConfig,
+        gains: Vec<(usize, f64)>,
+    ) -> Result<Self, Cancelled> {
         let second_looks = second_look::values(scene.situation, scene.snapshot)?;
-        let utility = Utility::new(scene.situation, theta);
+        let utility = match config.per_second {
+            true => Utility::per_second(scene.situation),
+            false => Utility::new(scene.situation, config.theta),
+        };
         let advantages = second_view::advantages(scene.situation, scene.snapshot);
         let rating = Self { utility, advantages, second_looks, gains, total: 0.0 };
         Ok(Self { total: rating.value(), ..rating })
@@ -211,69 +229,5 @@ impl Rating {
         let (_, gain, value) = self.values().find(|(view, ..)| *view == choice.view)?;
         let explanation = [("local_share", utility::share(value, self.total))].into();
         Some((Choice { explanation: Some(explanation), ..choice }, gain))
-    }
-}
-
-/// The setting in which views are compared.
-struct Scene<'a> {
-    situation: &'a Situation<'a>,
-    snapshot: &'a Snapshot,
-    measured: &'a MeasuredParts,
-    estimate: &'a SurfaceEstimate,
-}
-
-/// Survey of some views.
-struct Survey {
-    /// Views with their expected gains, by increasing number.
-    gains: Vec<(usize, f64)>,
-    /// By voxel of the estimate, the probability of the view that sees it best.
-    shown: Vec<f32>,
-}
-
-impl Scene<'_> {
-    /// Surveys these views with rays `ray_spacing` voxels apart.
-    fn survey(&self, views: &[usize], ray_spacing: f64) -> Result<Survey, Cancelled> {
-        let (intrinsics, depth_range) = (self.situation.intrinsics(), self.situation.depth_range());
-        let (snapshot, measured) = (self.snapshot, self.measured);
-        let gain =
-            ExpectedSurface::new(snapshot, intrinsics, depth_range, measured, self.estimate, ray_spacing);
-        let gain = gain.expect("the constructor checked the number of rays");
-        let nothing = || Survey { gains: Vec::new(), shown: vec![0.0; self.estimate.len()] };
-        let parts = views.par_iter().try_fold(
-            || (nothing(), gain.evaluator()),
-            |(mut survey, mut evaluator), &view| {
-                self.situation.cancel().check()?;
-                survey.add(view, self.estimate, &mut evaluator, self.situation);
-                Ok((survey, evaluator))
-            },
-        );
-        let surveys = parts.map(|part| part.map(|(survey, _)| survey));
-        let mut all = surveys.try_reduce(nothing, |a, b| Ok(a.join(b)))?;
-        all.gains.sort_unstable_by_key(|(view, _)| *view);
-        Ok(all)
-    }
-}
-
-impl Survey {
-    fn add(
-        &mut self,
-        view: usize,
-        estimate: &SurfaceEstimate,
-        evaluator: &mut ViewEvaluator<'_>,
-        situation: &Situation<'_>,
-    ) {
-        let mut gain = 0.0;
-        evaluator.survey(&situation.views().pose(view), |item, class| {
-            let p = estimate.shows(item, class);
-            self.shown[item] = self.shown[item].max(p);
-            gain += p as f64;
-        });
-        self.gains.push((view, gain));
-    }
-
-    fn join(mut self, other: Self) -> Self {
-        self.gains.extend(other.gains);
-        self.shown.iter_mut().zip(other.shown).for_each(|(a, b)| *a = a.max(b));
-        self
     }
 }
