@@ -30,7 +30,7 @@ pub enum Error {
     TooLarge {
         /// The data that would be stored.
         what: String,
-        /// Estimated memory.
+        /// Estimated memory, or the least that is needed where counting stopped early.
         needed_mb: u64,
         /// The stated limit.
         limit_mb: u64,

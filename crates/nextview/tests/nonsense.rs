@@ -324,3 +324,13 @@ proptest! {
         }
     }
 }
+
+/// One long ray that would touch more bricks than fit into memory is refused while they are counted.
+#[test]
+fn a_ray_across_the_lattice_is_refused_at_once() {
+    let mut map = OccupancyMap::new(Lattice::new(0.001).unwrap(), SensorModel::default()).unwrap();
+    let begin = std::time::Instant::now();
+    let far = map.integrate_points(&[DVec3::splat(2e5)], DVec3::ZERO, &Integration::default());
+    assert!(matches!(far, Err(nextview::Error::TooLarge { .. })), "{far:?}");
+    assert!(map.voxels().is_empty() && begin.elapsed().as_secs() < 30);
+}

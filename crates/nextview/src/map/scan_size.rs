@@ -39,7 +39,8 @@ impl Scan {
         self.check_bricks(origin)
     }
 
-    /// Counts the bricks that the rays cross, one by one.
+    /// Counts the bricks that the rays cross, one by one, until there are too many: a single ray may cross a
+    /// hundred million.
     fn check_bricks(&self, origin: DVec3) -> Result<(), Error> {
         let mut bricks: FxHashSet<IVec3> = FxHashSet::default();
         let scale = 1.0 / BRICK_EDGE as f64;
@@ -48,15 +49,11 @@ impl Scan {
             bricks.insert(walk.key());
             while walk.advance().is_some() {
                 bricks.insert(walk.key());
-            }
-            if bricks.len() > MOST_BRICKS {
-                let what = format!("a scan of {} rays without a region", self.ends.len());
-                let mb = |n: usize| (n * CELLS * size_of::<f32>()) as u64 / 1_000_000;
-                return Err(Error::TooLarge {
-                    what,
-                    needed_mb: mb(bricks.len()).max(mb(MOST_BRICKS) + 1),
-                    limit_mb: mb(MOST_BRICKS),
-                });
+                if bricks.len() > MOST_BRICKS {
+                    let what = format!("a scan of {} rays without a region", self.ends.len());
+                    let limit_mb = (MOST_BRICKS * CELLS * size_of::<f32>()) as u64 / 1_000_000;
+                    return Err(Error::TooLarge { what, needed_mb: limit_mb + 1, limit_mb });
+                }
             }
         }
         Ok(())
