@@ -1,8 +1,9 @@
-//! Trains the surface prior: `cargo run --release -p nextview-training -- OUT N_RANDOM N_VARIED [MESH ...]`.
+//! Trains the surface prior:
+//! `cargo run --release -p nextview-training -- OUT N_RANDOM [N_VARIED MESH ...] ...`.
 //!
-//! Scans `N_RANDOM` random objects and each mesh `N_VARIED` times, turned and stretched, and writes the
-//! learned prior to OUT. The same arguments give the same bits. `docs/planner.md` states the arguments for
-//! the library's own prior.
+//! Scans `N_RANDOM` random objects and each mesh as often as the last `N_VARIED` before it says, turned and
+//! stretched, and writes the learned prior to OUT. The same arguments give the same bits. `docs/planner.md`
+//! states the arguments for the library's own prior.
 
 mod housing;
 mod optimizer;
@@ -34,14 +35,20 @@ const N_HELD_OUT: usize = 20;
 
 fn main() -> Result<(), Box<dyn Error>> {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
-    let [out, n_random, n_varied, meshes @ ..] = &arguments[..] else {
-        return Err("usage: nextview-training OUT N_RANDOM N_VARIED [MESH ...]".into());
+    let [out, n_random, meshes @ ..] = &arguments[..] else {
+        return Err("usage: nextview-training OUT N_RANDOM [N_VARIED MESH ...] ...".into());
     };
     let mut sources = random_objects(seeds::PRIOR, n_random.parse()?)?;
-    for path in meshes {
-        let (mesh, _) = mesh::load(Path::new(path))?.to_metres(Unit::LongestSide(0.2))?;
+    let mut n_varied = None;
+    for argument in meshes {
+        if let Ok(n) = argument.parse() {
+            n_varied = Some(n);
+            continue;
+        }
+        let n_varied = n_varied.ok_or_else(|| format!("{argument} comes before a number of variations"))?;
+        let (mesh, _) = mesh::load(Path::new(argument))?.to_metres(Unit::LongestSide(0.2))?;
         let mesh = Arc::new(mesh);
-        sources.extend((0..n_varied.parse()?).map(|seed| Source { mesh: Some(mesh.clone()), seed }));
+        sources.extend((0..n_varied).map(|seed| Source { mesh: Some(mesh.clone()), seed }));
     }
     let held_out = random_objects(seeds::PRIOR_HELD_OUT, N_HELD_OUT)?;
 

@@ -48,7 +48,7 @@ fn spread(scene: &Scene<'_>, chosen: usize, open: &[usize]) -> Vec<usize> {
     // By open view, the largest cosine with a direction taken.
     let mut nearest = vec![-1.0_f64; open.len()];
     while views.len() < N_AROUND.min(open.len()) {
-        let last = toward(*views.last().unwrap_or(&chosen));
+        let last = toward(views[views.len() - 1]);
         for (nearest, &view) in nearest.iter_mut().zip(open) {
             *nearest = nearest.max(toward(view).dot(last));
         }
