@@ -47,6 +47,9 @@ pub struct Started {
     pub page: String,
     /// Number of interrupted scans that are resumed.
     pub n_resumed: usize,
+    /// What is wrong with scans in the folder that cannot be read: they are not listed, and their files stay
+    /// as they are.
+    pub left_out: Vec<Faults>,
 }
 
 /// Serves until the process is asked to end (Ctrl-C, or SIGTERM): then running requests are answered, and it
@@ -72,7 +75,7 @@ pub fn serve(config: ServerConfig, on_started: impl FnOnce(&Started)) -> Result<
         return Err(fault.with_remedy(remedy).into());
     }
     let page = Token::random()?;
-    let scans = Scans::open(&dir, limits)?;
+    let (scans, left_out) = Scans::open(&dir, limits)?;
     let runtime = tokio::runtime::Builder::new_multi_thread().enable_all().build()?;
     runtime.block_on(async {
         let listener = TcpListener::bind(listen).await.map_err(|error| {
@@ -81,7 +84,7 @@ pub fn serve(config: ServerConfig, on_started: impl FnOnce(&Started)) -> Result<
         })?;
         let address = listener.local_addr()?;
         let n_resumed = scans.n_interrupted();
-        let started = Started { address, page: page_address(address, &page), n_resumed };
+        let started = Started { address, page: page_address(address, &page), n_resumed, left_out };
         let (close, is_closing) = watch::channel(false);
         let app = Arc::new(App {
             limits,

@@ -104,6 +104,9 @@ impl ServeArgs {
 }
 
 fn tell(started: &Started) -> Result<(), Failure> {
+    for faults in &started.left_out {
+        eprintln!("warning: a scan is left out: {faults}");
+    }
     let resumed = match started.n_resumed {
         0 => String::new(),
         1 => "resumes 1 scan\n".to_owned(),

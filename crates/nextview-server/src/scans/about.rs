@@ -1,5 +1,5 @@
 use nextview_scan::files::{self, Overwrite};
-use nextview_scan::{Fault, ScanConfig};
+use nextview_scan::{Fault, Faults, ScanConfig};
 use serde::{Deserialize, Serialize};
 use std::io::Write;
 use std::path::Path;
@@ -27,10 +27,13 @@ impl About {
     /// Largest file: a configuration may have a megabyte.
     const MAX_BYTES: u64 = 1 << 22;
 
-    pub fn load(dir: &Path) -> Result<Self, Fault> {
+    /// What the folder of a scan says, and the configuration that it has.
+    pub fn load(dir: &Path) -> Result<(Self, ScanConfig), Faults> {
         let path = dir.join(Self::FILE);
         let text = files::read_text(&path, Self::MAX_BYTES)?;
-        serde_json::from_str(&text).map_err(|error| Fault::data(error).in_file(&path))
+        let about: Self = serde_json::from_str(&text).map_err(|error| Fault::data(error).in_file(&path))?;
+        let config = about.config().map_err(|faults| faults.in_file(&path))?;
+        Ok((about, config))
     }
 
     /// On the disk when this returns.
@@ -42,7 +45,7 @@ impl About {
     }
 
     /// The configuration.
-    pub fn config(&self) -> Result<ScanConfig, nextview_scan::Faults> {
+    pub fn config(&self) -> Result<ScanConfig, Faults> {
         ScanConfig::parse(&self.config, None, None)
     }
 }

@@ -38,28 +38,34 @@ pub(crate) struct Scans {
 }
 
 impl Scans {
-    /// Those in the folder, which is made where it is missing. Folders of something else stay as they are.
-    pub fn open(dir: &Path, limits: Limits) -> Result<Self, Faults> {
+    /// Those in the folder, which is made where it is missing, and what is wrong with scans that cannot be
+    /// read: these are left out. Their folders, and folders of something else, stay as they are.
+    pub fn open(dir: &Path, limits: Limits) -> Result<(Self, Vec<Faults>), Faults> {
         std::fs::create_dir_all(dir).map_err(|e| Fault::from(e).while_writing(dir))?;
         let n_cores = std::thread::available_parallelism().map_or(1, usize::from);
         let [requests, scenes] = [n_cores, 1].map(|n| Arc::new(Semaphore::new(n)));
         let cores = Cores { requests, scenes };
         let run = random_hex(4)?;
-        let mut scans = BTreeMap::new();
+        let (mut scans, mut left_out) = (BTreeMap::new(), Vec::new());
         for entry in std::fs::read_dir(dir).map_err(|e| Fault::from(e).in_file(dir))? {
             let dir = entry?.path();
             let id = dir.file_name().unwrap_or_default().to_string_lossy().into_owned();
             if id.starts_with('.') && id.ends_with(DELETED) {
                 std::fs::remove_dir_all(&dir).map_err(|e| Fault::from(e).while_writing(&dir))?;
             } else if dir.join(About::FILE).is_file() {
-                let about = About::load(&dir)?;
-                let config = about.config().map_err(|faults| faults.in_file(&dir.join(About::FILE)))?;
+                let (about, config) = match About::load(&dir) {
+                    Ok(known) => known,
+                    Err(faults) => {
+                        left_out.push(faults);
+                        continue;
+                    }
+                };
                 let work = Work::kept(dir, about);
                 let scan = Scan::new(id.clone(), run.clone(), work, &config, (cores.clone(), &limits));
                 scans.insert(id, Some(Arc::new(scan)));
             }
         }
-        Ok(Self { dir: dir.to_owned(), limits, run, cores, scans: Mutex::new(scans) })
+        Ok((Self { dir: dir.to_owned(), limits, run, cores, scans: Mutex::new(scans) }, left_out))
     }
 
     /// All, by id.

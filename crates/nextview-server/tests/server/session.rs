@@ -3,9 +3,40 @@
 use crate::process::{Folder, Server};
 use crate::robot::{Robot, encoded, multipart, png, post_raw};
 use serde_json::{Value, json};
+use std::fs;
 
 fn next(client: &mut crate::client::Client) -> Value {
     client.get("/scans/mug/next").expect(200)
+}
+
+/// A scan whose file is damaged does not keep the others from going on, and stays as it is.
+#[test]
+fn a_scan_that_cannot_be_read_is_left_out() {
+    let folder = Folder::new("damaged");
+    let dir = folder.path("scans");
+    let robot = Robot::new(3, 160);
+    {
+        let server = Server::start(&dir);
+        let mut client = server.client();
+        for id in ["mug", "torn", "odd"] {
+            client.post("/scans", &robot.body(id)).expect(201);
+        }
+    }
+    let [torn, odd] = ["torn", "odd"].map(|id| dir.join(id).join("server.json"));
+    let text = fs::read_to_string(&odd).unwrap();
+    fs::write(&torn, &text[..text.len() / 2]).unwrap();
+    fs::write(&odd, text.replacen("voxel", "vexel", 1)).unwrap();
+    let server = Server::start(&dir);
+    let mut client = server.client();
+    let ids = |client: &mut crate::client::Client| -> Vec<String> {
+        let scans = client.get("/scans").expect(200);
+        scans.as_array().unwrap().iter().map(|scan| scan["id"].as_str().unwrap().to_owned()).collect()
+    };
+    assert_eq!(ids(&mut client), ["mug"]);
+    assert_eq!(next(&mut client)["state"], "view");
+    assert_eq!(client.get("/scans/torn").status, 404);
+    assert_eq!(client.post("/scans", &robot.body("torn")).status, 409);
+    assert_eq!(fs::read_to_string(&torn).unwrap(), text[..text.len() / 2]);
 }
 
 #[test]
@@ -107,7 +138,7 @@ fn a_scan_from_its_creation_to_its_files() {
     assert_eq!(next(&mut client)["stop_reason"], "view-limit");
     client.delete("/scans/mug").expect(200);
     assert_eq!(client.get("/scans").expect(200), json!([]));
-    assert_eq!(std::fs::read_dir(folder.path("scans")).unwrap().count(), 0);
+    assert_eq!(fs::read_dir(folder.path("scans")).unwrap().count(), 0);
 }
 
 #[test]
