@@ -63,7 +63,7 @@ const PASSES: [(usize, f64); 4] = [(usize::MAX, 8.0), (1000, 4.0), (150, 2.0), (
 const LEAST_GAIN: f64 = 0.5;
 
 /// Takes the view that is expected to show most surface that was not seen before: the gain
-/// [`ExpectedSurface`].
+/// [`ExpectedSurface`](crate::gain::ExpectedSurface).
 ///
 /// With a [goal](Situation::goal), the gain of second looks at surface that was not measured well enough is
 /// added with a tenth of its weight: new surface comes first.
