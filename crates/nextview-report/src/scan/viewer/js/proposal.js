@@ -7,7 +7,7 @@ const REASONS = {
   expected_new_voxels: ["New voxels expected", (n) => String(Math.round(n))],
   expected_unseen_voxels: ["All others can add", (n) => String(Math.round(n))],
   estimated_completeness: ["Complete, estimated", percentText],
-  forecast_completeness: ["After each of the next views", (shares) => shares.map(percentText).join(", ") || "-"],
+  forecast_completeness: ["After the next views", (shares) => `${shares.map((share) => Math.round(100 * share)).join(", ")} %`],
   trajectory_length_m: ["Way there", lengthText],
   trajectory_time_s: ["Time for it", (seconds) => `${plainText(seconds)} s`],
   score: ["Score", plainText],
