@@ -55,6 +55,7 @@ pub struct State {
     pub view: Option<usize>,
     /// Estimated share of the surface that can be seen that has been seen.
     pub estimated_completeness: Option<f64>,
+    /// The same after the next view and each of those expected to follow.
     pub forecast_completeness: Option<Vec<f64>>,
     pub stop_reason: Option<StopReason>,
     /// Where the camera should stand.
