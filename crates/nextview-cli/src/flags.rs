@@ -54,8 +54,11 @@ const FLAGS: [(&str, &str); 49] = [
 ];
 
 /// Keys that a message may name and only a configuration file can hold.
-const FILE_KEYS: [&str; 13] = [
+const FILE_KEYS: [&str; 16] = [
     "memory_limit_mb",
+    "size_of",
+    "view_distance_m",
+    "view_standoff_m",
     "view_seed",
     "reach.base_m",
     "reach.min_radius_m",

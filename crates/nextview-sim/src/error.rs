@@ -21,9 +21,7 @@ pub enum SimError {
     #[error("is not a regular file; give the path of a mesh file")]
     NotAFile,
     /// The file name's extension names no format that can be read.
-    #[error(
-        "unknown mesh format {extension:?}, expected the extension .ply, .obj, .stl, .off, .gltf or .glb"
-    )]
+    #[error("{}, expected .ply, .obj, .stl, .off, .gltf or .glb", unknown(extension))]
     UnknownFormat {
         /// The extension, without the dot; empty if there is none.
         extension: String,
@@ -85,6 +83,14 @@ pub enum SimError {
     /// A parameter of the library is outside its range.
     #[error(transparent)]
     Parameter(#[from] nextview::Error),
+}
+
+/// What is wrong with an extension, the empty one included.
+fn unknown(extension: &str) -> String {
+    match extension {
+        "" => "its name has no extension".to_owned(),
+        _ => format!("unknown mesh format {extension:?}"),
+    }
 }
 
 impl SimError {

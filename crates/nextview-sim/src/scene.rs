@@ -21,6 +21,7 @@ const ROOM: f64 = 2.0;
 pub struct Scene {
     camera: SimulatedCamera,
     bounds: Aabb,
+    center: DVec3,
     room: Aabb,
 }
 
@@ -38,7 +39,12 @@ impl Scene {
             return Err(SimError::TooLargeForCamera { longest_side: longest, range: CAMERA_RANGE });
         }
         let room = Aabb::cube(object.center(), ROOM.max(6.0 * size));
-        Ok(Self { camera: camera(Arc::new(mesh), intrinsics, room)?, bounds: object, room })
+        Ok(Self {
+            camera: camera(Arc::new(mesh), intrinsics, room)?,
+            bounds: object,
+            center: object.center(),
+            room,
+        })
     }
 
     /// The same with the object on a table: the room's floor is raised to the object's lowest point.
@@ -46,6 +52,11 @@ impl Scene {
         let room = Aabb { min: self.room.min.with_z(self.bounds.min.z), ..self.room };
         let camera = camera(self.camera.mesh().clone(), *self.camera.intrinsics(), room)?;
         Ok(Self { camera: camera.with_noise(*self.camera.noise())?, room, ..self })
+    }
+
+    /// The same with view candidates that look at this place, instead of the middle of the object's box.
+    pub fn with_center(self, center: DVec3) -> Self {
+        Self { center, ..self }
     }
 
     /// The same with a camera that has these errors; fails if one is out of its range.
@@ -58,9 +69,14 @@ impl Scene {
         &self.camera
     }
 
-    /// The middle of the object's box: where view candidates look.
+    /// Where view candidates look: by default the middle of the object's box.
     pub fn center(&self) -> DVec3 {
-        self.bounds.center()
+        self.center
+    }
+
+    /// The object's box.
+    pub fn bounds(&self) -> &Aabb {
+        &self.bounds
     }
 
     /// The room around the object; the camera must stand inside.

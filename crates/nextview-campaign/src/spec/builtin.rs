@@ -1,6 +1,6 @@
-//! The specifications of the paper's tables.
+//! The specifications of the paper's tables and of the protocols of others.
 
-const SPECS: [(&str, &str, &str); 7] = [
+const SPECS: [(&str, &str, &str); 9] = [
     ("paper-1", "table I: voxel coverage of all planners", include_str!("specs/paper-1.toml")),
     (
         "paper-2",
@@ -12,6 +12,16 @@ const SPECS: [(&str, &str, &str); 7] = [
     ("paper-5", "table V: q_thresh, when to go over to finer voxels", include_str!("specs/paper-5.toml")),
     ("paper-6", "table VI: the compared planners alone", include_str!("specs/paper-6.toml")),
     ("paper-7", "table VII: theta, the weight of movement", include_str!("specs/paper-7.toml")),
+    (
+        "objview",
+        "the protocol of ObjView-Bench, whole sphere: 30 moves among 360 candidates",
+        include_str!("specs/objview.toml"),
+    ),
+    (
+        "pb-nbv",
+        "the protocol of PB-NBV, all around: ten views among 800 candidates",
+        include_str!("specs/pb-nbv.toml"),
+    ),
 ];
 
 /// Name and purpose of each.

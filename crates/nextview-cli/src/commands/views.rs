@@ -40,7 +40,7 @@ pub(super) struct ViewsArgs {
 
 impl ViewsArgs {
     pub fn run(self) -> Result<(), Failure> {
-        let views = self.rule.views(self.center, self.size_m, self.count, self.seed)?;
+        let views = self.rule.views(self.center, self.size_m, None, self.count, self.seed)?;
         match &self.out {
             Some(path) => {
                 let rule = values::overwrite(self.force);

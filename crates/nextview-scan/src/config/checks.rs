@@ -1,7 +1,8 @@
 //! What a configuration must hold beyond what each of its parts checks itself.
 
 use super::{
-    LiveConfig, PlannerChoice, PlannerName, RecordingConfig, RobotConfig, ScanConfig, TableRule, ViewRule,
+    BoxRule, LiveConfig, PlannerChoice, PlannerName, RecordingConfig, RobotConfig, ScanConfig, TableRule,
+    ViewRule,
 };
 use crate::{Fault, Faults};
 use nextview::gain::Apora;
@@ -23,7 +24,12 @@ impl ScanConfig {
 
 fn faults(config: &ScanConfig) -> Vec<Fault> {
     let mut faults = Vec::new();
-    let lengths = [("voxel_size_m", config.voxel_size_m), ("size_m", config.size_m)];
+    let lengths = [
+        ("voxel_size_m", config.voxel_size_m),
+        ("size_m", config.size_m),
+        ("view_distance_m", config.view_distance_m),
+        ("view_standoff_m", config.view_standoff_m),
+    ];
     for (key, value) in lengths.into_iter().filter_map(|(key, value)| Some((key, value?))) {
         if !(value > 0.0 && value.is_finite()) {
             faults.push(Fault::of_value(key, value, "a positive number of metres"));
@@ -62,6 +68,7 @@ fn faults(config: &ScanConfig) -> Vec<Fault> {
     faults.extend(config.recording.iter().flat_map(|recording| of_recording(recording, config)));
     faults.extend(config.live.iter().flat_map(|live| of_live(live, config)));
     faults.extend(of_turntable(config));
+    faults.extend(of_view_distance(config));
     faults.extend(of_stop(config));
     faults.extend(of_goal(config));
     faults.extend(of_seconds(config));
@@ -88,6 +95,34 @@ fn of_stop(config: &ScanConfig) -> Option<Fault> {
         );
         Fault::request(message).with_remedy("`planner` = most-surface does")
     })
+}
+
+/// A distance needs a rule that has one, and a box that stays.
+fn of_view_distance(config: &ScanConfig) -> Option<Fault> {
+    let stated = [("view_distance_m", config.view_distance_m), ("view_standoff_m", config.view_standoff_m)];
+    let mut stated = stated.into_iter().filter_map(|(key, value)| value.map(|_| key));
+    let key = stated.next()?;
+    let fault = match config.view_space.rule() {
+        _ if stated.next().is_some() => Fault::request(
+            "`view_distance_m` and `view_standoff_m` both state the distance of the candidates",
+        )
+        .with_remedy("leave one of them out"),
+        None | Some(ViewRule::Shell) => Fault::request(format!(
+            "the candidates of `view_space` = {} have no one distance",
+            config.view_space.0
+        ))
+        .with_remedy("take sphere, hemisphere, tammes, rings or ring"),
+        Some(_) if config.turntable.is_some() => {
+            Fault::request(format!("`{key}` contradicts `turntable`, which says where the camera is"))
+                .with_remedy("leave one of them out")
+        }
+        Some(_) if config.object_box.rule == BoxRule::Grows => {
+            Fault::request(format!("`{key}` needs a known box: candidates move along with one that grows"))
+                .with_remedy("leave it out, or take `object_box.rule` = known")
+        }
+        Some(_) => return None,
+    };
+    Some(Fault { key: Some(key.to_owned()), ..fault })
 }
 
 /// Only one planner counts seconds.
@@ -233,6 +268,7 @@ fn simulated_keys(config: &ScanConfig) -> impl Iterator<Item = &'static str> {
     let neutral = ScanConfig::of_profile(config.profile);
     let given = [
         ("size_m", config.size_m != neutral.size_m),
+        ("size_of", config.size_of != neutral.size_of),
         #[cfg(feature = "simulated")]
         ("noise", config.simulates_noise()),
         ("object_box.table", config.object_box.table == TableRule::Known),

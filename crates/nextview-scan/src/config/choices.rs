@@ -57,13 +57,32 @@ impl From<UnitName> for nextview_sim::mesh::Unit {
 }
 
 named! {
+    /// The length of an object that `size_m` states.
+    #[derive(Default)]
+    pub enum SizeOf {
+        #[default] LongestSide = "longest-side": "The longest side of its box",
+        ShortestSide = "shortest-side": "The shortest side of its box, the middle of which is moved to the origin",
+        Radius = "radius": "The largest distance of its surface from the surface's centroid, which is moved to the origin; candidates look there",
+    }
+}
+
+named! {
     /// A rule that makes view candidates.
     #[derive(Default)]
     pub enum ViewRule {
         #[default] Shell = "shell": "The paper's random shell: outside the cube of half-side 2 x size, inside the sphere of radius 4 x size",
         Sphere = "sphere": "A Fibonacci sphere of radius 3 x size",
         Hemisphere = "hemisphere": "The upper half of it, for an object on a table",
+        Tammes = "tammes": "A sphere of radius 3 x size with candidates as far apart as can be, at most 1000",
+        Rings = "rings": "24 rings of latitude on a sphere of radius 3 x size",
         Ring = "ring": "A circle of radius 3 x size, 30 degrees up: a turntable before a camera that stands still",
+    }
+}
+
+impl SizeOf {
+    /// Whether it is the longest side.
+    pub fn is_default(&self) -> bool {
+        *self == Self::default()
     }
 }
 
@@ -74,8 +93,16 @@ const SIZES_M: RangeInclusive<f64> = 1e-6..=1e6;
 const RING_ELEVATION_DEG: f64 = 30.0;
 
 impl ViewRule {
-    /// The candidates around an object of this centre and half-side, metres.
-    pub fn views(self, center: DVec3, size: f64, n: usize, seed: u64) -> Result<ViewSpace, Fault> {
+    /// The candidates around an object of this centre and half-side, metres. All but those of the shell are
+    /// at this distance from the centre, metres; by default three times the half-side.
+    pub fn views(
+        self,
+        center: DVec3,
+        size: f64,
+        distance: Option<f64>,
+        n: usize,
+        seed: u64,
+    ) -> Result<ViewSpace, Fault> {
         if !SIZES_M.contains(&size) {
             return Err(Fault::of_value("size_m", size, "0.000001 to 1000000 m"));
         }
@@ -83,11 +110,14 @@ impl ViewRule {
         if !(center.is_finite() && center.abs().max_element() <= *SIZES_M.end()) {
             return Err(Fault::of_value("center", center, "coordinates of -1000000 to 1000000 m"));
         }
+        let distance = distance.unwrap_or(3.0 * size);
         Ok(match self {
             Self::Shell => generate::shell(center, size, n, seed)?,
-            Self::Sphere => generate::fibonacci_sphere(center, 3.0 * size, n)?,
-            Self::Hemisphere => generate::hemisphere(center, 3.0 * size, n)?,
-            Self::Ring => generate::ring(center, 3.0 * size, RING_ELEVATION_DEG.to_radians(), n)?,
+            Self::Sphere => generate::fibonacci_sphere(center, distance, n)?,
+            Self::Hemisphere => generate::hemisphere(center, distance, n)?,
+            Self::Tammes => generate::tammes(center, distance, n)?,
+            Self::Rings => generate::latitude_rings(center, distance, n)?,
+            Self::Ring => generate::ring(center, distance, RING_ELEVATION_DEG.to_radians(), n)?,
         })
     }
 }

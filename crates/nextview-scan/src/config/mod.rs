@@ -20,7 +20,7 @@ mod sensor;
 mod sensor_name;
 mod turntable;
 
-pub use choices::{BoxRule, Profile, TableRule, UnitName, ViewRule, ViewSpaceName};
+pub use choices::{BoxRule, Profile, SizeOf, TableRule, UnitName, ViewRule, ViewSpaceName};
 pub use live::LiveConfig;
 pub use load::{merged, nested};
 #[cfg(feature = "simulated")]

@@ -1,8 +1,9 @@
 use super::{
     BoxRule, LiveConfig, NbvNetConfig, PlannerChoice, PlannerConfigs, PlannerName, Profile, ReachConfig,
-    RecordingConfig, RobotConfig, TableRule, TurntableConfig, UnitName, ViewSpaceName,
+    RecordingConfig, RobotConfig, SizeOf, TableRule, TurntableConfig, UnitName, ViewSpaceName,
 };
 use crate::Fault;
+use nextview::geometry::Aabb;
 use nextview::map::{Background, RayRule, SensorModel};
 use nextview::motion::MotionConfig;
 use nextview::planner::{
@@ -48,6 +49,12 @@ pub struct ScanConfig {
     pub voxel_size_m: Option<f64>,
     /// Where candidates are: the name of a rule, or a file of poses.
     pub view_space: ViewSpaceName,
+    /// Distance of the candidates of a rule, except the shell, from the object's middle; by default 3 x size.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub view_distance_m: Option<f64>,
+    /// The same distance as what it is above half the diagonal of the object's box.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub view_standoff_m: Option<f64>,
     /// Seed of the random planner and, unless `view_seed` is given, of the random shell.
     pub seed: u64,
     /// Seed of the random views that define skill 0. The same number gives other draws than as `seed`.
@@ -58,9 +65,12 @@ pub struct ScanConfig {
     pub view_seed: Option<u64>,
     /// Unit of the mesh file.
     pub unit: UnitName,
-    /// Length that the object's longest side is scaled to.
+    /// Length that the object's longest side is scaled to, or that which `size_of` names.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub size_m: Option<f64>,
+    /// The length that `size_m` states.
+    #[serde(skip_serializing_if = "SizeOf::is_default")]
+    pub size_of: SizeOf,
     /// Least share, 0..=1, of known surface in what the next view shows; 0 for none. By default 0.5 with
     /// registration, which can align no frame without overlap, except in the order of the numbers; else none.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -190,11 +200,14 @@ impl ScanConfig {
             first_view: 0,
             voxel_size_m: None,
             view_space: ViewSpaceName("shell".to_owned()),
+            view_distance_m: None,
+            view_standoff_m: None,
             seed: 0,
             baseline_seed: 0,
             view_seed: None,
             unit: UnitName::Auto,
             size_m: None,
+            size_of: SizeOf::default(),
             min_overlap: None,
             goal_mm: None,
             baselines: true,
@@ -331,6 +344,12 @@ impl ScanConfig {
             return depth.surface_error();
         }
         SurfaceError::default()
+    }
+
+    /// The stated distance of candidates from the middle of an object with this box, metres.
+    pub(crate) fn view_distance(&self, bounds: &Aabb) -> Option<f64> {
+        let beyond_box = self.view_standoff_m.map(|standoff| 0.5 * bounds.size().length() + standoff);
+        self.view_distance_m.or(beyond_box)
     }
 
     /// Seed of the random shell.

@@ -124,7 +124,11 @@ fn candidates(config: &ScanConfig, live: &LiveConfig) -> Result<Candidates, Faul
         return Candidates::fixed(ViewSpace::new(live.poses.clone())?, config);
     }
     let Some(rule) = config.view_space.rule() else {
-        let fault = Fault::of_value("view_space", &config.view_space.0, "shell, sphere, hemisphere or ring");
+        let fault = Fault::of_value(
+            "view_space",
+            &config.view_space.0,
+            "shell, sphere, hemisphere, tammes, rings or ring",
+        );
         return Err(fault.with_remedy("`live.poses` takes candidates of one's own"));
     };
     match live.bounds() {
@@ -136,7 +140,8 @@ fn candidates(config: &ScanConfig, live: &LiveConfig) -> Result<Candidates, Faul
 /// Those of a rule around a known box: where the camera measures it, and above its table.
 fn around(rule: ViewRule, bounds: Aabb, config: &ScanConfig, live: &LiveConfig) -> Result<ViewSpace, Fault> {
     let (center, size) = (bounds.center(), 0.5 * bounds.longest_side());
-    let views = rule.views(center, size, config.candidates, config.view_seed())?;
+    let views =
+        rule.views(center, size, config.view_distance(&bounds), config.candidates, config.view_seed())?;
     let views = views.within_range(center, size, live.depth_range());
     // A table that is still to be found is not below the object.
     let fitted = (config.object_box.table == TableRule::Fit).then_some(bounds.min.z);
@@ -155,7 +160,7 @@ fn following(rule: ViewRule, config: &ScanConfig, live: &LiveConfig) -> Result<C
             Fault::request(message).with_remedy("state `live.first_pose`, `live.box_m` or `live.poses`");
         return Err(Fault { key: Some("live.first_pose".to_owned()), ..fault });
     };
-    let unit = rule.views(DVec3::ZERO, 1.0, config.candidates, config.view_seed())?;
+    let unit = rule.views(DVec3::ZERO, 1.0, None, config.candidates, config.view_seed())?;
     let n_views = unit.len();
     let views = Views::Following { first, unit, reach: Arc::new(config.held(|reach| reach)?) };
     Ok(Candidates { views, n_views, reach_note: None })

@@ -72,6 +72,34 @@ fn syntax_is_reported_by_line_and_column() {
 }
 
 #[test]
+fn candidates_have_one_distance_where_a_rule_gives_them_one() {
+    let fault = |text: &str| {
+        let found = faults(text);
+        assert_eq!(found.len(), 1, "{found:?}");
+        found[0].clone()
+    };
+    let rule = "view_space = \"sphere\"\n";
+    assert!(parse(&format!("{rule}view_distance_m = 0.3\n")).is_ok());
+    for (text, expected) in [
+        (
+            "view_distance_m = 0.3\n".to_owned(),
+            "1:1 the candidates of `view_space` = shell have no one distance",
+        ),
+        (format!("{rule}view_distance_m = -1\n"), "2:1 `view_distance_m` is -1"),
+        (
+            format!("{rule}view_distance_m = 1\nview_standoff_m = 1\n"),
+            "2:1 `view_distance_m` and `view_standoff_m` both",
+        ),
+        (
+            format!("{rule}view_standoff_m = 1\nobject_box.rule = \"grows\"\n"),
+            "2:1 `view_standoff_m` needs a known box",
+        ),
+    ] {
+        assert!(fault(&text).starts_with(expected), "{}, expected {expected}", fault(&text));
+    }
+}
+
+#[test]
 fn wrong_values_are_named() {
     for (text, expected) in [
         ("voxel_size_m = nan\n", "`voxel_size_m` is NaN"),

@@ -3,14 +3,15 @@
 use crate::common::Folder;
 use glam::DVec3;
 use nextview::Cancel;
-use nextview::geometry::Aabb;
+use nextview::geometry::{Aabb, Pose};
 use nextview::sensor::{ColorImage, Frame};
 use nextview::session::{NextView, Session};
 use nextview::surface::SurfaceMesh;
 use nextview_scan::files::{Overwrite, ResultFolder};
 use nextview_scan::{
     Begin, Evaluator, Fault, Faults, FinishedScan, FrameSource, Measured, Next, PlannerName, RESULT_FILES,
-    Results, ScanConfig, ScanRecord, ScanRun, SimulatedObject, Simulation, Truth, write_results,
+    Results, ScanConfig, ScanRecord, ScanRun, SimulatedObject, Simulation, SizeOf, Truth, ViewSpaceName,
+    write_results,
 };
 
 fn config() -> ScanConfig {
@@ -52,6 +53,44 @@ fn a_scan_is_measured_and_written() {
     assert_eq!(read, record);
     let steps = std::fs::read_to_string(dir.join("steps.jsonl")).unwrap();
     assert_eq!(steps.lines().count(), 4);
+}
+
+#[test]
+fn objects_and_candidates_are_where_the_protocols_of_others_want_them() {
+    let config = ScanConfig {
+        size_m: Some(0.1),
+        size_of: SizeOf::Radius,
+        view_space: ViewSpaceName("tammes".to_owned()),
+        view_distance_m: Some(0.3),
+        voxel_size_m: None,
+        ..config()
+    };
+    let object = SimulatedObject::new(&config).unwrap();
+    let mesh = object.scene.camera().mesh();
+    let corners = (0..mesh.triangles().len()).flat_map(|triangle| mesh.corners(triangle));
+    let radius = corners.map(|corner| corner.length()).fold(0.0, f64::max);
+    assert!((radius - 0.1).abs() < 1e-12 && mesh.centroid().length() < 1e-12);
+    assert!(mesh.bounds().center().length() > 0.001, "its handle is on one side");
+    let looks_at_origin = |pose: &Pose, distance: f64| {
+        let position = pose.translation();
+        let axis = pose.rotation() * DVec3::Z;
+        (position.length() - distance).abs() < 1e-9 && axis.dot(-position / distance) > 1.0 - 1e-9
+    };
+    assert!(object.views.poses().iter().all(|pose| looks_at_origin(pose, 0.3)));
+
+    let config = ScanConfig {
+        size_m: Some(0.3),
+        size_of: SizeOf::ShortestSide,
+        view_space: ViewSpaceName("rings".to_owned()),
+        view_distance_m: None,
+        view_standoff_m: Some(0.696),
+        ..config
+    };
+    let object = SimulatedObject::new(&config).unwrap();
+    let bounds = *object.scene.bounds();
+    assert!((bounds.size().min_element() - 0.3).abs() < 1e-12 && bounds.center().length() < 1e-12);
+    let distance = 0.5 * bounds.size().length() + 0.696;
+    assert!(object.views.poses().iter().all(|pose| looks_at_origin(pose, distance)));
 }
 
 #[test]

@@ -125,8 +125,8 @@ fn tells_files_that_cannot_be_loaded_apart() {
     check(folder.0.join("missing.ply"), "cannot be read");
     std::fs::create_dir(folder.0.join("folder.ply")).unwrap();
     check(folder.0.join("folder.ply"), "not a regular file");
-    check(folder.write("mesh.xyz", ""), "unknown mesh format \"xyz\", expected the extension .ply");
-    check(folder.write("mesh", ""), "unknown mesh format \"\"");
+    check(folder.write("mesh.xyz", ""), "unknown mesh format \"xyz\", expected .ply, .obj");
+    check(folder.write("mesh", ""), "its name has no extension, expected .ply, .obj");
     for extension in ["ply", "obj", "stl", "off", "gltf", "glb"] {
         message(folder.write(&format!("empty.{extension}"), ""));
         message(folder.write(&format!("noise.{extension}"), [0x9C_u8; 300]));

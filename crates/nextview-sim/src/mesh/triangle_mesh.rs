@@ -75,6 +75,17 @@ impl TriangleMesh {
         self.area
     }
 
+    /// The centroid of the surface, metres.
+    pub fn centroid(&self) -> DVec3 {
+        // About the middle of the box, so that sums lose nothing far from the origin.
+        let middle = self.bounds.center();
+        let weighted = self.triangles.iter().map(|triangle| {
+            let [a, b, c] = corners(&self.vertices, triangle).map(|corner| corner - middle);
+            area([a, b, c]) * (a + b + c) / 3.0
+        });
+        middle + weighted.sum::<DVec3>() / self.area
+    }
+
     /// The mesh grown by a factor about the origin. Fails if the factor is not a positive number, or so
     /// extreme that the mesh breaks the rules of [`new`](Self::new).
     pub fn scaled(&self, factor: f64) -> Result<Self, SimError> {
@@ -144,6 +155,10 @@ mod tests {
         assert_eq!(mesh.bounds().max, DVec3::new(1.0, 1.0, 0.0), "a loose vertex does not count");
         let moved = mesh.translated(DVec3::Z).unwrap();
         assert_eq!((moved.bounds().min.z, moved.bounds().max.z), (1.0, 1.0));
+        let third = DVec3::new(1.0, 1.0, 0.0) / 3.0;
+        assert!(
+            mesh.centroid().distance(third) < 1e-15 && moved.centroid().distance(third + DVec3::Z) < 1e-15
+        );
     }
 
     #[test]

@@ -1,7 +1,7 @@
 //! Directions on the unit sphere.
 
 use glam::DVec3;
-use std::f64::consts::PI;
+use std::f64::consts::{PI, TAU};
 
 /// Direction `i` of `n` on the Fibonacci sphere: nearly uniform, from near +z down to near -z.
 ///
@@ -24,6 +24,73 @@ fn ring_point(i: usize, z: f64) -> DVec3 {
     DVec3::new(radius * cos, radius * sin, z)
 }
 
+/// How the rounds of [`tammes`] repel: by these powers of one over the distance, one after the other.
+const POWERS: [i32; 4] = [2, 4, 8, 16];
+const ROUNDS_PER_POWER: usize = 100;
+
+/// So many directions as far apart as they can be (Tammes' problem): those of the Fibonacci sphere, which
+/// then repel each other. The smallest angle is near the largest possible one, and not exactly it.
+pub fn tammes(n: usize) -> Vec<DVec3> {
+    let mut directions: Vec<DVec3> = (0..n).map(|i| fibonacci(i, n)).collect();
+    // About the distance of neighbours.
+    let apart = (4.0 * PI / n.max(1) as f64).sqrt();
+    for power in POWERS {
+        let mut step = 0.1 * apart;
+        let mut before = energy(&directions, apart, power);
+        for _ in 0..ROUNDS_PER_POWER {
+            let moved = repelled(&directions, apart, power, step);
+            let after = energy(&moved, apart, power);
+            if after < before {
+                (directions, before) = (moved, after);
+            } else {
+                step *= 0.5;
+            }
+        }
+    }
+    directions
+}
+
+/// Sum over the pairs, distances in units of `apart` so that no power of one is too large for a number.
+fn energy(directions: &[DVec3], apart: f64, power: i32) -> f64 {
+    let pairs = directions.iter().enumerate().flat_map(|(i, a)| directions[..i].iter().map(move |b| (a, b)));
+    pairs.map(|(a, b)| (apart / a.distance(*b)).powi(power)).sum()
+}
+
+/// All directions pushed away from all others, the one that is pushed most by `step`.
+fn repelled(directions: &[DVec3], apart: f64, power: i32, step: f64) -> Vec<DVec3> {
+    let push = |a: &DVec3| -> DVec3 {
+        let others = directions.iter().map(|b| *a - *b).filter(|offset| *offset != DVec3::ZERO);
+        let push: DVec3 = others
+            .map(|offset| offset / offset.length_squared() * (apart / offset.length()).powi(power))
+            .sum();
+        push - *a * push.dot(*a)
+    };
+    let pushes: Vec<DVec3> = directions.iter().map(push).collect();
+    let most = pushes.iter().map(|push| push.length()).fold(f64::MIN_POSITIVE, f64::max);
+    directions.iter().zip(pushes).map(|(a, push)| (*a + push * (step / most)).normalize()).collect()
+}
+
+/// `n` directions on rings of latitude, from the top down, on each in proportion to its length, from +x on
+/// counter-clockwise seen from above.
+pub fn latitude_rings(n: usize, n_rings: usize) -> Vec<DVec3> {
+    let polar_angle = |ring: usize| PI * (ring as f64 + 0.5) / n_rings as f64;
+    let lengths: Vec<f64> = (0..n_rings).map(|ring| polar_angle(ring).sin()).collect();
+    let whole: f64 = lengths.iter().sum();
+    let mut directions = Vec::with_capacity(n);
+    let mut share = 0.0;
+    for (ring, length) in lengths.iter().enumerate() {
+        share += length / whole;
+        // Rounded sums end at n, rounded shares need not.
+        let n_here = ((share * n as f64).round() as usize).saturating_sub(directions.len());
+        let (sin, cos) = polar_angle(ring).sin_cos();
+        directions.extend((0..n_here).map(|i| {
+            let (y, x) = (TAU * i as f64 / n_here as f64).sin_cos();
+            DVec3::new(x * sin, y * sin, cos)
+        }));
+    }
+    directions
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -40,5 +107,35 @@ mod tests {
             assert!(nearest.fold(f64::INFINITY, f64::min) > 0.1, "no two directions fall together");
         }
         assert!(fibonacci(0, 1).is_finite());
+    }
+
+    fn smallest_angle(directions: &[DVec3]) -> f64 {
+        let pairs = (0..directions.len()).flat_map(|i| (0..i).map(move |j| (i, j)));
+        pairs.map(|(i, j)| directions[i].angle_between(directions[j])).fold(f64::INFINITY, f64::min)
+    }
+
+    /// The best known angles are from Sloane's tables of spherical codes.
+    #[test]
+    fn repelled_directions_are_almost_as_far_apart_as_any() {
+        for (n, best_deg) in [(4, 109.471), (6, 90.0), (12, 63.435), (24, 43.691)] {
+            let angle = smallest_angle(&tammes(n)).to_degrees();
+            assert!((0.93 * best_deg..=best_deg + 1e-3).contains(&angle), "{n}: {angle} of {best_deg}");
+        }
+        let fibonacci: Vec<DVec3> = (0..128).map(|i| fibonacci(i, 128)).collect();
+        assert!(smallest_angle(&tammes(128)) > 1.1 * smallest_angle(&fibonacci));
+        assert_eq!(tammes(128), tammes(128));
+        assert_eq!((tammes(0).len(), tammes(1).len()), (0, 1));
+    }
+
+    #[test]
+    fn rings_have_as_many_directions_as_their_length_asks_for() {
+        let directions = latitude_rings(800, 24);
+        assert_eq!(directions.len(), 800);
+        assert!(directions.iter().all(|direction| (direction.length() - 1.0).abs() < 1e-12));
+        let mut heights: Vec<f64> = directions.iter().map(|direction| direction.z).collect();
+        heights.dedup();
+        assert_eq!(heights.len(), 24);
+        let on = |height: f64| directions.iter().filter(|direction| direction.z == height).count();
+        assert!(on(heights[0]) < 5 && on(heights[11]) > 50 && on(heights[11]).abs_diff(on(heights[12])) <= 1);
     }
 }

@@ -25,14 +25,39 @@ pub fn shell(center: DVec3, size: f64, n: usize, seed: u64) -> Result<ViewSpace,
 
 /// Positions on a Fibonacci sphere of this radius (metres) around `center`.
 pub fn fibonacci_sphere(center: DVec3, radius: f64, n: usize) -> Result<ViewSpace, Error> {
-    on_sphere(center, radius, n, sphere::fibonacci)
+    on_sphere(center, radius, n, |n| (0..n).map(|i| sphere::fibonacci(i, n)).collect())
 }
 
 /// Positions on the upper half of a Fibonacci sphere of this radius (metres) around `center`, for an object
 /// on a table: no candidate is below the centre's height.
 pub fn hemisphere(center: DVec3, radius: f64, n: usize) -> Result<ViewSpace, Error> {
-    on_sphere(center, radius, n, sphere::fibonacci_hemisphere)
+    on_sphere(center, radius, n, |n| (0..n).map(|i| sphere::fibonacci_hemisphere(i, n)).collect())
 }
+
+/// Positions on a sphere of this radius (metres) around `center`, as far apart as they can be (Tammes'
+/// problem): the candidates of ObjView-Bench (arXiv 2605.10707). At most [`MOST_TAMMES`], since all pairs
+/// are compared.
+pub fn tammes(center: DVec3, radius: f64, n: usize) -> Result<ViewSpace, Error> {
+    if n > MOST_TAMMES {
+        return Err(Error::invalid(
+            "number of view candidates",
+            n,
+            "at most 1000 that are as far apart as can be",
+        ));
+    }
+    on_sphere(center, radius, n, sphere::tammes)
+}
+
+/// Largest number of candidates of [`tammes`].
+pub const MOST_TAMMES: usize = 1000;
+
+/// Positions on 24 rings of latitude of a sphere of this radius (metres) around `center`, as in PB-NBV (Jia
+/// et al., RA-L 2025).
+pub fn latitude_rings(center: DVec3, radius: f64, n: usize) -> Result<ViewSpace, Error> {
+    on_sphere(center, radius, n, |n| sphere::latitude_rings(n, N_RINGS))
+}
+
+const N_RINGS: usize = 24;
 
 /// Positions on a circle at this distance (metres) from `center`, this angle (radians, below pi / 2) above
 /// it: where a camera that stands still is, seen from an object on a turntable. Candidate i shows the object
@@ -53,10 +78,10 @@ fn on_sphere(
     center: DVec3,
     radius: f64,
     n: usize,
-    direction: fn(usize, usize) -> DVec3,
+    directions: fn(usize) -> Vec<DVec3>,
 ) -> Result<ViewSpace, Error> {
     check(radius, n)?;
-    looking_at(center, (0..n).map(|i| center + direction(i, n) * radius))
+    looking_at(center, directions(n).into_iter().map(|direction| center + direction * radius))
 }
 
 fn looking_at(center: DVec3, positions: impl Iterator<Item = DVec3>) -> Result<ViewSpace, Error> {

@@ -1,5 +1,6 @@
 use crate::source::session_config::suitable_voxel_size;
-use crate::{Fault, ScanConfig, TableRule, short_name};
+use crate::{Fault, ScanConfig, SizeOf, TableRule, short_name};
+use glam::DVec3;
 use nextview::geometry::Lattice;
 use nextview_sim::mesh::{FileMesh, TriangleMesh, Unit, UnitSource};
 use nextview_sim::scene::Scene;
@@ -42,14 +43,14 @@ impl Object {
             Fault::request(format!("no built-in object '{name}'")).with_remedy(hint)
         })?;
         let scale = config.size_m.map_or(1.0, |size| size / mesh.bounds().longest_side());
-        Ok(Self { name: name.to_owned(), mesh: mesh.scaled(scale)?, note: None })
+        Ok(Self { name: name.to_owned(), mesh: sized(mesh.scaled(scale)?, config)?, note: None })
     }
 
     fn file(path: &Path, config: &ScanConfig) -> Result<Self, Fault> {
         let unit = config.size_m.map_or(config.unit.into(), Unit::LongestSide);
         let (mesh, scaling) = read(path)?.to_metres(unit)?;
         let note = (scaling.source == UnitSource::Guessed).then(|| format!("{scaling}; state it as `unit`"));
-        Ok(Self { name: short_name(&config.object), mesh, note })
+        Ok(Self { name: short_name(&config.object), mesh: sized(mesh, config)?, note })
     }
 
     /// The object before the configured camera.
@@ -58,6 +59,10 @@ impl Object {
             SimError::TooLargeForCamera { .. } => self.wrong_size(error, config),
             error => error.into(),
         })?;
+        let scene = match config.size_of {
+            SizeOf::Radius => scene.with_center(DVec3::ZERO),
+            SizeOf::LongestSide | SizeOf::ShortestSide => scene,
+        };
         Ok(if config.object_box.table == TableRule::None { scene } else { scene.with_table()? })
     }
 
@@ -90,6 +95,27 @@ impl Object {
             None => Fault::data(problem).in_file(Path::new(&config.object)),
         }
     }
+}
+
+/// A mesh whose longest side is as long as stated, so large and where `size_of` wants it.
+fn sized(mesh: TriangleMesh, config: &ScanConfig) -> Result<TriangleMesh, Fault> {
+    let bounds = mesh.bounds();
+    let (origin, length) = match config.size_of {
+        SizeOf::LongestSide => return Ok(mesh),
+        SizeOf::ShortestSide => (bounds.center(), bounds.size().min_element()),
+        SizeOf::Radius => {
+            let centroid = mesh.centroid();
+            let corners = (0..mesh.triangles().len()).flat_map(|triangle| mesh.corners(triangle));
+            (centroid, corners.map(|corner| corner.distance(centroid)).fold(0.0, f64::max))
+        }
+    };
+    let scale = config.size_m.unwrap_or(length) / length;
+    if !scale.is_finite() {
+        let fault =
+            Fault::request(format!("the object's {} is {length} m: it cannot be scaled", config.size_of));
+        return Err(fault.with_remedy("`size_of` = longest-side works for every object"));
+    }
+    Ok(mesh.translated(-origin)?.scaled(scale)?)
 }
 
 fn read(path: &Path) -> Result<FileMesh, Fault> {

@@ -102,11 +102,11 @@ fn simulated_session(
 fn view_space(config: &ScanConfig, scene: &Scene) -> Result<ViewSpace, Fault> {
     let (center, size) = (scene.center(), scene.size());
     let views = match config.view_space.rule() {
-        Some(rule) => rule.views(center, size, config.candidates, config.view_seed())?.within_range(
-            center,
-            size,
-            config.noise.depth_range(),
-        ),
+        Some(rule) => {
+            let distance = config.view_distance(scene.bounds());
+            let views = rule.views(center, size, distance, config.candidates, config.view_seed())?;
+            views.within_range(center, size, config.noise.depth_range())
+        }
         None => views_of_file(config, scene)?,
     };
     if config.object_box.table == TableRule::None {
@@ -126,7 +126,7 @@ const LOWEST_VIEW: f64 = 0.03;
 
 fn views_of_file(config: &ScanConfig, scene: &Scene) -> Result<ViewSpace, Fault> {
     let path = Path::new(&config.view_space.0);
-    let hint = "`view_space` takes shell, sphere, hemisphere, ring or a CSV file";
+    let hint = "`view_space` takes shell, sphere, hemisphere, tammes, rings, ring or a CSV file";
     let file = files::open(path).map_err(|fault| fault.with_remedy(hint))?;
     let views = ViewSpace::read_csv(file, scene.center()).map_err(|e| Fault::from(e).in_file(path))?;
     check_in_room(scene, &views).map_err(|fault| fault.in_file(path))?;
