@@ -125,7 +125,6 @@ pub struct ScanConfig {
     #[serde(skip_serializing_if = "Option::is_none")]
     pub sensor: Option<super::SensorName>,
     /// The camera's optics.
-    #[cfg_attr(feature = "schema", schemars(with = "std::collections::BTreeMap<String, serde_json::Value>"))]
     pub camera: Intrinsics,
     /// Errors of the simulated camera.
     #[cfg(feature = "simulated")]

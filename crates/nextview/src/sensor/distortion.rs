@@ -14,6 +14,7 @@ use serde::{Deserialize, Serialize};
 /// y_d = y (1 + k1 r2 + k2 r2^2 + k3 r2^3) + 2 p2 x y + p1 (r2 + 2 y^2)
 /// ```
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "kebab-case", deny_unknown_fields, remote = "Self")]
 pub enum Distortion {
     /// An ideal pinhole.

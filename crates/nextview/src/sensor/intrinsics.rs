@@ -17,6 +17,7 @@ use serde::{Deserialize, Serialize};
 /// assert_eq!(camera.deproject(pixel), Some(DVec2::new(0.2, 0.0)));
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(try_from = "Fields", into = "Fields")]
 pub struct Intrinsics {
     width: u32,
@@ -126,16 +127,24 @@ impl Intrinsics {
     }
 }
 
-/// The form in configuration files.
+/// The optics of a camera, in pixels. A pixel's centre has integer coordinates.
 #[derive(Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema), schemars(rename = "Intrinsics"))]
 #[serde(deny_unknown_fields)]
 struct Fields {
+    /// Pixels side by side, 1 to 32768.
     width: u32,
+    /// Rows of pixels, 1 to 32768.
     height: u32,
+    /// Focal length along a row, pixels, positive.
     fx: f64,
+    /// Focal length along a column, pixels, positive.
     fy: f64,
+    /// Column of the principal point, pixels.
     cx: f64,
+    /// Row of the principal point, pixels.
     cy: f64,
+    /// How the lens departs from a pinhole. Default: not at all.
     #[serde(default)]
     distortion: Distortion,
 }
