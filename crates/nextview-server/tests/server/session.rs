@@ -125,7 +125,17 @@ fn a_scan_from_its_creation_to_its_files() {
     let expected = "view skipped view accepted paused continued frame view frame view frame finished";
     assert_eq!(told.join(" "), expected);
 
-    // And it is there after the end of the server, until it is deleted.
+    // And it is there after the end of the server, until it is deleted; what the page shows, too.
+    let shown = |client: &mut crate::client::Client| {
+        let paths = ["scene", "scene?after=2", "frames/3/depth.png", "frames/2/color.png"];
+        paths.map(|path| {
+            let answer = client.get(&format!("/scans/mug/{path}"));
+            assert_eq!(answer.status, 200, "{path}: {}", answer.message());
+            answer.body
+        })
+    };
+    let before = shown(&mut client);
+    assert!(before[2].starts_with(b"\x89PNG") && before[3].starts_with(b"\x89PNG"));
     assert!(server.end());
     let server = Server::start(&folder.path("scans"));
     let mut client = server.client();
@@ -135,6 +145,9 @@ fn a_scan_from_its_creation_to_its_files() {
         (&json!("finished"), &json!(3), &finished["record"])
     );
     assert_eq!(client.get("/scans/mug/files/cloud.ply").body, cloud.body);
+    assert_eq!(shown(&mut client), before);
+    assert_eq!(client.get("/scans/mug/frames/1/color.png").status, 404);
+    assert_eq!(client.get("/scans/mug/frames/4/depth.png").status, 404);
     assert_eq!(next(&mut client)["stop_reason"], "view-limit");
     client.delete("/scans/mug").expect(200);
     assert_eq!(client.get("/scans").expect(200), json!([]));
