@@ -41,6 +41,9 @@ pub(crate) struct NextAnswer {
     pub state: NextState,
     /// The view; none where there is none.
     pub view: Option<ViewRecord>,
+    /// With `batch`, the views to take after it if nothing were learned on the way, in order.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub following: Option<Vec<ViewRecord>>,
     /// Why the scan is over; none while it is under way.
     pub stop_reason: Option<StopReason>,
 }
@@ -57,6 +60,12 @@ pub(crate) enum NextState {
     Paused,
     /// No view is left. Unless the results are written, frames are taken still.
     Finished,
+}
+
+impl NextAnswer {
+    pub fn without_view(state: NextState, stop_reason: Option<StopReason>) -> Self {
+        Self { state, view: None, following: None, stop_reason }
+    }
 }
 
 /// A view that is not to be proposed again.

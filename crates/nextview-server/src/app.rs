@@ -24,9 +24,6 @@ impl App {
     /// Fails if there is no room for another scan or frame.
     pub fn check_room(&self) -> Result<(), Refusal> {
         let most = self.limits.memory_mb;
-        if memory::now_mb().is_some_and(|now| now > most as f64) {
-            self.scans.forget_finished();
-        }
         if let Some(now) = memory::now_mb().filter(|now| *now > most as f64) {
             let message = format!("the server holds {now:.0} MB of memory, its limit is {most} MB");
             let fault = Fault::request(message).with_remedy("finish or delete scans");

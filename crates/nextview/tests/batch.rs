@@ -153,6 +153,43 @@ fn a_plan_is_the_first_view_and_an_itinerary() {
     assert!(itinerary.legs.iter().all(|leg| leg.expected > 0.0 && leg.choice.score > 0.0));
 }
 
+/// Each view after the first adds most to those before it, one after the other.
+#[test]
+fn the_views_after_one_are_those_that_add_most() {
+    let (snapshot, space) = (half_seen_ball(), views());
+    let values = values(&snapshot, &space);
+    let position = |&view: &usize| space.pose(view).translation();
+    let ball = KeepOut::around(&snapshot.lattice().bounds(&snapshot.block()), 0.0).unwrap();
+    for (first, n_views) in [(VISITED[0], 4), (6, 4), (6, 1)] {
+        let batch = Batch::new(BatchConfig { n_views, least_share: 0.0, ..BatchConfig::default() }).unwrap();
+        let after =
+            with_situation(&snapshot, &space, |situation| batch.plan_after(situation, first).unwrap());
+        let mut expected = vec![first];
+        for _ in 0..n_views {
+            let open = (0..N_VIEWS).filter(|view| !VISITED.contains(view) && !expected.contains(view));
+            let with = |view: &usize| value_of(&values, &[&expected[..], &[*view]].concat());
+            let best = open.max_by(|a, b| with(a).total_cmp(&with(b))).unwrap();
+            expected.push(best);
+        }
+        let tour: Vec<usize> = after.iter().map(|view| view.view).collect();
+        let sorted = |mut views: Vec<usize>| {
+            views.sort_unstable();
+            views
+        };
+        assert_eq!(sorted(tour.clone()), sorted(expected[1..].to_vec()), "after {first}");
+        let length = |tour: &[usize]| tour_length(Some(position(&first)), tour.iter().map(position), &ball);
+        let mut reversed = tour.clone();
+        reversed.reverse();
+        assert!(length(&tour) <= length(&reversed) + 1e-12);
+        let mut so_far = vec![first];
+        for view in &after {
+            let before = value_of(&values, &so_far);
+            so_far.push(view.view);
+            assert!((view.gain - (value_of(&values, &so_far) - before)).abs() < 1e-4 * before);
+        }
+    }
+}
+
 #[test]
 fn nothing_to_see_is_no_batch() {
     let block = VoxelBlock::new(IVec3::splat(-4), UVec3::splat(8)).unwrap();

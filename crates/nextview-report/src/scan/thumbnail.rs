@@ -71,12 +71,13 @@ pub fn depth(image: &DepthImage, range: Range, view: usize, size: Size) -> Strin
         share(small.surfaces().count()),
         share(missing)
     );
-    img(small.width, small.height, &alt, &small.png(range))
+    img(small.width, small.height, ("depth", &alt), &small.png(range))
 }
 
-/// The whole image as a PNG file in the same colours, from its nearest depth to its farthest.
-pub fn depth_png(image: &DepthImage) -> Vec<u8> {
-    shrink(image, [u32::MAX; 2]).png(Range::of([image]).unwrap_or_default())
+/// The whole image as a PNG file in the same colours. They span the depths of another image, such as the
+/// first of a scan, so that pictures can be compared.
+pub fn depth_png(image: &DepthImage, first: &DepthImage) -> Vec<u8> {
+    shrink(image, [u32::MAX; 2]).png(Range::of([first]).unwrap_or_default())
 }
 
 /// The `img` element of a colour image of view number `view`.
@@ -89,13 +90,13 @@ pub fn color(image: &ColorImage, view: usize) -> String {
         return String::new();
     }
     let png = png_file([width, height], &bytes, None, png::Compression::High);
-    img(width, height, &format!("Colour image of view {view}"), &png)
+    img(width, height, ("color", &format!("Colour image of view {view}")), &png)
 }
 
-/// A picture in a button that enlarges it.
-fn img(width: u32, height: u32, alt: &str, png: &[u8]) -> String {
+/// A picture of some kind in a button that enlarges it.
+fn img(width: u32, height: u32, (kind, alt): (&str, &str), png: &[u8]) -> String {
     format!(
-        r#"<button type="button" class="enlarge"><img width="{width}" height="{height}" alt="{alt}" src="data:image/png;base64,{}"></button>"#,
+        r#"<button type="button" class="enlarge"><img data-kind="{kind}" width="{width}" height="{height}" alt="{alt}" src="data:image/png;base64,{}"></button>"#,
         BASE64_STANDARD.encode(png)
     )
 }

@@ -11,7 +11,7 @@ named! {
     /// A named set of defaults.
     #[derive(Default)]
     pub enum Profile {
-        Paper = "paper": "As published: 5000 candidates, voxels of 1 cm, thin rays, only points on the object, stop at q_thresh = 0.5",
+        Paper = "paper": "The paper's formulas, 5000 candidates, voxels of 1 cm, stop at q_thresh = 0.5; as in its authors' program, only points on the object count and rays are thin",
         #[default] Default = "default": "What works best: the planner most-surface; what the camera sees past the object carves free space",
     }
 }

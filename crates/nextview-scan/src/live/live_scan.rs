@@ -8,6 +8,7 @@ use crate::{
 use nextview::Cancel;
 use nextview::geometry::Pose;
 use nextview::motion::Trajectory;
+use nextview::planner::Leg;
 use nextview::registration::GivenPoses;
 use nextview::sensor::{ColorImage, DepthImage};
 use nextview::session::{NextView, StopReason};
@@ -175,8 +176,43 @@ impl LiveScan {
 
     /// The view to take next, as a robot and a page are told it.
     pub fn record_of(&self, view: &NextView) -> Result<ViewRecord, Fault> {
-        let record = ViewRecord::new(view, &self.trajectory_to(view)?, self.joints_to(view));
-        Ok(ViewRecord { turntable_angle_deg: self.turntable_angle_deg(&view.world_from_camera), ..record })
+        Ok(self.completed(view, &self.trajectory_to(view)?, self.joints_to(view)))
+    }
+
+    /// The record of a view with the angle of the turntable.
+    fn completed(
+        &self,
+        view: &NextView,
+        trajectory: &Trajectory,
+        joints: Option<&JointTrajectory>,
+    ) -> ViewRecord {
+        let turntable_angle_deg = self.turntable_angle_deg(&view.world_from_camera);
+        ViewRecord { turntable_angle_deg, ..ViewRecord::new(view, trajectory, joints) }
+    }
+
+    /// The views to take after one that was [asked for](Self::next), if nothing were learned on the way, in
+    /// the order of a short tour: at most `n_views`; see [`Session::legs_after`]. For whoever wants to plan
+    /// ahead, or to take several frames at once: they are [observed](Self::observe) like frames from any
+    /// pose, and count for the [number of views](ScanConfig::views) no more than these. With a robot, the
+    /// trajectories are those of the camera alone.
+    ///
+    /// [`Session::legs_after`]: nextview::session::Session::legs_after
+    pub fn following(&self, view: &NextView, n_views: usize) -> Result<Vec<ViewRecord>, Fault> {
+        let session = &self.scan().session;
+        let mut from = view.world_from_camera;
+        let record = |leg: Leg| {
+            let world_from_camera = session.views().pose(leg.choice.view);
+            let trajectory = session.trajectory(&from, &world_from_camera)?;
+            from = world_from_camera;
+            let (view, choice) = (Some(leg.choice.view), Some(leg.choice));
+            let record = self.completed(
+                &NextView { view, world_from_camera, choice, outlook: None },
+                &trajectory,
+                None,
+            );
+            Ok(ViewRecord { expected_new_voxels: Some(leg.expected), ..record })
+        };
+        session.legs_after(view, n_views)?.into_iter().map(record).collect()
     }
 
     /// The motion of the robot to a view that was asked for; none without a robot.

@@ -44,14 +44,15 @@ pub struct ViewRecord {
     /// The same after this view and each of those expected to follow.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub forecast_completeness: Option<Vec<f64>>,
-    /// Length of the trajectory from the last frame to this view, around the object and above its table.
+    /// Length of the trajectory to this view, around the object and above its table: from the last frame or,
+    /// of a view that follows another one, from there.
     pub trajectory_length_m: f64,
     /// Time that a robot would take for it.
     pub trajectory_time_s: f64,
     /// The names of the robot's joints; none without a robot.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub joint_names: Option<Vec<String>>,
-    /// That trajectory, from the last frame to this view.
+    /// That trajectory.
     pub waypoints: Vec<WaypointRecord>,
 }
 

@@ -5,19 +5,35 @@ use crate::body::receive_json;
 use crate::refusal::Refusal;
 use axum::Json;
 use axum::body::Body;
-use axum::extract::{Path, State};
+use axum::extract::{Path, Query, State};
 use axum::http::{HeaderMap, StatusCode};
-use nextview_scan::{Fault, LiveScan, ViewRecord};
+use nextview_scan::Fault;
+use schemars::JsonSchema;
+use serde::Deserialize;
 use std::sync::Arc;
 
 /// Most characters of a reason, which the journal keeps.
 const LONGEST_REASON: usize = 1000;
 
+/// Most views of a batch.
+const MOST_VIEWS: usize = 100;
+
+/// How many views.
+#[derive(Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+struct NextQuery {
+    /// Number of views, the next one included, 1 to 100. Those after it are what is planned now: once a frame
+    /// has come, others may be better. By default, only the next one is answered.
+    #[serde(default)]
+    batch: Option<usize>,
+}
+
 pub(super) fn routes() -> Vec<Route> {
     vec![
         Route::new("/scans/{id}/next").on(
             Method::Get,
-            Doc::new("The next view, and why; the same until a frame comes", Content::json::<NextAnswer>()),
+            Doc::new("The next view, and why; the same until a frame comes", Content::json::<NextAnswer>())
+                .with_query::<NextQuery>(),
             next,
         ),
         Route::new("/scans/{id}/skip").on(
@@ -34,35 +50,38 @@ pub(super) fn routes() -> Vec<Route> {
     ]
 }
 
-async fn next(State(app): State<Arc<App>>, Path(id): Path<String>) -> Result<Json<NextAnswer>, Refusal> {
+async fn next(
+    State(app): State<Arc<App>>,
+    Path(id): Path<String>,
+    Query(NextQuery { batch }): Query<NextQuery>,
+) -> Result<Json<NextAnswer>, Refusal> {
     let scan = app.scans.find(&id)?;
+    if let Some(n) = batch.filter(|n| !(1..=MOST_VIEWS).contains(n)) {
+        return Err(Refusal::content(Fault::of_value("batch", n, format!("1 to {MOST_VIEWS}"))));
+    }
     let listened = scan.clone();
     let answer = scan.with(move |work| {
         if work.is_finished() {
             let stop_reason = super::scans::record_so_far(work)?.stop_reason;
-            return Ok(NextAnswer { state: NextState::Finished, view: None, stop_reason });
+            return Ok(NextAnswer::without_view(NextState::Finished, stop_reason));
         }
         let (scan, about) = work.under_way()?;
         if about.is_paused {
-            return Ok(NextAnswer { state: NextState::Paused, view: None, stop_reason: None });
+            return Ok(NextAnswer::without_view(NextState::Paused, None));
         }
-        let Some(view) = view_of(scan)? else {
-            let stop_reason = scan.stop_reason();
-            return Ok(NextAnswer { state: NextState::Finished, view: None, stop_reason });
+        let Some(next) = scan.next()? else {
+            return Ok(NextAnswer::without_view(NextState::Finished, scan.stop_reason()));
         };
+        let view = scan.record_of(&next)?;
+        let following = batch.map(|n| scan.following(&next, n - 1)).transpose()?;
         let is_accepted = about.accepted_after == Some(scan.scan().steps.len());
         let state = if about.confirm_views && !is_accepted { NextState::Proposed } else { NextState::View };
         if work.is_news(view.view) {
             listened.events.tell("view", &view);
         }
-        Ok(NextAnswer { state, view: Some(view), stop_reason: None })
+        Ok(NextAnswer { state, view: Some(view), following, stop_reason: None })
     });
     Ok(Json(answer.await?))
-}
-
-fn view_of(scan: &mut LiveScan) -> Result<Option<ViewRecord>, Refusal> {
-    let Some(next) = scan.next()? else { return Ok(None) };
-    Ok(Some(scan.record_of(&next)?))
 }
 
 async fn skip(

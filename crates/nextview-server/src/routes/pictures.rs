@@ -1,13 +1,12 @@
 use super::route::{Content, Doc, Method, Route};
 use crate::app::App;
 use crate::refusal::Refusal;
-use crate::scans::Work;
+use crate::scans::{Picture, Shown, Work, kept_page};
 use axum::extract::{Path, Query, State};
 use axum::http::{StatusCode, header};
 use axum::response::{IntoResponse, Response};
 use nextview_report::live::SceneSource;
-use nextview_report::{color_png, depth_png};
-use nextview_scan::{Fault, LiveScan};
+use nextview_scan::Fault;
 use schemars::JsonSchema;
 use serde::Deserialize;
 use std::sync::Arc;
@@ -45,45 +44,48 @@ async fn get_scene(
     Query(SceneQuery { after }): Query<SceneQuery>,
 ) -> Result<Response, Refusal> {
     let scan = app.scans.find(&id)?;
-    let copy = |work: &mut Work| {
-        let is_paused = work.is_finished() || work.about.is_paused;
-        let scan = work.shown()?;
+    let shown = |work: &mut Work| {
+        if work.is_finished() {
+            return Ok(Shown::Finished(kept_page::scene(work.dir())?));
+        }
+        let is_paused = work.about.is_paused;
+        let (scan, _) = work.under_way()?;
         let next = if is_paused { None } else { scan.next()? };
-        Ok(SceneSource::of_scan(scan.scan(), scan.config(), next))
+        Ok(Shown::UnderWay(Box::new(SceneSource::of_scan(scan.scan(), scan.config(), next))))
     };
-    let scene = scan.scene(copy, after).await?;
+    let scene = scan.scene(shown, after).await?;
     Ok(([(header::CONTENT_TYPE, "application/json")], scene).into_response())
 }
 
 async fn depth(app: State<Arc<App>>, path: Path<(String, usize)>) -> Result<Response, Refusal> {
-    picture(app, path, |scan, step_idx| Ok(depth_png(scan.scan().frame(step_idx)?.image()))).await
+    get(app, path, Picture::Depth).await
 }
 
 async fn color(app: State<Arc<App>>, path: Path<(String, usize)>) -> Result<Response, Refusal> {
-    let png = |scan: &LiveScan, step_idx| {
-        let color = scan.scan().color(step_idx)?;
-        let none = || Refusal::of(StatusCode::NOT_FOUND, "the frame of this step came without colours");
-        Ok(color_png(&color.ok_or_else(none)?))
-    };
-    picture(app, path, png).await
+    get(app, path, Picture::Color).await
 }
 
-/// A picture of the step with this index from 0, as PNG.
-async fn picture(
+async fn get(
     State(app): State<Arc<App>>,
     Path((id, step)): Path<(String, usize)>,
-    png: impl FnOnce(&LiveScan, usize) -> Result<Vec<u8>, Refusal> + Send + 'static,
+    picture: Picture,
 ) -> Result<Response, Refusal> {
     let scan = app.scans.find(&id)?;
     let png = scan.with(move |work| {
-        let scan = work.shown()?;
-        png(scan, step_idx(scan, step)?)
+        let png = if work.is_finished() {
+            picture.of_folder(work.dir(), step_idx(work, step)?)?
+        } else {
+            work.under_way()?;
+            let step_idx = step_idx(work, step)?;
+            picture.of_scan(work.under_way()?.0, step_idx)?
+        };
+        png.ok_or_else(|| Refusal::of(StatusCode::NOT_FOUND, "the frame of this step came without colours"))
     });
     Ok(([(header::CONTENT_TYPE, "image/png")], png.await?).into_response())
 }
 
-fn step_idx(scan: &LiveScan, step: usize) -> Result<usize, Refusal> {
-    let n = scan.scan().steps.len();
+fn step_idx(work: &Work, step: usize) -> Result<usize, Refusal> {
+    let n = work.n_frames().unwrap_or(0);
     step.checked_sub(1).filter(|step_idx| *step_idx < n).ok_or_else(|| {
         let fault = Fault::of_value("step", step, format!("1 to {n}, the frames so far"));
         Refusal::new(StatusCode::NOT_FOUND, fault)

@@ -3,6 +3,7 @@
 mod about;
 mod creation;
 mod events;
+pub(crate) mod kept_page;
 mod registry;
 mod scan;
 mod summary;
@@ -10,7 +11,8 @@ mod work;
 
 pub(crate) use creation::NewScan;
 pub(crate) use events::{EventStream, Told};
+pub(crate) use kept_page::Picture;
 pub(crate) use registry::Scans;
-pub(crate) use scan::Scan;
+pub(crate) use scan::{Scan, Shown};
 pub(crate) use summary::{ScanState, ScanSummary};
 pub(crate) use work::Work;

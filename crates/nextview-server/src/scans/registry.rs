@@ -120,11 +120,6 @@ impl Scans {
         }
     }
 
-    /// Frees the memory of scans that are finished.
-    pub fn forget_finished(&self) {
-        self.all().iter().for_each(|scan| scan.forget_finished());
-    }
-
     /// Free space of the disk; none where it is not known.
     pub fn free_disk_mb(&self) -> Option<u64> {
         #[cfg(unix)]

@@ -21,6 +21,14 @@ pub(crate) struct Cores {
     pub scenes: Arc<Semaphore>,
 }
 
+/// What the page is to show of a scan.
+pub(crate) enum Shown {
+    /// A copy to make the scene from.
+    UnderWay(Box<SceneSource>),
+    /// The scene, as JSON.
+    Finished(Vec<u8>),
+}
+
 /// A scan of the server. Requests to it are worked on one after the other, in the order in which they came.
 pub(crate) struct Scan {
     pub events: Events,
@@ -41,7 +49,7 @@ impl Scan {
             id,
             object: nextview_scan::short_name(&config.object),
             state: work.state(),
-            n_frames: n_frames(&work),
+            n_frames: work.n_frames(),
             created: work.about.created.clone(),
         };
         let (cores, limits) = shared;
@@ -95,12 +103,18 @@ impl Scan {
     /// taken in: they wait for no more than a copy.
     pub async fn scene(
         self: &Arc<Self>,
-        copy: impl FnOnce(&mut Work) -> Result<SceneSource, Refusal> + Send + 'static,
+        shown: impl FnOnce(&mut Work) -> Result<Shown, Refusal> + Send + 'static,
         after: usize,
-    ) -> Result<String, Refusal> {
+    ) -> Result<Vec<u8>, Refusal> {
         // In this order, so that no scene is of an earlier time than the one before.
         let mut kept = self.scene.clone().lock_owned().await;
-        let source = self.with(copy).await?;
+        let source = match self.with(shown).await? {
+            Shown::UnderWay(source) => source,
+            Shown::Finished(json) => {
+                *kept = LiveScene::default();
+                return Ok(json);
+            }
+        };
         let core = self.cores.scenes.clone().acquire_owned().await;
         let made = tokio::task::spawn_blocking(move || {
             let _held = core;
@@ -108,7 +122,7 @@ impl Scan {
             let mut scene = std::mem::take(&mut *kept);
             let json = scene.json(&source, after);
             *kept = scene;
-            json
+            json.into_bytes()
         });
         made.await.map_err(|_| panicked())
     }
@@ -123,22 +137,10 @@ impl Scan {
         self.cancel.reset();
     }
 
-    /// Frees the memory of a scan that is finished and that nobody is working on.
-    pub fn forget_finished(&self) {
-        if let Ok(mut work) = self.work.try_lock()
-            && work.is_finished()
-        {
-            work.forget();
-            if let Ok(mut scene) = self.scene.try_lock() {
-                *scene = LiveScene::default();
-            }
-        }
-    }
-
     fn note(&self, work: &Work) {
         let mut summary = self.summary.lock().unwrap_or_else(PoisonError::into_inner);
         summary.state = work.state();
-        summary.n_frames = n_frames(work).or(summary.n_frames);
+        summary.n_frames = work.n_frames().or(summary.n_frames);
     }
 
     fn too_late(&self) -> Refusal {
@@ -147,15 +149,6 @@ impl Scan {
             Fault::request(format!("the answer took more than {seconds} s; the server goes on computing"));
         Refusal::busy(StatusCode::SERVICE_UNAVAILABLE, fault)
     }
-}
-
-/// Those in memory; of a scan that is finished, the lines of its file.
-fn n_frames(work: &Work) -> Option<usize> {
-    if let Some(scan) = work.in_memory() {
-        return Some(scan.scan().steps.len());
-    }
-    let steps = || std::fs::read_to_string(work.dir().join("steps.jsonl")).ok();
-    work.is_finished().then(steps)?.map(|steps| steps.lines().count())
 }
 
 fn panicked() -> Refusal {

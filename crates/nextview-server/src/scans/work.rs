@@ -1,4 +1,5 @@
 use super::about::About;
+use super::kept_page;
 use super::summary::ScanState;
 use crate::refusal::Refusal;
 use axum::http::StatusCode;
@@ -16,7 +17,7 @@ pub(super) const DELETED: &str = ".deleted";
 pub(crate) struct Work {
     dir: PathBuf,
     pub about: About,
-    /// None where it is to be resumed from the disk, or was finished before this process began.
+    /// None where it is to be resumed from the disk, or is finished.
     scan: Option<Box<LiveScan>>,
     phase: Phase,
     pub cancel: Cancel,
@@ -62,9 +63,13 @@ impl Work {
         }
     }
 
-    /// The scan as far as it is in memory.
-    pub fn in_memory(&self) -> Option<&LiveScan> {
-        self.scan.as_deref()
+    /// Number of frames: those in memory or, of a scan that is finished, the lines of its file.
+    pub fn n_frames(&self) -> Option<usize> {
+        if let Some(scan) = &self.scan {
+            return Some(scan.scan().steps.len());
+        }
+        let steps = || std::fs::read_to_string(self.dir.join("steps.jsonl")).ok();
+        self.is_finished().then(steps)?.map(|steps| steps.lines().count())
     }
 
     /// The scan to go on with, resumed where it is not in memory.
@@ -86,19 +91,6 @@ impl Work {
         self.told.replace((n_frames, view)) != Some((n_frames, view))
     }
 
-    /// The scan to look at, under way or finished by this process.
-    pub fn shown(&mut self) -> Result<&mut LiveScan, Refusal> {
-        match (self.phase, &self.scan) {
-            (Phase::Finished, None) => {
-                let fault = Fault::request("the scan was finished, and only its files are left");
-                let fault = fault.with_remedy("ask for its files: `report.html` shows it");
-                Err(Refusal::new(StatusCode::CONFLICT, fault))
-            }
-            (Phase::Finished, Some(_)) => Ok(self.scan.as_mut().expect("it is there")),
-            _ => Ok(self.under_way()?.0),
-        }
-    }
-
     /// Writes the results; what could not be made is told, the scan is finished all the same.
     pub fn finish(&mut self) -> Result<Option<Faults>, Refusal> {
         if self.phase == Phase::Finished {
@@ -112,9 +104,10 @@ impl Work {
         let text = toml::to_string(scan.config()).map_err(Fault::data)?;
         let page = page_of_scan(scan.scan(), &record, scan.config(), "nextview serve", &text);
         folder.add("report.html", |w| Ok(w.write_all(page.as_bytes())?))?;
+        kept_page::keep(scan, &dir)?;
         folder.publish()?;
         scan.forget_journal();
-        self.phase = Phase::Finished;
+        (self.scan, self.phase) = (None, Phase::Finished);
         Ok(faults)
     }
 

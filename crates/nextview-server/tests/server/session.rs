@@ -125,7 +125,17 @@ fn a_scan_from_its_creation_to_its_files() {
     let expected = "view skipped view accepted paused continued frame view frame view frame finished";
     assert_eq!(told.join(" "), expected);
 
-    // And it is there after the end of the server, until it is deleted.
+    // And it is there after the end of the server, until it is deleted; what the page shows, too.
+    let shown = |client: &mut crate::client::Client| {
+        let paths = ["scene", "scene?after=2", "frames/3/depth.png", "frames/2/color.png"];
+        paths.map(|path| {
+            let answer = client.get(&format!("/scans/mug/{path}"));
+            assert_eq!(answer.status, 200, "{path}: {}", answer.message());
+            answer.body
+        })
+    };
+    let before = shown(&mut client);
+    assert!(before[2].starts_with(b"\x89PNG") && before[3].starts_with(b"\x89PNG"));
     assert!(server.end());
     let server = Server::start(&folder.path("scans"));
     let mut client = server.client();
@@ -135,10 +145,62 @@ fn a_scan_from_its_creation_to_its_files() {
         (&json!("finished"), &json!(3), &finished["record"])
     );
     assert_eq!(client.get("/scans/mug/files/cloud.ply").body, cloud.body);
+    assert_eq!(shown(&mut client), before);
+    assert_eq!(client.get("/scans/mug/frames/1/color.png").status, 404);
+    assert_eq!(client.get("/scans/mug/frames/4/depth.png").status, 404);
     assert_eq!(next(&mut client)["stop_reason"], "view-limit");
     client.delete("/scans/mug").expect(200);
     assert_eq!(client.get("/scans").expect(200), json!([]));
     assert_eq!(fs::read_dir(folder.path("scans")).unwrap().count(), 0);
+}
+
+/// A batch is the next view and those that would follow it; asking for it changes nothing.
+#[test]
+fn a_batch_of_views_is_planned_ahead() {
+    let folder = Folder::new("batch");
+    let server = Server::start(&folder.path("scans"));
+    let (robot, mut client) = (Robot::new(4, 160), server.client());
+    client.post("/scans", &robot.body("mug")).expect(201);
+    let batch = |client: &mut crate::client::Client, n: usize| {
+        let answer = client.get(&format!("/scans/mug/next?batch={n}")).expect(200);
+        let following = answer["following"].as_array().unwrap().clone();
+        (answer["view"].clone(), following)
+    };
+    let frame = robot.frame(&next(&mut client)["view"]["world_from_camera"], true);
+    let first = next(&mut client)["view"].clone();
+    post_raw(&mut client, "mug", "a", &first["world_from_camera"], frame.image()).expect(200);
+
+    let alone = next(&mut client);
+    assert!(alone.get("following").is_none());
+    let (view, following) = batch(&mut client, 3);
+    assert_eq!((&view, following.len()), (&alone["view"], 2));
+    assert_eq!(batch(&mut client, 1), (view.clone(), vec![]));
+    assert_eq!(batch(&mut client, 100).1.len(), 2, "one of four views was taken");
+    let all = [&[first, view.clone()], &following[..]].concat();
+    let numbers: std::collections::BTreeSet<u64> =
+        all.iter().map(|view| view["view"].as_u64().unwrap()).collect();
+    assert_eq!(numbers.len(), 4, "no view comes twice");
+    for pair in all[1..].windows(2) {
+        assert!(pair[1]["expected_new_voxels"].as_f64().unwrap() > 0.0 && pair[1]["score"].is_number());
+        let way = pair[1]["waypoints"].as_array().unwrap();
+        let at = |row: usize, view: &Value| view["world_from_camera"][row][3].as_f64().unwrap();
+        for (waypoint, view) in [(&way[0], &pair[0]), (&way[way.len() - 1], &pair[1])] {
+            let off = (0..3).map(|row| (waypoint["position_m"][row].as_f64().unwrap() - at(row, view)).abs());
+            assert!(off.fold(0.0, f64::max) < 1e-9);
+        }
+    }
+    assert_eq!(next(&mut client), alone);
+
+    // All are taken, in one go; then the scan goes on from there.
+    for (i, view) in all[1..].iter().enumerate() {
+        let rows = &view["world_from_camera"];
+        let step = post_raw(&mut client, "mug", &i.to_string(), rows, robot.frame(rows, false).image());
+        assert_eq!(step.expect(200)["view"].is_number(), i == 0);
+    }
+    assert_eq!(next(&mut client)["state"], "view");
+    for (query, status) in [("batch=0", 422), ("batch=101", 422), ("batch=x", 400), ("bach=2", 400)] {
+        assert_eq!(client.get(&format!("/scans/mug/next?{query}")).status, status, "{query}");
+    }
 }
 
 #[test]

@@ -9,10 +9,11 @@ use nextview::planner::{
     Batch, BatchConfig, MaxFlow, MaxFlowConfig, Plan, RandomViews, Situation, ViewPlanner,
 };
 use nextview::sensor::Intrinsics;
-use nextview::session::{Session, SessionConfig, StopConfig, StopReason};
+use nextview::session::{Decision, Session, SessionConfig, StopConfig, StopReason};
 use nextview::view::{ViewSpace, generate};
 use nextview_sim::baseline::{Clairvoyant, RandomCurve, clairvoyant_curve, extended, skill};
 use nextview_sim::builtin;
+use nextview_sim::evaluator::ScanCamera;
 use nextview_sim::scene::Scene;
 use nextview_sim::truth::{ObjectVoxels, TrueVisibility};
 use std::sync::Arc;
@@ -154,6 +155,35 @@ fn a_batch_is_followed_as_long_as_it_keeps_its_promise() {
         assert_eq!(steps.len(), 7);
         assert!(steps[1..].iter().all(|step| step.report.choice.is_some()), "each view says why");
         assert!(setup.curve(&steps)[6] > random[6], "tolerance {tolerance}: {:?}", setup.curve(&steps));
+    }
+}
+
+/// Of a planner of batches, its batch; of another one, as many views as are left. Asking changes nothing.
+#[test]
+fn what_follows_a_view_is_told_beforehand() {
+    let setup = Setup::new("mug");
+    let batch = BatchConfig { n_views: 3, tolerance: f64::INFINITY, least_share: 0.0, ..Default::default() };
+    let planners: [Box<dyn ViewPlanner>; 2] = [Box::new(Batch::new(batch).unwrap()), max_flow(0.5)];
+    for (planner, is_batch) in planners.into_iter().zip([true, false]) {
+        let config = SessionConfig { max_views: 4, ..setup.config() };
+        let mut session = Session::new(config, Intrinsics::d435i(), setup.views.clone(), planner).unwrap();
+        let mut camera = ScanCamera::new(&setup.scene);
+        let mut told: Vec<usize> = Vec::new();
+        for n_left in (0..4).rev() {
+            let Decision::Move(next) = session.decide().unwrap() else { panic!("it goes on") };
+            assert!(!is_batch || told.is_empty() || told[0] == next.view.unwrap());
+            let legs = session.legs_after(&next, 100).unwrap();
+            told = legs.iter().map(|leg| leg.choice.view).collect();
+            assert_eq!(session.legs_after(&next, 100).unwrap(), legs);
+            assert!(session.legs_after(&next, 0).unwrap().is_empty() && told.len() <= n_left, "{told:?}");
+            assert!(is_batch || told.len() == n_left, "{told:?}");
+            assert!(
+                legs.iter().all(|leg| leg.expected > 0.0 && !session.visited().contains(&leg.choice.view))
+            );
+            assert_eq!(session.decide().unwrap(), Decision::Move(next.clone()));
+            session.observe(&camera.capture(&next).unwrap().0).unwrap();
+            told.truncate(if is_batch && session.visited().len() > 1 { 1 } else { 0 });
+        }
     }
 }
 

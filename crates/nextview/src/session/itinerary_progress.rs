@@ -53,6 +53,11 @@ impl ItineraryProgress {
         self.legs.front().map(|leg| leg.choice.clone())
     }
 
+    /// The legs after the current one.
+    pub fn rest(&self) -> impl Iterator<Item = &Leg> {
+        self.legs.iter().skip(1)
+    }
+
     /// Drops an itinerary that leads to a view that is given up; keeps another one, and its current leg if
     /// the decision for it is discarded.
     pub fn skip(&mut self, is_given_up: impl Fn(usize) -> bool, is_discarded: bool) {

@@ -7,6 +7,7 @@ mod decision;
 mod goal;
 mod itinerary_progress;
 mod known_scene;
+mod known_situation;
 mod location;
 mod locator;
 mod object_box;
@@ -38,14 +39,15 @@ pub use views::Views;
 use crate::diagnosis::{Suspicion, suspect};
 use crate::geometry::{Aabb, Plane, Pose};
 use crate::map::{OccupancyMap, Snapshot};
-use crate::motion::{Surroundings, Trajectory};
-use crate::planner::{Plan, Situation, ViewPlanner};
+use crate::motion::Trajectory;
+use crate::planner::{Batch, BatchConfig, BatchView, Leg, Plan, Situation, ViewPlanner};
 use crate::registration::Registration;
 use crate::sensor::{DepthRange, Frame, Intrinsics, SurfaceError};
 use crate::view::ViewSpace;
 use crate::{Cancel, Cancelled, Error};
 use itinerary_progress::ItineraryProgress;
 use known_scene::{Added, KnownScene};
+use known_situation::{known_situation, surroundings};
 use scan_map::Place;
 use seen_cells::SeenCells;
 use std::collections::BTreeSet;
@@ -179,6 +181,25 @@ impl Session {
         }
     }
 
+    /// The legs that would follow the next view, which was decided on, if nothing were learned on the way: at
+    /// most `n_legs`, and no more than may be taken. They are those of the planner's itinerary; where it
+    /// chooses one view at a time, those of [`Batch::plan_after`]. None before an object was found.
+    ///
+    /// The session itself decides anew after the next view. Frames of the legs can be observed all the same.
+    pub fn legs_after(&self, next: &NextView, n_legs: usize) -> Result<Vec<Leg>, Cancelled> {
+        let n_views = n_legs.min(self.config.max_views.saturating_sub(self.n_taken + 1));
+        let planned: Vec<Leg> = self.itinerary.rest().take(n_views).cloned().collect();
+        let (Some(view), true) = (next.view, planned.is_empty() && n_views > 0) else { return Ok(planned) };
+        let Some(snapshot) = self.scene.map.planning_snapshot(&self.cancel)? else { return Ok(planned) };
+        let situation = Situation::new(&snapshot, &self.candidates, &self.intrinsics, &self.cancel);
+        let approaches = self.approaches.as_deref();
+        let (config, frames) = (&self.config, &self.frames.mapped);
+        let situation = known_situation(situation, config, &self.scene, frames, &self.visited, approaches);
+        let batch = Batch::new(BatchConfig { n_views, ..BatchConfig::default() });
+        let views = batch.expect("at least one view").plan_after(&situation, view)?;
+        Ok(views.iter().map(BatchView::leg).collect())
+    }
+
     /// Never proposes this view again, for example because a robot cannot reach it. The current decision is
     /// discarded, so that the next [decision](Self::decide) differs.
     ///
@@ -210,12 +231,12 @@ impl Session {
     /// Fails if it would leave [`Pose::REACH`].
     pub fn trajectory_to(&self, world_from_camera: &Pose) -> Result<Trajectory, Error> {
         let Some(last) = self.frames.places.last() else { return Ok(Trajectory::at(*world_from_camera)) };
-        Trajectory::new(last, world_from_camera, &self.surroundings(), &self.config.motion)
+        self.trajectory(last, world_from_camera)
     }
 
-    fn surroundings(&self) -> Surroundings {
-        let Place { bounds: object, table } = self.scene.map.place();
-        Surroundings { object, floor: table.map(|table| table.floor()) }
+    /// The same from one view to another.
+    pub fn trajectory(&self, from: &Pose, to: &Pose) -> Result<Trajectory, Error> {
+        Trajectory::new(from, to, &surroundings(&self.scene), &self.config.motion)
     }
 
     /// The map so far, in the finest voxels.
@@ -424,23 +445,11 @@ impl Session {
         if let Some(choice) = self.itinerary.next(snapshot) {
             return Ok(Plan { choice: Some(choice), ..Plan::default() });
         }
-        let situation = Situation::new(snapshot, &self.candidates, &self.intrinsics, &self.cancel)
-            .with_depth_range(self.config.depth_range)
-            .with_frames(&self.frames.mapped)
-            .with_right_poses(self.scene.alignment.trusts_given_poses())
-            .with_visited(&self.visited)
-            .and_then(|situation| situation.with_finest_voxel_size(self.config.voxel_size))
-            .and_then(|situation| situation.with_motion(self.config.motion, self.surroundings()))
-            .map(|situation| match &self.scene.quality {
-                Some(quality) => situation.with_goal(&quality.measured, quality.goal),
-                None => situation,
-            })
-            .and_then(|situation| match &self.approaches {
-                Some(times) => situation.with_approaches(times),
-                None => Ok(situation),
-            });
-        let mut plan =
-            self.planner.plan(&situation.expect("the session visits candidates in checked voxels"))?;
+        let situation = Situation::new(snapshot, &self.candidates, &self.intrinsics, &self.cancel);
+        let approaches = self.approaches.as_deref();
+        let (config, frames) = (&self.config, &self.frames.mapped);
+        let situation = known_situation(situation, config, &self.scene, frames, &self.visited, approaches);
+        let mut plan = self.planner.plan(&situation)?;
         self.itinerary.follow(plan.itinerary.take());
         Ok(plan)
     }

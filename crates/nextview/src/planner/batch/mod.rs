@@ -107,6 +107,40 @@ impl Batch {
         self.choose(situation, best_coverage)
     }
 
+    /// The views to visit after this candidate, whether it can be visited itself or not: at most
+    /// [`n_views`](BatchConfig::n_views), each the one that adds most to those before it, in the order of a
+    /// short tour from there. Their gains are what they add to the first view; theta does not count.
+    ///
+    /// Fails if the situation's [`cancel`](Situation::cancel) is set.
+    ///
+    /// # Panics
+    ///
+    /// If the number is not that of a candidate.
+    pub fn plan_after(&self, situation: &Situation<'_>, first: usize) -> Result<Vec<BatchView>, Cancelled> {
+        let cancel = situation.cancel();
+        let others = situation.open_views().into_iter().filter(|&view| view != first);
+        let views: Vec<usize> = std::iter::once(first).chain(others).collect();
+        let values = values_of_views(situation, &views, self.config.ray_spacing)?;
+        let mut field = Field::new(situation, &views, &values)?;
+        field.start = Some(field.positions[0]);
+        let mut selection = Selection::new(&values);
+        selection.add(0);
+        let mut chosen = Vec::new();
+        while chosen.len() < self.config.n_views {
+            cancel.check()?;
+            let gains = (1..values.n_sets() as u32).map(|set| (set, selection.gain(set)));
+            let best = gains.reduce(|best, other| if other.1 > best.1 { other } else { best });
+            let is_worthwhile = |gain: f64| gain > 0.0 && gain >= self.least_gain(&field);
+            let Some((set, _)) = best.filter(|(_, gain)| is_worthwhile(*gain)) else { break };
+            selection.add(set);
+            chosen.push(set);
+        }
+        let tour = field.tour(chosen, cancel)?;
+        let mut selection = Selection::new(&values);
+        selection.add(0);
+        Ok(BatchView::along(&tour, &mut selection, &field, &views))
+    }
+
     fn choose(&self, situation: &Situation<'_>, cover: Cover) -> Result<BatchPlan, Cancelled> {
         let cancel = situation.cancel();
         let open = situation.open_views();
@@ -168,12 +202,8 @@ impl ViewPlanner for Batch {
 impl BatchPlan {
     fn new(field: &Field<'_>, open: &[usize], tour: &[u32], bound: f64) -> Self {
         let mut selection = Selection::new(field.values);
-        let view = |&set: &u32| {
-            let gain = selection.add(set);
-            BatchView { view: open[set as usize], gain, share: share(gain, field.total) }
-        };
         Self {
-            views: tour.iter().map(view).collect(),
+            views: BatchView::along(tour, &mut selection, field, open),
             share: share(selection.value(), field.total),
             share_bound: share(bound, field.total),
             path_length: field.length(tour),
@@ -182,8 +212,22 @@ impl BatchPlan {
 }
 
 impl BatchView {
+    /// The views of a tour, which are added to the selection one after the other.
+    fn along(
+        tour: &[u32],
+        selection: &mut Selection<'_>,
+        field: &Field<'_>,
+        views: &[usize],
+    ) -> Vec<BatchView> {
+        let view = |&set: &u32| {
+            let gain = selection.add(set);
+            BatchView { view: views[set as usize], gain, share: share(gain, field.total) }
+        };
+        tour.iter().map(view).collect()
+    }
+
     /// Of as many voxels seen, about the same part should turn out to be occupied.
-    fn leg(&self) -> Leg {
+    pub(crate) fn leg(&self) -> Leg {
         let Self { view, gain, share } = *self;
         Leg { choice: Choice::new(view, share), expected: gain }
     }

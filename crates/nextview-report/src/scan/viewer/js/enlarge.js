@@ -1,3 +1,6 @@
+// A function that fetches the whole picture of a small one, as an address of data; none where there is no server.
+let wholePicture = null;
+
 // Pictures of the views, enlarged in a dialog; also without WebGL.
 (() => {
   const dialog = byId("enlarged");
@@ -7,10 +10,18 @@
   function open(index) {
     const all = pictures();
     at = (index + all.length) % all.length;
-    const { src, alt } = all[at];
+    const small = all[at];
+    show(small, small.src);
+    if (!dialog.open) dialog.showModal();
+    // The small picture stays where the whole one does not come.
+    if (wholePicture) wholePicture(small).then((src) => isShown(small) && show(small, src), () => {});
+  }
+
+  const isShown = (small) => dialog.open && pictures()[at] === small;
+
+  function show({ alt }, src) {
     Object.assign(byId("enlarged-picture"), { src, alt });
     byId("enlarged-caption").textContent = alt;
-    if (!dialog.open) dialog.showModal();
   }
 
   document.addEventListener("click", (e) => {

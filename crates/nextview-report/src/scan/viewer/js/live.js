@@ -31,7 +31,11 @@
     byId("title").textContent = panels.title;
     document.title = `${panels.title} – nextview`;
     for (const part of ["subtitle", "headline", "chart", "measures", "views"]) byId(part).innerHTML = panels[part];
-    pictures = pictures.slice(0, after).concat(panels.pictures.map((html) => element("div", { className: "pictures", innerHTML: html })));
+    pictures = pictures.slice(0, after).concat(panels.pictures.map((html, i) => {
+      const holder = element("div", { className: "pictures", innerHTML: html });
+      holder.dataset.step = after + i + 1;
+      return holder;
+    }));
     byId("views").querySelectorAll("td.depth").forEach((cell, i) => cell.append(pictures[i] || ""));
   }
 
@@ -41,13 +45,16 @@
     if (view) view.load(data);
   }
 
-  // A scan of which the server has no more than its files.
-  function showPast({ object }) {
-    byId("title").textContent = object;
-    document.title = `${object} – nextview`;
-    byId("subtitle").textContent = "It was finished before the server started: its report shows it, see the downloads.";
-    for (const part of ["headline", "chart", "measures", "views"]) byId(part).replaceChildren();
-  }
+  // The page's policy knows pictures from the server and from data, and requests need the token.
+  wholePicture = async (small) => {
+    const { step } = small.closest(".pictures").dataset;
+    const blob = await (await request(`${base()}/frames/${step}/${small.dataset.kind}.png`)).blob();
+    return new Promise((resolve, reject) => {
+      const reader = new FileReader();
+      Object.assign(reader, { onload: () => resolve(reader.result), onerror: reject });
+      reader.readAsDataURL(blob);
+    });
+  };
 
   // One refresh at a time; what happens meanwhile asks for another one.
   let isLoading = false;
@@ -76,16 +83,11 @@
     });
     // After `next`, which waits for what is being done to the scan: the list alone would say how it was before.
     const summary = (await listScans()).find((scan) => scan.id === of);
-    const data = summary && await getJson(`${base()}/scene?after=${after}`).catch((error) => {
-      if (error.status === 409 && summary.state === "finished") return null;
-      throw error;
-    });
+    const data = summary && await getJson(`${base()}/scene?after=${after}`);
     if (of !== id || after !== nViews) return;
     proposal = next;
     if (!next || !summary) return gone();
-    document.body.classList.toggle("past", !data);
-    if (data) showScene(data);
-    else showPast(summary);
+    showScene(data);
     showProposal(next, summary);
   }
 

@@ -1,0 +1,84 @@
+//! The page of the reproduction beside the reports that it is about.
+
+#![allow(clippy::unwrap_used, reason = "helpers of tests")]
+
+use std::collections::BTreeMap;
+
+const PAGE: &str = include_str!("../../../docs/reproduction.md");
+const TABLE_1: &str = include_str!("../../../docs/reproduction/paper-1.md");
+
+const MAP_RULE: &str = include_str!("../../../docs/reproduction/map-rule.md");
+
+const STANFORD: [&str; 6] = ["armadillo", "bunny", "dragon", "happy_buddha", "lucy", "xyzrgb_dragon"];
+
+/// The cells of a table: the head, then the rows.
+fn table<'a>(text: &'a str, head: &str) -> Vec<Vec<&'a str>> {
+    let start = text.find(head).unwrap_or_else(|| panic!("there is no table {head}"));
+    let lines = text[start..].lines().take_while(|line| line.starts_with('|'));
+    let cells = lines.map(|line| line.trim_matches('|').split('|').map(str::trim).collect::<Vec<_>>());
+    cells.filter(|cells| !cells[0].starts_with("---")).collect()
+}
+
+fn data_set(object: &str) -> &'static str {
+    match object {
+        _ if object.starts_with("lm_") => "LINEMOD",
+        _ if object.starts_with("tless_") => "T-LESS",
+        _ if object.starts_with("ycb_") => "YCB",
+        _ if STANFORD.contains(&object) => "Stanford",
+        _ => "others",
+    }
+}
+
+/// Final coverage of one variant less that of another in a report, points, by data set.
+fn differences(report: &str, variant: &str, other: &str) -> BTreeMap<&'static str, Vec<f64>> {
+    let (_, report) = report.split_once("## Voxel coverage by object").unwrap();
+    let rows = table(report, "| object |");
+    let column = |name: &str| rows[0].iter().position(|cell| *cell == name).unwrap();
+    let (variant, other) = (column(variant), column(other));
+    let mut by_set = BTreeMap::<_, Vec<f64>>::new();
+    for row in rows[1..].iter().filter(|row| !row[0].starts_with("**")) {
+        let object = row[0].split(" (").next().unwrap().replace('\\', "");
+        let percent = |column: usize| row[column].parse::<f64>().unwrap();
+        by_set.entry(data_set(&object)).or_default().push(percent(variant) - percent(other));
+    }
+    let of = |sets: &[&str]| -> Vec<f64> {
+        sets.iter().filter_map(|set| by_set.get(set)).flatten().copied().collect()
+    };
+    let (paper, all) =
+        (of(&["Stanford", "LINEMOD"]), of(&["LINEMOD", "Stanford", "T-LESS", "YCB", "others"]));
+    by_set.extend([("both: the paper's data sets", paper), ("all", all)]);
+    by_set
+}
+
+#[test]
+fn differences_by_data_set_are_those_of_the_report() {
+    let differences = differences(TABLE_1, "max-flow", "random");
+    let rows = table(PAGE, "| max-flow less random views, table I |");
+    assert_eq!(rows.len() - 1, differences.len());
+    for row in &rows[1..] {
+        let values = &differences[row[0].trim_matches('*')];
+        let n = |is: fn(&f64) -> bool| values.iter().filter(|value| is(value)).count();
+        let mean = values.iter().sum::<f64>() / values.len() as f64;
+        let said: f64 = row[2].split(' ').next().unwrap().parse().unwrap();
+        assert_eq!(row[1], values.len().to_string(), "{row:?}");
+        assert!((said - mean).abs() <= 0.05 + 1e-9, "{row:?}: {mean}");
+        assert_eq!(row[3], format!("{} / {}", n(|d| *d > 1e-9), n(|d| *d < -1e-9)), "{row:?}");
+    }
+}
+
+/// Of every map rule and of every fading of rays, beside random views in maps of the same rule.
+#[test]
+fn differences_by_map_rule_are_those_of_the_report() {
+    let rows = table(PAGE, "| | hits only | carved |");
+    assert_eq!(rows.len(), 5);
+    for row in &rows[1..] {
+        let (set, rays) = row[0].split_once(", ").unwrap();
+        let set = if set.starts_with("Stanford") { "both: the paper's data sets" } else { set };
+        for (map, cell) in rows[0][1..].iter().zip(&row[1..]) {
+            let differences = differences(MAP_RULE, &format!("{map}, {rays}"), &format!("random, {map}"));
+            let mean = differences[set].iter().sum::<f64>() / differences[set].len() as f64;
+            let said: f64 = cell.trim_matches('*').split(' ').next().unwrap().parse().unwrap();
+            assert!((said - mean).abs() <= 0.06, "{row:?}: {mean}");
+        }
+    }
+}

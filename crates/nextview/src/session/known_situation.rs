@@ -1,0 +1,40 @@
+use super::config::SessionConfig;
+use super::known_scene::KnownScene;
+use super::scan_map::Place;
+use crate::motion::Surroundings;
+use crate::planner::Situation;
+use crate::sensor::Frame;
+
+/// A situation with all that a session knows besides the map, the candidates and the camera: its frames, the
+/// candidates that were visited, and how long a robot needs to each.
+pub(super) fn known_situation<'a>(
+    situation: Situation<'a>,
+    config: &SessionConfig,
+    scene: &'a KnownScene,
+    frames: &'a [Frame],
+    visited: &'a [usize],
+    approaches: Option<&'a [Option<f64>]>,
+) -> Situation<'a> {
+    let situation = situation
+        .with_depth_range(config.depth_range)
+        .with_frames(frames)
+        .with_right_poses(scene.alignment.trusts_given_poses())
+        .with_visited(visited)
+        .and_then(|situation| situation.with_finest_voxel_size(config.voxel_size))
+        .and_then(|situation| situation.with_motion(config.motion, surroundings(scene)))
+        .map(|situation| match &scene.quality {
+            Some(quality) => situation.with_goal(&quality.measured, quality.goal),
+            None => situation,
+        })
+        .and_then(|situation| match approaches {
+            Some(times) => situation.with_approaches(times),
+            None => Ok(situation),
+        });
+    situation.expect("the session visits candidates in checked voxels")
+}
+
+/// What a moving camera has to keep away from.
+pub(super) fn surroundings(scene: &KnownScene) -> Surroundings {
+    let Place { bounds: object, table } = scene.map.place();
+    Surroundings { object, floor: table.map(|table| table.floor()) }
+}
