@@ -161,6 +161,7 @@ fn every_gain_scans_and_plans() {
         "average-entropy",
         "krainin",
         "area-factor",
+        "potthast",
         "batch",
     ] {
         let args = ["--views", "3", "--planner", planner, "--baselines", "off", "--json"];

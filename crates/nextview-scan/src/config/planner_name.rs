@@ -1,7 +1,7 @@
 use crate::names::named;
 use crate::{Fault, files};
 use nextview::gain::{
-    Apora, AreaFactor, AverageEntropy, InformationGain, Krainin, OcclusionAware, ProximityCount,
+    Apora, AreaFactor, AverageEntropy, InformationGain, Krainin, OcclusionAware, Potthast, ProximityCount,
     RearSideEntropy, RearSideVoxel, UnobservedVoxel,
 };
 use nextview::planner::{
@@ -28,6 +28,7 @@ named! {
         AverageEntropy = "average-entropy": "Mean entropy on rays that end at a surface, Kriegel et al. 2015",
         Krainin = "krainin": "Entropy on rays that end at a surface, Krainin et al. 2011",
         AreaFactor = "area-factor": "Shares of surface and occlusion plane, Vasquez-Gomez et al. 2014",
+        Potthast = "potthast": "Expected loss of entropy along rays, Potthast & Sukhatme 2014",
         NbvNet = "nbv-net": "NBV-Net, Mendoza et al. 2020: the one of 14 views that a network has learned to name",
         Batch = "batch": "Several views at once that together show most, and the shortest tour through them",
         InOrder = "in-order": "The views in the order of their numbers: that of a recording",
@@ -115,6 +116,7 @@ impl PlannerName {
             Self::AverageEntropy => by_gain::<AverageEntropy>(greedy)?,
             Self::Krainin => by_gain::<Krainin>(greedy)?,
             Self::AreaFactor => by_gain::<AreaFactor>(greedy)?,
+            Self::Potthast => by_gain::<Potthast>(greedy)?,
             Self::NbvNet => Box::new(nbv_net.planner()?),
             Self::Batch => Box::new(Batch::new(batch)?),
             Self::InOrder => Box::new(InOrder),
