@@ -162,6 +162,7 @@ fn every_gain_scans_and_plans() {
         "krainin",
         "area-factor",
         "potthast",
+        "frontier-tour",
         "batch",
     ] {
         let args = ["--views", "3", "--planner", planner, "--baselines", "off", "--json"];

@@ -5,7 +5,7 @@ use nextview::gain::{
     RearSideEntropy, RearSideVoxel, UnobservedVoxel,
 };
 use nextview::planner::{
-    Batch, BatchConfig, Greedy, GreedyConfig, InOrder, MaxFlow, MaxFlowConfig, MostSurface,
+    Batch, BatchConfig, FrontierTour, Greedy, GreedyConfig, InOrder, MaxFlow, MaxFlowConfig, MostSurface,
     MostSurfaceConfig, RandomViews, ViewPlanner,
 };
 use nextview_learned::nbv_net::{NbvNet, Network};
@@ -29,6 +29,7 @@ named! {
         Krainin = "krainin": "Entropy on rays that end at a surface, Krainin et al. 2011",
         AreaFactor = "area-factor": "Shares of surface and occlusion plane, Vasquez-Gomez et al. 2014",
         Potthast = "potthast": "Expected loss of entropy along rays, Potthast & Sukhatme 2014",
+        FrontierTour = "frontier-tour": "First view of the shortest tour past the frontier, Meng et al. 2017",
         NbvNet = "nbv-net": "NBV-Net, Mendoza et al. 2020: the one of 14 views that a network has learned to name",
         Batch = "batch": "Several views at once that together show most, and the shortest tour through them",
         InOrder = "in-order": "The views in the order of their numbers: that of a recording",
@@ -57,7 +58,8 @@ pub struct PlannerConfigs {
     pub most_surface: MostSurfaceConfig,
     /// Of the paper's planner.
     pub max_flow: MaxFlowConfig,
-    /// Of all planners that are named after a gain, and of gains that are written in Python.
+    /// Of all planners that are named after a gain, and of gains that are written in Python; the ray spacing
+    /// also of frontier-tour.
     pub greedy: GreedyConfig,
     /// Of the planner that chooses several views at once.
     pub batch: BatchConfig,
@@ -117,6 +119,7 @@ impl PlannerName {
             Self::Krainin => by_gain::<Krainin>(greedy)?,
             Self::AreaFactor => by_gain::<AreaFactor>(greedy)?,
             Self::Potthast => by_gain::<Potthast>(greedy)?,
+            Self::FrontierTour => Box::new(FrontierTour::new(greedy.ray_spacing)?),
             Self::NbvNet => Box::new(nbv_net.planner()?),
             Self::Batch => Box::new(Batch::new(batch)?),
             Self::InOrder => Box::new(InOrder),

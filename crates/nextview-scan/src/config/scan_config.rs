@@ -100,7 +100,8 @@ pub struct ScanConfig {
     pub most_surface: MostSurfaceConfig,
     /// Of the planners max-flow and local.
     pub max_flow: MaxFlowConfig,
-    /// Of all planners that are named after a gain, and of gains that are written in Python.
+    /// Of all planners that are named after a gain, and of gains that are written in Python; the ray spacing
+    /// also of frontier-tour.
     pub greedy: GreedyConfig,
     /// Of the planner batch.
     pub batch: BatchConfig,

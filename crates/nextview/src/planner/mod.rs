@@ -9,6 +9,7 @@
 
 mod batch;
 mod explanation;
+mod frontier_tour;
 mod greedy;
 mod greedy_by_view;
 mod in_order;
@@ -22,6 +23,7 @@ mod view_planner;
 
 pub use batch::{Batch, BatchConfig, BatchPlan, BatchView};
 pub use explanation::Explanation;
+pub use frontier_tour::FrontierTour;
 pub use greedy::{Greedy, GreedyConfig};
 pub use greedy_by_view::GreedyByView;
 pub use in_order::InOrder;
