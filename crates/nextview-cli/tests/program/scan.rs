@@ -163,6 +163,7 @@ fn every_gain_scans_and_plans() {
         "area-factor",
         "potthast",
         "frontier-tour",
+        "pb-nbv",
         "batch",
     ] {
         let args = ["--views", "3", "--planner", planner, "--baselines", "off", "--json"];

@@ -6,7 +6,7 @@ use nextview::gain::{
 };
 use nextview::planner::{
     Batch, BatchConfig, FrontierTour, Greedy, GreedyConfig, InOrder, MaxFlow, MaxFlowConfig, MostSurface,
-    MostSurfaceConfig, RandomViews, ViewPlanner,
+    MostSurfaceConfig, PbNbv, RandomViews, ViewPlanner,
 };
 use nextview_learned::nbv_net::{NbvNet, Network};
 use serde::{Deserialize, Serialize};
@@ -30,6 +30,7 @@ named! {
         AreaFactor = "area-factor": "Shares of surface and occlusion plane, Vasquez-Gomez et al. 2014",
         Potthast = "potthast": "Expected loss of entropy along rays, Potthast & Sukhatme 2014",
         FrontierTour = "frontier-tour": "First view of the shortest tour past the frontier, Meng et al. 2017",
+        PbNbv = "pb-nbv": "Image area of ellipsoids around frontier and surface, Jia et al. 2025",
         NbvNet = "nbv-net": "NBV-Net, Mendoza et al. 2020: the one of 14 views that a network has learned to name",
         Batch = "batch": "Several views at once that together show most, and the shortest tour through them",
         InOrder = "in-order": "The views in the order of their numbers: that of a recording",
@@ -120,6 +121,7 @@ impl PlannerName {
             Self::AreaFactor => by_gain::<AreaFactor>(greedy)?,
             Self::Potthast => by_gain::<Potthast>(greedy)?,
             Self::FrontierTour => Box::new(FrontierTour::new(greedy.ray_spacing)?),
+            Self::PbNbv => Box::new(PbNbv),
             Self::NbvNet => Box::new(nbv_net.planner()?),
             Self::Batch => Box::new(Batch::new(batch)?),
             Self::InOrder => Box::new(InOrder),
