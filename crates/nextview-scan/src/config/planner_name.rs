@@ -6,7 +6,7 @@ use nextview::gain::{
 };
 use nextview::planner::{
     Batch, BatchConfig, FrontierTour, Greedy, GreedyConfig, InOrder, MaxFlow, MaxFlowConfig, MostSurface,
-    MostSurfaceConfig, PbNbv, RandomViews, ViewPlanner,
+    MostSurfaceConfig, PbNbv, RandomViews, See, ViewPlanner,
 };
 use nextview_learned::nbv_net::{NbvNet, Network};
 use serde::{Deserialize, Serialize};
@@ -31,6 +31,7 @@ named! {
         Potthast = "potthast": "Expected loss of entropy along rays, Potthast & Sukhatme 2014",
         FrontierTour = "frontier-tour": "First view of the shortest tour past the frontier, Meng et al. 2017",
         PbNbv = "pb-nbv": "Image area of ellipsoids around frontier and surface, Jia et al. 2025",
+        See = "see": "Views onto the edges of dense points, Border & Gammell 2024",
         NbvNet = "nbv-net": "NBV-Net, Mendoza et al. 2020: the one of 14 views that a network has learned to name",
         Batch = "batch": "Several views at once that together show most, and the shortest tour through them",
         InOrder = "in-order": "The views in the order of their numbers: that of a recording",
@@ -85,7 +86,7 @@ impl NbvNetConfig {
 impl PlannerName {
     /// Whether the planner needs the depth images behind the map.
     pub fn needs_frames(self) -> bool {
-        self == Self::ProximityCount
+        matches!(self, Self::ProximityCount | Self::See)
     }
 
     /// Whether a map is all that the planner needs: neither frames nor the true object.
@@ -122,6 +123,7 @@ impl PlannerName {
             Self::Potthast => by_gain::<Potthast>(greedy)?,
             Self::FrontierTour => Box::new(FrontierTour::new(greedy.ray_spacing)?),
             Self::PbNbv => Box::new(PbNbv),
+            Self::See => Box::new(See::default()),
             Self::NbvNet => Box::new(nbv_net.planner()?),
             Self::Batch => Box::new(Batch::new(batch)?),
             Self::InOrder => Box::new(InOrder),
