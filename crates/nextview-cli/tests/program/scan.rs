@@ -164,6 +164,7 @@ fn every_gain_scans_and_plans() {
         "potthast",
         "frontier-tour",
         "pb-nbv",
+        "receding-horizon",
         "batch",
     ] {
         let args = ["--views", "3", "--planner", planner, "--baselines", "off", "--json"];

@@ -6,7 +6,7 @@ use nextview::gain::{
 };
 use nextview::planner::{
     Batch, BatchConfig, FrontierTour, Greedy, GreedyConfig, InOrder, MaxFlow, MaxFlowConfig, MostSurface,
-    MostSurfaceConfig, PbNbv, RandomViews, See, ViewPlanner,
+    MostSurfaceConfig, PbNbv, RandomViews, RecedingHorizon, See, ViewPlanner,
 };
 use nextview_learned::nbv_net::{NbvNet, Network};
 use serde::{Deserialize, Serialize};
@@ -32,6 +32,7 @@ named! {
         FrontierTour = "frontier-tour": "First view of the shortest tour past the frontier, Meng et al. 2017",
         PbNbv = "pb-nbv": "Image area of ellipsoids around frontier and surface, Jia et al. 2025",
         See = "see": "Views onto the edges of dense points, Border & Gammell 2024",
+        RecedingHorizon = "receding-horizon": "First view of the best branch of a random tree, Bircher et al. 2016",
         NbvNet = "nbv-net": "NBV-Net, Mendoza et al. 2020: the one of 14 views that a network has learned to name",
         Batch = "batch": "Several views at once that together show most, and the shortest tour through them",
         InOrder = "in-order": "The views in the order of their numbers: that of a recording",
@@ -61,7 +62,7 @@ pub struct PlannerConfigs {
     /// Of the paper's planner.
     pub max_flow: MaxFlowConfig,
     /// Of all planners that are named after a gain, and of gains that are written in Python; the ray spacing
-    /// also of frontier-tour.
+    /// also of frontier-tour and receding-horizon.
     pub greedy: GreedyConfig,
     /// Of the planner that chooses several views at once.
     pub batch: BatchConfig,
@@ -124,6 +125,7 @@ impl PlannerName {
             Self::FrontierTour => Box::new(FrontierTour::new(greedy.ray_spacing)?),
             Self::PbNbv => Box::new(PbNbv),
             Self::See => Box::new(See::default()),
+            Self::RecedingHorizon => Box::new(RecedingHorizon::new(greedy.ray_spacing, seed)?),
             Self::NbvNet => Box::new(nbv_net.planner()?),
             Self::Batch => Box::new(Batch::new(batch)?),
             Self::InOrder => Box::new(InOrder),

@@ -48,7 +48,7 @@ pub struct ScanConfig {
     pub voxel_size_m: Option<f64>,
     /// Where candidates are: the name of a rule, or a file of poses.
     pub view_space: ViewSpaceName,
-    /// Seed of the random planner and, unless `view_seed` is given, of the random shell.
+    /// Seed of the planners random and receding-horizon and, without `view_seed`, of the random shell.
     pub seed: u64,
     /// Seed of the random views that define skill 0. The same number gives other draws than as `seed`.
     pub baseline_seed: u64,
@@ -101,7 +101,7 @@ pub struct ScanConfig {
     /// Of the planners max-flow and local.
     pub max_flow: MaxFlowConfig,
     /// Of all planners that are named after a gain, and of gains that are written in Python; the ray spacing
-    /// also of frontier-tour.
+    /// also of frontier-tour and receding-horizon.
     pub greedy: GreedyConfig,
     /// Of the planner batch.
     pub batch: BatchConfig,
