@@ -6,7 +6,7 @@
 use glam::{DVec2, DVec3, IVec3, UVec3};
 use nextview::Cancel;
 use nextview::gain::{
-    Apora, AreaFactor, AverageEntropy, InformationGain, Krainin, OcclusionAware, ProximityCount,
+    Apora, AreaFactor, AverageEntropy, InformationGain, Krainin, OcclusionAware, Potthast, ProximityCount,
     RearSideEntropy, RearSideVoxel, UnobservedVoxel,
 };
 use nextview::geometry::random::Random;
@@ -29,7 +29,7 @@ fn snapshot(min: IVec3, dims: UVec3, state: impl Fn(usize) -> Occupancy) -> Snap
     })
 }
 
-/// A row of voxels along x: `?` unknown, `.` free (P = 0.4), `#` occupied (P = 0.7).
+/// A row of voxels of 1 cm along x: `?` unknown, `.` free (P = 0.4), `#` occupied (P = 0.7).
 fn row(text: &str) -> Snapshot {
     let state = |i: usize| match text.as_bytes()[i] {
         b'?' => Occupancy::Unknown,
@@ -151,6 +151,47 @@ fn area_factor_weighs_what_rays_meet_first() {
     near(total(&[occupied]), 0.0);
     // Half occplane: t = 0.5 / 0.8 = 0.625 and 0.390625 * (3 - 1.25) = 0.683594.
     near(total(&[occplane, unmarked]), 0.683_593_75);
+}
+
+/// In unknown space eqs. (5) to (15) have a closed form: v_m = a^(m (m + 1) / 2), and o_m = (1 - v_1 ... v_m)
+/// / 2.
+#[test]
+fn potthast_gains_what_the_closed_form_says_in_unknown_space() {
+    let of_first = |n: usize| if n == 0 { 0.0 } else { of_row::<Potthast>(&"?".repeat(n)) };
+    for (m, o) in [(1, 0.0005), (10, 0.0988), (15, 0.2468), (20, 0.3929)] {
+        let exponent = (m * (m + 1) * (m + 2) / 6) as i32;
+        let closed = 0.5 * (1.0 - 0.999_f64.powi(exponent));
+        assert!((closed - o).abs() < 1e-4, "{closed} in voxel {m}");
+        near(of_first(m) - of_first(m - 1), LN_2 - entropy(closed));
+    }
+    // Sight falls below 1e-3 in voxel 118, and 0.999^(118 * 119 / 2) is 0.00089.
+    assert_eq!(of_first(118), of_first(300));
+}
+
+#[test]
+fn potthast_hides_what_is_behind_a_surface() {
+    // One free voxel: v_1 = 0.999, so o' = 0.0005, and o = 0.4 * 0.0005 / (0.4 * 0.0005 + 0.6 * 0.9995).
+    let o = 0.4 * 0.0005 / (0.4 * 0.0005 + 0.6 * 0.9995);
+    near(of_row::<Potthast>("."), H_FREE - entropy(o));
+    // The ray ends at the surface, and with it the view's gain.
+    assert_eq!(of_row::<Potthast>("..#"), of_row::<Potthast>("..#???"));
+}
+
+/// Ten times as many voxels of a tenth of the size have ten times the gain, up to what is lost by counting
+/// whole voxels.
+#[test]
+fn potthast_decays_per_metre() {
+    let of_voxels = |voxel_size: f64, n: u32| {
+        let block = VoxelBlock::new(IVec3::ZERO, UVec3::new(n, 1, 1)).unwrap();
+        let unknown = Snapshot::from_fn(Lattice::new(voxel_size).unwrap(), block, |_| None);
+        let (gain, mut tally) = (Potthast::new(&unknown, &[], &Cancel::default()).unwrap(), 0.0);
+        with_ray(&unknown, &(0..n as usize).collect::<Vec<_>>(), |ray| gain.add(ray, &mut tally));
+        tally * voxel_size
+    };
+    for n in [10, 20, 40, 80] {
+        let (coarse, fine) = (of_voxels(0.01, n), of_voxels(0.001, 10 * n));
+        assert!((coarse / fine - 1.0).abs() < 0.15, "{coarse} {fine}");
+    }
 }
 
 /// A camera of one pixel at `x` on the axis of the row, which looks at its other end and measures a surface
@@ -306,6 +347,25 @@ impl Definitions<'_> {
         if number == 0.0 { 0.0 } else { self.krainin() / number }
     }
 
+    /// Eqs. (4) to (15) in voxels of 1 cm, as they stand.
+    fn potthast(&self) -> f64 {
+        let of_ray = |ray: &Walked| -> f64 {
+            let (mut v, mut o, mut gain) = (vec![1.0_f64], vec![0.0_f64], 0.0);
+            for m in 1..=ray.len() {
+                let (p, before) = (self.p(ray[m - 1]), if m == 1 { 0.5 } else { self.p(ray[m - 2]) });
+                let (sees, returns, q) = (0.999_f64.powi(m as i32), 1e-8, 1.0 - before);
+                let predicted = sees * v[m - 1] + returns * (1.0 - v[m - 1]);
+                v.push(q * predicted / (q * predicted + (1.0 - q) * (1.0 - predicted)));
+                let t = (1.0 + v[m]) / 2.0;
+                let predicted = t * o[m - 1] + (1.0 - t) * (1.0 - o[m - 1]);
+                o.push(p * predicted / (p * predicted + (1.0 - p) * (1.0 - predicted)));
+                gain += self.h(ray[m - 1]) - entropy(o[m]);
+            }
+            gain
+        };
+        self.rays.iter().map(of_ray).sum::<f64>().max(0.0)
+    }
+
     fn p_obj(&self, voxel: usize) -> f64 {
         let block = self.snapshot.block();
         let distance = |&f: &usize| (block.key(f) - block.key(voxel)).as_dvec3().length() * 0.01;
@@ -417,6 +477,7 @@ proptest! {
             ("rse", cast::<RearSideEntropy>(&snapshot, &frames, &pose), definitions.rear_side_entropy()),
             ("krainin", cast::<Krainin>(&snapshot, &frames, &pose), definitions.krainin()),
             ("ae", cast::<AverageEntropy>(&snapshot, &frames, &pose), definitions.average_entropy()),
+            ("potthast", cast::<Potthast>(&snapshot, &frames, &pose), definitions.potthast()),
             ("apora", cast::<Apora>(&snapshot, &frames, &pose), definitions.apora()),
             ("pc", cast::<ProximityCount>(&snapshot, &frames, &pose), definitions.proximity_count()),
             ("area", cast::<AreaFactor>(&snapshot, &frames, &pose), definitions.area_factor()),

@@ -6,7 +6,7 @@
 use glam::{DVec2, DVec3, IVec3, UVec3};
 use nextview::flow::{BestSets, fewest_sets};
 use nextview::gain::{
-    Apora, AreaFactor, AverageEntropy, InformationGain, Krainin, OcclusionAware, ProximityCount,
+    Apora, AreaFactor, AverageEntropy, InformationGain, Krainin, OcclusionAware, Potthast, ProximityCount,
     RearSideEntropy, RearSideVoxel, UnobservedVoxel, object_probability,
 };
 use nextview::geometry::{Lattice, VoxelBlock};
@@ -339,6 +339,7 @@ fn greedy_planners_plan_as_their_gains_say() {
     check::<AverageEntropy>();
     check::<Krainin>();
     check::<OcclusionAware>();
+    check::<Potthast>();
     check::<ProximityCount>();
     check::<RearSideEntropy>();
     check::<RearSideVoxel>();

@@ -40,7 +40,7 @@ pub(super) struct PlanArgs {
     /// a batch's tour; moves begin at the last of --visited
     #[arg(long, value_name = "T", default_value = "0", value_parser = values::share, allow_negative_numbers = true)]
     theta: f64,
-    /// Seed of the random planner
+    /// Seed of the planners random and receding-horizon
     #[arg(long, value_name = "S", default_value = "0", value_parser = values::seed, allow_negative_numbers = true)]
     seed: u64,
     /// Print one JSON object

@@ -402,7 +402,7 @@ fn questions_that_a_map_cannot_answer() {
     };
     plan(&["--visited", "1"], USAGE, &["--visited is 1", "0 to 0"]);
     plan(&["--visited", "-1"], USAGE, &["--visited"]);
-    for planner in ["clairvoyant", "proximity-count"] {
+    for planner in ["clairvoyant", "proximity-count", "see"] {
         let parts = [&format!("invalid value '{planner}'"), "possible values: most-surface, max-flow, local"];
         plan(&["--planner", planner], USAGE, &parts);
     }

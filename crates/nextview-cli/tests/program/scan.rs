@@ -161,6 +161,10 @@ fn every_gain_scans_and_plans() {
         "average-entropy",
         "krainin",
         "area-factor",
+        "potthast",
+        "frontier-tour",
+        "pb-nbv",
+        "receding-horizon",
         "batch",
     ] {
         let args = ["--views", "3", "--planner", planner, "--baselines", "off", "--json"];

@@ -1,12 +1,12 @@
 use crate::names::named;
 use crate::{Fault, files};
 use nextview::gain::{
-    Apora, AreaFactor, AverageEntropy, InformationGain, Krainin, OcclusionAware, ProximityCount,
+    Apora, AreaFactor, AverageEntropy, InformationGain, Krainin, OcclusionAware, Potthast, ProximityCount,
     RearSideEntropy, RearSideVoxel, UnobservedVoxel,
 };
 use nextview::planner::{
-    Batch, BatchConfig, Greedy, GreedyConfig, InOrder, MaxFlow, MaxFlowConfig, MostSurface,
-    MostSurfaceConfig, RandomViews, ViewPlanner,
+    Batch, BatchConfig, FrontierTour, Greedy, GreedyConfig, InOrder, MaxFlow, MaxFlowConfig, MostSurface,
+    MostSurfaceConfig, PbNbv, RandomViews, RecedingHorizon, See, ViewPlanner,
 };
 use nextview_learned::nbv_net::{NbvNet, Network};
 use serde::{Deserialize, Serialize};
@@ -28,6 +28,11 @@ named! {
         AverageEntropy = "average-entropy": "Mean entropy on rays that end at a surface, Kriegel et al. 2015",
         Krainin = "krainin": "Entropy on rays that end at a surface, Krainin et al. 2011",
         AreaFactor = "area-factor": "Shares of surface and occlusion plane, Vasquez-Gomez et al. 2014",
+        Potthast = "potthast": "Expected loss of entropy along rays, Potthast & Sukhatme 2014",
+        FrontierTour = "frontier-tour": "First view of the shortest tour past the frontier, Meng et al. 2017",
+        PbNbv = "pb-nbv": "Image area of ellipsoids around frontier and surface, Jia et al. 2025",
+        See = "see": "Views onto the edges of dense points, Border & Gammell 2024",
+        RecedingHorizon = "receding-horizon": "First view of the best branch of a random tree, Bircher et al. 2016",
         NbvNet = "nbv-net": "NBV-Net, Mendoza et al. 2020: the one of 14 views that a network has learned to name",
         Batch = "batch": "Several views at once that together show most, and the shortest tour through them",
         InOrder = "in-order": "The views in the order of their numbers: that of a recording",
@@ -56,7 +61,8 @@ pub struct PlannerConfigs {
     pub most_surface: MostSurfaceConfig,
     /// Of the paper's planner.
     pub max_flow: MaxFlowConfig,
-    /// Of all planners that are named after a gain, and of gains that are written in Python.
+    /// Of all planners that are named after a gain, and of gains that are written in Python; the ray spacing
+    /// also of frontier-tour and receding-horizon.
     pub greedy: GreedyConfig,
     /// Of the planner that chooses several views at once.
     pub batch: BatchConfig,
@@ -81,7 +87,7 @@ impl NbvNetConfig {
 impl PlannerName {
     /// Whether the planner needs the depth images behind the map.
     pub fn needs_frames(self) -> bool {
-        self == Self::ProximityCount
+        matches!(self, Self::ProximityCount | Self::See)
     }
 
     /// Whether a map is all that the planner needs: neither frames nor the true object.
@@ -115,6 +121,11 @@ impl PlannerName {
             Self::AverageEntropy => by_gain::<AverageEntropy>(greedy)?,
             Self::Krainin => by_gain::<Krainin>(greedy)?,
             Self::AreaFactor => by_gain::<AreaFactor>(greedy)?,
+            Self::Potthast => by_gain::<Potthast>(greedy)?,
+            Self::FrontierTour => Box::new(FrontierTour::new(greedy.ray_spacing)?),
+            Self::PbNbv => Box::new(PbNbv),
+            Self::See => Box::new(See::default()),
+            Self::RecedingHorizon => Box::new(RecedingHorizon::new(greedy.ray_spacing, seed)?),
             Self::NbvNet => Box::new(nbv_net.planner()?),
             Self::Batch => Box::new(Batch::new(batch)?),
             Self::InOrder => Box::new(InOrder),

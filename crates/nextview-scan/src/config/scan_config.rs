@@ -55,7 +55,7 @@ pub struct ScanConfig {
     /// The same distance as what it is above half the diagonal of the object's box.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub view_standoff_m: Option<f64>,
-    /// Seed of the random planner and, unless `view_seed` is given, of the random shell.
+    /// Seed of the planners random and receding-horizon and, without `view_seed`, of the random shell.
     pub seed: u64,
     /// Seed of the random views that define skill 0. The same number gives other draws than as `seed`.
     pub baseline_seed: u64,
@@ -110,7 +110,8 @@ pub struct ScanConfig {
     pub most_surface: MostSurfaceConfig,
     /// Of the planners max-flow and local.
     pub max_flow: MaxFlowConfig,
-    /// Of all planners that are named after a gain, and of gains that are written in Python.
+    /// Of all planners that are named after a gain, and of gains that are written in Python; the ray spacing
+    /// also of frontier-tour and receding-horizon.
     pub greedy: GreedyConfig,
     /// Of the planner batch.
     pub batch: BatchConfig,

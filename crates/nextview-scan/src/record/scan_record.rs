@@ -17,7 +17,7 @@ pub struct ScanRecord {
     pub planner: PlannerChoice,
     /// The named set of defaults that the configuration came from.
     pub profile: Profile,
-    /// Seed of the random planner.
+    /// Seed of the planners random and receding-horizon.
     pub seed: u64,
     /// Seed of the random shell; none where no random shell makes the candidates.
     #[serde(skip_serializing_if = "Option::is_none")]

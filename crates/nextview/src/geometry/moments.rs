@@ -30,13 +30,24 @@ impl Moments {
     /// The normal, of either sign, of the plane of least squared distances (principal components, Hoppe et
     /// al. 1992); none if the points do not form a plane. There must be at least one point.
     pub fn normal(&self) -> Option<DVec3> {
-        let mean = self.sum / self.n;
-        let outer = DMat3::from_cols(mean * mean.x, mean * mean.y, mean * mean.z);
-        let eigen = Eigen::of((self.squares * (1.0 / self.n) - outer).to_cols_array_2d());
+        let eigen = self.principal_axes();
         let across = eigen.smallest();
         let along = (0..3).filter(|i| *i != across).map(|i| eigen.values[i]).fold(f64::INFINITY, f64::min);
         let normal = DVec3::from_array(eigen.vectors[across]);
         (along > 0.0 && eigen.values[across] <= MOST_THICKNESS * along).then_some(normal)
+    }
+
+    /// The direction of least variance, of either sign, whatever the points form. There must be at least one.
+    pub fn least_axis(&self) -> DVec3 {
+        let eigen = self.principal_axes();
+        DVec3::from_array(eigen.vectors[eigen.smallest()])
+    }
+
+    /// The variances along the principal axes, and these.
+    fn principal_axes(&self) -> Eigen<3> {
+        let mean = self.sum / self.n;
+        let outer = DMat3::from_cols(mean * mean.x, mean * mean.y, mean * mean.z);
+        Eigen::of((self.squares * (1.0 / self.n) - outer).to_cols_array_2d())
     }
 }
 

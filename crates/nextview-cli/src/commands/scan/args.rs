@@ -121,7 +121,7 @@ pub struct ScanArgs {
     reach: Option<[f64; 4]>,
     #[command(flatten)]
     robot: RobotArgs,
-    /// Seed of the random shell and the random planner [default: 0]
+    /// Seed of the random shell and the planners random and receding-horizon [default: 0]
     #[arg(long, value_name = "S", value_parser = values::seed, allow_negative_numbers = true)]
     seed: Option<u64>,
     /// Named set of defaults [default: default]

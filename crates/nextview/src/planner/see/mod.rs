@@ -1,0 +1,313 @@
+mod cloud;
+mod grid;
+
+use super::{Choice, Plan, Situation, ViewPlanner};
+use crate::{Cancelled, Error};
+use cloud::{Class, Cloud};
+use glam::DVec3;
+use rayon::prelude::*;
+
+/// Looks straight at the edges of densely measured surface: the surface edge explorer of Border & Gammell
+/// (SEE, International Journal of Robotics Research 2024).
+///
+/// It needs the frames and uses no voxels. A point with many others around it is a core point, and one
+/// between core and sparse points a frontier point. Each frontier point proposes the view along its normal.
+/// Of the proposals near the camera, the next view is near, and sees many frontier points and that of the
+/// nearest proposal. There is no choice once there are no frontier points, or no view sees one.
+///
+/// Views are candidates: a proposal becomes the open one of smallest angle to the normal that sees the point.
+/// A point is given up after three views of it, where the publication moves its view, then looks from where
+/// the point was first seen. The code of its authors decides where their text leaves something open.
+#[derive(Clone, Debug, Default)]
+pub struct See {
+    /// The frontier points of all choices so far, in world coordinates.
+    targets: Vec<DVec3>,
+}
+
+/// Radius in which density is measured (the paper's r), voxels.
+const RADIUS: f64 = 3.0;
+
+/// Least distance between points (the paper's epsilon), voxels.
+const GAP: f64 = 0.5;
+
+/// Step of the search for what hides a point (the paper's upsilon), voxels: about as much of the radius as in
+/// the configuration of the authors, 1 cm of 1.7.
+const STEP: f64 = 1.8;
+
+/// Number of proposals considered, those nearest to the camera (the paper's tau).
+const N_PROPOSALS: usize = 100;
+
+/// Largest angle between the normal of a point and a view of it, as its cosine: 60 degrees.
+const LEAST_COSINE: f64 = 0.5;
+
+/// Number of views of a point after which it is given up.
+const MOST_VIEWS: usize = 3;
+
+/// Added to the distance of a view, metres, so that none is infinitely near.
+const LEAST_DISTANCE: f64 = 0.001;
+
+impl ViewPlanner for See {
+    fn plan(&mut self, situation: &Situation<'_>) -> Result<Plan, Error> {
+        let Some(camera) = situation.camera_position() else { return Ok(Plan::default()) };
+        let scene = Scene::new(situation)?;
+        let edges = scene.edges(&self.targets, camera)?;
+        let proposals = scene.proposals(&edges)?;
+        let choice = scene.choose(&edges, &proposals, camera);
+        self.targets.extend(choice.as_ref().map(|(_, target)| *target + scene.origin));
+        Ok(Plan { choice: choice.map(|(choice, _)| choice), ..Plan::default() })
+    }
+}
+
+/// A frontier point and its normal.
+#[derive(Clone, Copy, Debug)]
+struct Edge {
+    point: DVec3,
+    normal: DVec3,
+}
+
+/// A view of an edge, and which of all edges it sees.
+struct Proposal {
+    edge: usize,
+    view: usize,
+    sees: Vec<bool>,
+}
+
+struct Scene<'a> {
+    situation: &'a Situation<'a>,
+    cloud: Cloud,
+    /// The place in the world from which the points are counted.
+    origin: DVec3,
+    /// Metres.
+    voxel_size: f64,
+    open: Vec<usize>,
+}
+
+impl<'a> Scene<'a> {
+    fn new(situation: &'a Situation<'a>) -> Result<Self, Cancelled> {
+        let (lattice, block) = (situation.snapshot().lattice(), situation.snapshot().block());
+        let (voxel_size, bounds) = (lattice.voxel_size(), lattice.bounds(&block));
+        let (gap, radius) = (GAP * voxel_size, RADIUS * voxel_size);
+        let cloud = Cloud::new(situation.frames(), bounds, gap, radius, situation.cancel())?;
+        Ok(Self { situation, cloud, origin: bounds.min, voxel_size, open: situation.open_views() })
+    }
+
+    /// Place of the camera in a view, in the coordinates of the points.
+    fn place(&self, view: usize) -> DVec3 {
+        self.situation.views().pose(view).translation() - self.origin
+    }
+
+    /// The frontier points that were not given up, those first whose own view is nearest to the camera.
+    fn edges(&self, targets: &[DVec3], camera: DVec3) -> Result<Vec<Edge>, Cancelled> {
+        let camera = camera - self.origin;
+        let middle = 0.5 * self.situation.snapshot().block().dims().as_dvec3() * self.voxel_size;
+        let from_middle = self.open.iter().map(|&view| self.place(view).distance(middle));
+        let distance = from_middle.sum::<f64>() / self.open.len().max(1) as f64;
+        let radius = RADIUS * self.voxel_size;
+        let is_near = |point: DVec3| move |target: &&DVec3| (**target).distance(point) <= radius;
+        let is_given_up =
+            |point: DVec3| targets.iter().filter(is_near(point + self.origin)).count() >= MOST_VIEWS;
+        let classes = self.cloud.classes(self.situation.cancel())?;
+        let frontier = (0..classes.len()).filter(|&number| classes[number] == Class::Frontier);
+        let edge = |number: usize| {
+            let point = self.cloud.points[number];
+            let normal = (!is_given_up(point)).then(|| self.cloud.normal(number))??;
+            Some((Edge { point, normal }, (point + normal * distance).distance(camera)))
+        };
+        let mut edges: Vec<(Edge, f64)> = frontier.filter_map(edge).collect();
+        edges.sort_by(|a, b| a.1.total_cmp(&b.1));
+        Ok(edges.into_iter().map(|(edge, _)| edge).take(N_PROPOSALS).collect())
+    }
+
+    /// A view of each edge, where there is one.
+    fn proposals(&self, edges: &[Edge]) -> Result<Vec<Proposal>, Cancelled> {
+        let propose = |number: usize| {
+            self.situation.cancel().check()?;
+            let cosine = |view: usize| edges[number].cosine(self.place(view));
+            let mut views: Vec<(usize, f64)> = self.open.iter().map(|&view| (view, cosine(view))).collect();
+            views.sort_by(|a, b| b.1.total_cmp(&a.1));
+            let view = views.into_iter().map(|(view, _)| view).find(|&view| self.sees(view, &edges[number]));
+            let sees = |view: usize| edges.iter().map(|edge| self.sees(view, edge)).collect();
+            Ok(view.map(|view| Proposal { edge: number, view, sees: sees(view) }))
+        };
+        let proposals: Result<Vec<Option<Proposal>>, Cancelled> =
+            (0..edges.len()).into_par_iter().map(propose).collect();
+        Ok(proposals?.into_iter().flatten().collect())
+    }
+
+    /// Whether a view shows a frontier point: in its image and range, not too flat, and hidden by no other
+    /// point.
+    fn sees(&self, view: usize, edge: &Edge) -> bool {
+        let (camera, range) = (self.place(view), self.situation.depth_range());
+        let camera_from_world = self.situation.views().pose(view).inverse();
+        let in_camera = camera_from_world.transform_point(edge.point + self.origin);
+        let intrinsics = self.situation.intrinsics();
+        edge.cosine(camera) >= LEAST_COSINE
+            && (range.min..=range.max).contains(&in_camera.z)
+            && intrinsics.project(in_camera).is_some_and(|pixel| intrinsics.contains(pixel))
+            && self.cloud.is_visible(edge.point, edge.normal, camera, STEP * self.voxel_size)
+    }
+
+    /// The next view and the frontier point that it is for: of the proposals that see the frontier point of
+    /// the one nearest to the camera, and more points than that does, the one of most points for its
+    /// distance; or else the nearest itself.
+    fn choose(&self, edges: &[Edge], proposals: &[Proposal], camera: DVec3) -> Option<(Choice, DVec3)> {
+        let distance = |proposal: &&Proposal| self.place(proposal.view).distance(camera - self.origin);
+        let base = proposals.iter().min_by(|a, b| distance(a).total_cmp(&distance(b)))?;
+        let n_seen = |proposal: &Proposal| proposal.sees.iter().filter(|&&is_seen| is_seen).count();
+        let score = |proposal: &Proposal| n_seen(proposal) as f64 / (distance(&proposal) + LEAST_DISTANCE);
+        let is_better = |proposal: &&Proposal| proposal.sees[base.edge] && n_seen(proposal) > n_seen(base);
+        let better = proposals.iter().filter(is_better);
+        let best = better.reduce(|best, other| if score(other) > score(best) { other } else { best });
+        let next = best.unwrap_or(base);
+        let explanation =
+            [("proposals", proposals.len() as f64), ("seen_frontier_points", n_seen(next) as f64)];
+        let choice = Choice { explanation: Some(explanation.into()), ..Choice::new(next.view, score(next)) };
+        Some((choice, edges[next.edge].point))
+    }
+}
+
+impl Edge {
+    /// Cosine of the angle between the normal and the way to a camera.
+    fn cosine(&self, camera: DVec3) -> f64 {
+        self.normal.dot((camera - self.point).normalize_or_zero())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::Cancel;
+    use crate::geometry::{Lattice, VoxelBlock};
+    use crate::map::Snapshot;
+    use crate::sensor::{Frame, Intrinsics};
+    use crate::view::{ViewSpace, generate};
+    use cloud::tests::frames;
+    use glam::{IVec3, UVec3};
+
+    /// Voxels of 7 mm, so that points of the images are a little denser than the gap.
+    fn unknown() -> Snapshot {
+        let block = VoxelBlock::new(IVec3::splat(-12), UVec3::splat(24)).unwrap();
+        Snapshot::from_fn(Lattice::new(0.007).unwrap(), block, |_| None)
+    }
+
+    fn views() -> ViewSpace {
+        generate::fibonacci_sphere(DVec3::ZERO, 0.4, 80).unwrap()
+    }
+
+    fn with_situation<T>(frames: &[Frame], visited: &[usize], use_it: impl FnOnce(&Situation<'_>) -> T) -> T {
+        let (snapshot, views, camera, cancel) = (unknown(), views(), Intrinsics::d435i(), Cancel::default());
+        let situation = Situation::new(&snapshot, &views, &camera, &cancel).with_frames(frames);
+        use_it(&situation.with_visited(visited).unwrap())
+    }
+
+    fn plan(see: &mut See, frames: &[Frame], visited: &[usize]) -> Option<Choice> {
+        with_situation(frames, visited, |situation| see.plan(situation).unwrap().choice)
+    }
+
+    /// The slow twin: every rule of the page as a loop over all of the points and views.
+    fn by_definition(situation: &Situation<'_>) -> (usize, f64) {
+        let (h, origin) = (0.007, DVec3::splat(-0.084));
+        let bounds = crate::geometry::Aabb { min: origin, max: -origin };
+        let cloud = Cloud::new(situation.frames(), bounds, 0.5 * h, 3.0 * h, situation.cancel()).unwrap();
+        let classes = cloud.classes(situation.cancel()).unwrap();
+        let camera = situation.camera_position().unwrap();
+        let place = |view: usize| situation.views().pose(view).translation();
+        let mut edges = Vec::new();
+        for number in (0..classes.len()).filter(|&number| classes[number] == Class::Frontier) {
+            edges.extend(cloud.normal(number).map(|normal| (cloud.points[number] + origin, normal)));
+        }
+        let ideal = |(point, normal): &(DVec3, DVec3)| (*point + *normal * 0.4).distance(camera);
+        edges.sort_by(|a, b| ideal(a).total_cmp(&ideal(b)));
+        edges.truncate(100);
+        let cosine = |view: usize, (point, normal): (DVec3, DVec3)| {
+            let way = place(view) - point;
+            normal.dot(way) / way.length()
+        };
+        let sees = |view: usize, (point, normal): (DVec3, DVec3)| {
+            let pixel = situation.views().pose(view).inverse().transform_point(point);
+            let is_shown =
+                situation.intrinsics().project(pixel).is_some_and(|p| situation.intrinsics().contains(p));
+            let is_steep = cosine(view, (point, normal)) >= 0.5;
+            is_shown && is_steep && cloud.is_visible(point - origin, normal, place(view) - origin, 1.8 * h)
+        };
+        let open = situation.open_views();
+        let mut proposals = Vec::new();
+        for &edge in &edges {
+            let mut best: Option<usize> = None;
+            for &view in open.iter().filter(|&&view| sees(view, edge)) {
+                if best.is_none_or(|best| cosine(view, edge) > cosine(best, edge)) {
+                    best = Some(view);
+                }
+            }
+            proposals.extend(best.map(|view| (edge, view)));
+        }
+        let out = |view: usize| edges.iter().filter(|&&edge| sees(view, edge)).count();
+        let distance = |view: usize| place(view).distance(camera);
+        let mut base = proposals[0];
+        for &other in &proposals {
+            if distance(other.1) < distance(base.1) {
+                base = other;
+            }
+        }
+        let score = |view: usize| out(view) as f64 / (distance(view) + 0.001);
+        let mut next: Option<usize> = None;
+        for &(_, view) in &proposals {
+            let is_better = sees(view, base.0) && out(view) > out(base.1);
+            if is_better && next.is_none_or(|next| score(view) > score(next)) {
+                next = Some(view);
+            }
+        }
+        let next = next.unwrap_or(base.1);
+        (next, score(next))
+    }
+
+    #[test]
+    fn the_choice_is_that_of_the_definition() {
+        for seen in [&[DVec3::X][..], &[DVec3::X, DVec3::Y], &[DVec3::new(1.0, 1.0, 1.0)]] {
+            let frames = frames(seen);
+            for visited in [&[3][..], &[40, 12]] {
+                let (view, score) = with_situation(&frames, visited, by_definition);
+                let choice = plan(&mut See::default(), &frames, visited).unwrap();
+                assert_eq!(choice.view, view);
+                assert!((choice.score - score).abs() < 1e-9 * score);
+            }
+        }
+    }
+
+    #[test]
+    fn it_moves_on_past_the_edge_and_gives_points_up() {
+        let frames = frames(&[DVec3::X]);
+        let mut see = See::default();
+        let mut visited = vec![0];
+        while let Some(choice) = plan(&mut see, &frames, &visited) {
+            visited.push(choice.view);
+        }
+        assert!((4..80).contains(&visited.len()), "{visited:?}");
+        let counted = |target: &DVec3| {
+            let n_before = see.targets.iter().filter(|other| other.distance(*target) <= 3.0 * 0.007).count();
+            assert!(n_before > 0);
+            n_before
+        };
+        assert!(
+            see.targets.iter().map(counted).max() >= Some(MOST_VIEWS),
+            "looked again at what stayed an edge"
+        );
+    }
+
+    #[test]
+    fn without_frames_there_is_no_edge() {
+        assert_eq!(plan(&mut See::default(), &[], &[3]), None);
+        let all: Vec<usize> = (0..80).collect();
+        assert_eq!(plan(&mut See::default(), &frames(&[DVec3::X]), &all), None);
+    }
+
+    #[test]
+    fn threads_do_not_show() {
+        let frames = frames(&[DVec3::X, DVec3::Z]);
+        let run = |threads| {
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+            pool.install(|| plan(&mut See::default(), &frames, &[5]))
+        };
+        assert_eq!(run(1), run(4));
+    }
+}
