@@ -7,7 +7,7 @@ use nextview::Cancel;
 use nextview_campaign::execution::{CampaignEvent, run_campaign};
 use nextview_campaign::store::Store;
 use nextview_campaign::tables::{self, Column, Table};
-use nextview_campaign::{FailedRuns, RunRecord, Spec, failed_runs};
+use nextview_campaign::{FailedRuns, RunRecord, Shard, Spec};
 use nextview_scan::{Fault, Faults};
 use numpy::PyArray1;
 use pyo3::prelude::*;
@@ -94,13 +94,15 @@ fn done(
     if campaign.jobs == Some(0) {
         return Err(Fault::of_value("jobs", 0, "at least 1").into());
     }
-    let mut store = Store::open(&campaign.dir, &campaign.spec, campaign.resume)?;
+    let mut store = Store::open(&campaign.dir, &campaign.spec, Shard::WHOLE, campaign.resume)?;
     run_campaign(&mut store, campaign.jobs, cancel, listener)?;
     cancel.check()?;
-    let records: Vec<&RunRecord> = store.finished();
+    let records = store.finished();
     tables::write(&campaign.dir, &records)?;
+    let records = records.iter().collect::<Result<Vec<RunRecord>, Fault>>()?;
+    let records: Vec<&RunRecord> = records.iter().collect();
     let (runs, steps) = (tables::runs(&records)?, tables::steps(&records)?);
-    Ok(Done { runs, steps, times: tables::times(&records), failed: failed_runs(&records) })
+    Ok(Done { runs, steps, times: tables::times(&records), failed: store.failed() })
 }
 
 /// Columns by name: arrays of float64 with NaN for missing values, of int64 or bool where none is missing,

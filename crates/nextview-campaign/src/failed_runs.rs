@@ -12,18 +12,25 @@ pub struct FailedRuns {
     pub n_runs: usize,
 }
 
-/// All runs that failed, by object and reason; empty if all were done.
-pub fn failed_runs(records: &[&RunRecord]) -> Vec<FailedRuns> {
-    let mut counts: BTreeMap<(&str, &str), usize> = BTreeMap::new();
-    for record in records {
+/// The numbers of runs that failed, by object and reason.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct FailureCounts(BTreeMap<(String, String), usize>);
+
+impl FailureCounts {
+    /// Counts the run of a record if it failed.
+    pub fn add(&mut self, record: &RunRecord) {
         if let Some(reason) = record.failure() {
-            *counts.entry((&record.object, reason)).or_default() += 1;
+            *self.0.entry((record.object.clone(), reason.to_owned())).or_default() += 1;
         }
     }
-    let failed = |((object, reason), n_runs): ((&str, &str), usize)| FailedRuns {
-        object: object.to_owned(),
-        reason: reason.to_owned(),
-        n_runs,
-    };
-    counts.into_iter().map(failed).collect()
+
+    /// Empty if no run failed.
+    pub fn list(&self) -> Vec<FailedRuns> {
+        let failed = |((object, reason), &n_runs): (&(String, String), &usize)| FailedRuns {
+            object: object.clone(),
+            reason: reason.clone(),
+            n_runs,
+        };
+        self.0.iter().map(failed).collect()
+    }
 }

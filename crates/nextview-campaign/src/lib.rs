@@ -7,7 +7,8 @@
 //! ```
 //!
 //! Start with [`Spec::load`], open a [`Store`](store::Store) for it, do the runs that are left with
-//! [`run_campaign`](execution::run_campaign), and write the [`tables`]. A report or a comparison only reads:
+//! [`run_campaign`](execution::run_campaign), and write the [`tables`]. Several workers do a [`Shard`] each, and
+//! [`store::merge`] makes one campaign of theirs. A report or a comparison only reads:
 //! [`store::read`] and [`statistics`].
 //!
 //! The crate prints nothing, ends no process and names no option of a program. How a scan is done is the
@@ -21,13 +22,15 @@ mod made_up;
 mod record;
 mod runs;
 mod seeds;
+mod shard;
 mod spec;
 pub mod statistics;
 pub mod store;
 pub mod tables;
 
-pub use failed_runs::{FailedRuns, failed_runs};
+pub use failed_runs::FailedRuns;
 pub use host::Host;
 pub use record::{DoneRun, RunRecord, RunResult};
-pub use runs::{Run, RunId};
+pub use runs::{Run, RunId, Runs};
+pub use shard::Shard;
 pub use spec::{FirstViews, ObjectSpec, Spec, VariantSpec, builtin};

@@ -1,9 +1,11 @@
 //! Runs that never happened.
 
+use crate::store::{StoredRuns, read};
 use crate::{DoneRun, Host, RunRecord, RunResult};
 use nextview::session::StopReason;
 use nextview_scan::{BuildIdentity, PlannerName, Profile, QualityMm, ScanConfig, ScanRecord, StepRecord};
 use std::path::PathBuf;
+use std::sync::atomic::{AtomicUsize, Ordering};
 
 const OBJECTS: [(&str, &str); 6] = [
     ("builtin", "mug"),
@@ -52,6 +54,26 @@ pub(crate) fn folder(name: &str) -> PathBuf {
     let folder = std::env::temp_dir().join(format!("nextview-campaign-{name}-{}", std::process::id()));
     std::fs::create_dir_all(&folder).unwrap();
     folder
+}
+
+/// A folder with these records, which is removed at the end, and what is read there.
+pub(crate) fn stored(name: &str, runs: &[RunRecord]) -> (FolderGuard, StoredRuns) {
+    static NUMBER: AtomicUsize = AtomicUsize::new(0);
+    let folder = folder(&format!("{name}-{}", NUMBER.fetch_add(1, Ordering::Relaxed)));
+    let lines = runs.iter().map(|run| serde_json::to_string(run).unwrap() + "\n");
+    std::fs::write(folder.join("runs.jsonl"), lines.collect::<String>()).unwrap();
+    let stored = read(&folder).unwrap();
+    (FolderGuard(folder), stored)
+}
+
+/// Removes its folder.
+pub(crate) struct FolderGuard(PathBuf);
+
+impl Drop for FolderGuard {
+    fn drop(&mut self) {
+        // The temporary folder is cleaned by others, too.
+        let _ = std::fs::remove_dir_all(&self.0);
+    }
 }
 
 const N_VIEWS: usize = 10;

@@ -42,55 +42,131 @@ impl fmt::Display for RunId {
     }
 }
 
+/// The runs of a specification by object, variant, seed, view seed and first view, in this order of
+/// importance. Each is made when it is asked for: a large campaign has more of them than fit into memory.
+///
+/// ```
+/// use nextview_campaign::Spec;
+///
+/// let spec = "name = \"x\"\nobjects = [\"builtin:mug\"]\nseeds = [0, 1, 2]";
+/// let runs = Spec::parse(spec, "".as_ref())?.runs()?;
+/// assert_eq!(runs.len(), 3);
+/// assert_eq!(runs.number(&runs.get(2).unwrap().id), Some(2));
+/// # Ok::<(), nextview_scan::Faults>(())
+/// ```
+#[derive(Clone, Debug)]
+pub struct Runs {
+    campaign_seed: u64,
+    objects: Vec<ObjectSpec>,
+    variants: Vec<Variant>,
+    /// The number of the first run of each variant among those of an object, and their number.
+    firsts: Vec<usize>,
+    n_of_object: usize,
+    objects_by_name: BTreeMap<String, usize>,
+    variants_by_label: BTreeMap<String, usize>,
+}
+
 impl Spec {
-    /// All runs by object, variant, seed, view seed and first view, in this order of importance.
-    pub fn runs(&self) -> Result<Vec<Run>, Faults> {
+    /// All runs; fails if they cannot be told apart or configured.
+    pub fn runs(&self) -> Result<Runs, Faults> {
         let mut faults = FaultList::default();
-        let runs = all(self, &mut faults);
-        faults.or(runs)
+        let variants = check(self, &mut faults);
+        faults.or(Runs::new(self, variants))
     }
 }
 
-/// All runs as far as they can be configured; `faults` gets what is wrong.
-pub(crate) fn all(spec: &Spec, faults: &mut FaultList) -> Vec<Run> {
-    let variants = variants(spec, faults);
-    check_objects(&spec.objects, faults);
-    let of_object = |object: &ObjectSpec| -> Vec<Run> {
-        variants.iter().flat_map(|variant| runs(spec.seed, object, variant)).collect()
-    };
-    spec.objects.iter().flat_map(of_object).collect()
+impl Runs {
+    fn new(spec: &Spec, variants: Vec<Variant>) -> Self {
+        let mut n_of_object = 0;
+        let firsts = variants.iter().map(|variant| {
+            let first = n_of_object;
+            n_of_object += n_runs(variant);
+            first
+        });
+        Self {
+            campaign_seed: spec.seed,
+            firsts: firsts.collect(),
+            n_of_object,
+            objects_by_name: spec.objects.iter().map(ObjectSpec::name).zip(0..).collect(),
+            variants_by_label: variants.iter().map(|variant| variant.label.clone()).zip(0..).collect(),
+            objects: spec.objects.clone(),
+            variants,
+        }
+    }
+
+    /// Number of runs.
+    pub fn len(&self) -> usize {
+        self.objects.len() * self.n_of_object
+    }
+
+    /// Whether there are none.
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
+    /// Number of runs of each object.
+    pub fn n_of_object(&self) -> usize {
+        self.n_of_object
+    }
+
+    /// The run of this number, from 0.
+    pub fn get(&self, number: usize) -> Option<Run> {
+        let (object, rest) = (number.checked_div(self.n_of_object)?, number.checked_rem(self.n_of_object)?);
+        let object = self.objects.get(object)?;
+        let variant = self.firsts.partition_point(|&first| first <= rest) - 1;
+        let (variant, rest) = (&self.variants[variant], rest - self.firsts[variant]);
+        let name = object.name();
+        let config = object.configure(&variant.config);
+        let (n_views, n_sets) = (variant.first_views.len(), variant.view_seeds.len());
+        let (seed, view_seed) =
+            (variant.seeds[rest / n_views / n_sets], variant.view_seeds[rest / n_views % n_sets]);
+        let views = variant.first_views.of(&config, self.campaign_seed, &name, view_seed);
+        let first_view = *views.get(rest % n_views)?;
+        let repetition =
+            Repetition { campaign_seed: self.campaign_seed, object: &name, seed, view_seed, first_view };
+        let config = seeded(config, variant, repetition);
+        let id = RunId { variant: variant.label.clone(), object: name, seed, view_seed, first_view };
+        Some(Run { id, data_set: object.data_set(), config })
+    }
+
+    /// The number of a run; none if it is no run of this campaign.
+    pub fn number(&self, id: &RunId) -> Option<usize> {
+        let object = *self.objects_by_name.get(&id.object)?;
+        let number = *self.variants_by_label.get(&id.variant)?;
+        let variant = &self.variants[number];
+        let place = |list: &[u64], value: u64| list.iter().position(|&known| known == value);
+        let (seed, set) = (place(&variant.seeds, id.seed)?, place(&variant.view_seeds, id.view_seed)?);
+        let views = variant.first_views.of(&variant.config, self.campaign_seed, &id.object, id.view_seed);
+        let view = views.iter().position(|&view| view == id.first_view)?;
+        let of_variant = (seed * variant.view_seeds.len() + set) * variant.first_views.len() + view;
+        Some(object * self.n_of_object + self.firsts[number] + of_variant)
+    }
+
+    /// All of them, one after the other.
+    pub fn iter(&self) -> impl Iterator<Item = Run> {
+        (0..self.len()).filter_map(|number| self.get(number))
+    }
 }
 
-/// The runs of a variant on an object.
-fn runs(campaign_seed: u64, object: &ObjectSpec, variant: &Variant) -> Vec<Run> {
-    let (name, data_set) = (object.name(), object.data_set());
-    let config = object.configure(&variant.config);
-    let of_set = |seed: u64, view_seed: u64| {
-        let views = variant.first_views.of(&config, campaign_seed, &name, view_seed);
-        views.into_iter().map(move |first_view| (seed, view_seed, first_view))
-    };
-    let sets =
-        variant.seeds.iter().flat_map(|&seed| variant.view_seeds.iter().map(move |&view| (seed, view)));
-    let starts = sets.flat_map(|(seed, view_seed)| of_set(seed, view_seed));
-    let run = |(seed, view_seed, first_view)| Run {
-        id: RunId { object: name.clone(), variant: variant.label.clone(), seed, view_seed, first_view },
-        data_set: data_set.clone(),
-        config: seeded(
-            &config,
-            variant,
-            Repetition { campaign_seed, object: &name, seed, view_seed, first_view },
-        ),
-    };
-    starts.map(run).collect()
+/// Number of runs of a variant on an object.
+fn n_runs(variant: &Variant) -> usize {
+    variant.seeds.len() * variant.view_seeds.len() * variant.first_views.len()
+}
+
+/// The variants as far as they can be configured; `faults` gets what is wrong with them and the objects.
+pub(crate) fn check(spec: &Spec, faults: &mut FaultList) -> Vec<Variant> {
+    let variants = variants(spec, faults);
+    check_objects(&spec.objects, faults);
+    variants
 }
 
 /// The configuration with the seeds of the repetition; those that the specification states stay.
-fn seeded(config: &ScanConfig, variant: &Variant, repetition: Repetition<'_>) -> ScanConfig {
+fn seeded(config: ScanConfig, variant: &Variant, repetition: Repetition<'_>) -> ScanConfig {
     let mut config = ScanConfig {
         seed: repetition.planner_seed(),
         view_seed: Some(repetition.view_seed),
         first_view: repetition.first_view,
-        ..config.clone()
+        ..config
     };
     if !variant.has_baseline_seed {
         config.baseline_seed = repetition.baseline_seed();
@@ -149,7 +225,7 @@ mod tests {
 
     fn ids(spec: &str) -> Vec<String> {
         let spec = Spec::parse(spec, Path::new("")).unwrap();
-        let name = |run: &Run| {
+        let name = |run: Run| {
             let RunId { object, variant, seed, view_seed, first_view } = &run.id;
             let (campaign_seed, seed, view_seed, first_view) = (0, *seed, *view_seed, *first_view);
             let repetition = Repetition { campaign_seed, object, seed, view_seed, first_view };
@@ -158,7 +234,10 @@ mod tests {
             assert_eq!(run.config.view_seed(), 0, "all seeds share their candidates");
             format!("{object} | {variant} | {seed} | {first_view}")
         };
-        spec.runs().unwrap().iter().map(name).collect()
+        let runs = spec.runs().unwrap();
+        let numbers = runs.iter().map(|run| runs.number(&run.id));
+        assert!(numbers.eq((0..runs.len()).map(Some)) && runs.get(runs.len()).is_none());
+        runs.iter().map(name).collect()
     }
 
     #[test]
@@ -182,7 +261,7 @@ mod tests {
     }
 
     fn runs_of(spec: &str) -> Vec<Run> {
-        Spec::parse(spec, Path::new("")).unwrap().runs().unwrap()
+        Spec::parse(spec, Path::new("")).unwrap().runs().unwrap().iter().collect()
     }
 
     #[test]
@@ -280,7 +359,7 @@ mod tests {
             let spec = Spec::load(name, &[]).unwrap();
             assert_eq!(spec.name, name);
             assert_eq!(spec.objects.len(), 4, "the built-in objects");
-            for run in spec.runs().unwrap() {
+            for run in spec.runs().unwrap().iter() {
                 let config = run.config;
                 if !name.starts_with("paper-") {
                     assert_eq!(config.stop.progress, 0.0, "no run stops early");

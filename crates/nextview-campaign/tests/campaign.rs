@@ -6,7 +6,7 @@ use nextview::Cancel;
 use nextview_campaign::execution::{CampaignEvent, RunList, WorkSource, execute, run_campaign};
 use nextview_campaign::statistics::{Study, measure};
 use nextview_campaign::store::{Store, read};
-use nextview_campaign::{RunRecord, Spec, failed_runs, tables};
+use nextview_campaign::{RunRecord, Shard, Spec, tables};
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::sync::Mutex;
@@ -64,9 +64,13 @@ fn lasting_tables(folder: &Folder, store: &Store) -> Vec<Vec<u8>> {
     names.map(|name| fs::read(folder.0.join(name)).unwrap()).collect()
 }
 
+fn finished(store: &Store) -> Vec<RunRecord> {
+    store.finished().iter().collect::<Result<_, _>>().unwrap()
+}
+
 fn campaign(folder: &Folder, n_jobs: Option<usize>) -> (Store, Vec<CampaignEvent>) {
     let events = Mutex::new(Vec::new());
-    let mut store = Store::open(&folder.0, &spec(), true).unwrap();
+    let mut store = Store::open(&folder.0, &spec(), Shard::WHOLE, true).unwrap();
     let listener = |event| events.lock().unwrap().push(event);
     run_campaign(&mut store, n_jobs, &Cancel::default(), &listener).unwrap();
     (store, events.into_inner().unwrap())
@@ -89,18 +93,19 @@ fn results_do_not_depend_on_the_number_of_jobs_nor_on_who_hands_out_the_runs() {
             .filter(|event| matches!(event, CampaignEvent::ObjectFinished { n_runs: 5, .. }))
             .collect();
         assert_eq!(objects.len(), 2);
-        let has_memory = store.finished().iter().all(|run| run.done().unwrap().extra_memory_mb.is_some());
+        let has_memory = finished(&store).iter().all(|run| run.done().unwrap().extra_memory_mb.is_some());
         assert!(n_jobs > 1 || has_memory || !cfg!(target_os = "linux"));
         assert!(n_jobs == 1 || !has_memory, "memory is that of a run only where there is no other beside it");
         let stored = read(&folder.0).unwrap();
-        let mut finished: Vec<RunRecord> = store.finished().into_iter().cloned().collect();
-        finished.sort_by_key(RunRecord::id);
-        assert_eq!(stored.runs, finished, "the same bits on the disk");
+        let mut sorted = finished(&store);
+        sorted.sort_by_key(RunRecord::id);
+        let stored: Vec<RunRecord> = stored.runs.iter().collect::<Result<_, _>>().unwrap();
+        assert_eq!(stored, sorted, "the same bits on the disk");
 
-        let list = RunList::new(spec().runs().unwrap().into_iter().take(3));
+        let list = RunList::new(spec().runs().unwrap().iter().take(3));
         execute(&list, n_jobs, &Cancel::default()).unwrap();
         for record in list.into_records() {
-            let same = stored.runs.iter().find(|run| run.id() == record.id()).unwrap();
+            let same = stored.iter().find(|run| run.id() == record.id()).unwrap();
             assert!(same.has_same_results(&record) && same.config == record.config);
         }
     }
@@ -112,7 +117,9 @@ fn tables_hold_every_run_and_view() {
     let folder = Folder::new("tables");
     let (store, _) = campaign(&folder, None);
     tables::write(store.dir(), &store.finished()).unwrap();
-    let n_steps = store.finished().iter().map(|run| run.done().unwrap().record.steps.len()).sum();
+    let records = finished(&store);
+    let records: Vec<&RunRecord> = records.iter().collect();
+    let n_steps = records.iter().map(|run| run.done().unwrap().record.steps.len()).sum();
     for (name, n_rows) in [("runs", N_RUNS), ("steps", n_steps), ("times", n_steps)] {
         let csv = fs::read_to_string(folder.0.join(format!("{name}.csv"))).unwrap();
         assert_eq!(csv.lines().count(), 1 + n_rows);
@@ -120,7 +127,7 @@ fn tables_hold_every_run_and_view() {
         #[cfg(feature = "parquet")]
         assert_eq!(parquet_table::as_csv(&folder.0.join(format!("{name}.parquet"))), csv);
     }
-    let runs = tables::runs(&store.finished()).unwrap();
+    let runs = tables::runs(&records).unwrap();
     let names: Vec<&str> = runs.columns().iter().map(|(name, _)| name.as_str()).collect();
     let identity = ["object", "data_set", "variant", "seed", "view_seed", "first_view"];
     assert_eq!((&names[..6], names[6]), (&identity[..], "config.baseline_seed"));
@@ -171,13 +178,13 @@ fn the_interval_of_the_skill_of_random_views_contains_0() {
     let objects: Vec<String> = (1..=12).map(|n| format!("\"builtin:random-{n}\"")).collect();
     let text = RANDOM.replace("OBJECTS", &objects.join(", "));
     let spec = Spec::parse(&text, Path::new("")).unwrap();
-    let list = RunList::new(spec.runs().unwrap());
+    let list = RunList::new(spec.runs().unwrap().iter());
     execute(&list, 2, &Cancel::default()).unwrap();
     let records = list.into_records();
     let study = Study::new(&records);
     let skill = study.variants[0].sample(&measure::SKILL);
     let interval = skill.interval().unwrap();
-    assert_eq!((skill.n_objects(), study.runs.len()), (12, 48));
+    assert_eq!((skill.n_objects(), study.n_runs), (12, 48));
     assert!((interval.low..interval.high).contains(&0.0), "{interval:?}");
     assert!(interval.high - interval.low < 0.5, "an interval that says something: {interval:?}");
 }
@@ -186,7 +193,7 @@ fn the_interval_of_the_skill_of_random_views_contains_0() {
 fn a_cancelled_campaign_keeps_what_is_finished_and_is_resumed() {
     let folder = Folder::new("cancel");
     let cancel = Cancel::default();
-    let mut store = Store::open(&folder.0, &spec(), false).unwrap();
+    let mut store = Store::open(&folder.0, &spec(), Shard::WHOLE, false).unwrap();
     let stop_at_third = |event| {
         if let CampaignEvent::RunFinished { run, .. } = event
             && (&run.object[..], run.seed) == ("mug", 1)
@@ -196,7 +203,7 @@ fn a_cancelled_campaign_keeps_what_is_finished_and_is_resumed() {
     };
     run_campaign(&mut store, Some(1), &cancel, &stop_at_third).unwrap();
     assert_eq!(store.finished().len(), 2, "in one job, the runs come one after the other");
-    assert!(failed_runs(&store.finished()).is_empty());
+    assert!(store.failed().is_empty());
     drop(store);
     let (store, events) = campaign(&folder, Some(2));
     assert_eq!(events[0], CampaignEvent::Began { n_objects: 2, n_runs: N_RUNS, n_finished: 2 });
@@ -230,22 +237,24 @@ fn a_broken_object_does_not_stop_the_others() {
     let objects = r#"objects = ["builtin:mug", "broken.ply", { file = "m.obj", unit = "m", size_m = 9 }]"#;
     let text = SPEC.replace(r#"objects = ["builtin:mug", "builtin:bracket"]"#, objects);
     let spec = Spec::parse(&text, &folder.0).unwrap();
-    let mut store = Store::open(&folder.0.join("out"), &spec, false).unwrap();
+    let mut store = Store::open(&folder.0.join("out"), &spec, Shard::WHOLE, false).unwrap();
     let events = Mutex::new(Vec::new());
     let listener = |event| events.lock().unwrap().push(event);
     run_campaign(&mut store, None, &Cancel::default(), &listener).unwrap();
-    let failed = failed_runs(&store.finished());
+    let failed = store.failed();
     let found: Vec<(&str, usize)> = failed.iter().map(|failed| (&failed.object[..], failed.n_runs)).collect();
     assert_eq!(found, [("broken", 5), ("m", 5)]);
     assert!(failed[0].reason.contains("broken.ply: ") && failed[1].reason.contains("9 m"), "{failed:?}");
     let of_broken = CampaignEvent::ObjectFinished { object: "broken".to_owned(), n_runs: 5, n_failed: 5 };
     assert!(events.lock().unwrap().contains(&of_broken));
-    let runs = tables::runs(&store.finished()).unwrap();
+    let records = finished(&store);
+    let records: Vec<&RunRecord> = records.iter().collect();
+    let runs = tables::runs(&records).unwrap();
     let mut csv = Vec::new();
     runs.write_csv(&mut csv).unwrap();
     let csv = String::from_utf8(csv).unwrap();
     assert_eq!((csv.matches(",done,").count(), csv.matches(",failed,").count()), (5, 10), "{csv}");
-    assert_eq!(tables::steps(&store.finished()).unwrap().n_rows(), 5 * 3);
+    assert_eq!(tables::steps(&records).unwrap().n_rows(), 5 * 3);
 }
 
 #[test]
@@ -261,7 +270,7 @@ fn a_source_that_cannot_keep_a_record_ends_the_execution() {
             Err(nextview_scan::Fault::data("the disk is full"))
         }
     }
-    let source = Broken(RunList::new(spec().runs().unwrap()), Mutex::default());
+    let source = Broken(RunList::new(spec().runs().unwrap().iter()), Mutex::default());
     let fault = execute(&source, 2, &Cancel::default()).unwrap_err();
     assert_eq!(fault.message, "the disk is full");
     assert!(*source.1.lock().unwrap() <= 2, "one run per job");

@@ -1,7 +1,7 @@
 //! The options of the command line that keys of the configuration have.
 
 /// Keys and their options.
-const FLAGS: [(&str, &str); 49] = [
+const FLAGS: [(&str, &str); 50] = [
     ("planner", "--planner"),
     ("most_surface.per_second", "--per-second"),
     ("views", "--views"),
@@ -46,6 +46,7 @@ const FLAGS: [(&str, &str); 49] = [
     ("out", "--out"),
     ("force", "--force"),
     ("resume", "--resume"),
+    ("shard", "--shard"),
     ("visited", "--visited"),
     ("box", "--box"),
     ("listen", "--listen"),

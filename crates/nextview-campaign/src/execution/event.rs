@@ -8,9 +8,9 @@ use serde::Serialize;
 pub enum CampaignEvent {
     /// It begins.
     Began {
-        /// Objects of the campaign.
+        /// Objects of the campaign, or of the shard.
         n_objects: usize,
-        /// Runs of the campaign.
+        /// Their runs.
         n_runs: usize,
         /// Those of them that were finished before.
         n_finished: usize,

@@ -21,7 +21,7 @@ use crate::store::Store;
 use nextview::Cancel;
 use nextview_scan::Fault;
 
-/// Does all open runs of a campaign, `n_jobs` beside each other, by default one per thread.
+/// Does all open runs of a campaign, or of the store's shard of it, `n_jobs` beside each other, by default one per thread.
 ///
 /// A run that fails is recorded with its reason and does not stop the others. If this is cancelled, runs that
 /// are finished are kept, and all others stay open.
@@ -31,14 +31,25 @@ pub fn run_campaign(
     cancel: &Cancel,
     listener: Listener<'_>,
 ) -> Result<(), Fault> {
-    let n_runs = store.runs().len();
-    let n_finished = store.finished().len();
+    let share = || store.share().iter().flatten();
+    let n_runs = share().count();
+    let n_finished = share().filter(|&&number| store.is_finished(number)).count();
     if store.was_torn() {
         listener(CampaignEvent::Note(
             "the last line of runs.jsonl is not whole; its run is done again".to_owned(),
         ));
     }
-    listener(CampaignEvent::Began { n_objects: store.n_objects(), n_runs, n_finished });
+    let n_objects = count_objects(store);
+    listener(CampaignEvent::Began { n_objects, n_runs, n_finished });
     let n_jobs = n_jobs.unwrap_or_else(rayon::current_num_threads).clamp(1, (n_runs - n_finished).max(1));
     execute(&OpenRuns::new(store, listener), n_jobs, cancel)
+}
+
+/// Number of objects with runs in the store's share.
+fn count_objects(store: &Store) -> usize {
+    let mut objects: Vec<usize> =
+        store.share().iter().flatten().map(|number| number / store.runs().n_of_object()).collect();
+    objects.sort_unstable();
+    objects.dedup();
+    objects.len()
 }

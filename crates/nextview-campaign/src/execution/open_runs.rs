@@ -2,13 +2,15 @@ use super::tally::Tally;
 use super::{CampaignEvent, Listener, WorkSource};
 use crate::store::Store;
 use crate::{Run, RunRecord};
-use nextview_scan::{Fault, ScanConfig};
+use nextview_scan::Fault;
 use std::collections::VecDeque;
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
-/// The runs of a campaign that have no record yet; records go to its store, events to a listener.
+/// The runs of a campaign, or of a shard of it, that have no record yet; records go to its store, events to a
+/// listener.
 pub struct OpenRuns<'a> {
-    groups: Mutex<VecDeque<Vec<Run>>>,
+    /// Numbers of runs that share their object.
+    groups: Mutex<VecDeque<Vec<usize>>>,
     /// Records are kept and reported one at a time.
     kept: Mutex<(&'a mut Store, Tally)>,
     listener: Listener<'a>,
@@ -17,16 +19,19 @@ pub struct OpenRuns<'a> {
 impl<'a> OpenRuns<'a> {
     /// The open runs of this store.
     pub fn new(store: &'a mut Store, listener: Listener<'a>) -> Self {
-        let open = store.runs().iter().zip(store.records()).filter(|(_, record)| record.is_none());
-        let groups = grouped(open.map(|(run, _)| run));
-        let tally = Tally::new(store.runs(), store.records());
-        Self { groups: Mutex::new(groups.into()), kept: Mutex::new((store, tally)), listener }
+        let is_open = |number: &usize| !store.is_finished(*number);
+        let open = |group: &Vec<usize>| group.iter().copied().filter(is_open).collect();
+        let groups = store.share().iter().map(open).filter(|group: &Vec<usize>| !group.is_empty()).collect();
+        let tally = Tally::new(store);
+        Self { groups: Mutex::new(groups), kept: Mutex::new((store, tally)), listener }
     }
 }
 
 impl WorkSource for OpenRuns<'_> {
     fn take(&self) -> Result<Option<Vec<Run>>, Fault> {
-        Ok(lock(&self.groups).pop_front())
+        let Some(numbers) = lock(&self.groups).pop_front() else { return Ok(None) };
+        let kept = lock(&self.kept);
+        Ok(Some(numbers.into_iter().filter_map(|number| kept.0.runs().get(number)).collect()))
     }
 
     fn finish(&self, record: RunRecord) -> Result<(), Fault> {
@@ -43,17 +48,4 @@ impl WorkSource for OpenRuns<'_> {
 
 fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
     mutex.lock().unwrap_or_else(PoisonError::into_inner)
-}
-
-/// The runs by the object that they share, in the order in which the objects first come.
-fn grouped<'a>(runs: impl Iterator<Item = &'a Run>) -> Vec<Vec<Run>> {
-    let mut groups: Vec<(ScanConfig, Vec<Run>)> = Vec::new();
-    for run in runs {
-        let object = run.config.of_object();
-        match groups.iter_mut().rev().find(|(known, _)| *known == object) {
-            Some((_, group)) => group.push(run.clone()),
-            None => groups.push((object, vec![run.clone()])),
-        }
-    }
-    groups.into_iter().map(|(_, group)| group).collect()
 }

@@ -1,5 +1,6 @@
 use super::CampaignEvent;
-use crate::{Run, RunRecord};
+use crate::RunRecord;
+use crate::store::Store;
 use std::collections::BTreeMap;
 
 /// How many runs of each object are left and how many failed.
@@ -16,14 +17,23 @@ struct Count {
 }
 
 impl Tally {
-    /// Of these runs, some of which have records.
-    pub fn new(runs: &[Run], records: &[Option<RunRecord>]) -> Self {
+    /// Of the runs of this store's share, some of which have records.
+    pub fn new(store: &Store) -> Self {
         let mut objects: BTreeMap<String, Count> = BTreeMap::new();
-        for (run, record) in runs.iter().zip(records) {
-            let count = objects.entry(run.id.object.clone()).or_default();
-            count.n_runs += 1;
-            count.n_left += usize::from(record.is_none());
-            count.n_failed += usize::from(record.as_ref().is_some_and(|record| record.failure().is_some()));
+        let mut add = |object: &str, n_runs: usize, n_left: usize| {
+            let count = objects.entry(object.to_owned()).or_default();
+            count.n_runs += n_runs;
+            count.n_left += n_left;
+        };
+        for group in store.share() {
+            let first = group.first().and_then(|&number| store.runs().get(number));
+            let n_left = group.iter().filter(|&&number| !store.is_finished(number)).count();
+            first.iter().for_each(|run| add(&run.id.object, group.len(), n_left));
+        }
+        for failed in store.failed() {
+            if let Some(count) = objects.get_mut(&failed.object) {
+                count.n_failed += failed.n_runs;
+            }
         }
         Self { objects }
     }

@@ -24,6 +24,14 @@ impl FirstViews {
         }
     }
 
+    /// How many they are.
+    pub(crate) fn len(&self) -> usize {
+        match self {
+            Self::List(views) => views.len(),
+            Self::Count(n) => *n,
+        }
+    }
+
     /// The views of an object whose candidates are configured so.
     pub(crate) fn of(
         &self,

@@ -51,6 +51,6 @@ impl Spec {
 
 /// The specification, if its runs can be identified and configured.
 fn finish(mut reading: Reading) -> Result<Spec, Faults> {
-    runs::all(&reading.spec, &mut reading.faults);
+    runs::check(&reading.spec, &mut reading.faults);
     reading.faults.placed(&reading.positions).or(reading.spec)
 }

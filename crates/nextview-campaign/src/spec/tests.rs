@@ -157,7 +157,8 @@ fn specifications_and_their_copies_read_back() {
         let spec = Spec::parse(text, Path::new("")).unwrap();
         fs::write(folder.join(Spec::FILE), spec.to_toml().unwrap()).unwrap();
         let copy = Spec::of_folder(&folder).unwrap();
-        assert_eq!((&copy, copy.runs().unwrap()), (&spec, spec.runs().unwrap()));
+        assert_eq!(copy, spec);
+        assert!(copy.runs().unwrap().iter().eq(spec.runs().unwrap().iter()));
     }
     fs::remove_dir_all(&folder).unwrap();
 }
@@ -184,7 +185,7 @@ sweep.view_space = ["1.csv", "2.csv"]
     assert_eq!(spec.objects.iter().map(ObjectSpec::name).collect::<Vec<_>>(), ["a", "b", "see", "mug"]);
     assert_eq!(spec.scan["view_space"].as_str(), Some("sphere"));
     let runs = spec.runs().unwrap();
-    let labels: Vec<&str> = runs[..2].iter().map(|run| run.id.variant.as_str()).collect();
+    let labels: Vec<String> = runs.iter().take(2).map(|run| run.id.variant).collect();
     assert_eq!(labels, [whole("1.csv"), whole("2.csv")]);
 
     // As a campaign keeps it.

@@ -1,13 +1,16 @@
 use super::measure::{
     Better, Measure, PATH, PLAN_TIME, REACHABLE_COVERAGE, SKILL, VIEWS_TO_95, VOXEL_COVERAGE,
 };
-use super::pairing::{Pair, Pairing};
 use super::study::paired;
 use super::{
-    Comparison, Interval, MeasureComparison, MeasuredRun, PairedSample, Study, StudyObject, StudyVariant,
-    VariantComparison, mean, percentile,
+    Comparison, Interval, MeasureComparison, MeasuredRun, PairedSample, Study, StudyBuilder, StudyObject,
+    StudyVariant, VariantComparison, mean, percentile,
 };
-use crate::RunRecord;
+use crate::store::StoredRuns;
+use crate::{RunId, RunRecord};
+use nextview_scan::Fault;
+use std::cmp::Ordering;
+use std::collections::BTreeMap;
 
 /// Objects with a difference in voxel coverage above this share are listed.
 const LISTED: f64 = 1e-3;
@@ -17,35 +20,104 @@ const MAX_LISTED: usize = 10;
 
 const MEASURES: [Measure; 5] = [VOXEL_COVERAGE, REACHABLE_COVERAGE, SKILL, VIEWS_TO_95, PATH];
 
-/// Compares the runs that campaign A and campaign B have in common.
-pub fn compare<'a>(
-    a: impl IntoIterator<Item = &'a RunRecord>,
-    b: impl IntoIterator<Item = &'a RunRecord>,
-) -> Comparison {
-    let (a, b): (Vec<&RunRecord>, Vec<&RunRecord>) = (a.into_iter().collect(), b.into_iter().collect());
-    let pairing = Pairing::new(&a, &b);
-    let is_done = |run: &RunRecord| run.done().is_some();
-    let labels = |runs: &[&RunRecord]| runs.iter().map(|run| label(run)).collect();
-    let failed = |is_done_in: fn(&Pair<'_>) -> (bool, bool)| {
-        let failed = pairing.pairs.iter().filter(|pair| is_done_in(pair) == (false, true));
-        failed.map(|pair| label(pair.0)).collect()
-    };
-    let both_done = || pairing.pairs.iter().filter(|(a, b)| is_done(a) && is_done(b));
-    let study_a = Study::new(both_done().map(|pair| pair.0));
-    let study_b = Study::new(both_done().map(|pair| pair.1));
-    let compared = pairing.variants.iter().filter_map(|(name_a, name_b)| {
+/// Compares the runs that campaign A and campaign B have in common. Both are read once, side by side.
+pub fn compare(a: &StoredRuns, b: &StoredRuns) -> Result<Comparison, Fault> {
+    let (variants, renamed) = variants(a, b);
+    let mut found = Found::default();
+    // Both are in the order of the identities, also where B's only variant has another name.
+    let (mut runs_a, mut runs_b) = (a.runs.iter(), b.runs.iter());
+    let (mut next_a, mut next_b) = (runs_a.next().transpose()?, runs_b.next().transpose()?);
+    loop {
+        let order = match (&next_a, &next_b) {
+            (None, None) => break,
+            (Some(_), None) => Ordering::Less,
+            (None, Some(_)) => Ordering::Greater,
+            (Some(a), Some(b)) => a.id().cmp(&id_in_a(b, renamed)),
+        };
+        let run_a = next_a.take_if(|_| order.is_le());
+        let run_b = next_b.take_if(|_| order.is_ge());
+        if run_a.is_some() {
+            next_a = runs_a.next().transpose()?;
+        }
+        if run_b.is_some() {
+            next_b = runs_b.next().transpose()?;
+        }
+        found.add(run_a, run_b);
+    }
+    let (study_a, study_b) = (found.study_a.build(), found.study_b.build());
+    let compared = variants.iter().filter_map(|(name_a, name_b)| {
         Some(of_variant(&Side::new(&study_a, name_a)?, &Side::new(&study_b, name_b)?))
     });
-    Comparison {
-        n_runs_a: a.len(),
-        n_runs_b: b.len(),
-        n_pairs: pairing.pairs.len(),
-        failed_only_in_a: failed(|(a, b)| (a.done().is_some(), b.done().is_some())),
-        failed_only_in_b: failed(|(a, b)| (b.done().is_some(), a.done().is_some())),
-        pairs_are_identical: pairing.pairs.iter().all(|(a, b)| a.has_same_results(b)),
+    Ok(Comparison {
+        n_runs_a: a.runs.len(),
+        n_runs_b: b.runs.len(),
+        n_pairs: found.n_pairs,
+        failed_only_in_a: found.failed_only_in_a,
+        failed_only_in_b: found.failed_only_in_b,
+        pairs_are_identical: !found.has_unequal_pair,
         variants: compared.collect(),
-        only_in_a: labels(&pairing.only_in_a),
-        only_in_b: labels(&pairing.only_in_b),
+        only_in_a: found.only_in_a,
+        only_in_b: found.only_in_b,
+    })
+}
+
+/// The names of the variants that are compared: those of one name, or the only one of A with the only one of
+/// B, of which the name in A is the second value then.
+fn variants<'a>(a: &'a StoredRuns, b: &'a StoredRuns) -> (Vec<(&'a str, &'a str)>, Option<&'a str>) {
+    let common = a.variants.iter().filter(|name| b.variants.contains(*name));
+    let mut variants: Vec<(&str, &str)> = common.map(|name| (&name[..], &name[..])).collect();
+    let only = |runs: &'a StoredRuns| runs.variants.first().filter(|_| runs.variants.len() == 1);
+    match (only(a), only(b)) {
+        (Some(of_a), Some(of_b)) if of_a != of_b => {
+            variants.push((of_a, of_b));
+            (variants, Some(of_a))
+        }
+        _ => (variants, None),
+    }
+}
+
+/// The identity that a run of B has in A.
+fn id_in_a(run: &RunRecord, renamed: Option<&str>) -> RunId {
+    let id = run.id();
+    RunId { variant: renamed.map_or(id.variant, str::to_owned), ..id }
+}
+
+/// What was found in both campaigns so far.
+#[derive(Default)]
+struct Found {
+    study_a: StudyBuilder,
+    study_b: StudyBuilder,
+    n_pairs: usize,
+    only_in_a: Vec<String>,
+    only_in_b: Vec<String>,
+    failed_only_in_a: Vec<String>,
+    failed_only_in_b: Vec<String>,
+    has_unequal_pair: bool,
+}
+
+impl Found {
+    /// The next run, of A, of B, or of both.
+    fn add(&mut self, a: Option<RunRecord>, b: Option<RunRecord>) {
+        match (a, b) {
+            (Some(a), Some(b)) => self.add_pair(&a, &b),
+            (Some(a), None) => self.only_in_a.push(label(&a)),
+            (None, Some(b)) => self.only_in_b.push(label(&b)),
+            (None, None) => (),
+        }
+    }
+
+    fn add_pair(&mut self, a: &RunRecord, b: &RunRecord) {
+        self.n_pairs += 1;
+        self.has_unequal_pair |= !a.has_same_results(b);
+        match (a.done().is_some(), b.done().is_some()) {
+            (true, true) => {
+                self.study_a.add(a);
+                self.study_b.add(b);
+            }
+            (false, true) => self.failed_only_in_a.push(label(a)),
+            (true, false) => self.failed_only_in_b.push(label(a)),
+            (false, false) => (),
+        }
     }
 }
 
@@ -55,43 +127,44 @@ fn label(run: &RunRecord) -> String {
 }
 
 /// A variant in the study of its campaign.
-struct Side<'s, 'a> {
-    objects: &'s [StudyObject<'a>],
-    variant: &'s StudyVariant<'a>,
+struct Side<'s> {
+    objects: BTreeMap<&'s str, usize>,
+    study: &'s Study,
+    variant: &'s StudyVariant,
 }
 
-impl<'s, 'a> Side<'s, 'a> {
-    fn new(study: &'s Study<'a>, name: &str) -> Option<Self> {
+impl<'s> Side<'s> {
+    fn new(study: &'s Study, name: &str) -> Option<Self> {
         let variant = study.variants.iter().find(|variant| variant.name == name)?;
-        Some(Self { objects: &study.objects, variant })
+        let objects = study.objects.iter().map(|object| &object.name[..]).zip(0..).collect();
+        Some(Self { objects, study, variant })
     }
 
     /// The runs on the object of this name; the data set may have another name here.
-    fn runs_on(&self, object: &str) -> &'s [MeasuredRun<'a>] {
-        let number = self.objects.iter().position(|own| own.name == object);
-        number.map_or(&[][..], |number| &self.variant.runs[number][..])
+    fn runs_on(&self, object: &str) -> &'s [MeasuredRun] {
+        self.objects.get(object).map_or(&[][..], |&number| &self.variant.runs[number][..])
     }
 }
 
-fn of_variant(a: &Side<'_, '_>, b: &Side<'_, '_>) -> VariantComparison {
+fn of_variant(a: &Side<'_>, b: &Side<'_>) -> VariantComparison {
     let both = |measure: &Measure| {
         let of_object =
-            |object: &StudyObject<'_>| paired(a.runs_on(object.name), b.runs_on(object.name), measure);
-        PairedSample::new(a.objects.iter().filter_map(of_object))
+            |object: &StudyObject| paired(a.runs_on(&object.name), b.runs_on(&object.name), measure);
+        PairedSample::new(a.study.objects.iter().filter_map(of_object))
     };
     let mut measures: Vec<MeasureComparison> =
         MEASURES.iter().filter_map(|measure| difference(measure, &both(measure))).collect();
     measures.extend(ratio(&PLAN_TIME, &both(&PLAN_TIME).positive()));
-    let coverage = |object: &StudyObject<'_>| {
-        let pair = paired(a.runs_on(object.name), b.runs_on(object.name), &VOXEL_COVERAGE)?;
-        Some((object.name.to_owned(), PairedSample::new([pair]).differences()[0]))
+    let coverage = |object: &StudyObject| {
+        let pair = paired(a.runs_on(&object.name), b.runs_on(&object.name), &VOXEL_COVERAGE)?;
+        Some((object.name.clone(), PairedSample::new([pair]).differences()[0]))
     };
-    let mut by_object: Vec<(String, f64)> = a.objects.iter().filter_map(coverage).collect();
+    let mut by_object: Vec<(String, f64)> = a.study.objects.iter().filter_map(coverage).collect();
     by_object.sort_by(|a, b| b.1.total_cmp(&a.1));
     let listed = |(name, difference): &(String, f64)| (name.clone(), 100.0 * difference);
     VariantComparison {
-        variant_a: a.variant.name.to_owned(),
-        variant_b: b.variant.name.to_owned(),
+        variant_a: a.variant.name.clone(),
+        variant_b: b.variant.name.clone(),
         n_objects: a.variant.n_objects(),
         measures,
         better: by_object.iter().filter(|d| d.1 > LISTED).take(MAX_LISTED).map(listed).collect(),

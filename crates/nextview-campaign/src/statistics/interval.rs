@@ -35,6 +35,13 @@ impl Interval {
         Self { low: sorted_percentile(&numbers, 0.025), high: sorted_percentile(&numbers, 0.975) }
     }
 
+    /// The same of a number that is normal with this mean and standard deviation.
+    pub(super) fn of_normal(mean: f64, deviation: f64) -> Self {
+        /// The 97.5th percentile of the standard normal distribution.
+        const Z: f64 = 1.959_963_984_540_054;
+        Self { low: mean - Z * deviation, high: mean + Z * deviation }
+    }
+
     /// Whether a difference in this interval is more than noise. Rounding, about 1e-16 of the values, is
     /// noise.
     pub fn excludes_zero(&self) -> bool {

@@ -19,7 +19,7 @@ pub struct Measure {
     /// Which way is better.
     pub better: Better,
     /// The number of a run; none where the run did not measure it.
-    pub of: fn(&MeasuredRun<'_>) -> Option<f64>,
+    pub of: fn(&MeasuredRun) -> Option<f64>,
 }
 
 /// Which way a number is better.
@@ -70,7 +70,7 @@ pub const VOXEL_COVERAGE: Measure = Measure {
     factor: 100.0,
     decimals: 1,
     better: Better::Higher,
-    of: |run| run.last()?.voxel_coverage,
+    of: |run| run.last_step()?.voxel_coverage,
 };
 
 /// Share of the reachable surface that was seen with the last view.
@@ -79,20 +79,20 @@ pub const REACHABLE_COVERAGE: Measure = Measure {
     factor: 100.0,
     decimals: 1,
     better: Better::Higher,
-    of: |run| run.last()?.reachable_coverage,
+    of: |run| run.last_step()?.reachable_coverage,
 };
 
 /// Reachable coverage beyond the mean of random views from the same start.
 pub const COVERAGE_BEYOND_RANDOM: Measure = Measure {
     name: "beyond random views, points",
-    of: |run| Some((REACHABLE_COVERAGE.of)(run)? - *run.record.random_curve.as_ref()?.last()?),
+    of: |run| Some((REACHABLE_COVERAGE.of)(run)? - *run.random_curve.as_ref()?.last()?),
     ..REACHABLE_COVERAGE
 };
 
 /// Area under the curve of reachable coverage on the scale from random views (0) to the clairvoyant planner
 /// (1).
 pub const SKILL: Measure =
-    Measure { name: "skill", factor: 1.0, decimals: 2, better: Better::Higher, of: |run| run.record.skill };
+    Measure { name: "skill", factor: 1.0, decimals: 2, better: Better::Higher, of: |run| run.whole.skill };
 
 /// Share of the true surface with a measured point within 2 mm.
 pub const SURFACE_2MM: Measure = Measure {
@@ -100,13 +100,13 @@ pub const SURFACE_2MM: Measure = Measure {
     factor: 100.0,
     decimals: 1,
     better: Better::Higher,
-    of: |run| run.last()?.surface_coverage_2mm,
+    of: |run| run.last.surface_coverage_2mm,
 };
 
 /// The same within 5 mm.
 pub const SURFACE_5MM: Measure = Measure {
     name: "surface coverage within 5 mm, %",
-    of: |run| run.last()?.surface_coverage_5mm,
+    of: |run| run.last.surface_coverage_5mm,
     ..SURFACE_2MM
 };
 
@@ -116,64 +116,54 @@ pub const ACCURACY: Measure = Measure {
     factor: 1.0,
     decimals: 2,
     better: Better::Lower,
-    of: |run| run.record.cloud_accuracy_mean_mm,
+    of: |run| run.whole.cloud_accuracy_mean_mm,
 };
 
 /// Share of the true surface with a point of the final cloud within 2 mm.
 pub const COMPLETENESS: Measure = Measure {
     name: "completeness of the cloud within 2 mm, %",
-    of: |run| run.record.cloud_completeness_2mm,
+    of: |run| run.whole.cloud_completeness_2mm,
     ..SURFACE_2MM
 };
 
 /// Share of the occupied voxels that are object voxels, with the last view.
 pub const MAP_PRECISION: Measure =
-    Measure { name: "precision of the map, %", of: |run| run.last()?.map_precision, ..SURFACE_2MM };
+    Measure { name: "precision of the map, %", of: |run| run.last.map_precision, ..SURFACE_2MM };
 
 /// Share of the reachable object voxels that are occupied, with the last view.
 pub const MAP_RECALL: Measure =
-    Measure { name: "recall of the map, %", of: |run| run.last()?.map_recall, ..SURFACE_2MM };
+    Measure { name: "recall of the map, %", of: |run| run.last.map_recall, ..SURFACE_2MM };
 
 /// Intersection over union of the occupied and the reachable object voxels, with the last view.
-pub const MAP_IOU: Measure =
-    Measure { name: "IoU of the map, %", of: |run| run.last()?.map_iou, ..SURFACE_2MM };
+pub const MAP_IOU: Measure = Measure { name: "IoU of the map, %", of: |run| run.last.map_iou, ..SURFACE_2MM };
 
 /// Harmonic mean of precision and recall of the final cloud at 1 mm.
-pub const F_SCORE_1MM: Measure = Measure {
-    name: "F-score of the cloud at 1 mm, %",
-    of: |run| run.record.cloud_f_score_1mm,
-    ..SURFACE_2MM
-};
+pub const F_SCORE_1MM: Measure =
+    Measure { name: "F-score of the cloud at 1 mm, %", of: |run| run.whole.cloud_f_score_1mm, ..SURFACE_2MM };
 
 /// The same at 2 mm.
-pub const F_SCORE_2MM: Measure = Measure {
-    name: "F-score of the cloud at 2 mm, %",
-    of: |run| run.record.cloud_f_score_2mm,
-    ..SURFACE_2MM
-};
+pub const F_SCORE_2MM: Measure =
+    Measure { name: "F-score of the cloud at 2 mm, %", of: |run| run.whole.cloud_f_score_2mm, ..SURFACE_2MM };
 
 /// The same at 5 mm.
-pub const F_SCORE_5MM: Measure = Measure {
-    name: "F-score of the cloud at 5 mm, %",
-    of: |run| run.record.cloud_f_score_5mm,
-    ..SURFACE_2MM
-};
+pub const F_SCORE_5MM: Measure =
+    Measure { name: "F-score of the cloud at 5 mm, %", of: |run| run.whole.cloud_f_score_5mm, ..SURFACE_2MM };
 
 /// Mean of accuracy and completeness of the final cloud beside the reachable surface.
 pub const CHAMFER: Measure =
-    Measure { name: "Chamfer distance of the cloud, mm", of: |run| run.record.cloud_chamfer_mm, ..ACCURACY };
+    Measure { name: "Chamfer distance of the cloud, mm", of: |run| run.whole.cloud_chamfer_mm, ..ACCURACY };
 
 /// Mean of the reachable coverage over the views that a run could take.
 pub const AREA_OVER_VIEWS: Measure = Measure {
     name: "area under coverage over views, %",
-    of: |run| run.record.coverage_auc_views,
+    of: |run| run.whole.coverage_auc_views,
     ..SURFACE_2MM
 };
 
 /// Mean of the reachable coverage over the time of a robot.
 pub const AREA_OVER_TIME: Measure = Measure {
     name: "area under coverage over time, %",
-    of: |run| run.record.coverage_auc_time,
+    of: |run| run.whole.coverage_auc_time,
     ..SURFACE_2MM
 };
 
@@ -192,7 +182,7 @@ pub const PATH: Measure = Measure {
     factor: 1.0,
     decimals: 2,
     better: Better::Lower,
-    of: |run| Some(run.last()?.path_length_m),
+    of: |run| Some(run.last.path_length_m),
 };
 
 /// Of a run, the median over its views.
@@ -219,7 +209,7 @@ pub const MEMORY: Measure = Measure {
     factor: 1.0,
     decimals: 1,
     better: Better::Lower,
-    of: |run| run.extra_memory_mb,
+    of: |run| run.whole.extra_memory_mb,
 };
 
 /// Time to plan all views and to write all frames into the map.
@@ -233,7 +223,7 @@ pub const PLANNING: Measure = Measure {
 
 /// Time that a simulated robot would take to move to all views.
 pub const MOVING: Measure =
-    Measure { name: "moving, s", decimals: 1, of: |run| run.moving_time(), ..PLANNING };
+    Measure { name: "moving, s", decimals: 1, of: |run| Some(run.moving_time()), ..PLANNING };
 
 /// Time that it would stand at views.
 pub const SENSING: Measure =
@@ -243,6 +233,6 @@ pub const SENSING: Measure =
 pub const RUNNING_TIME: Measure = Measure {
     name: "total, minutes",
     factor: 1.0 / 60.0,
-    of: |run| Some(run.planning_time() + run.moving_time()? + run.sensing_time()),
+    of: |run| Some(run.planning_time() + run.moving_time() + run.sensing_time()),
     ..PLANNING
 };

@@ -1,16 +1,73 @@
-use crate::RunRecord;
+use crate::{DoneRun, RunRecord};
 use nextview_scan::{ScanConfig, ScanRecord, StepRecord};
 
-/// A run that took at least one view and did not fail.
-#[derive(Clone, Copy, Debug)]
-pub struct MeasuredRun<'a> {
+/// A run that took at least one view and did not fail: the numbers that statistics are made of, about a tenth
+/// of its record.
+#[derive(Clone, Debug, PartialEq)]
+pub struct MeasuredRun {
     /// What it was drawn by: seed, set of candidates and first view.
     pub draw: (u64, u64, usize),
-    /// Everything that decided it.
-    pub config: &'a ScanConfig,
-    /// What was measured.
-    pub record: &'a ScanRecord,
-    /// Growth of the process's peak memory in the run; none where it was not alone.
+    /// After each view.
+    pub steps: Vec<MeasuredStep>,
+    /// Object voxels that any candidate sees.
+    pub reachable_voxels: Option<usize>,
+    /// Voxels that contain true surface.
+    pub object_voxels: Option<usize>,
+    /// Reachable coverage of random views from the same start, their mean.
+    pub random_curve: Option<Vec<f64>>,
+    /// The same of the planner that knows the object.
+    pub clairvoyant_curve: Option<Vec<f64>>,
+    /// Measures of the last view.
+    pub(super) last: LastView,
+    /// Measures of the whole scan.
+    pub(super) whole: WholeScan,
+    /// Views that it could take.
+    max_views: usize,
+    /// Seconds that a robot stands at a view.
+    sensing_time: f64,
+}
+
+/// What statistics need of a view.
+#[derive(Clone, Debug, PartialEq)]
+pub struct MeasuredStep {
+    /// Occupied object voxels over object voxels.
+    pub voxel_coverage: Option<f64>,
+    /// Share of the reachable surface seen.
+    pub reachable_coverage: Option<f64>,
+    /// Entropy of the box as a share of that of an unknown one.
+    pub entropy_share: f64,
+    /// The planner's estimate of the reachable coverage before it took the view.
+    pub estimated_completeness: Option<f64>,
+    /// The same after this view and after each of a few that follow, as the planner forecast it.
+    pub forecast_completeness: Option<Vec<f64>>,
+    plan_time_ms: f64,
+    map_time_ms: f64,
+}
+
+/// Measures of the last view.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct LastView {
+    pub surface_coverage_2mm: Option<f64>,
+    pub surface_coverage_5mm: Option<f64>,
+    pub map_precision: Option<f64>,
+    pub map_recall: Option<f64>,
+    pub map_iou: Option<f64>,
+    pub path_length_m: f64,
+    trajectory_time_s: f64,
+}
+
+/// Measures of the whole scan.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct WholeScan {
+    pub skill: Option<f64>,
+    pub coverage_auc_views: Option<f64>,
+    pub coverage_auc_time: Option<f64>,
+    pub cloud_accuracy_mean_mm: Option<f64>,
+    pub cloud_completeness_2mm: Option<f64>,
+    pub cloud_f_score_1mm: Option<f64>,
+    pub cloud_f_score_2mm: Option<f64>,
+    pub cloud_f_score_5mm: Option<f64>,
+    pub cloud_chamfer_mm: Option<f64>,
     pub extra_memory_mb: Option<f64>,
 }
 
@@ -25,29 +82,36 @@ pub enum Curve {
     Entropy,
 }
 
-impl<'a> MeasuredRun<'a> {
+impl MeasuredRun {
     /// The run of a record; none if it failed or took no view.
-    pub fn of(run: &'a RunRecord) -> Option<Self> {
-        let done = run.done().filter(|done| !done.record.steps.is_empty())?;
+    pub fn of(run: &RunRecord) -> Option<Self> {
+        let DoneRun { record, extra_memory_mb } = run.done()?;
+        let ScanConfig { views, motion, .. } = &run.config;
         Some(Self {
             draw: (run.seed, run.view_seed, run.first_view),
-            config: &run.config,
-            record: &done.record,
-            extra_memory_mb: done.extra_memory_mb,
+            steps: record.steps.iter().map(MeasuredStep::of).collect(),
+            reachable_voxels: record.reachable_voxels,
+            object_voxels: record.object_voxels,
+            random_curve: record.random_curve.clone(),
+            clairvoyant_curve: record.clairvoyant_curve.clone(),
+            last: LastView::of(record.steps.last()?),
+            whole: WholeScan::of(record, *extra_memory_mb),
+            max_views: views.unwrap_or_default(),
+            sensing_time: motion.sensing_time,
         })
     }
 
     /// The quantity after each view; after a scan that stopped early, the last value stays. None where the
     /// run did not measure it.
     pub fn curve(&self, of: Curve) -> Option<Vec<f64>> {
-        let values = self.record.steps.iter().map(|step| match of {
+        let values = self.steps.iter().map(|step| match of {
             Curve::VoxelCoverage => step.voxel_coverage,
             Curve::ReachableCoverage => step.reachable_coverage,
             Curve::Entropy => Some(step.entropy_share),
         });
         let mut values = values.collect::<Option<Vec<f64>>>()?;
         let last = *values.last()?;
-        values.resize(self.config.views.unwrap_or_default().max(values.len()), last);
+        values.resize(self.max_views.max(values.len()), last);
         Some(values)
     }
 
@@ -60,32 +124,77 @@ impl<'a> MeasuredRun<'a> {
 
     /// Whether this share of the reachable surface was seen.
     pub fn reaches(&self, share: f64) -> bool {
-        self.record.steps.iter().any(|step| step.reachable_coverage.is_some_and(|coverage| coverage >= share))
+        self.steps.iter().any(|step| step.reachable_coverage.is_some_and(|coverage| coverage >= share))
     }
 
     /// Milliseconds for each view that was planned; the first is given.
-    pub fn plan_times(&self) -> impl Iterator<Item = f64> + use<'a> {
-        self.record.steps.iter().skip(1).map(|step| step.plan_time_ms)
+    pub fn plan_times(&self) -> impl Iterator<Item = f64> {
+        self.steps.iter().skip(1).map(|step| step.plan_time_ms)
     }
 
     /// The step of the last view.
-    pub(super) fn last(&self) -> Option<&'a StepRecord> {
-        self.record.steps.last()
+    pub(super) fn last_step(&self) -> Option<&MeasuredStep> {
+        self.steps.last()
     }
 
     /// Seconds for all decisions and for writing the frames into the map.
     pub(super) fn planning_time(&self) -> f64 {
-        let mapping = self.record.steps.iter().map(|step| step.map_time_ms);
+        let mapping = self.steps.iter().map(|step| step.map_time_ms);
         self.plan_times().chain(mapping).sum::<f64>() / 1e3
     }
 
     /// Seconds that a simulated robot moves.
-    pub(super) fn moving_time(&self) -> Option<f64> {
-        Some(self.last()?.trajectory_time_s)
+    pub(super) fn moving_time(&self) -> f64 {
+        self.last.trajectory_time_s
     }
 
     /// Seconds that it stands at views.
     pub(super) fn sensing_time(&self) -> f64 {
-        self.config.motion.sensing_time * self.record.steps.len() as f64
+        self.sensing_time * self.steps.len() as f64
+    }
+}
+
+impl MeasuredStep {
+    fn of(step: &StepRecord) -> Self {
+        Self {
+            voxel_coverage: step.voxel_coverage,
+            reachable_coverage: step.reachable_coverage,
+            entropy_share: step.entropy_share,
+            estimated_completeness: step.estimated_completeness,
+            forecast_completeness: step.forecast_completeness.clone(),
+            plan_time_ms: step.plan_time_ms,
+            map_time_ms: step.map_time_ms,
+        }
+    }
+}
+
+impl LastView {
+    fn of(step: &StepRecord) -> Self {
+        Self {
+            surface_coverage_2mm: step.surface_coverage_2mm,
+            surface_coverage_5mm: step.surface_coverage_5mm,
+            map_precision: step.map_precision,
+            map_recall: step.map_recall,
+            map_iou: step.map_iou,
+            path_length_m: step.path_length_m,
+            trajectory_time_s: step.trajectory_time_s,
+        }
+    }
+}
+
+impl WholeScan {
+    fn of(record: &ScanRecord, extra_memory_mb: Option<f64>) -> Self {
+        Self {
+            skill: record.skill,
+            coverage_auc_views: record.coverage_auc_views,
+            coverage_auc_time: record.coverage_auc_time,
+            cloud_accuracy_mean_mm: record.cloud_accuracy_mean_mm,
+            cloud_completeness_2mm: record.cloud_completeness_2mm,
+            cloud_f_score_1mm: record.cloud_f_score_1mm,
+            cloud_f_score_2mm: record.cloud_f_score_2mm,
+            cloud_f_score_5mm: record.cloud_f_score_5mm,
+            cloud_chamfer_mm: record.cloud_chamfer_mm,
+            extra_memory_mb,
+        }
     }
 }

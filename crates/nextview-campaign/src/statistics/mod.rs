@@ -6,7 +6,6 @@ mod comparison;
 mod interval;
 pub mod measure;
 mod measured_run;
-mod pairing;
 mod sample;
 mod signed_rank;
 mod study;
@@ -15,10 +14,10 @@ pub use compare::compare;
 pub use comparison::{Comparison, MeasureComparison, VariantComparison};
 pub use interval::{Interval, deviation, mean, percentile};
 pub use measure::{Better, Measure};
-pub use measured_run::{Curve, MeasuredRun};
+pub use measured_run::{Curve, MeasuredRun, MeasuredStep};
 pub use sample::{PairedObject, PairedSample, Sample};
 pub use signed_rank::{SignedRank, signed_rank};
-pub use study::{Study, StudyObject, StudyVariant};
+pub use study::{Study, StudyBuilder, StudyObject, StudyVariant};
 
 #[cfg(test)]
 mod tests;

@@ -2,6 +2,12 @@ use super::signed_rank::{SignedRank, signed_rank};
 use super::{Interval, mean, percentile};
 use nextview::geometry::random::Random;
 
+/// Most values that are drawn one by one for an interval.
+const MAX_DRAWN: usize = 10_000;
+
+/// Most objects that are drawn one by one where there are more values than that.
+const MAX_DRAWN_OBJECTS: usize = 200;
+
 /// The values of a quantity: for each object those of its runs, which differ in seed, candidates or first
 /// view.
 ///
@@ -44,12 +50,24 @@ impl Sample {
     ///
     /// Where runs of an object differ more than objects do, the interval is a little too wide: the means of
     /// the objects vary with their runs already.
+    ///
+    /// Samples of more than 10,000 values take the central limit theorem in place of draws: the mean of an
+    /// object's runs is normal then, and with more than 200 objects the mean over these, too.
     pub fn interval(&self) -> Option<Interval> {
         let n = self.objects.len();
         let varies = n > 1 || self.objects.first().is_some_and(|values| values.len() > 1);
+        if self.objects.iter().map(Vec::len).sum::<usize>() > MAX_DRAWN {
+            let means: Vec<VaryingMean> = self.objects.iter().map(|values| VaryingMean::of(values)).collect();
+            return Some(interval_of_means(&means));
+        }
+        varies.then(|| self.resampled_interval())
+    }
+
+    fn resampled_interval(&self) -> Interval {
+        let n = self.objects.len();
         let of_object = |random: &mut Random| resampled_mean(&self.objects[random.index(n)], random);
         let resampled = |random: &mut Random| (0..n).map(|_| of_object(random)).sum::<f64>() / n as f64;
-        varies.then(|| Interval::by_bootstrap(n, resampled))
+        Interval::by_bootstrap(n, resampled)
     }
 
     /// The test that the means of the objects lie around 0; none without objects.
@@ -67,6 +85,42 @@ fn resampled_mean(values: &[f64], random: &mut Random) -> f64 {
             (0..n).map(|_| values[random.index(n)]).sum::<f64>() / n as f64
         }
     }
+}
+
+/// The mean of an object's runs, and its variance where they are resampled.
+#[derive(Clone, Copy, Debug)]
+struct VaryingMean {
+    mean: f64,
+    variance: f64,
+}
+
+impl VaryingMean {
+    fn of(values: &[f64]) -> Self {
+        let n = values.len() as f64;
+        let mean = values.iter().sum::<f64>() / n;
+        let variance = values.iter().map(|value| (value - mean).powi(2)).sum::<f64>() / n / n;
+        Self { mean, variance }
+    }
+
+    /// A normal number with this mean and variance (Box & Muller 1958).
+    fn draw(self, random: &mut Random) -> f64 {
+        let (radius, angle) = ((1.0 - random.unit()).ln() * -2.0, random.unit() * std::f64::consts::TAU);
+        self.mean + (self.variance * radius).sqrt() * angle.cos()
+    }
+}
+
+/// The interval of the mean over these objects.
+fn interval_of_means(objects: &[VaryingMean]) -> Interval {
+    let n = objects.len();
+    if n <= MAX_DRAWN_OBJECTS {
+        let of_object = |random: &mut Random| objects[random.index(n)].draw(random);
+        let resampled = |random: &mut Random| (0..n).map(|_| of_object(random)).sum::<f64>() / n as f64;
+        return Interval::by_bootstrap(n, resampled);
+    }
+    let means: Vec<f64> = objects.iter().map(|object| object.mean).collect();
+    let between = VaryingMean::of(&means);
+    let within = objects.iter().map(|object| object.variance).sum::<f64>() / (n * n) as f64;
+    Interval::of_normal(between.mean, (between.variance + within).sqrt())
 }
 
 /// Two quantities, A and B, of the same objects.
@@ -97,6 +151,19 @@ impl PairedObject {
     /// The means of A and B.
     fn means(&self) -> [f64; 2] {
         [&self.a, &self.b].map(|values| values.iter().sum::<f64>() / values.len() as f64)
+    }
+
+    /// The mean of a weighted sum of A and B, whose runs are resampled; pairs of runs stay together.
+    fn weighted(&self, [of_a, of_b]: [f64; 2]) -> VaryingMean {
+        if self.runs_are_paired {
+            let sums = self.a.iter().zip(&self.b).map(|(a, b)| of_a * a + of_b * b);
+            return VaryingMean::of(&sums.collect::<Vec<_>>());
+        }
+        let [a, b] = [&self.a, &self.b].map(|values| VaryingMean::of(values));
+        VaryingMean {
+            mean: of_a * a.mean + of_b * b.mean,
+            variance: of_a.powi(2) * a.variance + of_b.powi(2) * b.variance,
+        }
     }
 
     /// The means of a resample of the runs; pairs of runs stay together.
@@ -154,6 +221,9 @@ impl PairedSample {
     /// each the pairs of runs, or the runs of A and B by themselves where they are no pairs.
     pub fn interval(&self) -> Option<Interval> {
         let n = self.objects.len();
+        if self.is_large() {
+            return Some(interval_of_means(&self.weighted([-1.0, 1.0])));
+        }
         self.bootstrap(|random| {
             let of_object =
                 |random: &mut Random| difference(self.objects[random.index(n)].resampled_means(random));
@@ -166,9 +236,14 @@ impl PairedSample {
         Some(mean(&self.of_b())? / mean(&self.of_a())?).filter(|ratio| ratio.is_finite())
     }
 
-    /// The 95 % interval of this ratio by the same resamples.
+    /// The 95 % interval of this ratio by the same resamples; of large samples that of its linear part.
     pub fn ratio_interval(&self) -> Option<Interval> {
         let n = self.objects.len();
+        if self.is_large() {
+            let (ratio, a) = (self.ratio()?, mean(&self.of_a())?);
+            let around = interval_of_means(&self.weighted([-ratio / a, 1.0 / a]));
+            return Some(around.map(|deviation| ratio + deviation));
+        }
         self.bootstrap(|random| {
             let mut sums = [0.0; 2];
             for _ in 0..n {
@@ -182,6 +257,14 @@ impl PairedSample {
     /// The test that the differences of the objects lie around 0; none without objects.
     pub fn signed_rank(&self) -> Option<SignedRank> {
         signed_rank(&self.differences())
+    }
+
+    fn is_large(&self) -> bool {
+        self.objects.iter().map(|object| object.a.len().max(object.b.len())).sum::<usize>() > MAX_DRAWN
+    }
+
+    fn weighted(&self, weights: [f64; 2]) -> Vec<VaryingMean> {
+        self.objects.iter().map(|object| object.weighted(weights)).collect()
     }
 
     fn bootstrap(&self, resampled: impl FnMut(&mut Random) -> f64) -> Option<Interval> {
@@ -331,5 +414,50 @@ mod tests {
         let with_zero = PairedSample::new([object(&[0.0], &[1.0]), object(&[2.0], &[1.0])]);
         assert_eq!(with_zero.positive().ratio(), Some(0.5));
         assert_eq!(PairedSample::default().ratio(), None);
+    }
+
+    /// Objects with their runs, all of them normal around the object's mean.
+    fn drawn(n_objects: usize, n_runs: usize) -> Vec<Vec<f64>> {
+        let mut random = Random::new(5, 0);
+        let of_object = |_| {
+            let mean = VaryingMean { mean: 3.0, variance: 0.2 }.draw(&mut random);
+            (0..n_runs).map(|_| VaryingMean { mean, variance: 1.0 }.draw(&mut random)).collect()
+        };
+        (0..n_objects).map(of_object).collect()
+    }
+
+    fn assert_near(a: Interval, b: Interval) {
+        let width = a.high - a.low;
+        assert!(
+            (a.low - b.low).abs() < 0.03 * width && (a.high - b.high).abs() < 0.03 * width,
+            "{a:?} {b:?}"
+        );
+    }
+
+    #[test]
+    fn intervals_of_large_samples_agree_with_those_of_all_draws() {
+        for (n_objects, n_runs) in [(4, 2600), (150, 70), (300, 35)] {
+            let sample = Sample::new(drawn(n_objects, n_runs));
+            assert_near(sample.interval().unwrap(), sample.resampled_interval());
+            // A and B share a part of their draws.
+            let paired = sample.objects.iter().zip(drawn(n_objects, n_runs)).map(|(a, b)| {
+                let b = a.iter().zip(b.iter().rev()).map(|(a, b)| 5.0 + 0.5 * a + 0.1 * b).collect();
+                PairedObject { a: a.iter().map(|a| 10.0 + a).collect(), b, runs_are_paired: true }
+            });
+            let paired = PairedSample::new(paired);
+            let small = |paired: &PairedSample, of: fn([f64; 2]) -> f64| {
+                let n = paired.objects.len();
+                Interval::by_bootstrap(n, |random| {
+                    let mut sums = [0.0; 2];
+                    for _ in 0..n {
+                        let means = paired.objects[random.index(n)].resampled_means(random);
+                        sums = [sums[0] + means[0] / n as f64, sums[1] + means[1] / n as f64];
+                    }
+                    of(sums)
+                })
+            };
+            assert_near(paired.interval().unwrap(), small(&paired, difference));
+            assert_near(paired.ratio_interval().unwrap(), small(&paired, |[a, b]| b / a));
+        }
     }
 }

@@ -37,9 +37,11 @@ pub fn signed_rank(differences: &[f64]) -> Option<SignedRank> {
 
 /// Twice the rank of each absolute value, from 1; equal ones have their mean rank.
 fn doubled_ranks(differences: &[f64]) -> Vec<i64> {
+    let mut sorted: Vec<f64> = differences.iter().map(|difference| difference.abs()).collect();
+    sorted.sort_by(f64::total_cmp);
     let rank = |difference: &f64| {
-        let below = differences.iter().filter(|other| other.abs() < difference.abs()).count();
-        let equal = differences.iter().filter(|other| other.abs() == difference.abs()).count();
+        let below = sorted.partition_point(|other| *other < difference.abs());
+        let equal = sorted.partition_point(|other| *other <= difference.abs()) - below;
         (2 * below + equal + 1) as i64
     };
     differences.iter().map(rank).collect()

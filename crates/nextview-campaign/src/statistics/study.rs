@@ -1,91 +1,107 @@
 use super::measure::VOXEL_COVERAGE;
 use super::{Curve, Measure, MeasuredRun, PairedObject, PairedSample, Sample, mean};
 use crate::RunRecord;
-use nextview_scan::PlannerChoice;
+use nextview_scan::{PlannerChoice, ScanConfig};
 use std::cmp::Reverse;
 use std::collections::BTreeMap;
 
 /// The runs of a campaign by variant and object. Every number of an object is the mean over its runs.
 #[derive(Clone, Debug)]
-pub struct Study<'a> {
-    /// All runs, failed ones included.
-    pub runs: Vec<&'a RunRecord>,
+pub struct Study {
+    /// Number of runs, failed ones included.
+    pub n_runs: usize,
     /// By data set, then by name.
-    pub objects: Vec<StudyObject<'a>>,
+    pub objects: Vec<StudyObject>,
     /// From the largest mean voxel coverage to the smallest.
-    pub variants: Vec<StudyVariant<'a>>,
+    pub variants: Vec<StudyVariant>,
 }
 
 /// An object of the campaign.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub struct StudyObject<'a> {
+#[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub struct StudyObject {
     /// Name of the folder that its file is in, or `builtin`.
-    pub data_set: &'a str,
+    pub data_set: String,
     /// Name of the object.
-    pub name: &'a str,
+    pub name: String,
 }
 
 /// A planner with its parameters.
 #[derive(Clone, Debug)]
-pub struct StudyVariant<'a> {
+pub struct StudyVariant {
     /// Label.
-    pub name: &'a str,
+    pub name: String,
     /// The planner.
-    pub planner: &'a PlannerChoice,
-    /// Any of its records, for the configuration.
-    pub example: &'a RunRecord,
+    pub planner: PlannerChoice,
+    /// The configuration of any of its runs.
+    pub example: ScanConfig,
     /// The measured runs on each object of the study.
-    pub runs: Vec<Vec<MeasuredRun<'a>>>,
+    pub runs: Vec<Vec<MeasuredRun>>,
 }
 
-impl<'a> Study<'a> {
-    /// These runs, the runs of an object in this order.
-    pub fn new(runs: impl IntoIterator<Item = &'a RunRecord>) -> Self {
-        let runs: Vec<&RunRecord> = runs.into_iter().collect();
-        let mut objects: Vec<StudyObject<'_>> = runs.iter().map(|run| StudyObject::of(run)).collect();
-        objects.sort();
-        objects.dedup();
-        let mut by_variant = BTreeMap::<&str, Vec<&RunRecord>>::new();
-        runs.iter().for_each(|run| by_variant.entry(&run.variant).or_default().push(run));
-        let mut variants: Vec<StudyVariant<'_>> =
-            by_variant.into_iter().map(|(name, runs)| StudyVariant::new(name, &runs, &objects)).collect();
+/// A study on its way: takes record after record and keeps what statistics need of them.
+#[derive(Clone, Debug, Default)]
+pub struct StudyBuilder {
+    n_runs: usize,
+    /// With their numbers in the order in which they came.
+    objects: BTreeMap<StudyObject, usize>,
+    /// Runs by the number of the object.
+    variants: BTreeMap<String, StudyVariant>,
+}
+
+impl StudyBuilder {
+    /// Adds a run.
+    pub fn add(&mut self, run: &RunRecord) {
+        self.n_runs += 1;
+        let n_objects = self.objects.len();
+        let object = *self.objects.entry(StudyObject::of(run)).or_insert(n_objects);
+        let variant = self.variants.entry(run.variant.clone()).or_insert_with(|| StudyVariant {
+            name: run.variant.clone(),
+            planner: run.config.planner.clone(),
+            example: run.config.clone(),
+            runs: Vec::new(),
+        });
+        variant.runs.resize_with(variant.runs.len().max(object + 1), Vec::new);
+        variant.runs[object].extend(MeasuredRun::of(run));
+    }
+
+    /// The study of all runs; those of an object in the order in which they came.
+    pub fn build(self) -> Study {
+        let order = |mut variant: StudyVariant| {
+            variant.runs.resize_with(self.objects.len(), Vec::new);
+            variant.runs = self.objects.values().map(|&i| std::mem::take(&mut variant.runs[i])).collect();
+            variant
+        };
+        let mut variants: Vec<StudyVariant> = self.variants.into_values().map(order).collect();
         // A stable sort: equal ones stay in the order of their names.
         variants.sort_by_cached_key(|variant| {
             let coverage = variant.mean(&VOXEL_COVERAGE).unwrap_or(-1.0);
             Reverse((coverage * 1e9) as i64)
         });
-        Self { runs, objects, variants }
+        Study { n_runs: self.n_runs, objects: self.objects.into_keys().collect(), variants }
     }
 }
 
-impl<'a> StudyObject<'a> {
+impl Study {
+    /// These runs, the runs of an object in this order.
+    pub fn new<'a>(runs: impl IntoIterator<Item = &'a RunRecord>) -> Self {
+        let mut builder = StudyBuilder::default();
+        runs.into_iter().for_each(|run| builder.add(run));
+        builder.build()
+    }
+}
+
+impl StudyObject {
     /// The object of a run.
-    pub fn of(run: &'a RunRecord) -> Self {
-        Self { data_set: &run.data_set, name: &run.object }
+    pub fn of(run: &RunRecord) -> Self {
+        Self { data_set: run.data_set.clone(), name: run.object.clone() }
     }
 }
 
-impl<'a> StudyVariant<'a> {
-    fn new(name: &'a str, runs: &[&'a RunRecord], objects: &[StudyObject<'_>]) -> Self {
-        let of_object = |object: &StudyObject<'_>| {
-            runs.iter()
-                .filter(|run| StudyObject::of(run) == *object)
-                .filter_map(|run| MeasuredRun::of(run))
-                .collect()
-        };
-        let example = runs[0];
-        Self {
-            name,
-            planner: &example.config.planner,
-            example,
-            runs: objects.iter().map(of_object).collect(),
-        }
-    }
-
+impl StudyVariant {
     /// The measure for each object of the study; none where no run measured it.
     pub fn by_object(&self, measure: &Measure) -> Vec<Option<f64>> {
         let of_object =
-            |runs: &Vec<MeasuredRun<'_>>| mean(&runs.iter().filter_map(measure.of).collect::<Vec<_>>());
+            |runs: &Vec<MeasuredRun>| mean(&runs.iter().filter_map(measure.of).collect::<Vec<_>>());
         self.runs.iter().map(of_object).collect()
     }
 
@@ -95,7 +111,7 @@ impl<'a> StudyVariant<'a> {
     }
 
     /// The same of any number of a run.
-    pub fn sample_by(&self, of: impl Fn(&MeasuredRun<'a>) -> Option<f64>) -> Sample {
+    pub fn sample_by(&self, of: impl Fn(&MeasuredRun) -> Option<f64>) -> Sample {
         Sample::new(self.runs.iter().map(|runs| runs.iter().filter_map(&of).collect()))
     }
 
@@ -105,7 +121,7 @@ impl<'a> StudyVariant<'a> {
     }
 
     /// This variant as A and another one of the same study as B, on the objects where both have the measure.
-    pub fn beside(&self, other: &StudyVariant<'_>, measure: &Measure) -> PairedSample {
+    pub fn beside(&self, other: &StudyVariant, measure: &Measure) -> PairedSample {
         let pairs = self.runs.iter().zip(&other.runs);
         PairedSample::new(pairs.filter_map(|(a, b)| paired(a, b, measure)))
     }
@@ -122,7 +138,7 @@ impl<'a> StudyVariant<'a> {
     }
 
     /// All measured runs.
-    pub fn measured(&self) -> impl Iterator<Item = &MeasuredRun<'a>> {
+    pub fn measured(&self) -> impl Iterator<Item = &MeasuredRun> {
         self.runs.iter().flatten()
     }
 
@@ -132,8 +148,8 @@ impl<'a> StudyVariant<'a> {
     }
 
     /// The same for any curve of a run.
-    pub fn curve_by(&self, of: impl Fn(&MeasuredRun<'a>) -> Option<Vec<f64>>) -> Vec<Sample> {
-        let curves_of = |runs: &Vec<MeasuredRun<'a>>| runs.iter().filter_map(&of).collect();
+    pub fn curve_by(&self, of: impl Fn(&MeasuredRun) -> Option<Vec<f64>>) -> Vec<Sample> {
+        let curves_of = |runs: &Vec<MeasuredRun>| runs.iter().filter_map(&of).collect();
         let objects: Vec<Vec<Vec<f64>>> = self.runs.iter().map(curves_of).collect();
         let n_views = objects.iter().flatten().map(Vec::len).min().unwrap_or(0);
         let after = |view: usize| {
@@ -144,16 +160,12 @@ impl<'a> StudyVariant<'a> {
 }
 
 /// The measure of the runs of an object, for A and for B; none where either has none.
-pub(super) fn paired(
-    a: &[MeasuredRun<'_>],
-    b: &[MeasuredRun<'_>],
-    measure: &Measure,
-) -> Option<PairedObject> {
+pub(super) fn paired(a: &[MeasuredRun], b: &[MeasuredRun], measure: &Measure) -> Option<PairedObject> {
     PairedObject::new(keyed(a, measure), keyed(b, measure))
 }
 
 /// The measure of each run that has it, with what the run was drawn by.
-fn keyed(runs: &[MeasuredRun<'_>], measure: &Measure) -> Vec<((u64, u64, usize), f64)> {
+fn keyed(runs: &[MeasuredRun], measure: &Measure) -> Vec<((u64, u64, usize), f64)> {
     runs.iter().filter_map(|run| Some((run.draw, (measure.of)(run)?))).collect()
 }
 

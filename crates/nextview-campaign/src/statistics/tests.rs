@@ -1,6 +1,12 @@
 use super::*;
-use crate::made_up::{campaign, done_mut, steps_mut};
+use crate::made_up::{campaign, done_mut, steps_mut, stored};
 use crate::{RunRecord, RunResult};
+
+/// The comparison of what is in two folders.
+fn compare(a: &[RunRecord], b: &[RunRecord]) -> Comparison {
+    let [a, b] = [("a", a), ("b", b)].map(|(name, runs)| stored(name, runs));
+    super::compare(&a.1, &b.1).unwrap()
+}
 
 /// Four variants, a failed run, a run with two seeds, one that stopped early.
 fn varied() -> Vec<RunRecord> {

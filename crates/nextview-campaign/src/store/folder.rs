@@ -1,5 +1,5 @@
 use super::RUNS;
-use crate::tables;
+use crate::{Shard, tables};
 use nextview_scan::files::numbered;
 use std::path::{Path, PathBuf};
 
@@ -13,4 +13,10 @@ pub fn campaign_folder(name: &str, resume: bool) -> PathBuf {
         Some(last) if resume && !next.join(RUNS).exists() => last.clone(),
         _ => next,
     }
+}
+
+/// The folder of a shard where none is given: `bench-NAME-3-of-64`.
+pub fn shard_folder(name: &str, shard: Shard) -> PathBuf {
+    let (number, n_shards) = shard.parts();
+    format!("bench-{name}-{number}-of-{n_shards}").into()
 }

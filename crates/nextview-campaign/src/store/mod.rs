@@ -12,19 +12,25 @@
 //! - Who resumes requires every record to be of its own build, of a run of the specification, and with the
 //!   configuration that this build gives that run. Who reads does not mind.
 //!
-//! [`read`] gives all records at once, [`records`] one after the other; [`Store`] writes.
+//! [`records`] gives the lines of a file one after the other, [`read`] each run once; [`Store`] writes, and
+//! [`merge()`] makes one campaign of the folders of its shards. None of them holds all records in memory.
 
 mod checks;
+mod conflict;
 mod difference;
 mod folder;
-mod known_runs;
+mod merge;
 mod records;
+mod run_records;
+mod staging;
 #[expect(clippy::module_inception, reason = "the type that the module is about")]
 mod store;
 mod stored_runs;
 
-pub use folder::campaign_folder;
+pub use folder::{campaign_folder, shard_folder};
+pub use merge::{Merged, merge};
 pub use records::{Records, StoredRecord, records};
+pub use run_records::RunRecords;
 pub use store::Store;
 pub use stored_runs::{StoredRuns, config_of_row, read};
 

@@ -1,6 +1,9 @@
 use super::RUNS;
 use crate::RunRecord;
 use nextview_scan::{Fault, Place, files};
+use rayon::prelude::*;
+use serde::de::DeserializeOwned;
+use std::collections::VecDeque;
 use std::fs::File;
 use std::io::{BufRead, BufReader, Read};
 use std::path::{Path, PathBuf};
@@ -15,15 +18,23 @@ const OBJECT: usize = 64;
 /// Objects that a line of any length may have.
 const FREE_OBJECTS: usize = 100;
 
+/// Bytes of lines that are parsed together, by all threads.
+pub(super) const BATCH: usize = 1 << 22;
+
 /// Records of a file, one after the other in the order in which the runs ended; repeated ones as they stand.
 #[derive(Debug)]
 pub struct Records<R = BufReader<File>> {
     reader: R,
     path: PathBuf,
+    /// Number of the file among others.
+    file: u32,
     /// Lines read so far, and their bytes.
     n_lines: usize,
     n_bytes: u64,
     is_torn: bool,
+    has_ended: bool,
+    /// Records that were read ahead, by all threads.
+    ready: VecDeque<Result<StoredRecord, Fault>>,
 }
 
 /// A record and where it stands.
@@ -33,6 +44,20 @@ pub struct StoredRecord {
     pub line: usize,
     /// The record.
     pub record: RunRecord,
+    pub(super) position: Position,
+}
+
+/// Where a record stands.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Position {
+    /// Number of the file.
+    pub file: u32,
+    /// Line in the file, from 1.
+    pub line: usize,
+    /// First byte in the file.
+    pub offset: u64,
+    /// Bytes of the line without its line feed.
+    pub n_bytes: u32,
 }
 
 /// The records in a campaign's folder, also while the campaign runs.
@@ -46,7 +71,21 @@ pub fn records(dir: &Path) -> Result<Records, Fault> {
 impl<R: BufRead> Records<R> {
     /// What this reader gives from here on, of the file at this path.
     pub(super) fn new(reader: R, path: &Path) -> Self {
-        Self { reader, path: path.to_owned(), n_lines: 0, n_bytes: 0, is_torn: false }
+        Self {
+            reader,
+            path: path.to_owned(),
+            file: 0,
+            n_lines: 0,
+            n_bytes: 0,
+            is_torn: false,
+            has_ended: false,
+            ready: VecDeque::new(),
+        }
+    }
+
+    /// The same as the file of this number among others.
+    pub(super) fn of_file(self, file: u32) -> Self {
+        Self { file, ..self }
     }
 
     /// Whether the last line had no line feed and was left out; known at the end.
@@ -54,21 +93,61 @@ impl<R: BufRead> Records<R> {
         self.is_torn
     }
 
-    /// Bytes of the whole lines read so far.
+    /// Bytes of the whole lines; known at the end.
     pub(super) fn n_bytes(&self) -> u64 {
         self.n_bytes
     }
 
-    fn parse(&self, line: &[u8]) -> Result<StoredRecord, Fault> {
-        let n_objects = line.iter().filter(|byte| **byte == b'{').count();
-        if n_objects > FREE_OBJECTS + line.len() / OBJECT {
-            let problem =
-                format!("{n_objects} objects in {} bytes, expected the record of a run", line.len());
-            return Err(in_line(Fault::data(problem), self.n_lines, &self.path));
+    /// Reads the next few lines and parses them.
+    fn read_ahead(&mut self) {
+        let (mut lines, mut n_bytes) = (Vec::new(), 0);
+        let end = loop {
+            if n_bytes >= BATCH {
+                break None;
+            }
+            match self.read_line() {
+                Ok(Some((position, line))) => {
+                    n_bytes += line.len();
+                    lines.push((position, line));
+                }
+                Ok(None) => break Some(None),
+                Err(fault) => break Some(Some(fault)),
+            }
+        };
+        self.has_ended = end.is_some();
+        let path = &self.path;
+        let parsed = |(position, line): &(Position, Vec<u8>)| {
+            let record = parse(line, position.line, path)?;
+            Ok(StoredRecord { line: position.line, record, position: *position })
+        };
+        self.ready = lines.par_iter().map(parsed).collect::<Vec<_>>().into();
+        self.ready.extend(end.flatten().map(Err));
+    }
+
+    /// The next whole line without its line feed.
+    fn read_line(&mut self) -> Result<Option<(Position, Vec<u8>)>, Fault> {
+        let mut line = Vec::new();
+        let read = self.reader.by_ref().take(MAX_LINE).read_until(b'\n', &mut line);
+        let n_bytes = read.map_err(|error| Fault::from(error).in_file(&self.path))? as u64;
+        if line.pop_if(|last| *last == b'\n').is_none() {
+            if n_bytes == MAX_LINE {
+                let fault =
+                    Fault::data(format!("is longer than {MAX_LINE} bytes, expected the record of a run"));
+                return Err(in_line(fault, self.n_lines + 1, &self.path));
+            }
+            self.is_torn = n_bytes > 0;
+            return Ok(None);
         }
-        let parsed = serde_json::from_slice(line);
-        let record = parsed.map_err(|error| malformed(&error, self.n_lines, &self.path))?;
-        Ok(StoredRecord { line: self.n_lines, record })
+        self.n_lines += 1;
+        let position = Position {
+            file: self.file,
+            line: self.n_lines,
+            offset: self.n_bytes,
+            // Lines have at most 2^26 bytes.
+            n_bytes: line.len() as u32,
+        };
+        self.n_bytes += n_bytes;
+        Ok(Some((position, line)))
     }
 }
 
@@ -76,25 +155,26 @@ impl<R: BufRead> Iterator for Records<R> {
     type Item = Result<StoredRecord, Fault>;
 
     fn next(&mut self) -> Option<Self::Item> {
-        let mut line = Vec::new();
-        let n_bytes = match self.reader.by_ref().take(MAX_LINE).read_until(b'\n', &mut line) {
-            Ok(0) => return None,
-            Ok(n_bytes) => n_bytes as u64,
-            Err(e) => return Some(Err(Fault::from(e).in_file(&self.path))),
-        };
-        let Some(whole) = line.strip_suffix(b"\n") else {
-            if n_bytes == MAX_LINE {
-                let fault =
-                    Fault::data(format!("is longer than {MAX_LINE} bytes, expected the record of a run"));
-                return Some(Err(in_line(fault, self.n_lines + 1, &self.path)));
-            }
-            self.is_torn = true;
-            return None;
-        };
-        self.n_lines += 1;
-        self.n_bytes += n_bytes;
-        Some(self.parse(whole))
+        if self.ready.is_empty() && !self.has_ended {
+            self.read_ahead();
+        }
+        self.ready.pop_front()
     }
+}
+
+/// The record in this line of a file.
+pub(super) fn parse(text: &[u8], line: usize, path: &Path) -> Result<RunRecord, Fault> {
+    let n_objects = text.iter().filter(|byte| **byte == b'{').count();
+    if n_objects > FREE_OBJECTS + text.len() / OBJECT {
+        let problem = format!("{n_objects} objects in {} bytes, expected the record of a run", text.len());
+        return Err(in_line(Fault::data(problem), line, path));
+    }
+    parse_as(text, line, path)
+}
+
+/// A part of the record in this line of a file.
+pub(super) fn parse_as<T: DeserializeOwned>(text: &[u8], line: usize, path: &Path) -> Result<T, Fault> {
+    serde_json::from_slice(text).map_err(|error| malformed(&error, line, path))
 }
 
 fn malformed(error: &serde_json::Error, line: usize, path: &Path) -> Fault {

@@ -1,26 +1,34 @@
 use super::RUNS;
 use super::checks::{check_build, check_config, check_same};
-use super::known_runs::{KnownRuns, conflict};
-use super::records::{Records, in_line};
-use crate::{Run, RunId, RunRecord, Spec, tables};
+use super::conflict::{check_repeated, conflict};
+use super::records::{Position, Records, in_line};
+use super::run_records::{RunRecords, read_at};
+use crate::failed_runs::FailureCounts;
+use crate::{FailedRuns, RunRecord, Runs, Shard, Spec, tables};
 use nextview_scan::files::{self, Overwrite};
 use nextview_scan::{Fault, Faults};
-use std::collections::BTreeMap;
 use std::fs::{self, File, TryLockError};
 use std::io::{self, BufReader, Write};
 use std::path::{Path, PathBuf};
+use std::slice;
 
-/// A campaign's folder that this process alone writes to, however many threads it has.
+/// A campaign's folder that this process alone writes to, however many threads it has. Records stay on the
+/// disk.
 #[derive(Debug)]
 pub struct Store {
     dir: PathBuf,
+    path: PathBuf,
     /// Locked as long as it is open.
     file: File,
-    n_objects: usize,
-    runs: Vec<Run>,
-    /// Beside `runs`.
-    records: Vec<Option<RunRecord>>,
-    numbers: BTreeMap<RunId, usize>,
+    /// Bytes of the file.
+    n_bytes: u64,
+    n_lines: usize,
+    runs: Runs,
+    /// The runs that are to be done here, by the object that they share.
+    share: Vec<Vec<usize>>,
+    /// By the number of the run.
+    positions: Vec<Option<Position>>,
+    failures: FailureCounts,
     was_torn: bool,
     /// After a failed write the end of the file is not known to be whole.
     is_damaged: bool,
@@ -28,8 +36,9 @@ pub struct Store {
 
 impl Store {
     /// Opens the folder for this specification: a new one, or, if it may be resumed, one of the very same
-    /// specification. A new one may hold other files, but none that the campaign would replace.
-    pub fn open(dir: &Path, spec: &Spec, resume: bool) -> Result<Self, Faults> {
+    /// specification. A new one may hold other files, but none that the campaign would replace. The runs of
+    /// the shard are to be done here; the folder may hold records of others, too.
+    pub fn open(dir: &Path, spec: &Spec, shard: Shard, resume: bool) -> Result<Self, Faults> {
         let runs = spec.runs()?;
         let (path, saved) = (dir.join(RUNS), dir.join(Spec::FILE));
         if !resume && !path.exists() {
@@ -57,11 +66,19 @@ impl Store {
             let text = if has_runs { Err(missing()) } else { spec.to_toml() }?;
             files::write(&saved, &Overwrite::nothing(), |w| Ok(w.write_all(text.as_bytes())?))?;
         }
-        let numbers = runs.iter().map(|run| run.id.clone()).zip(0..).collect();
-        let (records, n_objects) = (vec![None; runs.len()], spec.objects.len());
-        let (was_torn, is_damaged) = (false, false);
-        let dir = dir.to_owned();
-        let mut store = Self { dir, file, n_objects, runs, records, numbers, was_torn, is_damaged };
+        let mut store = Self {
+            dir: dir.to_owned(),
+            path,
+            file,
+            n_bytes: 0,
+            n_lines: 0,
+            share: shard.groups(&runs),
+            positions: vec![None; runs.len()],
+            runs,
+            failures: FailureCounts::default(),
+            was_torn: false,
+            is_damaged: false,
+        };
         store.load()?;
         Ok(store)
     }
@@ -71,24 +88,29 @@ impl Store {
         &self.dir
     }
 
-    /// Number of objects of the campaign.
-    pub fn n_objects(&self) -> usize {
-        self.n_objects
-    }
-
-    /// All runs of the campaign, in the order of [`Spec::runs`].
-    pub fn runs(&self) -> &[Run] {
+    /// All runs of the campaign.
+    pub fn runs(&self) -> &Runs {
         &self.runs
     }
 
-    /// The record of each of [`Store::runs`]; none of those that are open.
-    pub fn records(&self) -> &[Option<RunRecord>] {
-        &self.records
+    /// The runs that are to be done here, by their numbers; those of a group share their object.
+    pub fn share(&self) -> &[Vec<usize>] {
+        &self.share
+    }
+
+    /// Whether the run of this number has a record.
+    pub fn is_finished(&self, number: usize) -> bool {
+        self.positions.get(number).is_some_and(Option::is_some)
     }
 
     /// The records that there are, in the order of the runs.
-    pub fn finished(&self) -> Vec<&RunRecord> {
-        self.records.iter().flatten().collect()
+    pub fn finished(&self) -> RunRecords {
+        RunRecords::new(vec![self.path.clone()], self.positions.iter().flatten().copied().collect())
+    }
+
+    /// The runs that failed, by object and reason.
+    pub fn failed(&self) -> Vec<FailedRuns> {
+        self.failures.list()
     }
 
     /// Whether the last line was not whole when the folder was opened, and was cut.
@@ -99,15 +121,15 @@ impl Store {
     /// Adds the record of a run: on the disk, whole, when this returns. One that equals that of the same run
     /// changes nothing.
     pub fn append(&mut self, record: &RunRecord) -> Result<(), Fault> {
-        let path = self.dir.join(RUNS);
         if self.is_damaged {
-            return Err(Fault::data("an earlier write failed").while_writing(&path));
+            return Err(Fault::data("an earlier write failed").while_writing(&self.path));
         }
-        let number = self.number(record).map_err(|fault| fault.in_file(&path))?;
-        if let Some(known) = &self.records[number] {
-            return conflict(known, record).map_or(Ok(()), |difference| {
+        let number = self.number(record).map_err(|fault| fault.in_file(&self.path))?;
+        if let Some(known) = self.positions[number] {
+            let known = read_at(slice::from_ref(&self.path), known)?;
+            return conflict(&known, record).map_or(Ok(()), |difference| {
                 let message = format!("another record of {} is there: {difference}", record.id());
-                Err(Fault::data(message).in_file(&path))
+                Err(Fault::data(message).in_file(&self.path))
             });
         }
         let line = serde_json::to_string(record).map_err(Fault::data)? + "\n";
@@ -115,32 +137,40 @@ impl Store {
         written.map_err(|e| {
             self.is_damaged = true;
             Fault::from(e)
-                .while_writing(&path)
+                .while_writing(&self.path)
                 .with_remedy("resume the campaign once the file can be written")
         })?;
-        self.records[number] = Some(record.clone());
+        self.n_lines += 1;
+        let (line_number, offset) = (self.n_lines, self.n_bytes);
+        let n_bytes = line.len() as u32 - 1;
+        self.positions[number] = Some(Position { file: 0, line: line_number, offset, n_bytes });
+        self.n_bytes += line.len() as u64;
+        self.failures.add(record);
         Ok(())
     }
 
     /// Reads the records that are there, and cuts a last line that is not whole.
     fn load(&mut self) -> Result<(), Faults> {
-        let path = self.dir.join(RUNS);
-        let mut known = KnownRuns::default();
-        let mut records = Records::new(BufReader::new(self.file.try_clone()?), &path);
+        let mut records = Records::new(BufReader::new(self.file.try_clone()?), &self.path);
         for stored in records.by_ref() {
             let stored = stored?;
             let line = stored.line;
-            let checked = self.number(&stored.record).and_then(|_| known.add(stored));
-            checked.map_err(|fault| in_line(fault, line, &path))?;
+            self.n_lines = line;
+            let checked = self.number(&stored.record).and_then(|number| match self.positions[number] {
+                Some(known) => check_repeated(slice::from_ref(&self.path), known, &stored),
+                None => {
+                    self.positions[number] = Some(stored.position);
+                    self.failures.add(&stored.record);
+                    Ok(())
+                }
+            });
+            checked.map_err(|fault| in_line(fault, line, &self.path))?;
         }
-        for record in known.into_records() {
-            let number = self.numbers[&record.id()];
-            self.records[number] = Some(record);
-        }
+        self.n_bytes = records.n_bytes();
         if records.is_torn() {
             self.was_torn = true;
             let cut = self.file.set_len(records.n_bytes()).and_then(|()| self.file.sync_all());
-            cut.map_err(|e| Fault::from(e).while_writing(&path))?;
+            cut.map_err(|e| Fault::from(e).while_writing(&self.path))?;
         }
         Ok(())
     }
@@ -149,9 +179,10 @@ impl Store {
     fn number(&self, record: &RunRecord) -> Result<usize, Fault> {
         check_build(record)?;
         let id = record.id();
-        let number = self.numbers.get(&id).copied();
-        let number = number.ok_or_else(|| Fault::data(format!("no run of this campaign: {id}")))?;
-        check_config(&self.runs[number], record).map(|()| number)
+        let missing = || Fault::data(format!("no run of this campaign: {id}"));
+        let number = self.runs.number(&id).ok_or_else(missing)?;
+        let run = self.runs.get(number).ok_or_else(missing)?;
+        check_config(&run, record).map(|()| number)
     }
 }
 

@@ -1,5 +1,5 @@
 use super::*;
-use crate::{Run, RunRecord, RunResult, Spec, made_up};
+use crate::{Run, RunRecord, RunResult, Shard, Spec, made_up};
 use nextview_scan::Faults;
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -24,11 +24,16 @@ fn record(run: &Run) -> RunRecord {
 }
 
 fn records_of_spec() -> Vec<RunRecord> {
-    spec().runs().unwrap().iter().map(record).collect()
+    spec().runs().unwrap().iter().map(|run| record(&run)).collect()
 }
 
 fn line(record: &RunRecord) -> String {
     serde_json::to_string(record).unwrap() + "\n"
+}
+
+/// All of them, from the disk.
+fn all(records: &RunRecords) -> Vec<RunRecord> {
+    records.iter().collect::<Result<_, _>>().unwrap()
 }
 
 /// A folder with these lines of records.
@@ -51,7 +56,7 @@ impl Folder {
     }
 
     fn resume(&self) -> Result<Store, Faults> {
-        Store::open(&self.0, &spec(), true)
+        Store::open(&self.0, &spec(), Shard::WHOLE, true)
     }
 
     /// What both a reader and who resumes say.
@@ -71,8 +76,8 @@ impl Drop for Folder {
 fn what_is_appended_is_read() {
     let folder = Folder::new("append");
     let records = records_of_spec();
-    let mut store = Store::open(&folder.0, &spec(), false).unwrap();
-    assert!(store.records().iter().all(Option::is_none) && store.n_objects() == 2);
+    let mut store = Store::open(&folder.0, &spec(), Shard::WHOLE, false).unwrap();
+    assert!(store.finished().is_empty() && store.share() == [vec![0, 1], vec![2, 3]]);
     for (n, record) in records.iter().rev().zip(1..) {
         store.append(n).unwrap();
         assert_eq!(store.finished().len(), record);
@@ -81,10 +86,10 @@ fn what_is_appended_is_read() {
     assert!(!read.torn && read.name.starts_with("nextview-campaign-append"));
     let mut sorted = records.clone();
     sorted.sort_by_key(RunRecord::id);
-    assert_eq!(read.runs, sorted);
-    assert!(store.finished().into_iter().eq(&records), "in the order of the runs");
+    assert_eq!(all(&read.runs), sorted);
+    assert_eq!(all(&store.finished()), records, "in the order of the runs");
     drop(store);
-    assert!(folder.resume().unwrap().finished().into_iter().eq(&records));
+    assert_eq!(all(&folder.resume().unwrap().finished()), records);
     let lines = super::records(&folder.0).unwrap().map(|stored| stored.map(|stored| stored.line));
     assert_eq!(lines.collect::<Result<Vec<_>, _>>().unwrap(), [1, 2, 3, 4]);
 }
@@ -99,7 +104,7 @@ fn a_torn_line_is_left_out_by_readers_and_cut_by_who_resumes() {
         let stored = read(&folder.0).unwrap();
         assert_eq!((stored.runs.len(), stored.torn), (3, true));
         let mut store = folder.resume().unwrap();
-        assert!(store.was_torn() && store.records()[3].is_none() && store.finished().len() == 3);
+        assert!(store.was_torn() && !store.is_finished(3) && store.finished().len() == 3);
         assert_eq!(folder.text(), whole[..whole.len() - last]);
         store.append(&records[3]).unwrap();
         assert_eq!(folder.text(), whole);
@@ -143,7 +148,7 @@ fn equal_repeated_records_count_once() {
     let folder = Folder::new("equal").with(&text);
     assert_eq!(read(&folder.0).unwrap().runs.len(), 2);
     let mut store = folder.resume().unwrap();
-    assert_eq!(store.finished(), [&records[0], &records[1]]);
+    assert_eq!(all(&store.finished()), records[..2]);
     store.append(&again).unwrap();
     assert_eq!(folder.text(), text, "a third time is no line more");
 }
@@ -209,11 +214,11 @@ fn one_process_writes_at_a_time() {
 fn a_folder_is_that_of_one_campaign() {
     let records = records_of_spec();
     let folder = Folder::new("one").with(line(&records[0]));
-    let faults = Store::open(&folder.0, &spec(), false).unwrap_err();
+    let faults = Store::open(&folder.0, &spec(), Shard::WHOLE, false).unwrap_err();
     assert!(faults.to_string().contains("has the results of a campaign already"), "{faults}");
     let mut other = spec();
     other.seeds.push(2);
-    let faults = Store::open(&folder.0, &other, true).unwrap_err();
+    let faults = Store::open(&folder.0, &other, Shard::WHOLE, true).unwrap_err();
     assert!(faults.to_string().contains("spec.toml: the folder is that of another"), "{faults}");
     assert!(faults.to_string().contains("seeds is [0, 1] there, [0, 1, 2] here"), "{faults}");
 
@@ -230,7 +235,7 @@ fn a_folder_is_that_of_one_campaign() {
     let mut chosen = records[1].clone();
     chosen.config.voxel_size_m = Some(0.003);
     let folder = folder.with(line(&chosen));
-    assert_eq!(folder.resume().unwrap().finished(), [&chosen], "the voxel size is chosen in the run");
+    assert_eq!(all(&folder.resume().unwrap().finished()), [chosen], "the voxel size is chosen in the run");
 }
 
 #[test]

@@ -1,20 +1,48 @@
 use super::{Column, Table};
 use crate::RunRecord;
 use nextview_scan::{Fault, ScanConfig};
+use rayon::prelude::*;
 use std::collections::BTreeMap;
 use toml::Value;
 
-/// A column `config.KEY` for every value that is set in any configuration.
-pub(super) fn config_columns(table: &mut Table, records: &[&RunRecord]) -> Result<(), Fault> {
-    let rows = records.iter().map(|record| flat(&record.config)).collect::<Result<Vec<_>, _>>()?;
-    let mut columns: BTreeMap<&str, Vec<Option<&Value>>> = BTreeMap::new();
-    for (row, i) in rows.iter().zip(0..) {
-        for (key, value) in row {
-            columns.entry(key).or_insert_with(|| vec![None; rows.len()])[i] = Some(value);
+/// The values that are set in any configuration, by their dotted keys, and the type that all of each have.
+#[derive(Clone, Debug, Default)]
+pub(super) struct ConfigKeys(BTreeMap<String, Kind>);
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Kind {
+    Bool,
+    Int,
+    Float,
+    /// Texts, or values of several types.
+    Text,
+}
+
+impl ConfigKeys {
+    /// Those of a configuration come in, too.
+    pub fn add(&mut self, config: &ScanConfig) -> Result<(), Fault> {
+        for (key, value) in flat(config)? {
+            let kind = Kind::of(&value);
+            match self.0.get_mut(&key) {
+                Some(known) if *known != kind => *known = Kind::Text,
+                Some(_) => (),
+                None => drop(self.0.insert(key, kind)),
+            }
         }
+        Ok(())
     }
-    for (key, values) in columns {
-        table.push(format!("config.{key}"), typed(&values));
+}
+
+/// A column `config.KEY` for each of the keys.
+pub(super) fn config_columns(
+    table: &mut Table,
+    keys: &ConfigKeys,
+    records: &[&RunRecord],
+) -> Result<(), Fault> {
+    let mut rows = records.par_iter().map(|record| flat(&record.config)).collect::<Result<Vec<_>, _>>()?;
+    for (key, kind) in &keys.0 {
+        let values = rows.iter_mut().map(|row| row.remove(key)).collect();
+        table.push(format!("config.{key}"), kind.column(values));
     }
     Ok(())
 }
@@ -35,18 +63,24 @@ fn walk(prefix: &str, table: toml::Table, values: &mut BTreeMap<String, Value>) 
     }
 }
 
-/// A column of the type that all values have, or else of texts.
-fn typed(values: &[Option<&Value>]) -> Column {
-    let all = |is: fn(&Value) -> bool| values.iter().flatten().all(|value| is(value));
-    let each = || values.iter().copied();
-    if all(Value::is_bool) {
-        Column::Bool(each().map(|value| value?.as_bool()).collect())
-    } else if all(Value::is_integer) {
-        Column::Int(each().map(|value| value?.as_integer()).collect())
-    } else if all(Value::is_float) {
-        Column::Float(each().map(|value| value?.as_float()).collect())
-    } else {
+impl Kind {
+    fn of(value: &Value) -> Self {
+        match value {
+            Value::Boolean(_) => Self::Bool,
+            Value::Integer(_) => Self::Int,
+            Value::Float(_) => Self::Float,
+            _ => Self::Text,
+        }
+    }
+
+    fn column(self, values: Vec<Option<Value>>) -> Column {
+        let each = || values.iter().map(Option::as_ref);
         let text = |value: &Value| value.as_str().map_or_else(|| value.to_string(), str::to_owned);
-        Column::Text(each().map(|value| value.map(text)).collect())
+        match self {
+            Self::Bool => Column::Bool(each().map(|value| value?.as_bool()).collect()),
+            Self::Int => Column::Int(each().map(|value| value?.as_integer()).collect()),
+            Self::Float => Column::Float(each().map(|value| value?.as_float()).collect()),
+            Self::Text => Column::Text(each().map(|value| value.map(text)).collect()),
+        }
     }
 }

@@ -2,6 +2,7 @@
 
 mod columns;
 mod config;
+mod files;
 #[cfg(feature = "parquet")]
 mod parquet;
 mod rows;
@@ -11,8 +12,10 @@ pub use rows::{runs, steps, times};
 pub use table::{Column, Table};
 
 use crate::RunRecord;
+use crate::store::RunRecords;
+use config::ConfigKeys;
+use files::TableFiles;
 use nextview_scan::Fault;
-use nextview_scan::files::{self, Overwrite};
 use std::path::Path;
 
 /// The files that [`write()`] makes.
@@ -28,16 +31,32 @@ pub const FILES: &[&str] = &[
     "times.parquet",
 ];
 
+/// Runs whose rows are held in memory at a time; they are a row group of Parquet.
+const GROUP: usize = 2048;
+
 /// Writes `runs`, `steps` and `times` into a folder as `.csv` and, with the feature `parquet`, as `.parquet`,
 /// in place of those that are there.
 ///
 /// Equal campaigns give equal files of runs and steps, and rows in the order of the records.
-pub fn write(dir: &Path, records: &[&RunRecord]) -> Result<(), Fault> {
-    let rule = Overwrite::results();
-    for (name, table) in [("runs", runs(records)?), ("steps", steps(records)?), ("times", times(records))] {
-        files::write(&dir.join(format!("{name}.csv")), &rule, |w| table.write_csv(w))?;
-        #[cfg(feature = "parquet")]
-        files::write(&dir.join(format!("{name}.parquet")), &rule, |w| table.write_parquet(w))?;
+pub fn write(dir: &Path, records: &RunRecords) -> Result<(), Fault> {
+    let mut keys = ConfigKeys::default();
+    records.configs().try_for_each(|config| keys.add(&config?))?;
+    let mut files = None;
+    let mut group = Vec::new();
+    let mut records = records.iter();
+    loop {
+        group.clear();
+        for record in records.by_ref().take(GROUP) {
+            group.push(record?);
+        }
+        let rows: Vec<&RunRecord> = group.iter().collect();
+        let tables = [rows::runs_with(&keys, &rows)?, steps(&rows)?, times(&rows)];
+        let files = match &mut files {
+            None => files.insert(TableFiles::begin(dir, &tables)?),
+            Some(_) if group.is_empty() => break,
+            Some(files) => files,
+        };
+        files.add(&tables)?;
     }
-    Ok(())
+    files.map_or(Ok(()), TableFiles::publish)
 }

@@ -9,29 +9,48 @@ use parquet::schema::types::Type;
 use std::io::Write;
 use std::sync::Arc;
 
-impl Table {
-    /// Writes Apache Parquet: one row group, no compression, every column optional.
-    pub fn write_parquet(&self, writer: impl Write + Send) -> Result<(), Fault> {
-        self.to_parquet(writer).map_err(Fault::data)
-    }
+/// A file of Apache Parquet on its way: no compression, every column optional, a row group for each table.
+pub(super) struct ParquetFile<W: Write + Send>(SerializedFileWriter<W>);
 
-    fn to_parquet(&self, writer: impl Write + Send) -> Result<(), ParquetError> {
-        let fields = self.columns().iter().map(|(name, column)| column.field(name).map(Arc::new));
+impl<W: Write + Send> ParquetFile<W> {
+    /// Begins a file with the columns of this table, without its rows.
+    pub fn begin(writer: W, table: &Table) -> Result<Self, ParquetError> {
+        let fields = table.columns().iter().map(|(name, column)| column.field(name).map(Arc::new));
         let fields = fields.collect::<Result<_, _>>()?;
         let schema = Type::group_type_builder("table").with_fields(fields).build()?;
         let properties = Arc::new(WriterProperties::builder().build());
-        let mut file = SerializedFileWriter::new(writer, Arc::new(schema), properties)?;
-        if self.n_rows() > 0 {
-            let mut group = file.next_row_group()?;
-            for (_, column) in self.columns() {
-                if let Some(mut writer) = group.next_column()? {
-                    column.write(&mut writer)?;
-                    writer.close()?;
-                }
-            }
-            group.close()?;
+        Ok(Self(SerializedFileWriter::new(writer, Arc::new(schema), properties)?))
+    }
+
+    /// Adds the rows of a table with the same columns.
+    pub fn add(&mut self, table: &Table) -> Result<(), ParquetError> {
+        if table.n_rows() == 0 {
+            return Ok(());
         }
-        file.close().map(drop)
+        let mut group = self.0.next_row_group()?;
+        for (_, column) in table.columns() {
+            if let Some(mut writer) = group.next_column()? {
+                column.write(&mut writer)?;
+                writer.close()?;
+            }
+        }
+        group.close().map(drop)
+    }
+
+    /// Ends the file.
+    pub fn end(self) -> Result<W, ParquetError> {
+        self.0.into_inner()
+    }
+}
+
+impl Table {
+    /// Writes Apache Parquet: one row group, no compression, every column optional.
+    pub fn write_parquet(&self, writer: impl Write + Send) -> Result<(), Fault> {
+        let written = ParquetFile::begin(writer, self).and_then(|mut file| {
+            file.add(self)?;
+            file.end().map(drop)
+        });
+        written.map_err(Fault::data)
     }
 }
 

@@ -1,13 +1,20 @@
 use super::columns::{all_steps, identity, measure_columns, name_of, quality_columns, step_identity};
-use super::config::config_columns;
+use super::config::{ConfigKeys, config_columns};
 use super::{Column, Table};
 use crate::RunRecord;
 use nextview_scan::{Fault, ScanRecord, StepRecord};
 
 /// A row per run. Equal campaigns give equal rows.
 pub fn runs(records: &[&RunRecord]) -> Result<Table, Fault> {
+    let mut keys = ConfigKeys::default();
+    records.iter().try_for_each(|record| keys.add(&record.config))?;
+    runs_with(&keys, records)
+}
+
+/// The same with columns for these keys of the configuration.
+pub(super) fn runs_with(keys: &ConfigKeys, records: &[&RunRecord]) -> Result<Table, Fault> {
     let mut table = identity(records.iter().copied());
-    config_columns(&mut table, records)?;
+    config_columns(&mut table, keys, records)?;
     let scans = || records.iter().map(|record| Some(&record.done()?.record));
     let builds: Vec<String> = records.iter().map(|record| record.build.to_string()).collect();
     table.text("build", builds.iter().map(String::as_str));

@@ -55,8 +55,18 @@ impl Table {
     /// Writes CSV as in RFC 4180, but with plain line feeds: a head line, nothing for a missing value, quotes
     /// only where they must be. Numbers read back to the same bits.
     pub fn write_csv(&self, writer: &mut impl Write) -> Result<(), Fault> {
+        self.write_csv_head(writer)?;
+        self.write_csv_rows(writer)
+    }
+
+    /// The head line alone.
+    pub(super) fn write_csv_head(&self, writer: &mut impl Write) -> Result<(), Fault> {
         let names: Vec<String> = self.columns.iter().map(|(name, _)| quoted(name)).collect();
-        writeln!(writer, "{}", names.join(","))?;
+        Ok(writeln!(writer, "{}", names.join(","))?)
+    }
+
+    /// The lines below it.
+    pub(super) fn write_csv_rows(&self, writer: &mut impl Write) -> Result<(), Fault> {
         for row in 0..self.n_rows() {
             let values: Vec<String> = self.columns.iter().map(|(_, column)| column.csv(row)).collect();
             writeln!(writer, "{}", values.join(","))?;

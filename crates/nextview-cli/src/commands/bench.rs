@@ -1,3 +1,4 @@
+use super::campaign::{check, counted};
 use super::values;
 use crate::progress::CampaignProgress;
 use crate::{Failure, stdout};
@@ -6,7 +7,7 @@ use indicatif::HumanDuration;
 use nextview::Cancel;
 use nextview_campaign::execution::{CampaignEvent, run_campaign};
 use nextview_campaign::store::{self, Store, config_of_row};
-use nextview_campaign::{FailedRuns, Spec, builtin, failed_runs, tables};
+use nextview_campaign::{Shard, Spec, builtin, tables};
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
@@ -31,14 +32,18 @@ pub(super) struct BenchArgs {
     /// Runs beside each other [default: one per thread]; with 1, times and memory are undisturbed
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
     jobs: Option<u16>,
+    /// Do one share of the runs, the Kth of N, counted from 1; `nextview merge` makes one campaign of all
+    /// [default folder: bench-NAME-K-of-N]
+    #[arg(long, value_name = "K/N", value_parser = values::shard)]
+    shard: Option<Shard>,
     /// Resume the campaign in the folder; SPEC may be left out then
     #[arg(long)]
     resume: bool,
     /// Print the configuration of the run in this row of runs.csv, from 1, for scan --config
-    #[arg(long, value_name = "ROW", conflicts_with_all = ["jobs", "resume", "list"])]
+    #[arg(long, value_name = "ROW", conflicts_with_all = ["jobs", "resume", "shard", "list"])]
     config_of: Option<usize>,
     /// Show the built-in specifications
-    #[arg(long, conflicts_with_all = ["spec", "out", "jobs", "resume"])]
+    #[arg(long, conflicts_with_all = ["spec", "out", "jobs", "resume", "shard"])]
     list: bool,
 }
 
@@ -48,6 +53,7 @@ Examples:
   nextview bench paper-1 meshes/*.ply --out mine    on your own
   nextview bench mine.toml --jobs 4                 your own specification
   nextview bench --resume --out mine                resume after an interruption
+  nextview bench mine.toml --shard 3/64 --out 3     a share of the runs; then: nextview merge 1 2 3 ...
   nextview bench --out mine --config-of 3           the configuration of the run in row 3 of runs.csv
 
 A specification (keys of `scan` as in config.toml; see docs/bench.md):
@@ -75,25 +81,31 @@ impl BenchArgs {
         let start = Instant::now();
         let spec = self.specification()?;
         let is_last = self.resume || self.config_of.is_some();
-        let dir = self.out.unwrap_or_else(|| store::campaign_folder(&spec.name, is_last));
+        let dir = self.out.unwrap_or_else(|| match self.shard {
+            Some(shard) => store::shard_folder(&spec.name, shard),
+            None => store::campaign_folder(&spec.name, is_last),
+        });
         if let Some(row) = self.config_of {
             return stdout::print(config_of_row(&dir, row)?);
         }
-        let mut store = Store::open(&dir, &spec, self.resume)?;
-        let n_runs = store.runs().len();
+        let mut store = Store::open(&dir, &spec, self.shard.unwrap_or(Shard::WHOLE), self.resume)?;
+        let n_runs = store.share().iter().map(Vec::len).sum();
         let progress = CampaignProgress::new(n_runs);
         let on_event = |event| on_event(event, &progress, &spec.name, &dir);
         run_campaign(&mut store, self.jobs.map(usize::from), &Cancel::default(), &on_event)?;
         drop(progress);
-        let records = store.finished();
-        tables::write(&dir, &records)?;
-        let (time, dir) = (HumanDuration(start.elapsed()), dir.display());
-        stdout::print(format!(
-            "\n{}, {time}; results in {dir} (runs, steps and times, as .csv and .parquet)\n\
-             a run again: nextview bench --out {dir} --config-of ROW > run.toml; nextview scan --config run.toml\n",
-            counted(n_runs, "run")
-        ))?;
-        check(&failed_runs(&records), n_runs)
+        let (done, time) = (counted(n_runs, "run"), HumanDuration(start.elapsed()));
+        let shown = dir.display();
+        if let Some(shard) = self.shard {
+            stdout::print(format!("\n{done}, {time}; shard {shard} in {shown}; next: nextview merge\n"))?;
+        } else {
+            tables::write(&dir, &store.finished())?;
+            stdout::print(format!(
+                "\n{done}, {time}; results in {shown} (runs, steps and times, as .csv and .parquet)\n\
+                 a run again: nextview bench --out {shown} --config-of ROW > run.toml; nextview scan --config run.toml\n"
+            ))?;
+        }
+        check(&store.failed(), n_runs)
     }
 
     fn specification(&self) -> Result<Spec, Failure> {
@@ -127,22 +139,4 @@ fn on_event(event: CampaignEvent, progress: &CampaignProgress, name: &str, dir: 
         _ => return,
     };
     let _ = progress.print(&text);
-}
-
-/// Fails with the reasons if any run failed.
-fn check(failed: &[FailedRuns], n_runs: usize) -> Result<(), Failure> {
-    if failed.is_empty() {
-        return Ok(());
-    }
-    let n_failed: usize = failed.iter().map(|failed| failed.n_runs).sum();
-    let line = |FailedRuns { object, reason, n_runs }: &FailedRuns| {
-        format!("\n  {object} ({}): {reason}", counted(*n_runs, "run"))
-    };
-    let lines: String = failed.iter().map(line).collect();
-    Err(Failure::data(format!("{n_failed} of {n_runs} runs failed{lines}")))
-}
-
-/// `1 run`, `2 runs`.
-fn counted(n: usize, noun: &str) -> String {
-    format!("{n} {noun}{}", if n == 1 { "" } else { "s" })
 }

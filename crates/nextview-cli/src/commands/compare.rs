@@ -27,7 +27,7 @@ pub(super) struct CompareArgs {
 impl CompareArgs {
     pub fn run(self) -> Result<(), Failure> {
         let (a, b) = (store::read(&self.a)?, store::read(&self.b)?);
-        let comparison = statistics::compare(&a.runs, &b.runs);
+        let comparison = statistics::compare(&a, &b)?;
         if self.json {
             return stdout::print(serde_json::to_string(&comparison).map_err(Failure::data)? + "\n");
         }

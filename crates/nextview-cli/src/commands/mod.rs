@@ -2,9 +2,11 @@
 
 mod batch;
 mod bench;
+mod campaign;
 mod compare;
 mod dataset;
 mod map;
+mod merge;
 mod plan;
 mod report;
 mod scan;
@@ -19,11 +21,12 @@ use clap::{Parser, Subcommand};
 /// views as possible.
 ///
 /// `nextview scan` scans a simulated object from the first view to the last and writes the map, the cloud,
-/// the mesh and a report. `nextview bench` scans many objects with many planners, `nextview report` and
-/// `nextview compare` make figures and tables of that. `nextview serve` takes the frames of any camera over
-/// HTTP and answers with the next view. `nextview plan` gives the next view, or the next few, for a saved
-/// map, `nextview map` summarises and converts maps, `nextview views` makes view candidates, `nextview
-/// dataset` training data for learned planners.
+/// the mesh and a report. `nextview bench` scans many objects with many planners, on one machine or as shards
+/// on many, which `nextview merge` makes one; `nextview report` and `nextview compare` make figures and tables
+/// of that. `nextview serve` takes the frames of any camera over HTTP and answers with the next view.
+/// `nextview plan` gives the next view, or the next few, for a saved map, `nextview map` summarises and
+/// converts maps, `nextview views` makes view candidates, `nextview dataset` training data for learned
+/// planners.
 #[derive(Debug, Parser)]
 #[command(name = "nextview", version, max_term_width = 100, after_help = EXAMPLES)]
 pub struct Cli {
@@ -55,6 +58,7 @@ Exit codes: 0 done, 1 bad data or a failing system, 2 bad usage.";
 enum Command {
     Scan(Box<scan::ScanArgs>),
     Bench(bench::BenchArgs),
+    Merge(merge::MergeArgs),
     Report(report::ReportArgs),
     Compare(compare::CompareArgs),
     Serve(serve::ServeArgs),
@@ -76,6 +80,7 @@ impl Cli {
         match self.command {
             Command::Scan(args) => args.run(),
             Command::Bench(args) => args.run(),
+            Command::Merge(args) => args.run(),
             Command::Serve(args) => args.run(),
             Command::Plan(args) => args.run(),
             Command::Views(args) => args.run(),

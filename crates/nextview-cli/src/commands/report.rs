@@ -30,7 +30,7 @@ const MAX_BYTES: u64 = 1 << 28;
 impl ReportArgs {
     pub fn run(self) -> Result<(), Failure> {
         let campaign = store::read(&self.dir)?;
-        let [html, markdown] = campaign_report(&campaign);
+        let [html, markdown] = campaign_report(&campaign)?;
         let rule = values::overwrite(self.force || FILES.iter().all(|name| self.may_replace(name)));
         let mut folder = ResultFolder::begin(&self.dir, FILES, rule)?;
         folder.add("report.html", |w| Ok(w.write_all(html.as_bytes())?))?;

@@ -3,8 +3,9 @@
 use clap::builder::{OsStringValueParser, PossibleValue, PossibleValuesParser, TypedValueParser};
 use glam::DVec3;
 use nextview::geometry::Aabb;
-use nextview_scan::Named;
+use nextview_campaign::Shard;
 use nextview_scan::files::Overwrite;
+use nextview_scan::{Fault, Named};
 use serde::de::DeserializeOwned;
 use std::ffi::OsString;
 
@@ -26,6 +27,11 @@ pub(super) fn some_named<T: Named + Send + Sync>(
 /// One of the words that stand for values in configurations.
 pub(super) fn word<T: DeserializeOwned>(text: &str) -> Result<T, String> {
     serde_json::from_value(text.into()).map_err(|error| error.to_string())
+}
+
+/// A shard, such as 3/64.
+pub(super) fn shard(text: &str) -> Result<Shard, String> {
+    text.parse().map_err(|fault: Fault| fault.expected.map_or(fault.message, |it| format!("expected {it}")))
 }
 
 /// The name of a file that configurations and results hold, which are text.

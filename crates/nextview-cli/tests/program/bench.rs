@@ -310,7 +310,7 @@ fn a_folder_is_that_of_one_campaign() {
 
 #[test]
 fn a_finished_campaign_is_not_that_of_the_next() {
-    let folder = finished("bench-again");
+    let folder = finished("bench-next");
     let first = folder.bytes("bench-tiny/runs.jsonl");
     let told = folder.ok(&["bench", "tiny.toml"]);
     assert!(told.contains("results in bench-tiny-2 ("), "{told}");

@@ -53,9 +53,10 @@ fn of_map() {
 }
 
 #[test]
-fn of_report_and_compare() {
+fn of_report_compare_and_merge() {
     check(&["report"]);
     check(&["compare"]);
+    check(&["merge"]);
 }
 
 #[test]

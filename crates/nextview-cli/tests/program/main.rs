@@ -43,3 +43,5 @@ mod reproduction;
 mod resume;
 #[cfg(test)]
 mod scan;
+#[cfg(test)]
+mod shards;

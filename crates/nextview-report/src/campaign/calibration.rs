@@ -9,10 +9,10 @@ use nextview_campaign::statistics::{Study, StudyVariant, mean, percentile};
 const BOUNDS: [f64; 11] = [0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 0.95, 0.98];
 
 /// The section; none if no planner of the campaign estimates.
-pub(crate) fn section(study: &Study<'_>) -> Option<Section> {
-    let of_variant = |variant: &StudyVariant<'_>| {
+pub(crate) fn section(study: &Study) -> Option<Section> {
+    let of_variant = |variant: &StudyVariant| {
         let classes = classes(&estimates(variant));
-        (!classes.is_empty()).then(|| (variant.name.to_owned(), classes))
+        (!classes.is_empty()).then(|| (variant.name.clone(), classes))
     };
     let variants: Vec<(String, Vec<Class>)> = study.variants.iter().filter_map(of_variant).collect();
     if variants.is_empty() {
@@ -33,7 +33,7 @@ pub(crate) fn section(study: &Study<'_>) -> Option<Section> {
 }
 
 /// Forecasts beside what came of them; none if no planner makes any.
-fn forecasts(study: &Study<'_>) -> Option<Block> {
+fn forecasts(study: &Study) -> Option<Block> {
     let rows: Vec<Row> = study.variants.iter().flat_map(forecast_rows).collect();
     let caption = "Estimated completeness after the next views, as the planner forecast it before the first \
                    of them, and reachable coverage after them: means over all views of all runs, and the mean \
@@ -46,8 +46,8 @@ fn forecasts(study: &Study<'_>) -> Option<Block> {
 }
 
 /// A row for each number of views ahead.
-fn forecast_rows(variant: &StudyVariant<'_>) -> Vec<Row> {
-    let steps = variant.measured().map(|run| &run.record.steps);
+fn forecast_rows(variant: &StudyVariant) -> Vec<Row> {
+    let steps = variant.measured().map(|run| &run.steps);
     // By number of views ahead, pairs of a forecast and the true coverage.
     let mut ahead: Vec<Vec<(f64, f64)>> = Vec::new();
     for (steps, i) in steps.flat_map(|steps| (0..steps.len()).map(move |i| (steps, i))) {
@@ -63,7 +63,7 @@ fn forecast_rows(variant: &StudyVariant<'_>) -> Vec<Row> {
         let differences: Vec<f64> = pairs.iter().map(|(forecast, truth)| (forecast - truth).abs()).collect();
         let percent = |shares: &[f64]| fixed(100.0 * mean(shares).unwrap_or_default(), 1);
         let cells = [
-            variant.name.to_owned(),
+            variant.name.clone(),
             (n + 1).to_string(),
             pairs.len().to_string(),
             percent(&forecasts),
@@ -76,8 +76,8 @@ fn forecast_rows(variant: &StudyVariant<'_>) -> Vec<Row> {
 }
 
 /// Pairs of an estimate and the true coverage, of all runs of a variant after all their views but the last.
-fn estimates(variant: &StudyVariant<'_>) -> Vec<(f64, f64)> {
-    let pairs = variant.measured().flat_map(|run| run.record.steps.windows(2));
+fn estimates(variant: &StudyVariant) -> Vec<(f64, f64)> {
+    let pairs = variant.measured().flat_map(|run| run.steps.windows(2));
     pairs.filter_map(|steps| Some((steps[1].estimated_completeness?, steps[0].reachable_coverage?))).collect()
 }
 

@@ -109,7 +109,10 @@ mod tests {
         let a = campaign(&["max-flow"], 6);
         let mut b = a.clone();
         b.runs.iter_mut().enumerate().for_each(|(i, run)| change(i, record_mut(run)));
-        comparison_text(&compare(&a.runs, &b.runs), "a", "b").lines().map(str::to_owned).collect()
+        comparison_text(&a.stored(|a| b.stored(|b| compare(a, b).unwrap())), "a", "b")
+            .lines()
+            .map(str::to_owned)
+            .collect()
     }
 
     fn of<'l>(lines: &'l [String], measure: &str) -> &'l str {

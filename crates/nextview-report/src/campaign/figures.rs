@@ -13,7 +13,7 @@ const MAX_IN_OVERVIEW: usize = N_STYLES;
 const MAX_BANDS: usize = 3;
 
 /// The section; figures without a single value are left out.
-pub(crate) fn section(study: &Study<'_>) -> Section {
+pub(crate) fn section(study: &Study) -> Section {
     let figures = [
         (
             Curve::VoxelCoverage,
@@ -35,7 +35,7 @@ pub(crate) fn section(study: &Study<'_>) -> Section {
     Section { title: "Progress over the views".to_owned(), blocks: blocks.collect() }
 }
 
-fn figure(study: &Study<'_>, of: Curve, title: &str, text: &str) -> Option<Block> {
+fn figure(study: &Study, of: Curve, title: &str, text: &str) -> Option<Block> {
     let variants = study.variants.iter().enumerate();
     let lines: Vec<Line> = variants.map(|(i, variant)| Line::of_variant(i, variant, of)).collect();
     let lines: Vec<Line> = lines.into_iter().filter(|line| !line.means.is_empty()).collect();

@@ -22,9 +22,9 @@ pub(crate) struct Line {
 
 impl Line {
     /// The line of a variant, with the style of this index.
-    pub fn of_variant(i: usize, variant: &StudyVariant<'_>, of: Curve) -> Self {
+    pub fn of_variant(i: usize, variant: &StudyVariant, of: Curve) -> Self {
         let style = i % N_STYLES;
-        Self::new(variant.name, &format!("v{style}"), MARKERS[style], &variant.curve(of))
+        Self::new(&variant.name, &format!("v{style}"), MARKERS[style], &variant.curve(of))
     }
 
     fn new(name: &str, class: &str, marker: Marker, samples: &[Sample]) -> Self {
@@ -62,11 +62,9 @@ impl Line {
 }
 
 /// Random views and the clairvoyant planner on the objects of the campaign; empty for the entropy.
-pub(crate) fn baselines(study: &Study<'_>, of: Curve) -> Vec<Line> {
-    let share = move |run: &MeasuredRun<'_>| match of {
-        Curve::VoxelCoverage => {
-            Some(run.record.reachable_voxels? as f64 / run.record.object_voxels?.max(1) as f64)
-        }
+pub(crate) fn baselines(study: &Study, of: Curve) -> Vec<Line> {
+    let share = move |run: &MeasuredRun| match of {
+        Curve::VoxelCoverage => Some(run.reachable_voxels? as f64 / run.object_voxels?.max(1) as f64),
         Curve::ReachableCoverage => Some(1.0),
         Curve::Entropy => None,
     };
@@ -77,8 +75,8 @@ pub(crate) fn baselines(study: &Study<'_>, of: Curve) -> Vec<Line> {
     let Some(variant) = study.variants.iter().max_by_key(|variant| variant.n_objects()) else {
         return Vec::new();
     };
-    let clairvoyant = variant.curve_by(|run| scaled(&run.record.clairvoyant_curve, share(run)?));
-    let random = variant.curve_by(|run| scaled(&run.record.random_curve, share(run)?));
+    let clairvoyant = variant.curve_by(|run| scaled(&run.clairvoyant_curve, share(run)?));
+    let random = variant.curve_by(|run| scaled(&run.random_curve, share(run)?));
     let lines = [
         Line::new("clairvoyant (baseline)", "clairvoyant", Marker::Triangle, &clairvoyant),
         Line::new("random (baseline)", "random", Marker::Square, &random),

@@ -1,9 +1,10 @@
 //! Campaigns that never happened.
 
 use nextview::session::StopReason;
-use nextview_campaign::store::StoredRuns;
+use nextview_campaign::store::{StoredRuns, read};
 use nextview_campaign::{DoneRun, Host, RunRecord, RunResult};
 use nextview_scan::{BuildIdentity, PlannerName, Profile, QualityMm, ScanConfig, ScanRecord, StepRecord};
+use std::sync::atomic::{AtomicUsize, Ordering};
 
 const OBJECTS: [(&str, &str); 6] = [
     ("builtin", "mug"),
@@ -24,14 +25,38 @@ fn planner(variant: &str) -> PlannerName {
     }
 }
 
+/// A campaign in memory, to change it.
+#[derive(Clone)]
+pub(crate) struct Campaign {
+    pub name: String,
+    pub runs: Vec<RunRecord>,
+    pub torn: bool,
+}
+
+impl Campaign {
+    /// What is made of the campaign as a folder holds it.
+    pub fn stored<T>(&self, make: impl FnOnce(&StoredRuns) -> T) -> T {
+        static NUMBER: AtomicUsize = AtomicUsize::new(0);
+        let number = NUMBER.fetch_add(1, Ordering::Relaxed);
+        let folder = std::env::temp_dir().join(format!("nextview-report-{number}-{}", std::process::id()));
+        std::fs::create_dir_all(&folder).unwrap();
+        let lines = self.runs.iter().map(|run| serde_json::to_string(run).unwrap() + "\n");
+        std::fs::write(folder.join("runs.jsonl"), lines.collect::<String>()).unwrap();
+        let stored = StoredRuns { name: self.name.clone(), torn: self.torn, ..read(&folder).unwrap() };
+        let made = make(&stored);
+        std::fs::remove_dir_all(&folder).unwrap();
+        made
+    }
+}
+
 /// A campaign of these variants, the later the better, on the first few of six objects.
-pub(crate) fn campaign(variants: &[&str], n_objects: usize) -> StoredRuns {
+pub(crate) fn campaign(variants: &[&str], n_objects: usize) -> Campaign {
     let runs = variants.iter().enumerate().flat_map(|(i, variant)| {
         OBJECTS[..n_objects].iter().enumerate().map(move |(j, object)| run(variant, *object, i, j))
     });
     let mut runs: Vec<RunRecord> = runs.collect();
     runs.sort_by_key(RunRecord::id);
-    StoredRuns { name: "made-up".to_owned(), runs, torn: false }
+    Campaign { name: "made-up".to_owned(), runs, torn: false }
 }
 
 /// The record of a run, to change it.

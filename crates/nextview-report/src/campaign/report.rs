@@ -1,13 +1,21 @@
 use super::document::Document;
+use super::setup::Setup;
 use super::{calibration, figures, html, markdown, paper, setup, summary};
-use nextview_campaign::statistics::Study;
+use nextview_campaign::statistics::{Study, StudyBuilder};
 use nextview_campaign::store::StoredRuns;
+use nextview_scan::Fault;
 
 /// The report of a campaign as HTML and as Markdown, also of one that is still running. Equal campaigns give
-/// equal bytes.
-pub fn campaign_report(campaign: &StoredRuns) -> [String; 2] {
-    let document = document(campaign, &Study::new(&campaign.runs));
-    [html::render(&document), markdown::render(&document)]
+/// equal bytes. Fails where a record cannot be read.
+pub fn campaign_report(campaign: &StoredRuns) -> Result<[String; 2], Fault> {
+    let (mut study, mut setup) = (StudyBuilder::default(), Setup::default());
+    for run in campaign.runs.iter() {
+        let run = run?;
+        study.add(&run);
+        setup.add(&run);
+    }
+    let document = document(campaign, &setup, &study.build());
+    Ok([html::render(&document), markdown::render(&document)])
 }
 
 /// Whether a text is such a report, so that a newer one may take its place.
@@ -21,10 +29,10 @@ pub fn is_campaign_report(text: &str) -> bool {
 /// How the line below the title begins.
 const SUBTITLE: &str = "campaign of ";
 
-fn document(campaign: &StoredRuns, study: &Study<'_>) -> Document {
+fn document(campaign: &StoredRuns, setup: &Setup, study: &Study) -> Document {
     let (n_variants, n_objects) = (study.variants.len(), study.objects.len());
     let sections = [
-        Some(setup::section(study, campaign.torn)),
+        Some(setup::section(setup, study, campaign.torn)),
         Some(figures::section(study)).filter(|section| !section.blocks.is_empty()),
         Some(summary::section(study)),
         calibration::section(study),
@@ -33,10 +41,7 @@ fn document(campaign: &StoredRuns, study: &Study<'_>) -> Document {
     ];
     Document {
         title: campaign.name.clone(),
-        subtitle: format!(
-            "{SUBTITLE}{} runs · {n_variants} variants · {n_objects} objects",
-            study.runs.len()
-        ),
+        subtitle: format!("{SUBTITLE}{} runs · {n_variants} variants · {n_objects} objects", study.n_runs),
         sections: sections.into_iter().flatten().collect(),
     }
 }

@@ -6,15 +6,67 @@ use nextview_campaign::statistics::{Study, StudyVariant};
 use serde_json::Value;
 use std::collections::{BTreeMap, BTreeSet};
 
+/// Most entries of a list and most rows of failed runs.
+const MAX_LISTED: usize = 200;
+
+/// What the runs were done with, gathered record by record.
+#[derive(Default)]
+pub(crate) struct Setup {
+    n_runs: usize,
+    n_failed: usize,
+    seeds: BTreeSet<u64>,
+    view_seeds: BTreeSet<u64>,
+    first_views: BTreeSet<usize>,
+    hosts: BTreeSet<String>,
+    builds: BTreeSet<String>,
+    /// Of the first failed runs.
+    failures: Vec<Row>,
+    parameters: Parameters,
+}
+
+impl Setup {
+    /// Adds a run.
+    pub fn add(&mut self, run: &RunRecord) {
+        self.n_runs += 1;
+        self.seeds.insert(run.seed);
+        self.view_seeds.insert(run.view_seed);
+        self.first_views.insert(run.first_view);
+        let host = &run.host;
+        self.hosts.insert(format!("{} ({}, {} threads a run)", host.name, host.cpu, host.n_threads));
+        self.builds.insert(run.build.to_string());
+        self.parameters.add(run);
+        if let Some(reason) = run.failure() {
+            self.n_failed += 1;
+            if self.failures.len() < MAX_LISTED {
+                self.failures.push(failure(run, reason));
+            }
+        }
+    }
+
+    fn failures(&self) -> Option<Table> {
+        let n = self.n_failed;
+        let which = if n > MAX_LISTED { format!(": the first {MAX_LISTED} of {n}") } else { String::new() };
+        (n > 0).then(|| Table {
+            caption: format!("Failed runs, which count nowhere below{which}"),
+            head: ["variant", "object", "seed", "view seed", "first view", "reason"]
+                .map(Column::text)
+                .to_vec(),
+            rows: self.failures.clone(),
+        })
+    }
+}
+
 /// The section.
-pub(crate) fn section(study: &Study<'_>, torn: bool) -> Section {
-    let parameters = Parameters::new(study);
+pub(crate) fn section(setup: &Setup, study: &Study, torn: bool) -> Section {
     let mut blocks = vec![
-        Block::Table(overview(study)),
-        Block::Table(variants(study, &parameters)),
-        Block::Aside("Parameters that all runs share".to_owned(), parameters.shared_text()),
+        Block::Table(overview(setup, study)),
+        Block::Table(variants(study, &setup.parameters)),
+        Block::Aside(
+            "Parameters that all runs share".to_owned(),
+            setup.parameters.shared_text(study.variants.len()),
+        ),
     ];
-    blocks.extend(failures(study).map(Block::Table));
+    blocks.extend(setup.failures().map(Block::Table));
     if torn {
         let text = "The last line of runs.jsonl was not whole yet and was left out: \
                     the campaign may still be running.";
@@ -23,23 +75,19 @@ pub(crate) fn section(study: &Study<'_>, torn: bool) -> Section {
     Section { title: "What was run".to_owned(), blocks }
 }
 
-fn overview(study: &Study<'_>) -> Table {
-    let runs = &study.runs;
-    let n_failed = runs.iter().filter(|run| run.failure().is_some()).count();
-    let host = |run: &&RunRecord| {
-        format!("{} ({}, {} threads a run)", run.host.name, run.host.cpu, run.host.n_threads)
-    };
+fn overview(setup: &Setup, study: &Study) -> Table {
+    let Setup { n_runs, n_failed, .. } = setup;
     let mut rows = vec![
-        ("runs", format!("{} done, {n_failed} failed", runs.len() - n_failed)),
-        ("seeds", listed(runs.iter().map(|run| run.seed))),
-        ("sets of candidates", listed(runs.iter().map(|run| run.view_seed))),
-        ("first views", listed(runs.iter().map(|run| run.first_view))),
-        ("host", listed(runs.iter().map(host))),
-        ("nextview", listed(runs.iter().map(|run| run.build.to_string()))),
+        ("runs", format!("{} done, {n_failed} failed", n_runs - n_failed)),
+        ("seeds", listed(&setup.seeds)),
+        ("sets of candidates", listed(&setup.view_seeds)),
+        ("first views", listed(&setup.first_views)),
+        ("host", listed(&setup.hosts)),
+        ("nextview", listed(&setup.builds)),
     ];
     let mut by_set = BTreeMap::<&str, Vec<&str>>::new();
-    study.objects.iter().for_each(|object| by_set.entry(object.data_set).or_default().push(object.name));
-    let objects = by_set.iter().map(|(set, names)| format!("{set} ({}): {}", names.len(), names.join(", ")));
+    study.objects.iter().for_each(|object| by_set.entry(&object.data_set).or_default().push(&object.name));
+    let objects = by_set.iter().map(|(set, names)| format!("{set} ({}): {}", names.len(), listed(names)));
     rows.insert(1, ("objects", objects.collect::<Vec<_>>().join("; ")));
     let row = |(label, value): (&str, String)| Row::new(vec![label.into(), value.into()]);
     Table {
@@ -49,15 +97,21 @@ fn overview(study: &Study<'_>) -> Table {
     }
 }
 
-fn listed<T: Ord + ToString>(values: impl Iterator<Item = T>) -> String {
-    let values: BTreeSet<T> = values.collect();
-    values.iter().map(T::to_string).collect::<Vec<_>>().join(", ")
+/// The first values, with the number of the others.
+fn listed<'a, T: ToString + 'a>(
+    values: impl IntoIterator<Item = &'a T, IntoIter: ExactSizeIterator>,
+) -> String {
+    let values = values.into_iter();
+    let n_more = values.len().saturating_sub(MAX_LISTED);
+    let mut listed: Vec<String> = values.take(MAX_LISTED).map(T::to_string).collect();
+    listed.extend((n_more > 0).then(|| format!("and {n_more} more")));
+    listed.join(", ")
 }
 
-fn variants(study: &Study<'_>, parameters: &Parameters) -> Table {
-    let row = |variant: &StudyVariant<'_>| {
-        let own = parameters.own(variant.name);
-        Row::new(vec![variant.name.into(), variant.planner.to_string().into(), own.into()])
+fn variants(study: &Study, parameters: &Parameters) -> Table {
+    let row = |variant: &StudyVariant| {
+        let own = parameters.own(&variant.name, study.variants.len());
+        Row::new(vec![variant.name.as_str().into(), variant.planner.to_string().into(), own.into()])
     };
     Table {
         caption: "Variants".to_owned(),
@@ -66,44 +120,38 @@ fn variants(study: &Study<'_>, parameters: &Parameters) -> Table {
     }
 }
 
-fn failures(study: &Study<'_>) -> Option<Table> {
-    let row = |run: &&RunRecord| {
-        let numbers = [run.seed.to_string(), run.view_seed.to_string(), run.first_view.to_string()];
-        let [seed, view_seed, first_view] = numbers;
-        let cells = [&run.variant[..], &run.object, &seed, &view_seed, &first_view, run.failure()?];
-        Some(Row::new(cells.map(Cell::from).to_vec()))
-    };
-    let rows: Vec<Row> = study.runs.iter().filter_map(row).collect();
-    (!rows.is_empty()).then(|| Table {
-        caption: "Failed runs, which count nowhere below".to_owned(),
-        head: ["variant", "object", "seed", "view seed", "first view", "reason"].map(Column::text).to_vec(),
-        rows,
-    })
+fn failure(run: &RunRecord, reason: &str) -> Row {
+    let numbers = [run.seed.to_string(), run.view_seed.to_string(), run.first_view.to_string()];
+    let [seed, view_seed, first_view] = numbers;
+    let cells = [&run.variant[..], &run.object, &seed, &view_seed, &first_view, reason];
+    Row::new(cells.map(Cell::from).to_vec())
 }
 
 /// The values of all parameters in all runs, sorted by the parameter's name.
+#[derive(Default)]
 struct Parameters {
-    /// Values by variant.
+    /// Values by variant: one, or two where there are more.
     values: BTreeMap<String, BTreeMap<String, BTreeSet<String>>>,
-    n_variants: usize,
 }
 
 impl Parameters {
-    fn new(study: &Study<'_>) -> Self {
-        let mut values = BTreeMap::<String, BTreeMap<String, BTreeSet<String>>>::new();
-        for run in &study.runs {
-            for (key, value) in flat(run) {
-                values.entry(key).or_default().entry(run.variant.clone()).or_default().insert(value);
+    fn add(&mut self, run: &RunRecord) {
+        for (key, value) in flat(run) {
+            let by_variant = self.values.entry(key).or_default();
+            if !by_variant.contains_key(&run.variant) {
+                by_variant.insert(run.variant.clone(), BTreeSet::new());
+            }
+            if let Some(values) = by_variant.get_mut(&run.variant).filter(|values| values.len() < 2) {
+                values.insert(value);
             }
         }
-        Self { values, n_variants: study.variants.len() }
     }
 
-    fn shared_text(&self) -> String {
+    fn shared_text(&self, n_variants: usize) -> String {
         let value = |by_variant: &BTreeMap<String, BTreeSet<String>>| {
             let all: BTreeSet<&String> = by_variant.values().flatten().collect();
             let first = all.first().map(|value| value.to_string());
-            first.filter(|_| all.len() == 1 && by_variant.len() == self.n_variants)
+            first.filter(|_| all.len() == 1 && by_variant.len() == n_variants)
         };
         let line = |(key, by_variant)| Some(format!("{key} = {}", value(by_variant)?));
         self.values.iter().filter_map(line).collect::<Vec<_>>().join("\n")
@@ -111,11 +159,11 @@ impl Parameters {
 
     /// Values that all runs of this variant share and those of another variant do not, without the planner's
     /// name.
-    fn own(&self, variant: &str) -> String {
+    fn own(&self, variant: &str, n_variants: usize) -> String {
         let part = |(key, by_variant): (&String, &BTreeMap<String, BTreeSet<String>>)| {
             let own = by_variant.get(variant).filter(|own| own.len() == 1)?;
             let constant = by_variant.values().all(|values| values.len() == 1);
-            let differs = by_variant.len() < self.n_variants || by_variant.values().any(|other| other != own);
+            let differs = by_variant.len() < n_variants || by_variant.values().any(|other| other != own);
             let value = own.first().filter(|_| constant && differs && key != "planner")?;
             Some(format!("{key} = {value}"))
         };

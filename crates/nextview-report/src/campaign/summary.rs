@@ -31,7 +31,7 @@ const HAS: [Measure; 9] = [
 ];
 
 /// The section.
-pub(crate) fn section(study: &Study<'_>) -> Section {
+pub(crate) fn section(study: &Study) -> Section {
     let method = "Every number is first averaged over the runs of one object (seeds, candidates, first views), \
                   then over objects. Ranges are 95 % intervals of the mean by a bootstrap on two levels, \
                   objects and the runs within each, with 10 000 resamples and a fixed seed; with fewer than \
@@ -55,14 +55,9 @@ pub(crate) fn section(study: &Study<'_>) -> Section {
     }
 }
 
-fn table(
-    study: &Study<'_>,
-    caption: &str,
-    head: &[&str],
-    cells: impl Fn(&StudyVariant<'_>) -> Vec<Cell>,
-) -> Table {
-    let row = |variant: &StudyVariant<'_>| {
-        Row::new(std::iter::once(variant.name.into()).chain(cells(variant)).collect())
+fn table(study: &Study, caption: &str, head: &[&str], cells: impl Fn(&StudyVariant) -> Vec<Cell>) -> Table {
+    let row = |variant: &StudyVariant| {
+        Row::new(std::iter::once(variant.name.as_str().into()).chain(cells(variant)).collect())
     };
     Table {
         caption: caption.to_owned(),
@@ -73,7 +68,7 @@ fn table(
     }
 }
 
-fn reached(study: &Study<'_>) -> Table {
+fn reached(study: &Study) -> Table {
     let measures: Vec<Measure> = measured(study, &REACHED);
     let head: Vec<&str> =
         std::iter::once("objects").chain(measures.iter().map(|measure| measure.name)).collect();
@@ -85,7 +80,7 @@ fn reached(study: &Study<'_>) -> Table {
 }
 
 /// What map and model have; none if no run has any of it.
-fn has(study: &Study<'_>) -> Option<Table> {
+fn has(study: &Study) -> Option<Table> {
     let measures = measured(study, &HAS);
     let head: Vec<&str> = measures.iter().map(|measure| measure.name).collect();
     let caption = "What the map and the cloud have in the end, and how early (docs/measures.md)";
@@ -97,12 +92,14 @@ fn has(study: &Study<'_>) -> Option<Table> {
 }
 
 /// The worst object of every variant by every measure.
-fn worst(study: &Study<'_>) -> Table {
+fn worst(study: &Study) -> Table {
     let measures = measured(study, &[&REACHED[..], &[VIEWS_TO_95, PATH]].concat());
     let head: Vec<&str> = measures.iter().map(|measure| measure.name).collect();
     table(study, "The worst object", &head, |variant| {
         let cell = |measure: &Measure| match variant.worst(measure) {
-            Some((object, value)) => Cell::with_note(measure.show(value), study.objects[object].name),
+            Some((object, value)) => {
+                Cell::with_note(measure.show(value), study.objects[object].name.as_str())
+            }
             None => dash(NOT_MEASURED),
         };
         measures.iter().map(cell).collect()
@@ -110,13 +107,13 @@ fn worst(study: &Study<'_>) -> Table {
 }
 
 /// Those of the measures that any variant has.
-fn measured(study: &Study<'_>, measures: &[Measure]) -> Vec<Measure> {
+fn measured(study: &Study, measures: &[Measure]) -> Vec<Measure> {
     let is_measured =
         |measure: &&Measure| study.variants.iter().any(|variant| variant.mean(measure).is_some());
     measures.iter().filter(is_measured).copied().collect()
 }
 
-fn views(study: &Study<'_>) -> Table {
+fn views(study: &Study) -> Table {
     let head = LEVELS.map(|level| format!("{} %", (100.0 * level).round()));
     let caption = "Views until this share of the reachable object voxels was seen; a run that did not get \
                    there counts as one view more than it could take, and the mean is marked ≥";
@@ -124,7 +121,7 @@ fn views(study: &Study<'_>) -> Table {
     table(study, caption, &head, |variant| LEVELS.map(|level| views_to(variant, level)).to_vec())
 }
 
-fn views_to(variant: &StudyVariant<'_>, level: f64) -> Cell {
+fn views_to(variant: &StudyVariant, level: f64) -> Cell {
     let sample = variant.sample_by(|run| run.views_to(level));
     if sample.n_objects() == 0 {
         return dash("no baselines");
@@ -138,7 +135,7 @@ fn views_to(variant: &StudyVariant<'_>, level: f64) -> Cell {
     Cell::with_note(format!("{bound}{text}"), note.join(", "))
 }
 
-fn costs(study: &Study<'_>) -> Table {
+fn costs(study: &Study) -> Table {
     let head = [PATH.name, "planning time per view, median, ms", "95th percentile, ms", MEMORY.name];
     table(study, "What it cost", &head, |variant| {
         let times: Vec<f64> = variant.measured().flat_map(|run| run.plan_times()).collect();
@@ -152,8 +149,8 @@ fn costs(study: &Study<'_>) -> Table {
 }
 
 /// Each variant beyond random views, beyond a variant of random views, and beyond its best rivals.
-fn against(study: &Study<'_>) -> Table {
-    let random = study.variants.iter().find(|variant| *variant.planner == PlannerName::Random);
+fn against(study: &Study) -> Table {
+    let random = study.variants.iter().find(|variant| variant.planner == PlannerName::Random);
     let mut head = vec!["reachable coverage beyond random views, points"];
     if random.is_some() {
         head.push("voxel coverage beyond the random variant, points");
@@ -172,22 +169,18 @@ fn against(study: &Study<'_>) -> Table {
         }
         for measure in [VOXEL_COVERAGE, SKILL] {
             let other = best_other(study, variant, &measure);
-            cells.extend(beyond(variant, other, &measure, other.map_or("", |other| other.name)));
+            cells.extend(beyond(variant, other, &measure, other.map_or("", |other| &other.name)));
         }
         cells
     })
 }
 
 /// The variant of largest mean, apart from this one and the clairvoyant.
-fn best_other<'s, 'a>(
-    study: &'s Study<'a>,
-    variant: &StudyVariant<'_>,
-    measure: &Measure,
-) -> Option<&'s StudyVariant<'a>> {
+fn best_other<'s>(study: &'s Study, variant: &StudyVariant, measure: &Measure) -> Option<&'s StudyVariant> {
     let rivals = study
         .variants
         .iter()
-        .filter(|other| other.name != variant.name && *other.planner != PlannerName::Clairvoyant);
+        .filter(|other| other.name != variant.name && other.planner != PlannerName::Clairvoyant);
     let with_mean = rivals.filter_map(|other| Some((other, other.mean(measure)?)));
     // Of equal ones the first.
     Some(with_mean.rev().max_by(|a, b| a.1.total_cmp(&b.1))?.0)
@@ -195,12 +188,7 @@ fn best_other<'s, 'a>(
 
 /// The differences of a variant from another one, if there is one; a name that is not empty stands in the
 /// note.
-fn beyond(
-    variant: &StudyVariant<'_>,
-    other: Option<&StudyVariant<'_>>,
-    measure: &Measure,
-    name: &str,
-) -> [Cell; 2] {
+fn beyond(variant: &StudyVariant, other: Option<&StudyVariant>, measure: &Measure, name: &str) -> [Cell; 2] {
     let Some(other) = other else { return [dash("nothing to compare with"), Cell::default()] };
     let pairs = other.beside(variant, measure);
     differences(measure, &pairs.differences(), pairs.interval(), pairs.signed_rank(), name)

@@ -1,13 +1,16 @@
-use super::made_up::{campaign, record_mut};
-use super::{campaign_report, comparison_text};
+use super::comparison_text;
+use super::made_up::{Campaign, campaign, record_mut};
 use nextview_campaign::statistics::{Comparison, compare};
-use nextview_campaign::store::StoredRuns;
 use nextview_campaign::{RunRecord, RunResult};
 use nextview_scan::{PlannerName, ScanConfig};
 use std::path::Path;
 
-fn compared(a: &StoredRuns, b: &StoredRuns) -> Comparison {
-    compare(&a.runs, &b.runs)
+fn compared(a: &Campaign, b: &Campaign) -> Comparison {
+    a.stored(|a| b.stored(|b| compare(a, b).unwrap()))
+}
+
+fn campaign_report(campaign: &Campaign) -> [String; 2] {
+    campaign.stored(|campaign| super::campaign_report(campaign).unwrap())
 }
 
 /// Writes a page into the temporary folder, for a look at it.
@@ -16,7 +19,7 @@ fn write(name: &str, page: &str) {
 }
 
 /// Four variants, a failed run, a run with two seeds, one that stopped early.
-fn varied() -> StoredRuns {
+fn varied() -> Campaign {
     let mut campaign = campaign(&["random", "rse", "apora", "max-flow"], 6);
     campaign.runs[3].result = RunResult::Failed("the box needs 9000 MB | more than 4096".to_owned());
     record_mut(&mut campaign.runs[8]).steps.truncate(6);
@@ -32,7 +35,7 @@ fn varied() -> StoredRuns {
 }
 
 /// Variants of max-flow with these values of gamma.
-fn of_gamma(values: &[f64]) -> StoredRuns {
+fn of_gamma(values: &[f64]) -> Campaign {
     let names: Vec<String> = values.iter().map(|gamma| format!("gamma {gamma}")).collect();
     let mut campaign = campaign(&names.iter().map(String::as_str).collect::<Vec<_>>(), 3);
     for run in &mut campaign.runs {
@@ -224,7 +227,7 @@ fn all_runs_failed_is_still_a_report() {
 }
 
 /// The campaign with every run changed by `change`.
-fn changed(a: &StoredRuns, change: impl Fn(&mut RunRecord)) -> StoredRuns {
+fn changed(a: &Campaign, change: impl Fn(&mut RunRecord)) -> Campaign {
     let mut b = a.clone();
     b.runs.iter_mut().for_each(change);
     b

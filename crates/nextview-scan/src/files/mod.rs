@@ -11,4 +11,4 @@ pub use keep::Overwrite;
 pub use numbered::numbered;
 pub use read::{open, read, read_text};
 pub use results::{ResultFolder, remove_unfinished};
-pub use write::write;
+pub use write::{NewFile, write};

@@ -2,8 +2,8 @@ use super::Overwrite;
 use crate::Fault;
 use std::borrow::Cow;
 use std::fs::{self, File};
-use std::io::BufWriter;
-use std::path::Path;
+use std::io::{self, BufWriter, Write};
+use std::path::{Path, PathBuf};
 
 /// Writes a file as a whole or not at all, where the rule allows it. A device or a pipe must not be replaced:
 /// it is written to as it is, and so is `/dev/stdout`, even where it stands for a regular file.
@@ -14,7 +14,7 @@ pub fn write(
 ) -> Result<(), Fault> {
     let is_device = path.starts_with("/dev") || (path.exists() && !path.is_file());
     let result = if is_device {
-        File::create(path).map_err(Fault::from).and_then(|file| fill(file, content)).map(drop)
+        File::create(path).map_err(Fault::from).and_then(|file| fill(file, content))
     } else {
         rule.check_file(path)?;
         // Of a link, the file it names is replaced.
@@ -27,22 +27,71 @@ fn replace(
     path: &Path,
     content: impl FnOnce(&mut BufWriter<File>) -> Result<(), Fault>,
 ) -> Result<(), Fault> {
-    let beside = path.with_file_name(unfinished(path));
-    let whole = || {
-        // On the disk before it takes the old one's place.
-        fill(File::create(&beside)?, content)?.sync_all()?;
-        Ok(fs::rename(&beside, path)?)
-    };
-    whole().inspect_err(|_| {
-        // The first error is the one to report; the file beside may not even exist.
-        let _ = fs::remove_file(&beside);
-    })
+    let mut file = NewFile::beside(path)?;
+    content(&mut file.writer)?;
+    Ok(file.finish()?)
 }
 
-fn fill(file: File, content: impl FnOnce(&mut BufWriter<File>) -> Result<(), Fault>) -> Result<File, Fault> {
+/// A file on its way: it appears under its name as a whole, when it is published. Dropped before, it leaves
+/// nothing.
+#[derive(Debug)]
+pub struct NewFile {
+    writer: BufWriter<File>,
+    path: PathBuf,
+    beside: PathBuf,
+}
+
+impl NewFile {
+    /// Begins a file where the rule allows it.
+    pub fn begin(path: &Path, rule: &Overwrite) -> Result<Self, Fault> {
+        rule.check_file(path)?;
+        Self::beside(path).map_err(|error| Fault::from(error).while_writing(path))
+    }
+
+    fn beside(path: &Path) -> io::Result<Self> {
+        let beside = path.with_file_name(unfinished(path));
+        Ok(Self { writer: BufWriter::new(File::create(&beside)?), path: path.to_owned(), beside })
+    }
+
+    /// Shows the file under its name.
+    pub fn publish(mut self) -> Result<(), Fault> {
+        self.finish().map_err(|error| Fault::from(error).while_writing(&self.path))
+    }
+
+    /// The fault as one of writing this file.
+    pub fn fault(&self, fault: Fault) -> Fault {
+        fault.while_writing(&self.path)
+    }
+
+    fn finish(&mut self) -> io::Result<()> {
+        self.writer.flush()?;
+        // On the disk before it takes the old one's place.
+        self.writer.get_ref().sync_all()?;
+        fs::rename(&self.beside, &self.path)
+    }
+}
+
+impl Write for NewFile {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        self.writer.write(bytes)
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        self.writer.flush()
+    }
+}
+
+impl Drop for NewFile {
+    fn drop(&mut self) {
+        // Not there any more where it was published; there is nobody to tell.
+        let _ = fs::remove_file(&self.beside);
+    }
+}
+
+fn fill(file: File, content: impl FnOnce(&mut BufWriter<File>) -> Result<(), Fault>) -> Result<(), Fault> {
     let mut writer = BufWriter::new(file);
     content(&mut writer)?;
-    writer.into_inner().map_err(|e| e.into_error().into())
+    Ok(writer.flush()?)
 }
 
 /// The name under which something is written until it is whole.
@@ -57,8 +106,6 @@ pub(super) fn name_of(path: &Path) -> Cow<'_, str> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use std::io::Write;
-    use std::path::PathBuf;
 
     fn test_folder(name: &str) -> PathBuf {
         let folder = std::env::temp_dir().join(format!("nextview-{name}-{}", std::process::id()));

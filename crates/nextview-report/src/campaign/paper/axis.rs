@@ -81,9 +81,9 @@ fn planner_key(planner: &PlannerChoice) -> &'static str {
 
 /// The variant's parameters, without those that differ between its runs and those that its planner does not
 /// read.
-pub(super) fn configuration(variant: &StudyVariant<'_>) -> Value {
-    let mut config = serde_json::to_value(&variant.example.config).unwrap_or_default();
-    let unread = PLANNER_KEYS.into_iter().filter(|key| *key != planner_key(variant.planner));
+pub(super) fn configuration(variant: &StudyVariant) -> Value {
+    let mut config = serde_json::to_value(&variant.example).unwrap_or_default();
+    let unread = PLANNER_KEYS.into_iter().filter(|key| *key != planner_key(&variant.planner));
     let of_runs =
         ["object", "unit", "size_m", "seed", "baseline_seed", "view_seed", "noise.seed", "first_view"];
     for key in of_runs.into_iter().chain(unread) {

@@ -50,8 +50,8 @@ pub(super) const PARAMETER_TABLES: [Definition; 4] = [
 ];
 
 /// A variant's place in a table.
-struct Place<'s, 'a> {
-    variant: &'s StudyVariant<'a>,
+struct Place<'s> {
+    variant: &'s StudyVariant,
     /// The configuration without the axes' parameters.
     rest: Value,
     row: String,
@@ -60,8 +60,8 @@ struct Place<'s, 'a> {
 
 impl Definition {
     /// The table; none if no row would have two columns.
-    pub fn fill(&self, study: &Study<'_>) -> Option<Table> {
-        let places: Vec<Place<'_, '_>> = study.variants.iter().filter_map(|v| self.place(v)).collect();
+    pub fn fill(&self, study: &Study) -> Option<Table> {
+        let places: Vec<Place<'_>> = study.variants.iter().filter_map(|v| self.place(v)).collect();
         let lines = lines(&places);
         let mut columns: Vec<&str> = lines.iter().flatten().map(|place| place.column.as_str()).collect();
         columns.sort_by(|a, b| by_value(a, b));
@@ -81,15 +81,15 @@ impl Definition {
         (!rows.is_empty()).then_some(Table { caption, head, rows })
     }
 
-    fn place<'s, 'a>(&self, variant: &'s StudyVariant<'a>) -> Option<Place<'s, 'a>> {
+    fn place<'s>(&self, variant: &'s StudyVariant) -> Option<Place<'s>> {
         let mut rest = configuration(variant);
-        let row = (self.rows.label)(variant.planner, &rest)?;
-        let column = (self.columns.label)(variant.planner, &rest)?;
+        let row = (self.rows.label)(&variant.planner, &rest)?;
+        let column = (self.columns.label)(&variant.planner, &rest)?;
         self.rows.keys.iter().chain(self.columns.keys).for_each(|key| remove(&mut rest, key));
         Some(Place { variant, rest, row, column })
     }
 
-    fn cell(&self, row: &[&Place<'_, '_>], column: &str, (measure, name): &Published) -> Cell {
+    fn cell(&self, row: &[&Place<'_>], column: &str, (measure, name): &Published) -> Cell {
         let here = row.iter().filter(|place| place.column == column);
         let values = here.filter_map(|place| Some(measure.show(place.variant.mean(measure)?)));
         let text = values.collect::<Vec<_>>().join(" / ");
@@ -98,23 +98,23 @@ impl Definition {
 }
 
 /// Places that differ in the column alone, row by row; rows of one column are left out.
-fn lines<'p, 's, 'a>(places: &'p [Place<'s, 'a>]) -> Vec<Vec<&'p Place<'s, 'a>>> {
-    let mut rows: Vec<Vec<&Place<'_, '_>>> = Vec::new();
+fn lines<'p, 's>(places: &'p [Place<'s>]) -> Vec<Vec<&'p Place<'s>>> {
+    let mut rows: Vec<Vec<&Place<'_>>> = Vec::new();
     for place in places {
-        let same = |row: &&mut Vec<&Place<'_, '_>>| row[0].row == place.row && row[0].rest == place.rest;
+        let same = |row: &&mut Vec<&Place<'_>>| row[0].row == place.row && row[0].rest == place.rest;
         match rows.iter_mut().find(same) {
             Some(row) => row.push(place),
             None => rows.push(vec![place]),
         }
     }
     rows.retain(|row| row.iter().any(|place| place.column != row[0].column));
-    rows.sort_by(|a, b| a[0].row.cmp(&b[0].row).then(a[0].variant.name.cmp(b[0].variant.name)));
+    rows.sort_by(|a, b| a[0].row.cmp(&b[0].row).then(a[0].variant.name.cmp(&b[0].variant.name)));
     rows
 }
 
 /// The name of a line. Lines with the same row label differ in a parameter that the table does not show, and
 /// get the name of a variant.
-fn line_name(line: &[&Place<'_, '_>], is_alone: bool) -> String {
+fn line_name(line: &[&Place<'_>], is_alone: bool) -> String {
     let Place { row, variant, .. } = line[0];
     if is_alone { row.clone() } else { format!("{row} (as {})", variant.name) }
 }

@@ -6,26 +6,33 @@ use crate::campaign::statistic::with_median;
 use nextview_campaign::statistics::measure::VOXEL_COVERAGE;
 use nextview_campaign::statistics::{Study, mean};
 
+/// Most objects with a row each: the page has to open quickly.
+const MAX_OBJECTS: usize = 1000;
+
 /// The section.
-pub(in crate::campaign) fn section(study: &Study<'_>) -> Section {
+pub(in crate::campaign) fn section(study: &Study) -> Section {
     let note = "Final voxel coverage in %, as in table I of the paper. The paper's columns stand beside \
                 objects that can be matched: Stanford models by name, LINEMOD and HomebrewedDB by the object's \
                 number, on the assumption that the paper's LMn is object n of the BOP benchmark. Its averages \
                 here are over the matched objects; its own are in the last row.";
+    let mut note = note.to_owned();
+    if study.objects.len() > MAX_OBJECTS {
+        note += &format!(" With more than {MAX_OBJECTS} objects, only the averages are shown.");
+    }
     let table = Table { caption: String::new(), head: head(study), rows: rows(study) };
     Section {
         title: "Voxel coverage by object".to_owned(),
-        blocks: vec![Block::Text(note.to_owned()), Block::Table(table)],
+        blocks: vec![Block::Text(note), Block::Table(table)],
     }
 }
 
-fn head(study: &Study<'_>) -> Vec<Column> {
-    let own = study.variants.iter().map(|variant| Column::number(variant.name));
+fn head(study: &Study) -> Vec<Column> {
+    let own = study.variants.iter().map(|variant| Column::number(&variant.name));
     let published = published::METHODS.map(|method| Column::number(format!("paper: {method}")));
     std::iter::once(Column::text("object")).chain(own).chain(published).collect()
 }
 
-fn rows(study: &Study<'_>) -> Vec<Row> {
+fn rows(study: &Study) -> Vec<Row> {
     let columns = columns(study);
     let show =
         |value: Option<f64>| value.map_or("–".into(), |value| Cell::from(VOXEL_COVERAGE.show(value)));
@@ -39,9 +46,9 @@ fn rows(study: &Study<'_>) -> Vec<Row> {
     let indices: Vec<usize> = (0..study.objects.len()).collect();
     let mut rows = Vec::new();
     for set in indices.chunk_by(|&a, &b| study.objects[a].data_set == study.objects[b].data_set) {
-        for &i in set {
-            let name = published::object(study.objects[i]).map(|name| format!("paper's {name}"));
-            let name = Cell::with_note(study.objects[i].name, name.unwrap_or_default());
+        for &i in set.iter().filter(|_| study.objects.len() <= MAX_OBJECTS) {
+            let name = published::object(&study.objects[i]).map(|name| format!("paper's {name}"));
+            let name = Cell::with_note(study.objects[i].name.as_str(), name.unwrap_or_default());
             let cells = columns.iter().map(|column| show(column[i]));
             rows.push(Row::new(std::iter::once(name).chain(cells).collect()));
         }
@@ -61,9 +68,9 @@ fn rows(study: &Study<'_>) -> Vec<Row> {
 }
 
 /// The values of all variants and of the paper's methods for each object.
-fn columns(study: &Study<'_>) -> Vec<Vec<Option<f64>>> {
+fn columns(study: &Study) -> Vec<Vec<Option<f64>>> {
     let own = study.variants.iter().map(|variant| variant.by_object(&VOXEL_COVERAGE));
-    let names: Vec<Option<String>> = study.objects.iter().map(|&object| published::object(object)).collect();
+    let names: Vec<Option<String>> = study.objects.iter().map(published::object).collect();
     let published = published::METHODS.map(|method| {
         let number = |name: &Option<String>| published::number("I", name.as_ref()?, method, "coverage");
         names.iter().map(|name| number(name).map(|percent| percent / 100.0)).collect()

@@ -43,7 +43,7 @@ pub(super) fn method(planner: &PlannerChoice) -> Option<&'static str> {
 /// The paper's name of an object: of the Stanford models by their names, of LINEMOD and HomebrewedDB by the
 /// object numbers of the BOP benchmark, as in `lm_obj_000004_camera` for LM4. That the paper's numbers are
 /// BOP's is our assumption.
-pub(super) fn object(object: StudyObject<'_>) -> Option<String> {
+pub(super) fn object(object: &StudyObject) -> Option<String> {
     let name = object.name.to_ascii_lowercase();
     let stanford = match name.as_str() {
         "armadillo" => Some("Armadillo"),
@@ -54,7 +54,7 @@ pub(super) fn object(object: StudyObject<'_>) -> Option<String> {
         "lucy" => Some("Lucy"),
         _ => None,
     };
-    stanford.map(str::to_owned).or_else(|| of_bop(&name, object.data_set))
+    stanford.map(str::to_owned).or_else(|| of_bop(&name, &object.data_set))
 }
 
 fn of_bop(name: &str, data_set: &str) -> Option<String> {
@@ -74,7 +74,9 @@ mod tests {
 
     #[test]
     fn objects_are_matched() {
-        let matched = |data_set, name| object(StudyObject { data_set, name });
+        let matched = |data_set: &str, name: &str| {
+            object(&StudyObject { data_set: data_set.to_owned(), name: name.to_owned() })
+        };
         assert_eq!(matched("stanford", "happy_buddha").as_deref(), Some("Buddha"));
         assert_eq!(matched("stanford", "xyzrgb_dragon"), None);
         assert_eq!(matched("lm", "lm_obj_000004_camera").as_deref(), Some("LM4"));

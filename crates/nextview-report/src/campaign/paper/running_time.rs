@@ -14,7 +14,7 @@ pub(super) const NOTE: &str = "Running times are those of a simulated robot, mea
      view with the limits of [motion]. The paper's are of a real robot.";
 
 /// The table, a row for each variant; none if all runs failed.
-pub(super) fn table(study: &Study<'_>) -> Option<Table> {
+pub(super) fn table(study: &Study) -> Option<Table> {
     let variants = study.variants.iter().filter(|variant| variant.mean(&RUNNING_TIME).is_some());
     let rows: Vec<Row> = variants.map(row).collect();
     let head = PARTS.map(|part| Column::number(part.name));
@@ -25,15 +25,15 @@ pub(super) fn table(study: &Study<'_>) -> Option<Table> {
     })
 }
 
-fn row(variant: &StudyVariant<'_>) -> Row {
+fn row(variant: &StudyVariant) -> Row {
     let mut cells = PARTS.map(|part| Cell::from(with_spread(variant, &part)));
     let published =
-        published::method(variant.planner).and_then(|method| published::number("VI", "", method, "minutes"));
+        published::method(&variant.planner).and_then(|method| published::number("VI", "", method, "minutes"));
     cells[PARTS.len() - 1].note = published.map(|value| format!("paper {value}")).unwrap_or_default();
-    Row::new(std::iter::once(variant.name.into()).chain(cells).collect())
+    Row::new(std::iter::once(variant.name.as_str().into()).chain(cells).collect())
 }
 
-fn with_spread(variant: &StudyVariant<'_>, measure: &Measure) -> String {
+fn with_spread(variant: &StudyVariant, measure: &Measure) -> String {
     let values = variant.sample(measure).object_means();
     let mean = variant.mean(measure).map_or_else(|| "–".to_owned(), |mean| measure.show(mean));
     deviation(&values).map_or(mean.clone(), |spread| format!("{mean} ± {}", measure.show(spread)))

@@ -7,7 +7,7 @@ use crate::campaign::document::{Block, Column, Row, Section, Table};
 use nextview_campaign::statistics::{Study, StudyVariant};
 
 /// The section; none if the campaign has nothing for any of the tables.
-pub(in crate::campaign) fn section(study: &Study<'_>) -> Option<Section> {
+pub(in crate::campaign) fn section(study: &Study) -> Option<Section> {
     let mut blocks = vec![by_method(study, "II", "Computational efficiency", &[MEMORY_II, TIME])];
     blocks.extend(PARAMETER_TABLES.iter().map(|definition| definition.fill(study)));
     let running_time = running_time::table(study);
@@ -24,18 +24,18 @@ pub(in crate::campaign) fn section(study: &Study<'_>) -> Option<Section> {
 }
 
 /// A table with a column for each variant; none if the paper has none of the methods.
-fn by_method(study: &Study<'_>, number: &str, title: &str, measures: &[Published]) -> Option<Table> {
-    let methods: Vec<Option<&str>> = study.variants.iter().map(|v| published::method(v.planner)).collect();
+fn by_method(study: &Study, number: &str, title: &str, measures: &[Published]) -> Option<Table> {
+    let methods: Vec<Option<&str>> = study.variants.iter().map(|v| published::method(&v.planner)).collect();
     methods.iter().flatten().next()?;
     let row = |(measure, name): &Published| {
-        let cell = |(variant, method): (&StudyVariant<'_>, &Option<&str>)| {
+        let cell = |(variant, method): (&StudyVariant, &Option<&str>)| {
             let text = variant.mean(measure).map_or_else(String::new, |mean| measure.show(mean));
             published::cell(text, method.and_then(|method| published::number(number, "", method, name)))
         };
         let cells = study.variants.iter().zip(&methods).map(cell);
         Row::new(std::iter::once(measure.name.into()).chain(cells).collect())
     };
-    let names = study.variants.iter().map(|variant| Column::number(variant.name));
+    let names = study.variants.iter().map(|variant| Column::number(&variant.name));
     let table = Table {
         caption: format!("Table {number}. {title}"),
         head: std::iter::once(Column::text("")).chain(names).collect(),

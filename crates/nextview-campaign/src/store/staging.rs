@@ -1,0 +1,48 @@
+use nextview_scan::Fault;
+use std::fs;
+use std::path::{Path, PathBuf};
+
+/// A new folder on its way: written beside its place under another name, and renamed when it is whole.
+/// Dropped before, it is removed.
+#[derive(Debug)]
+pub(super) struct Staging {
+    target: PathBuf,
+    path: PathBuf,
+}
+
+impl Staging {
+    /// Fails if something is there already, or nothing can be written there.
+    pub fn begin(target: &Path) -> Result<Self, Fault> {
+        let is_free = match fs::read_dir(target) {
+            Ok(mut entries) => entries.next().is_none(),
+            Err(_) => !target.exists(),
+        };
+        if !is_free {
+            let fault = Fault::data("is not empty, and nothing is replaced").in_file(target);
+            return Err(fault.with_remedy("choose another folder (`out`)"));
+        }
+        let name = target.file_name().unwrap_or_default().to_string_lossy();
+        let path = target.with_file_name(format!(".{name}.{}.partial", std::process::id()));
+        fs::create_dir_all(&path).map_err(|error| Fault::from(error).while_writing(target))?;
+        Ok(Self { target: target.to_owned(), path })
+    }
+
+    /// Where to write.
+    pub fn path(&self) -> &Path {
+        &self.path
+    }
+
+    /// Shows the folder under its name. Fails if something has appeared there.
+    pub fn publish(self) -> Result<(), Fault> {
+        // Not every system renames over an empty folder; one that is not empty stays.
+        let _ = fs::remove_dir(&self.target);
+        fs::rename(&self.path, &self.target).map_err(|error| Fault::from(error).while_writing(&self.target))
+    }
+}
+
+impl Drop for Staging {
+    fn drop(&mut self) {
+        // Not there any more where it was published.
+        let _ = fs::remove_dir_all(&self.path);
+    }
+}

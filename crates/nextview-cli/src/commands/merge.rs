@@ -1,0 +1,42 @@
+use super::campaign::{check, counted};
+use crate::{Failure, stdout};
+use clap::Args;
+use nextview_campaign::store;
+use std::path::PathBuf;
+
+/// Make one campaign of the folders of its shards.
+///
+/// The tables are the same to the byte as those of a campaign that one process did, apart from times. Every
+/// run must be there, computed by this build of the program; equal repetitions count once. All that is wrong
+/// is reported at once, and nothing is written then. The shards stay as they are.
+#[derive(Debug, Args)]
+#[command(
+    after_help = "Examples:\n  nextview merge bench-mine-*-of-64 --out mine\n  nextview merge a b c --out whole"
+)]
+pub(super) struct MergeArgs {
+    /// The folders of all shards, in any order
+    #[arg(required = true, value_name = "DIR")]
+    dirs: Vec<PathBuf>,
+    /// Folder for the campaign, which must be new or empty
+    #[arg(long, value_name = "DIR")]
+    out: PathBuf,
+}
+
+impl MergeArgs {
+    pub fn run(self) -> Result<(), Failure> {
+        let merged = store::merge(&self.dirs, &self.out)?;
+        for dir in &merged.torn {
+            eprintln!(
+                "note: the last line of {} is not whole and was left out",
+                dir.join("runs.jsonl").display()
+            );
+        }
+        let (runs, folders) = (counted(merged.n_runs, "run"), counted(self.dirs.len(), "folder"));
+        let repeated = match merged.n_repeated {
+            0 => String::new(),
+            n => format!(", {} repeated and equal", counted(n, "record")),
+        };
+        stdout::print(format!("{runs} of {folders}{repeated}; results in {}\n", self.out.display()))?;
+        check(&merged.failed, merged.n_runs)
+    }
+}
