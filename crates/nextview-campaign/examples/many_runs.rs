@@ -5,8 +5,8 @@
 //! nextview merge FOLDER/* --out whole
 //! ```
 //!
-//! It has five variants: 1000 objects and 100 seeds make 500,000 runs. A small scan is done once; every record
-//! is that of this scan with other numbers.
+//! It has five variants: 1000 objects and 100 seeds make 500,000 runs. A small scan is done once; every
+//! record is that of this scan with other numbers.
 
 use nextview::Cancel;
 use nextview::geometry::random::Random;

@@ -7,9 +7,9 @@
 //! ```
 //!
 //! Start with [`Spec::load`], open a [`Store`](store::Store) for it, do the runs that are left with
-//! [`run_campaign`](execution::run_campaign), and write the [`tables`]. Several workers do a [`Shard`] each, and
-//! [`store::merge`] makes one campaign of theirs. A report or a comparison only reads:
-//! [`store::read`] and [`statistics`].
+//! [`run_campaign`](execution::run_campaign), and write the [`tables`]. Several workers do a [`Shard`] each,
+//! and [`store::merge`] makes one campaign of theirs. A report or a comparison only reads: [`store::read`]
+//! and [`statistics`].
 //!
 //! The crate prints nothing, ends no process and names no option of a program. How a scan is done is the
 //! business of `nextview-scan`.

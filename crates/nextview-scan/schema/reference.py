@@ -20,8 +20,9 @@ INTRODUCTION = """\
 
 `nextview scan OBJECT --config FILE` reads these keys from a TOML file; options of the command line override
 them, and `config.toml` in the results of a scan has all that decided it. In a [campaign](bench.md) they stand
-under `[scan]` and `scan`; Python, the [server](server.md) and the [ROS 2 node](ros2.md) take them, too. A file
-needs only those that differ from the default. A key that is none is an error, which names the nearest one.
+under `[scan]` and `scan`; Python, the [server](server.md) and the [ROS 2 node](ros2.md) take them, too. A
+file needs only those that differ from the default. A key that is none is an error, which names the nearest
+one.
 
 ```toml
 planner = "most-surface"
@@ -124,8 +125,13 @@ class Reference:
     def values(self, target):
         """The texts that a value can be, if they are known, and what they mean."""
         options = [self.resolved(option) for option in target.get("anyOf", [])]
-        found = [(option["const"], plain(option.get("description", "")))
-                 for option in target.get("oneOf", []) if "const" in option]
+        found = []
+        for option in target.get("oneOf", []):
+            meaning = plain(option.get("description", ""))
+            if "const" in option:
+                found.append((option["const"], meaning))
+            for name, entry in option.get("properties", {}).items():
+                found.append((f"{{ {name} = {self.kind(entry, self.resolved(entry))} }}", meaning))
         return found + [value for option in options for value in self.values(option)]
 
 

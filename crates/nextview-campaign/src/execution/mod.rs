@@ -21,7 +21,8 @@ use crate::store::Store;
 use nextview::Cancel;
 use nextview_scan::Fault;
 
-/// Does all open runs of a campaign, or of the store's shard of it, `n_jobs` beside each other, by default one per thread.
+/// Does all open runs of a campaign, or of the store's shard of it, `n_jobs` beside each other, by default
+/// one per thread.
 ///
 /// A run that fails is recorded with its reason and does not stop the others. If this is cancelled, runs that
 /// are finished are kept, and all others stay open.
