@@ -88,7 +88,7 @@ pub enum SimError {
 /// What is wrong with an extension, the empty one included.
 fn unknown(extension: &str) -> String {
     match extension {
-        "" => "its name has no extension".to_owned(),
+        "" => "unknown mesh format, its name has no extension".to_owned(),
         _ => format!("unknown mesh format {extension:?}"),
     }
 }

@@ -161,7 +161,7 @@ fn view_files_with_faults() {
         ("empty.csv", &["at least one view"]),
         ("garbage.csv", &["line 1"]),
         ("away.csv", &["view 1 ", "[9.000, 9.000, 9.000] m", "hint: views must be in metres"]),
-        ("spehre", &["cannot be read", "hint: ", "shell, sphere, hemisphere, ring"]),
+        ("spehre", &["cannot be read", "hint: ", "shell, sphere, hemisphere, tammes, rings, ring"]),
     ] {
         let parts = [parts, &[file]].concat();
         folder.refused(&["scan", "builtin:mug", "--views", "1", "--view-space", file], DATA, &parts);
