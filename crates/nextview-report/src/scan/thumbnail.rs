@@ -96,7 +96,7 @@ pub fn color(image: &ColorImage, view: usize) -> String {
 /// A picture of some kind in a button that enlarges it.
 fn img(width: u32, height: u32, (kind, alt): (&str, &str), png: &[u8]) -> String {
     format!(
-        r#"<button type="button" class="enlarge"><img data-kind="{kind}" width="{width}" height="{height}" alt="{alt}" src="data:image/png;base64,{}"></button>"#,
+        r#"<button type="button" class="enlarge"><img width="{width}" height="{height}" data-kind="{kind}" alt="{alt}" src="data:image/png;base64,{}"></button>"#,
         BASE64_STANDARD.encode(png)
     )
 }
