@@ -3,7 +3,7 @@
 use nextview_report::page_of_scan;
 use nextview_scan::files::{Overwrite, ResultFolder};
 use nextview_scan::{
-    Fault, Faults, FinishedScan, RESULT_FILES, Results, ScanConfig, ScanRecord, write_results,
+    Fault, Faults, FinishedScan, Results, ScanConfig, ScanRecord, begin_results, write_results,
 };
 use std::io::Write;
 use std::path::{Path, PathBuf};
@@ -12,7 +12,7 @@ use std::path::{Path, PathBuf};
 /// that is read.
 pub fn begin(dir: &Path, force: bool, inputs: Vec<PathBuf>) -> Result<ResultFolder, Faults> {
     let rule = if force { Overwrite::results() } else { Overwrite::nothing() };
-    ResultFolder::begin(dir, RESULT_FILES, rule.but(inputs))
+    begin_results(dir, rule.but(inputs))
 }
 
 /// Writes everything that a scan leaves, with the page that shows it. All that could be made is written; then

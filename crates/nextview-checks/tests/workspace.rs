@@ -12,7 +12,7 @@ const LAYERS: [&[&str]; 8] = [
     &["nextview-sim", "nextview-recording", "nextview-robot"],
     &["nextview-learned"],
     &["nextview-scan"],
-    &["nextview-campaign"],
+    &["nextview-campaign", "nextview-export"],
     &["nextview-report"],
     &["nextview-server", "nextview-ros2"],
     &["nextview-cli"],

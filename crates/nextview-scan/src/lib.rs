@@ -41,7 +41,9 @@ pub use provided::{PlannerProvider, ProvidedPlanner, provide_planners};
 pub use record::{
     BuildIdentity, OtherBodyRecord, QualityMm, ScanRecord, StepRecord, ViewRecord, WaypointRecord,
 };
-pub use results::{RESULT_FILES, Results, result_file, result_folder, write_results};
+pub use results::{
+    FRAMES_FOLDER, RESULT_FILES, Results, begin_results, result_file, result_folder, write_results,
+};
 pub use run::{Begin, Evaluator, FinishedScan, Measured, Next, ScanRun, TakenFrame};
 pub use saved_map::SavedMap;
 pub use source::*;

@@ -5,6 +5,7 @@ mod bench;
 mod campaign;
 mod compare;
 mod dataset;
+mod export;
 mod map;
 mod merge;
 mod plan;
@@ -23,7 +24,7 @@ use clap::{Parser, Subcommand};
 /// `nextview scan` scans a simulated object from the first view to the last and writes the map, the cloud,
 /// the mesh and a report. `nextview bench` scans many objects with many planners, on one machine or as shards
 /// on many, which `nextview merge` makes one; `nextview report` and `nextview compare` make figures and
-/// tables of that. `nextview serve` takes the frames of any camera over HTTP and answers with the next view.
+/// tables of that. `nextview export` gives the results of a scan to other tools. `nextview serve` takes the frames of any camera over HTTP and answers with the next view.
 /// `nextview plan` gives the next view, or the next few, for a saved map, `nextview map` summarises and
 /// converts maps, `nextview views` makes view candidates, `nextview dataset` training data for learned
 /// planners.
@@ -42,6 +43,8 @@ Examples:
   nextview scan                              scan a built-in teapot; then open its report.html
   nextview scan part.stl --unit mm           scan your own mesh
   nextview scan builtin:mug --planner local  another object, another planner
+  nextview export scan-part --to bop --out part-bop
+                                             its results for another tool
   nextview bench paper-1 meshes/*.ply        every planner on your meshes
   nextview report bench-paper-1              the figures and tables of that
   nextview serve                             scan with any camera, over HTTP
@@ -57,6 +60,7 @@ Exit codes: 0 done, 1 bad data or a failing system, 2 bad usage.";
 #[derive(Debug, Subcommand)]
 enum Command {
     Scan(Box<scan::ScanArgs>),
+    Export(export::ExportArgs),
     Bench(bench::BenchArgs),
     Merge(merge::MergeArgs),
     Report(report::ReportArgs),
@@ -79,6 +83,7 @@ impl Cli {
         }
         match self.command {
             Command::Scan(args) => args.run(),
+            Command::Export(args) => args.run(),
             Command::Bench(args) => args.run(),
             Command::Merge(args) => args.run(),
             Command::Serve(args) => args.run(),

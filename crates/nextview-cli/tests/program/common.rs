@@ -10,9 +10,10 @@ pub const SMALL: [&str; 8] =
     ["scan", "builtin:mug", "--candidates", "20", "--voxel-size-m", "0.01", "--out=out", "--force"];
 
 /// What a scan leaves in its folder.
-pub const RESULT_FILES: [&str; 10] = [
+pub const RESULT_FILES: [&str; 11] = [
     "cloud.ply",
     "config.toml",
+    "frames",
     "map.bt",
     "map.ot",
     "mesh.ply",

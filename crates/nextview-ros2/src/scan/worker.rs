@@ -8,8 +8,8 @@ use nextview::geometry::Pose;
 use nextview::planner::Outlook;
 use nextview::sensor::Intrinsics;
 use nextview::session::StopReason;
-use nextview_scan::files::{Overwrite, ResultFolder};
-use nextview_scan::{Fault, Faults, LiveFrame, LiveScan, RESULT_FILES, ScanJournal};
+use nextview_scan::files::Overwrite;
+use nextview_scan::{Fault, Faults, LiveFrame, LiveScan, ScanJournal, begin_results};
 use serde::Serialize;
 use std::sync::mpsc;
 use tokio::sync::mpsc::UnboundedSender;
@@ -222,7 +222,7 @@ impl Worker {
             return Err(fault.with_remedy("state the parameter `directory`").into());
         };
         let scan = self.under_way()?;
-        let mut folder = ResultFolder::begin(&directory, RESULT_FILES, Overwrite::results())?;
+        let mut folder = begin_results(&directory, Overwrite::results())?;
         let faults = scan.write_results(&mut folder).faults;
         folder.publish()?;
         if scan.stop_reason().is_some() {

@@ -9,17 +9,17 @@ use std::path::{Path, PathBuf};
 #[derive(Debug)]
 pub struct ResultFolder {
     target: PathBuf,
-    /// The files that it will hold.
+    /// The files and folders that it will hold.
     names: &'static [&'static str],
     rule: Overwrite,
     /// Where the files are written first: on the same file system as the target.
     staging: PathBuf,
-    files: Vec<(&'static str, Vec<u8>)>,
+    files: Vec<(String, Vec<u8>)>,
 }
 
 impl ResultFolder {
-    /// Begins a folder of these files. Fails at once if it could not be written later, or if the rule does
-    /// not allow it.
+    /// Begins a folder of these files and folders. Fails at once if it could not be written later, or if the
+    /// rule does not allow it.
     pub fn begin(target: &Path, names: &'static [&'static str], rule: Overwrite) -> Result<Self, Faults> {
         if target.exists() && !target.is_dir() {
             let fault = Fault::data("exists and is no folder").in_file(target);
@@ -33,13 +33,16 @@ impl ResultFolder {
         Ok(Self { target: target.to_owned(), names, rule, staging, files: Vec::new() })
     }
 
-    /// Adds a file, which must be one of those the folder was begun with.
+    /// Adds a file, which must be one of those the folder was begun with, or lie in such a folder:
+    /// `frames/poses.csv`.
     pub fn add(
         &mut self,
-        name: &'static str,
+        name: impl Into<String>,
         content: impl FnOnce(&mut Vec<u8>) -> Result<(), Fault>,
     ) -> Result<(), Fault> {
-        assert!(self.names.contains(&name), "{name} is none of {:?}", self.names);
+        let name = name.into();
+        let entry = name.split('/').next().unwrap_or_default();
+        assert!(self.names.contains(&entry), "{name} is none of {:?}", self.names);
         let mut bytes = Vec::new();
         content(&mut bytes)?;
         self.files.push((name, bytes));
@@ -51,7 +54,7 @@ impl ResultFolder {
     pub fn publish(self) -> Result<(), Faults> {
         self.rule.check_folder(&self.target, self.names)?;
         let result = self.write().and_then(|()| {
-            let moved = if self.target.exists() { self.move_files() } else { self.move_folder() };
+            let moved = if self.target.exists() { self.move_entries() } else { self.move_folder() };
             moved.map_err(|e| Fault::from(e).while_writing(&self.target))
         });
         Ok(result.inspect_err(|_| {
@@ -62,7 +65,9 @@ impl ResultFolder {
     fn write(&self) -> Result<(), Fault> {
         fs::create_dir(&self.staging).map_err(|e| Fault::from(e).while_writing(&self.target))?;
         for (name, bytes) in &self.files {
-            let written = File::create(self.staging.join(name)).and_then(|mut file| {
+            let path = self.staging.join(name);
+            let folder = path.parent().map_or(Ok(()), fs::create_dir_all);
+            let written = folder.and_then(|()| File::create(&path)).and_then(|mut file| {
                 file.write_all(bytes)?;
                 file.sync_all()
             });
@@ -78,12 +83,25 @@ impl ResultFolder {
         fs::rename(&self.staging, &self.target)
     }
 
-    fn move_files(&self) -> io::Result<()> {
-        for (name, _) in &self.files {
-            fs::rename(self.staging.join(name), self.target.join(name))?;
+    fn move_entries(&self) -> io::Result<()> {
+        for name in self.names {
+            let (new, old) = (self.staging.join(name), self.target.join(name));
+            match (new.exists(), old.is_dir()) {
+                (false, _) => continue,
+                (true, true) => replace_folder(&new, &old)?,
+                (true, false) => fs::rename(new, old)?,
+            }
         }
         fs::remove_dir(&self.staging)
     }
+}
+
+/// A folder cannot be renamed over another one: that one is moved aside first.
+fn replace_folder(new: &Path, old: &Path) -> io::Result<()> {
+    let aside = new.with_extension("replaced");
+    fs::rename(old, &aside)?;
+    fs::rename(new, old)?;
+    fs::remove_dir_all(aside)
 }
 
 /// Removes what writing into this folder has left unfinished; nobody must be writing into it.
@@ -129,6 +147,20 @@ mod tests {
             assert_eq!(fs::read_dir(&path).unwrap().count(), 1);
         }
         assert_eq!(fs::read_dir(folder.join("new")).unwrap().count(), 1);
+        fs::remove_dir_all(&folder).unwrap();
+    }
+
+    #[test]
+    fn folders_in_it_are_replaced_as_a_whole() {
+        let folder = std::env::temp_dir().join(format!("nextview-nested-results-{}", std::process::id()));
+        for names in [["in/deep/a", "in/b"], ["in/deep/c", "in/d"]] {
+            let mut results = ResultFolder::begin(&folder, &["in"], Overwrite::results()).unwrap();
+            names.iter().for_each(|name| results.add(*name, |w| Ok(w.write_all(b"x")?)).unwrap());
+            results.publish().unwrap();
+            assert_eq!(fs::read_dir(folder.join("in/deep")).unwrap().count(), 1);
+            assert!(names.iter().all(|name| folder.join(name).is_file()));
+            assert_eq!(fs::read_dir(&folder).unwrap().count(), 1);
+        }
         fs::remove_dir_all(&folder).unwrap();
     }
 

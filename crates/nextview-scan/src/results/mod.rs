@@ -1,5 +1,7 @@
 //! The files of a scan's results.
 
+mod frames;
+
 use crate::files::{Overwrite, ResultFolder, numbered};
 use crate::run::{FinishedScan, Measured};
 use crate::{Fault, Faults, ScanConfig, ScanJournal, ScanRecord, StepRecord, short_name};
@@ -10,8 +12,10 @@ use nextview::surface::{write_cloud, write_mesh};
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
-/// The files of a scan's results: those of [`write_results`] and a page that shows them.
-pub const RESULT_FILES: &[&str] = &[
+pub use frames::FRAMES_FOLDER;
+
+/// What a folder of results holds.
+const ENTRIES: &[&str] = &[
     "config.toml",
     "record.json",
     "steps.jsonl",
@@ -22,13 +26,28 @@ pub const RESULT_FILES: &[&str] = &[
     "cloud.ply",
     "mesh.ply",
     "report.html",
+    FRAMES_FOLDER,
 ];
+
+/// The files of a scan's results: those of [`write_results`] and a page that shows them. The
+/// [`FRAMES_FOLDER`] lies beside them.
+pub const RESULT_FILES: &[&str] = match ENTRIES.split_last() {
+    Some((_, files)) => files,
+    None => &[],
+};
+
+/// Begins the folder for the results of a scan. Fails at once if it could not be written later, if the rule
+/// does not allow it, or if `frames` in it holds more than a scan leaves there.
+pub fn begin_results(dir: &Path, rule: Overwrite) -> Result<ResultFolder, Faults> {
+    frames::check_replaceable(dir)?;
+    ResultFolder::begin(dir, ENTRIES, rule)
+}
 
 /// The folder for the results of a scan where none is named: `scan-OBJECT-PLANNER`, followed by -2, -3, ...
 /// where that one holds results that the rule does not allow to replace. One that holds an interrupted scan
 /// is not passed over, since that scan is to be resumed or given up first.
 pub fn result_folder(config: &ScanConfig, rule: &Overwrite) -> PathBuf {
-    let is_refused = |dir: &Path| dir.is_file() || rule.check_folder(dir, RESULT_FILES).is_err();
+    let is_refused = |dir: &Path| dir.is_file() || rule.check_folder(dir, ENTRIES).is_err();
     let is_taken = |dir: &Path| !ScanJournal::is_in(dir) && is_refused(dir);
     numbered(&format!("scan-{}-{}", short_name(&config.object), config.planner), is_taken).1
 }
@@ -42,7 +61,7 @@ pub struct Results {
 }
 
 /// Adds everything that a scan leaves, but for pages that show it: configuration, record, poses, waypoints,
-/// map, model. What fails is left out and reported; all else is added.
+/// map, model, frames. What fails is left out and reported; all else is added.
 pub fn write_results(folder: &mut ResultFolder, config: &ScanConfig, scan: &FinishedScan<'_>) -> Results {
     let mut faults = Vec::new();
     let model = scan.model(config.model).map_err(|fault| faults.push(fault.within("cloud and mesh"))).ok();
@@ -66,6 +85,7 @@ pub fn write_results(folder: &mut ResultFolder, config: &ScanConfig, scan: &Fini
         add("cloud.ply", &|w| Ok(write_cloud(w, &model.cloud)?));
         add("mesh.ply", &|w| Ok(write_mesh(w, &model.vertices, model.is_filled(), model.triangles())?));
     }
+    faults.extend(frames::add(folder, scan).err().map(|fault| fault.within(FRAMES_FOLDER)));
     Results { record, faults: Faults::of(faults) }
 }
 

@@ -5,8 +5,8 @@ use crate::refusal::Refusal;
 use axum::http::StatusCode;
 use nextview::Cancel;
 use nextview_report::page_of_scan;
-use nextview_scan::files::{Overwrite, ResultFolder};
-use nextview_scan::{Fault, Faults, LiveScan, RESULT_FILES, Results, ScanJournal};
+use nextview_scan::files::Overwrite;
+use nextview_scan::{Fault, Faults, LiveScan, Results, ScanJournal, begin_results};
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
@@ -99,7 +99,7 @@ impl Work {
         let dir = self.dir.clone();
         let (scan, _) = self.under_way()?;
         scan.end();
-        let mut folder = ResultFolder::begin(&dir, RESULT_FILES, Overwrite::results())?;
+        let mut folder = begin_results(&dir, Overwrite::results())?;
         let Results { record, faults } = scan.write_results(&mut folder);
         let text = toml::to_string(scan.config()).map_err(Fault::data)?;
         let page = page_of_scan(scan.scan(), &record, scan.config(), "nextview serve", &text);

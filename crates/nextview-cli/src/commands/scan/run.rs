@@ -5,8 +5,8 @@ use nextview::Cancel;
 use nextview_report::{heading, page_of_scan, step_line, summary_text};
 use nextview_scan::files::{Overwrite, ResultFolder};
 use nextview_scan::{
-    Begin, Damage, Fault, FrameSource, Interrupted, RESULT_FILES, RecordedScan, Results, ScanConfig,
-    ScanJournal, ScanRun, SimulatedObject, Simulation, Truth, write_results,
+    Begin, Damage, Fault, FrameSource, Interrupted, RecordedScan, Results, ScanConfig, ScanJournal, ScanRun,
+    SimulatedObject, Simulation, Truth, begin_results, write_results,
 };
 use std::io::Write;
 use std::path::{Path, PathBuf};
@@ -145,7 +145,7 @@ impl Output {
     /// Begins the folder; fails if it cannot take the results.
     fn folder(&self, config: &ScanConfig) -> Result<ResultFolder, Failure> {
         let inputs = config.inputs().into_iter().chain(self.config.clone()).collect();
-        Ok(ResultFolder::begin(&self.dir, RESULT_FILES, self.rule.clone().but(inputs))?)
+        Ok(begin_results(&self.dir, self.rule.clone().but(inputs))?)
     }
 
     /// Prints what is scanned and how; notes go before the table, or to stderr where stdout is JSON.

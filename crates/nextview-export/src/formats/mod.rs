@@ -1,0 +1,49 @@
+//! One file per form.
+
+mod bop;
+mod colmap;
+mod foundation_pose;
+mod nerfstudio;
+mod open3d;
+mod pcd;
+mod tum;
+
+use crate::Format;
+use crate::scanned::Scanned;
+use nextview_scan::Fault;
+
+/// A file: its name, relative and with `/`, and its content.
+pub(crate) type NamedFile = (String, Vec<u8>);
+
+/// All files of a form.
+pub(crate) fn files(format: Format, scanned: &Scanned) -> Result<Vec<NamedFile>, Fault> {
+    let mut out = Out::default();
+    match format {
+        Format::Bop => bop::write(scanned, &mut out)?,
+        Format::Colmap => colmap::write(scanned, &mut out)?,
+        Format::FoundationPose => foundation_pose::write(scanned, &mut out)?,
+        Format::Nerfstudio => nerfstudio::write(scanned, &mut out)?,
+        Format::Open3d => open3d::write(scanned, &mut out),
+        Format::Pcd => pcd::write(scanned, &mut out),
+        Format::Tum => tum::write(scanned, &mut out),
+    }
+    Ok(out.files)
+}
+
+/// Where files go.
+#[derive(Default)]
+struct Out {
+    files: Vec<NamedFile>,
+}
+
+impl Out {
+    /// Adds a file.
+    fn add(&mut self, name: impl Into<String>, bytes: impl Into<Vec<u8>>) {
+        self.files.push((name.into(), bytes.into()));
+    }
+
+    /// Adds a JSON file.
+    fn add_json(&mut self, name: &str, value: &serde_json::Value) {
+        self.add(name, format!("{value:#}\n"));
+    }
+}

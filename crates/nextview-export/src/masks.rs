@@ -1,0 +1,53 @@
+use crate::scanned::Scanned;
+use crate::view::View;
+use nextview::sensor::Depth;
+use nextview_scan::Fault;
+use nextview_sim::camera::{Background, SimulatedCamera};
+use nextview_sim::mesh::TriangleMesh;
+use std::sync::Arc;
+
+/// Which pixels show the object: the final mesh, rendered.
+pub(crate) struct Masks {
+    camera: SimulatedCamera,
+}
+
+/// The object in a picture, pixel by pixel, row by row.
+pub(crate) struct Mask {
+    /// Where it would be seen if nothing were before it.
+    pub whole: Vec<bool>,
+    /// Where it is seen: nothing measured is before or behind it.
+    pub visible: Vec<bool>,
+}
+
+/// A pixel is the object's if its depth is within this of the mesh: metres, and a share of the depth.
+const TOLERANCE: (f64, f64) = (0.005, 0.01);
+
+/// Depth up to which the mesh is rendered, metres.
+const RANGE: f64 = 100.0;
+
+impl Masks {
+    pub fn new(scanned: &Scanned) -> Result<Self, Fault> {
+        let vertices = scanned.object.points.iter().map(|point| point.position).collect();
+        let mesh = TriangleMesh::new(vertices, scanned.object.triangles.clone()).map_err(Fault::data)?;
+        let camera = SimulatedCamera::new(Arc::new(mesh), scanned.intrinsics, Background::None, RANGE);
+        Ok(Self { camera: camera.map_err(Fault::data)? })
+    }
+
+    /// The object in this picture.
+    pub fn of(&self, view: &View) -> Result<Mask, Fault> {
+        let rendered = self.camera.render_depth(&view.world_from_camera())?;
+        let whole: Vec<bool> = rendered.iter().map(|depth| depth.is_finite()).collect();
+        let visible =
+            rendered.iter().zip(view.pixels()).map(|(depth, pixel)| is_seen(f64::from(*depth), pixel));
+        Ok(Mask { whole, visible: visible.collect() })
+    }
+}
+
+fn is_seen(rendered: f64, measured: Depth) -> bool {
+    match measured {
+        _ if !rendered.is_finite() => false,
+        Depth::Missing => true,
+        Depth::Beyond => false,
+        Depth::Surface(depth) => (f64::from(depth) - rendered).abs() <= TOLERANCE.0 + TOLERANCE.1 * rendered,
+    }
+}

@@ -1,0 +1,42 @@
+use crate::files::ResultFolder;
+use crate::run::FinishedScan;
+use crate::{Fault, Faults};
+use nextview_recording::{NumberedFrame, write_folder};
+use std::io::Write;
+use std::path::Path;
+
+/// Name of the folder of the results that holds the frames of the map, in the poses in which they were
+/// mapped: a recording in our own form, whose images have the numbers of their steps.
+pub const FRAMES_FOLDER: &str = "frames";
+
+/// What that folder may hold.
+const CONTENT: [&str; 5] = ["intrinsics.txt", "poses.csv", "depth", "mask", "color"];
+
+/// Fails if replacing the folder would remove what no scan has left there.
+pub(super) fn check_replaceable(dir: &Path) -> Result<(), Faults> {
+    let folder = dir.join(FRAMES_FOLDER);
+    if !folder.is_dir() {
+        return Ok(());
+    }
+    let entries = std::fs::read_dir(&folder).map_err(|error| Fault::from(error).in_file(&folder))?;
+    let names = entries.flatten().map(|entry| entry.file_name().to_string_lossy().into_owned());
+    match names.into_iter().find(|name| !CONTENT.contains(&name.as_str())) {
+        None => Ok(()),
+        Some(name) => {
+            let fault = Fault::data(format!("holds {name}, which a scan would remove")).in_file(&folder);
+            Err(fault.with_remedy("choose another folder (`out`)").into())
+        }
+    }
+}
+
+/// Adds the frames of the map.
+pub(super) fn add(folder: &mut ResultFolder, scan: &FinishedScan<'_>) -> Result<(), Fault> {
+    let steps = scan.session.frame_numbers();
+    let frames = steps.iter().zip(scan.session.frames());
+    let frames: Vec<NumberedFrame<'_>> =
+        frames.map(|(step_idx, frame)| NumberedFrame { number: step_idx + 1, frame }).collect();
+    let write = |name: &str, bytes: Vec<u8>| {
+        folder.add(format!("{FRAMES_FOLDER}/{name}"), |w| Ok(w.write_all(&bytes)?))
+    };
+    write_folder(&frames, |i| scan.color(steps[i]), write)
+}
