@@ -26,7 +26,7 @@ cd "$work"
 "$venv/bin/python" -m mypy --strict examples/*.py
 "$venv/bin/python" -m mypy --strict "$here/nextview"
 "$venv/bin/python" -m mypy.stubtest nextview._native
-for module in "" .errors ._names ._camera ._planner ._scan ._simulated ._bench .gym; do
+for module in "" .errors ._names ._camera ._planner ._scan ._simulated ._bench ._export .gym; do
     "$venv/bin/python" -c "import doctest, importlib, sys
 failed, n = doctest.testmod(importlib.import_module('nextview$module'))
 print('nextview$module:', n, 'doctest lines'); sys.exit(failed > 0)"

@@ -16,6 +16,7 @@ and y down, as in OpenCV. A depth is the distance along z.
 from nextview import errors
 from nextview._bench import Bench, bench
 from nextview._camera import Camera
+from nextview._export import Exported, export
 from nextview._model import Cloud, Map, Mesh
 from nextview._names import builtin_objects, planners, sensors
 from nextview._native import View, __version__
@@ -30,6 +31,7 @@ __all__ = [
     "Camera",
     "Cloud",
     "DataError",
+    "Exported",
     "Gain",
     "InputError",
     "InternalError",
@@ -48,6 +50,7 @@ __all__ = [
     "bench",
     "builtin_objects",
     "errors",
+    "export",
     "planners",
     "resume",
     "scan",

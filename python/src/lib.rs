@@ -6,6 +6,7 @@ mod arrays;
 mod bench;
 mod camera;
 mod errors;
+mod export;
 mod live_scan;
 mod map_file;
 mod model;
@@ -34,6 +35,7 @@ fn _native(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_class::<scene::Scene>()?;
     module.add_function(wrap_pyfunction!(offline_scan::scan, module)?)?;
     module.add_function(wrap_pyfunction!(bench::bench, module)?)?;
+    module.add_function(wrap_pyfunction!(export::export, module)?)?;
     module.add_function(wrap_pyfunction!(map_file::read_map, module)?)?;
     module.add_function(wrap_pyfunction!(map_file::write_map, module)?)?;
     module.add_function(wrap_pyfunction!(view::view_of_text, module)?)?;

@@ -2,6 +2,7 @@
 
 mod control;
 mod events;
+mod exports;
 mod files;
 mod frames;
 mod guidance;
@@ -33,6 +34,7 @@ pub(crate) fn routes() -> Vec<Route> {
         guidance::routes(),
         control::routes(),
         files::routes(),
+        exports::routes(),
         pictures::routes(),
         events::routes(),
     ];
