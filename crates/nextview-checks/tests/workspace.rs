@@ -46,7 +46,7 @@ fn files_import_each_other_without_cycles() {
 
 #[test]
 fn public_items_are_listed() {
-    for name in ["sim", "recording", "robot", "learned", "scan", "campaign", "report", "server"] {
+    for name in ["sim", "recording", "robot", "learned", "scan", "campaign", "export", "report", "server"] {
         let name = format!("nextview-{name}");
         check_public_items(&workspace().join("crates").join(&name).to_string_lossy(), &name);
     }

@@ -13,7 +13,7 @@ pub const SMALL: [&str; 8] =
 pub const RESULT_FILES: [&str; 11] = [
     "cloud.ply",
     "config.toml",
-    "frames",
+    "frames/",
     "map.bt",
     "map.ot",
     "mesh.ply",

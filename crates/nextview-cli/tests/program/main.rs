@@ -17,6 +17,8 @@ mod dataset;
 #[cfg(test)]
 mod determinism;
 #[cfg(test)]
+mod export;
+#[cfg(test)]
 mod help;
 #[cfg(test)]
 #[cfg(unix)]

@@ -29,7 +29,10 @@ async fn get(
     let bytes = scan.with(move |work| {
         if !work.is_finished() {
             let fault = Fault::request("results are exported when the scan is finished");
-            return Err(Refusal::new(StatusCode::CONFLICT, fault.with_remedy("finish it first: `POST …/finish`")));
+            return Err(Refusal::new(
+                StatusCode::CONFLICT,
+                fault.with_remedy("finish it first: `POST …/finish`"),
+            ));
         }
         let exported = export_files(work.dir(), format);
         let exported = exported.map_err(|faults| Refusal::new(StatusCode::CONFLICT, faults))?;

@@ -109,11 +109,16 @@ fn a_scan_from_its_creation_to_its_files() {
     let cloud = client.get("/scans/mug/files/cloud.ply");
     assert!(cloud.status == 200 && cloud.body.starts_with(b"ply"));
     assert_eq!(client.get("/scans/mug/files/report.html").status, 409);
+    assert_eq!(client.get("/scans/mug/export/tum").status, 409);
     let finished = client.post("/scans/mug/finish", &json!({})).expect(200);
     assert_eq!(finished["files"].as_array().unwrap().len(), 10, "{finished}");
     assert_eq!(client.post("/scans/mug/finish", &json!({})).expect(200)["record"], finished["record"]);
     assert_eq!(client.get("/scans/mug/files/cloud.ply").body, cloud.body);
     assert!(client.get("/scans/mug/files/report.html").body.starts_with(b"<!"));
+    let exported = client.get("/scans/mug/export/tum");
+    assert!(exported.status == 200 && exported.body.starts_with(b"intrinsics.txt\0"));
+    assert_eq!(client.get("/scans/mug/export/colmap").status, 409, "not all frames have colour");
+    assert_eq!(client.get("/scans/mug/export/zip").status, 404);
     assert_eq!(client.get("/scans").expect(200)[0]["state"], "finished");
     assert_eq!(post_raw(&mut client, "mug", "d", &rows, frame.image()).status, 409);
 
