@@ -3,9 +3,10 @@
 //! Start with [`KnownSurface`]: it [registers](KnownSurface::register) a frame by point-to-plane ICP and
 //! adds the frames that fit. An alignment that cannot be trusted is refused: the given pose stays, and the
 //! [`Verdict`] says why. Frames that were added are [realigned](KnownSurface::realign) to each other.
-//! [`align`] is the same ICP for other surfaces. Not here: alignment from anywhere (global registration),
-//! because a robot knows roughly where it is. The formulas are in `docs/methods/registration.md`.
+//! [`align`] is the same ICP for other surfaces, and [`PointPairs`] finds where to begin it when nothing is
+//! known of the pose, as of a part beside its CAD model. The formulas are in `docs/methods/registration.md`.
 
+mod anywhere;
 mod config;
 mod gauge;
 mod icp;
@@ -17,8 +18,10 @@ mod pair;
 mod point_tree;
 mod surface_points;
 
+pub use anywhere::{PointPairs, VotedPose};
 pub use config::{GivenPoses, RegistrationConfig};
 pub use icp::{MAX_STEPS, SearchReach, align};
 pub use known_surface::KnownSurface;
 pub use outcome::{Registration, Verdict};
 pub use pair::Pair;
+pub use surface_points::SurfacePoint;

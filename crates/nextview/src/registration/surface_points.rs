@@ -7,7 +7,7 @@ use std::ops::Add;
 
 /// A point on a surface.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct SurfacePoint {
+pub struct SurfacePoint {
     /// Metres.
     pub position: DVec3,
     /// Of unit length, out of the surface.
