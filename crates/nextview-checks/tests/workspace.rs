@@ -12,7 +12,7 @@ const LAYERS: [&[&str]; 8] = [
     &["nextview-sim", "nextview-recording", "nextview-robot"],
     &["nextview-learned"],
     &["nextview-scan"],
-    &["nextview-campaign", "nextview-export"],
+    &["nextview-campaign", "nextview-export", "nextview-inspect"],
     &["nextview-report"],
     &["nextview-server", "nextview-ros2"],
     &["nextview-cli"],
@@ -46,7 +46,9 @@ fn files_import_each_other_without_cycles() {
 
 #[test]
 fn public_items_are_listed() {
-    for name in ["sim", "recording", "robot", "learned", "scan", "campaign", "export", "report", "server"] {
+    for name in
+        ["sim", "recording", "robot", "learned", "scan", "campaign", "export", "inspect", "report", "server"]
+    {
         let name = format!("nextview-{name}");
         check_public_items(&workspace().join("crates").join(&name).to_string_lossy(), &name);
     }

@@ -8,7 +8,6 @@ mod format;
 mod formats;
 mod masks;
 mod obj;
-mod ply;
 mod scanned;
 mod undistort;
 mod view;

@@ -1,10 +1,10 @@
 //! The mesh as an OBJ file.
 
-use crate::ply::PlyModel;
+use nextview_scan::SavedModel;
 use std::fmt::Write;
 
 /// The mesh with its colours behind the coordinates of each vertex, metres.
-pub(crate) fn text(mesh: &PlyModel) -> String {
+pub(crate) fn text(mesh: &SavedModel) -> String {
     let mut text = String::new();
     for point in &mesh.points {
         let [x, y, z] = point.position.to_array();

@@ -1,12 +1,9 @@
 use crate::Format;
-use crate::ply::{self, PlyModel};
 use crate::undistort::undistorted;
 use crate::view::View;
-use nextview::geometry::Plane;
 use nextview::sensor::Intrinsics;
-use nextview::session::ON_TABLE;
 use nextview_recording::{ReadOptions, RecordedFrame, Recording};
-use nextview_scan::{FRAMES_FOLDER, Fault, Faults, ScanRecord, files};
+use nextview_scan::{FRAMES_FOLDER, Fault, Faults, SavedModel, ScanRecord};
 use rayon::prelude::*;
 use std::path::Path;
 
@@ -17,13 +14,10 @@ pub(crate) struct Scanned {
     /// In the order in which they were taken.
     pub views: Vec<View>,
     /// The final cloud, metres.
-    pub cloud: PlyModel,
+    pub cloud: SavedModel,
     /// The final mesh without what belongs to the table, metres.
-    pub object: PlyModel,
+    pub object: SavedModel,
 }
-
-/// Largest record that is read, bytes.
-const MAX_RECORD: u64 = 1 << 28;
 
 impl Scanned {
     /// Reads the results.
@@ -35,15 +29,14 @@ impl Scanned {
                 .with_remedy("scan first: `nextview scan` writes frames beside the model")
                 .into());
         }
-        let record = record(&dir.join("record.json"))?;
+        let table = ScanRecord::read(dir)?.table();
         let recording = Recording::open(&frames, &ReadOptions::default())?;
         let views = recording.frames.par_iter().map(view).collect::<Result<Vec<_>, Fault>>()?;
-        let table = record.steps.last().and_then(|step| step.table());
         Ok(Self {
             intrinsics: crate::undistort::ideal(&recording.intrinsics)?,
             views,
-            cloud: ply::read(&dir.join("cloud.ply"))?,
-            object: above(table, ply::read(&dir.join("mesh.ply"))?),
+            cloud: SavedModel::read(&dir.join("cloud.ply"))?,
+            object: SavedModel::read(&dir.join("mesh.ply"))?.above(table),
         })
     }
 
@@ -62,31 +55,9 @@ impl Scanned {
     }
 }
 
-fn record(path: &Path) -> Result<ScanRecord, Fault> {
-    let text = files::read_text(path, MAX_RECORD)?;
-    serde_json::from_str(&text).map_err(|error| Fault::data(error).in_file(path))
-}
-
 fn view(recorded: &RecordedFrame) -> Result<View, Fault> {
     let number = recorded.name.strip_prefix("frame ").and_then(|number| number.parse().ok());
     let number = number.ok_or_else(|| Fault::data(format!("{} has no number", recorded.name)))?;
     let (frame, color) = undistorted(recorded.load()?, recorded.load_color()?)?;
     Ok(View { number, frame, color })
-}
-
-/// The part of a mesh that is not the table, without vertices that nothing refers to.
-fn above(table: Option<Plane>, mesh: PlyModel) -> PlyModel {
-    let is_above = |i: u32| table.is_none_or(|t| t.height(mesh.points[i as usize].position) > ON_TABLE);
-    let triangles: Vec<[u32; 3]> =
-        mesh.triangles.iter().filter(|triangle| triangle.iter().all(|&i| is_above(i))).copied().collect();
-    let mut new_index = vec![None; mesh.points.len()];
-    let mut points = Vec::new();
-    let mut renumbered = |i: u32| {
-        *new_index[i as usize].get_or_insert_with(|| {
-            points.push(mesh.points[i as usize]);
-            points.len() as u32 - 1
-        })
-    };
-    let triangles = triangles.into_iter().map(|triangle| triangle.map(&mut renumbered)).collect();
-    PlyModel { points, triangles }
 }

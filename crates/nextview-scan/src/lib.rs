@@ -27,6 +27,7 @@ mod record;
 mod results;
 mod run;
 mod saved_map;
+mod saved_model;
 mod source;
 
 pub use config::*;
@@ -46,6 +47,7 @@ pub use results::{
 };
 pub use run::{Begin, Evaluator, FinishedScan, Measured, Next, ScanRun, TakenFrame};
 pub use saved_map::SavedMap;
+pub use saved_model::SavedModel;
 pub use source::*;
 
 /// An object's name without `builtin:`, folders and extension.

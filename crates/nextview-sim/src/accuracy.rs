@@ -86,9 +86,38 @@ impl SurfaceDistance {
         self.nearest(point).dist_sq.sqrt()
     }
 
+    /// The same with a sign: negative inside, where the triangles' corners run counter-clockwise seen from
+    /// outside. Where triangles meet, the sum of their normals decides (Bærentzen & Aanæs 2005, without
+    /// their angles).
+    pub fn signed_at(&self, point: DVec3) -> f64 {
+        let distance = self.at(point);
+        let foot = self.foot(point).0;
+        let mut normal = DVec3::ZERO;
+        self.add_normals(&self.root, point, distance * distance * (1.0 + 1e-9) + f64::EPSILON, &mut normal);
+        if (point - foot).dot(normal) < 0.0 { -distance } else { distance }
+    }
+
+    /// Adds the normals of the triangles that are as near as this.
+    fn add_normals(&self, node: &Node, point: DVec3, dist_sq: f64, normal: &mut DVec3) {
+        match &node.content {
+            Content::Leaf { start, end } => {
+                for [a, b, c] in &self.triangles[*start..*end] {
+                    if nearest_point([*a, *b, *c], point).distance_squared(point) <= dist_sq {
+                        *normal += (b - a).cross(c - a).normalize_or_zero();
+                    }
+                }
+            }
+            Content::Halves(halves) => {
+                for half in halves.iter().filter(|half| half.distance_sq(point) <= dist_sq) {
+                    self.add_normals(half, point, dist_sq, normal);
+                }
+            }
+        }
+    }
+
     /// The point of the surface that is nearest to a finite point, and the normal of its triangle, which is
     /// zero for a triangle without size.
-    pub(crate) fn foot(&self, point: DVec3) -> (DVec3, DVec3) {
+    pub fn foot(&self, point: DVec3) -> (DVec3, DVec3) {
         let triangle = self.triangles[self.nearest(point).triangle];
         let [a, b, c] = triangle;
         (nearest_point(triangle, point), (b - a).cross(c - a).normalize_or_zero())
@@ -197,6 +226,23 @@ mod tests {
             let net = (0..=60).flat_map(|i| (0..=60 - i).map(move |j| (i as f64 / 60.0, j as f64 / 60.0)));
             let nearest = net.map(|(u, v)| (a + (b - a) * u + (c - a) * v).distance(point)).fold(9.0, f64::min);
             prop_assert!(found <= nearest + 1e-12 && nearest <= found + 0.06, "{found} {nearest}");
+        }
+    }
+
+    #[test]
+    fn inside_is_negative_also_beside_edges_and_corners() {
+        let side = |x: f64| if x < 0.0 { -1.0 } else { 1.0 };
+        let corner = |i: usize| DVec3::new((i & 1) as f64, (i >> 1 & 1) as f64, (i >> 2) as f64) * 2.0 - 1.0;
+        let quads = [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]];
+        let triangles = quads.iter().flat_map(|[a, b, c, d]| [[*a, *b, *c], [*a, *c, *d]]).collect();
+        let cube = TriangleMesh::new((0..8).map(corner).collect(), triangles).unwrap();
+        let distance = SurfaceDistance::new(&cube);
+        let mut random = Random::new(6, 0);
+        for _ in 0..500 {
+            let point = 2.0 * random.in_cube();
+            let beyond = point.abs().max_element() - 1.0;
+            assert_eq!(side(distance.signed_at(point)), side(beyond), "{point}");
+            assert_eq!(distance.signed_at(point).abs(), distance.at(point));
         }
     }
 

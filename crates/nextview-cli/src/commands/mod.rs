@@ -6,6 +6,7 @@ mod campaign;
 mod compare;
 mod dataset;
 mod export;
+mod inspect;
 mod map;
 mod merge;
 mod plan;
@@ -24,7 +25,8 @@ use clap::{Parser, Subcommand};
 /// `nextview scan` scans a simulated object from the first view to the last and writes the map, the cloud,
 /// the mesh and a report. `nextview bench` scans many objects with many planners, on one machine or as shards
 /// on many, which `nextview merge` makes one; `nextview report` and `nextview compare` make figures and
-/// tables of that. `nextview export` gives the results of a scan to other tools. `nextview serve` takes the frames of any camera over HTTP and answers with the next view.
+/// tables of that. `nextview export` gives the results of a scan to other tools,
+/// `nextview inspect` compares them with a CAD model. `nextview serve` takes the frames of any camera over HTTP and answers with the next view.
 /// `nextview plan` gives the next view, or the next few, for a saved map, `nextview map` summarises and
 /// converts maps, `nextview views` makes view candidates, `nextview dataset` training data for learned
 /// planners.
@@ -61,6 +63,7 @@ Exit codes: 0 done, 1 bad data or a failing system, 2 bad usage.";
 enum Command {
     Scan(Box<scan::ScanArgs>),
     Export(export::ExportArgs),
+    Inspect(inspect::InspectArgs),
     Bench(bench::BenchArgs),
     Merge(merge::MergeArgs),
     Report(report::ReportArgs),
@@ -84,6 +87,7 @@ impl Cli {
         match self.command {
             Command::Scan(args) => args.run(),
             Command::Export(args) => args.run(),
+            Command::Inspect(args) => args.run(),
             Command::Bench(args) => args.run(),
             Command::Merge(args) => args.run(),
             Command::Serve(args) => args.run(),

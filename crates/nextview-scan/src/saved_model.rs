@@ -1,13 +1,16 @@
-//! Reads the PLY files of a scan's results, also after another tool has saved them in binary form.
+//! Reads the models and the record of a scan's results.
 
+use crate::{Fault, ScanRecord, files};
 use glam::DVec3;
+use nextview::geometry::Plane;
+use nextview::session::ON_TABLE;
 use nextview::surface::CloudPoint;
-use nextview_scan::{Fault, files};
 use std::path::Path;
 
-/// Points, and triangles between them if there are any.
-#[derive(Debug, Default, PartialEq)]
-pub(crate) struct PlyModel {
+/// A model from a PLY file of a scan's results, also after another tool has saved it in binary form: points,
+/// and triangles between them if there are any.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct SavedModel {
     /// With normals and colours if the file has them, metres.
     pub points: Vec<CloudPoint>,
     /// By three indices each; faces of more corners are cut into triangles that share the first.
@@ -43,15 +46,55 @@ struct Element {
     columns: Vec<Column>,
 }
 
-/// Reads a file in binary little-endian form.
-pub(crate) fn read(path: &Path) -> Result<PlyModel, Fault> {
-    let bytes = files::read(path, MAX_BYTES)?;
-    parse(&bytes).map_err(|problem| Fault::data(problem).in_file(path))
+/// Largest record that is read, bytes.
+const MAX_RECORD: u64 = 1 << 28;
+
+impl SavedModel {
+    /// Reads a file in binary little-endian form.
+    pub fn read(path: &Path) -> Result<Self, Fault> {
+        let bytes = files::read(path, MAX_BYTES)?;
+        parse(&bytes).map_err(|problem| Fault::data(problem).in_file(path))
+    }
+
+    /// The part that is not the table: of a mesh the triangles above it with their points, of a cloud the
+    /// points.
+    pub fn above(self, table: Option<Plane>) -> Self {
+        let is_above = |point: &CloudPoint| table.is_none_or(|t| t.height(point.position) > ON_TABLE);
+        if self.triangles.is_empty() {
+            return Self { points: self.points.into_iter().filter(is_above).collect(), ..self };
+        }
+        let are_above = |triangle: &&[u32; 3]| triangle.iter().all(|&i| is_above(&self.points[i as usize]));
+        let triangles: Vec<[u32; 3]> = self.triangles.iter().filter(are_above).copied().collect();
+        let mut new_index = vec![None; self.points.len()];
+        let mut points = Vec::new();
+        let mut renumbered = |i: u32| {
+            *new_index[i as usize].get_or_insert_with(|| {
+                points.push(self.points[i as usize]);
+                points.len() as u32 - 1
+            })
+        };
+        let triangles = triangles.into_iter().map(|triangle| triangle.map(&mut renumbered)).collect();
+        Self { points, triangles }
+    }
 }
 
-fn parse(bytes: &[u8]) -> Result<PlyModel, String> {
+impl ScanRecord {
+    /// Reads the record of the results in a folder.
+    pub fn read(dir: &Path) -> Result<Self, Fault> {
+        let path = dir.join("record.json");
+        let text = files::read_text(&path, MAX_RECORD)?;
+        serde_json::from_str(&text).map_err(|error| Fault::data(error).in_file(&path))
+    }
+
+    /// The table that the object stands on, as it was known in the end.
+    pub fn table(&self) -> Option<Plane> {
+        self.steps.last().and_then(|step| step.table())
+    }
+}
+
+fn parse(bytes: &[u8]) -> Result<SavedModel, String> {
     let (elements, mut rest) = header(bytes)?;
-    let mut model = PlyModel::default();
+    let mut model = SavedModel::default();
     for element in &elements {
         let plain = element.columns.iter().filter(|column| column.length.is_none()).map(|c| c.kind.size());
         if plain.sum::<usize>().max(1).saturating_mul(element.count) > rest.len() {
@@ -165,7 +208,7 @@ fn list(column: &Column, rest: &mut &[u8]) -> Option<Vec<f64>> {
     (0..n as usize).map(|_| column.kind.take(rest)).collect()
 }
 
-fn add_face(model: &mut PlyModel, corners: &[f64]) -> Result<(), String> {
+fn add_face(model: &mut SavedModel, corners: &[f64]) -> Result<(), String> {
     let n = model.points.len();
     let index = |corner: &f64| match *corner {
         index if index >= 0.0 && index < n as f64 && index.fract() == 0.0 => Ok(index as u32),
@@ -247,9 +290,18 @@ mod tests {
     fn what_a_scan_writes_reads_back() {
         let triangles = vec![[0, 1, 2], [1, 2, 3]];
         let model = parse(&written(&points(), &triangles)).unwrap();
-        assert_eq!(model, PlyModel { points: points(), triangles });
+        assert_eq!(model, SavedModel { points: points(), triangles });
         let plain: Vec<CloudPoint> = points().iter().map(|point| point.position.into()).collect();
         assert_eq!(parse(&written(&plain, &[])).unwrap().points, plain);
+    }
+
+    #[test]
+    fn what_lies_on_the_table_is_left_out() {
+        let table = Some(Plane::new(DVec3::X, DVec3::X).unwrap());
+        let model = parse(&written(&points(), &[[0, 2, 3], [3, 2, 2]])).unwrap();
+        let above = model.above(table);
+        assert_eq!((above.points.len(), above.triangles), (2, vec![[0, 1, 1]]));
+        assert_eq!(parse(&written(&points(), &[])).unwrap().above(table).points, points()[2..]);
     }
 
     #[test]

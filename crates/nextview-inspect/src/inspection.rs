@@ -1,0 +1,129 @@
+use crate::defects::defects;
+use crate::deviation::{Deviation, Deviations, Verdict, deviations};
+use crate::fit::{Fit, fit};
+use crate::patches::Patches;
+use crate::record::InspectionRecord;
+use glam::DVec3;
+use nextview::Cancel;
+use nextview::registration::SurfacePoint;
+use nextview_scan::{Fault, Faults, SavedModel, ScanRecord, rows_of_pose};
+use nextview_sim::accuracy::SurfaceDistance;
+use nextview_sim::mesh::{TriangleMesh, sample_surface};
+use rayon::prelude::*;
+use std::path::Path;
+
+/// What is asked of an inspection.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct InspectionConfig {
+    /// Deviations up to this, in millimetres, are none; positive. Default 0.5.
+    pub tolerance_mm: f64,
+    /// Radius, in millimetres, of the patches over which deviations are averaged; positive. By default 2: a
+    /// smaller one shows smaller defects, a larger one is less noisy.
+    pub patch_mm: f64,
+}
+
+impl Default for InspectionConfig {
+    fn default() -> Self {
+        Self { tolerance_mm: 0.5, patch_mm: 2.0 }
+    }
+}
+
+/// A part beside its CAD model.
+pub struct Inspection {
+    /// What was found.
+    pub record: InspectionRecord,
+    /// The points of the cloud, moved into the coordinates of the model.
+    pub(crate) points: Vec<SurfacePoint>,
+    /// Of each.
+    pub(crate) deviations: Vec<Deviation>,
+}
+
+/// Less of the points near the model, and it is another one.
+const LEAST_FIT: f64 = 0.6;
+
+/// Samples of the model that tell how much of it was measured.
+const N_SAMPLES: usize = 20_000;
+
+/// Compares the cloud of a scan's results with a CAD model in metres, whose triangles run counter-clockwise
+/// seen from outside. Nothing needs to be known of where the part stood.
+///
+/// # Errors
+/// If the folder holds no results, if the cloud has no normals, if the model does not fit it, or if it is
+/// cancelled.
+pub fn inspect(
+    results: &Path,
+    reference: &TriangleMesh,
+    name: &str,
+    config: InspectionConfig,
+    cancel: &Cancel,
+) -> Result<Inspection, Faults> {
+    let faults = [("tolerance_mm", config.tolerance_mm), ("patch_mm", config.patch_mm)]
+        .into_iter()
+        .filter(|(_, value)| !(*value > 0.0 && value.is_finite()))
+        .map(|(key, value)| Fault::of_value(key, value, "a positive number of millimetres"));
+    if let Some(faults) = Faults::of(faults.collect()) {
+        return Err(faults);
+    }
+    let table = ScanRecord::read(results)?.table();
+    let cloud = SavedModel::read(&results.join("cloud.ply"))?.above(table);
+    let with_normal =
+        |p: &nextview::surface::CloudPoint| Some(SurfacePoint { position: p.position, normal: p.normal? });
+    let in_world: Vec<SurfacePoint> = cloud.points.iter().filter_map(with_normal).collect();
+    if in_world.is_empty() {
+        return Err(Fault::data("cloud.ply holds no point of the object with a normal")
+            .in_file(results)
+            .into());
+    }
+    let surface = SurfaceDistance::new(reference);
+    let Fit { reference_from_world, share } = fit(&in_world, reference, &surface, cancel)?;
+    if share < LEAST_FIT {
+        let message = format!(
+            "{name} does not fit the cloud: in the best pose found, {:.0} % of the points lie near it, expected at least {:.0} %",
+            1e2 * share,
+            1e2 * LEAST_FIT
+        );
+        let remedy =
+            "is it the model of this part, in the right `unit`, and does the cloud show nothing else?";
+        return Err(Fault::data(message).with_remedy(remedy).into());
+    }
+    let moved = |point: &SurfacePoint| SurfacePoint {
+        position: reference_from_world.transform_point(point.position),
+        normal: reference_from_world.rotation() * point.normal,
+    };
+    let points: Vec<SurfacePoint> = in_world.iter().map(moved).collect();
+    let positions: Vec<DVec3> = points.iter().map(|point| point.position).collect();
+    let patches = Patches::new(&positions, config.patch_mm / 1e3);
+    let Deviations { of_points: deviations, correlated_error } =
+        deviations(&points, &positions, &surface, &patches);
+    let tolerance = config.tolerance_mm / 1e3;
+    let share_of = |verdict: Verdict| {
+        let n = deviations.iter().filter(|deviation| deviation.verdict(tolerance) == verdict).count();
+        n as f64 / deviations.len() as f64
+    };
+    let samples = sample_surface(reference, N_SAMPLES, 0);
+    let n_inspected = samples.par_iter().filter(|sample| patches.around(**sample).next().is_some()).count();
+    let square = deviations.iter().map(|deviation| deviation.mean.powi(2)).sum::<f64>();
+    let record = InspectionRecord {
+        reference: name.to_owned(),
+        tolerance_mm: config.tolerance_mm,
+        patch_mm: config.patch_mm,
+        reference_from_world: rows_of_pose(&reference_from_world),
+        fitted_share: share,
+        n_points: points.len(),
+        inspected_share: n_inspected as f64 / samples.len() as f64,
+        within_share: share_of(Verdict::Within),
+        uncertain_share: share_of(Verdict::Uncertain),
+        deviation_rms_mm: 1e3 * (square / deviations.len() as f64).sqrt(),
+        deviation_p95_mm: 1e3 * quantile(deviations.iter().map(|deviation| deviation.mean.abs()), 0.95),
+        correlated_error_mm: 1e3 * correlated_error,
+        standard_error_median_mm: 1e3 * quantile(deviations.iter().map(|deviation| deviation.error), 0.5),
+        defects: defects(&positions, &deviations, tolerance, &patches),
+    };
+    Ok(Inspection { record, points, deviations })
+}
+
+fn quantile(values: impl Iterator<Item = f64>, share: f64) -> f64 {
+    let mut sorted: Vec<f64> = values.collect();
+    sorted.sort_by(f64::total_cmp);
+    sorted[(share * (sorted.len() - 1) as f64).round() as usize]
+}
