@@ -5,6 +5,7 @@
 mod arrays;
 mod bench;
 mod camera;
+mod campaign;
 mod errors;
 mod live_scan;
 mod map_file;
@@ -32,6 +33,8 @@ fn _native(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_class::<live_scan::LiveScan>()?;
     module.add_class::<pictures::Finished>()?;
     module.add_class::<scene::Scene>()?;
+    module.add_class::<campaign::Campaign>()?;
+    module.add_class::<campaign::BatchRuns>()?;
     module.add_function(wrap_pyfunction!(offline_scan::scan, module)?)?;
     module.add_function(wrap_pyfunction!(bench::bench, module)?)?;
     module.add_function(wrap_pyfunction!(map_file::read_map, module)?)?;
