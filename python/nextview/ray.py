@@ -87,7 +87,7 @@ def _do_all(
     options = {"num_cpus": cpus, "max_retries": retries, "num_returns": "streaming"}
     task = ray.remote(**options)(_records)
     running: list[Any] = []
-    lost = []
+    lost: list[str] = []
     try:
         while True:
             # Twice as many as there are workers, so that none waits for the driver.
