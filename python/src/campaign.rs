@@ -71,8 +71,9 @@ impl BatchRuns {
     /// Of the batch in this text, by so many threads.
     #[new]
     fn new(py: Python<'_>, text: &str, n_threads: usize) -> PyResult<Self> {
-        let runs = execution::Batch::from_json(text).and_then(|batch| batch.begin(n_threads));
-        runs.map(|runs| Self(Mutex::new(runs))).map_err(|fault| exception(py, fault))
+        let batch = execution::Batch::from_json(text).map_err(|fault| exception(py, fault))?;
+        let runs = batch.begin(n_threads).map_err(|faults| exception(py, faults))?;
+        Ok(Self(Mutex::new(runs)))
     }
 
     fn __iter__(slf: PyRef<'_, Self>) -> PyRef<'_, Self> {

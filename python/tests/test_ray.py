@@ -42,7 +42,10 @@ TABLES = ["runs.csv", "steps.csv", "runs.parquet", "steps.parquet"]
 @pytest.fixture(scope="module")
 def cluster() -> Iterator[str]:
     """The address of a cluster of two CPUs, which ends with the tests."""
-    context = ray.init(address="local", num_cpus=2, include_dashboard=False, log_to_driver=False)
+    planners = {"env_vars": {"PYTHONPATH": str(Path(__file__).parent)}}
+    context = ray.init(
+        address="local", num_cpus=2, include_dashboard=False, log_to_driver=False, runtime_env=planners
+    )
     yield context.address_info["address"]
     ray.shutdown()
 
@@ -133,6 +136,31 @@ def test_a_worker_of_another_build_is_refused(
     monkeypatch.setattr(campaigns._native, "Campaign", Another)
     refusal = r"the build .*\(feedfacebeef\), .*worker.* has the build "
     with pytest.raises(nextview.DataError, match=refusal):
+        campaigns.bench(spec, out=tmp_path / "out")
+    assert (tmp_path / "out" / "runs.jsonl").read_text() == ""
+
+
+def test_runs_that_were_lost_are_named(cluster: str, tmp_path: Path) -> None:
+    scan = {"views": 2, "candidates": 20, "voxel_size_m": 0.02, "baselines": False}
+    variants = [{"label": "well", "scan": {"planner": "random"}},
+                {"label": "deadly", "scan": {"planner": "python:own_planners:Dies"}}]
+    spec = {"name": "lost", "objects": ["builtin:mug"], "scan": scan, "variant": variants}
+    events: list[dict[str, Any]] = []
+    # Each run in a task of its own.
+    with pytest.raises(nextview.DataError, match=r"1 of 2 runs have no record:\n  object mug, variant deadly"):
+        campaigns.bench(spec, out=tmp_path / "out", retries=1, on_event=events.append)
+    assert any(event.get("note", "").startswith("a task was lost: ") for event in events)
+    (line,) = (tmp_path / "out" / "runs.jsonl").read_text().splitlines()
+    assert json.loads(line)["variant"] == "well"
+
+
+def test_a_planner_that_workers_cannot_import_is_no_failed_run(
+    cluster: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (tmp_path / "here_alone.py").write_text("from own_planners import FromAbove\n")
+    monkeypatch.syspath_prepend(tmp_path)
+    spec = {"name": "no", "objects": ["builtin:mug"], "scan": {"planner": "python:here_alone:FromAbove"}}
+    with pytest.raises(nextview.InputError, match=r"the worker on .*here_alone.*ModuleNotFoundError"):
         campaigns.bench(spec, out=tmp_path / "out")
     assert (tmp_path / "out" / "runs.jsonl").read_text() == ""
 

@@ -1,7 +1,7 @@
 use super::run::{Prepared, is_complete, measured, prepare};
 use crate::{Host, Run, RunRecord};
 use nextview::Cancel;
-use nextview_scan::{BuildIdentity, Fault};
+use nextview_scan::{BuildIdentity, Fault, Faults};
 use rayon::ThreadPool;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
@@ -72,8 +72,13 @@ impl Batch {
         Ok(Self { runs: serde_json::from_value(runs).map_err(unreadable)? })
     }
 
-    /// Gets ready to do the runs, each by so many threads.
-    pub fn begin(self, n_threads: usize) -> Result<BatchRuns, Fault> {
+    /// Gets ready to do the runs, each by so many threads. Fails if they cannot be done here, for example
+    /// because a planner of one's own is missing: every run would fail, and stay failed.
+    pub fn begin(self, n_threads: usize) -> Result<BatchRuns, Faults> {
+        for run in &self.runs {
+            let worker = || format!("the worker on {}", Host::this(1).name);
+            run.config.check().map_err(|faults| faults.map(|fault| fault.within(worker())))?;
+        }
         let pool = rayon::ThreadPoolBuilder::new().num_threads(n_threads.max(1)).build();
         Ok(BatchRuns {
             open: self.runs.into(),
@@ -160,6 +165,14 @@ mod tests {
         assert!(message.contains(&format!(" has the build {this}")), "{message}");
         let unreadable = Batch::from_json("{}").unwrap_err().message;
         assert!(unreadable.starts_with("a batch of runs cannot be read: missing field"), "{unreadable}");
+    }
+
+    #[test]
+    fn what_cannot_be_done_here_is_no_failed_run() {
+        let mut other = batch();
+        other.runs[1].config.voxel_size_m = Some(-1.0);
+        let message = other.begin(1).err().unwrap().to_string();
+        assert!(message.contains("the worker on ") && message.contains("`voxel_size_m` is -1"), "{message}");
     }
 
     #[test]
