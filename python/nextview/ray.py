@@ -5,7 +5,7 @@ the same from a script. Only the driver writes the folder, by the rules of every
 records, each as soon as its run is done. The tables are the same to the byte as if one process had done all
 runs, apart from times.
 
-A task does runs that share their object; there are about four tasks for each worker. Ray's dashboard shows
+A task does the runs of an object, or towards the end a part of them. Ray's dashboard shows
 them by object and planners. Workers need the same build of this package, and the same paths of the objects'
 files.
 """

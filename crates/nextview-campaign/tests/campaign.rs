@@ -133,9 +133,9 @@ fn dispatched(folder: &Folder, n_workers: usize) -> (Dispatch, Vec<CampaignEvent
 #[test]
 fn workers_elsewhere_give_the_same_tables() {
     let folder = Folder::new("dispatch");
-    let (dispatch, events, sizes) = dispatched(&folder, 1);
+    let (dispatch, events, sizes) = dispatched(&folder, 2);
     assert!(dispatch.finish().unwrap().is_empty());
-    assert_eq!(sizes, [3, 2, 3, 2], "objects apart, and no more than a quarter");
+    assert_eq!(sizes, [5, 3, 1, 1], "objects whole, and the last one divided");
     let n = |is: fn(&CampaignEvent) -> bool| events.iter().filter(|event| is(event)).count();
     assert_eq!(events[0], CampaignEvent::Began { n_objects: 2, n_runs: N_RUNS, n_finished: 0 });
     assert_eq!(n(|event| matches!(event, CampaignEvent::RunFinished { failure: None, .. })), N_RUNS);

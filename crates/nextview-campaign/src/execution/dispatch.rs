@@ -5,8 +5,8 @@ use crate::{FailedRuns, RunRecord, tables};
 use nextview_scan::{Fault, Faults};
 use std::collections::VecDeque;
 
-/// Batches for each worker, so that all end at about the same time.
-const BATCHES_PER_WORKER: usize = 4;
+/// Parts of a worker's share below which runs that share their object are not divided.
+const PARTS_OF_SHARE: usize = 8;
 /// Most missing runs that are named one by one.
 const MAX_NAMED: usize = 3;
 
@@ -41,13 +41,16 @@ pub struct Dispatch {
     groups: VecDeque<Vec<usize>>,
     /// Open runs at the beginning.
     n_open: usize,
+    /// Those of them of which no batch was made.
+    n_waiting: usize,
 }
 
 impl Dispatch {
     /// The open runs of this store.
     pub fn new(store: Store) -> Self {
         let (groups, tally) = (store.open_groups().into(), Tally::new(&store));
-        Self { n_open: tally.n_left(), store, tally, groups }
+        let n_open = tally.n_left();
+        Self { n_open, n_waiting: n_open, store, tally, groups }
     }
 
     /// What there is to say before the first batch.
@@ -55,13 +58,17 @@ impl Dispatch {
         self.tally.beginning(&self.store)
     }
 
-    /// The next runs to do; none if all were handed out. Batches suit so many workers: there are about four
-    /// for each, but runs that share their object stay together as far as that allows.
+    /// The next runs to do; none if all were handed out. Runs that share their object stay together, unless
+    /// they are more than a worker's share of those that wait: guided self-scheduling (Polychronopoulos &
+    /// Kuck 1987), so that all workers end at about the same time.
     pub fn take(&mut self, n_workers: usize) -> Option<Batch> {
         let group = self.groups.pop_front()?;
-        let n_most = self.n_open.div_ceil(BATCHES_PER_WORKER * n_workers.max(1)).max(1);
+        let n_workers = n_workers.max(1);
+        let n_least = self.n_open.div_ceil(PARTS_OF_SHARE * n_workers);
+        let n_most = self.n_waiting.div_ceil(n_workers).max(n_least).max(1);
         let n_parts = group.len().div_ceil(n_most).max(1);
         let (part, rest) = group.split_at(group.len().div_ceil(n_parts));
+        self.n_waiting -= part.len();
         if !rest.is_empty() {
             self.groups.push_front(rest.to_vec());
         }
