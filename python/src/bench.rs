@@ -44,7 +44,7 @@ pub fn bench<'py>(
     jobs: Option<usize>,
     on_event: Option<Py<PyAny>>,
 ) -> PyResult<Bound<'py, PyDict>> {
-    let campaign = Campaign { spec: read(spec, &objects)?, dir: out, resume, jobs };
+    let campaign = Campaign { spec: read_spec(spec, &objects)?, dir: out, resume, jobs };
     let cancel = Cancel::default();
     let raised = Mutex::new(None);
     let listener = |event: CampaignEvent| {
@@ -69,7 +69,8 @@ pub fn bench<'py>(
     Ok(dict)
 }
 
-fn read(spec: &Bound<'_, PyAny>, objects: &[String]) -> PyResult<Spec> {
+/// The specification of this name, in this file, or that this dict is.
+pub fn read_spec(spec: &Bound<'_, PyAny>, objects: &[String]) -> PyResult<Spec> {
     let py = spec.py();
     let spec = if let Ok(dict) = spec.cast::<PyDict>() {
         if !objects.is_empty() {

@@ -5,6 +5,7 @@
 mod arrays;
 mod bench;
 mod camera;
+mod campaign;
 mod errors;
 mod export;
 mod live_scan;
@@ -33,6 +34,8 @@ fn _native(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_class::<live_scan::LiveScan>()?;
     module.add_class::<pictures::Finished>()?;
     module.add_class::<scene::Scene>()?;
+    module.add_class::<campaign::Campaign>()?;
+    module.add_class::<campaign::BatchRuns>()?;
     module.add_function(wrap_pyfunction!(offline_scan::scan, module)?)?;
     module.add_function(wrap_pyfunction!(bench::bench, module)?)?;
     module.add_function(wrap_pyfunction!(export::export, module)?)?;

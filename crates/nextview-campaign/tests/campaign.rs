@@ -3,7 +3,9 @@
 #![allow(clippy::unwrap_used, reason = "helpers of tests")]
 
 use nextview::Cancel;
-use nextview_campaign::execution::{CampaignEvent, RunList, WorkSource, execute, run_campaign};
+use nextview_campaign::execution::{
+    Batch, CampaignEvent, Dispatch, RunList, WorkSource, execute, run_campaign,
+};
 use nextview_campaign::statistics::{Study, measure};
 use nextview_campaign::store::{Store, read};
 use nextview_campaign::{RunRecord, Shard, Spec, tables};
@@ -110,6 +112,54 @@ fn results_do_not_depend_on_the_number_of_jobs_nor_on_who_hands_out_the_runs() {
         }
     }
     assert!(all.iter().all(|tables| *tables == all[0]));
+}
+
+/// Does the batches for so many workers, each run by its text as another process would; how many runs each has.
+fn dispatched(folder: &Folder, n_workers: usize) -> (Dispatch, Vec<CampaignEvent>, Vec<usize>) {
+    let mut dispatch = Dispatch::new(Store::open(&folder.0, &spec(), Shard::WHOLE, true).unwrap());
+    let (mut events, mut sizes) = (dispatch.beginning(), Vec::new());
+    while let Some(batch) = dispatch.take(n_workers) {
+        sizes.push(batch.runs().len());
+        let mut runs = Batch::from_json(&batch.to_json().unwrap()).unwrap().begin(1).unwrap();
+        while let Some(record) = runs.next_record(&Cancel::default()).unwrap() {
+            let record: RunRecord = serde_json::from_str(&serde_json::to_string(&record).unwrap()).unwrap();
+            events.extend(dispatch.keep(&record).unwrap());
+            assert_eq!(dispatch.keep(&record).unwrap(), [], "once more changes nothing");
+        }
+    }
+    (dispatch, events, sizes)
+}
+
+#[test]
+fn workers_elsewhere_give_the_same_tables() {
+    let folder = Folder::new("dispatch");
+    let (dispatch, events, sizes) = dispatched(&folder, 2);
+    assert!(dispatch.finish().unwrap().is_empty());
+    assert_eq!(sizes, [5, 3, 1, 1], "objects whole, and the last one divided");
+    let n = |is: fn(&CampaignEvent) -> bool| events.iter().filter(|event| is(event)).count();
+    assert_eq!(events[0], CampaignEvent::Began { n_objects: 2, n_runs: N_RUNS, n_finished: 0 });
+    assert_eq!(n(|event| matches!(event, CampaignEvent::RunFinished { failure: None, .. })), N_RUNS);
+    assert_eq!(n(|event| matches!(event, CampaignEvent::ObjectFinished { n_runs: 5, n_failed: 0, .. })), 2);
+    let tables =
+        |folder: &Folder| ["runs.csv", "steps.csv"].map(|name| fs::read(folder.0.join(name)).unwrap());
+    let written = tables(&folder);
+    drop(dispatch);
+    let alone = Folder::new("dispatch-alone");
+    let (store, _) = campaign(&alone, Some(1));
+    assert_eq!(lasting_tables(&alone, &store)[..2], written);
+
+    let text = fs::read_to_string(folder.0.join("runs.jsonl")).unwrap();
+    let kept: String = text.split_inclusive('\n').take(7).collect();
+    fs::write(folder.0.join("runs.jsonl"), kept + "{\"object\": \"mu").unwrap();
+    let dispatch = Dispatch::new(Store::open(&folder.0, &spec(), Shard::WHOLE, true).unwrap());
+    assert!(matches!(dispatch.beginning()[..], [CampaignEvent::Note(_), CampaignEvent::Began { .. }]));
+    let message = dispatch.finish().unwrap_err().to_string();
+    assert!(message.contains("3 of 10 runs have no record:\n  object bracket, variant "), "{message}");
+    drop(dispatch);
+    let (dispatch, events, sizes) = dispatched(&folder, 64);
+    assert_eq!((events.len(), sizes), (1 + 3 + 1, vec![1, 1, 1]), "only what was missing");
+    dispatch.finish().unwrap();
+    assert_eq!(tables(&folder), written);
 }
 
 #[test]

@@ -1,9 +1,8 @@
 use super::WorkSource;
 use super::queue::{Queue, Task};
-use super::run::{Prepared, measured, prepare};
-use crate::{Host, Run, RunRecord};
+use super::run::{Prepared, is_complete, measured, prepare};
+use crate::{Host, Run};
 use nextview::Cancel;
-use nextview::session::StopReason;
 use nextview_scan::Fault;
 
 /// Does all runs of a source, `n_jobs` beside each other, each in its share of the threads.
@@ -48,9 +47,4 @@ fn job<W: WorkSource + ?Sized>(
         }
     }
     Ok(())
-}
-
-/// Whether the run of a record came to its end before it could be cancelled.
-fn is_complete(record: &RunRecord) -> bool {
-    record.done().is_some_and(|done| done.record.stop_reason != Some(StopReason::Cancelled))
 }

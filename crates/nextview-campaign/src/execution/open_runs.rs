@@ -1,5 +1,5 @@
 use super::tally::Tally;
-use super::{CampaignEvent, Listener, WorkSource};
+use super::{Listener, WorkSource};
 use crate::store::Store;
 use crate::{Run, RunRecord};
 use nextview_scan::Fault;
@@ -19,9 +19,7 @@ pub struct OpenRuns<'a> {
 impl<'a> OpenRuns<'a> {
     /// The open runs of this store.
     pub fn new(store: &'a mut Store, listener: Listener<'a>) -> Self {
-        let is_open = |number: &usize| !store.is_finished(*number);
-        let open = |group: &Vec<usize>| group.iter().copied().filter(is_open).collect();
-        let groups = store.share().iter().map(open).filter(|group: &Vec<usize>| !group.is_empty()).collect();
+        let groups = store.open_groups().into();
         let tally = Tally::new(store);
         Self { groups: Mutex::new(groups), kept: Mutex::new((store, tally)), listener }
     }
@@ -37,11 +35,7 @@ impl WorkSource for OpenRuns<'_> {
     fn finish(&self, record: RunRecord) -> Result<(), Fault> {
         let mut kept = lock(&self.kept);
         let (store, tally) = &mut *kept;
-        store.append(&record)?;
-        let failure = record.failure().map(str::to_owned);
-        let object_finished = tally.add(&record);
-        (self.listener)(CampaignEvent::RunFinished { run: record.id(), failure });
-        object_finished.into_iter().for_each(self.listener);
+        tally.keep(store, &record)?.into_iter().for_each(self.listener);
         Ok(())
     }
 }

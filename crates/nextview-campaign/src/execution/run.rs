@@ -1,5 +1,6 @@
 use crate::{DoneRun, Host, Run, RunRecord, RunResult};
 use nextview::Cancel;
+use nextview::session::StopReason;
 use nextview_scan::{
     Begin, BuildIdentity, Faults, Measured, ScanConfig, ScanRun, SimulatedObject, Simulation, Truth, memory,
 };
@@ -44,6 +45,11 @@ pub(super) fn measured(
         host: host.clone(),
         result: result.map_or_else(RunResult::Failed, |done| RunResult::Done(Box::new(done))),
     }
+}
+
+/// Whether the run of a record came to its end before it could be cancelled.
+pub(super) fn is_complete(record: &RunRecord) -> bool {
+    record.done().is_some_and(|done| done.record.stop_reason != Some(StopReason::Cancelled))
 }
 
 fn measure(

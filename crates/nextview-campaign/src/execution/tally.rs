@@ -1,6 +1,7 @@
 use super::CampaignEvent;
 use crate::RunRecord;
 use crate::store::Store;
+use nextview_scan::Fault;
 use std::collections::BTreeMap;
 
 /// How many runs of each object are left and how many failed.
@@ -38,8 +39,35 @@ impl Tally {
         Self { objects }
     }
 
+    /// What there is to say about the runs of this store before the first of them.
+    pub fn beginning(&self, store: &Store) -> Vec<CampaignEvent> {
+        let torn = "the last line of runs.jsonl is not whole; its run is done again";
+        let note = store.was_torn().then(|| CampaignEvent::Note(torn.to_owned()));
+        let n_runs = self.objects.values().map(|count| count.n_runs).sum();
+        let (n_objects, n_finished) = (self.objects.len(), n_runs - self.n_left());
+        note.into_iter().chain([CampaignEvent::Began { n_objects, n_runs, n_finished }]).collect()
+    }
+
+    /// Number of runs without a record.
+    pub fn n_left(&self) -> usize {
+        self.objects.values().map(|count| count.n_left).sum()
+    }
+
+    /// Adds a record to the store and counts its run; the events of that. A record that is there already causes
+    /// none.
+    pub fn keep(&mut self, store: &mut Store, record: &RunRecord) -> Result<Vec<CampaignEvent>, Fault> {
+        let is_known = store.runs().number(&record.id()).is_some_and(|number| store.is_finished(number));
+        store.append(record)?;
+        if is_known {
+            return Ok(Vec::new());
+        }
+        let failure = record.failure().map(str::to_owned);
+        let finished = CampaignEvent::RunFinished { run: record.id(), failure };
+        Ok([finished].into_iter().chain(self.add(record)).collect())
+    }
+
     /// Counts a run; an event if it was the last of its object.
-    pub fn add(&mut self, record: &RunRecord) -> Option<CampaignEvent> {
+    fn add(&mut self, record: &RunRecord) -> Option<CampaignEvent> {
         let count = self.objects.get_mut(&record.object)?;
         count.n_left = count.n_left.saturating_sub(1);
         count.n_failed += usize::from(record.failure().is_some());

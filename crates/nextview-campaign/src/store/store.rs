@@ -98,6 +98,13 @@ impl Store {
         &self.share
     }
 
+    /// Those of the share that have no record yet.
+    pub(crate) fn open_groups(&self) -> Vec<Vec<usize>> {
+        let is_open = |number: &usize| !self.is_finished(*number);
+        let open = |group: &Vec<usize>| group.iter().copied().filter(is_open).collect();
+        self.share.iter().map(open).filter(|group: &Vec<usize>| !group.is_empty()).collect()
+    }
+
     /// Whether the run of this number has a record.
     pub fn is_finished(&self, number: usize) -> bool {
         self.positions.get(number).is_some_and(Option::is_some)

@@ -1,0 +1,192 @@
+use super::run::{Prepared, is_complete, measured, prepare};
+use crate::{Host, Run, RunRecord};
+use nextview::Cancel;
+use nextview_scan::{BuildIdentity, Fault, Faults};
+use rayon::ThreadPool;
+use serde::{Deserialize, Serialize};
+use serde_json::Value;
+use std::collections::{BTreeSet, VecDeque};
+use std::fmt;
+
+/// Most variants that the name of a batch lists.
+const MAX_NAMED: usize = 3;
+
+/// Runs that share their object, on their way to a worker in another process.
+///
+/// Its `Display` names the object and the variants, for a list of tasks: `mug: max-flow, random`.
+///
+/// ```
+/// use nextview_campaign::Spec;
+/// use nextview_campaign::execution::Batch;
+///
+/// let spec = "name = \"x\"\nobjects = [\"builtin:mug\"]\nseeds = [0, 1]\nscan.planner = \"random\"";
+/// let batch = Batch::new(Spec::parse(spec, "".as_ref())?.runs()?.iter().collect());
+/// assert_eq!(batch.to_string(), "mug: random");
+/// assert_eq!(Batch::from_json(&batch.to_json()?)?, batch);
+/// # Ok::<(), nextview_scan::Faults>(())
+/// ```
+#[derive(Clone, Debug, PartialEq)]
+pub struct Batch {
+    runs: Vec<Run>,
+}
+
+/// A batch as it is written. The runs are read after the build was checked: another one may write them
+/// differently.
+#[derive(Serialize, Deserialize)]
+struct Message<R> {
+    build: BuildIdentity,
+    runs: R,
+}
+
+impl Batch {
+    /// These runs, which must share their object
+    /// ([`ScanConfig::of_object`](nextview_scan::ScanConfig::of_object)): it is prepared once for all of
+    /// them.
+    pub fn new(runs: Vec<Run>) -> Self {
+        Self { runs }
+    }
+
+    /// Its runs, in the order in which they are done.
+    pub fn runs(&self) -> &[Run] {
+        &self.runs
+    }
+
+    /// The batch as JSON, as [`Batch::from_json`] reads it.
+    pub fn to_json(&self) -> Result<String, Fault> {
+        let message = Message { build: BuildIdentity::this(), runs: &self.runs };
+        serde_json::to_string(&message).map_err(Fault::data)
+    }
+
+    /// Reads a batch; fails if another build wrote it, because its records would be of no use there.
+    pub fn from_json(text: &str) -> Result<Self, Fault> {
+        let unreadable = |error| Fault::data(format!("a batch of runs cannot be read: {error}"));
+        let Message { build, runs }: Message<Value> = serde_json::from_str(text).map_err(unreadable)?;
+        let this = BuildIdentity::this();
+        if build != this {
+            let host = Host::this(1).name;
+            let message = format!(
+                "the campaign is one of the build {build}, the worker on {host} has the build {this}"
+            );
+            return Err(Fault::data(message).with_remedy("install the same build everywhere"));
+        }
+        Ok(Self { runs: serde_json::from_value(runs).map_err(unreadable)? })
+    }
+
+    /// Gets ready to do the runs, each by so many threads. Fails if they cannot be done here, for example
+    /// because a planner of one's own is missing: every run would fail, and stay failed.
+    pub fn begin(self, n_threads: usize) -> Result<BatchRuns, Faults> {
+        for run in &self.runs {
+            let worker = || format!("the worker on {}", Host::this(1).name);
+            run.config.check().map_err(|faults| faults.map(|fault| fault.within(worker())))?;
+        }
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(n_threads.max(1)).build();
+        Ok(BatchRuns {
+            open: self.runs.into(),
+            prepared: None,
+            host: Host::this(n_threads.max(1)),
+            pool: pool.map_err(Fault::data)?,
+        })
+    }
+}
+
+impl fmt::Display for Batch {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Some(first) = self.runs.first() else { return f.write_str("no runs") };
+        let variants: BTreeSet<&str> = self.runs.iter().map(|run| run.id.variant.as_str()).collect();
+        let named: Vec<&str> = variants.iter().copied().take(MAX_NAMED).collect();
+        write!(f, "{}: {}", first.id.object, named.join(", "))?;
+        match variants.len() - named.len() {
+            0 => Ok(()),
+            n_more => write!(f, " and {n_more} more"),
+        }
+    }
+}
+
+/// The runs of a batch, done one after the other by a process that does nothing else meanwhile.
+pub struct BatchRuns {
+    open: VecDeque<Run>,
+    /// None before the first run.
+    prepared: Option<Prepared>,
+    host: Host,
+    pool: ThreadPool,
+}
+
+impl BatchRuns {
+    /// Does the next run; none if all are done. A run that fails or panics has a record that says so. If this
+    /// is cancelled, it fails, and the run stays open.
+    pub fn next_record(&mut self, cancel: &Cancel) -> Result<Option<RunRecord>, Fault> {
+        let Some(run) = self.open.front() else { return Ok(None) };
+        let Self { prepared, host, pool, .. } = self;
+        let prepared = match prepared {
+            Some(prepared) => prepared,
+            None => {
+                let made = pool.install(|| prepare(&run.config, cancel));
+                cancel.check()?;
+                prepared.insert(made)
+            }
+        };
+        let record = pool.install(|| measured(run, prepared, host, true, cancel));
+        if !is_complete(&record) {
+            cancel.check()?;
+        }
+        self.open.pop_front();
+        Ok(Some(record))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::Spec;
+    use std::path::Path;
+
+    fn batch() -> Batch {
+        let text = "name = \"x\"\nobjects = [\"builtin:mug\"]\n[scan]\nviews = 2\ncandidates = 20\n\
+                    voxel_size_m = 0.02\n[[variant]]\n\
+                    sweep.planner = [\"random\", \"rse\", \"apora\", \"max-flow\"]";
+        Batch::new(Spec::parse(text, Path::new("")).unwrap().runs().unwrap().iter().collect())
+    }
+
+    #[test]
+    fn its_name_says_object_and_variants() {
+        let all = batch();
+        assert_eq!(all.to_string(), "mug: apora, max-flow, random and 1 more");
+        assert_eq!(Batch::new(all.runs[..1].to_vec()).to_string(), "mug: random");
+        assert_eq!(Batch::new(Vec::new()).to_string(), "no runs");
+    }
+
+    #[test]
+    fn another_build_is_refused_with_both_builds() {
+        let text = batch().to_json().unwrap();
+        let this = BuildIdentity::this();
+        let other = text.replacen(&this.source, "feedfacebeef", 1).replacen("\"runs\":[", "\"runs\":[7,", 1);
+        let message = Batch::from_json(&other).unwrap_err().message;
+        assert!(message.contains(&format!("build {} (feedfacebeef)", this.version)), "{message}");
+        assert!(message.contains(&format!(" has the build {this}")), "{message}");
+        let unreadable = Batch::from_json("{}").unwrap_err().message;
+        assert!(unreadable.starts_with("a batch of runs cannot be read: missing field"), "{unreadable}");
+    }
+
+    #[test]
+    fn what_cannot_be_done_here_is_no_failed_run() {
+        let mut other = batch();
+        other.runs[1].config.voxel_size_m = Some(-1.0);
+        let message = other.begin(1).err().unwrap().to_string();
+        assert!(message.contains("the worker on ") && message.contains("`voxel_size_m` is -1"), "{message}");
+    }
+
+    #[test]
+    fn a_run_that_was_cancelled_stays_open() {
+        let mut runs = batch().begin(1).unwrap();
+        let cancel = Cancel::default();
+        cancel.cancel();
+        runs.next_record(&cancel).unwrap_err();
+        cancel.reset();
+        let mut variants = Vec::new();
+        while let Some(record) = runs.next_record(&cancel).unwrap() {
+            assert_eq!((record.failure(), record.host.n_threads), (None, 1));
+            variants.push(record.variant);
+        }
+        assert_eq!(variants, ["random", "rse", "apora", "max-flow"]);
+    }
+}

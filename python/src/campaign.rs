@@ -1,0 +1,92 @@
+//! Campaigns whose runs are done by other processes.
+
+use crate::bench::read_spec;
+use crate::errors::{exception, internal_error};
+use crate::values::to_python;
+use crate::watch::compute;
+use nextview::Cancel;
+use nextview_campaign::execution::{self, Dispatch};
+use nextview_campaign::store::Store;
+use nextview_campaign::{RunRecord, Shard};
+use nextview_scan::{Fault, Faults};
+use pyo3::prelude::*;
+use std::path::PathBuf;
+use std::sync::{Mutex, MutexGuard, PoisonError};
+
+/// The campaign of a folder, which hands out runs and keeps their records.
+#[pyclass(frozen, module = "nextview._native")]
+pub struct Campaign(Mutex<Dispatch>);
+
+#[pymethods]
+impl Campaign {
+    /// Begins the folder or resumes it.
+    #[new]
+    fn new(py: Python<'_>, spec: &Bound<'_, PyAny>, objects: Vec<String>, out: PathBuf) -> PyResult<Self> {
+        let spec = read_spec(spec, &objects)?;
+        let opened = py.detach(|| Store::open(&out, &spec, Shard::WHOLE, true));
+        opened.map(|store| Self(Mutex::new(Dispatch::new(store)))).map_err(|faults| exception(py, faults))
+    }
+
+    /// The events before the first batch.
+    fn beginning<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        to_python(py, &self.lock().beginning())
+    }
+
+    /// The next batch for so many workers, by its name and as text; none if all runs were handed out.
+    fn take(&self, py: Python<'_>, n_workers: usize) -> PyResult<Option<(String, String)>> {
+        let batch = self.lock().take(n_workers);
+        let taken = |batch: execution::Batch| Ok((batch.to_string(), batch.to_json()?));
+        batch.map(taken).transpose().map_err(|fault: Fault| exception(py, fault))
+    }
+
+    /// Keeps the record of a run; the events of that.
+    fn keep<'py>(&self, py: Python<'py>, record: &str) -> PyResult<Bound<'py, PyAny>> {
+        let kept = py.detach(|| {
+            let unreadable = |error| Fault::data(format!("the record of a run cannot be read: {error}"));
+            let record: RunRecord = serde_json::from_str(record).map_err(unreadable)?;
+            self.lock().keep(&record)
+        });
+        to_python(py, &kept.map_err(|fault| exception(py, fault))?)
+    }
+
+    /// Writes the tables; the runs that failed by object and reason.
+    fn finish(&self, py: Python<'_>) -> PyResult<Vec<(String, String, usize)>> {
+        let failed = py.detach(|| self.lock().finish()).map_err(|faults| exception(py, faults))?;
+        Ok(failed.into_iter().map(|failed| (failed.object, failed.reason, failed.n_runs)).collect())
+    }
+}
+
+impl Campaign {
+    fn lock(&self) -> MutexGuard<'_, Dispatch> {
+        self.0.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+/// The records of a batch, each as text as soon as its run is done.
+#[pyclass(frozen, module = "nextview._native")]
+pub struct BatchRuns(Mutex<execution::BatchRuns>);
+
+#[pymethods]
+impl BatchRuns {
+    /// Of the batch in this text, by so many threads.
+    #[new]
+    fn new(py: Python<'_>, text: &str, n_threads: usize) -> PyResult<Self> {
+        let batch = execution::Batch::from_json(text).map_err(|fault| exception(py, fault))?;
+        let runs = batch.begin(n_threads).map_err(|faults| exception(py, faults))?;
+        Ok(Self(Mutex::new(runs)))
+    }
+
+    fn __iter__(slf: PyRef<'_, Self>) -> PyRef<'_, Self> {
+        slf
+    }
+
+    fn __next__(&self, py: Python<'_>) -> PyResult<Option<String>> {
+        let cancel = Cancel::default();
+        let record = compute(py, &cancel, || {
+            let mut runs = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+            Ok::<_, Faults>(runs.next_record(&cancel)?)
+        })?;
+        let text = record.map(|record| serde_json::to_string(&record)).transpose();
+        text.map_err(|error| internal_error(py, &error.to_string()))
+    }
+}
