@@ -49,12 +49,14 @@ def check(sensor: str, record: dict) -> None:
         found = near[0] if near else None
         text = f"{found['deviation_mm']:+.2f} ± {found['standard_error_mm']:.2f} mm" if found else "not found"
         print(f"{sensor}: dent of {depth} mm: {text}")
-        if sensor == "none":
-            assert found and abs(found["deviation_mm"] + depth) < DEPTH_MM
+        # Noise may hide a dent, but what is said of one must be true. The waves of the D405 are larger.
+        is_sure = sensor == "none" or (sensor == "d435i" and depth >= 1)
+        assert found or not is_sure
+        assert not found or sensor == "d405" or abs(found["deviation_mm"] + depth) < DEPTH_MM
     (x, y), _ = HOLES[1]
     holes = [found for found in record["defects"] if found["deviation_mm"] > 1 and np.hypot(found["center_m"][0] - x / 1e3, found["center_m"][1] - y / 1e3) < PLACE]
     print(f"{sensor}: missing hole: {'found' if holes else 'not found'}; {len(record['defects'])} defects in all\n")
-    assert holes or sensor == "d435i"
+    assert holes and (sensor == "d405" or len(record["defects"]) <= len(DENTS) + 1)
 
 
 def run(*words: object) -> str:

@@ -57,6 +57,8 @@ fn of_report_compare_and_merge() {
     check(&["report"]);
     check(&["compare"]);
     check(&["merge"]);
+    check(&["export"]);
+    check(&["inspect"]);
 }
 
 #[test]
