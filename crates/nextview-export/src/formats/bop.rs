@@ -1,7 +1,7 @@
 //! A data set of the BOP benchmark (Hodaň et al. 2018): the object as number 1, the views as scene 1 of
 //! `train`, lengths in millimetres.
 
-use super::Out;
+use super::out::Out;
 use crate::masks::{Mask, Masks};
 use crate::scanned::Scanned;
 use crate::view::{View, rows};

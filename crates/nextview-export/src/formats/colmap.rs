@@ -1,7 +1,7 @@
 //! A sparse model of COLMAP (Schönberger & Frahm 2016), as text and binary: one pinhole camera, the images,
 //! and points of the cloud with the pixels that show them.
 
-use super::Out;
+use super::out::Out;
 use crate::masks::Masks;
 use crate::scanned::Scanned;
 use crate::view::View;

@@ -5,15 +5,14 @@ mod colmap;
 mod foundation_pose;
 mod nerfstudio;
 mod open3d;
+mod out;
 mod pcd;
 mod tum;
 
 use crate::Format;
 use crate::scanned::Scanned;
 use nextview_scan::Fault;
-
-/// A file: its name, relative and with `/`, and its content.
-pub(crate) type NamedFile = (String, Vec<u8>);
+use out::{NamedFile, Out};
 
 /// All files of a form.
 pub(crate) fn files(format: Format, scanned: &Scanned) -> Result<Vec<NamedFile>, Fault> {
@@ -28,22 +27,4 @@ pub(crate) fn files(format: Format, scanned: &Scanned) -> Result<Vec<NamedFile>,
         Format::Tum => tum::write(scanned, &mut out),
     }
     Ok(out.files)
-}
-
-/// Where files go.
-#[derive(Default)]
-struct Out {
-    files: Vec<NamedFile>,
-}
-
-impl Out {
-    /// Adds a file.
-    fn add(&mut self, name: impl Into<String>, bytes: impl Into<Vec<u8>>) {
-        self.files.push((name.into(), bytes.into()));
-    }
-
-    /// Adds a JSON file.
-    fn add_json(&mut self, name: &str, value: &serde_json::Value) {
-        self.add(name, format!("{value:#}\n"));
-    }
 }

@@ -1,7 +1,7 @@
 //! `transforms.json` of nerfstudio, which instant-ngp reads as well: cameras with OpenGL axes (x right, y up, z
 //! backward) in our world.
 
-use super::Out;
+use super::out::Out;
 use crate::masks::Masks;
 use crate::scanned::Scanned;
 use crate::view::rows;

@@ -1,6 +1,6 @@
 //! Colour and depth images with Open3D's camera trajectory, as JSON and as the `.log` of Choi et al. (2015).
 
-use super::Out;
+use super::out::Out;
 use crate::scanned::Scanned;
 use crate::view::{matrix_text, rows};
 use nextview_recording::{encode_color, encode_depth};

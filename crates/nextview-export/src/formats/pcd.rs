@@ -1,6 +1,6 @@
 //! The cloud as a binary file of the Point Cloud Library, version 0.7.
 
-use super::Out;
+use super::out::Out;
 use crate::scanned::Scanned;
 
 pub(super) fn write(scanned: &Scanned, out: &mut Out) {

@@ -1,7 +1,7 @@
 //! A sequence of the TUM RGB-D benchmark (Sturm et al. 2012), with the file of intrinsics that
 //! `scan --frames` needs beside it. Times are made up: a second for each step.
 
-use super::Out;
+use super::out::Out;
 use crate::scanned::Scanned;
 use nextview_recording::{encode_color, encode_depth, intrinsics_text};
 use std::fmt::Write;

@@ -1,0 +1,20 @@
+/// A file: its name, relative and with `/`, and its content.
+pub(super) type NamedFile = (String, Vec<u8>);
+
+/// Where files go.
+#[derive(Default)]
+pub(super) struct Out {
+    pub files: Vec<NamedFile>,
+}
+
+impl Out {
+    /// Adds a file.
+    pub fn add(&mut self, name: impl Into<String>, bytes: impl Into<Vec<u8>>) {
+        self.files.push((name.into(), bytes.into()));
+    }
+
+    /// Adds a JSON file.
+    pub fn add_json(&mut self, name: &str, value: &serde_json::Value) {
+        self.add(name, format!("{value:#}\n"));
+    }
+}
