@@ -114,7 +114,8 @@ fn results_do_not_depend_on_the_number_of_jobs_nor_on_who_hands_out_the_runs() {
     assert!(all.iter().all(|tables| *tables == all[0]));
 }
 
-/// Does the batches for so many workers, each run by its text as another process would; how many runs each has.
+/// Does the batches for so many workers, each run by its text as another process would; how many runs each
+/// has.
 fn dispatched(folder: &Folder, n_workers: usize) -> (Dispatch, Vec<CampaignEvent>, Vec<usize>) {
     let mut dispatch = Dispatch::new(Store::open(&folder.0, &spec(), Shard::WHOLE, true).unwrap());
     let (mut events, mut sizes) = (dispatch.beginning(), Vec::new());

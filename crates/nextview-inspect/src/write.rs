@@ -8,8 +8,8 @@ use std::io::Write;
 pub const INSPECTION_FILES: &[&str] = &["inspection.json", "deviation.ply"];
 
 /// Adds them to a folder: the record, and the points in the coordinates of the model with their deviations,
-/// coloured: red outside of the model and blue inside, strongest at twice the tolerance, grey where noise hides
-/// it.
+/// coloured: red outside of the model and blue inside, strongest at twice the tolerance, grey where noise
+/// hides it.
 pub fn write_inspection(folder: &mut ResultFolder, inspection: &Inspection) -> Result<(), Fault> {
     folder.add("inspection.json", |w| {
         serde_json::to_writer_pretty(&mut *w, &inspection.record).map_err(Fault::data)?;

@@ -53,8 +53,8 @@ impl Tally {
         self.objects.values().map(|count| count.n_left).sum()
     }
 
-    /// Adds a record to the store and counts its run; the events of that. A record that is there already causes
-    /// none.
+    /// Adds a record to the store and counts its run; the events of that. A record that is there already
+    /// causes none.
     pub fn keep(&mut self, store: &mut Store, record: &RunRecord) -> Result<Vec<CampaignEvent>, Fault> {
         let is_known = store.runs().number(&record.id()).is_some_and(|number| store.is_finished(number));
         store.append(record)?;

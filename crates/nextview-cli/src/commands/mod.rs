@@ -25,9 +25,9 @@ use clap::{Parser, Subcommand};
 /// `nextview scan` scans a simulated object from the first view to the last and writes the map, the cloud,
 /// the mesh and a report. `nextview bench` scans many objects with many planners, on one machine or as shards
 /// on many, which `nextview merge` makes one; `nextview report` and `nextview compare` make figures and
-/// tables of that. `nextview export` gives the results of a scan to other tools,
-/// `nextview inspect` compares them with a CAD model. `nextview serve` takes the frames of any camera over HTTP and answers with the next view.
-/// `nextview plan` gives the next view, or the next few, for a saved map, `nextview map` summarises and
+/// tables of that. `nextview export` gives the results of a scan to other tools, `nextview inspect` compares
+/// them with a CAD model. `nextview serve` takes the frames of any camera over HTTP and answers with the next
+/// view. `nextview plan` gives the next view, or the next few, for a saved map, `nextview map` summarises and
 /// converts maps, `nextview views` makes view candidates, `nextview dataset` training data for learned
 /// planners.
 #[derive(Debug, Parser)]

@@ -1,5 +1,5 @@
-//! Reference views for FoundationPose (Wen et al. 2024): the folder of an object that its training of a neural
-//! object field reads, and the model and camera file that its demonstration reads.
+//! Reference views for FoundationPose (Wen et al. 2024): the folder of an object that its training of a
+//! neural object field reads, and the model and camera file that its demonstration reads.
 
 use super::out::Out;
 use crate::masks::Masks;

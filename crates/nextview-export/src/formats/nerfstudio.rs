@@ -1,5 +1,5 @@
-//! `transforms.json` of nerfstudio, which instant-ngp reads as well: cameras with OpenGL axes (x right, y up, z
-//! backward) in our world.
+//! `transforms.json` of nerfstudio, which instant-ngp reads as well: cameras with OpenGL axes (x right, y
+//! up, z backward) in our world.
 
 use super::out::Out;
 use crate::masks::Masks;

@@ -29,7 +29,7 @@ pub(super) fn check_replaceable(dir: &Path) -> Result<(), Faults> {
     }
 }
 
-/// Adds the frames of the map.
+/// Adds the frames of the map. One whose colours cannot be had goes without them, and that is reported.
 pub(super) fn add(folder: &mut ResultFolder, scan: &FinishedScan<'_>) -> Result<(), Fault> {
     let steps = scan.session.frame_numbers();
     let frames = steps.iter().zip(scan.session.frames());
@@ -38,5 +38,13 @@ pub(super) fn add(folder: &mut ResultFolder, scan: &FinishedScan<'_>) -> Result<
     let write = |name: &str, bytes: Vec<u8>| {
         folder.add(format!("{FRAMES_FOLDER}/{name}"), |w| Ok(w.write_all(&bytes)?))
     };
-    write_folder(&frames, |i| scan.color(steps[i]), write)
+    let mut fault = None;
+    let color = |i: usize| {
+        Ok(scan.color(steps[i]).unwrap_or_else(|problem| {
+            fault.get_or_insert(problem);
+            None
+        }))
+    };
+    write_folder(&frames, color, write)?;
+    fault.map_or(Ok(()), Err)
 }

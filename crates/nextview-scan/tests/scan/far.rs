@@ -3,10 +3,10 @@
 use crate::common::Folder;
 use glam::DVec3;
 use nextview::map::Octree;
-use nextview_scan::files::{Overwrite, ResultFolder};
+use nextview_scan::files::Overwrite;
 use nextview_scan::{
-    Begin, BoxRule, FinishedScan, MapSummary, ObjectBoxConfig, RESULT_FILES, Results, ScanConfig, ScanRecord,
-    ScanRun, SimulatedObject, Simulation, write_results,
+    Begin, BoxRule, FinishedScan, MapSummary, ObjectBoxConfig, Results, ScanConfig, ScanRecord, ScanRun,
+    SimulatedObject, Simulation, begin_results, write_results,
 };
 use std::fmt::Write as _;
 use std::path::Path;
@@ -65,7 +65,7 @@ fn issue_17_an_object_far_away_is_scanned_as_well_as_one_nearby() {
         let config = ScanConfig { voxel_size_m: Some(0.002), ..config(&path, 4) };
         let dir = folder.path(&format!("results-{far}"));
         let (record, faults) = scanned(&config, |scan| {
-            let mut results = ResultFolder::begin(&dir, RESULT_FILES, Overwrite::nothing()).unwrap();
+            let mut results = begin_results(&dir, Overwrite::nothing()).unwrap();
             let Results { faults, .. } = write_results(&mut results, &config, scan);
             results.publish().unwrap();
             faults

@@ -7,11 +7,10 @@ use nextview::geometry::Pose;
 use nextview::registration::{GivenPoses, RegistrationConfig};
 use nextview::sensor::{ColorImage, Depth, DepthImage, Frame};
 use nextview::session::StopReason;
-use nextview_scan::files::{Overwrite, ResultFolder};
+use nextview_scan::files::Overwrite;
 use nextview_scan::{
-    Begin, BoxRule, FinishedScan, LiveConfig, LiveFrame, LiveScan, ObjectBoxConfig, PlannerName,
-    RESULT_FILES, ScanConfig, ScanJournal, ScanRecord, ScanRun, SimulatedObject, Simulation, TableRule,
-    write_results,
+    Begin, BoxRule, FinishedScan, LiveConfig, LiveFrame, LiveScan, ObjectBoxConfig, PlannerName, ScanConfig,
+    ScanJournal, ScanRecord, ScanRun, SimulatedObject, Simulation, TableRule, begin_results, write_results,
 };
 use nextview_sim::evaluator;
 use std::path::Path;
@@ -50,7 +49,7 @@ fn observe(scan: &mut LiveScan, object: &SimulatedObject, pose: &Pose) {
 }
 
 fn files_of(dir: &Path, scan: &FinishedScan<'_>, config: &ScanConfig) -> ScanRecord {
-    let mut folder = ResultFolder::begin(dir, RESULT_FILES, Overwrite::nothing()).unwrap();
+    let mut folder = begin_results(dir, Overwrite::nothing()).unwrap();
     let results = write_results(&mut folder, config, scan);
     assert_eq!(results.faults, None);
     folder.publish().unwrap();

@@ -7,11 +7,11 @@ use nextview::geometry::{Aabb, Pose};
 use nextview::sensor::{ColorImage, Frame};
 use nextview::session::{NextView, Session};
 use nextview::surface::SurfaceMesh;
-use nextview_scan::files::{Overwrite, ResultFolder};
+use nextview_scan::files::Overwrite;
 use nextview_scan::{
-    Begin, Evaluator, Fault, Faults, FinishedScan, FrameSource, Measured, Next, PlannerName, RESULT_FILES,
-    Results, ScanConfig, ScanRecord, ScanRun, SimulatedObject, Simulation, SizeOf, Truth, ViewSpaceName,
-    write_results,
+    Begin, Evaluator, Fault, Faults, FinishedScan, FrameSource, Measured, Next, PlannerName, Results,
+    ScanConfig, ScanRecord, ScanRun, SimulatedObject, Simulation, SizeOf, Truth, ViewSpaceName,
+    begin_results, write_results,
 };
 
 fn config() -> ScanConfig {
@@ -40,7 +40,7 @@ fn a_scan_is_measured_and_written() {
     let scan = scanned(&simulation, &config);
     let folder = Folder::new("simulation");
     let dir = folder.path("results");
-    let mut results = ResultFolder::begin(&dir, RESULT_FILES, Overwrite::nothing()).unwrap();
+    let mut results = begin_results(&dir, Overwrite::nothing()).unwrap();
     let Results { record, faults } = write_results(&mut results, &config, &scan);
     assert_eq!(faults, None);
     assert_eq!((record.views, record.steps.len(), record.candidates), (4, 4, 20));
@@ -180,18 +180,28 @@ fn all_is_written_but_what_fails() {
     let scan = scanned(&source, &config);
     let folder = Folder::new("incomplete");
     let dir = folder.path("results");
-    let mut results = ResultFolder::begin(&dir, RESULT_FILES, Overwrite::nothing()).unwrap();
+    let mut results = begin_results(&dir, Overwrite::nothing()).unwrap();
     let Results { record, faults } = write_results(&mut results, &config, &scan);
     results.publish().unwrap();
     let faults = faults.unwrap().to_string();
-    assert_eq!(faults, "cloud and mesh: no colour of view Some(0)");
+    assert!(faults.starts_with("cloud and mesh: no colour of view Some(0)"), "{faults}");
+    assert!(faults.contains("frames: no colour of view Some(0)"), "{faults}");
     assert!(record.views == 4 && record.cloud().is_none());
     let mut names: Vec<String> = std::fs::read_dir(&dir)
         .unwrap()
         .map(|entry| entry.unwrap().file_name().to_string_lossy().into_owned())
         .collect();
     names.sort();
-    let whole =
-        ["config.toml", "map.bt", "map.ot", "record.json", "steps.jsonl", "views.csv", "waypoints.csv"];
+    let whole = [
+        "config.toml",
+        "frames",
+        "map.bt",
+        "map.ot",
+        "record.json",
+        "steps.jsonl",
+        "views.csv",
+        "waypoints.csv",
+    ];
     assert_eq!(names, whole);
+    assert!(dir.join("frames/depth/004.png").is_file() && !dir.join("frames/color").exists());
 }
