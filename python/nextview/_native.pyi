@@ -18,6 +18,7 @@ __all__ = [
     "__version__",
     "bench",
     "builtin_objects",
+    "export",
     "planners",
     "read_config",
     "read_map",
