@@ -17,7 +17,9 @@ pub struct FileMesh {
 
 /// Reads a mesh file: PLY, OBJ, STL, OFF (text), glTF or GLB, as its extension says.
 ///
-/// Polygons are cut into triangles that share their first corner. Normals, colours and textures are ignored.
+/// Polygons are cut into triangles that share their first corner. Colours are those of PLY's and OBJ's
+/// vertices, of OBJ's materials (`Kd`, `map_Kd`), and of glTF's vertices and materials (base colour and its
+/// texture); images are PNG or JPEG, beside the mesh or below its folder. Normals are ignored.
 /// glTF is turned from y up to z up; the other formats define no axes and are left as they are. The file is
 /// read into memory as a whole.
 ///
@@ -67,10 +69,12 @@ type Parser = fn(&[u8], &Files<'_>) -> Result<RawMesh, SimError>;
 fn parser(extension: &str) -> Result<Parser, SimError> {
     Ok(match extension {
         "ply" => |bytes, _| ply::parse(bytes),
-        "obj" => |bytes, _| obj::parse(bytes),
+        "obj" => |bytes, files| obj::parse(bytes, &|name| files.read_beside(Path::new(name))),
         "stl" => |bytes, _| stl::parse(bytes),
         "off" => |bytes, _| off::parse(bytes),
-        "gltf" | "glb" => |bytes, files| gltf::parse(bytes, &|uri| files.read_beside(uri)),
+        "gltf" | "glb" => {
+            |bytes, files| gltf::parse(bytes, &|uri| files.read_beside(&PathBuf::from(decode_percent(uri))))
+        }
         _ => return Err(SimError::UnknownFormat { extension: extension.to_owned() }),
     })
 }
@@ -111,10 +115,9 @@ impl Files<'_> {
         self.read.borrow().iter().map(|(_, n_bytes)| n_bytes).sum()
     }
 
-    /// Reads the file that a relative URI names, from the folder of the mesh or below: a mesh has no business
+    /// Reads a file that the mesh names, from the folder of the mesh or below: a mesh has no business
     /// elsewhere.
-    fn read_beside(&self, uri: &str) -> Result<Vec<u8>, SimError> {
-        let relative = PathBuf::from(decode_percent(uri));
+    fn read_beside(&self, relative: &Path) -> Result<Vec<u8>, SimError> {
         if relative.components().any(|part| !matches!(part, Component::Normal(_) | Component::CurDir)) {
             return Err(SimError::format(
                 "uri",

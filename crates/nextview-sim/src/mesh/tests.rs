@@ -84,7 +84,7 @@ fn formats() -> [Format; 10] {
     let vertices_and_faces = OFF.split_once("0\n").unwrap().1;
     let gltf: fn(&[u8]) -> _ = |bytes| gltf::parse(bytes, &|_| Ok(vec![0; 36]));
     [
-        ("obj", obj::parse, OBJ.into()),
+        ("obj", |bytes| obj::parse(bytes, &|_| Err(SimError::NotAFile)), OBJ.into()),
         ("off", off::parse, OFF.into()),
         ("ply", ply::parse, format!("ply\nformat ascii 1.0\n{PLY_HEADER}{vertices_and_faces}").into()),
         ("ply", ply::parse, ply_binary("binary_little_endian")),
@@ -227,9 +227,8 @@ proptest! {
     }
 }
 
-/// The meshes of the test data, if present: faces as their manifest states.
 #[test]
-fn a_mesh_of_ours_reads_back_with_normals_and_colours_passed_over() {
+fn a_mesh_of_ours_reads_back_with_its_colours() {
     let mesh = crate::builtin::by_name("mug").unwrap();
     let (vertices, triangles) = (mesh.vertices().to_vec(), mesh.triangles().to_vec());
     let ours = nextview::surface::SurfaceMesh { vertices, triangles };
@@ -241,8 +240,11 @@ fn a_mesh_of_ours_reads_back_with_normals_and_colours_passed_over() {
     let (read, _) = load(&folder.write("mesh.ply", bytes)).unwrap().to_metres(Unit::Metres).unwrap();
     let singles: Vec<_> = ours.vertices.iter().map(|vertex| vertex.as_vec3().as_dvec3()).collect();
     assert!(read.vertices() == singles && read.triangles() == ours.triangles);
+    let colors: Vec<[u8; 3]> = points.iter().filter_map(|point| point.color).collect();
+    assert_eq!(read.appearance().unwrap().vertex_colors, colors);
 }
 
+/// The meshes of the test data, if present: faces as their manifest states.
 #[test]
 fn loads_the_meshes_of_the_test_data() {
     let default = concat!(env!("CARGO_MANIFEST_DIR"), "/../../../shared/data");

@@ -1,4 +1,5 @@
-//! PLY in text form and both binary byte orders: positions and faces; everything else is skipped.
+//! PLY in text form and both binary byte orders: positions and colours of vertices, and faces; everything
+//! else is skipped.
 
 mod body;
 mod header;
@@ -38,19 +39,45 @@ fn read_vertices(body: &mut Body, element: &Element, mesh: &mut RawMesh) -> Resu
             return Err(SimError::format("header", "element vertex lacks one of the properties x, y and z"));
         }
     }
+    let channel_of: Vec<Option<usize>> = element.properties.iter().map(channel).collect();
+    let has_color = (0..3).all(|channel| channel_of.contains(&Some(channel)));
     for _ in 0..element.count {
         let mut values = body.element(element)?;
-        let mut position = DVec3::ZERO;
-        for (property, axis) in element.properties.iter().zip(&axis_of) {
-            match (property, axis) {
-                (Property::Scalar { kind, .. }, Some(axis)) => position[*axis] = values.number(*kind)?,
+        let (mut position, mut color) = (DVec3::ZERO, [255; 3]);
+        for (property, (axis, channel)) in element.properties.iter().zip(axis_of.iter().zip(&channel_of)) {
+            match (property, axis, channel) {
+                (Property::Scalar { kind, .. }, Some(axis), _) => position[*axis] = values.number(*kind)?,
+                (Property::Scalar { kind, .. }, _, Some(channel)) if has_color => {
+                    color[*channel] = color_value(&mut values, *kind)?;
+                }
                 _ => values.skip(property)?,
             }
         }
         values.end()?;
+        if has_color {
+            mesh.colors.push(color);
+        }
         mesh.vertices.push(position);
     }
     Ok(())
+}
+
+/// Whole numbers are 0 to 255, others 0 to 1.
+fn color_value(values: &mut Values, kind: header::Kind) -> Result<u8, SimError> {
+    let most = if matches!(kind, header::Kind::F32 | header::Kind::F64) { 1.0 } else { 255.0 };
+    let value = values.number(kind)?;
+    if (0.0..=most).contains(&value) {
+        return Ok((value * (255.0 / most)).round() as u8);
+    }
+    Err(values.error(format!("a colour is {value}, expected 0 to {most}")))
+}
+
+/// The colour that a property of a vertex is: 0 is red.
+fn channel(property: &Property) -> Option<usize> {
+    match property {
+        Property::Scalar { name, .. } => ["red", "green", "blue"].iter().position(|color| color == name),
+        Property::List { .. } => None,
+    }
 }
 
 /// The coordinate that a property of a vertex is.
@@ -153,6 +180,27 @@ mod tests {
             assert_eq!(mesh.vertices, [DVec3::ZERO, DVec3::X, DVec3::X + DVec3::Y, DVec3::Y]);
             assert_eq!(mesh.triangles, [[0, 1, 2], [0, 2, 3], [0, 1, 2]]);
         }
+    }
+
+    #[test]
+    fn colours_are_bytes_or_shares() {
+        let colored = |kind: &str, colors: [&str; 3]| {
+            let header = format!(
+                "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n\
+                 property {kind} red\nproperty {kind} green\nproperty {kind} blue\nelement face 1\n\
+                 property list uchar int vertex_indices\nend_header\n"
+            );
+            let [a, b, c] = colors;
+            parse(format!("{header}0 0 0 {a}\n1 0 0 {b}\n0 1 0 {c}\n3 0 1 2\n").as_bytes())
+        };
+        let colors = [[255, 0, 128], [1, 2, 3], [0; 3]];
+        let bytes = colored("uchar", ["255 0 128", "1 2 3", "0 0 0"]).unwrap();
+        assert_eq!(bytes.colors, colors);
+        let shares = colored("float", ["1 0 0.5", "0.004 0.008 0.012", "0 0 0"]).unwrap();
+        assert_eq!(shares.colors, colors);
+        let error = |kind, color| colored(kind, ["0 0 0", color, "0 0 0"]).unwrap_err().to_string();
+        assert_eq!(error("float", "0 255 0"), "line 14: a colour is 255, expected 0 to 1");
+        assert!(error("int", "0 0 -1").contains("a colour is -1, expected 0 to 255"));
     }
 
     fn error(bytes: &[u8]) -> String {
