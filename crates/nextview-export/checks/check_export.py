@@ -277,7 +277,7 @@ def open3d(folder: Path, full: bool) -> list:
                 assert np.allclose(parameters.extrinsic, np.linalg.inv(pose), atol=1e-7), name
         first = sorted((folder / "color").glob("*.png"))[0]
         images = [o3d.io.read_image(str(folder / kind / first.name)) for kind in ["color", "depth"]]
-        rgbd = o3d.geometry.RGBDImage.create_from_color_and_depth(*images, convert_rgb_to_intensity=False)
+        rgbd = o3d.geometry.RGBDImage.create_from_color_and_depth(*images, depth_trunc=65.0, convert_rgb_to_intensity=False)
         cloud = o3d.geometry.PointCloud.create_from_rgbd_image(rgbd, intrinsic, np.linalg.inv(views[0][4]))
         ours = world(views[0][0], views[0][3], views[0][4])[views[0][0] > 0]
         assert len(cloud.points) == (views[0][0] > 0).sum()
