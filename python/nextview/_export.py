@@ -1,4 +1,4 @@
-"""Results in the forms of other tools."""
+"""Results in the formats of other tools."""
 
 from __future__ import annotations
 
@@ -24,14 +24,14 @@ def export(
     *,
     force: bool = False,
 ) -> Exported:
-    """Writes the results of a scan in the form that another tool opens, as `nextview export` does.
+    """Writes the results of a scan in the format that another tool opens, as `nextview export` does.
 
     - `results`: the folder of a scan that was saved.
     - `to`: `"bop"`, `"colmap"`, `"foundationpose"`, `"nerfstudio"`, `"open3d"`, `"pcd"` or `"tum"`.
       docs/export.md lists their files, axes and units.
     - `out`: the folder for it. With `force`, files that are in it are replaced.
 
-    colmap, foundationpose and nerfstudio need frames with colour. Raises `InputError` if there is no such form,
+    colmap, foundationpose and nerfstudio need frames with colour. Raises `InputError` if there is no such format,
     and `DataError` if the folder holds no results, or `out` cannot take them.
 
     >>> import nextview, pathlib, tempfile

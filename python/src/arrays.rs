@@ -57,13 +57,8 @@ pub fn color_image(color: &Bound<'_, PyAny>) -> PyResult<ColorImage> {
 /// The depths as float32 in metres: NaN where nothing was measured, infinite where nothing came back.
 pub fn depths<'py>(py: Python<'py>, image: &DepthImage) -> PyResult<Bound<'py, PyArray2<f32>>> {
     let (width, height) = (image.width(), image.height());
-    let pixels = (0..height).flat_map(|v| (0..width).map(move |u| (u, v)));
-    let metres = pixels.map(|(u, v)| match image.get(u, v) {
-        Depth::Missing => f32::NAN,
-        Depth::Beyond => f32::INFINITY,
-        Depth::Surface(depth) => depth,
-    });
-    PyArray::from_vec(py, metres.collect()).reshape([height as usize, width as usize])
+    let metres: Vec<f32> = image.pixels().map(Depth::metres).collect();
+    PyArray::from_vec(py, metres).reshape([height as usize, width as usize])
 }
 
 fn metres(

@@ -109,7 +109,7 @@ fn write(path: &Path, voxels: Vec<(IVec3, f32)>, voxel_size: f64, force: bool) -
     }
     let log_odds = |(key, p): (IVec3, f32)| (key, LogOdds::from_probability(p.into()).0);
     let octree = Octree::from_voxels(voxel_size, voxels.into_iter().map(log_odds))?.pruned();
-    let rule = if force { Overwrite::results() } else { Overwrite::nothing() };
+    let rule = Overwrite::forced(force);
     Ok(files::write(path, &rule, |writer| match is_ot {
         true => Ok(octree.write_ot(writer)?),
         false => Ok(octree.write_bt(writer)?),

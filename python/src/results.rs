@@ -11,7 +11,7 @@ use std::path::{Path, PathBuf};
 /// Begins the folder; fails if it cannot take the results. `force` replaces those that are there, but no file
 /// that is read.
 pub fn begin(dir: &Path, force: bool, inputs: Vec<PathBuf>) -> Result<ResultFolder, Faults> {
-    let rule = if force { Overwrite::results() } else { Overwrite::nothing() };
+    let rule = Overwrite::forced(force);
     begin_results(dir, rule.but(inputs))
 }
 

@@ -19,7 +19,7 @@ from pathlib import Path
 import numpy as np
 from PIL import Image
 
-FORMS = ["bop", "colmap", "foundationpose", "nerfstudio", "open3d", "pcd", "tum"]
+FORMATS = ["bop", "colmap", "foundationpose", "nerfstudio", "open3d", "pcd", "tum"]
 # Metres: a pixel's noise of a D435i at 0.5 m, and a tenth of it.
 NOISE = 0.001
 SHIFT = 0.0001
@@ -32,11 +32,11 @@ def main() -> None:
     with tempfile.TemporaryDirectory(prefix="nextview-export-") as work:
         folder = Path(work)
         scanned = scan(program, folder)
-        for form in FORMS:
-            run(program, "export", scanned, "--to", form, "--out", folder / form)
+        for format in FORMATS:
+            run(program, "export", scanned, "--to", format, "--out", folder / format)
         vertices, normals = model(folder / "scan" / "mesh.ply")
         surface = Surface(vertices, normals)
-        for form, views in {
+        for format, views in {
             "bop": bop(folder / "bop"),
             "colmap": colmap(folder / "colmap"),
             "foundationpose": foundationpose(folder / "foundationpose", full),
@@ -44,7 +44,7 @@ def main() -> None:
             "open3d": open3d(folder / "open3d", full),
             "tum": tum(folder / "tum"),
         }.items():
-            check(form, views, surface)
+            check(format, views, surface)
         pcd(folder / "pcd", folder / "scan", full)
         come_back(program, folder)
 
@@ -131,9 +131,9 @@ class Surface:
         return ((points - self.vertices[nearest]) * self.normals[nearest]).sum(axis=1)
 
 
-def check(form: str, views: list, surface: Surface) -> None:
+def check(format: str, views: list, surface: Surface) -> None:
     """Views: depth in metres, colours or None, mask or None, matrix of the optics, world from camera."""
-    assert len(views) == 8, (form, len(views))
+    assert len(views) == 8, (format, len(views))
     rng = np.random.default_rng(0)
     offsets, differences, n_masked = [], [], 0
     for depth, color, mask, matrix, pose in views:
@@ -150,10 +150,10 @@ def check(form: str, views: list, surface: Surface) -> None:
     median, mean = np.median(np.abs(offsets)), offsets[np.abs(offsets) < 5 * NOISE].mean()
     wrong = 100 * np.mean(np.concatenate(differences) > 3)
     print(
-        f"{form:15} {n_masked:7} pixels of the object, off by {1e3 * median:.3f} mm (median), "
+        f"{format:15} {n_masked:7} pixels of the object, off by {1e3 * median:.3f} mm (median), "
         f"{1e3 * mean:+.3f} mm (mean along the normal), {wrong:.2f} % of another colour"
     )
-    assert n_masked > 50_000 and median < NOISE and abs(mean) < SHIFT and wrong < 0.1, form
+    assert n_masked > 50_000 and median < NOISE and abs(mean) < SHIFT and wrong < 0.1, format
 
 
 def png(path: Path) -> np.ndarray:

@@ -1,7 +1,7 @@
 use nextview_scan::Named;
 use std::fmt;
 
-/// A form that other tools open.
+/// A format that other tools open.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Format {
     /// A data set of the BOP benchmark with one object and one scene.
@@ -16,7 +16,7 @@ pub enum Format {
     Open3d,
     /// The cloud as a file of the Point Cloud Library.
     Pcd,
-    /// A sequence in the form of the TUM RGB-D benchmark.
+    /// A sequence in the format of the TUM RGB-D benchmark.
     Tum,
 }
 

@@ -1,7 +1,7 @@
-//! Results of a scan in the forms that other tools open.
+//! Results of a scan in the formats that other tools open.
 //!
 //! [`export`] reads what a scan left in its folder (frames, cloud, mesh, record) and writes a folder of its
-//! own. All forms hold the same pictures: those of the frames in the map, without lens distortion, in the
+//! own. All formats hold the same pictures: those of the frames in the map, without lens distortion, in the
 //! poses in which they were mapped. `docs/export.md` lists files, axes and units of each.
 
 mod format;
@@ -13,6 +13,7 @@ mod undistort;
 mod view;
 
 pub use format::Format;
+pub use formats::NamedFile;
 
 use nextview_scan::files::{Overwrite, ResultFolder};
 use nextview_scan::{Fault, Faults};
@@ -25,9 +26,6 @@ use std::path::Path;
 pub struct Exported {
     /// Number of pictures.
     pub n_views: usize,
-    /// The files: their names, relative to the folder and with `/`, and their contents; none once they are
-    /// written.
-    pub files: Vec<(String, Vec<u8>)>,
     /// Remarks for the user, such as what was left out.
     pub notes: Vec<String>,
 }
@@ -35,7 +33,7 @@ pub struct Exported {
 /// Writes the results in the folder `results` into the folder `out`, which appears as a whole or not at all.
 ///
 /// # Errors
-/// If `results` holds no frames, or one of its files is damaged; if the form needs colours and a frame has
+/// If `results` holds no frames, or one of its files is damaged; if the format needs colours and a frame has
 /// none; if `out` holds files of the same names and the rule does not allow to replace them, or if it is the
 /// folder of the results.
 pub fn export(results: &Path, format: Format, out: &Path, rule: Overwrite) -> Result<Exported, Faults> {
@@ -45,19 +43,19 @@ pub fn export(results: &Path, format: Format, out: &Path, rule: Overwrite) -> Re
         return Err(fault.with_remedy("choose another folder (`out`)").into());
     }
     let mut folder = ResultFolder::begin(out, format.entries(), rule)?;
-    let Exported { n_views, files, notes } = export_files(results, format)?;
+    let (files, exported) = export_files(results, format)?;
     for (name, bytes) in files {
         folder.add(name, |w| Ok(w.write_all(&bytes)?))?;
     }
     folder.publish()?;
-    Ok(Exported { n_views, files: Vec::new(), notes })
+    Ok(exported)
 }
 
-/// The same without writing anything.
+/// The files of the same export, unwritten.
 ///
 /// # Errors
 /// As [`export`], but for those of the folder `out`.
-pub fn export_files(results: &Path, format: Format) -> Result<Exported, Faults> {
+pub fn export_files(results: &Path, format: Format) -> Result<(Vec<NamedFile>, Exported), Faults> {
     let scanned = Scanned::read(results)?;
     scanned.check(format)?;
     let files = formats::files(format, &scanned)?;
@@ -67,5 +65,5 @@ pub fn export_files(results: &Path, format: Format) -> Result<Exported, Faults> 
         n if n == n_views => vec!["the frames have no colour images".to_owned()],
         n => vec![format!("{n} of {n_views} frames have no colour image")],
     };
-    Ok(Exported { n_views, files, notes })
+    Ok((files, Exported { n_views, notes }))
 }

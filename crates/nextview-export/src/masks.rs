@@ -37,8 +37,10 @@ impl Masks {
     pub fn of(&self, view: &View) -> Result<Mask, Fault> {
         let rendered = self.camera.render_depth(&view.world_from_camera())?;
         let whole: Vec<bool> = rendered.iter().map(|depth| depth.is_finite()).collect();
-        let visible =
-            rendered.iter().zip(view.pixels()).map(|(depth, pixel)| is_seen(f64::from(*depth), pixel));
+        let visible = rendered
+            .iter()
+            .zip(view.frame.image().pixels())
+            .map(|(depth, pixel)| is_seen(f64::from(*depth), pixel));
         Ok(Mask { whole, visible: visible.collect() })
     }
 }

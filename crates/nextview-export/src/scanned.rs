@@ -22,14 +22,12 @@ pub(crate) struct Scanned {
 impl Scanned {
     /// Reads the results.
     pub fn read(dir: &Path) -> Result<Self, Faults> {
+        let table = ScanRecord::read(dir)?.table();
         let frames = dir.join(FRAMES_FOLDER);
         if !frames.is_dir() {
-            let fault = Fault::data("holds no results of a scan: there is no folder frames").in_file(dir);
-            return Err(fault
-                .with_remedy("scan first: `nextview scan` writes frames beside the model")
-                .into());
+            let fault = Fault::data("holds no frames of the scan: there is no folder frames").in_file(dir);
+            return Err(fault.with_remedy("scan again: a scan leaves its frames there").into());
         }
-        let table = ScanRecord::read(dir)?.table();
         let recording = Recording::open(&frames, &ReadOptions::default())?;
         let views = recording.frames.par_iter().map(view).collect::<Result<Vec<_>, Fault>>()?;
         Ok(Self {
@@ -40,7 +38,7 @@ impl Scanned {
         })
     }
 
-    /// Fails if the form needs what the results do not have.
+    /// Fails if the format needs what the results do not have.
     pub fn check(&self, format: Format) -> Result<(), Fault> {
         let uncolored = self.views.iter().find(|view| view.color.is_none());
         if let Some(view) = uncolored.filter(|_| format.needs_color()) {

@@ -24,7 +24,7 @@ pub(crate) fn undistorted(
         .map(|pixel| lens.project(ideal.deproject(pixel)?.extend(1.0)).filter(|place| lens.contains(*place)))
         .collect();
     let depth =
-        places.iter().map(|place| metres(place.map_or(Depth::Missing, |p| nearest(frame.image(), p))));
+        places.iter().map(|place| place.map_or(Depth::Missing, |p| nearest(frame.image(), p)).metres());
     let image = DepthImage::from_metres(width, height, depth.collect())?;
     let color = color.map(|color| {
         let pixels = places.iter().map(|place| place.map_or([0; 3], |place| blended(&color, place)));
@@ -37,14 +37,6 @@ pub(crate) fn undistorted(
 fn nearest(image: &DepthImage, place: DVec2) -> Depth {
     let clamp = |x: f64, n: u32| (x.round().max(0.0) as u32).min(n - 1);
     image.get(clamp(place.x, image.width()), clamp(place.y, image.height()))
-}
-
-fn metres(pixel: Depth) -> f32 {
-    match pixel {
-        Depth::Missing => f32::NAN,
-        Depth::Beyond => f32::INFINITY,
-        Depth::Surface(depth) => depth,
-    }
 }
 
 fn blended(image: &ColorImage, place: DVec2) -> [u8; 3] {

@@ -1,4 +1,4 @@
-use crate::patches::Patches;
+use crate::patches::{FEWEST, Patches};
 use glam::DVec3;
 use nextview::registration::SurfacePoint;
 use nextview_sim::accuracy::SurfaceDistance;
@@ -32,9 +32,6 @@ pub(crate) enum Verdict {
     /// Noise hides which of both.
     Uncertain,
 }
-
-/// A patch of fewer points says nothing.
-const FEWEST: usize = 5;
 
 /// Least cosine between the normals of a patch: around an edge, another side is another surface.
 const AGREEMENT: f64 = 0.5;

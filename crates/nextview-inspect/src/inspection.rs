@@ -1,7 +1,7 @@
 use crate::defects::defects;
 use crate::deviation::{Deviation, Deviations, Verdict, deviations};
 use crate::fit::{Fit, fit};
-use crate::patches::Patches;
+use crate::patches::{Patches, suitable_radius};
 use crate::record::InspectionRecord;
 use glam::DVec3;
 use nextview::Cancel;
@@ -17,14 +17,15 @@ use std::path::Path;
 pub struct InspectionConfig {
     /// Deviations up to this, in millimetres, are none; positive. Default 0.5.
     pub tolerance_mm: f64,
-    /// Radius, in millimetres, of the patches over which deviations are averaged; positive. By default 2: a
-    /// smaller one shows smaller defects, a larger one is less noisy.
-    pub patch_mm: f64,
+    /// Radius, in millimetres, of the patches over which deviations are averaged; positive. A smaller one
+    /// shows smaller defects, a larger one is less noisy. By default 2, or more where the cloud's points are
+    /// so far apart that more than a tenth of the patches would hold fewer than five of them.
+    pub patch_mm: Option<f64>,
 }
 
 impl Default for InspectionConfig {
     fn default() -> Self {
-        Self { tolerance_mm: 0.5, patch_mm: 2.0 }
+        Self { tolerance_mm: 0.5, patch_mm: None }
     }
 }
 
@@ -38,7 +39,7 @@ pub struct Inspection {
     pub(crate) deviations: Vec<Deviation>,
 }
 
-/// Less of the points near the model, and it is another one.
+/// If a smaller share of the points lies near the model, it is taken for another part.
 const LEAST_FIT: f64 = 0.6;
 
 /// Samples of the model that tell how much of it was measured.
@@ -57,8 +58,10 @@ pub fn inspect(
     config: InspectionConfig,
     cancel: &Cancel,
 ) -> Result<Inspection, Faults> {
-    let faults = [("tolerance_mm", config.tolerance_mm), ("patch_mm", config.patch_mm)]
+    let values = [("tolerance_mm", Some(config.tolerance_mm)), ("patch_mm", config.patch_mm)];
+    let faults = values
         .into_iter()
+        .filter_map(|(key, value)| Some((key, value?)))
         .filter(|(_, value)| !(*value > 0.0 && value.is_finite()))
         .map(|(key, value)| Fault::of_value(key, value, "a positive number of millimetres"));
     if let Some(faults) = Faults::of(faults.collect()) {
@@ -92,7 +95,8 @@ pub fn inspect(
     };
     let points: Vec<SurfacePoint> = in_world.iter().map(moved).collect();
     let positions: Vec<DVec3> = points.iter().map(|point| point.position).collect();
-    let patches = Patches::new(&positions, config.patch_mm / 1e3);
+    let radius = config.patch_mm.map_or_else(|| suitable_radius(&positions), |patch_mm| patch_mm / 1e3);
+    let patches = Patches::new(&positions, radius);
     let Deviations { of_points: deviations, correlated_error } =
         deviations(&points, &positions, &surface, &patches);
     let tolerance = config.tolerance_mm / 1e3;
@@ -103,10 +107,11 @@ pub fn inspect(
     let samples = sample_surface(reference, N_SAMPLES, 0);
     let n_inspected = samples.par_iter().filter(|sample| patches.around(**sample).next().is_some()).count();
     let square = deviations.iter().map(|deviation| deviation.mean.powi(2)).sum::<f64>();
+    let median_error = 1e3 * quantile(deviations.iter().map(|deviation| deviation.error), 0.5);
     let record = InspectionRecord {
         reference: name.to_owned(),
         tolerance_mm: config.tolerance_mm,
-        patch_mm: config.patch_mm,
+        patch_mm: 1e3 * radius,
         reference_from_world: rows_of_pose(&reference_from_world),
         fitted_share: share,
         n_points: points.len(),
@@ -116,7 +121,7 @@ pub fn inspect(
         deviation_rms_mm: 1e3 * (square / deviations.len() as f64).sqrt(),
         deviation_p95_mm: 1e3 * quantile(deviations.iter().map(|deviation| deviation.mean.abs()), 0.95),
         correlated_error_mm: 1e3 * correlated_error,
-        standard_error_median_mm: 1e3 * quantile(deviations.iter().map(|deviation| deviation.error), 0.5),
+        standard_error_median_mm: Some(median_error).filter(|error| error.is_finite()),
         defects: defects(&positions, &deviations, tolerance, &patches),
     };
     Ok(Inspection { record, points, deviations })

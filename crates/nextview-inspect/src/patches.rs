@@ -10,6 +10,38 @@ pub(crate) struct Patches<'a> {
     cells: FxHashMap<IVec3, Vec<u32>>,
 }
 
+/// Smallest radius that is chosen, metres.
+const SMALLEST: f64 = 0.002;
+
+/// Radii are chosen that are larger by this factor each.
+const GROWTH: f64 = 1.25;
+
+/// A patch of fewer points says nothing.
+pub(crate) const FEWEST: usize = 5;
+
+/// Share of the patches of a chosen radius that may hold fewer.
+const MAY_HOLD_FEWER: f64 = 0.1;
+
+/// Number of patches that are counted for that.
+const N_COUNTED: usize = 500;
+
+/// The radius of patches for points so far apart, metres: as small as nearly all of them can be.
+pub(crate) fn suitable_radius(positions: &[DVec3]) -> f64 {
+    let size = positions.iter().map(|position| position.distance(positions[0])).fold(0.0, f64::max);
+    let mut radius = SMALLEST;
+    while radius < size {
+        let patches = Patches::new(positions, radius);
+        let counted = positions.iter().step_by(positions.len().div_ceil(N_COUNTED));
+        let mut counts: Vec<usize> = counted.map(|position| patches.around(*position).count()).collect();
+        counts.sort_unstable();
+        if counts[(MAY_HOLD_FEWER * counts.len() as f64) as usize] >= FEWEST {
+            break;
+        }
+        radius *= GROWTH;
+    }
+    radius
+}
+
 impl<'a> Patches<'a> {
     /// Of finite points, for a positive distance.
     pub fn new(positions: &'a [DVec3], radius: f64) -> Self {
@@ -35,4 +67,34 @@ impl<'a> Patches<'a> {
 
 fn cell(position: DVec3, radius: f64) -> IVec3 {
     (position / radius).floor().as_ivec3()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use nextview::geometry::random::Random;
+
+    #[test]
+    fn a_patch_holds_what_asking_every_point_finds() {
+        let mut random = Random::new(2, 0);
+        let positions: Vec<DVec3> = (0..500).map(|_| random.in_cube()).collect();
+        let patches = Patches::new(&positions, 0.3);
+        for from in &positions[..50] {
+            let mut found: Vec<usize> = patches.around(*from).collect();
+            found.sort_unstable();
+            let is_near = |i: &usize| positions[*i].distance(*from) <= 0.3;
+            assert_eq!(found, (0..500).filter(is_near).collect::<Vec<_>>());
+        }
+    }
+
+    #[test]
+    fn the_radius_suits_the_distance_of_the_points() {
+        let plane = |spacing: f64| -> Vec<DVec3> {
+            (0..60 * 60).map(|i| DVec3::new(f64::from(i % 60), f64::from(i / 60), 0.0) * spacing).collect()
+        };
+        assert_eq!(suitable_radius(&plane(0.0005)), SMALLEST);
+        let radius = suitable_radius(&plane(0.0025));
+        assert!((0.0025..0.005).contains(&radius), "{radius}");
+        assert_eq!(suitable_radius(&[DVec3::ONE]), SMALLEST);
+    }
 }

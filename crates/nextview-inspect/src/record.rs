@@ -30,8 +30,10 @@ pub struct InspectionRecord {
     /// The part of the standard errors that neighbouring points have in common, as the waves of a stereo
     /// camera: what most deviations vary more than the noise within patches explains.
     pub correlated_error_mm: f64,
-    /// Half of the points have a smaller standard error of their deviation.
-    pub standard_error_median_mm: f64,
+    /// Half of the points have a smaller standard error of their deviation; none where most patches hold too
+    /// few points to tell.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub standard_error_median_mm: Option<f64>,
     /// Where the part deviates, the largest deviation first.
     pub defects: Vec<DefectRecord>,
 }

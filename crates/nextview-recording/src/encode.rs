@@ -21,16 +21,15 @@ pub fn encode_depth(image: &DepthImage, unit: f64) -> Vec<u8> {
         Depth::Surface(depth) => (f64::from(depth) / unit).round(),
         Depth::Missing | Depth::Beyond => 0.0,
     };
-    let pixels = (0..image.height()).flat_map(|v| (0..image.width()).map(move |u| image.get(u, v)));
-    let units = pixels.map(units).map(|units| if units > f64::from(u16::MAX) { 0 } else { units as u16 });
+    let units =
+        image.pixels().map(units).map(|units| if units > f64::from(u16::MAX) { 0 } else { units as u16 });
     let bytes: Vec<u8> = units.flat_map(u16::to_be_bytes).collect();
     encode((image.width(), image.height()), ColorType::Grayscale, BitDepth::Sixteen, &bytes)
 }
 
 /// A colour image as the bytes of a PNG file of 8 bits of red, green and blue each.
 pub fn encode_color(image: &ColorImage) -> Vec<u8> {
-    let pixels = (0..image.height()).flat_map(|v| (0..image.width()).flat_map(move |u| image.get(u, v)));
-    let bytes: Vec<u8> = pixels.collect();
+    let bytes: Vec<u8> = image.pixels().flatten().collect();
     encode((image.width(), image.height()), ColorType::Rgb, BitDepth::Eight, &bytes)
 }
 

@@ -100,8 +100,7 @@ impl RecordedFrame {
 
 /// The reason why an image is useless; none if it shows something.
 pub(crate) fn uselessness(image: &DepthImage) -> Option<String> {
-    let pixels = (0..image.height()).flat_map(|v| (0..image.width()).map(move |u| image.get(u, v)));
-    let mut pixels = pixels.peekable();
+    let mut pixels = image.pixels().peekable();
     let first = *pixels.peek()?;
     if pixels.any(|pixel| pixel != first) {
         return None;

@@ -33,12 +33,12 @@ pub fn write_folder<E>(
     let unit = FINE_UNIT.max(farthest / f64::from(u16::MAX));
     write("intrinsics.txt", intrinsics_text(first.frame.intrinsics(), unit).into_bytes())?;
     write("poses.csv", poses_text(frames).into_bytes())?;
-    let has_free = frames.iter().any(|of| pixels(of.frame.image()).any(|pixel| pixel == Depth::Beyond));
+    let has_free = frames.iter().any(|of| of.frame.image().pixels().any(|pixel| pixel == Depth::Beyond));
     for (i, NumberedFrame { number, frame }) in frames.iter().enumerate() {
         let image = frame.image();
         write(&format!("depth/{number:03}.png"), encode_depth(image, unit))?;
         if has_free {
-            let mask: Vec<bool> = pixels(image).map(|pixel| pixel != Depth::Beyond).collect();
+            let mask: Vec<bool> = image.pixels().map(|pixel| pixel != Depth::Beyond).collect();
             write(&format!("mask/{number:03}.png"), encode_mask(image.width(), image.height(), &mask))?;
         }
         if let Some(color) = color(i)? {
@@ -48,12 +48,8 @@ pub fn write_folder<E>(
     Ok(())
 }
 
-fn pixels(image: &DepthImage) -> impl Iterator<Item = Depth> + '_ {
-    (0..image.height()).flat_map(move |v| (0..image.width()).map(move |u| image.get(u, v)))
-}
-
 fn depths(image: &DepthImage) -> impl Iterator<Item = f64> + '_ {
-    pixels(image).filter_map(|pixel| match pixel {
+    image.pixels().filter_map(|pixel| match pixel {
         Depth::Surface(depth) => Some(f64::from(depth)),
         Depth::Missing | Depth::Beyond => None,
     })
@@ -141,7 +137,7 @@ mod tests {
                 assert!(
                     a.translation() == b.translation() && a.rotation().angle_between(b.rotation()) < 1e-7
                 );
-                for (a, b) in pixels(read.load().unwrap().image()).zip(pixels(written.image())) {
+                for (a, b) in read.load().unwrap().image().pixels().zip(written.image().pixels()) {
                     match (a, b) {
                         (Depth::Surface(a), Depth::Surface(b)) => assert!((a - b).abs() < 8e-5, "{a} {b}"),
                         _ => assert_eq!(a, b),

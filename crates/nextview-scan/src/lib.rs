@@ -27,6 +27,7 @@ mod record;
 mod results;
 mod run;
 mod saved_map;
+#[cfg(feature = "simulated")]
 mod saved_model;
 mod source;
 
@@ -47,6 +48,7 @@ pub use results::{
 };
 pub use run::{Begin, Evaluator, FinishedScan, Measured, Next, ScanRun, TakenFrame};
 pub use saved_map::SavedMap;
+#[cfg(feature = "simulated")]
 pub use saved_model::SavedModel;
 pub use source::*;
 

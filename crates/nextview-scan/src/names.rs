@@ -1,5 +1,7 @@
 //! Enums whose values have names that users type.
 
+use crate::Fault;
+
 /// A type whose values users name.
 pub trait Named: Copy + PartialEq + Sized + 'static {
     /// All values, in the order in which they are listed.
@@ -14,6 +16,12 @@ pub trait Named: Copy + PartialEq + Sized + 'static {
     /// The value of this name.
     fn of_name(name: &str) -> Option<Self> {
         Self::ALL.iter().copied().find(|value| value.name() == name)
+    }
+
+    /// The same for the value of a key; the fault lists all names.
+    fn of_key(key: &str, name: &str) -> Result<Self, Fault> {
+        let names = || Self::ALL.iter().map(|value| value.name()).collect::<Vec<_>>().join(", ");
+        Self::of_name(name).ok_or_else(|| Fault::of_value(key, name, format!("one of {}", names())))
     }
 }
 

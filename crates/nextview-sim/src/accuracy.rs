@@ -90,8 +90,8 @@ impl SurfaceDistance {
     /// outside. Where triangles meet, the sum of their normals decides (Bærentzen & Aanæs 2005, without
     /// their angles).
     pub fn signed_at(&self, point: DVec3) -> f64 {
-        let distance = self.at(point);
         let foot = self.foot(point).0;
+        let distance = foot.distance(point);
         let mut normal = DVec3::ZERO;
         self.add_normals(&self.root, point, distance * distance * (1.0 + 1e-9) + f64::EPSILON, &mut normal);
         if (point - foot).dot(normal) < 0.0 { -distance } else { distance }

@@ -2,20 +2,21 @@ use super::values;
 use crate::{Failure, stdout};
 use clap::Args;
 use nextview_export::Format;
+use nextview_scan::files::Overwrite;
 use std::path::PathBuf;
 
-/// Write the results of a scan in the form that another tool opens.
+/// Write the results of a scan in the format that another tool opens.
 ///
 /// Reads the folder of a scan: frames in the poses in which they were mapped, cloud, mesh and record. All
-/// forms hold the same pictures, without lens distortion; masks come from the final mesh. colmap,
+/// formats hold the same pictures, without lens distortion; masks come from the final mesh. colmap,
 /// foundationpose and nerfstudio need frames with colour.
 #[derive(Debug, Args)]
 #[command(after_help = EXAMPLES)]
 pub(super) struct ExportArgs {
     /// The folder of the scan
     dir: PathBuf,
-    /// The form
-    #[arg(long, value_name = "FORM", value_parser = values::named::<Format>())]
+    /// The format
+    #[arg(long, value_name = "FORMAT", value_parser = values::named::<Format>())]
     to: Format,
     /// The folder for it
     #[arg(long, value_name = "DIR")]
@@ -33,7 +34,7 @@ Examples:
 
 impl ExportArgs {
     pub fn run(self) -> Result<(), Failure> {
-        let rule = values::overwrite(self.force);
+        let rule = Overwrite::forced(self.force);
         let exported = nextview_export::export(&self.dir, self.to, &self.out, rule)?;
         exported.notes.iter().for_each(|note| eprintln!("note: {note}"));
         stdout::print(format!("{} views as {} in {}\n", exported.n_views, self.to, self.out.display()))

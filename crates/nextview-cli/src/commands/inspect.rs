@@ -1,10 +1,10 @@
-use super::values::{self, named, positive};
+use super::values::{named, positive};
 use crate::{Failure, stdout};
 use clap::Args;
 use nextview::Cancel;
 use nextview_inspect::{INSPECTION_FILES, InspectionConfig, InspectionRecord, inspect, write_inspection};
 use nextview_scan::UnitName;
-use nextview_scan::files::ResultFolder;
+use nextview_scan::files::{Overwrite, ResultFolder};
 use nextview_sim::mesh;
 use std::path::PathBuf;
 
@@ -28,9 +28,9 @@ pub(super) struct InspectArgs {
     #[arg(long, value_name = "MM", value_parser = positive, default_value = "0.5", allow_negative_numbers = true)]
     tolerance_mm: f64,
     /// Radius of the patches over which deviations are averaged: smaller ones show smaller defects, larger
-    /// ones have less noise
-    #[arg(long, value_name = "MM", value_parser = positive, default_value = "2", allow_negative_numbers = true)]
-    patch_mm: f64,
+    /// ones have less noise [default: 2, or more where the cloud's points are far apart]
+    #[arg(long, value_name = "MM", value_parser = positive, allow_negative_numbers = true)]
+    patch_mm: Option<f64>,
     /// The folder for inspection.json and deviation.ply
     #[arg(long, value_name = "DIR")]
     out: PathBuf,
@@ -49,7 +49,7 @@ Examples:
 
 impl InspectArgs {
     pub fn run(self) -> Result<(), Failure> {
-        let rule = values::overwrite(self.force).but(vec![self.reference.clone()]);
+        let rule = Overwrite::forced(self.force).but(vec![self.reference.clone()]);
         let mut folder = ResultFolder::begin(&self.out, INSPECTION_FILES, rule)?;
         let (reference, scaling) = mesh::load(&self.reference)?.to_metres(self.unit.into())?;
         eprintln!("note: {}: {scaling}", self.reference.display());
@@ -67,6 +67,13 @@ impl InspectArgs {
 
 fn text(record: &InspectionRecord) -> String {
     let percent = |share: f64| format!("{:.1} %", 1e2 * share);
+    let standard_error = match record.standard_error_median_mm {
+        Some(error) => format!(
+            "{error:.3} mm (median), {:.3} mm of it common to neighbouring points",
+            record.correlated_error_mm
+        ),
+        None => "not known: most patches hold too few points; try a larger --patch-mm".to_owned(),
+    };
     let mut text = format!(
         "points                 {}\n\
          near the model         {}\n\
@@ -74,7 +81,8 @@ fn text(record: &InspectionRecord) -> String {
          within {} mm{:width$}{}\n\
          uncertain              {}\n\
          deviation              {:.3} mm (root mean square), {:.3} mm (95 %)\n\
-         standard error         {:.3} mm (median), of which neighbours share {:.3} mm\n",
+         standard error         {}\n\
+         patches                {:.1} mm around each point\n",
         record.n_points,
         percent(record.fitted_share),
         percent(record.inspected_share),
@@ -84,8 +92,8 @@ fn text(record: &InspectionRecord) -> String {
         percent(record.uncertain_share),
         record.deviation_rms_mm,
         record.deviation_p95_mm,
-        record.standard_error_median_mm,
-        record.correlated_error_mm,
+        standard_error,
+        record.patch_mm,
         width = 13_usize.saturating_sub(record.tolerance_mm.to_string().len()),
     );
     if record.defects.is_empty() {

@@ -2,6 +2,7 @@ use super::values;
 use crate::{Failure, stdout};
 use clap::{Args, Subcommand};
 use nextview::geometry::Aabb;
+use nextview_scan::files::Overwrite;
 use nextview_scan::{MapSummary, SavedMap, convert_map};
 use std::path::PathBuf;
 
@@ -69,7 +70,7 @@ impl InfoArgs {
 
 impl ConvertArgs {
     fn run(self) -> Result<(), Failure> {
-        Ok(convert_map(&self.from, &self.to, values::overwrite(self.force))?)
+        Ok(convert_map(&self.from, &self.to, Overwrite::forced(self.force))?)
     }
 }
 

@@ -1,9 +1,8 @@
-use super::values;
 use crate::{Failure, stdout};
 use clap::Args;
 use nextview_campaign::store;
 use nextview_report::{campaign_report, is_campaign_report};
-use nextview_scan::files::{self, ResultFolder};
+use nextview_scan::files::{self, Overwrite, ResultFolder};
 use std::io::Write;
 use std::path::PathBuf;
 
@@ -31,7 +30,7 @@ impl ReportArgs {
     pub fn run(self) -> Result<(), Failure> {
         let campaign = store::read(&self.dir)?;
         let [html, markdown] = campaign_report(&campaign)?;
-        let rule = values::overwrite(self.force || FILES.iter().all(|name| self.may_replace(name)));
+        let rule = Overwrite::forced(self.force || FILES.iter().all(|name| self.may_replace(name)));
         let mut folder = ResultFolder::begin(&self.dir, FILES, rule)?;
         folder.add("report.html", |w| Ok(w.write_all(html.as_bytes())?))?;
         folder.add("report.md", |w| Ok(w.write_all(markdown.as_bytes())?))?;

@@ -4,7 +4,6 @@ use clap::builder::{OsStringValueParser, PossibleValue, PossibleValuesParser, Ty
 use glam::DVec3;
 use nextview::geometry::Aabb;
 use nextview_campaign::Shard;
-use nextview_scan::files::Overwrite;
 use nextview_scan::{Fault, Named};
 use serde::de::DeserializeOwned;
 use std::ffi::OsString;
@@ -38,11 +37,6 @@ pub(super) fn shard(text: &str) -> Result<Shard, String> {
 pub(super) fn file_name() -> impl TypedValueParser<Value = String> {
     let text = |name: OsString| name.into_string().map_err(|_| "the name is not Unicode: rename the file");
     OsStringValueParser::new().try_map(text)
-}
-
-/// What may be written over with and without `--force`.
-pub(super) fn overwrite(force: bool) -> Overwrite {
-    if force { Overwrite::results() } else { Overwrite::nothing() }
 }
 
 /// A finite number.

@@ -2,6 +2,7 @@ use super::values::{self, named};
 use crate::{Failure, stdout};
 use clap::Args;
 use glam::DVec3;
+use nextview_scan::files::Overwrite;
 use nextview_scan::{ViewRule, files};
 use std::path::PathBuf;
 
@@ -43,7 +44,7 @@ impl ViewsArgs {
         let views = self.rule.views(self.center, self.size_m, None, self.count, self.seed)?;
         match &self.out {
             Some(path) => {
-                let rule = values::overwrite(self.force);
+                let rule = Overwrite::forced(self.force);
                 Ok(files::write(path, &rule, |writer| Ok(views.write_csv(writer)?))?)
             }
             None => {

@@ -21,6 +21,8 @@ mod export;
 #[cfg(test)]
 mod help;
 #[cfg(test)]
+mod inspect;
+#[cfg(test)]
 #[cfg(unix)]
 mod interrupt;
 #[cfg(test)]

@@ -4,13 +4,13 @@
 use super::out::Out;
 use crate::masks::{Mask, Masks};
 use crate::scanned::Scanned;
-use crate::view::{View, rows};
+use crate::view::View;
 use glam::DVec3;
 use nextview::geometry::sphere;
 use nextview::sensor::Depth;
 use nextview::surface::{CloudPoint, write_mesh};
 use nextview_recording::{encode_color, encode_depth, encode_mask};
-use nextview_scan::Fault;
+use nextview_scan::{Fault, rows_of_pose};
 use serde_json::{Map, Value, json};
 
 /// Metres per unit of depth.
@@ -62,7 +62,7 @@ pub(super) fn write(scanned: &Scanned, out: &mut Out) -> Result<(), Fault> {
 
 /// Rotation row by row, and translation in millimetres.
 fn camera_from_world(view: &View) -> (Vec<f64>, Vec<f64>) {
-    let rows = rows(&view.world_from_camera().inverse());
+    let rows = rows_of_pose(&view.world_from_camera().inverse());
     let rotation = rows[..3].iter().flat_map(|row| row[..3].to_vec()).collect();
     (rotation, rows[..3].iter().map(|row| MM * row[3]).collect())
 }
@@ -105,7 +105,7 @@ fn info(view: &View, mask: &Mask, width: u32) -> Value {
     let count = |mask: &[bool]| mask.iter().filter(|is_object| **is_object).count();
     let (n_all, n_visible) = (count(&mask.whole), count(&mask.visible));
     let is_valid = |(pixel, is_object): (Depth, &bool)| *is_object && matches!(pixel, Depth::Surface(_));
-    let n_valid = view.pixels().zip(&mask.whole).filter(|pair| is_valid(*pair)).count();
+    let n_valid = view.frame.image().pixels().zip(&mask.whole).filter(|pair| is_valid(*pair)).count();
     json!({
         "bbox_obj": bounds(&mask.whole, width),
         "bbox_visib": bounds(&mask.visible, width),

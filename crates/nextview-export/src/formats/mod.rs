@@ -1,4 +1,4 @@
-//! One file per form.
+//! One file per format.
 
 mod bop;
 mod colmap;
@@ -12,9 +12,11 @@ mod tum;
 use crate::Format;
 use crate::scanned::Scanned;
 use nextview_scan::Fault;
-use out::{NamedFile, Out};
+use out::Out;
 
-/// All files of a form.
+pub use out::NamedFile;
+
+/// All files of a format.
 pub(crate) fn files(format: Format, scanned: &Scanned) -> Result<Vec<NamedFile>, Fault> {
     let mut out = Out::default();
     match format {

@@ -4,11 +4,10 @@
 use super::out::Out;
 use crate::masks::Masks;
 use crate::scanned::Scanned;
-use crate::view::rows;
 use nextview::geometry::Pose;
 use nextview::surface::write_cloud;
 use nextview_recording::{encode_color, encode_depth, encode_mask};
-use nextview_scan::Fault;
+use nextview_scan::{Fault, rows_of_pose};
 use serde_json::json;
 
 /// Metres per unit of depth: nerfstudio's default.
@@ -61,5 +60,5 @@ pub(super) fn write(scanned: &Scanned, out: &mut Out) -> Result<(), Fault> {
 
 /// The rows of the camera's matrix with OpenGL axes: y and z point the other way.
 fn opengl(world_from_camera: &Pose) -> [[f64; 4]; 4] {
-    rows(world_from_camera).map(|[x, y, z, t]| [x, -y, -z, t])
+    rows_of_pose(world_from_camera).map(|[x, y, z, t]| [x, -y, -z, t])
 }

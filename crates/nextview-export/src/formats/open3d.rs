@@ -2,8 +2,9 @@
 
 use super::out::Out;
 use crate::scanned::Scanned;
-use crate::view::{matrix_text, rows};
+use crate::view::matrix_text;
 use nextview_recording::{encode_color, encode_depth};
+use nextview_scan::rows_of_pose;
 use serde_json::{Value, json};
 use std::fmt::Write;
 
@@ -21,7 +22,7 @@ pub(super) fn write(scanned: &Scanned, out: &mut Out) {
             "class_name": "PinholeCameraParameters",
             "version_major": 1,
             "version_minor": 0,
-            "extrinsic": by_columns(&rows(&pose.inverse())),
+            "extrinsic": by_columns(&rows_of_pose(&pose.inverse())),
             "intrinsic": intrinsic,
         }));
         let stem = view.stem();

@@ -1,5 +1,5 @@
-/// A file: its name, relative and with `/`, and its content.
-pub(super) type NamedFile = (String, Vec<u8>);
+/// A file of an export: its name, relative to the folder and with `/`, and its content.
+pub type NamedFile = (String, Vec<u8>);
 
 /// Where files go.
 #[derive(Default)]

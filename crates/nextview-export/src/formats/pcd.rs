@@ -34,7 +34,7 @@ pub(super) fn write(scanned: &Scanned, out: &mut Out) {
             normal.iter().for_each(|x| put(&mut bytes, *x));
         }
         if has_colors {
-            // Blue first: the number 0xRRGGBB in little-endian form, read as a float.
+            // Blue first: the number 0xRRGGBB in little-endian format, read as a float.
             let [r, g, b] = point.color.unwrap_or_default();
             bytes.extend([b, g, r, 0]);
         }

@@ -36,6 +36,11 @@ impl Overwrite {
         Self { replaces: true, inputs: Vec::new() }
     }
 
+    /// All of them if that is forced, or else none.
+    pub fn forced(is_forced: bool) -> Self {
+        if is_forced { Self::results() } else { Self::nothing() }
+    }
+
     /// The same, but none of these files, which are read.
     pub fn but(self, inputs: Vec<PathBuf>) -> Self {
         Self { inputs, ..self }

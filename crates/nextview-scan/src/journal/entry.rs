@@ -2,7 +2,7 @@
 
 use super::kept::{JournalEntry, KeptFrame, SkippedView};
 use nextview::geometry::Pose;
-use nextview::sensor::{ColorImage, Depth, DepthImage, Frame, Intrinsics};
+use nextview::sensor::{ColorImage, DepthImage, Frame, Intrinsics};
 use serde::{Deserialize, Serialize};
 
 /// An entry to write.
@@ -117,24 +117,14 @@ fn versioned(bytes: &[u8]) -> Result<&[u8], String> {
 /// The depths as little-endian numbers, the first byte of all pixels first, and so on: similar bytes lie
 /// together.
 fn compressed(image: &DepthImage) -> Vec<u8> {
-    let pixels = (0..image.height()).flat_map(|v| (0..image.width()).map(move |u| image.get(u, v)));
-    let depths: Vec<[u8; 4]> = pixels.map(|pixel| metres(pixel).to_le_bytes()).collect();
+    let depths: Vec<[u8; 4]> = image.pixels().map(|pixel| pixel.metres().to_le_bytes()).collect();
     let planes: Vec<u8> = (0..4).flat_map(|i| depths.iter().map(move |depth| depth[i])).collect();
     lz4_flex::block::compress(&planes)
 }
 
-fn metres(pixel: Depth) -> f32 {
-    match pixel {
-        Depth::Missing => f32::NAN,
-        Depth::Beyond => f32::INFINITY,
-        Depth::Surface(depth) => depth,
-    }
-}
-
 /// The red, green and blue of all pixels.
 fn compressed_color(image: &ColorImage) -> Vec<u8> {
-    let pixels = (0..image.height()).flat_map(|v| (0..image.width()).map(move |u| image.get(u, v)));
-    lz4_flex::block::compress(&pixels.flatten().collect::<Vec<u8>>())
+    lz4_flex::block::compress(&image.pixels().flatten().collect::<Vec<u8>>())
 }
 
 fn decompressed(bytes: &[u8], intrinsics: &Intrinsics) -> Result<DepthImage, String> {

@@ -184,8 +184,7 @@ fn all_is_written_but_what_fails() {
     let Results { record, faults } = write_results(&mut results, &config, &scan);
     results.publish().unwrap();
     let faults = faults.unwrap().to_string();
-    assert!(faults.starts_with("cloud and mesh: no colour of view Some(0)"), "{faults}");
-    assert!(faults.contains("frames: no colour of view Some(0)"), "{faults}");
+    assert_eq!(faults, "cloud and mesh: no colour of view Some(0)\nframes: no colour of view Some(0)");
     assert!(record.views == 4 && record.cloud().is_none());
     let mut names: Vec<String> = std::fs::read_dir(&dir)
         .unwrap()

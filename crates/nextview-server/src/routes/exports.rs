@@ -9,7 +9,7 @@ use nextview_scan::{Fault, Named};
 use std::sync::Arc;
 
 pub(super) fn routes() -> Vec<Route> {
-    let summary = "The results of a finished scan as a tar archive in the form of another tool: bop, colmap, \
+    let summary = "The results of a finished scan as a tar archive in the format of another tool: bop, colmap, \
                    foundationpose, nerfstudio, open3d, pcd or tum";
     let doc = Doc::new(summary, Content::of("application/x-tar"));
     vec![Route::new("/scans/{id}/export/{format}").on(Method::Get, doc, get)]
@@ -20,12 +20,9 @@ async fn get(
     Path((id, format)): Path<(String, String)>,
 ) -> Result<Response, Refusal> {
     let scan = app.scans.find(&id)?;
-    let Some(format) = Format::of_name(&format) else {
-        let names: Vec<&str> = Format::ALL.iter().map(|format| format.name()).collect();
-        let format: String = format.chars().take(80).collect();
-        let fault = Fault::of_value("format", format, format!("one of {}", names.join(", ")));
-        return Err(Refusal::new(StatusCode::NOT_FOUND, fault));
-    };
+    let format: String = format.chars().take(80).collect();
+    let format = Format::of_key("format", &format);
+    let format = format.map_err(|fault| Refusal::new(StatusCode::NOT_FOUND, fault))?;
     let bytes = scan.with(move |work| {
         if !work.is_finished() {
             let fault = Fault::request("results are exported when the scan is finished");
@@ -35,8 +32,8 @@ async fn get(
             ));
         }
         let exported = export_files(work.dir(), format);
-        let exported = exported.map_err(|faults| Refusal::new(StatusCode::CONFLICT, faults))?;
-        Ok(archive(&exported.files)?)
+        let (files, _) = exported.map_err(|faults| Refusal::new(StatusCode::CONFLICT, faults))?;
+        Ok(archive(&files)?)
     });
     let named = format!("attachment; filename=\"{id}-{format}.tar\"");
     let kind = "application/x-tar";

@@ -1,6 +1,7 @@
 use super::raw::RawMesh;
 use super::{TriangleMesh, gltf, limit, obj, off, ply, stl};
 use crate::SimError;
+use nextview::surface::CloudPoint;
 use std::cell::RefCell;
 use std::path::{Component, Path, PathBuf};
 
@@ -33,6 +34,21 @@ pub fn load(path: &Path) -> Result<FileMesh, SimError> {
     let (mesh, n_dropped) = checked.map_err(in_file)?;
     let has_metres = matches!(extension.as_str(), "gltf" | "glb");
     Ok(FileMesh { path: path.to_owned(), mesh, n_dropped, has_metres })
+}
+
+/// Reads the points of a PLY file, a mesh or a cloud, with their normals and colours, and its triangles, in
+/// the file's unit. Fails as [`load`] does.
+pub fn load_points(path: &Path) -> Result<(Vec<CloudPoint>, Vec<[u32; 3]>), SimError> {
+    let files = Files { mesh: path, read: RefCell::default() };
+    let parsed = files.read(path).and_then(|bytes| ply::parse_points(&bytes));
+    let checked = parsed.and_then(|(points, mesh)| {
+        limit::check(points.len(), mesh.triangles.len(), files.n_bytes())?;
+        match points.iter().position(|point| !point.position.is_finite()) {
+            None => Ok((points, mesh.triangles)),
+            Some(vertex) => Err(SimError::BadVertex { vertex, position: points[vertex].position }),
+        }
+    });
+    checked.map_err(|error| SimError::InFile { path: path.to_owned(), error: Box::new(error) })
 }
 
 impl FileMesh {

@@ -18,7 +18,7 @@ mod text;
 mod triangle_mesh;
 mod unit;
 
-pub use file::{FileMesh, load};
+pub use file::{FileMesh, load, load_points};
 #[cfg(test)]
 pub(crate) use sample::N_SAMPLES;
 pub use sample::sample_surface;

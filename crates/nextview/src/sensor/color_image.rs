@@ -43,6 +43,11 @@ impl ColorImage {
         assert!(u < self.width && v < self.height, "pixel ({u}, {v}) lies outside the image");
         self.pixels[v as usize * self.width as usize + u as usize]
     }
+
+    /// Red, green and blue of all pixels, row by row.
+    pub fn pixels(&self) -> impl Iterator<Item = [u8; 3]> + '_ {
+        self.pixels.iter().copied()
+    }
 }
 
 #[cfg(test)]

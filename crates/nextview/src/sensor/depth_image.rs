@@ -12,6 +12,18 @@ pub enum Depth {
     Surface(f32),
 }
 
+impl Depth {
+    /// As a number that [`DepthImage::from_metres`] takes: metres, NaN where nothing is known, infinite where
+    /// nothing came back.
+    pub fn metres(self) -> f32 {
+        match self {
+            Self::Missing => f32::NAN,
+            Self::Beyond => f32::INFINITY,
+            Self::Surface(depth) => depth,
+        }
+    }
+}
+
 /// A depth image, row by row from the top left, in metres along the camera's z axis. Clones share the pixels.
 #[derive(Clone, Debug, PartialEq)]
 pub struct DepthImage {
@@ -58,17 +70,36 @@ impl DepthImage {
     /// The pixel in column `u` and row `v`, which must lie in the image.
     pub fn get(&self, u: u32, v: u32) -> Depth {
         assert!(u < self.width && v < self.height, "pixel ({u}, {v}) lies outside the image");
-        match self.depth[v as usize * self.width as usize + u as usize] {
-            d if d.is_nan() => Depth::Missing,
-            f32::INFINITY => Depth::Beyond,
-            d => Depth::Surface(d),
-        }
+        reading(self.depth[v as usize * self.width as usize + u as usize])
+    }
+
+    /// All pixels, row by row.
+    pub fn pixels(&self) -> impl Iterator<Item = Depth> + '_ {
+        self.depth.iter().copied().map(reading)
+    }
+}
+
+fn reading(metres: f32) -> Depth {
+    match metres {
+        d if d.is_nan() => Depth::Missing,
+        f32::INFINITY => Depth::Beyond,
+        d => Depth::Surface(d),
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn pixels_are_those_of_each_place_and_become_the_same_image() {
+        let numbers = vec![0.5, f32::NAN, f32::INFINITY, 0.25, 2.0, f32::NAN];
+        let image = DepthImage::from_metres(3, 2, numbers).unwrap();
+        let places = (0..2).flat_map(|v| (0..3).map(move |u| (u, v)));
+        assert!(image.pixels().eq(places.map(|(u, v)| image.get(u, v))));
+        let again = DepthImage::from_metres(3, 2, image.pixels().map(Depth::metres).collect()).unwrap();
+        assert!(image.pixels().eq(again.pixels()));
+    }
 
     #[test]
     fn tells_missing_from_beyond() {

@@ -60,7 +60,7 @@ impl FrameSurface {
     ) -> Result<Self, Cancelled> {
         let (intrinsics, planes) = (*frame.intrinsics(), TangentPlanes::new(frame));
         let (depth, width) = (free_depth(frame), intrinsics.width() as usize);
-        let is_open = pixels(frame).map(|depth| depth == Depth::Beyond).collect();
+        let is_open = frame.image().pixels().map(|depth| depth == Depth::Beyond).collect();
         let half_width = margin_in_pixels(&intrinsics, margin, nearest);
         let clear_depth = ClearDepth::new(depth, width, half_width, cancel)?;
         Ok(Self { intrinsics, planes, is_open, clear_depth, truncation, margin })
@@ -143,13 +143,7 @@ fn free_depth(frame: &Frame) -> Vec<f32> {
         Depth::Beyond => frame.range() as f32,
         Depth::Surface(depth) => depth,
     };
-    pixels(frame).map(depth).collect()
-}
-
-/// All readings, row by row.
-fn pixels(frame: &Frame) -> impl Iterator<Item = Depth> + '_ {
-    let image = frame.image();
-    (0..image.height()).flat_map(move |v| (0..image.width()).map(move |u| image.get(u, v)))
+    frame.image().pixels().map(depth).collect()
 }
 
 #[cfg(test)]

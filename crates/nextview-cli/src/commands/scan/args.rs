@@ -282,7 +282,7 @@ impl ScanArgs {
         config.voxel_size_m = self.voxel_size_m.or(config.voxel_size_m);
         config.size_m = self.size_m.or(config.size_m);
         config.check()?;
-        let rule = values::overwrite(self.force);
+        let rule = Overwrite::forced(self.force);
         let dir = self.out.unwrap_or_else(|| result_folder(&config, &rule));
         begin(config, Output { dir, rule, config: self.config, json: self.json })
     }

@@ -1,4 +1,5 @@
-//! PLY in text form and both binary byte orders: positions and faces; everything else is skipped.
+//! PLY in text form and both binary byte orders: positions and faces, and of clouds normals and colours, too;
+//! everything else is skipped.
 
 mod body;
 mod header;
@@ -8,22 +9,65 @@ use crate::SimError;
 use body::{Body, Values};
 use glam::DVec3;
 use header::{Element, Header, Property};
+use nextview::surface::CloudPoint;
+use std::ops::Range;
 
 pub(super) fn parse(bytes: &[u8]) -> Result<RawMesh, SimError> {
     let header = Header::parse(bytes)?;
-    let n_vertices = header.element("vertex").map_or(0, |e| e.count);
     if header.element("face").is_none() {
         let names: Vec<&str> = header.elements.iter().map(|e| e.name.as_str()).collect();
         let problem =
             format!("has the elements {names:?}, expected vertex and face (a point cloud is no mesh)");
         return Err(SimError::format("header", problem));
     }
-    let mut body = Body::new(&header, bytes);
+    let mut vertices = Vec::new();
+    let mesh = read(&header, bytes, &["x", "y", "z"], |values| vertices.push(vector(&values[..3])))?;
+    Ok(RawMesh { vertices, ..mesh })
+}
+
+/// What the columns of a cloud's points are.
+const OF_POINTS: [&str; 9] = ["x", "y", "z", "nx", "ny", "nz", "red", "green", "blue"];
+
+/// The points of a mesh or of a cloud, with normals and colours where all three columns are there, and the
+/// triangles if there are any.
+pub(super) fn parse_points(bytes: &[u8]) -> Result<(Vec<CloudPoint>, RawMesh), SimError> {
+    let header = Header::parse(bytes)?;
+    let has = |columns: Range<usize>| {
+        let properties = header.element("vertex").map_or(&[][..], |vertex| &vertex.properties);
+        OF_POINTS[columns].iter().all(|column| properties.iter().any(|property| property.name() == *column))
+    };
+    let (has_normals, has_colors) = (has(3..6), has(6..9));
+    let mut points = Vec::new();
+    let mesh = read(&header, bytes, &OF_POINTS, |values| {
+        points.push(CloudPoint {
+            // PLY knows no missing values: a point without a normal has 0 0 0.
+            normal: has_normals.then(|| vector(&values[3..6])).and_then(DVec3::try_normalize),
+            color: has_colors.then(|| [6, 7, 8].map(|i| values[i] as u8)),
+            ..vector(&values[..3]).into()
+        });
+    })?;
+    Ok((points, mesh))
+}
+
+fn vector(values: &[f64]) -> DVec3 {
+    DVec3::new(values[0], values[1], values[2])
+}
+
+/// Reads all elements: the numbers in these columns of every vertex, 0 where there is no such column, which
+/// go to `vertex`, and the faces. The first three columns must be there.
+fn read(
+    header: &Header,
+    bytes: &[u8],
+    columns: &[&str],
+    mut vertex: impl FnMut(&[f64]),
+) -> Result<RawMesh, SimError> {
+    let n_vertices = header.element("vertex").map_or(0, |e| e.count);
+    let mut body = Body::new(header, bytes);
     let mut mesh = RawMesh::default();
     for element in &header.elements {
         body.check_size(element)?;
         match element.name.as_str() {
-            "vertex" => read_vertices(&mut body, element, &mut mesh)?,
+            "vertex" => read_vertices(&mut body, element, columns, &mut vertex)?,
             "face" => read_faces(&mut body, element, n_vertices, &mut mesh)?,
             _ => skip(&mut body, element)?,
         }
@@ -31,32 +75,35 @@ pub(super) fn parse(bytes: &[u8]) -> Result<RawMesh, SimError> {
     Ok(mesh)
 }
 
-fn read_vertices(body: &mut Body, element: &Element, mesh: &mut RawMesh) -> Result<(), SimError> {
-    let axis_of: Vec<Option<usize>> = element.properties.iter().map(axis).collect();
-    for axis in 0..3 {
-        if !axis_of.contains(&Some(axis)) {
-            return Err(SimError::format("header", "element vertex lacks one of the properties x, y and z"));
-        }
+fn read_vertices(
+    body: &mut Body,
+    element: &Element,
+    columns: &[&str],
+    vertex: &mut impl FnMut(&[f64]),
+) -> Result<(), SimError> {
+    let column_of: Vec<Option<usize>> = element.properties.iter().map(|of| column(of, columns)).collect();
+    if (0..3).any(|axis| !column_of.contains(&Some(axis))) {
+        return Err(SimError::format("header", "element vertex lacks one of the properties x, y and z"));
     }
+    let mut numbers = vec![0.0; columns.len()];
     for _ in 0..element.count {
         let mut values = body.element(element)?;
-        let mut position = DVec3::ZERO;
-        for (property, axis) in element.properties.iter().zip(&axis_of) {
-            match (property, axis) {
-                (Property::Scalar { kind, .. }, Some(axis)) => position[*axis] = values.number(*kind)?,
+        for (property, column) in element.properties.iter().zip(&column_of) {
+            match (property, column) {
+                (Property::Scalar { kind, .. }, Some(column)) => numbers[*column] = values.number(*kind)?,
                 _ => values.skip(property)?,
             }
         }
         values.end()?;
-        mesh.vertices.push(position);
+        vertex(&numbers);
     }
     Ok(())
 }
 
-/// The coordinate that a property of a vertex is.
-fn axis(property: &Property) -> Option<usize> {
+/// Which of the columns a property of a vertex is.
+fn column(property: &Property, columns: &[&str]) -> Option<usize> {
     match property {
-        Property::Scalar { name, .. } => ["x", "y", "z"].iter().position(|axis| axis == name),
+        Property::Scalar { name, .. } => columns.iter().position(|column| column == name),
         Property::List { .. } => None,
     }
 }
@@ -151,6 +198,24 @@ mod tests {
         for bytes in [TEXT.as_bytes().to_vec(), windows.into_bytes(), binary(false), binary(true)] {
             let mesh = parse(&bytes).unwrap();
             assert_eq!(mesh.vertices, [DVec3::ZERO, DVec3::X, DVec3::X + DVec3::Y, DVec3::Y]);
+            assert_eq!(mesh.triangles, [[0, 1, 2], [0, 2, 3], [0, 1, 2]]);
+        }
+    }
+
+    #[test]
+    fn points_have_normals_and_colours_where_all_their_columns_are_there() {
+        let text = "ply\nformat ascii 1.0\nelement vertex 2\nproperty float x\nproperty float y\nproperty float z\n\
+            property float nx\nproperty float ny\nproperty float nz\nproperty float error_m\nproperty uchar red\n\
+            property uchar green\nproperty uchar blue\nend_header\n1 2 3 0 0 2 0.1 9 8 7\n4 5 6 0 0 0 0 1 2 3\n";
+        let (points, mesh) = parse_points(text.as_bytes()).unwrap();
+        let first =
+            CloudPoint { normal: Some(DVec3::Z), color: Some([9, 8, 7]), ..DVec3::new(1.0, 2.0, 3.0).into() };
+        let second = CloudPoint { normal: None, color: Some([1, 2, 3]), ..DVec3::new(4.0, 5.0, 6.0).into() };
+        assert_eq!((points, mesh.triangles), (vec![first, second], Vec::new()));
+        // Red alone is no colour.
+        for bytes in [TEXT.as_bytes().to_vec(), binary(false), binary(true)] {
+            let (points, mesh) = parse_points(&bytes).unwrap();
+            assert!(points.len() == 4 && points.iter().all(|p| p.color.is_none() && p.normal.is_none()));
             assert_eq!(mesh.triangles, [[0, 1, 2], [0, 2, 3], [0, 1, 2]]);
         }
     }
