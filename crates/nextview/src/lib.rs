@@ -83,6 +83,7 @@ pub mod gain;
 pub mod geometry;
 pub mod map;
 pub mod motion;
+pub mod placement;
 pub mod planner;
 pub mod prior;
 pub mod registration;

@@ -14,7 +14,7 @@ const LAYERS: [&[&str]; 11] = [
     &["view", "surface", "prior", "registration"],
     &["visibility", "motion"],
     &["gain"],
-    &["planner"],
+    &["planner", "placement"],
     &["session"],
 ];
 

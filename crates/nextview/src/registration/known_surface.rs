@@ -81,9 +81,31 @@ impl KnownSurface {
         Ok(Self { config, spacing, lattice, slots, pools, tree, views })
     }
 
+    /// The same before the first frame.
+    pub(crate) fn without_points(&self) -> Self {
+        Self::new(self.config).expect("the configuration was checked")
+    }
+
     /// Number of points known.
     pub fn n_points(&self) -> usize {
         self.pools.len()
+    }
+
+    /// The points known, in the order in which their cells were first met: the mean of each.
+    pub fn points(&self) -> Vec<SurfacePoint> {
+        self.pools.iter().map(Pool::mean).collect()
+    }
+
+    /// Points in a pose with the nearest known ones that face the same way and are within `reach` metres, in
+    /// the order of the points: what [`align`] needs.
+    pub fn pairs(
+        &self,
+        points: &[SurfacePoint],
+        pose: &Pose,
+        reach: f64,
+        cancel: &Cancel,
+    ) -> Result<Vec<Pair>, Cancelled> {
+        pairs(points, &self.tree, pose, reach, cancel)
     }
 
     /// Adds the surface that a frame shows in and around a box (world coordinates, finite), unless cancelled.

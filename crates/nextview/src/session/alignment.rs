@@ -38,6 +38,11 @@ impl Alignment {
         Ok(Self { known, given, is_proof: config.given_poses != GivenPoses::Tracked })
     }
 
+    /// The same before the first frame, but for what is known of the given poses.
+    pub fn without_surface(&self) -> Self {
+        Self { known: self.known.as_ref().map(KnownSurface::without_points), ..*self }
+    }
+
     /// Aligns a frame; none while there is no known surface to align it to.
     pub fn register(
         &self,

@@ -92,6 +92,38 @@ impl KnownScene {
         Ok(Added { report: report.unwrap_or_default(), ..added })
     }
 
+    /// The same scene made anew of these frames, some of which may be of the placement before, and what that
+    /// changed.
+    pub fn anew(
+        &self,
+        config: &SessionConfig,
+        frames: &TakenFrames,
+        cancel: &Cancel,
+    ) -> Result<(Self, Added), Cancelled> {
+        let mut scene = Self {
+            locator: self.locator.after(frames.n_earlier),
+            map: self.map.nowhere(),
+            alignment: self.alignment.without_surface(),
+            quality: self.quality.clone(),
+            is_box_too_large: false,
+        };
+        let Some(last) = frames.mapped.last() else { return Ok((scene, Added::default())) };
+        let location = scene.locator.locate_anew(&frames.mapped, cancel)?;
+        let moved = scene.adopt(location, config, &frames.mapped, cancel)?;
+        let bounds = scene.map.place().bounds;
+        for frame in &frames.mapped {
+            scene.alignment.remember(frame, &frame.world_from_camera(), bounds, None, cancel)?;
+        }
+        if let Some(quality) = &mut scene.quality {
+            quality.renew(&frames.mapped, bounds, cancel)?;
+        }
+        scene.map.integrate(last, cancel)?;
+        scene.refine_what_is_known(config, &frames.mapped, cancel)?;
+        let snapshot = scene.map.finest_snapshot(cancel)?;
+        let report = snapshot.map(|snapshot| MapReport::unless(&snapshot, cancel)).transpose()?;
+        Ok((scene, Added { moved, report: report.unwrap_or_default(), ..Added::default() }))
+    }
+
     /// Aligns a frame to what is known; none while there is nothing to align it to.
     pub fn register(&self, frame: &Frame, cancel: &Cancel) -> Result<Option<Registration>, Cancelled> {
         self.alignment.register(frame, self.map.place().bounds, cancel)

@@ -16,38 +16,47 @@ pub(super) struct Locator {
     table: Table,
     voxel_size: f64,
     points: ObjectPoints,
+    /// How many of the frames are of the placement before: they show neither this table nor anything else
+    /// but the object.
+    n_earlier: usize,
 }
 
 impl Locator {
     /// For checked parameters; voxel size and gap in metres.
     pub fn new(object_box: ObjectBox, table: Table, voxel_size: f64, max_gap: f64) -> Self {
-        Self { object_box, table, voxel_size, points: ObjectPoints::new(voxel_size, max_gap) }
+        Self { object_box, table, voxel_size, points: ObjectPoints::new(voxel_size, max_gap), n_earlier: 0 }
+    }
+
+    /// The same before the first frame, where so many frames of the placement before come first.
+    pub fn after(&self, n_earlier: usize) -> Self {
+        Self { points: self.points.without_points(), n_earlier, ..*self }
     }
 
     /// The place after these frames, of which the last is new. The locator is of no use if cancelled.
     pub fn locate(&mut self, frames: &[Frame], cancel: &Cancel) -> Result<Location, Cancelled> {
-        self.locate_with(frames, &frames[frames.len().saturating_sub(1)..], cancel)
+        self.locate_with(frames, frames.len().saturating_sub(1), cancel)
     }
 
     /// The place after these frames, all of which may have moved. The locator is of no use if cancelled.
     pub fn locate_anew(&mut self, frames: &[Frame], cancel: &Cancel) -> Result<Location, Cancelled> {
         self.points.clear();
-        self.locate_with(frames, frames, cancel)
+        self.locate_with(frames, 0, cancel)
     }
 
-    /// The place after these frames, whose points are known but for those of `new`.
+    /// The place after these frames, of which the points of the first ones are known.
     fn locate_with(
         &mut self,
         frames: &[Frame],
-        new: &[Frame],
+        n_known: usize,
         cancel: &Cancel,
     ) -> Result<Location, Cancelled> {
-        let table = self.table.find(frames, cancel)?;
+        let table = self.table.find(&frames[self.n_earlier.min(frames.len())..], cancel)?;
         let (object, bounds) = match self.object_box {
             ObjectBox::Known(bounds) => (Some(bounds), Some(bounds)),
             ObjectBox::Growing => {
-                for frame in new {
+                for (i, frame) in frames.iter().enumerate().skip(n_known) {
                     cancel.check()?;
+                    let table = table.filter(|_| i >= self.n_earlier);
                     let table = table.map(|table| ShownTable::new(table, frame));
                     self.points.add(frame, table, cancel)?;
                 }

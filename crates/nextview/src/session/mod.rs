@@ -4,6 +4,7 @@ mod alignment;
 mod config;
 mod connected_cells;
 mod decision;
+mod earlier;
 mod goal;
 mod itinerary_progress;
 mod known_scene;
@@ -11,6 +12,7 @@ mod known_situation;
 mod location;
 mod locator;
 mod object_box;
+mod shown;
 mod object_points;
 mod other_body;
 mod planning_box;
@@ -29,6 +31,7 @@ pub use decision::{Decision, NextView, StopReason};
 pub use object_box::ObjectBox;
 pub use other_body::OtherBody;
 pub use planning_box::{BOX_MARGIN_FACTOR, BOX_MARGIN_VOXELS, planning_box};
+pub use shown::shown_object;
 pub use report::{MapReport, StepReport};
 pub use resolution::MultiResolutionConfig;
 pub use stop::StopConfig;
@@ -40,13 +43,16 @@ use crate::diagnosis::{Suspicion, suspect};
 use crate::geometry::{Aabb, Plane, Pose};
 use crate::map::{OccupancyMap, Snapshot};
 use crate::motion::Trajectory;
+use crate::placement::{NextPlacement, ShownObject, Turn, TurnRefusal, next_placement};
 use crate::planner::{Batch, BatchConfig, BatchView, Leg, Plan, Situation, ViewPlanner};
 use crate::registration::Registration;
 use crate::sensor::{DepthRange, Frame, Intrinsics, SurfaceError};
 use crate::view::ViewSpace;
 use crate::{Cancel, Cancelled, Error};
+use earlier::Earlier;
 use itinerary_progress::ItineraryProgress;
 use known_scene::{Added, KnownScene};
+use shown::shown_on;
 use known_situation::{known_situation, surroundings};
 use scan_map::Place;
 use seen_cells::SeenCells;
@@ -81,6 +87,8 @@ pub struct Session {
     planner: Box<dyn ViewPlanner>,
     scene: KnownScene,
     frames: TakenFrames,
+    /// None where this placement of the object is the first.
+    earlier: Option<Earlier>,
     /// Number of requested frames.
     n_taken: usize,
     visited: Vec<usize>,
@@ -93,6 +101,13 @@ pub struct Session {
     decision: Option<Decision>,
     itinerary: ItineraryProgress,
     cancel: Cancel,
+}
+
+/// What is known once the earlier placement is.
+struct Joined {
+    turn: Result<Turn, TurnRefusal>,
+    /// None where the turn is not known.
+    known: Option<(KnownScene, TakenFrames, Added)>,
 }
 
 impl Session {
@@ -119,6 +134,7 @@ impl Session {
             planner,
             seen: SeenCells::new(config.voxel_size),
             frames: TakenFrames::default(),
+            earlier: None,
             n_taken: 0,
             visited: Vec::new(),
             skipped: BTreeSet::new(),
@@ -134,6 +150,13 @@ impl Session {
         Self { cancel, ..self }
     }
 
+    /// The same session of an object that was scanned before and has been turned since. As soon as its frames
+    /// show [how](Self::turn), the surface of that time is known, too: its frames come into map and model, and
+    /// planning goes on from there.
+    pub fn after(self, before: ShownObject) -> Self {
+        Self { earlier: Some(Earlier { shown: before, turn: None }), ..self }
+    }
+
     /// Writes a frame into the map, keeps it, and, if a view was decided on, counts it as taken. With
     /// registration, all that is done with the corrected pose; a frame that cannot be aligned is [set
     /// aside](Self::set_aside), and enters the map after a later one that makes up for what it lacked.
@@ -144,10 +167,14 @@ impl Session {
         let (n_mapped, before) = (self.frames.mapped.len(), self.frames.state());
         let mut scene = self.scene.clone();
         let added = scene.take_in(&self.config, frame, &mut self.frames, &self.cancel);
-        let added = added.inspect_err(|Cancelled| self.frames.forget(before))?;
+        let joined = added.and_then(|added| Ok((added, self.join_earlier(&scene)?)));
+        let (mut added, joined) = joined.inspect_err(|Cancelled| self.frames.forget(before))?;
         self.scene = scene;
         let Place { bounds, table } = self.scene.map.place();
         self.seen.add(&self.frames.mapped[n_mapped..], bounds, table.map(|table| table.top));
+        if let Some(joined) = joined {
+            self.adopt(joined, &mut added);
+        }
         if let Some(location) = &added.moved {
             self.candidates = self.without_skipped(self.views.candidates(location, self.config.depth_range));
         }
@@ -263,7 +290,7 @@ impl Session {
     /// where the box is known. They are connected points, at least 20 of them, with free space around most of
     /// their outline: walls and floors are no bodies.
     pub fn other_bodies(&self) -> Result<Vec<OtherBody>, Cancelled> {
-        self.scene.locator.other_bodies(&self.frames.mapped, &self.cancel)
+        self.scene.locator.other_bodies(self.frames.of_now(), &self.cancel)
     }
 
     /// Why the frames probably show nothing of the object, or do not fit together; none if they do, or if
@@ -273,7 +300,7 @@ impl Session {
             ObjectBox::Known(bounds) => Some(bounds),
             ObjectBox::Growing => None,
         };
-        suspect(&self.frames.mapped, known, self.config.depth_range)
+        suspect(self.frames.of_now(), known, self.config.depth_range)
     }
 
     /// The depths that the camera measures, metres.
@@ -299,7 +326,34 @@ impl Session {
     /// The frames in the map, in their final poses and in the order in which they came there: all observed
     /// ones, oldest first, unless registration [set some aside](Self::set_aside) for a while or for good.
     pub fn frames(&self) -> &[Frame] {
-        &self.frames.mapped
+        self.frames.of_now()
+    }
+
+    /// The frames of the placement [before](Self::after), as they lie now, once it is known how the object was
+    /// turned; else none. They show nothing but the object.
+    pub fn earlier_frames(&self) -> &[Frame] {
+        &self.frames.mapped[..self.frames.n_earlier]
+    }
+
+    /// How the object was turned since the placement [before](Self::after), or why that is not known; none
+    /// without one, and before a frame was observed.
+    pub fn turn(&self) -> Option<Result<Turn, TurnRefusal>> {
+        self.earlier.as_ref()?.turn
+    }
+
+    /// The frames of both placements, the earlier ones first, as they lie now, and with nothing but the object:
+    /// a ray that ended on something else counts as one that met nothing, or measured nothing where the object
+    /// may be behind it. None unless the [turn](Self::turn) is known.
+    pub fn frames_of_object(&self) -> Result<Option<Vec<Frame>>, Cancelled> {
+        let earlier = self.earlier_frames();
+        let now = if earlier.is_empty() { None } else { self.shown_in(&self.scene)? };
+        Ok(now.map(|now| earlier.iter().chain(now.frames()).cloned().collect()))
+    }
+
+    /// How to lay the object down, so that what cannot be seen as it lies can be seen then; none without a
+    /// table, before the object was found, and if hardly anything would be freed.
+    pub fn next_placement(&self) -> Option<NextPlacement> {
+        next_placement(&self.snapshot()?, self.table()?)
     }
 
     /// For each of [`frames`](Self::frames), its number among all observed ones, from 0.
@@ -322,6 +376,38 @@ impl Session {
     /// The view candidates as they stand now.
     pub fn views(&self) -> &ViewSpace {
         &self.candidates
+    }
+
+    /// How the object was turned, by this scene of all frames, if more is known of it than before.
+    fn join_earlier(&self, scene: &KnownScene) -> Result<Option<Joined>, Cancelled> {
+        let (Some(earlier), Some(now)) = (&self.earlier, self.shown_in(scene)?) else { return Ok(None) };
+        let Some(turn) = earlier.find(&now, &self.cancel)? else { return Ok(None) };
+        let join = |turn: Turn| {
+            let frames = self.frames.after(earlier.frames(&turn.now_from_before));
+            let (scene, added) = scene.anew(&self.config, &frames, &self.cancel)?;
+            Ok((scene, frames, added))
+        };
+        Ok(Some(Joined { turn, known: turn.ok().map(join).transpose()? }))
+    }
+
+    /// Takes over what the earlier placement has shown.
+    fn adopt(&mut self, Joined { turn, known }: Joined, added: &mut Added) {
+        self.earlier.as_mut().expect("a turn is found of one").turn = Some(turn);
+        let Some((scene, frames, joined)) = known else { return };
+        (self.scene, self.frames) = (scene, frames);
+        let Place { bounds, table } = self.scene.map.place();
+        let earlier = &self.frames.mapped[..self.frames.n_earlier];
+        self.seen.know(earlier, bounds, table.map(|table| table.top));
+        added.moved = joined.moved.or(added.moved.take());
+        added.report = joined.report;
+    }
+
+    /// What the frames of this placement have shown of the object, by a scene of them; none before it was
+    /// found, and without a table.
+    fn shown_in(&self, scene: &KnownScene) -> Result<Option<ShownObject>, Cancelled> {
+        let (snapshot, table) = (scene.map.finest_snapshot(&self.cancel)?, scene.map.place().table);
+        let shown = |(snapshot, table)| shown_on(self.frames.of_now(), snapshot, table, &self.cancel);
+        snapshot.zip(table).map(shown).transpose()
     }
 
     fn decide_anew(&mut self) -> Result<Decision, Error> {

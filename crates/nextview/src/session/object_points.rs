@@ -52,6 +52,11 @@ impl ObjectPoints {
         Self { lattice, cells: FxHashMap::default(), object: FxHashSet::default(), max_gap }
     }
 
+    /// The same without the points of any frame.
+    pub fn without_points(&self) -> Self {
+        Self { cells: FxHashMap::default(), object: FxHashSet::default(), ..*self }
+    }
+
     /// Forgets the points of all frames.
     pub fn clear(&mut self) {
         self.cells.clear();

@@ -52,6 +52,11 @@ impl ScanMap {
         Self { finest: BoxMap::new(&rules, 0, place), coarse: None, place, rules }
     }
 
+    /// A map without frames and without a place.
+    pub fn nowhere(&self) -> Self {
+        Self::new(self.rules, Place::default())
+    }
+
     /// The map of the same place in the finest voxels, before the first frame.
     pub fn without_frames(&self) -> Self {
         Self::new(self.rules, self.place)

@@ -32,6 +32,15 @@ impl SeenCells {
         self.n_after.push(self.cells.len());
     }
 
+    /// Adds the points of frames of before the first step.
+    pub fn know(&mut self, frames: &[Frame], bounds: Option<Aabb>, table_top: Option<Plane>) {
+        let n_after = self.n_after.clone();
+        self.add(frames, bounds, table_top);
+        self.n_after = n_after;
+        let n_new = self.cells.len() - self.n_after.last().copied().unwrap_or(0);
+        self.n_after.iter_mut().for_each(|n| *n += n_new);
+    }
+
     /// The share, 0..=1, of the cells that the last `n` frames were first to show; none if there were not
     /// more frames than that, or if none showed anything.
     pub fn progress(&self, n: usize) -> Option<f64> {

@@ -102,7 +102,7 @@ impl Table {
         match (self, frames.first()) {
             (Self::None, _) | (Self::Fitted, None) => Ok(None),
             (Self::AtHeight(z), _) => {
-                Ok(Plane::horizontal(z).ok().map(|plane| KnownTable::new(plane, ON_TABLE)))
+                Ok(Plane::horizontal(z).ok().map(|plane| KnownTable::new(plane)))
             }
             (Self::Fitted, Some(first)) => fit(first, cancel),
         }
@@ -110,12 +110,17 @@ impl Table {
 }
 
 impl KnownTable {
-    fn new(plane: Plane, tolerance: f64) -> Self {
+    /// One without noise.
+    pub fn new(plane: Plane) -> Self {
+        Self::with_tolerance(plane, ON_TABLE)
+    }
+
+    fn with_tolerance(plane: Plane, tolerance: f64) -> Self {
         Self { plane, top: plane.raised(tolerance) }
     }
 
     fn fitted(fit: PlaneFit) -> Self {
-        Self::new(fit.plane, ON_TABLE.max(DEVIATIONS * fit.deviation))
+        Self::with_tolerance(fit.plane, ON_TABLE.max(DEVIATIONS * fit.deviation))
     }
 
     /// The plane below which no camera can stand.
@@ -159,7 +164,7 @@ mod tests {
         assert_eq!(table.clip(above), above);
         let below = Aabb::cube(-DVec3::ONE, 0.5);
         assert_eq!(table.clip(below), below);
-        let tilted = KnownTable::new(Plane::new(DVec3::new(0.1, 0.0, 1.0), DVec3::ZERO).unwrap(), 0.0);
+        let tilted = KnownTable::with_tolerance(Plane::new(DVec3::new(0.1, 0.0, 1.0), DVec3::ZERO).unwrap(), 0.0);
         assert!((tilted.clip(Aabb::cube(DVec3::ZERO, 0.5)).min.z + 0.05).abs() < 1e-15);
     }
 

@@ -16,9 +16,12 @@ pub struct SetAside {
 /// All frames observed so far.
 #[derive(Clone, Debug, Default)]
 pub(super) struct TakenFrames {
-    /// Those in the map, in the order in which they came there.
+    /// Those in the map: first those of the placement before, then the others in the order in which they came
+    /// there.
     pub mapped: Vec<Frame>,
-    /// The number of each of them among all observed ones.
+    /// How many of those are of the placement before.
+    pub n_earlier: usize,
+    /// The number of each of the others among all observed ones.
     pub numbers: Vec<usize>,
     /// The others, oldest first.
     pub set_aside: Vec<SetAside>,
@@ -34,6 +37,19 @@ pub(super) struct State {
 }
 
 impl TakenFrames {
+    /// Those in the map that are of this placement.
+    pub fn of_now(&self) -> &[Frame] {
+        &self.mapped[self.n_earlier..]
+    }
+
+    /// The same frames after those of the placement before.
+    pub fn after(&self, earlier: Vec<Frame>) -> Self {
+        let n_earlier = earlier.len();
+        let mapped = earlier.into_iter().chain(self.of_now().iter().cloned()).collect();
+        let Self { numbers, set_aside, places, .. } = self.clone();
+        Self { mapped, n_earlier, numbers, set_aside, places }
+    }
+
     /// Puts a frame into the map.
     pub fn map(&mut self, number: usize, frame: Frame) {
         self.places[number] = frame.world_from_camera();
@@ -44,10 +60,11 @@ impl TakenFrames {
     /// Moves the last frames in the map to these poses.
     pub fn move_to(&mut self, poses: &[Pose]) {
         let first = self.mapped.len() - poses.len();
-        let moved = self.mapped[first..].iter_mut().zip(&self.numbers[first..]).zip(poses);
-        for ((frame, number), pose) in moved {
-            frame.move_to(*pose);
-            self.places[*number] = *pose;
+        for (i, pose) in (first..).zip(poses) {
+            self.mapped[i].move_to(*pose);
+            if let Some(of_now) = i.checked_sub(self.n_earlier) {
+                self.places[self.numbers[of_now]] = *pose;
+            }
         }
     }
 
@@ -60,7 +77,7 @@ impl TakenFrames {
     /// Forgets a frame, the last one, and all that it changed.
     pub fn forget(&mut self, before: State) {
         self.mapped.truncate(before.poses.len());
-        self.numbers.truncate(before.poses.len());
+        self.numbers.truncate(before.poses.len() - self.n_earlier);
         self.mapped.iter_mut().zip(before.poses).for_each(|(frame, pose)| frame.move_to(pose));
         (self.places, self.set_aside) = (before.places, before.set_aside);
     }

@@ -1,0 +1,16 @@
+//! How an object lies: the poses in which it rests, which one frees most of what is unseen, and how it was
+//! turned.
+//!
+//! A placement is the time during which the object lies still. [`ShownObject`] is what the frames of one have
+//! shown; [`find_turn`] finds how the object was turned before the next one; [`next_placement`] plans that.
+//! The formulas are in `docs/methods/placement.md`.
+
+mod rest;
+mod shown_object;
+mod turn;
+mod unseen;
+
+pub use rest::{Rest, rests};
+pub use shown_object::ShownObject;
+pub use turn::{Turn, TurnRefusal, find_turn};
+pub use unseen::{NextPlacement, next_placement};

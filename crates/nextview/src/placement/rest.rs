@@ -1,0 +1,188 @@
+use crate::geometry::sphere;
+use glam::DVec3;
+use std::f64::consts::TAU;
+
+/// Number of directions that are tried at first: 3 degrees apart.
+const N_DIRECTIONS: usize = 4000;
+
+/// A minimum is the lowest within this angle, radians, and so far apart are two.
+const NEIGHBORHOOD: f64 = 0.14;
+
+/// The search for a minimum begins with steps of this angle, radians, and ends at the last one.
+const STEPS: [f64; 2] = [0.07, 1e-4];
+
+/// Points that may touch the plane.
+const N_LOWEST: usize = 12;
+
+/// Directions of a step.
+const N_TURNS: usize = 12;
+
+/// A pose in which an object lies still.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Rest {
+    /// The direction that points down then, in the frame of the object, of unit length.
+    pub down: DVec3,
+    /// Height of the centre of mass above what the object lies on, metres.
+    pub height: f64,
+}
+
+/// The poses in which an object lies still on a plane, the lowest first, by points that its surface goes
+/// through and its centre of mass.
+///
+/// These are the local minima of the height of the centre of mass above the plane, over all directions that
+/// can point down. One that tips over into a lower one when it is tilted by some 10 degrees is left out; what rolls
+/// has many.
+/// Empty without points.
+///
+/// ```
+/// use glam::DVec3;
+/// use nextview::geometry::Aabb;
+/// use nextview::placement::rests;
+///
+/// let brick = Aabb { min: DVec3::ZERO, max: DVec3::new(0.1, 0.06, 0.04) };
+/// let found = rests(&brick.corners(), brick.center());
+/// assert_eq!(found.len(), 6);
+/// assert!(found[0].down.z.abs() > 0.999 && (found[0].height - 0.02).abs() < 1e-5);
+/// ```
+pub fn rests(points: &[DVec3], center_of_mass: DVec3) -> Vec<Rest> {
+    if points.is_empty() {
+        return Vec::new();
+    }
+    let points = outermost(points, center_of_mass);
+    let height = |down: DVec3| points.iter().map(|point| point.dot(down)).fold(f64::NEG_INFINITY, f64::max);
+    let directions: Vec<DVec3> = (0..N_DIRECTIONS).map(|i| sphere::fibonacci(i, N_DIRECTIONS)).collect();
+    let heights: Vec<f64> = directions.iter().map(|down| height(*down)).collect();
+    let least_cosine = NEIGHBORHOOD.cos();
+    let is_lowest = |i: &usize| {
+        let near = |j: &usize| directions[*j].dot(directions[*i]) >= least_cosine;
+        (0..N_DIRECTIONS).filter(near).all(|j| heights[j] >= heights[*i])
+    };
+    let minima = (0..N_DIRECTIONS).filter(is_lowest).map(|i| {
+        let near = lowest_near(directions[i], height);
+        on_three(near, &points, height).unwrap_or(near)
+    });
+    let mut found: Vec<Rest> = Vec::new();
+    for rest in minima {
+        match found.iter_mut().find(|other| other.down.dot(rest.down) >= least_cosine) {
+            Some(other) if rest.height < other.height => *other = rest,
+            Some(_) => (),
+            None => found.push(rest),
+        }
+    }
+    found.sort_by(|a, b| a.height.total_cmp(&b.height));
+    found
+}
+
+/// The local minimum that steps downhill from a direction lead to.
+fn lowest_near(start: DVec3, height: impl Fn(DVec3) -> f64) -> Rest {
+    let (mut best, mut step) = (Rest { down: start, height: height(start) }, STEPS[0]);
+    while step > STEPS[1] {
+        let (right, up) = best.down.any_orthonormal_pair();
+        let turns = (0..N_TURNS).map(|turn| TAU * turn as f64 / N_TURNS as f64);
+        let around = turns.map(|turn| (best.down + step * (turn.cos() * right + turn.sin() * up)).normalize());
+        let lowest = around.map(|down| Rest { down, height: height(down) });
+        match lowest.min_by(|a, b| a.height.total_cmp(&b.height)).filter(|next| next.height < best.height) {
+            Some(next) => best = next,
+            None => step *= 0.5,
+        }
+    }
+    best
+}
+
+/// The lowest pose near one in which the object lies on three of the points that are nearest to the plane there;
+/// none if that is no lower. A search downhill ends before it, where the object would roll over an edge.
+fn on_three(near: Rest, points: &[DVec3], height: impl Fn(DVec3) -> f64) -> Option<Rest> {
+    let mut lowest = points.to_vec();
+    lowest.sort_by(|a, b| b.dot(near.down).total_cmp(&a.dot(near.down)));
+    lowest.truncate(N_LOWEST);
+    let mut best: Option<Rest> = None;
+    for (i, a) in lowest.iter().enumerate() {
+        for (j, b) in lowest.iter().enumerate().skip(i + 1) {
+            for c in &lowest[j + 1..] {
+                let normal = (b - a).cross(c - a).normalize_or_zero();
+                let down = normal * normal.dot(near.down).signum();
+                let is_near = down.dot(near.down) >= NEIGHBORHOOD.cos();
+                let rest = Rest { down, height: height(down) };
+                if is_near && rest.height < best.unwrap_or(near).height {
+                    best = Some(rest);
+                }
+            }
+        }
+    }
+    best
+}
+
+/// The points, from the centre of mass, that are the farthest in some direction: no other one can touch the
+/// plane. Those between two of the directions are left out; the height is off by less than a thousandth.
+fn outermost(points: &[DVec3], center_of_mass: DVec3) -> Vec<DVec3> {
+    let points: Vec<DVec3> = points.iter().map(|point| *point - center_of_mass).collect();
+    let farthest = |i: usize| {
+        let direction = sphere::fibonacci(i, N_DIRECTIONS);
+        let along = |j: &usize| points[*j].dot(direction);
+        (0..points.len()).max_by(|a, b| along(a).total_cmp(&along(b)))
+    };
+    let mut outermost: Vec<usize> = (0..N_DIRECTIONS).filter_map(farthest).collect();
+    outermost.sort_unstable();
+    outermost.dedup();
+    outermost.into_iter().map(|i| points[i]).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geometry::Aabb;
+    use crate::geometry::random::Random;
+
+    /// The faces of the convex hull, by trying all triples, whose plane the centre of mass is above.
+    fn by_faces(points: &[DVec3], center_of_mass: DVec3) -> Vec<DVec3> {
+        let mut downs = Vec::new();
+        for (i, a) in points.iter().enumerate() {
+            for (j, b) in points.iter().enumerate().skip(i + 1) {
+                for c in points.iter().skip(j + 1) {
+                    let normal = (b - a).cross(c - a).normalize();
+                    let outward = if normal.dot(a - center_of_mass) < 0.0 { -normal } else { normal };
+                    let is_face = points.iter().all(|point| outward.dot(point - a) <= 1e-12);
+                    let foot = center_of_mass + outward * outward.dot(a - center_of_mass);
+                    let turn = |from: DVec3, to: DVec3| (to - from).cross(foot - from).dot(outward);
+                    let turns = [turn(*a, *b), turn(*b, *c), turn(*c, *a)];
+                    if is_face && (turns.iter().all(|t| *t > 0.0) || turns.iter().all(|t| *t < 0.0)) {
+                        downs.push(outward);
+                    }
+                }
+            }
+        }
+        downs
+    }
+
+    #[test]
+    fn an_object_rests_on_the_faces_that_its_center_of_mass_is_above() {
+        let mut random = Random::new(5, 0);
+        for _ in 0..8 {
+            let stretch = DVec3::new(0.03, 0.05, 0.08);
+            let points: Vec<DVec3> = (0..9).map(|_| random.in_cube().normalize() * stretch).collect();
+            let center = points.iter().sum::<DVec3>() / 9.0;
+            let found = rests(&points, center);
+            let faces = by_faces(&points, center);
+            for face in &faces {
+                let height = |down: DVec3| points.iter().map(|p| (p - center).dot(down)).fold(0.0, f64::max);
+                let directions = (0..N_DIRECTIONS).map(|i| sphere::fibonacci(i, N_DIRECTIONS));
+                let mut near = directions.filter(|down| down.dot(*face) >= (1.5 * NEIGHBORHOOD).cos());
+                let tips_over = near.any(|down| height(down) < height(*face));
+                let is_found = found.iter().any(|rest| rest.down.dot(*face) > 0.999);
+                assert!(is_found || tips_over, "{face} of {found:?}");
+            }
+            for rest in &found {
+                assert!(faces.iter().any(|face| face.dot(rest.down) > 0.999), "{rest:?} of {faces:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn a_brick_rests_on_six_sides() {
+        let brick = Aabb { min: DVec3::ZERO, max: DVec3::new(0.1, 0.06, 0.04) };
+        let found = rests(&brick.corners(), brick.center());
+        let heights: Vec<f64> = found.iter().map(|rest| (1e4 * rest.height).round()).collect();
+        assert_eq!(heights, [200.0, 200.0, 300.0, 300.0, 500.0, 500.0]);
+        assert!(rests(&[], DVec3::ZERO).is_empty());
+    }
+}

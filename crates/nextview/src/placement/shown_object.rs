@@ -1,0 +1,74 @@
+use crate::geometry::{Plane, VoxelKey};
+use crate::map::{Occupancy, Snapshot};
+use crate::registration::{KnownSurface, RegistrationConfig, SurfacePoint};
+use crate::sensor::Frame;
+use crate::{Cancel, Cancelled};
+use glam::DVec3;
+
+/// What the frames of one placement have shown of an object.
+#[derive(Clone, Debug)]
+pub struct ShownObject {
+    frames: Vec<Frame>,
+    surface: KnownSurface,
+    points: Vec<SurfacePoint>,
+    snapshot: Snapshot,
+    table: Plane,
+}
+
+impl ShownObject {
+    /// Of frames whose surface is that of the object alone, with the map that they make and the table that
+    /// the object stood on.
+    pub fn new(
+        frames: Vec<Frame>,
+        snapshot: Snapshot,
+        table: Plane,
+        cancel: &Cancel,
+    ) -> Result<Self, Cancelled> {
+        let lattice = snapshot.lattice();
+        let config = RegistrationConfig { spacing: Some(lattice.voxel_size()), ..Default::default() };
+        let mut surface = KnownSurface::new(config).expect("a lattice's voxels are a valid spacing");
+        let bounds = lattice.bounds(&snapshot.block());
+        for frame in &frames {
+            surface.add(frame, &frame.world_from_camera(), bounds, cancel)?;
+        }
+        let points = surface.points();
+        Ok(Self { frames, surface, points, snapshot, table })
+    }
+
+    /// Its frames, oldest first, without what is not the object: a ray that ended on something else counts as
+    /// one that met nothing, or, where the object may be behind it, as one that measured nothing.
+    pub fn frames(&self) -> &[Frame] {
+        &self.frames
+    }
+
+    /// Points of the surface that was measured, one for each cell with edges of a voxel and each side.
+    pub fn points(&self) -> &[SurfacePoint] {
+        &self.points
+    }
+
+    /// What is known of the box around it.
+    pub fn snapshot(&self) -> &Snapshot {
+        &self.snapshot
+    }
+
+    /// What it stood on.
+    pub fn table(&self) -> Plane {
+        self.table
+    }
+
+    /// The measured surface, to align others to.
+    pub(super) fn surface(&self) -> &KnownSurface {
+        &self.surface
+    }
+
+    /// Whether a point of the object cannot be here: in the table, or in space that was seen to be free, with
+    /// all that is up to a voxel away.
+    pub(super) fn rules_out(&self, point: DVec3) -> bool {
+        let (lattice, block) = (self.snapshot.lattice(), self.snapshot.block());
+        let is_free = |i: usize| self.snapshot.occupancy()[i] == Occupancy::Free;
+        let is_all_free = |key: VoxelKey| {
+            block.index(key).is_some_and(|i| is_free(i) && block.neighbors(i).all(is_free))
+        };
+        self.table.height(point) < -lattice.voxel_size() || is_all_free(lattice.key(point))
+    }
+}
