@@ -2,14 +2,21 @@ use crate::geometry::sphere;
 use glam::DVec3;
 use std::f64::consts::TAU;
 
-/// Number of directions that are tried at first: 3 degrees apart.
+/// Number of directions that are tried at first, and their distance from the next ones, radians.
 const N_DIRECTIONS: usize = 4000;
+const SPACING: f64 = 0.06;
 
-/// A minimum is the lowest within this angle, radians, and so far apart are two.
-const NEIGHBORHOOD: f64 = 0.14;
+/// A minimum is looked for where no more of the next directions are lower.
+const MOST_LOWER: usize = 2;
+
+/// A pose in which an object does not tip over when it is tilted by this angle, radians.
+const TIP: f64 = 0.14;
 
 /// The search for a minimum begins with steps of this angle, radians, and ends at the last one.
-const STEPS: [f64; 2] = [0.07, 1e-4];
+const STEPS: [f64; 2] = [0.03, 1e-4];
+
+/// Lengths are the same if they differ by no larger share.
+const TOLERANCE: f64 = 1e-9;
 
 /// Points that may touch the plane.
 const N_LOWEST: usize = 12;
@@ -30,7 +37,7 @@ pub struct Rest {
 /// through and its centre of mass.
 ///
 /// These are the local minima of the height of the centre of mass above the plane, over all directions that
-/// can point down. One that tips over into a lower one when it is tilted by some 10 degrees is left out; what rolls
+/// can point down. One that tips over into a lower one when it is tilted by 8 degrees is left out; what rolls
 /// has many.
 /// Empty without points.
 ///
@@ -52,18 +59,17 @@ pub fn rests(points: &[DVec3], center_of_mass: DVec3) -> Vec<Rest> {
     let height = |down: DVec3| points.iter().map(|point| point.dot(down)).fold(f64::NEG_INFINITY, f64::max);
     let directions: Vec<DVec3> = (0..N_DIRECTIONS).map(|i| sphere::fibonacci(i, N_DIRECTIONS)).collect();
     let heights: Vec<f64> = directions.iter().map(|down| height(*down)).collect();
-    let least_cosine = NEIGHBORHOOD.cos();
-    let is_lowest = |i: &usize| {
-        let near = |j: &usize| directions[*j].dot(directions[*i]) >= least_cosine;
-        (0..N_DIRECTIONS).filter(near).all(|j| heights[j] >= heights[*i])
+    let n_lower = |of: DVec3, reach: f64, lowest: f64| {
+        let is_lower = |j: &usize| heights[*j] < lowest && directions[*j].dot(of) >= reach.cos();
+        (0..N_DIRECTIONS).filter(is_lower).count()
     };
-    let minima = (0..N_DIRECTIONS).filter(is_lowest).map(|i| {
-        let near = lowest_near(directions[i], height);
-        on_three(near, &points, height).unwrap_or(near)
-    });
+    // In a narrow valley between two directions, the lowest one may have lower ones beside it.
+    let starts = (0..N_DIRECTIONS).filter(|&i| n_lower(directions[i], SPACING, heights[i]) <= MOST_LOWER);
+    let minima = starts.filter_map(|i| on_three(lowest_near(directions[i], height), &points, height));
+    let minima = minima.filter(|rest| n_lower(rest.down, TIP, rest.height) == 0);
     let mut found: Vec<Rest> = Vec::new();
     for rest in minima {
-        match found.iter_mut().find(|other| other.down.dot(rest.down) >= least_cosine) {
+        match found.iter_mut().find(|other| other.down.dot(rest.down) >= TIP.cos()) {
             Some(other) if rest.height < other.height => *other = rest,
             Some(_) => (),
             None => found.push(rest),
@@ -73,43 +79,55 @@ pub fn rests(points: &[DVec3], center_of_mass: DVec3) -> Vec<Rest> {
     found
 }
 
-/// The local minimum that steps downhill from a direction lead to.
-fn lowest_near(start: DVec3, height: impl Fn(DVec3) -> f64) -> Rest {
-    let (mut best, mut step) = (Rest { down: start, height: height(start) }, STEPS[0]);
+/// The direction that steps downhill from another one lead to.
+fn lowest_near(start: DVec3, height: impl Fn(DVec3) -> f64) -> DVec3 {
+    let (mut best, mut lowest, mut step) = (start, height(start), STEPS[0]);
     while step > STEPS[1] {
-        let (right, up) = best.down.any_orthonormal_pair();
+        let (right, up) = best.any_orthonormal_pair();
         let turns = (0..N_TURNS).map(|turn| TAU * turn as f64 / N_TURNS as f64);
-        let around = turns.map(|turn| (best.down + step * (turn.cos() * right + turn.sin() * up)).normalize());
-        let lowest = around.map(|down| Rest { down, height: height(down) });
-        match lowest.min_by(|a, b| a.height.total_cmp(&b.height)).filter(|next| next.height < best.height) {
-            Some(next) => best = next,
+        let around = turns.map(|turn| (best + step * (turn.cos() * right + turn.sin() * up)).normalize());
+        let next = around.map(|down| (down, height(down))).min_by(|a, b| a.1.total_cmp(&b.1));
+        match next.filter(|(_, next)| *next < lowest) {
+            Some(next) => (best, lowest) = next,
             None => step *= 0.5,
         }
     }
     best
 }
 
-/// The lowest pose near one in which the object lies on three of the points that are nearest to the plane there;
-/// none if that is no lower. A search downhill ends before it, where the object would roll over an edge.
-fn on_three(near: Rest, points: &[DVec3], height: impl Fn(DVec3) -> f64) -> Option<Rest> {
+/// The nearest pose, if one is near, in which the object lies on three points with its centre of mass above
+/// them: a search downhill ends before it, or half way between two, where it goes over an edge.
+fn on_three(near: DVec3, points: &[DVec3], height: impl Fn(DVec3) -> f64) -> Option<Rest> {
     let mut lowest = points.to_vec();
-    lowest.sort_by(|a, b| b.dot(near.down).total_cmp(&a.dot(near.down)));
+    lowest.sort_by(|a, b| b.dot(near).total_cmp(&a.dot(near)));
     lowest.truncate(N_LOWEST);
     let mut best: Option<Rest> = None;
     for (i, a) in lowest.iter().enumerate() {
         for (j, b) in lowest.iter().enumerate().skip(i + 1) {
             for c in &lowest[j + 1..] {
                 let normal = (b - a).cross(c - a).normalize_or_zero();
-                let down = normal * normal.dot(near.down).signum();
-                let is_near = down.dot(near.down) >= NEIGHBORHOOD.cos();
-                let rest = Rest { down, height: height(down) };
-                if is_near && rest.height < best.unwrap_or(near).height {
+                let down = normal * normal.dot(near).signum();
+                let is_nearest = best.is_none_or(|best| near.dot(down) > near.dot(best.down));
+                let rest = Rest { down, height: a.dot(down) };
+                let is_lowest = height(down) <= rest.height * (1.0 + TOLERANCE);
+                if down.dot(near) >= (2.0 * TIP).cos() && is_nearest && is_lowest && rest.is_on([a, b, c]) {
                     best = Some(rest);
                 }
             }
         }
     }
     best
+}
+
+impl Rest {
+    /// Whether the centre of mass, from which three points on the plane are given, is above their triangle.
+    fn is_on(&self, [a, b, c]: [&DVec3; 3]) -> bool {
+        let foot = self.height * self.down;
+        let turn = |from: &DVec3, to: &DVec3| (to - from).cross(foot - from).dot(self.down);
+        let turns = [turn(a, b), turn(b, c), turn(c, a)];
+        let tolerance = TOLERANCE * self.height.powi(2);
+        turns.iter().all(|turn| *turn >= -tolerance) || turns.iter().all(|turn| *turn <= tolerance)
+    }
 }
 
 /// The points, from the centre of mass, that are the farthest in some direction: no other one can touch the
@@ -166,9 +184,10 @@ mod tests {
             for face in &faces {
                 let height = |down: DVec3| points.iter().map(|p| (p - center).dot(down)).fold(0.0, f64::max);
                 let directions = (0..N_DIRECTIONS).map(|i| sphere::fibonacci(i, N_DIRECTIONS));
-                let mut near = directions.filter(|down| down.dot(*face) >= (1.5 * NEIGHBORHOOD).cos());
+                let mut near = directions.filter(|down| down.dot(*face) >= TIP.cos());
                 let tips_over = near.any(|down| height(down) < height(*face));
-                let is_found = found.iter().any(|rest| rest.down.dot(*face) > 0.999);
+                // Of two that are nearer to each other than that, the lower one is found.
+                let is_found = found.iter().any(|rest| rest.down.dot(*face) > TIP.cos());
                 assert!(is_found || tips_over, "{face} of {found:?}");
             }
             for rest in &found {
