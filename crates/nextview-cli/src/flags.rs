@@ -1,13 +1,14 @@
 //! The options of the command line that keys of the configuration have.
 
 /// Keys and their options.
-const FLAGS: [(&str, &str); 50] = [
+const FLAGS: [(&str, &str); 51] = [
     ("planner", "--planner"),
     ("most_surface.per_second", "--per-second"),
     ("views", "--views"),
     ("stop.completeness", "--complete"),
     ("stop.path_length_m", "--max-path-m"),
     ("time_limit_s", "--max-time-s"),
+    ("after", "--after"),
     ("candidates", "--candidates"),
     ("first_view", "--first-view"),
     ("voxel_size_m", "--voxel-size-m"),

@@ -13,6 +13,7 @@
 //! ```
 
 mod config;
+mod earlier_scan;
 mod fault;
 pub mod files;
 mod journal;
@@ -41,12 +42,13 @@ pub use names::Named;
 pub use pose_matrix::{pose_of_rows, rows_of_pose};
 pub use provided::{PlannerProvider, ProvidedPlanner, provide_planners};
 pub use record::{
-    BuildIdentity, OtherBodyRecord, QualityMm, ScanRecord, StepRecord, ViewRecord, WaypointRecord,
+    BuildIdentity, OtherBodyRecord, PlacementRecord, QualityMm, ScanRecord, StepRecord, TurnRecord,
+    ViewRecord, WaypointRecord,
 };
 pub use results::{
     FRAMES_FOLDER, RESULT_FILES, Results, begin_results, result_file, result_folder, write_results,
 };
-pub use run::{Begin, Evaluator, FinishedScan, Measured, Next, ScanRun, TakenFrame};
+pub use run::{Begin, Evaluator, FinishedScan, Measured, ModelFrames, Next, ScanRun, TakenFrame};
 pub use saved_map::SavedMap;
 #[cfg(feature = "simulated")]
 pub use saved_model::SavedModel;

@@ -1,6 +1,6 @@
-//! Reads the models and the record of a scan's results.
+//! Reads the models of a scan's results.
 
-use crate::{Fault, ScanRecord, files};
+use crate::Fault;
 use nextview::geometry::Plane;
 use nextview::session::ON_TABLE;
 use nextview::surface::CloudPoint;
@@ -16,9 +16,6 @@ pub struct SavedModel {
     /// By three indices each.
     pub triangles: Vec<[u32; 3]>,
 }
-
-/// Largest record that is read, bytes.
-const MAX_RECORD: u64 = 1 << 28;
 
 impl SavedModel {
     /// Reads a file.
@@ -46,24 +43,6 @@ impl SavedModel {
         };
         let triangles = triangles.into_iter().map(|triangle| triangle.map(&mut renumbered)).collect();
         Self { points, triangles }
-    }
-}
-
-impl ScanRecord {
-    /// Reads the record of the results in a folder.
-    pub fn read(dir: &Path) -> Result<Self, Fault> {
-        let path = dir.join("record.json");
-        if !path.exists() {
-            let fault = Fault::data("holds no results of a scan: there is no record.json").in_file(dir);
-            return Err(fault.with_remedy("name the folder that a scan has written (`out`)"));
-        }
-        let text = files::read_text(&path, MAX_RECORD)?;
-        serde_json::from_str(&text).map_err(|error| Fault::data(error).in_file(&path))
-    }
-
-    /// The table that the object stands on, as it was known in the end.
-    pub fn table(&self) -> Option<Plane> {
-        self.steps.last().and_then(|step| step.table())
     }
 }
 

@@ -49,3 +49,4 @@ mod resume;
 mod scan;
 #[cfg(test)]
 mod shards;
+mod turned;

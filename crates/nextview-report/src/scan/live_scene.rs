@@ -8,7 +8,7 @@ use super::scan_copy::ScanCopy;
 use super::scene_source::SceneSource;
 use super::shown::{FusedFrames, ShownModel};
 use super::summary::summary;
-use super::{chart, headline, steps, thumbnail, viewer};
+use super::{chart, headline, placement, steps, thumbnail, viewer};
 use nextview::geometry::{Aabb, Pose};
 use nextview::sensor::Frame;
 use serde_json::json;
@@ -24,7 +24,7 @@ const MAX_POINTS: [usize; 2] = [6000, 60_000];
 #[derive(Default)]
 pub struct LiveScene {
     place: Option<(Aabb, f64)>,
-    /// Of the frames in the map.
+    /// Of the frames of the model.
     poses: Vec<Pose>,
     fused: FusedFrames,
     points: NewPoints,
@@ -59,7 +59,7 @@ impl LiveScene {
     }
 
     fn update(&mut self, copy: &ScanCopy, n_views: usize) {
-        let poses: Vec<Pose> = copy.frames.iter().map(Frame::world_from_camera).collect();
+        let poses: Vec<Pose> = copy.model_frames.iter().map(Frame::world_from_camera).collect();
         if self.place != copy.place || !poses.starts_with(&self.poses) {
             let right_since = if self.poses.is_empty() { 0 } else { n_views };
             *self = Self { place: copy.place, right_since, ..Self::default() };
@@ -80,6 +80,7 @@ fn panels(page: &ScanPage<'_>, after: usize) -> serde_json::Value {
         "subtitle": subtitle(page),
         "headline": headline::draw(page),
         "chart": chart::draw(page),
+        "placement": placement::section(page),
         "measures": summary_table(&summary(page.record, page.config)),
         "views": steps::table_with(page, range, |_| String::new()),
         "pictures": pictures,

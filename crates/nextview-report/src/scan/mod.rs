@@ -13,6 +13,8 @@ mod new_points;
 mod of_scan;
 mod page;
 mod picture;
+mod placement;
+mod placement_picture;
 mod png_file;
 mod scan_copy;
 mod scene_source;

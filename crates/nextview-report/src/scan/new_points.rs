@@ -2,11 +2,12 @@ use super::scan_copy::ScanCopy;
 use glam::{IVec3, Vec3};
 use std::collections::{BTreeMap, HashSet};
 
-/// The measured points of each frame that no frame in the map before saw, told apart by the cells of the
-/// final model.
+/// The measured points of each frame of the model that none before saw, told apart by the cells of the final
+/// model. Those of a scan before the object was turned are known from the first step on.
 #[derive(Default)]
 pub(super) struct NewPoints {
     known: HashSet<IVec3>,
+    n_frames: usize,
     /// By step, world frame, metres.
     by_step: BTreeMap<usize, Vec<Vec3>>,
 }
@@ -15,11 +16,11 @@ impl NewPoints {
     /// Adds the frames that are not among them yet. Box and poses must be those of before.
     pub fn update(&mut self, scan: &ScanCopy) {
         let Some((bounds, cell)) = scan.place else { return };
-        let frames = scan.step_idxs.iter().zip(&scan.frames);
-        for (step_idx, frame) in frames.skip(self.by_step.len()) {
+        for (frame, step_idx, _) in scan.model_views().skip(self.n_frames) {
             let points = frame.points_in(bounds).map(|p| ((p / cell).floor().as_ivec3(), p.as_vec3()));
             let new = points.filter(|(key, _)| self.known.insert(*key)).map(|(_, point)| point);
-            self.by_step.insert(*step_idx, new.collect());
+            self.by_step.entry(step_idx.unwrap_or(0)).or_default().extend(new);
+            self.n_frames += 1;
         }
     }
 

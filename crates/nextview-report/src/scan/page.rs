@@ -1,7 +1,7 @@
 use super::input::ScanPage;
 use super::stop_phrase::stop_phrase;
 use super::summary::summary;
-use super::{chart, headline, steps, viewer};
+use super::{chart, headline, placement, steps, viewer};
 use crate::text::{STYLE, escape, fill};
 use base64::prelude::{BASE64_STANDARD, Engine};
 use sha2::{Digest, Sha256};
@@ -35,6 +35,7 @@ pub fn scan_page(page: &ScanPage<'_>) -> String {
         ("subtitle", subtitle(page)),
         ("headline", headline::draw(page)),
         ("chart", chart::draw(page)),
+        ("placement", placement::section(page)),
         ("steps", steps::table(page)),
         ("summary", summary_table(&summary(page.record, page.config))),
         ("command", escape(page.command)),

@@ -3,7 +3,7 @@ use nextview::map::Snapshot;
 use nextview::motion::Trajectory;
 use nextview::sensor::{ColorImage, DepthRange, Frame};
 use nextview::view::ViewSpace;
-use nextview_scan::FinishedScan;
+use nextview_scan::{FinishedScan, ModelFrames};
 
 /// What a page shows of a scan, copied, so that the scan can go on while the page is made. Images are shared.
 pub(crate) struct ScanCopy {
@@ -11,6 +11,11 @@ pub(crate) struct ScanCopy {
     pub frames: Vec<Frame>,
     /// The index of the step of each.
     pub step_idxs: Vec<usize>,
+    /// The frames that the model is made of: first those of the scan before the object was turned, then those
+    /// in the map.
+    pub model_frames: Vec<Frame>,
+    /// The colours of those of the scan before; none without.
+    pub earlier_colors: Vec<Option<ColorImage>>,
     /// Step and frame where the frame could not be aligned.
     pub set_aside: Vec<(usize, Frame)>,
     /// By step; none without colours.
@@ -32,9 +37,15 @@ pub(crate) struct ScanCopy {
 impl ScanCopy {
     pub fn of(scan: &FinishedScan<'_>) -> Self {
         let session = &scan.session;
+        // If that is cancelled, a page without the scan before is better than none.
+        let of_map = ModelFrames { frames: session.frames().into(), n_earlier: 0 };
+        let model = scan.model_frames().unwrap_or(of_map);
+        let earlier_color = |i: usize| scan.model_color(i, model.n_earlier).ok().flatten();
         Self {
             frames: session.frames().to_vec(),
             step_idxs: session.frame_numbers().to_vec(),
+            earlier_colors: (0..model.n_earlier).map(earlier_color).collect(),
+            model_frames: model.frames.into_owned(),
             set_aside: session.set_aside().iter().map(|a| (a.number, a.frame.clone())).collect(),
             // A page without the colours of an image that can no longer be read is better than none.
             colors: (0..scan.steps.len()).map(|step_idx| scan.color(step_idx).ok().flatten()).collect(),
@@ -46,5 +57,14 @@ impl ScanCopy {
             depth_range: session.depth_range(),
             table: session.table(),
         }
+    }
+
+    /// The frames that the model is made of, with the index of their step, none for those of the scan before,
+    /// and their colours, none without.
+    pub fn model_views(&self) -> impl Iterator<Item = (&Frame, Option<usize>, Option<&ColorImage>)> {
+        let earlier = self.earlier_colors.iter().map(|color| (None, color.as_ref()));
+        let now = self.step_idxs.iter().map(|&step_idx| (Some(step_idx), self.colors[step_idx].as_ref()));
+        let views = self.model_frames.iter().zip(earlier.chain(now));
+        views.map(|(frame, (step_idx, color))| (frame, step_idx, color))
     }
 }

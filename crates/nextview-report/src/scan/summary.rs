@@ -1,3 +1,4 @@
+use super::placement;
 use super::step_line::verdict_phrase;
 use super::stop_phrase::stop_phrase;
 use crate::text::fixed;
@@ -28,6 +29,8 @@ pub fn summary(record: &ScanRecord, config: &ScanConfig) -> Vec<(String, String)
     rows.extend(scores("  F-score", record.mesh()));
     rows.extend(expected_error(record));
     rows.extend(record.mesh_filled_share.map(filled));
+    rows.extend(placement::turn(record).map(|text| ("turned", text)));
+    rows.extend(placement::request(record).map(|text| ("not seen", text)));
     rows.extend(alignment(record));
     rows.extend(registered(record));
     rows.extend(recorded(record));
@@ -88,7 +91,6 @@ fn map_phrase(step: &StepRecord) -> Option<String> {
     Some(precision + &reachable.unwrap_or_default())
 }
 
-/// How much of the closed mesh was not measured.
 /// What the camera's error makes of the cloud's, and how much of the surface is at the goal.
 fn expected_error(record: &ScanRecord) -> Option<Row> {
     let median = fixed(record.cloud_expected_error_median_mm?, 2);
@@ -99,6 +101,7 @@ fn expected_error(record: &ScanRecord) -> Option<Row> {
     Some(("expected error", format!("median {median} mm, 95 % at most {p95} mm{at_goal}")))
 }
 
+/// How much of the closed mesh was not measured.
 fn filled(share: f64) -> Row {
     ("filled in", format!("{} of the mesh, which is watertight", percent(share)))
 }

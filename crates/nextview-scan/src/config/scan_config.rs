@@ -87,6 +87,11 @@ pub struct ScanConfig {
     /// default there is no limit.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub time_limit_s: Option<f64>,
+    /// The results of a scan of the same object, which has been turned since: as soon as it is known how, the
+    /// frames of that scan come into map and model. There are no baselines then: other planners would not know
+    /// what that scan has shown.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub after: Option<PathBuf>,
     /// How frames are written into the map.
     pub map: MapConfig,
     /// Whether planning goes from coarse voxels to fine ones.
@@ -213,6 +218,7 @@ impl ScanConfig {
             baselines: true,
             memory_limit_mb: 4096,
             time_limit_s: None,
+            after: None,
             map: MapConfig::default(),
             multi_resolution: MultiResolutionConfig::default(),
             object_box: ObjectBoxConfig::default(),
@@ -258,9 +264,19 @@ impl ScanConfig {
         }
     }
 
+    /// The scan that goes on after this one, whose results are in a folder: the camera errs anew.
+    pub fn going_on_after(mut self, results: PathBuf) -> Self {
+        self.after = Some(results);
+        #[cfg(feature = "simulated")]
+        {
+            self.noise.seed = self.noise.seed.wrapping_add(1);
+        }
+        self
+    }
+
     /// Whether the scan needs the truth: what every candidate truly sees.
     pub fn needs_truth(&self) -> bool {
-        self.baselines || self.planner == PlannerName::Clairvoyant
+        self.baselines && self.after.is_none() || self.planner == PlannerName::Clairvoyant
     }
 
     /// Maximum number of views, where there are so many candidates.
@@ -276,7 +292,7 @@ impl ScanConfig {
         let recording = self.recording.iter();
         let truth = recording.flat_map(|recording| [&recording.truth, &recording.truth_from_world]).flatten();
         let named = object.into_iter().chain(views).chain(truth).map(PathBuf::from);
-        let named = named.chain(self.nbv_net.weights.clone());
+        let named = named.chain(self.nbv_net.weights.clone()).chain(self.after.clone());
         let urdf = self.robot.iter().filter_map(|robot| robot.file());
         let named = named.chain(urdf.map(PathBuf::from));
         #[cfg(feature = "simulated")]

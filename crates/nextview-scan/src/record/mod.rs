@@ -1,12 +1,15 @@
 //! The record of a scan: all that front ends, tables and reports read.
 
 mod build;
+mod placement_record;
 mod quality_mm;
+mod read;
 mod scan_record;
 mod step_record;
 mod view_record;
 
 pub use build::BuildIdentity;
+pub use placement_record::{PlacementRecord, TurnRecord};
 pub use quality_mm::QualityMm;
 pub use scan_record::{OtherBodyRecord, ScanRecord};
 pub use step_record::StepRecord;

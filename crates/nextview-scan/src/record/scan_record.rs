@@ -1,4 +1,4 @@
-use super::StepRecord;
+use super::{PlacementRecord, StepRecord, TurnRecord};
 use crate::{BoxRule, PlannerChoice, Profile};
 use nextview::session::{OtherBody, StopReason};
 use serde::{Deserialize, Serialize};
@@ -41,6 +41,13 @@ pub struct ScanRecord {
     /// without registration.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub frames_set_aside: Option<usize>,
+    /// How the object was turned since the scan before; none without one.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub turn: Option<TurnRecord>,
+    /// How to lay the object down, so that what cannot be seen as it lies can be seen then; none without a
+    /// table, and where hardly anything would be freed.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub next_placement: Option<PlacementRecord>,
 
     /// Voxels that hold some of the true surface; none where the true object is not known.
     #[serde(skip_serializing_if = "Option::is_none")]

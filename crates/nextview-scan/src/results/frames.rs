@@ -1,12 +1,13 @@
 use crate::files::ResultFolder;
-use crate::run::FinishedScan;
+use crate::run::{FinishedScan, ModelFrames};
 use crate::{Fault, Faults};
 use nextview_recording::{NumberedFrame, write_folder};
 use std::io::Write;
 use std::path::Path;
 
 /// Name of the folder of the results that holds the frames of the map, in the poses in which they were
-/// mapped: a recording in our own form, whose images have the numbers of their steps.
+/// mapped: a recording in our own form, whose images have the numbers of their steps. Behind them come those of
+/// the scan before the object was turned, if there was one; all then show nothing but the object.
 pub const FRAMES_FOLDER: &str = "frames";
 
 /// What that folder may hold.
@@ -31,16 +32,18 @@ pub(super) fn check_replaceable(dir: &Path) -> Result<(), Faults> {
 
 /// Adds the frames of the map. One whose colours cannot be had goes without them, and that is reported.
 pub(super) fn add(folder: &mut ResultFolder, scan: &FinishedScan<'_>) -> Result<(), Fault> {
+    let ModelFrames { frames, n_earlier } = scan.model_frames()?;
     let steps = scan.session.frame_numbers();
-    let frames = steps.iter().zip(scan.session.frames());
+    let numbers =
+        (0..n_earlier).map(|i| scan.steps.len() + 1 + i).chain(steps.iter().map(|step_idx| step_idx + 1));
     let frames: Vec<NumberedFrame<'_>> =
-        frames.map(|(step_idx, frame)| NumberedFrame { number: step_idx + 1, frame }).collect();
+        numbers.zip(frames.iter()).map(|(number, frame)| NumberedFrame { number, frame }).collect();
     let write = |name: &str, bytes: Vec<u8>| {
         folder.add(format!("{FRAMES_FOLDER}/{name}"), |w| Ok(w.write_all(&bytes)?))
     };
     let mut fault = None;
     let color = |i: usize| {
-        Ok(scan.color(steps[i]).unwrap_or_else(|problem| {
+        Ok(scan.model_color(i, n_earlier).unwrap_or_else(|problem| {
             fault.get_or_insert(problem);
             None
         }))

@@ -1,7 +1,8 @@
+use crate::earlier_scan::EarlierScan;
 use crate::model::Extent;
 use crate::{
     BoxRule, Fault, FinalModel, FrameSource, ModelConfig, ScanConfig, ScanJournal, ScanRecord, StepRecord,
-    ViewRule, memory, short_name,
+    TurnRecord, ViewRule, memory, short_name,
 };
 use glam::DVec3;
 use nextview::geometry::{Aabb, Plane};
@@ -10,6 +11,7 @@ use nextview::sensor::{ColorImage, Frame};
 use nextview::session::{BOX_MARGIN_FACTOR, BOX_MARGIN_VOXELS, ON_TABLE, Session, StopReason};
 use nextview::surface::{CloudPoint, SurfaceMesh, WatertightMesh, downsample};
 use nextview_robot::path::JointTrajectory;
+use std::borrow::Cow;
 
 /// A scan that is over, or as it stands.
 pub struct FinishedScan<'a> {
@@ -18,6 +20,8 @@ pub struct FinishedScan<'a> {
     /// Where the frames came from; none if they were pushed by a camera of one's own.
     pub(crate) source: Option<&'a dyn FrameSource>,
     pub(crate) journal: Option<ScanJournal>,
+    /// The scan before the object was turned.
+    pub(crate) earlier: Option<EarlierScan>,
     /// The trajectory to each view, from the view before.
     pub trajectories: Vec<Trajectory>,
     /// By step, the motion of the robot to its view; none without a robot, and of frames that were not asked
@@ -29,6 +33,15 @@ pub struct FinishedScan<'a> {
     pub(crate) colors: Vec<Option<ColorImage>>,
     /// Why the scan ended; none while it is under way.
     pub stop_reason: Option<StopReason>,
+}
+
+/// The frames that a model is made of, as they lie now.
+pub struct ModelFrames<'a> {
+    /// Those of the map. Once it is known how the object was turned, those of the scan before that come first,
+    /// and all show nothing but the object.
+    pub frames: Cow<'a, [Frame]>,
+    /// How many of them, the first ones, are of the scan before the object was turned.
+    pub n_earlier: usize,
 }
 
 /// How much of the final model is measured beside the truth.
@@ -49,6 +62,7 @@ impl FinishedScan<'_> {
             session,
             source: None,
             journal: None,
+            earlier: None,
             trajectories: Vec::new(),
             joint_trajectories: Vec::new(),
             steps: Vec::new(),
@@ -80,11 +94,31 @@ impl FinishedScan<'_> {
     /// cancelled.
     pub fn model(&self, config: ModelConfig) -> Result<FinalModel, Fault> {
         let bounds = self.bounds().ok_or_else(no_object)?;
-        let color = |i: usize| self.color(self.session.frame_numbers()[i]);
+        let ModelFrames { frames, n_earlier } = self.model_frames()?;
+        let color = |i: usize| self.model_color(i, n_earlier);
         let cancel = self.session.cancel();
         let (table, error) = (self.table(), self.session.surface_error());
         let extent = Extent { bounds, table, detail: self.detail(bounds), error };
-        FinalModel::new(self.session.frames(), color, extent, config, cancel)
+        FinalModel::new(&frames, color, extent, config, cancel)
+    }
+
+    /// The frames that the model is made of; fails if it is cancelled.
+    pub fn model_frames(&self) -> Result<ModelFrames<'_>, Fault> {
+        Ok(match self.session.frames_of_object()? {
+            None => ModelFrames { frames: self.session.frames().into(), n_earlier: 0 },
+            Some(frames) => {
+                ModelFrames { frames: frames.into(), n_earlier: self.session.earlier_frames().len() }
+            }
+        })
+    }
+
+    /// The colours of a frame of the model, by its index, where so many are of the scan before; none without.
+    pub fn model_color(&self, i: usize, n_earlier: usize) -> Result<Option<ColorImage>, Fault> {
+        match (i.checked_sub(n_earlier), &self.earlier) {
+            (Some(now), _) => self.color(self.session.frame_numbers()[now]),
+            (None, Some(earlier)) => earlier.color(i),
+            (None, None) => Ok(None),
+        }
     }
 
     /// The record. Fails if the cloud to be measured cannot be made, or if it is cancelled.
@@ -132,6 +166,8 @@ impl FinishedScan<'_> {
             trajectory_length_m: last.map_or(0.0, |step| step.trajectory_length_m),
             trajectory_time_s: last.map_or(0.0, |step| step.trajectory_time_s),
             peak_memory_mb: memory::peak_mb(),
+            turn: self.session.turn().map(TurnRecord::from),
+            next_placement: self.stop_reason.and_then(|_| self.session.next_placement()).map(Into::into),
             steps: self.steps.clone(),
             ..ScanRecord::default()
         };
@@ -180,7 +216,8 @@ impl FinishedScan<'_> {
     /// The points of the final cloud without normals and colours.
     fn plain_cloud(&self) -> Result<Vec<CloudPoint>, Fault> {
         let Some(bounds) = self.bounds() else { return Ok(Vec::new()) };
-        let points = self.session.frames().iter().flat_map(|frame| frame.points_in(bounds));
+        let ModelFrames { frames, .. } = self.model_frames()?;
+        let points = frames.iter().flat_map(|frame| frame.points_in(bounds));
         Ok(downsample(points, self.detail(bounds))?)
     }
 
@@ -191,8 +228,9 @@ impl FinishedScan<'_> {
         positions.filter(|point| is_above(table, *point)).collect()
     }
 
+    /// The table that frames of the model show; none where they show nothing but the object.
     fn table(&self) -> Option<Plane> {
-        self.session.table()
+        self.session.table().filter(|_| self.session.earlier_frames().is_empty())
     }
 }
 

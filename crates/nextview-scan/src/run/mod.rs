@@ -7,5 +7,5 @@ mod scan_run;
 mod warning;
 
 pub use evaluator::Evaluator;
-pub use finished::{FinishedScan, Measured};
+pub use finished::{FinishedScan, Measured, ModelFrames};
 pub use scan_run::{Begin, Next, ScanRun, TakenFrame};

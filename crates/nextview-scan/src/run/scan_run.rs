@@ -1,6 +1,7 @@
 use super::arm::{Arm, Way};
 use super::warning::warning;
 use super::{Evaluator, FinishedScan};
+use crate::earlier_scan::EarlierScan;
 use crate::journal::{JournalEntry, KeptFrame, SkippedView};
 use crate::record::milliseconds;
 use crate::{Fault, FaultKind, Faults, FrameSource, ScanConfig, ScanJournal, StepRecord, TurntableConfig};
@@ -126,7 +127,13 @@ impl<'a> ScanRun<'a> {
 
     /// The run of this session by a camera of one's own, with the time limit of a configuration.
     pub(crate) fn of_session(session: Session, config: &ScanConfig, begin: Begin) -> Result<Self, Fault> {
+        let earlier = config.after.as_deref().map(|dir| EarlierScan::open(dir, &begin.cancel)).transpose()?;
+        let session = match &earlier {
+            Some(earlier) => session.after(earlier.shown.clone()),
+            None => session,
+        };
         let mut run = Self::new(session.with_cancel(begin.cancel));
+        run.scan.earlier = earlier;
         run.time_limit = config.time_limit_s.map(Duration::try_from_secs_f64).and_then(Result::ok);
         run.scan.journal = begin.journal;
         run.turntable = config.turntable;

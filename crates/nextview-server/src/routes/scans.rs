@@ -12,7 +12,7 @@ use nextview_scan::{Fault, Measured, ScanConfig, ScanRecord};
 use schemars::JsonSchema;
 use std::sync::Arc;
 
-/// A scan to create: the keys of a configuration with its section `live`, and two of the server's own.
+/// A scan to create: the keys of a configuration with its section `live`, and three of the server's own.
 #[derive(JsonSchema)]
 #[expect(dead_code, reason = "describes what `NewScan::from_json` reads")]
 struct NewScanBody {
@@ -20,6 +20,9 @@ struct NewScanBody {
     id: Option<String>,
     /// Whether a proposed view must be accepted before it is given out. Default false.
     confirm_views: Option<bool>,
+    /// The finished scan of the same object, which has been turned since; keys that are not given are those
+    /// of that scan.
+    after: Option<String>,
     #[schemars(flatten)]
     config: ScanConfig,
 }
@@ -63,7 +66,7 @@ async fn post(
     let creating = app.clone();
     // To its end, even if nobody waits for it: half a scan is none.
     let created = tokio::task::spawn_blocking(move || {
-        let new = NewScan::from_json(&received.bytes, &creating.limits)?;
+        let new = NewScan::from_json(&received.bytes, &creating.limits, |id| creating.scans.results(id))?;
         creating.scans.create(new)
     });
     let failed =

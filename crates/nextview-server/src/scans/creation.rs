@@ -1,3 +1,4 @@
+use super::about::About;
 use crate::Limits;
 use crate::json::json;
 use crate::limits::exceeded;
@@ -5,6 +6,7 @@ use crate::refusal::Refusal;
 use axum::http::StatusCode;
 use nextview_scan::{Fault, Faults, ScanConfig};
 use serde_json::{Map, Value};
+use std::path::PathBuf;
 
 /// A scan that is asked for.
 pub(crate) struct NewScan {
@@ -18,8 +20,13 @@ pub(crate) struct NewScan {
 const MAX_BYTES: usize = 1 << 20;
 
 impl NewScan {
-    /// From a JSON object with the keys of a configuration, an optional `id` and `confirm_views`.
-    pub fn from_json(bytes: &[u8], limits: &Limits) -> Result<Self, Refusal> {
+    /// From a JSON object with the keys of a configuration, an optional `id`, `confirm_views` and `after`, of
+    /// whose scan `finished` gives the folder: keys that are not given are those of that scan.
+    pub fn from_json(
+        bytes: &[u8],
+        limits: &Limits,
+        finished: impl Fn(&str) -> Result<PathBuf, Fault>,
+    ) -> Result<Self, Refusal> {
         if bytes.len() > MAX_BYTES {
             let fault = exceeded("content-length", bytes.len(), format!("{MAX_BYTES} bytes"));
             return Err(Refusal::new(StatusCode::PAYLOAD_TOO_LARGE, fault));
@@ -30,11 +37,20 @@ impl NewScan {
             value.as_str().filter(|id| is_id(id)).map(str::to_owned)
         });
         let confirm_views = take(&mut keys, "confirm_views", &mut faults, Value::as_bool);
+        let after = take(&mut keys, "after", &mut faults, |value| value.as_str().map(str::to_owned));
+        let after = after.and_then(|id| finished(&id).map_err(|fault| faults.push(fault)).ok());
         faults.extend(of_files(&keys));
         if let Some(faults) = Faults::of(faults) {
             return Err(Refusal::content(faults));
         }
-        let config = ScanConfig::from_table(table(keys)?).map_err(Refusal::content)?;
+        let mut table = table(keys)?;
+        if let Some(dir) = after {
+            let mut of_before = toml::Table::try_from(About::load(&dir)?.1).map_err(Fault::data)?;
+            of_before.extend(table);
+            of_before.insert("after".to_owned(), dir.to_string_lossy().into_owned().into());
+            table = of_before;
+        }
+        let config = ScanConfig::from_table(table).map_err(Refusal::content)?;
         let faults = too_much(&config, limits);
         Faults::of(faults).map_or(Ok(()), |faults| Err(Refusal::content(faults)))?;
         Ok(Self { id, confirm_views: confirm_views.unwrap_or(false), config })
@@ -60,6 +76,7 @@ fn take<T>(
     let read = read(&value);
     if read.is_none() {
         let expected = match key {
+            "after" => "the id of a finished scan",
             "id" => "1 to 64 of a-z, 0-9, - and _, the first a letter or a digit",
             _ => "true or false",
         };

@@ -80,6 +80,17 @@ impl Scans {
         })
     }
 
+    /// The folder with the results of a finished scan.
+    pub fn results(&self, id: &str) -> Result<PathBuf, Fault> {
+        let is_finished = |scan: &Arc<Scan>| scan.summary().state == ScanState::Finished;
+        let scan = self.lock().get(id).cloned().flatten().filter(is_finished);
+        let id: String = id.chars().take(80).collect();
+        match scan {
+            Some(_) => Ok(self.dir.join(id)),
+            None => Err(Fault::of_value("after", id, "the id of a finished scan")),
+        }
+    }
+
     /// Begins a scan: on the disk when this returns. Takes a while.
     pub fn create(&self, new: NewScan) -> Result<Arc<Scan>, Refusal> {
         let NewScan { id, confirm_views, config } = new;

@@ -8,4 +8,5 @@ mod common;
 mod noise;
 mod registration;
 mod truth;
+mod turned;
 mod unknown_object;

@@ -1,5 +1,6 @@
 use crate::Error;
 use crate::checked::{check_range, checked_when_read};
+use crate::geometry::Pose;
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
 
@@ -71,6 +72,12 @@ impl Plane {
         self.normal.dot(point) - self.offset
     }
 
+    /// The same plane in another frame.
+    pub fn moved(&self, pose: &Pose) -> Self {
+        let normal = pose.rotation() * self.normal;
+        Self { normal, offset: self.offset + normal.dot(pose.translation()) }
+    }
+
     /// The parallel plane `distance` metres above.
     pub fn raised(&self, distance: f64) -> Self {
         Self { normal: self.normal, offset: self.offset + distance }
@@ -80,6 +87,7 @@ impl Plane {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use glam::DQuat;
 
     #[test]
     fn heights_are_distances_to_the_plane() {
@@ -87,6 +95,9 @@ mod tests {
         assert_eq!(plane.height(DVec3::X * 7.0), 0.0);
         assert!((plane.height(DVec3::Z) - 0.8).abs() < 1e-15);
         assert!((plane.raised(0.5).height(DVec3::Z) - 0.3).abs() < 1e-15);
+        let pose = Pose::new(DQuat::from_rotation_y(1.0), DVec3::new(0.1, 0.2, 0.3)).unwrap();
+        let height = plane.moved(&pose).height(pose.transform_point(DVec3::Z));
+        assert!((height - plane.height(DVec3::Z)).abs() < 1e-15);
     }
 
     #[test]

@@ -1,5 +1,5 @@
 use super::{ShownObject, rests};
-use crate::geometry::Pose;
+use crate::geometry::{Plane, Pose};
 use crate::registration::{Pair, PointPairs, SearchReach, SurfacePoint, align};
 use crate::{Cancel, Cancelled};
 use glam::{DQuat, DVec3};
@@ -28,6 +28,9 @@ const REACH: (f64, f64) = (0.1, 1.5);
 /// Poses that are compared by all points.
 const N_BEST: usize = 12;
 
+/// Points that hold an object on a table, at most: few beside those that lie on its surface.
+const N_CONTACTS: usize = 20;
+
 /// A point lies on the other surface within this many voxels of its tangent plane.
 const NEAR: f64 = 0.5;
 
@@ -39,6 +42,9 @@ const LEAST_OVERLAP: (f64, usize) = (0.2, 50);
 
 /// Largest share of points where the other placement rules the object out: noise.
 const MOST_RULED_OUT: f64 = 0.03;
+
+/// Least share of the points with a partner that lie on the other surface.
+const LEAST_FITTING: f64 = 0.9;
 
 /// What a point that is ruled out counts, in points that lie on the other surface.
 const RULED_OUT: f64 = 5.0;
@@ -70,7 +76,8 @@ pub struct Turn {
 pub enum TurnRefusal {
     /// Too little of what is shown now was seen before.
     LittleOverlap,
-    /// In every pose that fits, the object would be where one of the placements saw free space.
+    /// In every pose that fits, the object would be where one of the placements saw free space, or its surface
+    /// would be beside the other one.
     Contradicted,
     /// Two poses that differ fit nearly equally well.
     Ambiguous,
@@ -87,6 +94,8 @@ struct Fit {
     /// Number of those.
     n_near: usize,
     residual: f64,
+    /// Share of the points with a partner near by, of both surfaces, that lie on the other surface.
+    fitting: f64,
     /// Larger share of points, of one surface, where the other placement rules the object out.
     ruled_out: f64,
     score: f64,
@@ -109,7 +118,7 @@ pub fn find_turn(
     let mut fits = search.fits()?;
     fits.sort_by(|a, b| b.score.total_cmp(&a.score)); // stable
     let overlaps = |fit: &&Fit| fit.overlap >= LEAST_OVERLAP.0 && fit.n_near >= LEAST_OVERLAP.1;
-    let is_possible = |fit: &&Fit| fit.ruled_out <= MOST_RULED_OUT;
+    let is_possible = |fit: &&Fit| fit.ruled_out <= MOST_RULED_OUT && fit.fitting >= LEAST_FITTING;
     let is_turned = |fit: &&Fit| search.tilt(&fit.now_from_before) >= LEAST_TILT;
     let mut possible = fits.iter().filter(overlaps).filter(is_possible).filter(is_turned);
     let Some(best) = possible.next() else {
@@ -132,7 +141,12 @@ pub fn find_turn(
 
 impl Turn {
     /// The turn made exact by what is shown now: aligned from where it is.
-    pub fn refined(&self, before: &ShownObject, now: &ShownObject, cancel: &Cancel) -> Result<Self, Cancelled> {
+    pub fn refined(
+        &self,
+        before: &ShownObject,
+        now: &ShownObject,
+        cancel: &Cancel,
+    ) -> Result<Self, Cancelled> {
         let search = Search { before, now, size: diagonal(before.points()), cancel };
         let Fit { now_from_before, overlap, residual, .. } = search.exact(&self.now_from_before)?;
         Ok(Self { now_from_before, overlap, residual })
@@ -177,21 +191,53 @@ impl Search<'_> {
     }
 
     fn aligned(&self, start: &Pose, points: &[SurfacePoint], reach: SearchReach) -> Result<Pose, Cancelled> {
-        let pairs = |pose: &Pose, reach| self.before.surface().pairs(points, pose, reach, self.cancel);
+        let pairs = |pose: &Pose, reach| {
+            let on_surface = self.before.surface().pairs(points, pose, reach, self.cancel)?;
+            Ok(on_surface.into_iter().chain(self.contacts(pose, points)).collect())
+        };
         align(*start, reach, pairs).map(|(pose, _)| pose)
     }
 
-    fn fit(&self, now_from_before: &Pose, now: &[SurfacePoint], before: &[SurfacePoint]) -> Result<Fit, Cancelled> {
+    /// Pairs that hold the object on both tables: walls alone would let it slide up and down. The points of each
+    /// placement that are lowest on the other's table touch it.
+    fn contacts(&self, before_from_now: &Pose, points: &[SurfacePoint]) -> Vec<Pair> {
+        let (of_before, of_now) = (self.before.table(), self.now.table());
+        let moved = |point: &SurfacePoint| before_from_now.transform_point(point.position);
+        let of_now_moved = of_now.moved(before_from_now);
+        let on_now =
+            lowest(self.before.points().iter().map(|point| point.position), of_now_moved, self.voxels(NEAR));
+        let on_before = lowest(points.iter().map(moved), of_before, self.voxels(NEAR));
+        let on_now = on_now.into_iter().map(|known| {
+            let point = known - of_now_moved.height(known) * of_now_moved.normal();
+            Pair { point, known, normal: of_now_moved.normal() }
+        });
+        let on_before = on_before.into_iter().map(|point| {
+            let known = point - of_before.height(point) * of_before.normal();
+            Pair { point, known, normal: of_before.normal() }
+        });
+        on_now.chain(on_before).collect()
+    }
+
+    fn fit(
+        &self,
+        now_from_before: &Pose,
+        now: &[SurfacePoint],
+        before: &[SurfacePoint],
+    ) -> Result<Fit, Cancelled> {
         let reach = self.voxels(REACH.1);
         let before_from_now = now_from_before.inverse();
-        let on_before = near(self.before.surface().pairs(now, &before_from_now, reach, self.cancel)?, self.voxels(NEAR));
-        let on_now = near(self.now.surface().pairs(before, now_from_before, reach, self.cancel)?, self.voxels(NEAR));
+        let on_before =
+            near(&self.before.surface().pairs(now, &before_from_now, reach, self.cancel)?, self.voxels(NEAR));
+        let on_now =
+            near(&self.now.surface().pairs(before, now_from_before, reach, self.cancel)?, self.voxels(NEAR));
+        let fitting = (on_before.n + on_now.n) as f64 / (on_before.of + on_now.of).max(1) as f64;
         let share = |n: usize, of: usize| n as f64 / of.max(1) as f64;
         let ruled_out = |points: &[SurfacePoint], pose: &Pose, by: &ShownObject| {
             let n = points.iter().filter(|point| by.rules_out(pose.transform_point(point.position))).count();
             share(n, points.len())
         };
-        let ruled_out = [ruled_out(now, &before_from_now, self.before), ruled_out(before, now_from_before, self.now)];
+        let ruled_out =
+            [ruled_out(now, &before_from_now, self.before), ruled_out(before, now_from_before, self.now)];
         let overlap = share(on_before.n, now.len());
         let score = overlap + share(on_now.n, before.len()) - RULED_OUT * (ruled_out[0] + ruled_out[1]);
         Ok(Fit {
@@ -199,6 +245,7 @@ impl Search<'_> {
             overlap,
             n_near: on_before.n,
             residual: on_before.residual,
+            fitting,
             ruled_out: ruled_out[0].max(ruled_out[1]),
             score,
         })
@@ -217,7 +264,9 @@ impl Search<'_> {
     fn at_rest(&self) -> Vec<Pose> {
         let positions: Vec<DVec3> = self.before.points().iter().map(|point| point.position).collect();
         // The underside, which nobody has seen, is on the table.
-        let feet = positions.iter().map(|point| *point - self.before.table().height(*point) * self.before.table().normal());
+        let feet = positions
+            .iter()
+            .map(|point| *point - self.before.table().height(*point) * self.before.table().normal());
         let outline: Vec<DVec3> = positions.iter().copied().chain(feet).collect();
         let middle = middle_of(&outline);
         let up = self.now.table().normal();
@@ -244,7 +293,7 @@ impl Search<'_> {
         let a_from_b = a.inverse() * *b;
         let reach = 2.0 * self.voxels(REACH.1);
         let pairs = self.before.surface().pairs(points, &a_from_b, reach, self.cancel)?;
-        Ok(near(pairs, self.voxels(2.0 * NEAR)).n as f64 >= SAME * points.len() as f64)
+        Ok(near(&pairs, self.voxels(2.0 * NEAR)).n as f64 >= SAME * points.len() as f64)
     }
 
     /// Whether two poses are one, found from two starts.
@@ -268,14 +317,25 @@ impl Search<'_> {
 /// Points near the tangent planes of others.
 struct Near {
     n: usize,
+    /// Number of points with a partner, near its plane or not.
+    of: usize,
     /// Root mean square, metres.
     residual: f64,
 }
 
-fn near(pairs: Vec<Pair>, limit: f64) -> Near {
+fn near(pairs: &[Pair], limit: f64) -> Near {
     let distances = pairs.iter().map(|pair| pair.normal.dot(pair.point - pair.known));
     let (n, sum) = distances.filter(|d| d.abs() <= limit).fold((0, 0.0), |(n, sum), d| (n + 1, sum + d * d));
-    Near { n, residual: (sum / n.max(1) as f64).sqrt() }
+    Near { n, of: pairs.len(), residual: (sum / n.max(1) as f64).sqrt() }
+}
+
+/// Some of the points that are lowest above a plane, up to this distance above the lowest one, metres.
+fn lowest(points: impl Iterator<Item = DVec3>, plane: Plane, band: f64) -> Vec<DVec3> {
+    let mut points: Vec<DVec3> = points.collect();
+    let low = points.iter().map(|point| plane.height(*point)).fold(f64::INFINITY, f64::min);
+    points.retain(|point| plane.height(*point) <= low + band);
+    let step = points.len().div_ceil(N_CONTACTS).max(1);
+    points.into_iter().step_by(step).collect()
 }
 
 /// The first point of each cube with this edge, metres, and of each side that it faces.

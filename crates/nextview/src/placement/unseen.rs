@@ -6,14 +6,10 @@ use glam::{DVec3, IVec3};
 /// Unseen surface is freed where it looks up, or down by less than this sine: candidates are that low.
 const LOWEST_LOOK: f64 = 0.3;
 
-/// A pose that frees a smaller share of the unseen surface is not worth the turn.
-const LEAST_FREED: f64 = 0.3;
+/// A pose that frees a smaller share of the whole surface is not worth the turn.
+const LEAST_FREED: f64 = 0.01;
 
-/// So is one if a smaller share of the surface is unseen.
-const LEAST_UNSEEN: f64 = 0.01;
-
-const SIDES: [IVec3; 6] =
-    [IVec3::X, IVec3::NEG_X, IVec3::Y, IVec3::NEG_Y, IVec3::Z, IVec3::NEG_Z];
+const SIDES: [IVec3; 6] = [IVec3::X, IVec3::NEG_X, IVec3::Y, IVec3::NEG_Y, IVec3::Z, IVec3::NEG_Z];
 
 /// How to lay an object down, so that what cannot be seen now can be seen then.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -27,8 +23,8 @@ pub struct NextPlacement {
 }
 
 /// The pose, of those in which the object can rest, that frees most of the surface that was not seen: faces of
-/// unknown voxels towards free space, and of occupied and unknown ones towards the table. None if hardly any
-/// surface is unseen, or no pose frees enough of it.
+/// unknown voxels towards free space, and of occupied and unknown ones towards the table. None if no pose
+/// frees a hundredth of the surface.
 ///
 /// The object is taken for solid and of one density where it is not known to be free. Its snapshot must be in
 /// voxels much smaller than it.
@@ -46,7 +42,7 @@ pub fn next_placement(snapshot: &Snapshot, table: Plane) -> Option<NextPlacement
     let poses = rests(&solid.outline, solid.center_of_mass).into_iter();
     let freed = poses.map(|rest| NextPlacement { rest, freed_share: freed(rest.down), unseen_share });
     let best = freed.max_by(|a, b| a.freed_share.total_cmp(&b.freed_share))?;
-    (best.freed_share >= LEAST_FREED && unseen_share >= LEAST_UNSEEN).then_some(best)
+    (best.freed_share * unseen_share >= LEAST_FREED).then_some(best)
 }
 
 /// The voxels that are not known to be free.

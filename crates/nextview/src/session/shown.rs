@@ -24,8 +24,7 @@ pub fn shown_object(
     let table = KnownTable::new(table);
     let block = SessionConfig::new(voxel_size, bounds).block(&bounds)?;
     let mut map = OccupancyMap::new(lattice, SensorModel::default())?;
-    let integration =
-        Integration { region: Some(block), ground: Some(table.top), ..Integration::default() };
+    let integration = Integration { region: Some(block), ground: Some(table.top), ..Integration::default() };
     for frame in frames {
         map.integrate_unless(frame, &integration, cancel)?;
     }
@@ -58,6 +57,7 @@ fn object_only(
         frame,
         snapshot,
         bounds: snapshot.lattice().bounds(&snapshot.block()),
+        top: table.top,
         table: ShownTable::new(table, frame),
     };
     let (width, height) = (frame.image().width(), frame.image().height());
@@ -75,6 +75,7 @@ struct Cut<'a> {
     frame: &'a Frame,
     snapshot: &'a Snapshot,
     bounds: Aabb,
+    top: Plane,
     table: ShownTable,
 }
 
@@ -85,10 +86,18 @@ impl Cut<'_> {
         let ideal = self.frame.intrinsics().deproject(DVec2::new(f64::from(u), f64::from(v)));
         let Some(in_camera) = ideal.map(|ideal| ideal.extend(1.0) * f64::from(depth)) else { return reading };
         let point = self.frame.world_from_camera().transform_point(in_camera);
-        if self.bounds.contains(point) && self.table.is_below(point) {
+        // Of points that may be the table's by their noise, the map knows which are the object's.
+        let is_above =
+            || self.table.is_below(point) || self.top.height(point) > 0.0 && self.is_occupied(point);
+        if self.bounds.contains(point) && is_above() {
             return reading;
         }
         if self.is_free_behind(point) { Depth::Beyond } else { Depth::Missing }
+    }
+
+    fn is_occupied(&self, point: DVec3) -> bool {
+        let i = self.snapshot.block().index(self.snapshot.lattice().key(point));
+        i.is_some_and(|i| self.snapshot.occupancy()[i] == Occupancy::Occupied)
     }
 
     /// Whether all voxels of the box behind a point, as the camera sees it, are free.

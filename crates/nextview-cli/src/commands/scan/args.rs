@@ -1,4 +1,4 @@
-use super::run::{Output, begin, resume};
+use super::run::{Output, begin, begin_and_turn, resume};
 use crate::Failure;
 use crate::commands::values::{self, named};
 use clap::{Args, ValueEnum};
@@ -52,6 +52,14 @@ pub struct ScanArgs {
     /// Stop when the planner estimates that this share, 0 to 1, of the surface that can be seen has been seen
     #[arg(long, value_name = "SHARE", value_parser = values::share, allow_negative_numbers = true)]
     complete: Option<f64>,
+    /// Results of a scan of the same object, which has been turned since: its frames come into map and model as
+    /// soon as it is known how. In a simulation, the object is turned as those results ask for
+    #[arg(long, value_name = "DIR", value_parser = values::file_name(), conflicts_with = "flips")]
+    after: Option<String>,
+    /// How often the object is turned, once all is seen that can be seen as it lies: 0 or 1. The scan before
+    /// the turn is left in OUT-placement-1 [default: 0]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u8).range(0..=1), conflicts_with = "frames")]
+    flips: Option<u8>,
     /// Maximum length of the path through the views, in metres
     #[arg(long, value_name = "M", value_parser = values::positive, allow_negative_numbers = true)]
     max_path_m: Option<f64>,
@@ -281,10 +289,15 @@ impl ScanArgs {
         config.time_limit_s = self.max_time_s.or(config.time_limit_s);
         config.voxel_size_m = self.voxel_size_m.or(config.voxel_size_m);
         config.size_m = self.size_m.or(config.size_m);
+        config.after = self.after.map(PathBuf::from).or(config.after);
         config.check()?;
         let rule = Overwrite::forced(self.force);
         let dir = self.out.unwrap_or_else(|| result_folder(&config, &rule));
-        begin(config, Output { dir, rule, config: self.config, json: self.json })
+        let output = Output { dir, rule, config: self.config, json: self.json };
+        match self.flips {
+            Some(1) => begin_and_turn(config, output),
+            _ => begin(config, output),
+        }
     }
 
     /// The values to start from: those of a file, or else of a profile.

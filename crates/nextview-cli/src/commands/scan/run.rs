@@ -5,8 +5,8 @@ use nextview::Cancel;
 use nextview_report::{heading, page_of_scan, step_line, summary_text};
 use nextview_scan::files::{Overwrite, ResultFolder};
 use nextview_scan::{
-    Begin, Damage, Fault, FrameSource, Interrupted, RecordedScan, Results, ScanConfig, ScanJournal, ScanRun,
-    SimulatedObject, Simulation, Truth, begin_results, write_results,
+    Begin, Damage, Fault, FrameSource, Interrupted, RecordedScan, Results, ScanConfig, ScanJournal,
+    ScanRecord, ScanRun, SimulatedObject, Simulation, TableRule, Truth, begin_results, write_results,
 };
 use std::io::Write;
 use std::path::{Path, PathBuf};
@@ -26,7 +26,38 @@ pub(super) struct Output {
 /// Scans the configured object and writes the results.
 pub(super) fn begin(config: ScanConfig, output: Output) -> Result<(), Failure> {
     ScanJournal::check_free(&output.dir)?;
-    scan(config, None, &output)
+    stdout::print(scan(config, None, &output)?.0)
+}
+
+/// Scans the object, turns it as the results ask for, and scans it on. Only the results of both are printed where
+/// stdout is JSON.
+pub(super) fn begin_and_turn(config: ScanConfig, output: Output) -> Result<(), Failure> {
+    if config.object_box.table == TableRule::None {
+        return Err(Failure::usage(
+            "--flips needs a table: an object that floats has no underside; --table fit has the scan find it",
+        ));
+    }
+    let mut dir = output.dir.clone().into_os_string();
+    dir.push("-placement-1");
+    let first = Output {
+        dir: dir.into(),
+        rule: output.rule.clone(),
+        config: output.config.clone(),
+        json: output.json,
+    };
+    ScanJournal::check_free(&first.dir)?;
+    ScanJournal::check_free(&output.dir)?;
+    output.folder(&config)?;
+    let (text, record) = scan(config.clone(), None, &first)?;
+    if record.next_placement.is_none() {
+        let dir = first.dir.display();
+        eprintln!("note: in no other placement could much more be seen: the results in {dir} are all");
+        return stdout::print(text);
+    }
+    if !output.json {
+        stdout::print(text + "\n")?;
+    }
+    begin(config.going_on_after(first.dir), output)
 }
 
 /// Resumes the scan in a folder, and writes its results as if it had not been interrupted.
@@ -41,10 +72,15 @@ pub(super) fn resume(output: Output) -> Result<(), Failure> {
         );
     }
     eprintln!("note: resumes after {n_frames} frame{}", if n_frames == 1 { "" } else { "s" });
-    scan(config, Some(journal), &output)
+    stdout::print(scan(config, Some(journal), &output)?.0)
 }
 
-fn scan(config: ScanConfig, journal: Option<ScanJournal>, output: &Output) -> Result<(), Failure> {
+/// Scans and writes the results; returns what to print at the end, and the record.
+fn scan(
+    config: ScanConfig,
+    journal: Option<ScanJournal>,
+    output: &Output,
+) -> Result<(String, ScanRecord), Failure> {
     if config.live.is_some() {
         Err(own_camera().into())
     } else if config.recording.is_some() {
@@ -60,7 +96,11 @@ fn own_camera() -> Fault {
         .with_remedy("resume it in the program that began it, in Python with `nextview.resume(dir)`")
 }
 
-fn simulated(mut config: ScanConfig, journal: Option<ScanJournal>, output: &Output) -> Result<(), Failure> {
+fn simulated(
+    mut config: ScanConfig,
+    journal: Option<ScanJournal>,
+    output: &Output,
+) -> Result<(String, ScanRecord), Failure> {
     let folder = output.folder(&config)?;
     let object = SimulatedObject::new(&config)?;
     config.voxel_size_m = Some(object.voxel_size);
@@ -75,7 +115,11 @@ fn simulated(mut config: ScanConfig, journal: Option<ScanJournal>, output: &Outp
     drive(&Simulation::new(&object, &config, truth.as_ref()), &config, journal, folder, output)
 }
 
-fn recorded(mut config: ScanConfig, journal: Option<ScanJournal>, output: &Output) -> Result<(), Failure> {
+fn recorded(
+    mut config: ScanConfig,
+    journal: Option<ScanJournal>,
+    output: &Output,
+) -> Result<(String, ScanRecord), Failure> {
     let folder = output.folder(&config)?;
     let mut scan = RecordedScan::open(&mut config)?;
     let skipped = scan.skipped().into_iter().map(|skipped| format!("skipped: {skipped}"));
@@ -92,7 +136,7 @@ fn drive(
     journal: Option<ScanJournal>,
     mut folder: ResultFolder,
     output: &Output,
-) -> Result<(), Failure> {
+) -> Result<(String, ScanRecord), Failure> {
     let text = toml::to_string(config).map_err(Failure::data)?;
     let journal = journal.map_or_else(|| ScanJournal::begin(&output.dir, &text), Ok)?;
     let mut run = ScanRun::begin(source, config, Begin { journal: Some(journal), ..Begin::default() })?;
@@ -120,13 +164,14 @@ fn drive(
     folder.publish()?;
     faults.map_or(Ok(()), Err)?;
     scan.forget_journal();
-    stdout::print(match output.json {
+    let printed = match output.json {
         true => serde_json::to_string(&record).map_err(Failure::data)? + "\n",
         false => {
             let dir = output.dir.display();
             format!("\n{}\nresults in {dir} (open report.html there)\n", summary_text(&record, config))
         }
-    })
+    };
+    Ok((printed, record))
 }
 
 /// The command that runs a scan again whose results are in this folder. Names in a configuration are relative

@@ -16,9 +16,9 @@ pub(super) fn candidate_gains(
     snapshot: &Snapshot,
     estimate: &SurfaceEstimate,
 ) -> Result<Vec<f64>, Error> {
-    let Some(frame) = scan.frames.last() else { return Ok(Vec::new()) };
+    let Some(frame) = scan.model_frames.last() else { return Ok(Vec::new()) };
     let spacing = (f64::from(snapshot.block().dims().max_element()) / RAYS_ACROSS).max(1.0);
-    let measured = MeasuredParts::new(&scan.frames, snapshot, &Cancel::default())?;
+    let measured = MeasuredParts::new(&scan.model_frames, snapshot, &Cancel::default())?;
     let gain =
         ExpectedSurface::new(snapshot, frame.intrinsics(), scan.depth_range, &measured, estimate, spacing)?;
     let mut evaluator = gain.evaluator();

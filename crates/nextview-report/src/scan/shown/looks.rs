@@ -18,14 +18,10 @@ pub(super) fn vertices(scan: &ScanCopy, mesh: &SurfaceMesh, cell: f64) -> Vec<Sh
         .iter()
         .map(|point| ShownVertex { position: point.position, ..ShownVertex::default() })
         .collect();
-    for (frame, &step_idx) in scan.frames.iter().zip(&scan.step_idxs) {
-        look(
-            frame,
-            scan.colors[step_idx].as_ref(),
-            step_idx,
-            TOLERANCE * cell,
-            points.iter().zip(&mut vertices),
-        );
+    for (frame, step_idx, color) in scan.model_views() {
+        // What the scan before has shown is known from the beginning.
+        let step_idx = step_idx.unwrap_or(0);
+        look(frame, color, step_idx, TOLERANCE * cell, points.iter().zip(&mut vertices));
     }
     vertices
 }

@@ -54,10 +54,10 @@ impl FusedFrames {
             self.field = Some(DistanceField::new(lattice, block, 2.0 * cell).ok()?);
         }
         let field = self.field.as_mut()?;
-        for frame in scan.frames.iter().skip(self.n_frames) {
+        for frame in scan.model_frames.iter().skip(self.n_frames) {
             field.integrate(frame, &Cancel::default()).ok()?;
         }
-        self.n_frames = scan.frames.len();
+        self.n_frames = scan.model_frames.len();
         Some(field)
     }
 }

@@ -5,6 +5,7 @@ mod object;
 mod quality;
 mod simulated_object;
 mod simulation;
+mod turn;
 
 pub use baselines::{Baselines, Truth};
 pub(super) use quality::measure_model;

@@ -1,7 +1,8 @@
+use super::turn::turn;
 use crate::source::session_config::suitable_voxel_size;
 use crate::{Fault, ScanConfig, SizeOf, TableRule, short_name};
 use glam::DVec3;
-use nextview::geometry::Lattice;
+use nextview::geometry::{Lattice, Pose};
 use nextview_sim::mesh::{FileMesh, TriangleMesh, Unit, UnitSource};
 use nextview_sim::scene::Scene;
 use nextview_sim::{SimError, builtin, mesh};
@@ -15,6 +16,8 @@ pub struct Object {
     pub mesh: TriangleMesh,
     /// How the file's numbers became metres, where the unit was guessed.
     pub note: Option<String>,
+    /// How it was turned since the scan before; none without one.
+    pub now_from_before: Option<Pose>,
 }
 
 impl fmt::Display for Object {
@@ -27,12 +30,16 @@ impl fmt::Display for Object {
 }
 
 impl Object {
-    /// Loads the mesh that the configuration names.
+    /// Loads the mesh that the configuration names, as it lies on its table.
     pub fn load(config: &ScanConfig) -> Result<Self, Fault> {
-        match config.object.strip_prefix("builtin:") {
+        let object = match config.object.strip_prefix("builtin:") {
             Some(name) => Self::builtin(name, config),
             None => Self::file(Path::new(&config.object), config),
-        }
+        }?;
+        let Some(results) = &config.after else { return Ok(object) };
+        let now_from_before = turn(&object.mesh, results, config.noise.seed)?;
+        let mesh = object.mesh.transformed(&now_from_before)?;
+        Ok(Self { mesh, now_from_before: Some(now_from_before), ..object })
     }
 
     fn builtin(name: &str, config: &ScanConfig) -> Result<Self, Fault> {
@@ -43,14 +50,16 @@ impl Object {
             Fault::request(format!("no built-in object '{name}'")).with_remedy(hint)
         })?;
         let scale = config.size_m.map_or(1.0, |size| size / mesh.bounds().longest_side());
-        Ok(Self { name: name.to_owned(), mesh: sized(mesh.scaled(scale)?, config)?, note: None })
+        let mesh = sized(mesh.scaled(scale)?, config)?;
+        Ok(Self { name: name.to_owned(), mesh, note: None, now_from_before: None })
     }
 
     fn file(path: &Path, config: &ScanConfig) -> Result<Self, Fault> {
         let unit = config.size_m.map_or(config.unit.into(), Unit::LongestSide);
         let (mesh, scaling) = read(path)?.to_metres(unit)?;
         let note = (scaling.source == UnitSource::Guessed).then(|| format!("{scaling}; state it as `unit`"));
-        Ok(Self { name: short_name(&config.object), mesh: sized(mesh, config)?, note })
+        let (name, mesh) = (short_name(&config.object), sized(mesh, config)?);
+        Ok(Self { name, mesh, note, now_from_before: None })
     }
 
     /// The object before the configured camera.

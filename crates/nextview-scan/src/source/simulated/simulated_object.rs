@@ -1,7 +1,7 @@
 use super::object::Object;
 use crate::source::session_config::{session_config, voxel_block};
 use crate::{BoxRule, Fault, Faults, ScanConfig, TableRule, files};
-use nextview::geometry::Lattice;
+use nextview::geometry::{Lattice, Pose};
 use nextview::planner::ViewPlanner;
 use nextview::session::{ObjectBox, Session, SessionConfig, Table, Views};
 use nextview::view::ViewSpace;
@@ -52,6 +52,11 @@ impl SimulatedObject {
         config.check_views(self.views.len())?;
         let session_config = simulated_session(config, self.views.len(), &self.scene, self.voxel_size);
         Ok(Session::new(session_config, config.camera, self.session_views(config)?, planner)?)
+    }
+
+    /// How it was turned since the scan before; none without one.
+    pub(super) fn now_from_before(&self) -> Option<Pose> {
+        self.object.now_from_before
     }
 
     /// Name, size and number of triangles of the object.

@@ -1,3 +1,4 @@
+use super::turn::turn_error;
 use super::{Baselines, SimulatedObject, Truth, measure_model};
 use crate::{BoxRule, Evaluator, Fault, Faults, FrameSource, ScanConfig, ScanRecord, StepRecord};
 use glam::DVec3;
@@ -42,6 +43,16 @@ impl<'a> Simulation<'a> {
     }
 }
 
+impl Simulation<'_> {
+    /// Fills in how right the turn is; nothing where poses are wrong as a whole.
+    fn measure_turn(&self, record: &mut ScanRecord) {
+        let (Some(turn), false) = (&mut record.turn, self.is_first_pose_wrong) else { return };
+        let poses = self.object.now_from_before().zip(turn.now_from_before());
+        let error = |(truth, found)| 1e3 * turn_error(&self.object.true_surface, &truth, &found);
+        turn.error_mm = poses.map(error);
+    }
+}
+
 impl FrameSource for Simulation<'_> {
     fn session(&self, config: &ScanConfig) -> Result<Session, Faults> {
         let clairvoyant = self
@@ -75,6 +86,7 @@ impl FrameSource for Simulation<'_> {
         record.box_margin_factor = Some(BOX_MARGIN_FACTOR);
         record.box_margin_voxels = Some(BOX_MARGIN_VOXELS);
         self.baselines.iter().for_each(|baselines| baselines.describe(record));
+        self.measure_turn(record);
     }
 
     fn measure_model(&self, cloud: &[DVec3], mesh: Option<&SurfaceMesh>, record: &mut ScanRecord) {

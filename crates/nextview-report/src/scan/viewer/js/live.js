@@ -30,7 +30,7 @@
   function showPanels(panels, after) {
     byId("title").textContent = panels.title;
     document.title = `${panels.title} – nextview`;
-    for (const part of ["subtitle", "headline", "chart", "measures", "views"]) byId(part).innerHTML = panels[part];
+    for (const part of ["subtitle", "headline", "chart", "placement", "measures", "views"]) byId(part).innerHTML = panels[part];
     pictures = pictures.slice(0, after).concat(panels.pictures.map((html, i) => {
       const holder = element("div", { className: "pictures", innerHTML: html });
       holder.dataset.step = after + i + 1;
@@ -89,6 +89,14 @@
     if (!next || !summary) return gone();
     showScene(data);
     showProposal(next, summary);
+    byId("scan-on").hidden = summary.state !== "finished" || !data.panels.placement;
+  }
+
+  // A scan of the same camera, in which the object lies as asked for.
+  async function scanOn() {
+    const made = await (await post("/scans", { after: id })).json();
+    await listScans();
+    choose(made.id);
   }
 
   function gone() {
@@ -176,6 +184,7 @@
     setTimeout(begin, 3000);
   }
 
+  byId("scan-on").addEventListener("click", () => perform(scanOn));
   byId("scans").addEventListener("change", () => choose(byId("scans").value));
   byId("token-form").addEventListener("submit", (e) => {
     e.preventDefault();

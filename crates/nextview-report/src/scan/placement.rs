@@ -1,0 +1,120 @@
+//! The request to lay the object down in another way, and how it was turned.
+
+use super::input::ScanPage;
+use super::placement_picture::picture;
+use crate::text::fixed;
+use glam::DVec3;
+use nextview::placement::TurnRefusal;
+use nextview_scan::{PlacementRecord, ScanRecord, TurnRecord};
+
+/// An object is turned upside down if its underside then looks up within this angle, radians.
+const UPSIDE_DOWN: f64 = 0.5;
+
+/// What cannot be seen as the object lies, and how to lay it down so that it can; none where nothing is asked
+/// for.
+pub(super) fn request(record: &ScanRecord) -> Option<String> {
+    let PlacementRecord { down, freed_share, unseen_share } = record.next_placement?;
+    let share = |share: f64| fixed(100.0 * share, 0);
+    Some(format!(
+        "{} % of the surface cannot be seen as the object lies; {}, and {} % of that can be",
+        share(unseen_share),
+        lay(record, DVec3::from_array(down)),
+        share(freed_share),
+    ))
+}
+
+/// What to do with the object, as a clause.
+fn lay(record: &ScanRecord, down: DVec3) -> String {
+    let up = record.table().map_or(DVec3::Z, |table| table.normal());
+    if down.angle_between(up) < UPSIDE_DOWN {
+        return "lay it upside down".to_owned();
+    }
+    let [x, y, z] = down.to_array().map(|x| fixed(x, 2));
+    format!("lay it on the side that now faces ({x}, {y}, {z})")
+}
+
+/// How the object was turned since the scan before; none without one.
+pub(super) fn turn(record: &ScanRecord) -> Option<String> {
+    let turn = record.turn?;
+    if let Some(refusal) = turn.refusal {
+        return Some(format!("unknown: {}; the model is of this scan alone", refusal_phrase(refusal)));
+    }
+    let TurnRecord { overlap, residual_mm, error_mm, .. } = turn;
+    let angle = turn.now_from_before()?.rotation().angle_between(glam::DQuat::IDENTITY).to_degrees();
+    let known = format!(
+        "by {} degrees; {} % of what is shown was known, {} mm apart",
+        fixed(angle, 1),
+        fixed(100.0 * overlap?, 0),
+        fixed(residual_mm?, 2)
+    );
+    let error = error_mm.map_or(String::new(), |mm| format!("; misplaced by {} mm", fixed(mm, 2)));
+    Some(known + &error)
+}
+
+fn refusal_phrase(refusal: TurnRefusal) -> &'static str {
+    match refusal {
+        TurnRefusal::LittleOverlap => "too little of what is shown was seen before",
+        TurnRefusal::Contradicted => "the object would be where it was seen not to be",
+        TurnRefusal::Ambiguous => "several ways fit nearly equally well",
+        TurnRefusal::NotTurned => "the same side is down as before",
+        _ => "for a reason of another version",
+    }
+}
+
+/// The request with its pictures, as HTML; empty where nothing is asked for.
+pub(super) fn section(page: &ScanPage<'_>) -> String {
+    let (Some(text), Some(next)) = (request(page.record), page.record.next_placement) else {
+        return String::new();
+    };
+    let up = page.model.up.unwrap_or(DVec3::Z);
+    let pictures = [("as it lies", -up), ("as to lay it", DVec3::from_array(next.down))]
+        .map(|(caption, down)| picture(page.model, up, down, caption));
+    format!(
+        "<h2>To see more, turn the object</h2><p>{text}. Then scan it once more, after this scan.</p>\
+         <div class=\"placement\">{}</div>",
+        pictures.concat()
+    )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn record(down: [f64; 3]) -> ScanRecord {
+        let next = PlacementRecord { down, freed_share: 0.9, unseen_share: 0.123 };
+        ScanRecord { next_placement: Some(next), ..ScanRecord::default() }
+    }
+
+    #[test]
+    fn the_request_says_which_side_is_down() {
+        let start = "12 % of the surface cannot be seen as the object lies; ";
+        let end = ", and 90 % of that can be";
+        let text = |down| request(&record(down)).unwrap();
+        assert_eq!(text([0.0, 0.0, 1.0]), format!("{start}lay it upside down{end}"));
+        let side = "lay it on the side that now faces (1.00, 0.00, 0.00)";
+        assert_eq!(text([1.0, 0.0, 0.0]), format!("{start}{side}{end}"));
+        assert_eq!(request(&ScanRecord::default()), None);
+    }
+
+    #[test]
+    fn a_turn_is_told_with_its_error() {
+        let known = TurnRecord {
+            refusal: None,
+            position_m: Some([0.0; 3]),
+            quaternion_xyzw: Some([1.0, 0.0, 0.0, 0.0]),
+            overlap: Some(0.43),
+            residual_mm: Some(0.412),
+            error_mm: Some(0.2),
+        };
+        let text = |known| turn(&ScanRecord { turn: Some(known), ..ScanRecord::default() }).unwrap();
+        assert_eq!(
+            text(known),
+            "by 180.0 degrees; 43 % of what is shown was known, 0.41 mm apart; misplaced by 0.20 mm"
+        );
+        let refused = TurnRecord { refusal: Some(TurnRefusal::Ambiguous), position_m: None, ..known };
+        assert_eq!(
+            text(refused),
+            "unknown: several ways fit nearly equally well; the model is of this scan alone"
+        );
+    }
+}
