@@ -43,6 +43,9 @@ class Scan:
     - `out`: a folder. Every frame is on the disk there before it counts; after an interruption,
       `nextview.resume` resumes the scan. `save` writes the results there. It must not hold results of another
       scan, unless `force` is true, which replaces them.
+    - `after`: the folder with the results of a scan of the same object, which has been turned since as their
+      `record.next_placement` asks for: as soon as it is known how, the frames of that scan come into map and
+      model. Both need a `table`.
     - `options`: any other key of a configuration, such as `registration={"enabled": True}`,
       `stop={"completeness": 0.98}`, or `robot={"arm": "ur5e", "world_from_base": pose}`. Poses are 4 x 4
       arrays of float64.

@@ -25,7 +25,7 @@ pub(crate) struct ScanCopy {
     pub candidates: ViewSpace,
     /// None before an object was found.
     pub snapshot: Option<Snapshot>,
-    /// The box around the object, and the edge of the final model's cells, metres; none if no object was
+    /// The box that the model is made in, and the edge of the final model's cells, metres; none if no object was
     /// found.
     pub place: Option<(Aabb, f64)>,
     /// Edge of the finest voxels, metres.
@@ -52,7 +52,7 @@ impl ScanCopy {
             trajectories: scan.trajectories.clone(),
             candidates: session.views().clone(),
             snapshot: session.snapshot(),
-            place: scan.bounds().map(|bounds| (bounds, scan.detail(bounds))),
+            place: scan.model_bounds().map(|bounds| (bounds, scan.detail(bounds))),
             voxel_size: session.map().lattice().voxel_size(),
             depth_range: session.depth_range(),
             table: session.table(),

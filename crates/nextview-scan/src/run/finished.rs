@@ -81,6 +81,19 @@ impl FinishedScan<'_> {
         self.session.bounds().or_else(|| self.source.and_then(FrameSource::bounds))
     }
 
+    /// The box that the model is made in, metres; none if no object was found. It is that around the object, and
+    /// where both placements of a turned object are known, it holds what lies on the table as well.
+    pub fn model_bounds(&self) -> Option<Aabb> {
+        let mut bounds = self.bounds()?;
+        if let (Some(table), false) = (self.session.table(), self.session.earlier_frames().is_empty()) {
+            let margin = 2.0 * self.session.map().lattice().voxel_size();
+            let on_table = |corner: DVec3| corner.z - table.height(corner) / table.normal().z;
+            let lowest = bounds.corners().map(on_table).into_iter().fold(bounds.min.z, f64::min);
+            bounds.min.z = lowest - margin;
+        }
+        Some(bounds)
+    }
+
     /// Edge of the cells, metres, of the final cloud and mesh: a quarter of a
     /// voxel, since the map's voxels are larger than what the camera resolves, but no more than 128 along the
     /// box, so that the mesh takes a second or two.
@@ -93,7 +106,7 @@ impl FinishedScan<'_> {
     /// image cannot be loaded, or if it is cancelled: reset the flag to make the model of a scan that was
     /// cancelled.
     pub fn model(&self, config: ModelConfig) -> Result<FinalModel, Fault> {
-        let bounds = self.bounds().ok_or_else(no_object)?;
+        let bounds = self.model_bounds().ok_or_else(no_object)?;
         let ModelFrames { frames, n_earlier } = self.model_frames()?;
         let color = |i: usize| self.model_color(i, n_earlier);
         let cancel = self.session.cancel();
@@ -215,7 +228,7 @@ impl FinishedScan<'_> {
 
     /// The points of the final cloud without normals and colours.
     fn plain_cloud(&self) -> Result<Vec<CloudPoint>, Fault> {
-        let Some(bounds) = self.bounds() else { return Ok(Vec::new()) };
+        let Some(bounds) = self.model_bounds() else { return Ok(Vec::new()) };
         let ModelFrames { frames, .. } = self.model_frames()?;
         let points = frames.iter().flat_map(|frame| frame.points_in(bounds));
         Ok(downsample(points, self.detail(bounds))?)

@@ -5,9 +5,11 @@ use nextview::geometry::Pose;
 use nextview::sensor::{Depth, DepthImage, Frame, Intrinsics};
 use nextview::session::NextView;
 use nextview_scan::{
-    FrameSource, LiveConfig, NoiseConfig, NoiseModel, ScanConfig, SimulatedObject, Simulation, pose_of_rows,
+    FrameSource, LiveConfig, NoiseConfig, NoiseModel, ScanConfig, SimulatedObject, Simulation, TableRule,
+    pose_of_rows,
 };
 use serde_json::{Value, json};
+use std::path::PathBuf;
 
 pub struct Robot {
     config: ScanConfig,
@@ -23,6 +25,21 @@ impl Robot {
     /// The same with a camera that makes no errors.
     pub fn exact(n_views: usize, width: u32) -> Self {
         Self::with_noise(n_views, width, NoiseModel::None)
+    }
+
+    /// The same with the mug on a table.
+    pub fn on_table(n_views: usize, width: u32) -> Self {
+        let mut config = Self::exact(n_views, width).config;
+        config.object_box.table = TableRule::Known;
+        let object = SimulatedObject::new(&config).unwrap();
+        Self { config, object }
+    }
+
+    /// The same with the mug turned as the results in a folder ask for.
+    pub fn turned(&self, results: PathBuf) -> Self {
+        let config = self.config.clone().going_on_after(results);
+        let object = SimulatedObject::new(&config).unwrap();
+        Self { config, object }
     }
 
     fn with_noise(n_views: usize, width: u32, model: NoiseModel) -> Self {
@@ -52,13 +69,16 @@ impl Robot {
     pub fn live(&self) -> ScanConfig {
         let bounds = self.object.scene.planning_box(self.object.voxel_size);
         let [min, max] = [bounds.min.to_array(), bounds.max.to_array()];
+        let is_on_table = self.config.object_box.table == TableRule::Known;
         let live = LiveConfig {
+            table_z_m: is_on_table.then(|| self.object.scene.room().min.z),
             box_m: Some([min[0], min[1], min[2], max[0], max[1], max[2]]),
             poses: self.object.views.poses().to_vec(),
             ..LiveConfig::default()
         };
         let noise = ScanConfig::default().noise;
-        ScanConfig { object: "mug".to_owned(), live: Some(live), noise, ..self.config.clone() }
+        let object_box = ScanConfig::default().object_box;
+        ScanConfig { object: "mug".to_owned(), live: Some(live), noise, object_box, ..self.config.clone() }
     }
 
     /// The body that creates that scan.

@@ -241,3 +241,44 @@ fn a_listener_that_comes_back_misses_nothing() {
     );
     assert_eq!(told("of-another-process-7", 3).0, ["gap", "paused", "continued"]);
 }
+
+/// Takes all frames of a scan and finishes it; returns its record.
+fn scan_through(client: &mut crate::client::Client, robot: &Robot, id: &str) -> Value {
+    for number in 1.. {
+        let next = client.get(&format!("/scans/{id}/next")).expect(200);
+        if next["state"] == "finished" {
+            break;
+        }
+        let rows = &next["view"]["world_from_camera"];
+        let frame = robot.frame(rows, number == 1);
+        post_raw(client, id, &number.to_string(), rows, frame.image()).expect(200);
+    }
+    client.post(&format!("/scans/{id}/finish"), &json!({})).expect(200)["record"].clone()
+}
+
+#[test]
+fn a_scan_goes_on_after_its_object_was_turned() {
+    let folder = Folder::new("turned");
+    let dir = folder.path("scans");
+    let server = Server::start(&dir);
+    let (robot, mut client) = (Robot::on_table(6, 320), server.client());
+    client.post("/scans", &robot.body("mug")).expect(201);
+    let after = json!({ "after": "mug", "id": "turned" });
+    assert_eq!(client.post("/scans", &after).status, 422, "it is not finished");
+    assert_eq!(client.post("/scans", &json!({ "after": "../mug" })).status, 422, "there is none");
+    let before = scan_through(&mut client, &robot, "mug");
+    assert!(before["next_placement"].is_object(), "{before}");
+    let scene = String::from_utf8(client.get("/scans/mug/scene").body).unwrap();
+    assert!(scene.contains("To see more, turn the object"), "the page asks for it");
+
+    let turned = robot.turned(dir.join("mug"));
+    let poses = turned.body("turned")["live"].clone();
+    let body = json!({ "after": "mug", "id": "turned", "live": poses });
+    client.post("/scans", &body).expect(201);
+    let now = scan_through(&mut client, &turned, "turned");
+    let turn = &now["turn"];
+    assert!(turn["refusal"].is_null() && turn["overlap"].as_f64().unwrap() > 0.3, "{turn}");
+    // The configuration is that of before where none was given.
+    let config = fs::read_to_string(dir.join("turned/config.toml")).unwrap();
+    assert!(config.contains("voxel_size_m = 0.006") && config.contains("after = "), "{config}");
+}

@@ -4,7 +4,7 @@ use super::object_points::ObjectPoints;
 use super::other_body::{OtherBody, other_bodies};
 use super::planning_box::{as_deep_as_wide, growing_box};
 use super::scan_map::Place;
-use super::table::{ShownTable, Table};
+use super::table::{ShownTable, Table, TableSearch};
 use crate::geometry::Aabb;
 use crate::sensor::Frame;
 use crate::{Cancel, Cancelled};
@@ -13,7 +13,7 @@ use crate::{Cancel, Cancelled};
 #[derive(Clone, Debug)]
 pub(super) struct Locator {
     object_box: ObjectBox,
-    table: Table,
+    table: TableSearch,
     voxel_size: f64,
     points: ObjectPoints,
     /// How many of the frames are of the placement before: they show neither this table nor anything else
@@ -24,12 +24,13 @@ pub(super) struct Locator {
 impl Locator {
     /// For checked parameters; voxel size and gap in metres.
     pub fn new(object_box: ObjectBox, table: Table, voxel_size: f64, max_gap: f64) -> Self {
-        Self { object_box, table, voxel_size, points: ObjectPoints::new(voxel_size, max_gap), n_earlier: 0 }
+        let (table, points) = (TableSearch::new(table), ObjectPoints::new(voxel_size, max_gap));
+        Self { object_box, table, voxel_size, points, n_earlier: 0 }
     }
 
     /// The same before the first frame, where so many frames of the placement before come first.
     pub fn after(&self, n_earlier: usize) -> Self {
-        Self { points: self.points.without_points(), n_earlier, ..*self }
+        Self { table: self.table.anew(), points: self.points.without_points(), n_earlier, ..*self }
     }
 
     /// The place after these frames, of which the last is new. The locator is of no use if cancelled.
@@ -40,6 +41,7 @@ impl Locator {
     /// The place after these frames, all of which may have moved. The locator is of no use if cancelled.
     pub fn locate_anew(&mut self, frames: &[Frame], cancel: &Cancel) -> Result<Location, Cancelled> {
         self.points.clear();
+        self.table = self.table.anew();
         self.locate_with(frames, 0, cancel)
     }
 
@@ -50,7 +52,14 @@ impl Locator {
         n_known: usize,
         cancel: &Cancel,
     ) -> Result<Location, Cancelled> {
-        let table = self.table.find(&frames[self.n_earlier.min(frames.len())..], cancel)?;
+        let of_now = frames.get(n_known.max(self.n_earlier)..).unwrap_or_default();
+        let is_other = self.table.look(of_now, cancel)?;
+        let table = self.table.known();
+        // What was taken for the table's may be the object's after all.
+        let n_known = if is_other { 0 } else { n_known };
+        if is_other {
+            self.points.clear();
+        }
         let (object, bounds) = match self.object_box {
             ObjectBox::Known(bounds) => (Some(bounds), Some(bounds)),
             ObjectBox::Growing => {
@@ -77,9 +86,7 @@ impl Locator {
     pub fn other_bodies(&self, frames: &[Frame], cancel: &Cancel) -> Result<Vec<OtherBody>, Cancelled> {
         match self.object_box {
             ObjectBox::Known(_) => Ok(Vec::new()),
-            ObjectBox::Growing => {
-                other_bodies(&self.points, frames, self.table.find(frames, cancel)?, cancel)
-            }
+            ObjectBox::Growing => other_bodies(&self.points, frames, self.table.known(), cancel),
         }
     }
 }

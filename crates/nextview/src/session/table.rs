@@ -22,7 +22,7 @@ pub enum Table {
     #[serde(rename = "at-height-m")]
     AtHeight(f64),
     /// The largest surface that the first frame shows below the camera and less than 30 degrees from the
-    /// horizontal; where there is none, as without a table.
+    /// horizontal, as that frame shows it that shows it best; where there is none, as without a table.
     Fitted,
 }
 
@@ -34,6 +34,13 @@ const DEVIATIONS: f64 = 3.0;
 
 /// The same for connections to the object: hardly any point of the table may bridge to the next.
 const DEVIATIONS_SHOWN: f64 = 5.0;
+
+/// Another frame shows a table better if its points lie this much closer to a plane: each change makes the map
+/// anew.
+const BETTER: f64 = 0.6;
+
+/// A table whose points lie this close to a plane, metres, is known well enough.
+const GOOD: f64 = 0.5 * ON_TABLE;
 
 /// How far above a table's points a camera can stand, metres: most of the height of a small camera.
 const CLEARANCE: f64 = 0.02;
@@ -98,11 +105,64 @@ impl Table {
     }
 
     /// The table, as far as the frames (oldest first) show it.
+    #[cfg(test)]
     pub(super) fn find(self, frames: &[Frame], cancel: &Cancel) -> Result<Option<KnownTable>, Cancelled> {
-        match (self, frames.first()) {
-            (Self::None, _) | (Self::Fitted, None) => Ok(None),
-            (Self::AtHeight(z), _) => Ok(Plane::horizontal(z).ok().map(|plane| KnownTable::new(plane))),
-            (Self::Fitted, Some(first)) => fit(first, cancel),
+        let mut search = TableSearch::new(self);
+        search.look(frames, cancel)?;
+        Ok(search.known())
+    }
+}
+
+/// The search for a table, frame by frame: a first view from just above it shows a plane of points that are far
+/// away and noisy.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct TableSearch {
+    table: Table,
+    is_first: bool,
+    found: Option<PlaneFit>,
+}
+
+impl TableSearch {
+    /// Before the first frame.
+    pub fn new(table: Table) -> Self {
+        Self { table, is_first: true, found: None }
+    }
+
+    /// The same before the first frame.
+    pub fn anew(&self) -> Self {
+        Self::new(self.table)
+    }
+
+    /// Looks at more frames, oldest first; returns whether the table is another one now.
+    pub fn look(&mut self, frames: &[Frame], cancel: &Cancel) -> Result<bool, Cancelled> {
+        let before = self.known();
+        if self.table == Table::Fitted {
+            for frame in frames {
+                cancel.check()?;
+                self.look_at(frame, cancel)?;
+            }
+        }
+        Ok(self.known() != before)
+    }
+
+    fn look_at(&mut self, frame: &Frame, cancel: &Cancel) -> Result<(), Cancelled> {
+        let camera = frame.world_from_camera().translation();
+        let points = || frame.points().collect::<Vec<DVec3>>();
+        if std::mem::take(&mut self.is_first) {
+            self.found = fit_ground_unless(&points(), camera, cancel)?;
+        } else if let Some(found) = self.found.filter(|found| found.deviation > GOOD) {
+            let shown = fit_ground_near(found.plane, POSE_ERROR, &points(), camera);
+            self.found = shown.filter(|shown| shown.deviation < BETTER * found.deviation).or(self.found);
+        }
+        Ok(())
+    }
+
+    /// The table, as far as it is known.
+    pub fn known(&self) -> Option<KnownTable> {
+        match self.table {
+            Table::None => None,
+            Table::AtHeight(z) => Plane::horizontal(z).ok().map(KnownTable::new),
+            Table::Fitted => self.found.map(KnownTable::fitted),
         }
     }
 }
@@ -141,12 +201,6 @@ impl KnownTable {
         let z = if lowest < bounds.max.z { lowest.max(bounds.min.z) } else { bounds.min.z };
         Aabb { min: min.extend(z), ..bounds }
     }
-}
-
-fn fit(frame: &Frame, cancel: &Cancel) -> Result<Option<KnownTable>, Cancelled> {
-    let points: Vec<DVec3> = frame.points().collect();
-    let found = fit_ground_unless(&points, frame.world_from_camera().translation(), cancel)?;
-    Ok(found.map(KnownTable::fitted))
 }
 
 #[cfg(test)]
