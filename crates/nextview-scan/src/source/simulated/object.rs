@@ -13,8 +13,9 @@ pub struct Object {
     /// Short name, for headings and file names.
     pub name: String,
     pub mesh: TriangleMesh,
-    /// How the file's numbers became metres, where the unit was guessed.
-    pub note: Option<String>,
+    /// How the file's numbers became metres, where the unit was guessed, and why it has no colours, where the
+    /// file's are broken.
+    pub notes: Vec<String>,
 }
 
 impl fmt::Display for Object {
@@ -43,14 +44,18 @@ impl Object {
             Fault::request(format!("no built-in object '{name}'")).with_remedy(hint)
         })?;
         let scale = config.size_m.map_or(1.0, |size| size / mesh.bounds().longest_side());
-        Ok(Self { name: name.to_owned(), mesh: sized(mesh.scaled(scale)?, config)?, note: None })
+        Ok(Self { name: name.to_owned(), mesh: sized(mesh.scaled(scale)?, config)?, notes: Vec::new() })
     }
 
     fn file(path: &Path, config: &ScanConfig) -> Result<Self, Fault> {
         let unit = config.size_m.map_or(config.unit.into(), Unit::LongestSide);
-        let (mesh, scaling) = read(path)?.to_metres(unit)?;
-        let note = (scaling.source == UnitSource::Guessed).then(|| format!("{scaling}; state it as `unit`"));
-        Ok(Self { name: short_name(&config.object), mesh: sized(mesh, config)?, note })
+        let file = read(path)?;
+        let (mesh, scaling) = file.to_metres(unit)?;
+        let unit_note =
+            (scaling.source == UnitSource::Guessed).then(|| format!("{scaling}; state it as `unit`"));
+        let color_note = file.color_fault().map(|fault| format!("the mesh goes without colours: {fault}"));
+        let notes = unit_note.into_iter().chain(color_note).collect();
+        Ok(Self { name: short_name(&config.object), mesh: sized(mesh, config)?, notes })
     }
 
     /// The object before the configured camera.
