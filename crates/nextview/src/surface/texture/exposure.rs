@@ -69,7 +69,8 @@ pub(super) fn gains(
 /// Of red, green and blue.
 type Logarithms = [f64; 3];
 
-/// By vertex, the photos that see it where colours are alike around it, and the logarithms of its colour there.
+/// By vertex, the photos that see it where colours are alike around it, and the logarithms of its colour
+/// there.
 fn logarithms(
     photos: &[Photo],
     sights: &[Sight],

@@ -36,11 +36,11 @@ const MAX_SIDE: usize = 4096;
 
 /// Gives a mesh, metres, a texture from photos.
 ///
-/// A photo sees a triangle if it lies in the image, faces the camera, and is measured there and hidden neither
-/// by the mesh nor by anything else. Of those that do, one that shows it large and from the front is taken,
-/// together with neighbours. Differences of exposure are levelled by a gain of each photo, and what is left at
-/// seams by corrections that fade inside the charts. Triangles that no photo sees have the colours of their
-/// vertices, or else those of the vertices around.
+/// A photo sees a triangle if it lies in the image, faces the camera, and is measured there and hidden
+/// neither by the mesh nor by anything else. Of those that do, one that shows it large and from the front is
+/// taken, together with neighbours. Differences of exposure are levelled by a gain of each photo, and what is
+/// left at seams by corrections that fade inside the charts. Triangles that no photo sees have the colours of
+/// their vertices, or else those of the vertices around.
 ///
 /// ```
 /// use glam::DVec3;
