@@ -66,8 +66,9 @@ impl ShownObject {
     pub(super) fn rules_out(&self, point: DVec3) -> bool {
         let (lattice, block) = (self.snapshot.lattice(), self.snapshot.block());
         let is_free = |i: usize| self.snapshot.occupancy()[i] == Occupancy::Free;
-        let is_all_free =
-            |key: VoxelKey| block.index(key).is_some_and(|i| is_free(i) && block.neighbors(i).all(is_free));
+        let is_all_free = |key: VoxelKey| {
+            block.index(key).is_some_and(|i| is_free(i) && block.neighbors(i).all(is_free))
+        };
         self.table.height(point) < -lattice.voxel_size() || is_all_free(lattice.key(point))
     }
 }

@@ -132,12 +132,7 @@ pub fn find_turn(
 
 impl Turn {
     /// The turn made exact by what is shown now: aligned from where it is.
-    pub fn refined(
-        &self,
-        before: &ShownObject,
-        now: &ShownObject,
-        cancel: &Cancel,
-    ) -> Result<Self, Cancelled> {
+    pub fn refined(&self, before: &ShownObject, now: &ShownObject, cancel: &Cancel) -> Result<Self, Cancelled> {
         let search = Search { before, now, size: diagonal(before.points()), cancel };
         let Fit { now_from_before, overlap, residual, .. } = search.exact(&self.now_from_before)?;
         Ok(Self { now_from_before, overlap, residual })
@@ -186,25 +181,17 @@ impl Search<'_> {
         align(*start, reach, pairs).map(|(pose, _)| pose)
     }
 
-    fn fit(
-        &self,
-        now_from_before: &Pose,
-        now: &[SurfacePoint],
-        before: &[SurfacePoint],
-    ) -> Result<Fit, Cancelled> {
+    fn fit(&self, now_from_before: &Pose, now: &[SurfacePoint], before: &[SurfacePoint]) -> Result<Fit, Cancelled> {
         let reach = self.voxels(REACH.1);
         let before_from_now = now_from_before.inverse();
-        let on_before =
-            near(self.before.surface().pairs(now, &before_from_now, reach, self.cancel)?, self.voxels(NEAR));
-        let on_now =
-            near(self.now.surface().pairs(before, now_from_before, reach, self.cancel)?, self.voxels(NEAR));
+        let on_before = near(self.before.surface().pairs(now, &before_from_now, reach, self.cancel)?, self.voxels(NEAR));
+        let on_now = near(self.now.surface().pairs(before, now_from_before, reach, self.cancel)?, self.voxels(NEAR));
         let share = |n: usize, of: usize| n as f64 / of.max(1) as f64;
         let ruled_out = |points: &[SurfacePoint], pose: &Pose, by: &ShownObject| {
             let n = points.iter().filter(|point| by.rules_out(pose.transform_point(point.position))).count();
             share(n, points.len())
         };
-        let ruled_out =
-            [ruled_out(now, &before_from_now, self.before), ruled_out(before, now_from_before, self.now)];
+        let ruled_out = [ruled_out(now, &before_from_now, self.before), ruled_out(before, now_from_before, self.now)];
         let overlap = share(on_before.n, now.len());
         let score = overlap + share(on_now.n, before.len()) - RULED_OUT * (ruled_out[0] + ruled_out[1]);
         Ok(Fit {
@@ -230,9 +217,7 @@ impl Search<'_> {
     fn at_rest(&self) -> Vec<Pose> {
         let positions: Vec<DVec3> = self.before.points().iter().map(|point| point.position).collect();
         // The underside, which nobody has seen, is on the table.
-        let feet = positions
-            .iter()
-            .map(|point| *point - self.before.table().height(*point) * self.before.table().normal());
+        let feet = positions.iter().map(|point| *point - self.before.table().height(*point) * self.before.table().normal());
         let outline: Vec<DVec3> = positions.iter().copied().chain(feet).collect();
         let middle = middle_of(&outline);
         let up = self.now.table().normal();

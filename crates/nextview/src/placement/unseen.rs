@@ -12,7 +12,8 @@ const LEAST_FREED: f64 = 0.3;
 /// So is one if a smaller share of the surface is unseen.
 const LEAST_UNSEEN: f64 = 0.01;
 
-const SIDES: [IVec3; 6] = [IVec3::X, IVec3::NEG_X, IVec3::Y, IVec3::NEG_Y, IVec3::Z, IVec3::NEG_Z];
+const SIDES: [IVec3; 6] =
+    [IVec3::X, IVec3::NEG_X, IVec3::Y, IVec3::NEG_Y, IVec3::Z, IVec3::NEG_Z];
 
 /// How to lay an object down, so that what cannot be seen now can be seen then.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -22,11 +22,7 @@ impl Earlier {
     }
 
     /// The turn by all that is shown now; none if it is known, and as it was.
-    pub fn find(
-        &self,
-        now: &ShownObject,
-        cancel: &Cancel,
-    ) -> Result<Option<Result<Turn, TurnRefusal>>, Cancelled> {
+    pub fn find(&self, now: &ShownObject, cancel: &Cancel) -> Result<Option<Result<Turn, TurnRefusal>>, Cancelled> {
         let Some(Ok(known)) = self.turn else { return find_turn(&self.shown, now, cancel).map(Some) };
         let refined = known.refined(&self.shown, now, cancel)?;
         let lattice = self.shown.snapshot().lattice();

@@ -24,7 +24,8 @@ pub fn shown_object(
     let table = KnownTable::new(table);
     let block = SessionConfig::new(voxel_size, bounds).block(&bounds)?;
     let mut map = OccupancyMap::new(lattice, SensorModel::default())?;
-    let integration = Integration { region: Some(block), ground: Some(table.top), ..Integration::default() };
+    let integration =
+        Integration { region: Some(block), ground: Some(table.top), ..Integration::default() };
     for frame in frames {
         map.integrate_unless(frame, &integration, cancel)?;
     }

@@ -101,7 +101,9 @@ impl Table {
     pub(super) fn find(self, frames: &[Frame], cancel: &Cancel) -> Result<Option<KnownTable>, Cancelled> {
         match (self, frames.first()) {
             (Self::None, _) | (Self::Fitted, None) => Ok(None),
-            (Self::AtHeight(z), _) => Ok(Plane::horizontal(z).ok().map(|plane| KnownTable::new(plane))),
+            (Self::AtHeight(z), _) => {
+                Ok(Plane::horizontal(z).ok().map(|plane| KnownTable::new(plane)))
+            }
             (Self::Fitted, Some(first)) => fit(first, cancel),
         }
     }
@@ -162,8 +164,7 @@ mod tests {
         assert_eq!(table.clip(above), above);
         let below = Aabb::cube(-DVec3::ONE, 0.5);
         assert_eq!(table.clip(below), below);
-        let tilted =
-            KnownTable::with_tolerance(Plane::new(DVec3::new(0.1, 0.0, 1.0), DVec3::ZERO).unwrap(), 0.0);
+        let tilted = KnownTable::with_tolerance(Plane::new(DVec3::new(0.1, 0.0, 1.0), DVec3::ZERO).unwrap(), 0.0);
         assert!((tilted.clip(Aabb::cube(DVec3::ZERO, 0.5)).min.z + 0.05).abs() < 1e-15);
     }
 

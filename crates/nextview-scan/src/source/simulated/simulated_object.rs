@@ -59,7 +59,8 @@ impl SimulatedObject {
         self.object.to_string()
     }
 
-    /// Remarks for the user: a unit that was guessed, colours that are broken, candidates that are out of reach.
+    /// Remarks for the user: a unit that was guessed, colours that are broken, candidates that are out of
+    /// reach.
     pub fn notes(&self) -> Vec<String> {
         self.object.notes.iter().chain(&self.reach_note).cloned().collect()
     }

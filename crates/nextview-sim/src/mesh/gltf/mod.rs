@@ -1,5 +1,5 @@
-//! glTF 2.0 and GLB: the triangles of the scene, with the transforms of its nodes and base colours. glTF has y
-//! up; the result has z up, as the world has.
+//! glTF 2.0 and GLB: the triangles of the scene, with the transforms of its nodes and base colours. glTF has
+//! y up; the result has z up, as the world has.
 
 mod buffers;
 mod colors;
