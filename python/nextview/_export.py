@@ -27,11 +27,11 @@ def export(
     """Writes the results of a scan in the format that another tool opens, as `nextview export` does.
 
     - `results`: the folder of a scan that was saved.
-    - `to`: `"bop"`, `"colmap"`, `"foundationpose"`, `"nerfstudio"`, `"open3d"`, `"pcd"` or `"tum"`.
+    - `to`: `"bop"`, `"colmap"`, `"foundationpose"`, `"nerfstudio"`, `"obj"`, `"open3d"`, `"pcd"` or `"tum"`.
       docs/export.md lists their files, axes and units.
     - `out`: the folder for it. With `force`, files that are in it are replaced.
 
-    colmap, foundationpose and nerfstudio need frames with colour. Raises `InputError` if there is no such format,
+    colmap, foundationpose, nerfstudio and obj need frames with colour. Raises `InputError` if there is no such format,
     and `DataError` if the folder holds no results, or `out` cannot take them.
 
     >>> import nextview, pathlib, tempfile

@@ -19,7 +19,7 @@ from pathlib import Path
 import numpy as np
 from PIL import Image
 
-FORMATS = ["bop", "colmap", "foundationpose", "nerfstudio", "open3d", "pcd", "tum"]
+FORMATS = ["bop", "colmap", "foundationpose", "nerfstudio", "obj", "open3d", "pcd", "tum"]
 # Metres: a pixel's noise of a D435i at 0.5 m, and a tenth of it.
 NOISE = 0.001
 SHIFT = 0.0001
@@ -46,6 +46,8 @@ def main() -> None:
         }.items():
             check(format, views, surface)
         pcd(folder / "pcd", folder / "scan", full)
+        textured("obj", folder / "obj" / "mesh.obj", full)
+        textured("foundationpose", folder / "foundationpose" / "model" / "model.obj", full)
         come_back(program, folder)
 
 
@@ -230,12 +232,38 @@ def foundationpose(folder: Path, full: bool) -> list:
         assert (depth == png(at("depth", ".png")) / 1e3).all() and (png(at("mask", ".png")) == png(at("masks", ".png"))).all()
         pose = np.loadtxt(at("cam_in_ob", ".txt")).reshape(4, 4)
         views.append((depth, png(path), png(at("mask", ".png")) > 0, matrix, pose))
+    return views
+
+
+def textured(format: str, path: Path, full: bool) -> None:
+    """Every point of the mesh has, in the texture, the colour that says where it is."""
+    rows = [line.split() for line in path.read_text().splitlines()]
+    named = lambda word: [row[1:] for row in rows if row[0] == word]
+    material = [line.split() for line in path.with_suffix(".mtl").read_text().splitlines()]
+    assert named("mtllib") == [[path.with_suffix(".mtl").name]] and ["newmtl", *named("usemtl")[0]] in material
+    image = png(path.parent / next(row[1] for row in material if row[0] == "map_Kd")).astype(float)
+    vertices, points = (np.array(named(word), dtype=float) for word in ("v", "vt"))
+    faces = np.array([[corner.split("/") for corner in face] for face in named("f")], dtype=int) - 1
+    rng = np.random.default_rng(0)
+    faces = faces[rng.integers(len(faces), size=20000)]
+    weights = rng.dirichlet([1, 1, 1], size=len(faces))[..., None]
+    at, uv = ((weights * of[faces[..., k]]).sum(axis=1) for k, of in enumerate([vertices, points]))
+    height, width = image.shape[:2]
+    u, v = uv[:, 0] * width - 0.5, (1 - uv[:, 1]) * height - 0.5
+    left, top = (np.clip(np.floor(x).astype(int), 0, n - 2) for x, n in [(u, width), (v, height)])
+    s, t = (u - left)[:, None], (v - top)[:, None]
+    upper = (1 - s) * image[top, left] + s * image[top, left + 1]
+    lower = (1 - s) * image[top + 1, left] + s * image[top + 1, left + 1]
+    differences = np.abs((1 - t) * upper + t * lower - color_at(at)).max(axis=1)
+    assert len(vertices) > 1000 and (np.abs(vertices) < 0.13).all()
+    # A colour changes by 1 within a millimetre.
+    assert np.median(differences) <= 1.5 and (differences > 8).mean() < 0.02, (np.median(differences), differences)
     if full:
         import trimesh
 
-        mesh = trimesh.load(folder / "model" / "model.obj", force="mesh", process=False)
-        assert len(mesh.faces) > 1000 and (np.abs(mesh.bounds) < 0.13).all()
-    return views
+        mesh = trimesh.load(path, force="mesh", process=False)
+        assert mesh.visual.material.image.size == (width, height) and len(mesh.faces) == len(named("f"))
+    print(f"{format}: the texture has the colour of its place within {np.median(differences):.2f} of 255 in the median")
 
 
 def nerfstudio(folder: Path) -> list:

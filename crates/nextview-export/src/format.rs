@@ -12,6 +12,8 @@ pub enum Format {
     FoundationPose,
     /// `transforms.json` with its images.
     Nerfstudio,
+    /// The mesh with a texture, as Wavefront OBJ.
+    Obj,
     /// Images with a camera trajectory of Open3D.
     Open3d,
     /// The cloud as a file of the Point Cloud Library.
@@ -26,6 +28,7 @@ impl Named for Format {
         Self::Colmap,
         Self::FoundationPose,
         Self::Nerfstudio,
+        Self::Obj,
         Self::Open3d,
         Self::Pcd,
         Self::Tum,
@@ -37,6 +40,7 @@ impl Named for Format {
             Self::Colmap => "colmap",
             Self::FoundationPose => "foundationpose",
             Self::Nerfstudio => "nerfstudio",
+            Self::Obj => "obj",
             Self::Open3d => "open3d",
             Self::Pcd => "pcd",
             Self::Tum => "tum",
@@ -47,8 +51,9 @@ impl Named for Format {
         match self {
             Self::Bop => "data set of the BOP benchmark: model, images, masks, true poses",
             Self::Colmap => "sparse model of COLMAP, text and binary, with images; for Gaussian splatting",
-            Self::FoundationPose => "reference views with masks, and a model, for FoundationPose",
+            Self::FoundationPose => "reference views with masks, and a textured model, for FoundationPose",
             Self::Nerfstudio => "transforms.json with images, for nerfstudio and instant-ngp",
+            Self::Obj => "the mesh with a texture from the colour images: .obj, .mtl and .png",
             Self::Open3d => "colour and depth images with a camera trajectory (.json, .log)",
             Self::Pcd => "the cloud for the Point Cloud Library",
             Self::Tum => "sequence of the TUM RGB-D benchmark, which `scan --frames` reads, too",
@@ -75,6 +80,7 @@ impl Format {
                 "model",
             ],
             Self::Nerfstudio => &["transforms.json", "sparse_pc.ply", "images", "depths", "masks"],
+            Self::Obj => &["mesh.obj", "mesh.mtl", "mesh.png"],
             Self::Open3d => &["intrinsic.json", "camera_trajectory.json", "trajectory.log", "color", "depth"],
             Self::Pcd => &["cloud.pcd"],
             Self::Tum => &["intrinsics.txt", "groundtruth.txt", "depth.txt", "rgb.txt", "depth", "rgb"],
@@ -83,17 +89,17 @@ impl Format {
 
     /// Whether it is of no use without colour images.
     pub(crate) fn needs_color(self) -> bool {
-        matches!(self, Self::Colmap | Self::FoundationPose | Self::Nerfstudio)
+        matches!(self, Self::Colmap | Self::FoundationPose | Self::Nerfstudio | Self::Obj)
     }
 
     /// Whether it holds pictures.
     pub(crate) fn has_views(self) -> bool {
-        self != Self::Pcd
+        !matches!(self, Self::Obj | Self::Pcd)
     }
 
     /// Whether it holds the mesh, or masks that come from it.
     pub(crate) fn needs_mesh(self) -> bool {
-        matches!(self, Self::Bop | Self::Colmap | Self::FoundationPose | Self::Nerfstudio)
+        matches!(self, Self::Bop | Self::Colmap | Self::FoundationPose | Self::Nerfstudio | Self::Obj)
     }
 }
 

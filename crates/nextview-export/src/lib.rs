@@ -7,8 +7,8 @@
 mod format;
 mod formats;
 mod masks;
-mod obj;
 mod scanned;
+mod textured;
 mod undistort;
 mod view;
 

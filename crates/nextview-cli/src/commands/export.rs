@@ -9,7 +9,7 @@ use std::path::PathBuf;
 ///
 /// Reads the folder of a scan: frames in the poses in which they were mapped, cloud, mesh and record. All
 /// formats hold the same pictures, without lens distortion; masks come from the final mesh. colmap,
-/// foundationpose and nerfstudio need frames with colour.
+/// foundationpose, nerfstudio and obj need frames with colour.
 #[derive(Debug, Args)]
 #[command(after_help = EXAMPLES)]
 pub(super) struct ExportArgs {
@@ -29,6 +29,7 @@ pub(super) struct ExportArgs {
 const EXAMPLES: &str = "\
 Examples:
   nextview scan --frames mug.mcap --out mug
+  nextview export mug --to obj --out mug-textured
   nextview export mug --to foundationpose --out mug-foundationpose
   nextview export mug --to colmap --out mug-colmap";
 

@@ -3,8 +3,8 @@
 
 use super::out::Out;
 use crate::masks::Masks;
-use crate::obj;
 use crate::scanned::Scanned;
+use crate::textured;
 use crate::view::matrix_text;
 use nextview_recording::{encode_color, encode_depth, encode_mask};
 use nextview_scan::Fault;
@@ -36,6 +36,8 @@ pub(super) fn write(scanned: &Scanned, out: &mut Out) -> Result<(), Fault> {
         let _ = writeln!(selected, "- \"{stem}\""); // to memory
     }
     out.add("select_frames.yml", selected);
-    out.add("model/model.obj", obj::text(&scanned.object));
+    for (name, bytes) in textured::files(scanned, "model")? {
+        out.add(format!("model/{name}"), bytes);
+    }
     Ok(())
 }

@@ -4,6 +4,7 @@ mod bop;
 mod colmap;
 mod foundation_pose;
 mod nerfstudio;
+mod obj;
 mod open3d;
 mod out;
 mod pcd;
@@ -24,6 +25,7 @@ pub(crate) fn files(format: Format, scanned: &Scanned) -> Result<Vec<NamedFile>,
         Format::Colmap => colmap::write(scanned, &mut out)?,
         Format::FoundationPose => foundation_pose::write(scanned, &mut out)?,
         Format::Nerfstudio => nerfstudio::write(scanned, &mut out)?,
+        Format::Obj => obj::write(scanned, &mut out)?,
         Format::Open3d => open3d::write(scanned, &mut out),
         Format::Pcd => pcd::write(scanned, &mut out),
         Format::Tum => tum::write(scanned, &mut out),

@@ -10,7 +10,7 @@ use std::sync::Arc;
 
 pub(super) fn routes() -> Vec<Route> {
     let summary = "The results of a finished scan as a tar archive in the format of another tool: bop, colmap, \
-                   foundationpose, nerfstudio, open3d, pcd or tum";
+                   foundationpose, nerfstudio, obj, open3d, pcd or tum";
     let doc = Doc::new(summary, Content::of("application/x-tar"));
     vec![Route::new("/scans/{id}/export/{format}").on(Method::Get, doc, get)]
 }

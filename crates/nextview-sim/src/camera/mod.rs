@@ -6,6 +6,7 @@
 mod capture;
 mod chunk;
 mod clip;
+mod color;
 mod depth_buffer;
 mod draw_list;
 mod locator;

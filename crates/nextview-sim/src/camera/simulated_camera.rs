@@ -105,6 +105,10 @@ impl SimulatedCamera {
         self.range
     }
 
+    pub(super) fn background(&self) -> Background {
+        self.background
+    }
+
     pub(super) fn samples(&self) -> &Samples {
         &self.samples
     }

@@ -2,7 +2,7 @@
 
 use super::projection;
 use super::*;
-use crate::mesh::TriangleMesh;
+use crate::mesh::{Appearance, TriangleMesh};
 use glam::{DMat3, DQuat, DVec2, DVec3};
 use nextview::geometry::random::Random;
 use nextview::geometry::{Aabb, Pose};
@@ -320,4 +320,60 @@ fn survives_meshes_at_the_limit_of_the_numbers() {
     let huge = cube(0.1).scaled(1e29).unwrap();
     let pose = look_at(DVec3::new(-0.5, 0.1, 0.2), DVec3::ZERO);
     assert!(camera(huge, pinhole()).render_depth(&pose).unwrap().iter().all(|d| d.is_infinite()));
+}
+
+/// The slow twin: the ray of every pixel with every triangle.
+#[test]
+fn every_pixel_has_the_colour_of_the_triangle_that_it_shows() {
+    let mut random = Random::new(8, 0);
+    let mut point = || DVec3::from_array([0, 1, 2].map(|_| random.range(-0.2, 0.2)));
+    let vertices: Vec<DVec3> = (0..60).map(|_| point()).collect();
+    let triangles: Vec<[u32; 3]> = (0..20).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect();
+    let vertex_colors = (0..60_u8).map(|i| [4 * (i / 3) + 100, 0, 0]).collect();
+    let look = Appearance { vertex_colors, ..Appearance::default() };
+    let mesh = Arc::new(TriangleMesh::colored(vertices, triangles, look).unwrap());
+    let lens = Distortion::BrownConrady([0.1, -0.05, 0.001, 0.002, 0.0]);
+    let optics = Intrinsics::pinhole(61, 47, DVec2::splat(60.0), DVec2::new(30.0, 22.0)).unwrap();
+    let optics = optics.with_distortion(lens).unwrap();
+    for pose in [DVec3::new(0.5, 0.1, 0.2), DVec3::new(0.05, 0.0, 0.02)]
+        .map(|at| Pose::new(DQuat::from_rotation_arc(DVec3::Z, -at.normalize()), at).unwrap())
+    {
+        let camera = SimulatedCamera::new(mesh.clone(), optics, Background::None, 3.0).unwrap();
+        let image = camera.unlit_color(&pose).unwrap().unwrap();
+        let to_camera = projection::ToCamera::new(&pose);
+        let mut n_compared = 0;
+        for (i, ideal) in camera.samples().ideal_points().enumerate() {
+            let crossings = (0..mesh.triangles().len()).filter_map(|t| {
+                let crossing = intersect(ideal.extend(1.0), mesh.corners(t).map(|c| to_camera.point(c)))?;
+                (crossing.depth >= projection::MIN_DEPTH).then_some((crossing, t))
+            });
+            let nearest = crossings.min_by(|a, b| a.0.depth.total_cmp(&b.0.depth));
+            let expected = match &nearest {
+                Some((crossing, _)) if crossing.is_near_edge => continue,
+                Some((_, triangle)) => [4 * *triangle as u8 + 100, 0, 0],
+                None => [0; 3],
+            };
+            assert_eq!(image.get(i as u32 % 61, i as u32 / 61), expected, "pixel {i}");
+            n_compared += usize::from(nearest.is_some());
+        }
+        assert!(n_compared > 200, "{n_compared}");
+    }
+}
+
+#[test]
+fn light_is_fixed_and_walls_are_grey() {
+    let corners = vec![DVec3::ZERO, DVec3::X * 0.2, DVec3::Y * 0.2];
+    let look = Appearance { vertex_colors: vec![[255; 3]; 3], ..Appearance::default() };
+    let colored = TriangleMesh::colored(corners.clone(), vec![[0, 1, 2]], look).unwrap();
+    let optics = Intrinsics::pinhole(64, 48, DVec2::splat(60.0), DVec2::new(31.5, 23.5)).unwrap();
+    let room = Background::Room(Aabb::cube(DVec3::ZERO, 1.0));
+    let camera = SimulatedCamera::new(Arc::new(colored), optics, room, 3.0).unwrap();
+    let above = Pose::new(DQuat::from_rotation_x(std::f64::consts::PI), DVec3::new(0.05, 0.05, 0.5)).unwrap();
+    let below = Pose::new(DQuat::IDENTITY, DVec3::new(0.05, 0.05, -0.5)).unwrap();
+    let middle = |pose: &Pose| camera.color(pose).unwrap().unwrap().get(32, 24);
+    assert_eq!([middle(&above), middle(&below)], [[255; 3], [203; 3]], "0.6 of the light");
+    assert_eq!(camera.color(&above).unwrap().unwrap().get(0, 0), [128; 3]);
+    let plain = TriangleMesh::new(corners, vec![[0, 1, 2]]).unwrap();
+    let camera = SimulatedCamera::new(Arc::new(plain), optics, room, 3.0).unwrap();
+    assert_eq!(camera.color(&above).unwrap(), None);
 }

@@ -7,18 +7,22 @@ use std::path::{Component, Path, PathBuf};
 
 /// A mesh as a file states it, in a unit that the file may not name. [`to_metres`](Self::to_metres) makes it
 /// a [`TriangleMesh`].
-#[derive(Clone, Debug)]
+#[derive(Debug)]
 pub struct FileMesh {
     path: PathBuf,
     /// In the file's unit.
     mesh: TriangleMesh,
     n_dropped: usize,
+    color_fault: Option<SimError>,
     has_metres: bool,
 }
 
 /// Reads a mesh file: PLY, OBJ, STL, OFF (text), glTF or GLB, as its extension says.
 ///
-/// Polygons are cut into triangles that share their first corner. Normals, colours and textures are ignored.
+/// Polygons are cut into triangles that share their first corner. Colours are those of PLY's and OBJ's
+/// vertices, of OBJ's materials (`Kd`, `map_Kd`), and of glTF's vertices and materials (base colour and its
+/// texture); images are PNG or JPEG, beside the mesh or below its folder. If any of these is missing or
+/// broken, the mesh has no colours at all, and [`FileMesh::color_fault`] says why. Normals are ignored.
 /// glTF is turned from y up to z up; the other formats define no axes and are left as they are. The file is
 /// read into memory as a whole.
 ///
@@ -31,9 +35,9 @@ pub fn load(path: &Path) -> Result<FileMesh, SimError> {
     let files = Files { mesh: path, read: RefCell::default() };
     let parsed = files.read(path).and_then(|bytes| parse(&bytes, &files));
     let checked = parsed.and_then(|raw| raw.check(files.n_bytes()));
-    let (mesh, n_dropped) = checked.map_err(in_file)?;
+    let (mesh, n_dropped, color_fault) = checked.map_err(in_file)?;
     let has_metres = matches!(extension.as_str(), "gltf" | "glb");
-    Ok(FileMesh { path: path.to_owned(), mesh, n_dropped, has_metres })
+    Ok(FileMesh { path: path.to_owned(), mesh, n_dropped, color_fault, has_metres })
 }
 
 /// Reads the points of a PLY file, a mesh or a cloud, with their normals and colours, and its triangles, in
@@ -62,6 +66,11 @@ impl FileMesh {
         self.n_dropped
     }
 
+    /// Why the mesh has no colours although the file states some.
+    pub fn color_fault(&self) -> Option<&SimError> {
+        self.color_fault.as_ref()
+    }
+
     /// The mesh in the file's unit.
     pub(super) fn mesh(&self) -> &TriangleMesh {
         &self.mesh
@@ -83,10 +92,12 @@ type Parser = fn(&[u8], &Files<'_>) -> Result<RawMesh, SimError>;
 fn parser(extension: &str) -> Result<Parser, SimError> {
     Ok(match extension {
         "ply" => |bytes, _| ply::parse(bytes),
-        "obj" => |bytes, _| obj::parse(bytes),
+        "obj" => |bytes, files| obj::parse(bytes, &|name| files.read_beside(Path::new(name))),
         "stl" => |bytes, _| stl::parse(bytes),
         "off" => |bytes, _| off::parse(bytes),
-        "gltf" | "glb" => |bytes, files| gltf::parse(bytes, &|uri| files.read_beside(uri)),
+        "gltf" | "glb" => {
+            |bytes, files| gltf::parse(bytes, &|uri| files.read_beside(&PathBuf::from(decode_percent(uri))))
+        }
         _ => return Err(SimError::UnknownFormat { extension: extension.to_owned() }),
     })
 }
@@ -127,10 +138,9 @@ impl Files<'_> {
         self.read.borrow().iter().map(|(_, n_bytes)| n_bytes).sum()
     }
 
-    /// Reads the file that a relative URI names, from the folder of the mesh or below: a mesh has no business
+    /// Reads a file that the mesh names, from the folder of the mesh or below: a mesh has no business
     /// elsewhere.
-    fn read_beside(&self, uri: &str) -> Result<Vec<u8>, SimError> {
-        let relative = PathBuf::from(decode_percent(uri));
+    fn read_beside(&self, relative: &Path) -> Result<Vec<u8>, SimError> {
         if relative.components().any(|part| !matches!(part, Component::Normal(_) | Component::CurDir)) {
             return Err(SimError::format(
                 "uri",

@@ -1,16 +1,21 @@
 //! Triangle meshes, the files they come in, and points on their surface.
 //!
-//! Start with [`TriangleMesh`], or with [`load`] for a file. The parsers are our own: they are short, name
-//! the line or byte where a file is broken, and never reserve memory on a header's word.
+//! Start with [`TriangleMesh`], or with [`load`] for a file. Its colours are an [`Appearance`]. The parsers
+//! are our own: they are short, name the line or byte where a file is broken, and never reserve memory on a
+//! header's word.
 
+mod appearance;
 mod file;
 mod gltf;
+mod image;
 mod limit;
+mod mtl;
 mod obj;
 mod off;
 mod ply;
 mod raw;
 mod sample;
+pub(crate) mod srgb;
 mod stl;
 #[cfg(test)]
 mod tests;
@@ -18,6 +23,7 @@ mod text;
 mod triangle_mesh;
 mod unit;
 
+pub use appearance::{Appearance, Face, Material};
 pub use file::{FileMesh, load, load_points};
 #[cfg(test)]
 pub(crate) use sample::N_SAMPLES;

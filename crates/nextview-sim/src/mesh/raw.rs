@@ -1,4 +1,4 @@
-use super::{TriangleMesh, limit};
+use super::{Appearance, Face, Material, TriangleMesh, limit};
 use crate::SimError;
 use glam::DVec3;
 
@@ -7,6 +7,14 @@ use glam::DVec3;
 pub(super) struct RawMesh {
     pub vertices: Vec<DVec3>,
     pub triangles: Vec<[u32; 3]>,
+    /// Of the first vertices; the others are white. None have colours if it is empty.
+    pub colors: Vec<[u8; 3]>,
+    /// Of the first triangles; the others have no material.
+    pub faces: Vec<Face>,
+    /// What faces name.
+    pub materials: Vec<Material>,
+    /// What is wrong with the colours, the first of it; the mesh is then without.
+    pub color_fault: Option<SimError>,
     /// Faces with fewer than three corners.
     pub n_too_small: usize,
 }
@@ -22,16 +30,51 @@ impl RawMesh {
         }
     }
 
-    /// The checked mesh of a file of this size, and the number of faces left out because they have no area.
-    pub fn check(self, n_bytes: u64) -> Result<(TriangleMesh, usize), SimError> {
+    /// Gives the vertices from `first` on their colours; those before stay as they are.
+    pub fn push_colors(&mut self, first: usize, colors: impl IntoIterator<Item = [u8; 3]>) {
+        self.colors.resize(first, [255; 3]);
+        self.colors.extend(colors);
+    }
+
+    /// What a step of reading colours gives; a fault is no reason to refuse the shape, and kept.
+    pub fn colors_or_fault<T>(&mut self, read: Result<T, SimError>) -> Option<T> {
+        read.map_err(|fault| _ = self.color_fault.get_or_insert(fault)).ok()
+    }
+
+    /// The colours; none if vertices and triangles have none, or if some are wrong.
+    fn take_appearance(&mut self) -> Option<Appearance> {
+        if self.color_fault.is_some() {
+            return None;
+        }
+        if self.colors.is_empty() && self.faces.iter().all(|face| face.material.is_none()) {
+            return None;
+        }
+        let mut vertex_colors = std::mem::take(&mut self.colors);
+        if !vertex_colors.is_empty() {
+            vertex_colors.resize(self.vertices.len(), [255; 3]);
+        }
+        let mut faces = std::mem::take(&mut self.faces);
+        if !faces.is_empty() {
+            faces.resize(self.triangles.len(), Face::default());
+        }
+        Some(Appearance { vertex_colors, faces, materials: std::mem::take(&mut self.materials) })
+    }
+
+    /// The checked mesh of a file of this size, the number of faces left out because they have no area, and
+    /// why it has no colours although the file has some.
+    pub fn check(mut self, n_bytes: u64) -> Result<(TriangleMesh, usize, Option<SimError>), SimError> {
         limit::check(self.vertices.len(), self.triangles.len(), n_bytes)?;
-        let mesh = TriangleMesh::new(self.vertices, self.triangles).map_err(|error| match error {
+        let mesh = match self.take_appearance() {
+            Some(appearance) => TriangleMesh::colored(self.vertices, self.triangles, appearance),
+            None => TriangleMesh::new(self.vertices, self.triangles),
+        };
+        let mesh = mesh.map_err(|error| match error {
             SimError::NoFaces { n_degenerate } => {
                 SimError::NoFaces { n_degenerate: n_degenerate + self.n_too_small }
             }
             other => other,
         })?;
         let n_dropped = mesh.n_degenerate() + self.n_too_small;
-        Ok((mesh, n_dropped))
+        Ok((mesh, n_dropped, self.color_fault))
     }
 }

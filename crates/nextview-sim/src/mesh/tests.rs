@@ -80,11 +80,19 @@ fn glb() -> Vec<u8> {
 /// A parser, and a valid file for it.
 type Format = (&'static str, fn(&[u8]) -> Result<RawMesh, SimError>, Vec<u8>);
 
-fn formats() -> [Format; 10] {
+const COLORED_PLY: &str = "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\n\
+    property float z\nproperty uchar red\nproperty float green\nproperty uchar blue\nelement face 1\n\
+    property list uchar int vertex_indices\nend_header\n0 0 0 255 0.5 0\n1 0 0 1 1 1\n0 1 0 0 0 0\n3 0 1 2\n";
+
+fn colored_obj(bytes: &[u8]) -> Result<RawMesh, SimError> {
+    obj::parse(bytes, &|_| Ok(b"newmtl a\nKd 1 0.5 0\n".to_vec()))
+}
+
+fn formats() -> [Format; 12] {
     let vertices_and_faces = OFF.split_once("0\n").unwrap().1;
     let gltf: fn(&[u8]) -> _ = |bytes| gltf::parse(bytes, &|_| Ok(vec![0; 36]));
     [
-        ("obj", obj::parse, OBJ.into()),
+        ("obj", |bytes| obj::parse(bytes, &|_| Err(SimError::NotAFile)), OBJ.into()),
         ("off", off::parse, OFF.into()),
         ("ply", ply::parse, format!("ply\nformat ascii 1.0\n{PLY_HEADER}{vertices_and_faces}").into()),
         ("ply", ply::parse, ply_binary("binary_little_endian")),
@@ -94,6 +102,8 @@ fn formats() -> [Format; 10] {
         ("gltf", gltf, GLTF.into()),
         ("glb", gltf, glb()),
         ("gltf", gltf, GLTF.replace("my%20data.bin", "data:;base64,AAAAAA==").into()),
+        ("obj", colored_obj, format!("mtllib a.mtl\nusemtl a\nv 9 9 9 1 0.5 0\nvt 0 1\n{OBJ}").into()),
+        ("ply", ply::parse, COLORED_PLY.into()),
     ]
 }
 
@@ -227,9 +237,8 @@ proptest! {
     }
 }
 
-/// The meshes of the test data, if present: faces as their manifest states.
 #[test]
-fn a_mesh_of_ours_reads_back_with_normals_and_colours_passed_over() {
+fn a_mesh_of_ours_reads_back_with_its_colours() {
     let mesh = crate::builtin::by_name("mug").unwrap();
     let (vertices, triangles) = (mesh.vertices().to_vec(), mesh.triangles().to_vec());
     let ours = nextview::surface::SurfaceMesh { vertices, triangles };
@@ -241,8 +250,11 @@ fn a_mesh_of_ours_reads_back_with_normals_and_colours_passed_over() {
     let (read, _) = load(&folder.write("mesh.ply", bytes)).unwrap().to_metres(Unit::Metres).unwrap();
     let singles: Vec<_> = ours.vertices.iter().map(|vertex| vertex.as_vec3().as_dvec3()).collect();
     assert!(read.vertices() == singles && read.triangles() == ours.triangles);
+    let colors: Vec<[u8; 3]> = points.iter().filter_map(|point| point.color).collect();
+    assert_eq!(read.appearance().unwrap().vertex_colors, colors);
 }
 
+/// The meshes of the test data, if present: faces as their manifest states.
 #[test]
 fn loads_the_meshes_of_the_test_data() {
     let default = concat!(env!("CARGO_MANIFEST_DIR"), "/../../../shared/data");

@@ -46,6 +46,20 @@ impl<'a> Line<'a> {
         Ok(DVec3::new(coordinate(0)?, coordinate(1)?, coordinate(2)?))
     }
 
+    /// Red, green and blue from word `i` on, 0 to 1 each.
+    pub fn unit_color(&self, i: usize) -> Result<[f32; 3], SimError> {
+        let share = |k| match self.number::<f32>(i + k, "a colour")? {
+            share if (0.0..=1.0).contains(&share) => Ok(share),
+            other => Err(self.error(format!("a colour is {other}, expected 0 to 1"))),
+        };
+        Ok([share(0)?, share(1)?, share(2)?])
+    }
+
+    /// All words but the first.
+    pub fn rest(&self) -> String {
+        String::from_utf8_lossy(&self.words[1..].join(&b' ')).into_owned()
+    }
+
     /// An error at this line.
     pub fn error(&self, problem: impl Into<String>) -> SimError {
         SimError::format(format!("line {}", self.number), problem)

@@ -1,11 +1,13 @@
+use super::{Appearance, srgb};
 use crate::SimError;
 use glam::DVec3;
 use nextview::geometry::{Aabb, Pose};
+use std::sync::Arc;
 
 /// A surface made of triangles, in metres.
 ///
 /// Always has at least one triangle; every triangle has an area and refers to vertices that exist; all
-/// vertices are finite. It need not be closed, and the triangles' sides have no meaning.
+/// vertices are finite. It need not be closed, and the triangles' sides have no meaning. It may have colours.
 ///
 /// ```
 /// use glam::DVec3;
@@ -23,6 +25,7 @@ pub struct TriangleMesh {
     n_degenerate: usize,
     bounds: Aabb,
     area: f64,
+    appearance: Option<Arc<Appearance>>,
 }
 
 impl TriangleMesh {
@@ -33,16 +36,41 @@ impl TriangleMesh {
     ///
     /// Degenerate triangles (without an area) are dropped and counted. Fails on a vertex that is not finite
     /// or beyond 1e30 m, on a vertex number out of range, and if no triangle is left.
-    pub fn new(vertices: Vec<DVec3>, mut triangles: Vec<[u32; 3]>) -> Result<Self, SimError> {
+    pub fn new(vertices: Vec<DVec3>, triangles: Vec<[u32; 3]>) -> Result<Self, SimError> {
+        Self::with_appearance(vertices, triangles, None)
+    }
+
+    /// The same with colours. Fails, too, if their lists do not fit the vertices and triangles given.
+    pub fn colored(
+        vertices: Vec<DVec3>,
+        triangles: Vec<[u32; 3]>,
+        appearance: Appearance,
+    ) -> Result<Self, SimError> {
+        appearance.check(vertices.len(), triangles.len())?;
+        Self::with_appearance(vertices, triangles, Some(Arc::new(appearance)))
+    }
+
+    fn with_appearance(
+        vertices: Vec<DVec3>,
+        mut triangles: Vec<[u32; 3]>,
+        mut appearance: Option<Arc<Appearance>>,
+    ) -> Result<Self, SimError> {
         check_vertices(&vertices)?;
         check_indices(vertices.len(), &triangles)?;
         let n_given = triangles.len();
-        triangles.retain(|t| area(corners(&vertices, t)) > 0.0);
+        let has_area = |t: &[u32; 3]| area(corners(&vertices, t)) > 0.0;
+        if let Some(shared) = appearance.as_mut().filter(|look| !look.faces.is_empty())
+            && !triangles.iter().all(has_area)
+        {
+            let mut of_triangle = triangles.iter();
+            Arc::make_mut(shared).faces.retain(|_| of_triangle.next().is_some_and(has_area));
+        }
+        triangles.retain(has_area);
         let n_degenerate = n_given - triangles.len();
         let used = triangles.iter().flat_map(|t| corners(&vertices, t));
         let bounds = Aabb::around(used).ok_or(SimError::NoFaces { n_degenerate })?;
         let area = triangles.iter().map(|t| area(corners(&vertices, t))).sum();
-        Ok(Self { vertices, triangles, n_degenerate, bounds, area })
+        Ok(Self { vertices, triangles, n_degenerate, bounds, area, appearance })
     }
 
     /// The vertices in metres; some may belong to no triangle.
@@ -58,6 +86,22 @@ impl TriangleMesh {
     /// The corners of triangle `i`, which must be below the number of triangles.
     pub fn corners(&self, i: usize) -> [DVec3; 3] {
         corners(&self.vertices, &self.triangles[i])
+    }
+
+    /// Its colours; none if it has none.
+    pub fn appearance(&self) -> Option<&Appearance> {
+        self.appearance.as_deref()
+    }
+
+    /// The colour (sRGB) of a point of triangle `i`, which must be below the number of triangles; the weights
+    /// of its corners add up to 1. None if the mesh has no colours.
+    pub fn color(&self, i: usize, weights: [f64; 3]) -> Option<[u8; 3]> {
+        self.light(i, weights).map(srgb::to_color)
+    }
+
+    /// The same as amounts of light, 0 to 1.
+    pub(crate) fn light(&self, i: usize, weights: [f64; 3]) -> Option<[f32; 3]> {
+        self.appearance.as_ref().map(|look| look.light(self.triangles[i], i, weights))
     }
 
     /// Number of triangles that were dropped because they have no area.
@@ -107,7 +151,7 @@ impl TriangleMesh {
 
     fn moved(&self, transform: impl Fn(DVec3) -> DVec3) -> Result<Self, SimError> {
         let vertices = self.vertices.iter().map(|&v| transform(v)).collect();
-        let mut moved = Self::new(vertices, self.triangles.clone())?;
+        let mut moved = Self::with_appearance(vertices, self.triangles.clone(), self.appearance.clone())?;
         moved.n_degenerate += self.n_degenerate;
         Ok(moved)
     }
@@ -143,6 +187,7 @@ fn check_indices(n_vertices: usize, triangles: &[[u32; 3]]) -> Result<(), SimErr
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::mesh::{Face, Material};
 
     fn right_angle() -> Vec<DVec3> {
         vec![DVec3::ZERO, DVec3::X, DVec3::Y, DVec3::splat(9.0)]
@@ -173,6 +218,22 @@ mod tests {
             let error = TriangleMesh::new(vertices, vec![[0, 1, 2]]).unwrap_err();
             assert!(matches!(error, SimError::BadVertex { vertex: 1, .. }), "{error}");
         }
+    }
+
+    #[test]
+    fn colours_stay_with_their_triangles() {
+        let red = Material { reflectance: [1.0, 0.0, 0.0], image: None };
+        let faces = [None, Some(0)].map(|material| Face { material, ..Face::default() });
+        let look = Appearance { faces: faces.to_vec(), materials: vec![red], ..Appearance::default() };
+        let triangles = vec![[0, 1, 1], [0, 1, 2]];
+        let mesh = TriangleMesh::colored(right_angle(), triangles, look.clone()).unwrap();
+        let moved = mesh.scaled(0.5).unwrap().translated(DVec3::Y).unwrap();
+        assert_eq!(moved.color(0, [0.5, 0.5, 0.0]), Some([255, 0, 0]), "the first has no area");
+        assert_eq!(
+            TriangleMesh::new(right_angle(), vec![[0, 1, 2]]).unwrap().color(0, [1.0, 0.0, 0.0]),
+            None
+        );
+        assert!(TriangleMesh::colored(right_angle(), vec![[0, 1, 2]], look).is_err());
     }
 
     #[test]

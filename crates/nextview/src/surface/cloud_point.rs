@@ -71,7 +71,8 @@ pub fn frame_points(
     Ok(pixels.map(point))
 }
 
-fn check_size(frame: &Frame, color: &ColorImage) -> Result<(), Error> {
+/// Fails unless the colour image is as large as the depth image.
+pub(super) fn check_size(frame: &Frame, color: &ColorImage) -> Result<(), Error> {
     let size = (color.width(), color.height());
     if size == (frame.image().width(), frame.image().height()) {
         return Ok(());

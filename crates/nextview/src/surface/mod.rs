@@ -4,8 +4,9 @@
 //! [`surface_nets`], which meshes any signed distance, or a [`WatertightMesh`], closed where nothing was
 //! measured. [`frame_points`] gives the measured points of a frame with normals and colours, [`downsample`]
 //! thins those of many frames, [`fit_normals`] smooths their normals, [`take_nearest`] transfers their
-//! colours to a mesh; [`write_mesh`], [`write_cloud`] and [`write_points`] write PLY. [`MeasuredCells`]
-//! tells how accurate the surface is; planning reads nothing else of this.
+//! colours to a mesh; [`write_mesh`], [`write_cloud`] and [`write_points`] write PLY. [`texture_mesh`] gives
+//! a mesh a texture from photos, which [`write_obj`] writes. [`MeasuredCells`] tells how accurate the surface
+//! is; planning reads nothing else of this.
 
 mod clear_depth;
 mod cloud;
@@ -22,6 +23,7 @@ mod specks;
 mod surface_mesh;
 mod surface_nets;
 mod tangent_plane;
+mod texture;
 mod watertight;
 mod well_composed;
 
@@ -34,4 +36,5 @@ pub use normals::fit_normals;
 pub use ply::{write_cloud, write_mesh, write_points};
 pub use surface_mesh::SurfaceMesh;
 pub use surface_nets::surface_nets;
+pub use texture::{Photo, TexturedMesh, texture_mesh, write_mtl, write_obj};
 pub use watertight::{Floor, WatertightMesh};

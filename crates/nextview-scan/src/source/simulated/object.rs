@@ -14,8 +14,9 @@ pub struct Object {
     /// Short name, for headings and file names.
     pub name: String,
     pub mesh: TriangleMesh,
-    /// How the file's numbers became metres, where the unit was guessed.
-    pub note: Option<String>,
+    /// How the file's numbers became metres, where the unit was guessed, and why it has no colours, where the
+    /// file's are broken.
+    pub notes: Vec<String>,
     /// How it was turned since the scan before; none without one.
     pub now_from_before: Option<Pose>,
 }
@@ -51,15 +52,19 @@ impl Object {
         })?;
         let scale = config.size_m.map_or(1.0, |size| size / mesh.bounds().longest_side());
         let mesh = sized(mesh.scaled(scale)?, config)?;
-        Ok(Self { name: name.to_owned(), mesh, note: None, now_from_before: None })
+        Ok(Self { name: name.to_owned(), mesh, notes: Vec::new(), now_from_before: None })
     }
 
     fn file(path: &Path, config: &ScanConfig) -> Result<Self, Fault> {
         let unit = config.size_m.map_or(config.unit.into(), Unit::LongestSide);
-        let (mesh, scaling) = read(path)?.to_metres(unit)?;
-        let note = (scaling.source == UnitSource::Guessed).then(|| format!("{scaling}; state it as `unit`"));
+        let file = read(path)?;
+        let (mesh, scaling) = file.to_metres(unit)?;
+        let unit_note =
+            (scaling.source == UnitSource::Guessed).then(|| format!("{scaling}; state it as `unit`"));
+        let color_note = file.color_fault().map(|fault| format!("the mesh goes without colours: {fault}"));
+        let notes = unit_note.into_iter().chain(color_note).collect();
         let (name, mesh) = (short_name(&config.object), sized(mesh, config)?);
-        Ok(Self { name, mesh, note, now_from_before: None })
+        Ok(Self { name, mesh, notes, now_from_before: None })
     }
 
     /// The object before the configured camera.

@@ -64,9 +64,10 @@ impl SimulatedObject {
         self.object.to_string()
     }
 
-    /// Remarks for the user: a unit that was guessed, candidates that are out of reach.
+    /// Remarks for the user: a unit that was guessed, colours that are broken, candidates that are out of
+    /// reach.
     pub fn notes(&self) -> Vec<String> {
-        self.object.note.iter().chain(&self.reach_note).cloned().collect()
+        self.object.notes.iter().chain(&self.reach_note).cloned().collect()
     }
 
     /// The candidates as the session has them. Those of a rule move along with a box that grows, which begins

@@ -10,6 +10,7 @@ use nextview::surface::SurfaceMesh;
 use nextview_sim::baseline::Clairvoyant;
 use nextview_sim::evaluator::{self, Shown};
 use nextview_sim::quality::align;
+use std::collections::BTreeMap;
 use std::sync::{Mutex, PoisonError};
 
 /// A simulated camera that scans an object by one configuration.
@@ -22,6 +23,8 @@ pub struct Simulation<'a> {
     is_first_pose_wrong: bool,
     /// What the last frame truly shows, and from where: rendered together, and measured right after.
     last: Mutex<Option<(Pose, Shown)>>,
+    /// Where the camera truly stood, by view.
+    places: Mutex<BTreeMap<usize, Pose>>,
 }
 
 impl<'a> Simulation<'a> {
@@ -30,7 +33,16 @@ impl<'a> Simulation<'a> {
         let baselines = truth.map(|truth| Baselines::new(truth, config));
         let is_first_pose_wrong = config.noise.is_pose_wrong() && !config.noise.first_pose_is_right;
         let box_rule = config.object_box.rule;
-        Self { object, truth, baselines, box_rule, is_first_pose_wrong, last: Mutex::new(None) }
+        let (last, places) = (Mutex::new(None), Mutex::default());
+        Self { object, truth, baselines, box_rule, is_first_pose_wrong, last, places }
+    }
+
+    /// Remembers where the camera truly stood.
+    fn stood(&self, next: &NextView) {
+        if let Some(view) = next.view {
+            let mut places = self.places.lock().unwrap_or_else(PoisonError::into_inner);
+            places.insert(view, next.world_from_camera);
+        }
     }
 
     /// What the camera truly shows from there.
@@ -63,6 +75,7 @@ impl FrameSource for Simulation<'_> {
 
     fn capture(&self, next: &NextView, is_first: bool) -> Result<Frame, Fault> {
         let place = next.world_from_camera;
+        self.stood(next);
         let (frame, shown) = evaluator::capture(&self.object.scene, &place, is_first)?;
         *self.last.lock().unwrap_or_else(PoisonError::into_inner) = Some((place, shown));
         Ok(frame)
@@ -72,8 +85,12 @@ impl FrameSource for Simulation<'_> {
         Some(Box::new(SimulatedEvaluator::new(self, config.noise.is_pose_wrong())))
     }
 
-    fn color(&self, _: Option<usize>) -> Result<Option<ColorImage>, Fault> {
-        Ok(None)
+    /// Rendered when it is asked for, of an object with colours.
+    fn color(&self, view: Option<usize>) -> Result<Option<ColorImage>, Fault> {
+        let places = self.places.lock().unwrap_or_else(PoisonError::into_inner);
+        let place = view.and_then(|view| places.get(&view).copied());
+        drop(places);
+        Ok(place.map(|place| self.object.scene.camera().color(&place)).transpose()?.flatten())
     }
 
     fn bounds(&self) -> Option<Aabb> {
@@ -129,6 +146,7 @@ impl Evaluator for SimulatedEvaluator<'_> {
         record: &mut StepRecord,
     ) -> Result<(), Fault> {
         // The camera truly stood where it was sent.
+        taken.iter().for_each(|next| self.simulation.stood(next));
         let place = taken.map_or(frame.world_from_camera(), |next| next.world_from_camera);
         let shown = self.simulation.shown_from(&place)?;
         let truth = self.evaluator.measure(session, frame, shown);

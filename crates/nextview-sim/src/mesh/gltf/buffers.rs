@@ -2,10 +2,8 @@
 
 use super::json::{Buffer, Document, field};
 use crate::SimError;
+use crate::mesh::image::Resolve;
 use std::borrow::Cow;
-
-/// Loads the file that a relative URI names.
-pub(super) type Resolve<'a> = dyn Fn(&str) -> Result<Vec<u8>, SimError> + 'a;
 
 /// The data of every buffer.
 pub(super) fn load<'a>(
@@ -27,18 +25,7 @@ fn load_one<'a>(
         None => chunk
             .ok_or_else(|| SimError::format(&place, "has no uri, and the file has no binary chunk"))?
             .into(),
-        Some(uri) => match uri.strip_prefix("data:") {
-            Some(inline) => {
-                let text = inline.split_once(";base64,").map(|(_, text)| text);
-                let decoded = text.and_then(|text| decode_base64(text.as_bytes()));
-                decoded
-                    .ok_or_else(|| SimError::format(&place, "has a data URI that is not valid base64"))?
-                    .into()
-            }
-            None => {
-                resolve(uri).map_err(|error| SimError::format(&place, format!("{uri:?}: {error}")))?.into()
-            }
-        },
+        Some(uri) => of_uri(&place, uri, resolve)?.into(),
     };
     if data.len() < buffer.byte_length {
         let problem =
@@ -46,6 +33,29 @@ fn load_one<'a>(
         return Err(SimError::format(place, problem));
     }
     Ok(data)
+}
+
+/// What a URI stands for: the data in it, or a file.
+pub(super) fn of_uri(place: &str, uri: &str, resolve: &Resolve) -> Result<Vec<u8>, SimError> {
+    match uri.strip_prefix("data:") {
+        Some(inline) => {
+            let text = inline.split_once(";base64,").map(|(_, text)| text);
+            let decoded = text.and_then(|text| decode_base64(text.as_bytes()));
+            decoded.ok_or_else(|| SimError::format(place, "has a data URI that is not valid base64"))
+        }
+        None => resolve(uri).map_err(|error| SimError::format(place, format!("{uri:?}: {error}"))),
+    }
+}
+
+/// The bytes of buffer view `i`.
+pub(super) fn view<'a>(
+    document: &Document,
+    buffers: &'a [Cow<[u8]>],
+    i: usize,
+) -> Result<&'a [u8], SimError> {
+    let view = field(&document.buffer_views, i, "bufferViews")?;
+    let bytes = buffers.get(view.buffer).and_then(|buffer| slice(buffer, view.byte_offset, view.byte_length));
+    bytes.ok_or_else(|| SimError::format(format!("bufferViews[{i}]"), "lies outside its buffer"))
 }
 
 /// The elements of accessor `i`, each as the bytes of `n_components` numbers of `component_size` bytes.

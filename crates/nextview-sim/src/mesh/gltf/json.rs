@@ -1,4 +1,4 @@
-//! The parts of a glTF 2.0 document that make up its shape.
+//! The parts of a glTF 2.0 document that make up its shape and colours.
 
 use crate::SimError;
 use serde::de::{Error, SeqAccess, Visitor};
@@ -28,6 +28,46 @@ pub(super) struct Document {
     pub buffer_views: Vec<BufferView>,
     #[serde(deserialize_with = "list")]
     pub buffers: Vec<Buffer>,
+    #[serde(deserialize_with = "list")]
+    pub materials: Vec<Material>,
+    #[serde(deserialize_with = "list")]
+    pub textures: Vec<Texture>,
+    #[serde(deserialize_with = "list")]
+    pub images: Vec<Image>,
+}
+
+#[derive(Debug, Default, Deserialize)]
+#[serde(default, rename_all = "camelCase")]
+pub(super) struct Material {
+    pub pbr_metallic_roughness: BaseColor,
+}
+
+#[derive(Debug, Default, Deserialize)]
+#[serde(default, rename_all = "camelCase")]
+pub(super) struct BaseColor {
+    pub base_color_factor: Option<[f32; 4]>,
+    pub base_color_texture: Option<TextureInfo>,
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(rename_all = "camelCase")]
+pub(super) struct TextureInfo {
+    pub index: usize,
+    /// Which of the texture coordinates of a primitive.
+    #[serde(default)]
+    pub tex_coord: usize,
+}
+
+#[derive(Debug, Deserialize)]
+pub(super) struct Texture {
+    pub source: Option<usize>,
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(rename_all = "camelCase")]
+pub(super) struct Image {
+    pub uri: Option<String>,
+    pub buffer_view: Option<usize>,
 }
 
 #[derive(Debug, Default, Deserialize)]
@@ -57,12 +97,19 @@ pub(super) struct Primitive {
     pub attributes: Attributes,
     pub indices: Option<usize>,
     pub mode: Option<u32>,
+    pub material: Option<usize>,
 }
 
 #[derive(Debug, Deserialize)]
 pub(super) struct Attributes {
     #[serde(rename = "POSITION")]
     pub position: Option<usize>,
+    #[serde(rename = "COLOR_0")]
+    pub color: Option<usize>,
+    #[serde(rename = "TEXCOORD_0")]
+    pub texture_0: Option<usize>,
+    #[serde(rename = "TEXCOORD_1")]
+    pub texture_1: Option<usize>,
 }
 
 #[derive(Debug, Deserialize)]

@@ -1,13 +1,15 @@
-//! glTF 2.0 and GLB: the triangles of the scene, with the transforms of its nodes. glTF has y up; the result
-//! has z up, as the world has.
+//! glTF 2.0 and GLB: the triangles of the scene, with the transforms of its nodes and base colours. glTF has
+//! y up; the result has z up, as the world has.
 
 mod buffers;
+mod colors;
 mod json;
 
+use super::image::{Images, Resolve};
 use super::limit;
 use super::raw::RawMesh;
 use crate::SimError;
-use buffers::{Resolve, elements};
+use buffers::elements;
 use glam::{DMat4, DQuat, DVec3};
 use json::{Document, Node, Primitive, field};
 use std::borrow::Cow;
@@ -20,6 +22,8 @@ pub(super) fn parse(bytes: &[u8], resolve: &Resolve) -> Result<RawMesh, SimError
     let buffers = buffers::load(&document, chunk, resolve)?;
     let n_bytes = bytes.len() + buffers.iter().map(|buffer| buffer.len()).sum::<usize>();
     let mut mesh = RawMesh::default();
+    let materials = colors::add_materials(&document, &buffers, resolve, &mut Images::default(), &mut mesh);
+    mesh.colors_or_fault(materials);
     for (node, world_from_node) in placed_nodes(&document)? {
         let Some(i) = node.mesh else { continue };
         for primitive in &field(&document.meshes, i, "meshes")?.primitives {
@@ -64,10 +68,12 @@ fn split_glb(bytes: &[u8]) -> Result<(&[u8], Option<&[u8]>), SimError> {
 }
 
 fn check_extensions(document: &Document) -> Result<(), SimError> {
-    let changes_shape = |name: &&String| {
-        ["draco", "meshopt", "quantization", "gpu_instancing"].iter().any(|part| name.contains(part))
+    let is_needed = |name: &&String| {
+        ["draco", "meshopt", "quantization", "gpu_instancing", "texture_transform"]
+            .iter()
+            .any(|part| name.contains(part))
     };
-    match document.extensions_required.iter().find(changes_shape) {
+    match document.extensions_required.iter().find(is_needed) {
         Some(name) => {
             let problem = format!("requires {name}, which is not supported; export the mesh without it");
             Err(SimError::format("extensionsRequired", problem))
@@ -159,7 +165,13 @@ fn add_primitive(
         None => (0..positions.len() as u32).collect(),
     };
     mesh.vertices.extend(positions.into_iter().map(|p| world_from_node.transform_point3(p)));
+    let first_triangle = mesh.triangles.len();
     mesh.triangles.extend(triangles(mode, &corners).map(|t| t.map(|i| first as u32 + i)));
+    if mesh.color_fault.is_none() {
+        let colors = colors::add_colors(document, buffers, primitive, first, mesh)
+            .and_then(|()| colors::add_faces(document, buffers, primitive, [first, first_triangle], mesh));
+        mesh.colors_or_fault(colors);
+    }
     Ok(())
 }
 
@@ -221,6 +233,8 @@ fn read_indices(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::mesh::image::png_bytes;
+    use crate::mesh::srgb;
 
     /// Three corners in a column-major transform, with indices of one byte.
     fn data() -> Vec<u8> {
@@ -283,6 +297,59 @@ mod tests {
                 assert!(vertex.distance(expected) < 1e-12, "{vertex} is not {expected}");
             }
         }
+    }
+
+    #[test]
+    fn base_colours_are_those_of_vertices_factor_and_texture() {
+        // Three texture coordinates of two bytes, three colours of one byte and padding, and an image.
+        let mut bytes = data();
+        bytes.push(0);
+        bytes.extend([0_u16, 0, 0xffff, 0, 0, 0].iter().flat_map(|x| x.to_le_bytes()));
+        bytes.extend([255, 255, 255, 0, 255, 0, 255, 0, 255, 255, 255, 0]);
+        let image = png_bytes(2, 1, png::ColorType::Rgb, &[255, 255, 0, 0, 0, 255]);
+        let n = image.len();
+        bytes.extend(image);
+        let text = document(&format!(r#"{{"byteLength": {}, "uri": "data.bin"}}"#, bytes.len()))
+            .replace(r#""NORMAL": 0}"#, r#""NORMAL": 0, "TEXCOORD_0": 2, "COLOR_0": 3}, "material": 0"#)
+            .replace(
+                r#""accessors": ["#,
+                r#""materials": [{"pbrMetallicRoughness": {"baseColorFactor": [0.5, 1, 1, 1],
+                    "baseColorTexture": {"index": 0}}}], "textures": [{"source": 0}],
+                    "images": [{"bufferView": 4, "mimeType": "image/png"}], "accessors": ["#,
+            )
+            .replace(
+                r#""type": "SCALAR"}"#,
+                r#""type": "SCALAR"},
+                {"bufferView": 2, "componentType": 5123, "normalized": true, "count": 3, "type": "VEC2"},
+                {"bufferView": 3, "componentType": 5121, "normalized": true, "count": 3, "type": "VEC3"}"#,
+            )
+            .replace(
+                r#""byteLength": 3}"#,
+                &format!(
+                    r#""byteLength": 3}}, {{"buffer": 0, "byteOffset": 40, "byteLength": 12}},
+                    {{"buffer": 0, "byteOffset": 52, "byteLength": 12, "byteStride": 4}},
+                    {{"buffer": 0, "byteOffset": 64, "byteLength": {n}}}"#
+                ),
+            );
+        let read = |text: &str| parse(text.as_bytes(), &|_| Ok(bytes.clone()));
+        let (mesh, ..) = read(&text).unwrap().check(1000).unwrap();
+        let color = |weights| mesh.color(0, weights).unwrap();
+        assert_eq!(color([0.75, 0.25, 0.0]), srgb::to_color([0.5, 0.75, 0.0]));
+        assert_eq!(color([0.5, 0.0, 0.5]), srgb::to_color([0.25, 0.5, 0.5]), "the border repeats");
+        let error = |from: &str, to: &str| {
+            let (mesh, _, fault) = read(&text.replacen(from, to, 1)).unwrap().check(1000).unwrap();
+            assert_eq!(mesh.appearance(), None);
+            fault.unwrap().to_string()
+        };
+        assert!(error("\"material\": 0", "\"material\": 1").starts_with("materials[1]: does not exist"));
+        assert!(error("{\"index\": 0", "{\"index\": 3").starts_with("textures[3]: does not exist"));
+        assert!(error("{\"source\": 0}", "{}").starts_with("textures[0]: has no source"));
+        assert!(
+            error("\"bufferView\": 4,", "\"uri\": \"a.png\",").starts_with("texture \"a.png\": image: is no")
+        );
+        assert!(error("\"bufferView\": 4,", "").starts_with("images[0]: has neither"));
+        assert!(error("\"TEXCOORD_0\": 2,", "").contains("TEXCOORD_0"));
+        assert!(error("VEC2", "VEC4").starts_with("accessors[2]: is VEC4 of component type 5123"));
     }
 
     #[test]

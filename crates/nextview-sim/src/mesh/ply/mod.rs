@@ -1,5 +1,5 @@
-//! PLY in text form and both binary byte orders: positions and faces, and of clouds normals and colours, too;
-//! everything else is skipped.
+//! PLY in text form and both binary byte orders: positions and colours of vertices, faces, and of clouds
+//! normals, too; everything else is skipped.
 
 mod body;
 mod header;
@@ -10,7 +10,6 @@ use body::{Body, Values};
 use glam::DVec3;
 use header::{Element, Header, Property};
 use nextview::surface::CloudPoint;
-use std::ops::Range;
 
 pub(super) fn parse(bytes: &[u8]) -> Result<RawMesh, SimError> {
     let header = Header::parse(bytes)?;
@@ -20,41 +19,56 @@ pub(super) fn parse(bytes: &[u8]) -> Result<RawMesh, SimError> {
             format!("has the elements {names:?}, expected vertex and face (a point cloud is no mesh)");
         return Err(SimError::format("header", problem));
     }
-    let mut vertices = Vec::new();
-    let mesh = read(&header, bytes, &["x", "y", "z"], |values| vertices.push(vector(&values[..3])))?;
-    Ok(RawMesh { vertices, ..mesh })
+    let columns = [&POSITION[..], all_of(&header, &COLOR)].concat();
+    let (mut vertices, mut colors) = (Vec::new(), Vec::new());
+    let mesh = read(&header, bytes, &columns, |values| {
+        vertices.push(vector(&values[..3]));
+        colors.extend(values.get(3..6).map(color));
+    })?;
+    Ok(RawMesh { vertices, colors, ..mesh })
 }
 
-/// What the columns of a cloud's points are.
-const OF_POINTS: [&str; 9] = ["x", "y", "z", "nx", "ny", "nz", "red", "green", "blue"];
+/// Columns of vertices.
+const POSITION: [&str; 3] = ["x", "y", "z"];
+const NORMAL: [&str; 3] = ["nx", "ny", "nz"];
+const COLOR: [&str; 3] = ["red", "green", "blue"];
 
 /// The points of a mesh or of a cloud, with normals and colours where all three columns are there, and the
 /// triangles if there are any.
 pub(super) fn parse_points(bytes: &[u8]) -> Result<(Vec<CloudPoint>, RawMesh), SimError> {
     let header = Header::parse(bytes)?;
-    let has = |columns: Range<usize>| {
-        let properties = header.element("vertex").map_or(&[][..], |vertex| &vertex.properties);
-        OF_POINTS[columns].iter().all(|column| properties.iter().any(|property| property.name() == *column))
-    };
-    let (has_normals, has_colors) = (has(3..6), has(6..9));
+    let (normals, colors) = (all_of(&header, &NORMAL), all_of(&header, &COLOR));
+    let columns = [&POSITION[..], normals, colors].concat();
     let mut points = Vec::new();
-    let mesh = read(&header, bytes, &OF_POINTS, |values| {
+    let mut mesh = read(&header, bytes, &columns, |values| {
+        let (normal, of_color) = values[3..].split_at(normals.len());
         points.push(CloudPoint {
             // PLY knows no missing values: a point without a normal has 0 0 0.
-            normal: has_normals.then(|| vector(&values[3..6])).and_then(DVec3::try_normalize),
-            color: has_colors.then(|| [6, 7, 8].map(|i| values[i] as u8)),
+            normal: (!normals.is_empty()).then(|| vector(normal)).and_then(DVec3::try_normalize),
+            color: (!colors.is_empty()).then(|| color(of_color)),
             ..vector(&values[..3]).into()
         });
     })?;
-    Ok((points, mesh))
+    mesh.color_fault.take().map_or(Ok((points, mesh)), Err)
+}
+
+/// These columns if vertices have all of them, else none.
+fn all_of<'a>(header: &Header, columns: &'a [&'a str; 3]) -> &'a [&'a str] {
+    let properties = header.element("vertex").map_or(&[][..], |vertex| &vertex.properties);
+    let is_there = |column: &&str| properties.iter().any(|property| property.name() == *column);
+    if columns.iter().all(is_there) { columns } else { &[] }
+}
+
+fn color(values: &[f64]) -> [u8; 3] {
+    [0, 1, 2].map(|i| values[i].round() as u8)
 }
 
 fn vector(values: &[f64]) -> DVec3 {
     DVec3::new(values[0], values[1], values[2])
 }
 
-/// Reads all elements: the numbers in these columns of every vertex, 0 where there is no such column, which
-/// go to `vertex`, and the faces. The first three columns must be there.
+/// Reads all elements: the numbers in these columns of every vertex, colours as 0 to 255, which go to
+/// `vertex`, and the faces. The first three columns must be there.
 fn read(
     header: &Header,
     bytes: &[u8],
@@ -67,7 +81,10 @@ fn read(
     for element in &header.elements {
         body.check_size(element)?;
         match element.name.as_str() {
-            "vertex" => read_vertices(&mut body, element, columns, &mut vertex)?,
+            "vertex" => {
+                let fault = read_vertices(&mut body, element, columns, &mut vertex)?;
+                mesh.color_fault = mesh.color_fault.or(fault);
+            }
             "face" => read_faces(&mut body, element, n_vertices, &mut mesh)?,
             _ => skip(&mut body, element)?,
         }
@@ -75,29 +92,48 @@ fn read(
     Ok(mesh)
 }
 
+/// Returns the first fault of a colour.
 fn read_vertices(
     body: &mut Body,
     element: &Element,
     columns: &[&str],
     vertex: &mut impl FnMut(&[f64]),
-) -> Result<(), SimError> {
+) -> Result<Option<SimError>, SimError> {
     let column_of: Vec<Option<usize>> = element.properties.iter().map(|of| column(of, columns)).collect();
     if (0..3).any(|axis| !column_of.contains(&Some(axis))) {
         return Err(SimError::format("header", "element vertex lacks one of the properties x, y and z"));
     }
+    let mut fault = None;
     let mut numbers = vec![0.0; columns.len()];
     for _ in 0..element.count {
         let mut values = body.element(element)?;
         for (property, column) in element.properties.iter().zip(&column_of) {
-            match (property, column) {
-                (Property::Scalar { kind, .. }, Some(column)) => numbers[*column] = values.number(*kind)?,
-                _ => values.skip(property)?,
-            }
+            let (Property::Scalar { kind, .. }, Some(column)) = (property, column) else {
+                values.skip(property)?;
+                continue;
+            };
+            let number = values.number(*kind)?;
+            numbers[*column] = match COLOR.contains(&columns[*column]) {
+                false => number,
+                true => color_value(number, *kind).unwrap_or_else(|problem| {
+                    fault.get_or_insert_with(|| values.error(problem));
+                    0.0
+                }),
+            };
         }
         values.end()?;
         vertex(&numbers);
     }
-    Ok(())
+    Ok(fault)
+}
+
+/// A colour, 0 to 255: whole numbers are that, others 0 to 1.
+fn color_value(value: f64, kind: header::Kind) -> Result<f64, String> {
+    let most = if matches!(kind, header::Kind::F32 | header::Kind::F64) { 1.0 } else { 255.0 };
+    match (0.0..=most).contains(&value) {
+        true => Ok(value * (255.0 / most)),
+        false => Err(format!("a colour is {value}, expected 0 to {most}")),
+    }
 }
 
 /// Which of the columns a property of a vertex is.
@@ -218,6 +254,28 @@ mod tests {
             assert!(points.len() == 4 && points.iter().all(|p| p.color.is_none() && p.normal.is_none()));
             assert_eq!(mesh.triangles, [[0, 1, 2], [0, 2, 3], [0, 1, 2]]);
         }
+    }
+
+    #[test]
+    fn colours_are_bytes_or_shares() {
+        let colored = |kind: &str, colors: [&str; 3]| {
+            let header = format!(
+                "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n\
+                 property {kind} red\nproperty {kind} green\nproperty {kind} blue\nelement face 1\n\
+                 property list uchar int vertex_indices\nend_header\n"
+            );
+            let [a, b, c] = colors;
+            parse(format!("{header}0 0 0 {a}\n1 0 0 {b}\n0 1 0 {c}\n3 0 1 2\n").as_bytes())
+        };
+        let colors = [[255, 0, 128], [1, 2, 3], [0; 3]];
+        let bytes = colored("uchar", ["255 0 128", "1 2 3", "0 0 0"]).unwrap();
+        assert_eq!(bytes.colors, colors);
+        let shares = colored("float", ["1 0 0.5", "0.004 0.008 0.012", "0 0 0"]).unwrap();
+        assert_eq!(shares.colors, colors);
+        let error =
+            |kind, color| colored(kind, ["0 0 0", color, "0 0 0"]).unwrap().color_fault.unwrap().to_string();
+        assert_eq!(error("float", "0 255 0"), "line 14: a colour is 255, expected 0 to 1");
+        assert!(error("int", "0 0 -1").contains("a colour is -1, expected 0 to 255"));
     }
 
     fn error(bytes: &[u8]) -> String {
