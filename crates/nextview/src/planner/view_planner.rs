@@ -3,7 +3,7 @@ use crate::geometry::Pose;
 use crate::map::Snapshot;
 use crate::motion::{MotionConfig, Surroundings, Trajectory};
 use crate::sensor::{DepthRange, Frame, Intrinsics};
-use crate::surface::MeasuredCells;
+use crate::surface::{MeasuredCells, SurfaceLooks};
 use crate::view::ViewSpace;
 use crate::{Cancel, Error};
 use glam::DVec3;
@@ -57,6 +57,7 @@ pub struct Situation<'a> {
     depth_range: DepthRange,
     are_poses_right: bool,
     measured: Option<(&'a MeasuredCells, f64)>,
+    looks: Option<&'a SurfaceLooks>,
     /// Numbers of candidates.
     visited: &'a [usize],
     /// By candidate, seconds; none of those where the camera cannot go now.
@@ -91,6 +92,7 @@ impl<'a> Situation<'a> {
             depth_range: DepthRange::default(),
             are_poses_right: false,
             measured: None,
+            looks: None,
             visited: &[],
             approaches: None,
             motion: MotionConfig::default(),
@@ -115,6 +117,12 @@ impl<'a> Situation<'a> {
     /// standard deviation in metres, positive. Without it, surface that was seen is done.
     pub fn with_goal(self, measured: &'a MeasuredCells, goal: f64) -> Self {
         Self { measured: Some((measured, goal)), ..self }
+    }
+
+    /// The same where surface is to be seen several times: the looks at it so far. Without it, surface that was
+    /// seen is done.
+    pub fn with_looks(self, looks: &'a SurfaceLooks) -> Self {
+        Self { looks: Some(looks), ..self }
     }
 
     /// The same with the frames that the snapshot was made from, oldest first.
@@ -198,6 +206,11 @@ impl<'a> Situation<'a> {
     /// How well surface was measured, and how accurate it is to be, metres; none without a goal.
     pub fn goal(&self) -> Option<(&'a MeasuredCells, f64)> {
         self.measured
+    }
+
+    /// How often surface was seen, and is to be seen; none without such a goal.
+    pub fn looks(&self) -> Option<&'a SurfaceLooks> {
+        self.looks
     }
 
     /// The views taken so far, in order; all are candidates.
