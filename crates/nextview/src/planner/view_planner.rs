@@ -45,6 +45,12 @@ pub trait ViewPlanner: Send {
     /// Long computations check [`Situation::cancel`] and fail if it is set. A planner that depends on
     /// something else that can fail, such as another program, says so with [`Error::Planner`].
     fn plan(&mut self, situation: &Situation<'_>) -> Result<Plan, Error>;
+
+    /// Whether views are chosen for the surface that they show, so that a scan is over when it no longer
+    /// [grows](crate::session::StopConfig::progress). Default: yes.
+    fn seeks_surface(&self) -> bool {
+        true
+    }
 }
 
 /// All information that a planner may use.
