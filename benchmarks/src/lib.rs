@@ -4,10 +4,11 @@
 //! `cargo bench` (wall time), the program `stages` (CPU time, beside the peers in `peers/`), the program
 //! `kernels` (instruction counts) and, over sizes, the program `growth`. The results are in `BENCHMARK.md`.
 //! The programs `questions`, `ceiling` and `seconds` compare planners on [objects whose truth is
-//! known](known_object).
+//! known](known_object), the program `purposes` by what [purposes of scans need](needs).
 
 pub mod known_object;
 pub mod log_plot;
+pub mod needs;
 pub mod network;
 pub mod plain_files;
 pub mod stage;
