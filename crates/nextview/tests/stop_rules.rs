@@ -133,7 +133,8 @@ fn even_views_go_on_where_nothing_new_is_seen() {
     // A ball that fills the box looks the same from everywhere, and from the third view on nothing is new.
     let views = generate::fibonacci_sphere(DVec3::ZERO, 0.5, 40).unwrap();
     let scan = |planner: Box<dyn ViewPlanner>| {
-        let mut session = Session::new(config(StopConfig::default()), camera(), views.clone(), planner).unwrap();
+        let mut session =
+            Session::new(config(StopConfig::default()), camera(), views.clone(), planner).unwrap();
         while let Decision::Move(next) = session.decide().unwrap() {
             let image = DepthImage::from_metres(32, 24, vec![0.49; 32 * 24]).unwrap();
             session.observe(&Frame::new(image, camera(), next.world_from_camera, 2.0).unwrap()).unwrap();
