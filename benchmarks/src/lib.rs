@@ -4,10 +4,12 @@
 //! `cargo bench` (wall time), the program `stages` (CPU time, beside the peers in `peers/`), the program
 //! `kernels` (instruction counts) and, over sizes, the program `growth`. The results are in `BENCHMARK.md`.
 //! The programs `questions`, `ceiling` and `seconds` compare planners on [objects whose truth is
-//! known](known_object); the program `color` compares textures on [painted] objects.
+//! known](known_object), the program `color` textures on [painted] objects, the program `purposes` planners
+//! by what [purposes of scans need](needs).
 
 pub mod known_object;
 pub mod log_plot;
+pub mod needs;
 pub mod network;
 pub mod painted;
 pub mod plain_files;

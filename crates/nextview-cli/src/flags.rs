@@ -1,7 +1,7 @@
 //! The options of the command line that keys of the configuration have.
 
 /// Keys and their options.
-const FLAGS: [(&str, &str); 51] = [
+const FLAGS: [(&str, &str); 54] = [
     ("planner", "--planner"),
     ("most_surface.per_second", "--per-second"),
     ("views", "--views"),
@@ -23,6 +23,9 @@ const FLAGS: [(&str, &str); 51] = [
     ("registration.enabled", "--register"),
     ("min_overlap", "--min-overlap"),
     ("goal_mm", "--goal-mm"),
+    ("looks", "--looks"),
+    ("looks.n", "--looks"),
+    ("looks.apart_deg", "--looks-apart-deg"),
     ("view_space", "--view-space"),
     ("model.watertight", "--watertight"),
     ("reach", "--reach"),

@@ -76,6 +76,7 @@
 
 mod cancel;
 mod checked;
+mod degrees;
 pub mod diagnosis;
 mod error;
 pub mod flow;

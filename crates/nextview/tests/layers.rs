@@ -7,7 +7,7 @@ use std::path::Path;
 const LAYERS: [&[&str]; 11] = [
     &["cancel"],
     &["error"],
-    &["checked"],
+    &["checked", "degrees"],
     &["geometry", "flow"],
     &["sensor"],
     &["map", "diagnosis"],

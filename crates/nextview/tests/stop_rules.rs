@@ -7,13 +7,14 @@ use glam::DVec3;
 use nextview::Error;
 use nextview::geometry::Aabb;
 use nextview::planner::{
-    Choice, InOrder, Itinerary, Leg, Outlook, Plan, RandomViews, Situation, ViewPlanner,
+    Choice, EvenViews, InOrder, Itinerary, Leg, MinOverlap, Outlook, Plan, RandomViews, Situation,
+    ViewPlanner,
 };
 use nextview::sensor::{DepthImage, Frame, Intrinsics};
 use nextview::session::{
     Decision, MultiResolutionConfig, NextView, Session, SessionConfig, StepReport, StopConfig, StopReason,
 };
-use nextview::view::{ViewSpace, look_at};
+use nextview::view::{ViewSpace, generate, look_at};
 
 /// Distance between neighbouring views, metres; sums of it have no rounding.
 const STEP: f64 = 0.125;
@@ -125,6 +126,25 @@ fn stops_when_six_views_show_nothing_new() {
     // Another wall in the third view.
     assert_eq!(scan_wall(0.01, |view| if view < 2 { 1.0 } else { 1.03 }), (9, StopReason::NoProgress));
     assert_eq!(scan_wall(0.01, |_| 5.0), (10, StopReason::ViewLimit), "nothing seen at all");
+}
+
+#[test]
+fn even_views_go_on_where_nothing_new_is_seen() {
+    // A ball that fills the box looks the same from everywhere, and from the third view on nothing is new.
+    let views = generate::fibonacci_sphere(DVec3::ZERO, 0.5, 40).unwrap();
+    let scan = |planner: Box<dyn ViewPlanner>| {
+        let mut session =
+            Session::new(config(StopConfig::default()), camera(), views.clone(), planner).unwrap();
+        while let Decision::Move(next) = session.decide().unwrap() {
+            let image = DepthImage::from_metres(32, 24, vec![0.49; 32 * 24]).unwrap();
+            session.observe(&Frame::new(image, camera(), next.world_from_camera, 2.0).unwrap()).unwrap();
+        }
+        (session.visited().len(), session.decide().unwrap())
+    };
+    let all = (10, Decision::Stop(StopReason::ViewLimit));
+    assert_eq!(scan(Box::new(EvenViews)), all);
+    assert_eq!(scan(Box::new(MinOverlap::new(0.1, Box::new(EvenViews)).unwrap())), all);
+    assert!(RandomViews { seed: 0 }.seeks_surface() && !EvenViews.seeks_surface());
 }
 
 #[test]

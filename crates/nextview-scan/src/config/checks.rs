@@ -1,8 +1,7 @@
 //! What a configuration must hold beyond what each of its parts checks itself.
 
 use super::{
-    BoxRule, LiveConfig, PlannerChoice, PlannerName, RecordingConfig, RobotConfig, ScanConfig, TableRule,
-    ViewRule,
+    BoxRule, LiveConfig, PlannerName, RecordingConfig, RobotConfig, ScanConfig, TableRule, ViewRule,
 };
 use crate::{Fault, Faults};
 use nextview::gain::Apora;
@@ -71,6 +70,7 @@ fn faults(config: &ScanConfig) -> Vec<Fault> {
     faults.extend(of_view_distance(config));
     faults.extend(of_stop(config));
     faults.extend(of_goal(config));
+    faults.extend(of_looks(config));
     faults.extend(of_seconds(config));
     faults
 }
@@ -141,23 +141,29 @@ fn of_goal(config: &ScanConfig) -> Option<Fault> {
     if !(goal > 0.0 && goal.is_finite()) {
         return Some(Fault::of_value("goal_mm", goal, "a positive number of millimetres"));
     }
-    let (problem, remedy) = match &config.planner {
-        PlannerChoice::BuiltIn(PlannerName::MostSurface)
-            if config.surface_error() != SurfaceError::default() =>
-        {
-            return None;
-        }
-        PlannerChoice::BuiltIn(PlannerName::MostSurface) => (
-            "`goal_mm` needs to know the error of the camera".to_owned(),
-            "`sensor` names a camera whose error is known",
-        ),
-        planner => (
-            format!("the planner {planner} takes no second looks, which `goal_mm` needs"),
-            "`planner` = most-surface does",
-        ),
-    };
-    let fault = Fault::request(problem).with_remedy(remedy);
-    Some(Fault { key: Some("goal_mm".to_owned()), ..fault })
+    let knows_error = config.surface_error() != SurfaceError::default();
+    takes_second_looks(config, "goal_mm").or_else(|| {
+        (!knows_error).then(|| {
+            let fault = Fault::request("`goal_mm` needs to know the error of the camera")
+                .with_remedy("`sensor` names a camera whose error is known");
+            Fault { key: Some("goal_mm".to_owned()), ..fault }
+        })
+    })
+}
+
+/// Looks need a planner that takes second ones.
+fn of_looks(config: &ScanConfig) -> Option<Fault> {
+    let fault = config.looks?.check().err().map(|error| of_part("looks", error));
+    fault.or_else(|| takes_second_looks(config, "looks"))
+}
+
+/// The fault of a goal with a planner that takes no second looks.
+fn takes_second_looks(config: &ScanConfig, key: &str) -> Option<Fault> {
+    (config.planner != PlannerName::MostSurface).then(|| {
+        let message = format!("the planner {} takes no second looks, which `{key}` needs", config.planner);
+        let fault = Fault::request(message).with_remedy("`planner` = most-surface does");
+        Fault { key: Some(key.to_owned()), ..fault }
+    })
 }
 
 /// Everything that does not fit this number of candidates.

@@ -5,8 +5,8 @@ use nextview::gain::{
     RearSideEntropy, RearSideVoxel, UnobservedVoxel,
 };
 use nextview::planner::{
-    Batch, BatchConfig, FrontierTour, Greedy, GreedyConfig, InOrder, MaxFlow, MaxFlowConfig, MostSurface,
-    MostSurfaceConfig, PbNbv, RandomViews, RecedingHorizon, See, ViewPlanner,
+    Batch, BatchConfig, EvenViews, FrontierTour, Greedy, GreedyConfig, InOrder, MaxFlow, MaxFlowConfig,
+    MostSurface, MostSurfaceConfig, PbNbv, RandomViews, RecedingHorizon, See, ViewPlanner,
 };
 use nextview_learned::nbv_net::{NbvNet, Network};
 use serde::{Deserialize, Serialize};
@@ -35,6 +35,7 @@ named! {
         RecedingHorizon = "receding-horizon": "First view of the best branch of a random tree, Bircher et al. 2016",
         NbvNet = "nbv-net": "NBV-Net, Mendoza et al. 2020: the one of 14 views that a network has learned to name",
         Batch = "batch": "Several views at once that together show most, and the shortest tour through them",
+        EvenViews = "even-views": "Views from all around: the direction farthest from all taken; for reference views",
         InOrder = "in-order": "The views in the order of their numbers: that of a recording",
         Random = "random": "A random view: the baseline",
         Clairvoyant = "clairvoyant": "Knows the object: the upper bound, where the truth is known",
@@ -128,6 +129,7 @@ impl PlannerName {
             Self::RecedingHorizon => Box::new(RecedingHorizon::new(greedy.ray_spacing, seed)?),
             Self::NbvNet => Box::new(nbv_net.planner()?),
             Self::Batch => Box::new(Batch::new(batch)?),
+            Self::EvenViews => Box::new(EvenViews),
             Self::InOrder => Box::new(InOrder),
             Self::Random => Box::new(RandomViews { seed }),
             Self::Clairvoyant => clairvoyant.ok_or_else(|| {

@@ -12,6 +12,7 @@ use nextview::planner::{
 use nextview::registration::RegistrationConfig;
 use nextview::sensor::{Intrinsics, SurfaceError};
 use nextview::session::{MultiResolutionConfig, StopConfig};
+use nextview::surface::LooksGoal;
 use nextview::visibility::FreeSpace;
 use serde::{Deserialize, Serialize};
 use std::path::PathBuf;
@@ -79,6 +80,10 @@ pub struct ScanConfig {
     /// deviation; the planner most-surface spends views on it. By default, surface that was seen is done.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub goal_mm: Option<f64>,
+    /// How often each part of the surface is to be seen; the planner most-surface spends views on it. By
+    /// default, surface that was seen is done.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub looks: Option<LooksGoal>,
     /// Whether to compute the random and clairvoyant curves.
     pub baselines: bool,
     /// Limit on the memory that the planning box may need.
@@ -215,6 +220,7 @@ impl ScanConfig {
             size_of: SizeOf::default(),
             min_overlap: None,
             goal_mm: None,
+            looks: None,
             baselines: true,
             memory_limit_mb: 4096,
             time_limit_s: None,
@@ -313,6 +319,8 @@ impl ScanConfig {
             baseline_seed: neutral.baseline_seed,
             view_seed: Some(self.view_seed()),
             min_overlap: None,
+            goal_mm: None,
+            looks: None,
             baselines: self.needs_truth(),
             map: neutral.map,
             max_flow: neutral.max_flow,

@@ -95,8 +95,8 @@ pub struct StepRecord {
     /// The same as a share, 0..=1, of that of an unknown box.
     pub entropy_share: f64,
 
-    /// Share, 0..=1, of the voxels with measured surface whose expected error is within the goal; none
-    /// without one.
+    /// Share, 0..=1, of the voxels with measured surface whose expected error is within the goal, and that
+    /// have all looks; none without such goals.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub share_at_goal: Option<f64>,
 

@@ -27,6 +27,7 @@ pub(super) fn session_config(
         depth_range: DepthRange::default(),
         surface_error: config.surface_error(),
         goal: config.goal_mm.map(|goal| goal / 1e3),
+        looks: config.looks,
         sensor_model: config.map.sensor_model,
         rays: config.map.rays,
         background: config.map.background,

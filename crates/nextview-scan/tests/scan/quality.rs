@@ -1,6 +1,7 @@
 //! Expected errors beside true ones, and goals.
 
 use nextview::Cancel;
+use nextview::surface::LooksGoal;
 use nextview_scan::{
     Begin, FinalModel, LiveScan, Measured, ModelConfig, PlannerName, ScanConfig, ScanRecord, ScanRun,
     SensorName, SimulatedObject, Simulation,
@@ -83,4 +84,26 @@ fn a_goal_is_worth_views_and_one_out_of_reach_is_refused() {
     assert!(message.contains("takes no second looks"), "{message}");
     let message = refused(ScanConfig { goal_mm: Some(1.0), ..ScanConfig::default() });
     assert!(message.contains("needs to know the error of the camera"), "{message}");
+}
+
+#[test]
+fn looks_are_worth_views_and_other_planners_refuse_them() {
+    let free = ScanConfig { views: Some(10), candidates: 200, ..config("d435i") };
+    let wanted = ScanConfig { looks: Some(LooksGoal::default()), ..free.clone() };
+    let (record, ..) = scan(&wanted);
+    let shares: Vec<f64> = record.steps.iter().map(|step| step.share_at_goal.unwrap()).collect();
+    println!("{shares:.3?}");
+    assert!(shares[..2] == [0.0, 0.0] && *shares.last().unwrap() > 0.3, "{shares:?}");
+    // Both goals are at most as often reached as one of them.
+    let both = ScanConfig { goal_mm: Some(0.5), ..wanted.clone() };
+    let (record, ..) = scan(&both);
+    assert!(record.steps[0].share_at_goal == Some(0.0), "no look is enough");
+
+    let message = |config: ScanConfig| config.check().unwrap_err().to_string();
+    let random = message(ScanConfig { planner: PlannerName::Random.into(), ..wanted.clone() });
+    assert!(random.contains("the planner random takes no second looks, which `looks` needs"), "{random}");
+    let none = message(ScanConfig { looks: Some(LooksGoal { n: 0, ..LooksGoal::default() }), ..wanted });
+    assert!(none.contains("`looks.n` is 0, expected 2 to 20 looks"), "{none}");
+    let flat = ScanConfig::parse("[looks]\napart_deg = 70\n", None, None).unwrap_err().to_string();
+    assert!(flat.contains("apart_deg") && flat.contains("70"), "{flat}");
 }

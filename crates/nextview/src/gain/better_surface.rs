@@ -1,10 +1,11 @@
+use super::seen_voxels::{caster, occupied_voxels};
 use crate::Error;
 use crate::checked::check_range;
 use crate::geometry::Pose;
-use crate::map::{Occupancy, Snapshot};
+use crate::map::Snapshot;
 use crate::sensor::{DepthRange, Intrinsics};
 use crate::surface::MeasuredCells;
-use crate::visibility::{FreeSpace, RayCaster, RayEnd, Sight};
+use crate::visibility::RayCaster;
 use glam::DVec3;
 
 /// How much nearer a view brings measured surface to a stated accuracy: over the occupied voxels that it
@@ -24,9 +25,6 @@ pub struct BetterSurface<'a> {
     focal: f64,
 }
 
-/// Distance between neighbouring rays at the far side of the box, in voxels.
-const RAY_SPACING: f64 = 2.0;
-
 /// Looks at a flatter angle than this cosine count nothing: most of their pixels are lost.
 const LEAST_COSINE: f64 = 0.3;
 
@@ -41,22 +39,14 @@ impl<'a> BetterSurface<'a> {
         goal: f64,
     ) -> Result<Self, Error> {
         check_range("goal", goal, f64::MIN_POSITIVE..=f64::MAX, "a positive number of metres")?;
-        let sight = Sight::endless(FreeSpace::Clear);
-        let caster = RayCaster::new(snapshot, intrinsics, RAY_SPACING, sight)?.within(depth_range);
+        let caster = caster(snapshot, intrinsics, depth_range);
         let focal = intrinsics.focal().x;
         Ok(Self { snapshot, caster, measured, wanted: goal.powi(-2), focal })
     }
 
     /// The gain of a view, in voxels.
     pub fn gain(&self, world_from_camera: &Pose) -> f64 {
-        let mut voxels = Vec::new();
-        self.caster.cast(world_from_camera, |ray| {
-            if let RayEnd::Occupied(crossing) = &ray.end {
-                voxels.push(crossing.voxel);
-            }
-        });
-        voxels.sort_unstable();
-        voxels.dedup();
+        let voxels = occupied_voxels(&self.caster, world_from_camera);
         voxels.into_iter().filter_map(|voxel| self.of_voxel(voxel as usize, world_from_camera)).sum()
     }
 
@@ -81,9 +71,4 @@ impl<'a> BetterSurface<'a> {
         let n = (self.snapshot.lattice().voxel_size() * self.focal / depth).powi(2) * cosine;
         1.0 / error.of_look(error.of_pixel(depth, cosine, self.focal), n)
     }
-}
-
-/// Whether gains are meaningful: a snapshot of coarser voxels than those that were measured has none.
-pub(crate) fn is_in_measured_voxels(snapshot: &Snapshot, measured: &MeasuredCells) -> bool {
-    snapshot.lattice() == *measured.lattice() && snapshot.count(Occupancy::Occupied) > 0
 }

@@ -69,6 +69,10 @@ impl ViewPlanner for MinOverlap {
         let views = situation.views().clone().only(|view| is_left[view]);
         self.planner.plan(&situation.with_views(&views))
     }
+
+    fn seeks_surface(&self) -> bool {
+        self.planner.seeks_surface()
+    }
 }
 
 /// The overlap of each of the views, 0..=1; 0 where they show nothing, and before there is a frame.

@@ -6,10 +6,11 @@
 //! literature's planners that are more than a gain, [`FrontierTour`] follows a tour past the frontier,
 //! [`PbNbv`] projects ellipsoids, [`See`] looks at the edges of dense points, and [`RecedingHorizon`] takes
 //! the best branch of a random tree. [`MinOverlap`] restricts any of them to views that overlap with known
-//! surface. [`RandomViews`] is the baseline that every planner must beat, and [`InOrder`] repeats the order
-//! of a recording.
+//! surface. [`EvenViews`] goes all around the object, [`RandomViews`] is the baseline that every planner must
+//! beat, and [`InOrder`] repeats the order of a recording.
 
 mod batch;
+mod even_views;
 mod explanation;
 mod frontier_tour;
 mod greedy;
@@ -27,6 +28,7 @@ mod view_gain;
 mod view_planner;
 
 pub use batch::{Batch, BatchConfig, BatchPlan, BatchView};
+pub use even_views::EvenViews;
 pub use explanation::Explanation;
 pub use frontier_tour::FrontierTour;
 pub use greedy::{Greedy, GreedyConfig};

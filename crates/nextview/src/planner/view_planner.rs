@@ -3,7 +3,7 @@ use crate::geometry::Pose;
 use crate::map::Snapshot;
 use crate::motion::{MotionConfig, Surroundings, Trajectory};
 use crate::sensor::{DepthRange, Frame, Intrinsics};
-use crate::surface::MeasuredCells;
+use crate::surface::{MeasuredCells, SurfaceLooks};
 use crate::view::ViewSpace;
 use crate::{Cancel, Error};
 use glam::DVec3;
@@ -45,6 +45,12 @@ pub trait ViewPlanner: Send {
     /// Long computations check [`Situation::cancel`] and fail if it is set. A planner that depends on
     /// something else that can fail, such as another program, says so with [`Error::Planner`].
     fn plan(&mut self, situation: &Situation<'_>) -> Result<Plan, Error>;
+
+    /// Whether views are chosen for the surface that they show, so that a scan is over when it no longer
+    /// [grows](crate::session::StopConfig::progress). Default: yes.
+    fn seeks_surface(&self) -> bool {
+        true
+    }
 }
 
 /// All information that a planner may use.
@@ -57,6 +63,7 @@ pub struct Situation<'a> {
     depth_range: DepthRange,
     are_poses_right: bool,
     measured: Option<(&'a MeasuredCells, f64)>,
+    looks: Option<&'a SurfaceLooks>,
     /// Numbers of candidates.
     visited: &'a [usize],
     /// By candidate, seconds; none of those where the camera cannot go now.
@@ -91,6 +98,7 @@ impl<'a> Situation<'a> {
             depth_range: DepthRange::default(),
             are_poses_right: false,
             measured: None,
+            looks: None,
             visited: &[],
             approaches: None,
             motion: MotionConfig::default(),
@@ -115,6 +123,12 @@ impl<'a> Situation<'a> {
     /// standard deviation in metres, positive. Without it, surface that was seen is done.
     pub fn with_goal(self, measured: &'a MeasuredCells, goal: f64) -> Self {
         Self { measured: Some((measured, goal)), ..self }
+    }
+
+    /// The same where surface is to be seen several times: the looks at it so far. Without it, surface that was
+    /// seen is done.
+    pub fn with_looks(self, looks: &'a SurfaceLooks) -> Self {
+        Self { looks: Some(looks), ..self }
     }
 
     /// The same with the frames that the snapshot was made from, oldest first.
@@ -198,6 +212,11 @@ impl<'a> Situation<'a> {
     /// How well surface was measured, and how accurate it is to be, metres; none without a goal.
     pub fn goal(&self) -> Option<(&'a MeasuredCells, f64)> {
         self.measured
+    }
+
+    /// How often surface was seen, and is to be seen; none without such a goal.
+    pub fn looks(&self) -> Option<&'a SurfaceLooks> {
+        self.looks
     }
 
     /// The views taken so far, in order; all are candidates.

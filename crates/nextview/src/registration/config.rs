@@ -1,5 +1,6 @@
 use crate::Error;
 use crate::checked::{check_range, checked_when_read};
+use crate::degrees;
 use crate::geometry::Lattice;
 use serde::{Deserialize, Serialize};
 use std::f64::consts::PI;
@@ -87,24 +88,6 @@ impl RegistrationConfig {
         }
         check_range("min_overlap", self.min_overlap, 0.0..=1.0, "0 to 1")?;
         check_range("min_stiffness", self.min_stiffness, 0.0..=1.0, "0 to 1")
-    }
-}
-
-/// Radians that are degrees in files.
-mod degrees {
-    use serde::{Deserialize, Deserializer, Serializer};
-
-    /// Rounded, so that 10 degrees do not read 9.999999999999998.
-    pub fn tidy(radians: f64) -> f64 {
-        (radians.to_degrees() * 1e9).round() / 1e9
-    }
-
-    pub fn serialize<S: Serializer>(radians: &f64, serializer: S) -> Result<S::Ok, S::Error> {
-        serializer.serialize_f64(tidy(*radians))
-    }
-
-    pub fn deserialize<'de, D: Deserializer<'de>>(deserializer: D) -> Result<f64, D::Error> {
-        f64::deserialize(deserializer).map(f64::to_radians)
     }
 }
 

@@ -6,6 +6,7 @@ use crate::map::{Background, RayRule, SensorModel};
 use crate::motion::MotionConfig;
 use crate::registration::RegistrationConfig;
 use crate::sensor::{DepthRange, SurfaceError};
+use crate::surface::LooksGoal;
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
 
@@ -76,6 +77,10 @@ pub struct SessionConfig {
     /// and the scan goes on while they help. Default: surface that was seen is done.
     #[serde(default, rename = "goal_m", skip_serializing_if = "Option::is_none")]
     pub goal: Option<f64>,
+    /// How often each part of the surface is to be seen. Planning then spends views on surface that was seen,
+    /// but not often enough, and the scan goes on while they help. Default: surface that was seen is done.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub looks: Option<LooksGoal>,
     /// How the camera moves. Default: see there.
     #[serde(default)]
     pub motion: MotionConfig,
@@ -118,6 +123,7 @@ impl SessionConfig {
             registration: RegistrationConfig::default(),
             surface_error: SurfaceError::default(),
             goal: None,
+            looks: None,
             motion: MotionConfig::default(),
             stop: StopConfig::default(),
         }
@@ -152,6 +158,7 @@ impl SessionConfig {
         self.table.check()?;
         self.registration.check()?;
         self.surface_error.check()?;
+        self.looks.map_or(Ok(()), |looks| looks.check())?;
         let positive = f64::MIN_POSITIVE..=f64::MAX;
         self.goal.map_or(Ok(()), |goal| check_range("goal_m", goal, positive, "a positive number"))?;
         match self.object_box {

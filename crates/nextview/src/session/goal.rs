@@ -1,7 +1,9 @@
+use super::config::SessionConfig;
 use crate::Error;
 use crate::geometry::Aabb;
+use crate::planner::Situation;
 use crate::sensor::{DepthRange, Frame, Intrinsics, SurfaceError};
-use crate::surface::MeasuredCells;
+use crate::surface::{MeasuredCells, SurfaceLooks};
 use crate::{Cancel, Cancelled};
 
 /// Number of looks straight on from the least distance that must reach a goal.
@@ -29,28 +31,44 @@ pub(super) fn check_reachable(
     Err(Error::UnreachableGoal { goal_mm: goal * 1e3, best_mm: (best * 1e6).ceil() / 1e3, distance })
 }
 
-/// How well surface was measured so far, beside a goal.
+/// How well, and how often, surface was measured so far, beside the goals.
 #[derive(Clone, Debug)]
 pub(super) struct Quality {
-    /// Standard deviation, metres.
-    pub goal: f64,
-    pub measured: MeasuredCells,
-    camera: SurfaceError,
-    voxel_size: f64,
-    /// The share of cells at the goal after each step.
+    /// With the goal, a standard deviation in metres.
+    errors: Option<(MeasuredCells, f64)>,
+    looks: Option<SurfaceLooks>,
+    /// The share of cells at the goals after each step.
     shares: Vec<f64>,
 }
 
 impl Quality {
-    /// Nothing was measured, in voxels of a valid size; for a checked goal.
-    pub fn new(goal: f64, camera: SurfaceError, voxel_size: f64) -> Result<Self, Error> {
-        let measured = MeasuredCells::new(voxel_size, camera)?;
-        Ok(Self { goal, measured, camera, voxel_size, shares: Vec::new() })
+    /// Nothing was measured; none without a goal. For a checked configuration.
+    pub fn new(config: &SessionConfig) -> Result<Option<Self>, Error> {
+        let &SessionConfig { goal, looks, surface_error, voxel_size, .. } = config;
+        let errors = |goal| MeasuredCells::new(voxel_size, surface_error).map(|cells| (cells, goal));
+        let errors = goal.map(errors).transpose()?;
+        let looks = looks.map(|goal| SurfaceLooks::new(voxel_size, goal)).transpose()?;
+        let is_any = errors.is_some() || looks.is_some();
+        Ok(is_any.then_some(Self { errors, looks, shares: Vec::new() }))
+    }
+
+    /// The situation with what is known, and the goals.
+    pub fn add_to<'a>(&'a self, situation: Situation<'a>) -> Situation<'a> {
+        let situation = match &self.errors {
+            Some((measured, goal)) => situation.with_goal(measured, *goal),
+            None => situation,
+        };
+        match &self.looks {
+            Some(looks) => situation.with_looks(looks),
+            None => situation,
+        }
     }
 
     /// Adds a frame.
     pub fn add(&mut self, frame: &Frame, bounds: Option<Aabb>, cancel: &Cancel) -> Result<(), Cancelled> {
-        bounds.map_or(Ok(()), |bounds| self.measured.add(frame, bounds, cancel))
+        let Some(bounds) = bounds else { return Ok(()) };
+        self.errors.as_mut().map_or(Ok(()), |(measured, _)| measured.add(frame, bounds, cancel))?;
+        self.looks.as_mut().map_or(Ok(()), |looks| looks.add(frame, bounds, cancel))
     }
 
     /// Forgets all frames and adds these.
@@ -60,25 +78,34 @@ impl Quality {
         bounds: Option<Aabb>,
         cancel: &Cancel,
     ) -> Result<(), Cancelled> {
-        let empty = MeasuredCells::new(self.voxel_size, self.camera);
-        self.measured = empty.expect("both were checked");
+        self.errors.iter_mut().for_each(|(measured, _)| measured.clear());
+        self.looks.iter_mut().for_each(SurfaceLooks::clear);
         frames.iter().try_for_each(|frame| self.add(frame, bounds, cancel))
     }
 
-    /// Ends a step; returns the share of measured cells that are at the goal, 0..=1, 0 without any.
+    /// Ends a step; returns the share of measured cells that are at all goals, 0..=1, 0 without any.
     pub fn end_step(&mut self) -> f64 {
-        let (n, n_fine) = self
-            .measured
-            .errors()
-            .fold((0, 0), |(n, n_fine), error| (n + 1, n_fine + (error <= self.goal) as usize));
-        let share = n_fine as f64 / f64::from(n.max(1));
+        let share = match (&self.errors, &self.looks) {
+            (Some((measured, goal)), looks) => {
+                let has_looks = |key| looks.as_ref().is_none_or(|looks| looks.is_done(key));
+                share(measured.errors().map(|(key, error)| error <= *goal && has_looks(key)))
+            }
+            (None, Some(looks)) => share(looks.are_done()),
+            (None, None) => 0.0,
+        };
         self.shares.push(share);
         share
     }
 
-    /// How much the share at the goal rose over the last `n` steps; none if there were fewer.
+    /// How much the share at the goals rose over the last `n` steps; none if there were fewer.
     pub fn progress(&self, n: usize) -> Option<f64> {
         let (last, before) = self.shares.split_last()?;
         Some(last - before[before.len().checked_sub(n)?])
     }
+}
+
+/// The share of cells at the goals, 0..=1, 0 without any.
+fn share(are_done: impl Iterator<Item = bool>) -> f64 {
+    let (n, n_done) = are_done.fold((0_u32, 0_u32), |(n, n_done), is_done| (n + 1, n_done + is_done as u32));
+    f64::from(n_done) / f64::from(n.max(1))
 }

@@ -19,7 +19,7 @@ pub(super) struct KnownScene {
     pub locator: Locator,
     pub map: ScanMap,
     pub alignment: Alignment,
-    /// None without a goal.
+    /// None without goals.
     pub quality: Option<Quality>,
     /// The box that was found has too many voxels and was not adopted.
     pub is_box_too_large: bool,
@@ -34,7 +34,7 @@ pub(super) struct Added {
     pub moved: Option<Location>,
     /// How the frame was aligned; none without registration, and while no surface is known.
     pub registration: Option<Registration>,
-    /// The share of measured cells at the goal; none without one.
+    /// The share of measured cells at the goals; none without any.
     pub share_at_goal: Option<f64>,
     /// The numbers of frames that had been set aside and are in the map now.
     pub recovered: Vec<usize>,
@@ -49,10 +49,7 @@ impl KnownScene {
             locator: Locator::new(config.object_box, config.table, voxel_size, config.max_gap),
             map: ScanMap::new(rules, Place::default()),
             alignment: Alignment::new(registration, voxel_size)?,
-            quality: config
-                .goal
-                .map(|goal| Quality::new(goal, config.surface_error, voxel_size))
-                .transpose()?,
+            quality: Quality::new(config)?,
             is_box_too_large: false,
         };
         let never = &Cancel::default();

@@ -23,7 +23,7 @@ pub(super) fn known_situation<'a>(
         .and_then(|situation| situation.with_finest_voxel_size(config.voxel_size))
         .and_then(|situation| situation.with_motion(config.motion, surroundings(scene)))
         .map(|situation| match &scene.quality {
-            Some(quality) => situation.with_goal(&quality.measured, quality.goal),
+            Some(quality) => quality.add_to(situation),
             None => situation,
         })
         .and_then(|situation| match approaches {

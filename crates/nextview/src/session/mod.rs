@@ -421,7 +421,7 @@ impl Session {
         if self.scene.is_box_too_large {
             return Ok(Decision::Stop(StopReason::BoxTooLarge));
         }
-        if self.scene.map.is_finest() && self.has_stalled() {
+        if self.scene.map.is_finest() && self.planner.seeks_surface() && self.has_stalled() {
             return Ok(Decision::Stop(StopReason::NoProgress));
         }
         loop {

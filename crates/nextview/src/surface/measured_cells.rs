@@ -96,9 +96,14 @@ impl MeasuredCells {
         &self.error
     }
 
-    /// The expected errors of all cells, metres, in no fixed order.
-    pub(crate) fn errors(&self) -> impl Iterator<Item = f64> + '_ {
-        self.cells.values().map(Cell::error)
+    /// All cells with their expected errors, metres, in no fixed order.
+    pub(crate) fn errors(&self) -> impl Iterator<Item = (IVec3, f64)> + '_ {
+        self.cells.iter().map(|(key, cell)| (*key, cell.error()))
+    }
+
+    /// Forgets all frames.
+    pub(crate) fn clear(&mut self) {
+        self.cells.clear();
     }
 }
 

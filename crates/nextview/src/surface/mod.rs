@@ -6,7 +6,7 @@
 //! thins those of many frames, [`fit_normals`] smooths their normals, [`take_nearest`] transfers their
 //! colours to a mesh; [`write_mesh`], [`write_cloud`] and [`write_points`] write PLY. [`texture_mesh`] gives
 //! a mesh a texture from photos, which [`write_obj`] writes. [`MeasuredCells`] tells how accurate the surface
-//! is; planning reads nothing else of this.
+//! is, [`SurfaceLooks`] how often it was seen; planning reads nothing else of this.
 
 mod clear_depth;
 mod cloud;
@@ -15,6 +15,7 @@ mod cloud_point;
 mod diffusion;
 mod distance_field;
 mod frame_surface;
+mod looks;
 mod measured_cells;
 mod nearest_point;
 mod normals;
@@ -30,6 +31,7 @@ mod well_composed;
 pub use cloud::downsample;
 pub use cloud_point::{CloudPoint, frame_points};
 pub use distance_field::DistanceField;
+pub use looks::{LooksGoal, SurfaceLooks};
 pub use measured_cells::MeasuredCells;
 pub use nearest_point::take_nearest;
 pub use normals::fit_normals;

@@ -116,6 +116,13 @@ pub struct ScanArgs {
     /// spent on second looks until then [default: surface that was seen is done]
     #[arg(long, value_name = "MM", value_parser = values::positive, allow_negative_numbers = true)]
     goal_mm: Option<f64>,
+    /// How often each part of the surface is to be seen; views are spent on second looks until then [default:
+    /// surface that was seen is done]
+    #[arg(long, value_name = "N", value_parser = values::count, allow_negative_numbers = true)]
+    looks: Option<usize>,
+    /// With --looks: least angle between the directions of two looks, in degrees [default: 10]
+    #[arg(long, value_name = "DEG", value_parser = values::not_negative, allow_negative_numbers = true)]
+    looks_apart_deg: Option<f64>,
     /// Whether the mesh is closed where nothing was measured, to be printed, and marks these vertices in its
     /// column `filled` [default: off]
     #[arg(long, value_enum, value_name = "on|off", hide_possible_values = true)]
@@ -283,6 +290,12 @@ impl ScanArgs {
         set(&mut config.model.watertight, self.watertight.map(|switch| switch == Switch::On));
         config.min_overlap = self.min_overlap.or(config.min_overlap);
         config.goal_mm = self.goal_mm.or(config.goal_mm);
+        self.looks.into_iter().for_each(|n| config.looks.get_or_insert_default().n = n);
+        if let Some(apart) = self.looks_apart_deg {
+            let looks =
+                config.looks.as_mut().ok_or_else(|| Failure::usage("--looks-apart-deg needs --looks"))?;
+            looks.apart = apart.to_radians();
+        }
         set(&mut config.baselines, self.baselines.map(|switch| switch == Switch::On));
         config.stop.completeness = self.complete.or(config.stop.completeness);
         config.stop.path_length = self.max_path_m.or(config.stop.path_length);

@@ -66,7 +66,8 @@ const LEAST_GAIN: f64 = 0.5;
 /// [`ExpectedSurface`](crate::gain::ExpectedSurface).
 ///
 /// With a [goal](Situation::goal), the gain of second looks at surface that was not measured well enough is
-/// added with a tenth of its weight: new surface comes first.
+/// added with a tenth of its weight: new surface comes first. So is, where surface is to be [seen several
+/// times](Situation::looks), the gain of views that add a look.
 ///
 /// A view that shows hardly anything of what was expected lowers the expectations of the same voxels.
 ///
