@@ -40,6 +40,8 @@ def bench(
     cpus: int = 1,
     retries: int = 3,
     workers: int | None = None,
+    truth_cache: str | os.PathLike[str] | None = None,
+    truth_cache_mb: int = 4096,
     on_event: Callable[[dict[str, Any]], object] | None = None,
 ) -> Failed:
     """Does all runs of a specification on a cluster and writes the tables; the runs that failed.
@@ -53,12 +55,14 @@ def bench(
     - `retries`: how often Ray repeats a task whose worker or node died; -1 for ever.
     - `workers`: workers for which the runs are cut into tasks; by default, as many as the cluster has CPUs
       for. State it where the cluster grows.
+    - `truth_cache`: a folder that all nodes share, or one on each of them, which keeps what the candidates
+      truly see of every object, so that it is computed once; at most `truth_cache_mb` megabytes.
     - `on_event`: called with every event, such as `{"run-finished": {...}}`.
 
     Raises `InputError` or `DataError` if the specification cannot be done, if a worker has another build, or
     if runs are missing at the end because their tasks were lost.
     """
-    for name, value, least in [("cpus", cpus, 1), ("retries", retries, -1), ("workers", workers, 1)]:
+    for name, value, least in [("cpus", cpus, 1), ("retries", retries, -1), ("workers", workers, 1), ("truth_cache_mb", truth_cache_mb, 0)]:
         if value is not None and value < least:
             raise InputError(f"`{name}` is {value}, expected at least {least}")
     given = dict(spec) if isinstance(spec, Mapping) else os.fspath(spec)
@@ -69,7 +73,8 @@ def bench(
     if not ray.is_initialized():
         ray.init(address)
     n_workers = workers or max(1, int(ray.cluster_resources().get("CPU", 1) / cpus))
-    lost = _do_all(campaign, cpus, retries, n_workers, tell)
+    cache = (None if truth_cache is None else os.path.abspath(truth_cache), truth_cache_mb)
+    lost = _do_all(campaign, cpus, retries, n_workers, cache, tell)
     try:
         return campaign.finish()
     except DataError as missing:
@@ -81,6 +86,7 @@ def _do_all(
     cpus: int,
     retries: int,
     n_workers: int,
+    cache: tuple[str | None, int],
     tell: Callable[[dict[str, Any]], object],
 ) -> list[str]:
     """Does the open runs; why tasks were lost."""
@@ -93,7 +99,7 @@ def _do_all(
             # Twice as many as there are workers, so that none waits for the driver.
             while len(running) < 2 * n_workers and (batch := campaign.take(n_workers)) is not None:
                 name, text = batch
-                running.append(task.options(name=name).remote(text, cpus))
+                running.append(task.options(name=name).remote(text, cpus, *cache))
             if not running:
                 return lost
             ready, _ = ray.wait(running, num_returns=1, fetch_local=False)
@@ -118,10 +124,10 @@ def _do_all(
             ray.cancel(records)
 
 
-def _records(batch: str, n_threads: int) -> Iterator[str]:
+def _records(batch: str, n_threads: int, truth_cache: str | None, truth_cache_mb: int) -> Iterator[str]:
     """The task: the records of a batch, each as soon as its run is done."""
     # No `yield from`: Ray sends values to the generator.
-    for record in _native.BatchRuns(batch, n_threads):
+    for record in _native.BatchRuns(batch, n_threads, truth_cache, truth_cache_mb):
         yield record
 
 
@@ -181,6 +187,10 @@ def _main() -> int:
     add("--retries", type=int, default=3, metavar="N", help=retries)
     workers = "workers to cut the runs for [default: as many as the cluster has CPUs for]"
     add("--workers", type=int, metavar="N", help=workers)
+    cache = "folder for what candidates truly see of the objects, so that it is computed once"
+    add("--truth-cache", metavar="DIR", help=cache)
+    bound = "largest size of that folder; what was not used for the longest time is removed [default: 4096]"
+    add("--truth-cache-mb", type=int, default=4096, metavar="MB", help=bound)
     args = parser.parse_args()
     try:
         failed = bench(
@@ -191,6 +201,8 @@ def _main() -> int:
             cpus=args.cpus,
             retries=args.retries,
             workers=args.workers,
+            truth_cache=args.truth_cache,
+            truth_cache_mb=args.truth_cache_mb,
             on_event=_Progress(args.out),
         )
     except (NextviewError, ConnectionError) as error:

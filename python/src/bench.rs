@@ -96,7 +96,7 @@ fn done(
         return Err(Fault::of_value("jobs", 0, "at least 1").into());
     }
     let mut store = Store::open(&campaign.dir, &campaign.spec, Shard::WHOLE, campaign.resume)?;
-    run_campaign(&mut store, campaign.jobs, cancel, listener)?;
+    run_campaign(&mut store, campaign.jobs, None, cancel, listener)?;
     cancel.check()?;
     let records = store.finished();
     tables::write(&campaign.dir, &records)?;

@@ -8,7 +8,7 @@ use nextview::Cancel;
 use nextview_campaign::execution::{self, Dispatch};
 use nextview_campaign::store::Store;
 use nextview_campaign::{RunRecord, Shard};
-use nextview_scan::{Fault, Faults};
+use nextview_scan::{Fault, Faults, TruthCache};
 use pyo3::prelude::*;
 use std::path::PathBuf;
 use std::sync::{Mutex, MutexGuard, PoisonError};
@@ -68,11 +68,21 @@ pub struct BatchRuns(Mutex<execution::BatchRuns>);
 
 #[pymethods]
 impl BatchRuns {
-    /// Of the batch in this text, by so many threads.
+    /// Of the batch in this text, by so many threads; with a folder of truths, those that are there are not
+    /// computed.
     #[new]
-    fn new(py: Python<'_>, text: &str, n_threads: usize) -> PyResult<Self> {
+    #[pyo3(signature = (text, n_threads, truth_cache, truth_cache_mb))]
+    fn new(
+        py: Python<'_>,
+        text: &str,
+        n_threads: usize,
+        truth_cache: Option<PathBuf>,
+        truth_cache_mb: u64,
+    ) -> PyResult<Self> {
         let batch = execution::Batch::from_json(text).map_err(|fault| exception(py, fault))?;
-        let runs = batch.begin(n_threads).map_err(|faults| exception(py, faults))?;
+        let truths = truth_cache.map(|dir| TruthCache::open(&dir, truth_cache_mb)).transpose();
+        let truths = truths.map_err(|fault| exception(py, fault))?;
+        let runs = batch.begin(n_threads, truths).map_err(|faults| exception(py, faults))?;
         Ok(Self(Mutex::new(runs)))
     }
 

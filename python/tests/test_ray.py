@@ -112,6 +112,16 @@ def test_an_interrupted_campaign_is_resumed(
     assert campaigns.bench(spec, out=out) == [] and tables(out) == alone
 
 
+def test_workers_share_a_cache_of_truths(
+    cluster: str, spec: Path, alone: list[bytes], tmp_path: Path
+) -> None:
+    truths = tmp_path / "truths"
+    for name in ("cold", "warm"):
+        assert campaigns.bench(spec, out=tmp_path / name, truth_cache=truths) == []
+        assert tables(tmp_path / name) == alone
+    assert len(list(truths.iterdir())) == 2, "an entry for each object"
+
+
 def test_a_worker_of_another_build_is_refused(
     cluster: str, spec: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

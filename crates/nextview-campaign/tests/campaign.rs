@@ -74,7 +74,7 @@ fn campaign(folder: &Folder, n_jobs: Option<usize>) -> (Store, Vec<CampaignEvent
     let events = Mutex::new(Vec::new());
     let mut store = Store::open(&folder.0, &spec(), Shard::WHOLE, true).unwrap();
     let listener = |event| events.lock().unwrap().push(event);
-    run_campaign(&mut store, n_jobs, &Cancel::default(), &listener).unwrap();
+    run_campaign(&mut store, n_jobs, None, &Cancel::default(), &listener).unwrap();
     (store, events.into_inner().unwrap())
 }
 
@@ -105,7 +105,7 @@ fn results_do_not_depend_on_the_number_of_jobs_nor_on_who_hands_out_the_runs() {
         assert_eq!(stored, sorted, "the same bits on the disk");
 
         let list = RunList::new(spec().runs().unwrap().iter().take(3));
-        execute(&list, n_jobs, &Cancel::default()).unwrap();
+        execute(&list, n_jobs, None, &Cancel::default()).unwrap();
         for record in list.into_records() {
             let same = stored.iter().find(|run| run.id() == record.id()).unwrap();
             assert!(same.has_same_results(&record) && same.config == record.config);
@@ -121,7 +121,7 @@ fn dispatched(folder: &Folder, n_workers: usize) -> (Dispatch, Vec<CampaignEvent
     let (mut events, mut sizes) = (dispatch.beginning(), Vec::new());
     while let Some(batch) = dispatch.take(n_workers) {
         sizes.push(batch.runs().len());
-        let mut runs = Batch::from_json(&batch.to_json().unwrap()).unwrap().begin(1).unwrap();
+        let mut runs = Batch::from_json(&batch.to_json().unwrap()).unwrap().begin(1, None).unwrap();
         while let Some(record) = runs.next_record(&Cancel::default()).unwrap() {
             let record: RunRecord = serde_json::from_str(&serde_json::to_string(&record).unwrap()).unwrap();
             events.extend(dispatch.keep(&record).unwrap());
@@ -230,7 +230,7 @@ fn the_interval_of_the_skill_of_random_views_contains_0() {
     let text = RANDOM.replace("OBJECTS", &objects.join(", "));
     let spec = Spec::parse(&text, Path::new("")).unwrap();
     let list = RunList::new(spec.runs().unwrap().iter());
-    execute(&list, 2, &Cancel::default()).unwrap();
+    execute(&list, 2, None, &Cancel::default()).unwrap();
     let records = list.into_records();
     let study = Study::new(&records);
     let skill = study.variants[0].sample(&measure::SKILL);
@@ -252,7 +252,7 @@ fn a_cancelled_campaign_keeps_what_is_finished_and_is_resumed() {
             cancel.cancel();
         }
     };
-    run_campaign(&mut store, Some(1), &cancel, &stop_at_third).unwrap();
+    run_campaign(&mut store, Some(1), None, &cancel, &stop_at_third).unwrap();
     assert_eq!(store.finished().len(), 2, "in one job, the runs come one after the other");
     assert!(store.failed().is_empty());
     drop(store);
@@ -291,7 +291,7 @@ fn a_broken_object_does_not_stop_the_others() {
     let mut store = Store::open(&folder.0.join("out"), &spec, Shard::WHOLE, false).unwrap();
     let events = Mutex::new(Vec::new());
     let listener = |event| events.lock().unwrap().push(event);
-    run_campaign(&mut store, None, &Cancel::default(), &listener).unwrap();
+    run_campaign(&mut store, None, None, &Cancel::default(), &listener).unwrap();
     let failed = store.failed();
     let found: Vec<(&str, usize)> = failed.iter().map(|failed| (&failed.object[..], failed.n_runs)).collect();
     assert_eq!(found, [("broken", 5), ("m", 5)]);
@@ -322,7 +322,7 @@ fn a_source_that_cannot_keep_a_record_ends_the_execution() {
         }
     }
     let source = Broken(RunList::new(spec().runs().unwrap().iter()), Mutex::default());
-    let fault = execute(&source, 2, &Cancel::default()).unwrap_err();
+    let fault = execute(&source, 2, None, &Cancel::default()).unwrap_err();
     assert_eq!(fault.message, "the disk is full");
     assert!(*source.1.lock().unwrap() <= 2, "one run per job");
 }

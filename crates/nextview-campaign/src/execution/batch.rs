@@ -1,7 +1,7 @@
 use super::run::{Prepared, is_complete, measured, prepare};
 use crate::{Host, Run, RunRecord};
 use nextview::Cancel;
-use nextview_scan::{BuildIdentity, Fault, Faults};
+use nextview_scan::{BuildIdentity, Fault, Faults, TruthCache};
 use rayon::ThreadPool;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
@@ -72,9 +72,10 @@ impl Batch {
         Ok(Self { runs: serde_json::from_value(runs).map_err(unreadable)? })
     }
 
-    /// Gets ready to do the runs, each by so many threads. Fails if they cannot be done here, for example
+    /// Gets ready to do the runs, each by so many threads; with a cache, the truth of their object comes from
+    /// there. Fails if they cannot be done here, for example
     /// because a planner of one's own is missing: every run would fail, and stay failed.
-    pub fn begin(self, n_threads: usize) -> Result<BatchRuns, Faults> {
+    pub fn begin(self, n_threads: usize, truths: Option<TruthCache>) -> Result<BatchRuns, Faults> {
         for run in &self.runs {
             let worker = || format!("the worker on {}", Host::this(1).name);
             run.config.check().map_err(|faults| faults.map(|fault| fault.within(worker())))?;
@@ -83,6 +84,7 @@ impl Batch {
         Ok(BatchRuns {
             open: self.runs.into(),
             prepared: None,
+            truths,
             host: Host::this(n_threads.max(1)),
             pool: pool.map_err(Fault::data)?,
         })
@@ -107,6 +109,7 @@ pub struct BatchRuns {
     open: VecDeque<Run>,
     /// None before the first run.
     prepared: Option<Prepared>,
+    truths: Option<TruthCache>,
     host: Host,
     pool: ThreadPool,
 }
@@ -116,11 +119,11 @@ impl BatchRuns {
     /// is cancelled, it fails, and the run stays open.
     pub fn next_record(&mut self, cancel: &Cancel) -> Result<Option<RunRecord>, Fault> {
         let Some(run) = self.open.front() else { return Ok(None) };
-        let Self { prepared, host, pool, .. } = self;
+        let Self { prepared, truths, host, pool, .. } = self;
         let prepared = match prepared {
             Some(prepared) => prepared,
             None => {
-                let made = pool.install(|| prepare(&run.config, cancel));
+                let made = pool.install(|| prepare(&run.config, truths.as_ref(), cancel));
                 cancel.check()?;
                 prepared.insert(made)
             }
@@ -171,13 +174,13 @@ mod tests {
     fn what_cannot_be_done_here_is_no_failed_run() {
         let mut other = batch();
         other.runs[1].config.voxel_size_m = Some(-1.0);
-        let message = other.begin(1).err().unwrap().to_string();
+        let message = other.begin(1, None).err().unwrap().to_string();
         assert!(message.contains("the worker on ") && message.contains("`voxel_size_m` is -1"), "{message}");
     }
 
     #[test]
     fn a_run_that_was_cancelled_stays_open() {
-        let mut runs = batch().begin(1).unwrap();
+        let mut runs = batch().begin(1, None).unwrap();
         let cancel = Cancel::default();
         cancel.cancel();
         runs.next_record(&cancel).unwrap_err();

@@ -23,7 +23,7 @@ const MAX_NAMED: usize = 3;
 /// while let Some(batch) = dispatch.take(8) {
 ///     let text = batch.to_json()?;
 ///     // In another process:
-///     let mut runs = Batch::from_json(&text)?.begin(1)?;
+///     let mut runs = Batch::from_json(&text)?.begin(1, None)?;
 ///     while let Some(record) = runs.next_record(&Cancel::default())? {
 ///         // And back:
 ///         dispatch.keep(&record)?;

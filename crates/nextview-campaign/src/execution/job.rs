@@ -3,18 +3,24 @@ use super::queue::{Queue, Task};
 use super::run::{Prepared, is_complete, measured, prepare};
 use crate::{Host, Run};
 use nextview::Cancel;
-use nextview_scan::Fault;
+use nextview_scan::{Fault, TruthCache};
 
 /// Does all runs of a source, `n_jobs` beside each other, each in its share of the threads.
 ///
-/// A run that fails or panics has a record that says so. If this is cancelled, runs under way are dropped
-/// without a record. A fault of the source stops the other jobs after their runs.
-pub fn execute<W: WorkSource + ?Sized>(work: &W, n_jobs: usize, cancel: &Cancel) -> Result<(), Fault> {
+/// A run that fails or panics has a record that says so. With a cache, the truths that it knows are not
+/// computed; results are the same. If this is cancelled, runs under way are dropped without a record. A fault
+/// of the source stops the other jobs after their runs.
+pub fn execute<W: WorkSource + ?Sized>(
+    work: &W,
+    n_jobs: usize,
+    truths: Option<&TruthCache>,
+    cancel: &Cancel,
+) -> Result<(), Fault> {
     let n_jobs = n_jobs.max(1);
     let host = Host::this((rayon::current_num_threads() / n_jobs).max(1));
     let take = || work.take();
     let queue = Queue::new(&take);
-    let job = || job(work, &queue, &host, n_jobs == 1, cancel).inspect_err(|_| queue.stop());
+    let job = || job(work, &queue, &host, (n_jobs == 1, truths), cancel).inspect_err(|_| queue.stop());
     std::thread::scope(|scope| {
         let jobs: Vec<_> = (0..n_jobs).map(|_| scope.spawn(job)).collect();
         let ends = jobs.into_iter().map(|job| job.join().expect("panics are caught in the job"));
@@ -28,7 +34,7 @@ fn job<W: WorkSource + ?Sized>(
     work: &W,
     queue: &Queue<'_, Run, Prepared>,
     host: &Host,
-    is_alone: bool,
+    (is_alone, truths): (bool, Option<&TruthCache>),
     cancel: &Cancel,
 ) -> Result<(), Fault> {
     let pool = rayon::ThreadPoolBuilder::new().num_threads(host.n_threads).build().map_err(Fault::data)?;
@@ -37,7 +43,7 @@ fn job<W: WorkSource + ?Sized>(
     {
         match task {
             // By all threads: other jobs may have to wait for it.
-            Task::Prepare(group, run) => queue.prepared(group, prepare(&run.config, cancel)),
+            Task::Prepare(group, run) => queue.prepared(group, prepare(&run.config, truths, cancel)),
             Task::Run(run, prepared) => {
                 let record = pool.install(|| measured(&run, &prepared, host, is_alone, cancel));
                 if !cancel.is_cancelled() || is_complete(&record) {

@@ -26,22 +26,23 @@ pub use work_source::{RunList, WorkSource};
 
 use crate::store::Store;
 use nextview::Cancel;
-use nextview_scan::Fault;
+use nextview_scan::{Fault, TruthCache};
 use tally::Tally;
 
 /// Does all open runs of a campaign, or of the store's shard of it, `n_jobs` beside each other, by default
-/// one per thread.
+/// one per thread. Truths of objects come from the cache, if there is one.
 ///
 /// A run that fails is recorded with its reason and does not stop the others. If this is cancelled, runs that
 /// are finished are kept, and all others stay open.
 pub fn run_campaign(
     store: &mut Store,
     n_jobs: Option<usize>,
+    truths: Option<&TruthCache>,
     cancel: &Cancel,
     listener: Listener<'_>,
 ) -> Result<(), Fault> {
     let tally = Tally::new(store);
     tally.beginning(store).into_iter().for_each(listener);
     let n_jobs = n_jobs.unwrap_or_else(rayon::current_num_threads).clamp(1, tally.n_left().max(1));
-    execute(&OpenRuns::new(store, listener), n_jobs, cancel)
+    execute(&OpenRuns::new(store, listener), n_jobs, truths, cancel)
 }

@@ -2,19 +2,25 @@ use crate::{DoneRun, Host, Run, RunRecord, RunResult};
 use nextview::Cancel;
 use nextview::session::StopReason;
 use nextview_scan::{
-    Begin, BuildIdentity, Faults, Measured, ScanConfig, ScanRun, SimulatedObject, Simulation, Truth, memory,
+    Begin, BuildIdentity, Faults, Measured, ScanConfig, ScanRun, SimulatedObject, Simulation, Truth,
+    TruthCache, memory,
 };
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
 /// What the runs on an object share, or why they all fail.
 pub(super) type Prepared = Result<(SimulatedObject, Option<Truth>), String>;
 
-/// Loads an object and, where that is needed, looks at it from everywhere.
-pub(super) fn prepare(config: &ScanConfig, cancel: &Cancel) -> Prepared {
+/// Loads an object and, where that is needed, looks at it from everywhere, unless a cache knows what there is
+/// to see.
+pub(super) fn prepare(config: &ScanConfig, truths: Option<&TruthCache>, cancel: &Cancel) -> Prepared {
     let config = config.of_object();
     guarded(|| {
         let object = SimulatedObject::new(&config)?;
-        let truth = config.needs_truth().then(|| Truth::new(&object, cancel, || ())).transpose()?;
+        let look = || match truths {
+            Some(truths) => truths.truth(&object, &config, cancel),
+            None => Truth::new(&object, cancel, || ()),
+        };
+        let truth = config.needs_truth().then(look).transpose()?;
         Ok((object, truth))
     })
 }

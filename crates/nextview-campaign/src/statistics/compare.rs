@@ -1,10 +1,9 @@
 use super::measure::{
     Better, Measure, PATH, PLAN_TIME, REACHABLE_COVERAGE, SKILL, VIEWS_TO_95, VOXEL_COVERAGE,
 };
-use super::study::paired;
 use super::{
-    Comparison, Interval, MeasureComparison, MeasuredRun, PairedSample, Study, StudyBuilder, StudyObject,
-    StudyVariant, VariantComparison, mean, percentile,
+    Comparison, Interval, MeasureComparison, MeasuredRun, PairedObject, PairedSample, StudyObject,
+    VariantComparison, mean, percentile,
 };
 use crate::store::StoredRuns;
 use crate::{RunId, RunRecord};
@@ -18,7 +17,9 @@ const LISTED: f64 = 1e-3;
 /// Most objects in a list.
 const MAX_LISTED: usize = 10;
 
-const MEASURES: [Measure; 5] = [VOXEL_COVERAGE, REACHABLE_COVERAGE, SKILL, VIEWS_TO_95, PATH];
+/// What is compared: by differences, but the time, which is the last, by ratios.
+const MEASURES: [Measure; 6] = [VOXEL_COVERAGE, REACHABLE_COVERAGE, SKILL, VIEWS_TO_95, PATH, PLAN_TIME];
+const TIME: usize = MEASURES.len() - 1;
 
 /// Compares the runs that campaign A and campaign B have in common. Both are read once, side by side.
 pub fn compare(a: &StoredRuns, b: &StoredRuns) -> Result<Comparison, Fault> {
@@ -44,10 +45,9 @@ pub fn compare(a: &StoredRuns, b: &StoredRuns) -> Result<Comparison, Fault> {
         }
         found.add(run_a, run_b);
     }
-    let (study_a, study_b) = (found.study_a.build(), found.study_b.build());
-    let compared = variants.iter().filter_map(|(name_a, name_b)| {
-        Some(of_variant(&Side::new(&study_a, name_a)?, &Side::new(&study_b, name_b)?))
-    });
+    let compared = variants
+        .iter()
+        .filter_map(|(name_a, name_b)| Some(of_variant([name_a, name_b], found.variants.get(*name_a)?)));
     Ok(Comparison {
         n_runs_a: a.runs.len(),
         n_runs_b: b.runs.len(),
@@ -85,8 +85,8 @@ fn id_in_a(run: &RunRecord, renamed: Option<&str>) -> RunId {
 /// What was found in both campaigns so far.
 #[derive(Default)]
 struct Found {
-    study_a: StudyBuilder,
-    study_b: StudyBuilder,
+    /// By the name of the variant in A.
+    variants: BTreeMap<String, BTreeMap<StudyObject, ObjectRuns>>,
     n_pairs: usize,
     only_in_a: Vec<String>,
     only_in_b: Vec<String>,
@@ -111,8 +111,10 @@ impl Found {
         self.has_unequal_pair |= !a.has_same_results(b);
         match (a.done().is_some(), b.done().is_some()) {
             (true, true) => {
-                self.study_a.add(a);
-                self.study_b.add(b);
+                let of_variant = self.variants.entry(a.variant.clone()).or_default();
+                let runs = of_variant.entry(StudyObject::of(a)).or_default();
+                runs.a.extend(ComparedRun::of(a));
+                runs.b.extend(ComparedRun::of(b));
             }
             (false, true) => self.failed_only_in_a.push(label(a)),
             (true, false) => self.failed_only_in_b.push(label(a)),
@@ -126,46 +128,53 @@ fn label(run: &RunRecord) -> String {
     format!("{variant} on {object}, seed {seed}, view seed {view_seed}, first view {first_view}")
 }
 
-/// A variant in the study of its campaign.
-struct Side<'s> {
-    objects: BTreeMap<&'s str, usize>,
-    study: &'s Study,
-    variant: &'s StudyVariant,
+/// The numbers of a run that are compared: a small part of what a report needs of it.
+struct ComparedRun {
+    /// What it was drawn by: seed, set of candidates and first view.
+    draw: (u64, u64, usize),
+    values: [Option<f64>; MEASURES.len()],
 }
 
-impl<'s> Side<'s> {
-    fn new(study: &'s Study, name: &str) -> Option<Self> {
-        let variant = study.variants.iter().find(|variant| variant.name == name)?;
-        let objects = study.objects.iter().map(|object| &object.name[..]).zip(0..).collect();
-        Some(Self { objects, study, variant })
-    }
-
-    /// The runs on the object of this name; the data set may have another name here.
-    fn runs_on(&self, object: &str) -> &'s [MeasuredRun] {
-        self.objects.get(object).map_or(&[][..], |&number| &self.variant.runs[number][..])
+impl ComparedRun {
+    /// None of a run that took no view.
+    fn of(run: &RunRecord) -> Option<Self> {
+        let run = MeasuredRun::of(run)?;
+        Some(Self { draw: run.draw, values: MEASURES.map(|measure| (measure.of)(&run)) })
     }
 }
 
-fn of_variant(a: &Side<'_>, b: &Side<'_>) -> VariantComparison {
-    let both = |measure: &Measure| {
-        let of_object =
-            |object: &StudyObject| paired(a.runs_on(&object.name), b.runs_on(&object.name), measure);
-        PairedSample::new(a.study.objects.iter().filter_map(of_object))
-    };
+/// The runs of both campaigns on an object.
+#[derive(Default)]
+struct ObjectRuns {
+    a: Vec<ComparedRun>,
+    b: Vec<ComparedRun>,
+}
+
+impl ObjectRuns {
+    /// The measure of this number; none where either has none.
+    fn paired(&self, measure: usize) -> Option<PairedObject> {
+        let values = |runs: &[ComparedRun]| {
+            runs.iter().filter_map(|run| Some((run.draw, run.values[measure]?))).collect()
+        };
+        PairedObject::new(values(&self.a), values(&self.b))
+    }
+}
+
+fn of_variant([name_a, name_b]: [&str; 2], objects: &BTreeMap<StudyObject, ObjectRuns>) -> VariantComparison {
+    let pairs = |measure| PairedSample::new(objects.values().filter_map(|runs| runs.paired(measure)));
     let mut measures: Vec<MeasureComparison> =
-        MEASURES.iter().filter_map(|measure| difference(measure, &both(measure))).collect();
-    measures.extend(ratio(&PLAN_TIME, &both(&PLAN_TIME).positive()));
-    let coverage = |object: &StudyObject| {
-        let pair = paired(a.runs_on(&object.name), b.runs_on(&object.name), &VOXEL_COVERAGE)?;
-        Some((object.name.clone(), PairedSample::new([pair]).differences()[0]))
+        (0..TIME).filter_map(|i| difference(&MEASURES[i], &pairs(i))).collect();
+    measures.extend(ratio(&MEASURES[TIME], &pairs(TIME).positive()));
+    let coverage = |(object, runs): (&StudyObject, &ObjectRuns)| {
+        Some((object.name.clone(), PairedSample::new([runs.paired(0)?]).differences()[0]))
     };
-    let mut by_object: Vec<(String, f64)> = a.study.objects.iter().filter_map(coverage).collect();
+    let mut by_object: Vec<(String, f64)> = objects.iter().filter_map(coverage).collect();
     by_object.sort_by(|a, b| b.1.total_cmp(&a.1));
     let listed = |(name, difference): &(String, f64)| (name.clone(), 100.0 * difference);
     VariantComparison {
-        variant_a: a.variant.name.clone(),
-        variant_b: b.variant.name.clone(),
-        n_objects: a.variant.n_objects(),
+        variant_a: name_a.to_owned(),
+        variant_b: name_b.to_owned(),
+        n_objects: objects.values().filter(|runs| !runs.a.is_empty()).count(),
         measures,
         better: by_object.iter().filter(|d| d.1 > LISTED).take(MAX_LISTED).map(listed).collect(),
         worse: by_object.iter().rev().filter(|d| d.1 < -LISTED).take(MAX_LISTED).map(listed).collect(),

@@ -160,7 +160,7 @@ impl StudyVariant {
 }
 
 /// The measure of the runs of an object, for A and for B; none where either has none.
-pub(super) fn paired(a: &[MeasuredRun], b: &[MeasuredRun], measure: &Measure) -> Option<PairedObject> {
+fn paired(a: &[MeasuredRun], b: &[MeasuredRun], measure: &Measure) -> Option<PairedObject> {
     PairedObject::new(keyed(a, measure), keyed(b, measure))
 }
 

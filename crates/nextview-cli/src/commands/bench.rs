@@ -8,6 +8,7 @@ use nextview::Cancel;
 use nextview_campaign::execution::{CampaignEvent, run_campaign};
 use nextview_campaign::store::{self, Store, config_of_row};
 use nextview_campaign::{Shard, Spec, builtin, tables};
+use nextview_scan::TruthCache;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
@@ -36,14 +37,21 @@ pub(super) struct BenchArgs {
     /// [default folder: bench-NAME-K-of-N]
     #[arg(long, value_name = "K/N", value_parser = values::shard)]
     shard: Option<Shard>,
+    /// Keep what the candidates truly see of every object in this folder, so that it is computed once for
+    /// all campaigns and shards; the results are the same
+    #[arg(long, value_name = "DIR")]
+    truth_cache: Option<PathBuf>,
+    /// Largest size of that folder; what was not used for the longest time is removed
+    #[arg(long, value_name = "MB", default_value_t = TruthCache::DEFAULT_MB, requires = "truth_cache")]
+    truth_cache_mb: u64,
     /// Resume the campaign in the folder; SPEC may be left out then
     #[arg(long)]
     resume: bool,
     /// Print the configuration of the run in this row of runs.csv, from 1, for scan --config
-    #[arg(long, value_name = "ROW", conflicts_with_all = ["jobs", "resume", "shard", "list"])]
+    #[arg(long, value_name = "ROW", conflicts_with_all = ["jobs", "resume", "shard", "truth_cache", "list"])]
     config_of: Option<usize>,
     /// Show the built-in specifications
-    #[arg(long, conflicts_with_all = ["spec", "out", "jobs", "resume", "shard"])]
+    #[arg(long, conflicts_with_all = ["spec", "out", "jobs", "resume", "shard", "truth_cache"])]
     list: bool,
 }
 
@@ -88,14 +96,15 @@ impl BenchArgs {
         if let Some(row) = self.config_of {
             return stdout::print(config_of_row(&dir, row)?);
         }
+        let truths = self.truth_cache.map(|dir| TruthCache::open(&dir, self.truth_cache_mb)).transpose()?;
         let mut store = Store::open(&dir, &spec, self.shard.unwrap_or(Shard::WHOLE), self.resume)?;
         let n_runs = store.share().iter().map(Vec::len).sum();
         let progress = CampaignProgress::new(n_runs);
         let on_event = |event| on_event(event, &progress, &spec.name, &dir);
-        run_campaign(&mut store, self.jobs.map(usize::from), &Cancel::default(), &on_event)?;
+        let jobs = self.jobs.map(usize::from);
+        run_campaign(&mut store, jobs, truths.as_ref(), &Cancel::default(), &on_event)?;
         drop(progress);
-        let (done, time) = (counted(n_runs, "run"), HumanDuration(start.elapsed()));
-        let shown = dir.display();
+        let (done, time, shown) = (counted(n_runs, "run"), HumanDuration(start.elapsed()), dir.display());
         if let Some(shard) = self.shard {
             stdout::print(format!("\n{done}, {time}; shard {shard} in {shown}; next: nextview merge\n"))?;
         } else {

@@ -263,3 +263,35 @@ fn a_folder_that_cannot_be_written_is_named() {
         );
     }
 }
+
+#[test]
+fn a_cache_of_truths_changes_no_table_whatever_is_in_it() {
+    let folder = new("shards-truths");
+    folder.ok(&["bench", "tiny.toml"]);
+    let cached = |out: &str, more: &[&str]| {
+        folder.ok(&[&["bench", "tiny.toml", "--out", out, "--truth-cache", "truths"], more].concat());
+    };
+    cached("cold", &[]);
+    check_tables(&folder, "cold");
+    let names = folder.names("truths");
+    assert_eq!(names.len(), 3, "an entry for each object: {names:?}");
+    // Damaged, of another object, and gone.
+    let entry = |i: usize| format!("truths/{}", names[i]);
+    folder.write(&entry(0), &folder.bytes(&entry(0))[..99]);
+    folder.write(&entry(1), folder.bytes(&entry(2)));
+    fs::remove_file(folder.path(&entry(2))).unwrap();
+    cached("1", &["--shard", "1/2"]);
+    cached("2", &["--shard", "2/2"]);
+    folder.ok(&["merge", "1", "2", "--out", "whole"]);
+    check_tables(&folder, "whole");
+    cached("small", &["--truth-cache-mb", "0"]);
+    check_tables(&folder, "small");
+    assert_eq!(folder.names("truths"), names);
+    let run = folder.run(&["bench", "tiny.toml", "--out", "none", "--truth-cache", "tiny.toml/x"]);
+    assert!(
+        run.code == Some(1) && run.stderr.starts_with("error: tiny.toml/x: cannot be written: "),
+        "{}",
+        run.stderr
+    );
+    assert!(!folder.path("none").exists());
+}

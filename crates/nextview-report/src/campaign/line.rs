@@ -3,6 +3,7 @@
 use crate::plot::{self, Marker};
 use crate::text::fixed;
 use nextview_campaign::statistics::{Curve, Interval, MeasuredRun, Sample, Study, StudyVariant};
+use rayon::prelude::*;
 
 /// The number of styles of curves.
 pub(crate) const N_STYLES: usize = 6;
@@ -33,7 +34,7 @@ impl Line {
             class: class.to_owned(),
             marker,
             means: samples.iter().filter_map(Sample::mean).collect(),
-            intervals: samples.iter().map(Sample::interval).collect(),
+            intervals: samples.par_iter().map(Sample::interval).collect(),
         }
     }
 

@@ -9,6 +9,7 @@ use nextview_campaign::statistics::measure::{
 };
 use nextview_campaign::statistics::{Interval, Measure, SignedRank, Study, StudyVariant, mean, percentile};
 use nextview_scan::PlannerName;
+use rayon::prelude::*;
 
 /// The shares of the reachable object voxels whose views are counted.
 const LEVELS: [f64; 3] = [0.9, 0.95, 0.99];
@@ -55,7 +56,13 @@ pub(crate) fn section(study: &Study) -> Section {
     }
 }
 
-fn table(study: &Study, caption: &str, head: &[&str], cells: impl Fn(&StudyVariant) -> Vec<Cell>) -> Table {
+/// A row for each variant, made by all threads: intervals of many runs take seconds.
+fn table(
+    study: &Study,
+    caption: &str,
+    head: &[&str],
+    cells: impl Fn(&StudyVariant) -> Vec<Cell> + Sync,
+) -> Table {
     let row = |variant: &StudyVariant| {
         Row::new(std::iter::once(variant.name.as_str().into()).chain(cells(variant)).collect())
     };
@@ -64,7 +71,7 @@ fn table(study: &Study, caption: &str, head: &[&str], cells: impl Fn(&StudyVaria
         head: std::iter::once(Column::text("variant"))
             .chain(head.iter().map(|&name| Column::number(name)))
             .collect(),
-        rows: study.variants.iter().map(row).collect(),
+        rows: study.variants.par_iter().map(row).collect(),
     }
 }
 

@@ -292,3 +292,32 @@ fn two_single_variants_are_compared_with_each_other() {
     let comparison = compared(&campaign(&["x", "y"], 1), &b);
     assert_eq!((comparison.n_pairs, comparison.variants.len()), (0, 0));
 }
+
+/// The campaign with so many seeds, and with so many objects in the place of each.
+fn multiplied(campaign: &Campaign, n_seeds: u64, n_objects: usize) -> Campaign {
+    let copies = campaign.runs.iter().flat_map(|run| {
+        let of_object = move |i| RunRecord { object: format!("{}-{i}", run.object), ..run.clone() };
+        (0..n_objects)
+            .map(of_object)
+            .flat_map(move |run| (0..n_seeds).map(move |seed| RunRecord { seed, ..run.clone() }))
+    });
+    Campaign { runs: copies.collect(), ..campaign.clone() }
+}
+
+/// A page of half a million runs has to open in a browser: it is as large as that of few, and has no row for
+/// each of many objects.
+#[test]
+fn the_page_of_many_runs_is_as_small_as_that_of_few() {
+    let few = campaign(&["apora", "max-flow"], 6);
+    let size = |n_seeds, n_objects| {
+        let campaign = multiplied(&few, n_seeds, n_objects);
+        campaign_report(&campaign).map(|text| text.len())
+    };
+    let of_few = size(3, 1);
+    // Of 2400 runs, and of 3600 objects.
+    for of_many in [size(200, 1), size(1, 600)] {
+        for (few, many) in of_few.into_iter().zip(of_many) {
+            assert!(many < few + 20_000, "{many} bytes, {few} of a few runs");
+        }
+    }
+}

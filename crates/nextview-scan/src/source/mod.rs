@@ -9,7 +9,7 @@ mod simulated;
 pub use own_camera::OwnCamera;
 pub use recorded::RecordedScan;
 #[cfg(feature = "simulated")]
-pub use simulated::{Baselines, SimulatedObject, Simulation, Truth};
+pub use simulated::{Baselines, SimulatedObject, Simulation, Truth, TruthCache};
 
 use crate::{Evaluator, Fault, Faults, ScanConfig, ScanRecord};
 use glam::DVec3;

@@ -1,13 +1,3 @@
-//! Writes the shards of a large campaign whose runs never happened, to measure what becomes of many records.
-//!
-//! ```sh
-//! cargo run --release -p nextview-campaign --example many_runs -- FOLDER N_OBJECTS N_SEEDS N_SHARDS
-//! nextview merge FOLDER/* --out whole
-//! ```
-//!
-//! It has five variants: 1000 objects and 100 seeds make 500,000 runs. A small scan is done once; every
-//! record is that of this scan with other numbers.
-
 use nextview::Cancel;
 use nextview::geometry::random::Random;
 use nextview_campaign::execution::{RunList, execute};
@@ -30,39 +20,38 @@ camera = { width = 80, height = 60, fx = 76, fy = 76, cx = 40, cy = 30 }
 sweep.planner = ["most-surface", "max-flow", "apora", "rse", "random"]
 "#;
 
-fn main() -> Result<(), Box<dyn Error>> {
-    let args: Vec<String> = std::env::args().skip(1).collect();
-    let [folder, numbers @ ..] = &args[..] else {
-        return Err("expected FOLDER N_OBJECTS N_SEEDS N_SHARDS".into());
-    };
-    let numbers: Vec<usize> = numbers.iter().map(|number| number.parse()).collect::<Result<_, _>>()?;
-    let [n_objects, n_seeds, n_shards] = numbers[..] else { return Err("expected three numbers".into()) };
+/// Folders of shards below this one: five variants on so many objects, with so many seeds.
+pub fn write(
+    folder: &Path,
+    [n_objects, n_seeds, n_shards]: [usize; 3],
+    draw: u64,
+) -> Result<Vec<PathBuf>, Box<dyn Error>> {
     let objects: Vec<String> = (0..n_objects).map(|number| format!("builtin:random-{number}")).collect();
     let seeds: Vec<usize> = (0..n_seeds).collect();
     let spec = Spec::parse(&format!("objects = {objects:?}\nseeds = {seeds:?}\n{SPEC}"), Path::new(""))?;
     let runs = spec.runs()?;
     let list = RunList::new(runs.get(0));
-    execute(&list, 1, &Cancel::default())?;
+    execute(&list, 1, None, &Cancel::default())?;
     let template = list.into_records().pop().ok_or("the scan was cancelled")?;
-    for number in 1..=n_shards {
-        let dir = PathBuf::from(folder).join(number.to_string());
+    let write_shard = |number: usize| {
+        let dir = folder.join(number.to_string());
         let store = Store::open(&dir, &spec, Shard::new(number, n_shards)?, false)?;
         let mut file = BufWriter::new(File::options().append(true).open(dir.join("runs.jsonl"))?);
         for &number in store.share().iter().flatten() {
-            let line = record(&runs, number, &template).ok_or("no such run")?;
+            let line = record(&runs, number, &template, draw).ok_or("no such run")?;
             writeln!(file, "{}", serde_json::to_string(&line)?)?;
         }
         file.flush()?;
-    }
-    println!("{} runs in {n_shards} shards", runs.len());
-    Ok(())
+        Ok(dir)
+    };
+    (1..=n_shards).map(write_shard).collect()
 }
 
 /// The record of this run, made up.
-fn record(runs: &Runs, number: usize, template: &RunRecord) -> Option<RunRecord> {
+fn record(runs: &Runs, number: usize, template: &RunRecord, draw: u64) -> Option<RunRecord> {
     let Run { id, data_set, mut config } = runs.get(number)?;
     config.voxel_size_m = template.config.voxel_size_m;
-    let mut random = Random::new(number as u64, 0);
+    let mut random = Random::new(number as u64, draw);
     let DoneRun { mut record, extra_memory_mb } = template.done()?.clone();
     let factor = random.range(0.9, 1.0);
     for step in &mut record.steps {
