@@ -55,7 +55,8 @@ struct Sample {
 pub struct Needs {
     /// Share that was seen.
     pub surface: f64,
-    /// Angle between the direction of a candidate and the nearest one taken: the largest and the mean, degrees.
+    /// Angle between the direction of a candidate and the nearest one taken: the largest and the mean,
+    /// degrees.
     pub angles_deg: [f64; 2],
     /// Of the surface that a view sees, the share that one before saw: least and mean over all but the first.
     pub overlap: [f64; 2],

@@ -3,9 +3,10 @@
 //!     cargo run --release -p nextview-benchmarks --bin purposes -- MESH ...
 //!
 //! Twelve views of each mesh at its true size by a D435i, with its noise and right poses; the table is found,
-//! the box grows, and no scan ends before its last view unless nothing is left to gain. Prints a table of what
-//! each way to choose views brings, means over the objects, and one of what its own way brings each purpose
-//! beside the default planner and random views, with 95 % intervals of the paired differences over the objects.
+//! the box grows, and no scan ends before its last view unless nothing is left to gain. Prints a table of
+//! what each way to choose views brings, means over the objects, and one of what its own way brings each
+//! purpose beside the default planner and random views, with 95 % intervals of the paired differences over
+//! the objects.
 
 use nextview::session::Decision;
 use nextview::surface::LooksGoal;

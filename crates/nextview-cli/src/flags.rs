@@ -1,7 +1,7 @@
 //! The options of the command line that keys of the configuration have.
 
 /// Keys and their options.
-const FLAGS: [(&str, &str); 54] = [
+const FLAGS: [(&str, &str); 53] = [
     ("planner", "--planner"),
     ("most_surface.per_second", "--per-second"),
     ("views", "--views"),
@@ -25,7 +25,6 @@ const FLAGS: [(&str, &str); 54] = [
     ("goal_mm", "--goal-mm"),
     ("looks", "--looks"),
     ("looks.n", "--looks"),
-    ("looks.apart_deg", "--looks-apart-deg"),
     ("view_space", "--view-space"),
     ("model.watertight", "--watertight"),
     ("reach", "--reach"),

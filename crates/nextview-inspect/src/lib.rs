@@ -10,6 +10,7 @@ mod fit;
 mod inspection;
 mod patches;
 mod record;
+mod text;
 mod write;
 
 pub use inspection::{Inspection, InspectionConfig, inspect};

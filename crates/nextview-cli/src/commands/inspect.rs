@@ -2,7 +2,7 @@ use super::values::{named, positive};
 use crate::{Failure, stdout};
 use clap::Args;
 use nextview::Cancel;
-use nextview_inspect::{INSPECTION_FILES, InspectionConfig, InspectionRecord, inspect, write_inspection};
+use nextview_inspect::{INSPECTION_FILES, InspectionConfig, inspect, write_inspection};
 use nextview_scan::UnitName;
 use nextview_scan::files::{Overwrite, ResultFolder};
 use nextview_sim::mesh;
@@ -60,57 +60,7 @@ impl InspectArgs {
         folder.publish()?;
         stdout::print(match self.json {
             true => serde_json::to_string(&inspection.record).map_err(Failure::data)? + "\n",
-            false => text(&inspection.record) + &format!("\nresults in {}\n", self.out.display()),
+            false => inspection.record.text() + &format!("\nresults in {}\n", self.out.display()),
         })
     }
-}
-
-fn text(record: &InspectionRecord) -> String {
-    let percent = |share: f64| format!("{:.1} %", 1e2 * share);
-    let standard_error = match record.standard_error_median_mm {
-        Some(error) => format!(
-            "{error:.3} mm (median), {:.3} mm of it common to neighbouring points",
-            record.correlated_error_mm
-        ),
-        None => "not known: most patches hold too few points; try a larger --patch-mm".to_owned(),
-    };
-    let mut text = format!(
-        "points                 {}\n\
-         near the model         {}\n\
-         surface inspected      {}\n\
-         within {} mm{:width$}{}\n\
-         uncertain              {}\n\
-         deviation              {:.3} mm (root mean square), {:.3} mm (95 %)\n\
-         standard error         {}\n\
-         patches                {:.1} mm around each point\n",
-        record.n_points,
-        percent(record.fitted_share),
-        percent(record.inspected_share),
-        record.tolerance_mm,
-        "",
-        percent(record.within_share),
-        percent(record.uncertain_share),
-        record.deviation_rms_mm,
-        record.deviation_p95_mm,
-        standard_error,
-        record.patch_mm,
-        width = 13_usize.saturating_sub(record.tolerance_mm.to_string().len()),
-    );
-    if record.defects.is_empty() {
-        return text + "\nno defect found\n";
-    }
-    text += "\ndefect  deviation           where (x y z)            size            points\n";
-    for (i, defect) in record.defects.iter().enumerate() {
-        let mm = |values: [f64; 3]| values.map(|value| format!("{:.1}", 1e3 * value)).join(" ");
-        text += &format!(
-            "{:6}  {:+.2} ± {:.2} mm     {:>22} mm  {:>14} mm  {:6}\n",
-            i + 1,
-            defect.deviation_mm,
-            defect.standard_error_mm,
-            mm(defect.center_m),
-            mm(defect.size_m),
-            defect.n_points
-        );
-    }
-    text
 }

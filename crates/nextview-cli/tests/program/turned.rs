@@ -76,7 +76,7 @@ fn what_cannot_be_turned_is_named() {
         assert!(run.stderr.contains(part), "{part:?} in {}", run.stderr);
         assert!(!folder.path("out").exists(), "{args:?} left something");
     };
-    refused(&["--flips=1"], 2, "--flips needs a table");
+    refused(&["--flips=1"], 2, "has no underside to turn up; --table fit has the scan find its table");
     refused(&["--flips=2", "--table=known"], 2, "2 is not in 0..=1");
     refused(&["--flips=1", "--after=x", "--table=known"], 2, "cannot be used with");
     refused(&["--after=no"], 1, "no: holds no results of a scan");

@@ -25,8 +25,8 @@ pub(crate) struct ScanCopy {
     pub candidates: ViewSpace,
     /// None before an object was found.
     pub snapshot: Option<Snapshot>,
-    /// The box that the model is made in, and the edge of the final model's cells, metres; none if no object was
-    /// found.
+    /// The box that the model is made in, and the edge of the final model's cells, metres; none if no object
+    /// was found.
     pub place: Option<(Aabb, f64)>,
     /// Edge of the finest voxels, metres.
     pub voxel_size: f64,

@@ -15,7 +15,7 @@ use nextview::session::{MultiResolutionConfig, StopConfig};
 use nextview::surface::LooksGoal;
 use nextview::visibility::FreeSpace;
 use serde::{Deserialize, Serialize};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// Maximum number of views, where none is stated.
 const DEFAULT_VIEWS: usize = 10;
@@ -93,8 +93,8 @@ pub struct ScanConfig {
     #[serde(skip_serializing_if = "Option::is_none")]
     pub time_limit_s: Option<f64>,
     /// The results of a scan of the same object, which has been turned since: as soon as it is known how, the
-    /// frames of that scan come into map and model. There are no baselines then: other planners would not know
-    /// what that scan has shown.
+    /// frames of that scan come into map and model. There are no baselines then: other planners would not
+    /// know what that scan has shown.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub after: Option<PathBuf>,
     /// How frames are written into the map.
@@ -268,6 +268,18 @@ impl ScanConfig {
                 ..config
             },
         }
+    }
+
+    /// The folder for the results of this scan where those of both placements of its object are for another
+    /// one; fails where the object stands on no table.
+    pub fn first_placement(&self, results: &Path) -> Result<PathBuf, Fault> {
+        if self.object_box.table == TableRule::None {
+            let fault = Fault::request("an object that stands on no table has no underside to turn up");
+            return Err(fault.with_remedy("`object_box.table` = fit has the scan find its table"));
+        }
+        let mut dir = results.as_os_str().to_owned();
+        dir.push("-placement-1");
+        Ok(dir.into())
     }
 
     /// The scan that goes on after this one, whose results are in a folder: the camera errs anew.

@@ -17,8 +17,8 @@ impl ScanRecord {
         serde_json::from_str(&text).map_err(|error| Fault::data(error).in_file(&path))
     }
 
-    /// The table that the model shows, as it was known in the end; none without one, and where the model is of
-    /// two placements, in which it shows nothing but the object.
+    /// The table that the model shows, as it was known in the end; none without one, and where the model is
+    /// of two placements, in which it shows nothing but the object.
     pub fn table(&self) -> Option<Plane> {
         if self.turn.is_some_and(|turn| turn.is_known()) {
             return None;

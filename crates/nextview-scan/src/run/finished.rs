@@ -37,8 +37,8 @@ pub struct FinishedScan<'a> {
 
 /// The frames that a model is made of, as they lie now.
 pub struct ModelFrames<'a> {
-    /// Those of the map. Once it is known how the object was turned, those of the scan before that come first,
-    /// and all show nothing but the object.
+    /// Those of the map. Once it is known how the object was turned, those of the scan before that come
+    /// first, and all show nothing but the object.
     pub frames: Cow<'a, [Frame]>,
     /// How many of them, the first ones, are of the scan before the object was turned.
     pub n_earlier: usize,
@@ -81,8 +81,8 @@ impl FinishedScan<'_> {
         self.session.bounds().or_else(|| self.source.and_then(FrameSource::bounds))
     }
 
-    /// The box that the model is made in, metres; none if no object was found. It is that around the object, and
-    /// where both placements of a turned object are known, it holds what lies on the table as well.
+    /// The box that the model is made in, metres; none if no object was found. It is that around the object,
+    /// and where both placements of a turned object are known, it holds what lies on the table as well.
     pub fn model_bounds(&self) -> Option<Aabb> {
         let mut bounds = self.bounds()?;
         if let (Some(table), false) = (self.session.table(), self.session.earlier_frames().is_empty()) {

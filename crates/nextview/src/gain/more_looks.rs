@@ -6,8 +6,8 @@ use crate::surface::SurfaceLooks;
 use crate::visibility::RayCaster;
 
 /// The number of occupied voxels at which a view adds one of the looks that they lack: it shows them, from at
-/// most 60 degrees beside their normal, and from far enough beside all looks so far. Rays are two voxels apart:
-/// of a surface seen straight on, every fourth voxel is counted.
+/// most 60 degrees beside their normal, and from far enough beside all looks so far. Rays are two voxels
+/// apart: of a surface seen straight on, every fourth voxel is counted.
 #[derive(Debug)]
 pub struct MoreLooks<'a> {
     snapshot: &'a Snapshot,

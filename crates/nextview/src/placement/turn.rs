@@ -76,8 +76,8 @@ pub struct Turn {
 pub enum TurnRefusal {
     /// Too little of what is shown now was seen before.
     LittleOverlap,
-    /// In every pose that fits, the object would be where one of the placements saw free space, or its surface
-    /// would be beside the other one.
+    /// In every pose that fits, the object would be where one of the placements saw free space, or its
+    /// surface would be beside the other one.
     Contradicted,
     /// Two poses that differ fit nearly equally well.
     Ambiguous,
@@ -101,11 +101,11 @@ struct Fit {
     score: f64,
 }
 
-/// How the object was turned, by the surface that both placements have shown and the space that they have seen
-/// to be free; a refusal where that is not sure.
+/// How the object was turned, by the surface that both placements have shown and the space that they have
+/// seen to be free; a refusal where that is not sure.
 ///
-/// Poses to begin with are those that pairs of oriented points vote for (Drost et al. 2010) and those in which
-/// the object can rest on the table. Of a symmetric object, any of the equally right poses is returned.
+/// Poses to begin with are those that pairs of oriented points vote for (Drost et al. 2010) and those in
+/// which the object can rest on the table. Of a symmetric object, any of the equally right poses is returned.
 pub fn find_turn(
     before: &ShownObject,
     now: &ShownObject,
@@ -198,8 +198,8 @@ impl Search<'_> {
         align(*start, reach, pairs).map(|(pose, _)| pose)
     }
 
-    /// Pairs that hold the object on both tables: walls alone would let it slide up and down. The points of each
-    /// placement that are lowest on the other's table touch it.
+    /// Pairs that hold the object on both tables: walls alone would let it slide up and down. The points of
+    /// each placement that are lowest on the other's table touch it.
     fn contacts(&self, before_from_now: &Pose, points: &[SurfacePoint]) -> Vec<Pair> {
         let (of_before, of_now) = (self.before.table(), self.now.table());
         let moved = |point: &SurfacePoint| before_from_now.transform_point(point.position);

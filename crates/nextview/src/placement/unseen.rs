@@ -22,8 +22,8 @@ pub struct NextPlacement {
     pub unseen_share: f64,
 }
 
-/// The pose, of those in which the object can rest, that frees most of the surface that was not seen: faces of
-/// unknown voxels towards free space, and of occupied and unknown ones towards the table. None if no pose
+/// The pose, of those in which the object can rest, that frees most of the surface that was not seen: faces
+/// of unknown voxels towards free space, and of occupied and unknown ones towards the table. None if no pose
 /// frees a hundredth of the surface.
 ///
 /// The object is taken for solid and of one density where it is not known to be free. Its snapshot must be in

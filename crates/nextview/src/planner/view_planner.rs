@@ -125,8 +125,8 @@ impl<'a> Situation<'a> {
         Self { measured: Some((measured, goal)), ..self }
     }
 
-    /// The same where surface is to be seen several times: the looks at it so far. Without it, surface that was
-    /// seen is done.
+    /// The same where surface is to be seen several times: the looks at it so far. Without it, surface that
+    /// was seen is done.
     pub fn with_looks(self, looks: &'a SurfaceLooks) -> Self {
         Self { looks: Some(looks), ..self }
     }

@@ -151,8 +151,8 @@ impl Session {
     }
 
     /// The same session of an object that was scanned before and has been turned since. As soon as its frames
-    /// show [how](Self::turn), the surface of that time is known, too: its frames come into map and model, and
-    /// planning goes on from there.
+    /// show [how](Self::turn), the surface of that time is known, too: its frames come into map and model,
+    /// and planning goes on from there.
     pub fn after(self, before: ShownObject) -> Self {
         Self { earlier: Some(Earlier { shown: before, turn: None }), ..self }
     }
@@ -329,8 +329,8 @@ impl Session {
         self.frames.of_now()
     }
 
-    /// The frames of the placement [before](Self::after), as they lie now, once it is known how the object was
-    /// turned; else none. They show nothing but the object.
+    /// The frames of the placement [before](Self::after), as they lie now, once it is known how the object
+    /// was turned; else none. They show nothing but the object.
     pub fn earlier_frames(&self) -> &[Frame] {
         &self.frames.mapped[..self.frames.n_earlier]
     }
@@ -341,9 +341,9 @@ impl Session {
         self.earlier.as_ref()?.turn
     }
 
-    /// The frames of both placements, the earlier ones first, as they lie now, and with nothing but the object:
-    /// a ray that ended on something else counts as one that met nothing, or measured nothing where the object
-    /// may be behind it. None unless the [turn](Self::turn) is known.
+    /// The frames of both placements, the earlier ones first, as they lie now, and with nothing but the
+    /// object: a ray that ended on something else counts as one that met nothing, or measured nothing where
+    /// the object may be behind it. None unless the [turn](Self::turn) is known.
     pub fn frames_of_object(&self) -> Result<Option<Vec<Frame>>, Cancelled> {
         let earlier = self.earlier_frames();
         let now = if earlier.is_empty() { None } else { self.shown_in(&self.scene)? };

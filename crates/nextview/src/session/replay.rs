@@ -4,8 +4,8 @@ use crate::map::Snapshot;
 
 impl Session {
     /// The known state of the box, in the finest voxels, after each of [`frames`](Self::frames): in their
-    /// final poses, and as if box and table had been known from the first one on, and with them what was known
-    /// of the placement [before](Self::earlier_frames). Empty before an object was found.
+    /// final poses, and as if box and table had been known from the first one on, and with them what was
+    /// known of the placement [before](Self::earlier_frames). Empty before an object was found.
     pub fn replay(&self) -> impl Iterator<Item = Result<Snapshot, Cancelled>> {
         let mut map = self.scene.map.without_frames();
         let mut earlier = self.earlier_frames().iter();

@@ -44,8 +44,8 @@ pub struct StepReport {
     /// The table that the object stands on; none without one, or if none was found.
     pub table: Option<Plane>,
     /// Share, 0..=1, of the voxels with measured surface whose expected error is within the
-    /// [goal](super::SessionConfig::goal) and that were seen as often as [wanted](super::SessionConfig::looks);
-    /// none without such goals.
+    /// [goal](super::SessionConfig::goal) and that were seen as often as
+    /// [wanted](super::SessionConfig::looks); none without such goals.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub share_at_goal: Option<f64>,
     /// The changes that the frame made in the map, with those of the recovered ones.

@@ -35,8 +35,8 @@ const DEVIATIONS: f64 = 3.0;
 /// The same for connections to the object: hardly any point of the table may bridge to the next.
 const DEVIATIONS_SHOWN: f64 = 5.0;
 
-/// Another frame shows a table better if its points lie this much closer to a plane: each change makes the map
-/// anew.
+/// Another frame shows a table better if its points lie this much closer to a plane: each change makes the
+/// map anew.
 const BETTER: f64 = 0.6;
 
 /// A table whose points lie this close to a plane, metres, is known well enough.
@@ -113,8 +113,8 @@ impl Table {
     }
 }
 
-/// The search for a table, frame by frame: a first view from just above it shows a plane of points that are far
-/// away and noisy.
+/// The search for a table, frame by frame: a first view from just above it shows a plane of points that are
+/// far away and noisy.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct TableSearch {
     table: Table,

@@ -81,8 +81,8 @@ impl SurfaceLooks {
         Ok(Self { lattice: Lattice::new(cell)?, n: goal.n, apart_cosine, cells: FxHashMap::default() })
     }
 
-    /// Adds a frame: the looks at what it shows in a box (world coordinates, finite). If cancelled, nothing is
-    /// added.
+    /// Adds a frame: the looks at what it shows in a box (world coordinates, finite). If cancelled, nothing
+    /// is added.
     pub fn add(&mut self, frame: &Frame, bounds: Aabb, cancel: &Cancel) -> Result<(), Cancelled> {
         let pose = frame.world_from_camera();
         for (key, normal) in normals(frame, &self.lattice, bounds, cancel)? {
@@ -139,8 +139,8 @@ fn is_apart(looks: &[DVec3], direction: DVec3, apart_cosine: f64) -> bool {
 }
 
 /// By cell, in no fixed order, the normal of what a frame shows there: unit, in the world. Those of single
-/// pixels are off by tens of degrees where depths are noisy, so it is that of a plane through the points of the
-/// cell and of those around it, wherever there is one.
+/// pixels are off by tens of degrees where depths are noisy, so it is that of a plane through the points of
+/// the cell and of those around it, wherever there is one.
 fn normals(
     frame: &Frame,
     lattice: &Lattice,

@@ -52,8 +52,8 @@ pub struct ScanArgs {
     /// Stop when the planner estimates that this share, 0 to 1, of the surface that can be seen has been seen
     #[arg(long, value_name = "SHARE", value_parser = values::share, allow_negative_numbers = true)]
     complete: Option<f64>,
-    /// Results of a scan of the same object, which has been turned since: its frames come into map and model as
-    /// soon as it is known how. In a simulation, the object is turned as those results ask for
+    /// Results of a scan of the same object, which has been turned since: its frames come into map and model
+    /// as soon as it is known how. In a simulation, the object is turned as those results ask for
     #[arg(long, value_name = "DIR", value_parser = values::file_name(), conflicts_with = "flips")]
     after: Option<String>,
     /// How often the object is turned, once all is seen that can be seen as it lies: 0 or 1. The scan before
@@ -120,9 +120,6 @@ pub struct ScanArgs {
     /// surface that was seen is done]
     #[arg(long, value_name = "N", value_parser = values::count, allow_negative_numbers = true)]
     looks: Option<usize>,
-    /// With --looks: least angle between the directions of two looks, in degrees [default: 10]
-    #[arg(long, value_name = "DEG", value_parser = values::not_negative, allow_negative_numbers = true)]
-    looks_apart_deg: Option<f64>,
     /// Whether the mesh is closed where nothing was measured, to be printed, and marks these vertices in its
     /// column `filled` [default: off]
     #[arg(long, value_enum, value_name = "on|off", hide_possible_values = true)]
@@ -291,11 +288,6 @@ impl ScanArgs {
         config.min_overlap = self.min_overlap.or(config.min_overlap);
         config.goal_mm = self.goal_mm.or(config.goal_mm);
         self.looks.into_iter().for_each(|n| config.looks.get_or_insert_default().n = n);
-        if let Some(apart) = self.looks_apart_deg {
-            let looks =
-                config.looks.as_mut().ok_or_else(|| Failure::usage("--looks-apart-deg needs --looks"))?;
-            looks.apart = apart.to_radians();
-        }
         set(&mut config.baselines, self.baselines.map(|switch| switch == Switch::On));
         config.stop.completeness = self.complete.or(config.stop.completeness);
         config.stop.path_length = self.max_path_m.or(config.stop.path_length);

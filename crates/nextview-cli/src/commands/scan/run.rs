@@ -6,12 +6,13 @@ use nextview_report::{heading, page_of_scan, step_line, summary_text};
 use nextview_scan::files::{Overwrite, ResultFolder};
 use nextview_scan::{
     Begin, Damage, Fault, FrameSource, Interrupted, RecordedScan, Results, ScanConfig, ScanJournal,
-    ScanRecord, ScanRun, SimulatedObject, Simulation, TableRule, Truth, begin_results, write_results,
+    ScanRecord, ScanRun, SimulatedObject, Simulation, Truth, begin_results, write_results,
 };
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
 /// Where results go and how they are printed.
+#[derive(Clone)]
 pub(super) struct Output {
     /// The folder.
     pub dir: PathBuf,
@@ -29,22 +30,10 @@ pub(super) fn begin(config: ScanConfig, output: Output) -> Result<(), Failure> {
     stdout::print(scan(config, None, &output)?.0)
 }
 
-/// Scans the object, turns it as the results ask for, and scans it on. Only the results of both are printed where
-/// stdout is JSON.
+/// Scans the object, turns it as the results ask for, and scans it on. Only the results of both are printed
+/// where stdout is JSON.
 pub(super) fn begin_and_turn(config: ScanConfig, output: Output) -> Result<(), Failure> {
-    if config.object_box.table == TableRule::None {
-        return Err(Failure::usage(
-            "--flips needs a table: an object that floats has no underside; --table fit has the scan find it",
-        ));
-    }
-    let mut dir = output.dir.clone().into_os_string();
-    dir.push("-placement-1");
-    let first = Output {
-        dir: dir.into(),
-        rule: output.rule.clone(),
-        config: output.config.clone(),
-        json: output.json,
-    };
+    let first = Output { dir: config.first_placement(&output.dir)?, ..output.clone() };
     ScanJournal::check_free(&first.dir)?;
     ScanJournal::check_free(&output.dir)?;
     output.folder(&config)?;

@@ -9,9 +9,9 @@ use rayon::prelude::*;
 /// first.
 const WEIGHT: f64 = 0.1;
 
-/// Value of a voxel at which a view adds a look that it lacks, in voxels of new surface: a tenth, and rays meet
-/// every fourth voxel. With 0.1, scans had hardly more looks than without the goal; with 2, they left out new
-/// surface and had no more.
+/// Value of a voxel at which a view adds a look that it lacks, in voxels of new surface: a tenth, and rays
+/// meet every fourth voxel. With 0.1, scans had hardly more looks than without the goal; with 2, they left
+/// out new surface and had no more.
 const LOOK_WEIGHT: f64 = 0.4;
 
 /// By view, the value of second looks at surface that was seen, in voxels of new surface: the gains
