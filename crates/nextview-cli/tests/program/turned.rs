@@ -17,16 +17,14 @@ const BRACKET: [&str; 9] = [
     "--noise=d435i",
 ];
 
-fn record(folder: &Folder, dir: &str) -> Value {
-    serde_json::from_str(&folder.text(&format!("{dir}/record.json"))).unwrap()
-}
-
 #[test]
 fn a_turn_shows_the_underside_and_makes_one_model() {
     let folder = Folder::new("turned");
+    let record =
+        |dir: &str| -> Value { serde_json::from_str(&folder.text(&format!("{dir}/record.json"))).unwrap() };
     let after = folder.json(&[&BRACKET[..], &["--flips=1", "--out=out"]].concat());
-    let before = record(&folder, "out-placement-1");
-    assert_eq!(after, record(&folder, "out"));
+    let before = record("out-placement-1");
+    assert_eq!(after, record("out"));
     let next = &before["next_placement"];
     assert!(next["down"][2].as_f64().unwrap() > 0.5, "the underside comes up: {next}");
     let turn = &after["turn"];
@@ -76,7 +74,7 @@ fn what_cannot_be_turned_is_named() {
         assert!(run.stderr.contains(part), "{part:?} in {}", run.stderr);
         assert!(!folder.path("out").exists(), "{args:?} left something");
     };
-    refused(&["--flips=1"], 2, "has no underside to turn up; --table fit has the scan find its table");
+    refused(&["--flips=1"], 2, "hint: --table fit has the scan find its table");
     refused(&["--flips=2", "--table=known"], 2, "2 is not in 0..=1");
     refused(&["--flips=1", "--after=x", "--table=known"], 2, "cannot be used with");
     refused(&["--after=no"], 1, "no: holds no results of a scan");

@@ -59,7 +59,7 @@ impl Drawing {
         if triangles.is_empty() {
             return drawing;
         }
-        let reach = 0.7 * (high - low).truncate().length();
+        let reach = 0.6 * (high - low).truncate().length();
         let (middle, floor) = (0.5 * (low + high), low.z);
         let corners = [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)]
             .map(|(x, y)| DVec3::new(middle.x + reach * x, middle.y + reach * y, floor));
@@ -83,8 +83,8 @@ impl Drawing {
             let corners = triangle.map(|i| placed[i as usize]);
             let [a, b, c] = corners.map(seen);
             let normal = (b - a).cross(c - a).normalize_or_zero();
-            // The mirrored eye turns triangles around: those that face it have normals away from it.
-            let (color, normal) = if normal.z > 0.0 { (SURFACE, -normal) } else { (UNSEEN, normal) };
+            // What faces the eye is the surface; of what is open, the inside faces it.
+            let (color, normal) = if normal.z < 0.0 { (SURFACE, normal) } else { (UNSEEN, -normal) };
             let shade = AMBIENT + (1.0 - AMBIENT) * normal.dot(light).max(0.0);
             drawing.fill(corners.map(pixel), color.map(|c| (f64::from(c) * shade.min(1.0)).round() as u8));
         }
@@ -131,7 +131,7 @@ mod tests {
     }
 
     fn is_orange([red, _, blue]: &Rgb) -> bool {
-        *red > *blue + blue / 2
+        2 * u32::from(*red) > 3 * u32::from(*blue)
     }
 
     #[test]

@@ -1,14 +1,10 @@
+use super::frames_folder::FRAMES_FOLDER;
 use crate::files::ResultFolder;
 use crate::run::{FinishedScan, ModelFrames};
 use crate::{Fault, Faults};
 use nextview_recording::{NumberedFrame, write_folder};
 use std::io::Write;
 use std::path::Path;
-
-/// Name of the folder of the results that holds the frames of the map, in the poses in which they were
-/// mapped: a recording in our own form, whose images have the numbers of their steps. Behind them come those
-/// of the scan before the object was turned, if there was one; all then show nothing but the object.
-pub const FRAMES_FOLDER: &str = "frames";
 
 /// What that folder may hold.
 const CONTENT: [&str; 5] = ["intrinsics.txt", "poses.csv", "depth", "mask", "color"];

@@ -1,6 +1,7 @@
 //! The files of a scan's results.
 
 mod frames;
+mod frames_folder;
 
 use crate::files::{Overwrite, ResultFolder, numbered};
 use crate::run::{FinishedScan, Measured};
@@ -12,7 +13,7 @@ use nextview::surface::{write_cloud, write_mesh};
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
-pub use frames::FRAMES_FOLDER;
+pub use frames_folder::FRAMES_FOLDER;
 
 /// What a folder of results holds.
 const ENTRIES: &[&str] = &[
