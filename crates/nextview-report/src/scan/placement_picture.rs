@@ -17,7 +17,7 @@ const EYE: (f64, f64) = (0.45, 0.6);
 
 const SKY: Rgb = [246, 248, 250];
 const TABLE: Rgb = [221, 226, 231];
-const SURFACE: Rgb = [150, 165, 184];
+const SURFACE: Rgb = [190, 202, 216];
 /// The inside of what is open, where nothing was seen.
 const UNSEEN: Rgb = [232, 146, 60];
 
