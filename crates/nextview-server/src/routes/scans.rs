@@ -101,6 +101,7 @@ pub(super) fn record_so_far(work: &mut Work) -> Result<ScanRecord, Refusal> {
 
 async fn delete(State(app): State<Arc<App>>, Path(id): Path<String>) -> Result<Json<Deleted>, Refusal> {
     let scan = app.scans.find(&id)?;
+    app.scans.check_not_needed(&id)?;
     scan.cancel();
     let deleting = app.clone();
     let name = id.clone();

@@ -111,6 +111,18 @@ impl Scans {
         }
     }
 
+    /// Fails if another scan that is under way goes on after this one.
+    pub fn check_not_needed(&self, id: &str) -> Result<(), Refusal> {
+        let dir = self.dir.join(id);
+        let scans = self.lock();
+        let needs = |scan: &Arc<Scan>| scan.needs(&dir);
+        let Some((by, _)) = scans.iter().find(|(_, scan)| scan.as_ref().is_some_and(needs)) else {
+            return Ok(());
+        };
+        let fault = Fault::of_value("id", id, "a scan that no other one goes on after");
+        Err(Refusal::new(StatusCode::CONFLICT, fault.with_remedy(format!("finish or delete `{by}` first"))))
+    }
+
     /// Removes a scan from the list, once it is no more on the disk.
     pub fn remove(&self, id: &str) {
         self.lock().remove(id);

@@ -1,5 +1,5 @@
 use super::events::Events;
-use super::summary::ScanSummary;
+use super::summary::{ScanState, ScanSummary};
 use super::work::Work;
 use crate::Limits;
 use crate::refusal::Refusal;
@@ -8,6 +8,7 @@ use nextview::Cancel;
 use nextview_report::live::{LiveScene, SceneSource};
 use nextview_scan::{Fault, ScanConfig};
 use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Duration;
 use tokio::sync::{Mutex as AsyncMutex, Semaphore};
@@ -32,6 +33,8 @@ pub(crate) enum Shown {
 /// A scan of the server. Requests to it are worked on one after the other, in the order in which they came.
 pub(crate) struct Scan {
     pub events: Events,
+    /// The folder of the scan after whose turn of the object it goes on.
+    after: Option<PathBuf>,
     work: Arc<AsyncMutex<Work>>,
     queue: Arc<Semaphore>,
     /// What the page shows, which is made beside the other requests.
@@ -55,6 +58,7 @@ impl Scan {
         let (cores, limits) = shared;
         Self {
             events: Events::new(run),
+            after: config.after.clone(),
             cancel: work.cancel.clone(),
             work: Arc::new(AsyncMutex::new(work)),
             scene: Arc::default(),
@@ -63,6 +67,11 @@ impl Scan {
             answer_time: limits.answer_time,
             summary: Mutex::new(summary),
         }
+    }
+
+    /// Whether it reads the results in this folder when it is resumed.
+    pub fn needs(&self, results: &Path) -> bool {
+        self.after.as_deref() == Some(results) && self.summary().state != ScanState::Finished
     }
 
     /// The scan as of the last request that was done.

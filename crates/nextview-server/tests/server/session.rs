@@ -275,10 +275,16 @@ fn a_scan_goes_on_after_its_object_was_turned() {
     let poses = turned.body("turned")["live"].clone();
     let body = json!({ "after": "mug", "id": "turned", "live": poses });
     client.post("/scans", &body).expect(201);
+    let refused = client.delete("/scans/mug").expect(409);
+    assert_eq!(
+        refused["faults"][0]["remedy"], "finish or delete `turned` first",
+        "it reads the frames of mug"
+    );
     let now = scan_through(&mut client, &turned, "turned");
     let turn = &now["turn"];
     assert!(turn["refusal"].is_null() && turn["overlap"].as_f64().unwrap() > 0.3, "{turn}");
     // The configuration is that of before where none was given.
     let config = fs::read_to_string(dir.join("turned/config.toml")).unwrap();
     assert!(config.contains("voxel_size_m = 0.006") && config.contains("after = "), "{config}");
+    client.delete("/scans/mug").expect(200);
 }
