@@ -1,7 +1,7 @@
 //! The options of the command line that keys of the configuration have.
 
 /// Keys and their options.
-const FLAGS: [(&str, &str); 53] = [
+const FLAGS: [(&str, &str); 54] = [
     ("planner", "--planner"),
     ("most_surface.per_second", "--per-second"),
     ("views", "--views"),
@@ -25,6 +25,7 @@ const FLAGS: [(&str, &str); 53] = [
     ("goal_mm", "--goal-mm"),
     ("looks", "--looks"),
     ("looks.n", "--looks"),
+    ("reference.mesh", "--reference"),
     ("view_space", "--view-space"),
     ("model.watertight", "--watertight"),
     ("reach", "--reach"),

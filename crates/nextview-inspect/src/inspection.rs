@@ -1,16 +1,18 @@
 use crate::defects::defects;
 use crate::deviation::{Deviation, Deviations, Verdict, deviations};
-use crate::fit::{Fit, fit};
 use crate::patches::{Patches, suitable_radius};
 use crate::record::InspectionRecord;
+use crate::seen::seen_as_demanded;
 use glam::DVec3;
 use nextview::Cancel;
 use nextview::registration::SurfacePoint;
-use nextview_scan::{Fault, Faults, SavedModel, ScanRecord, rows_of_pose};
-use nextview_sim::accuracy::SurfaceDistance;
-use nextview_sim::mesh::{TriangleMesh, sample_surface};
+use nextview_scan::{
+    Fault, Faults, ReferenceConfig, SavedModel, ScanConfig, ScanRecord, UnitName, rows_of_pose,
+};
+use nextview_sim::inspection::{KnownPart, PartFit};
+use nextview_sim::mesh::sample_surface;
 use rayon::prelude::*;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 /// What is asked of an inspection.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -33,6 +35,8 @@ impl Default for InspectionConfig {
 pub struct Inspection {
     /// What was found.
     pub record: InspectionRecord,
+    /// How the numbers of the CAD model's file became metres.
+    pub note: String,
     /// The points of the cloud, moved into the coordinates of the model.
     pub(crate) points: Vec<SurfacePoint>,
     /// Of each.
@@ -45,16 +49,31 @@ const LEAST_FIT: f64 = 0.6;
 /// Samples of the model that tell how much of it was measured.
 const N_SAMPLES: usize = 20_000;
 
-/// Compares the cloud of a scan's results with a CAD model in metres, whose triangles run counter-clockwise
-/// seen from outside. Nothing needs to be known of where the part stood.
+/// The CAD model that a scan's results are compared with: that of the scan, or another file, in another unit;
+/// fails if none is named.
+pub fn reference_of(
+    results: &Path,
+    mesh: Option<PathBuf>,
+    unit: Option<UnitName>,
+) -> Result<ReferenceConfig, Faults> {
+    // First what says that there are no results.
+    ScanRecord::read(results)?;
+    let mut of_scan = ScanConfig::load(&results.join("config.toml"), None)?;
+    mesh.into_iter().for_each(|mesh| of_scan.set_reference(mesh));
+    let missing = || Fault::request("the scan knew no CAD model, and none is named");
+    let reference = of_scan.reference.ok_or_else(|| missing().with_remedy("name it as `reference.mesh`"))?;
+    Ok(ReferenceConfig { unit: unit.unwrap_or(reference.unit), ..reference })
+}
+
+/// Compares the cloud of a scan's results with a CAD model. Nothing needs to be known of where the part
+/// stood.
 ///
 /// # Errors
 /// If the folder holds no results, if the cloud has no normals, if the model does not fit it, or if it is
 /// cancelled.
 pub fn inspect(
     results: &Path,
-    reference: &TriangleMesh,
-    name: &str,
+    reference: &ReferenceConfig,
     config: InspectionConfig,
     cancel: &Cancel,
 ) -> Result<Inspection, Faults> {
@@ -67,6 +86,8 @@ pub fn inspect(
     if let Some(faults) = Faults::of(faults.collect()) {
         return Err(faults);
     }
+    let (mesh, scaling) = reference.load()?;
+    let name = reference.mesh.display().to_string();
     let table = ScanRecord::read(results)?.table();
     let cloud = SavedModel::read(&results.join("cloud.ply"))?.above(table);
     let with_normal =
@@ -77,8 +98,8 @@ pub fn inspect(
             .in_file(results)
             .into());
     }
-    let surface = SurfaceDistance::new(reference);
-    let Fit { reference_from_world, share } = fit(&in_world, reference, &surface, cancel)?;
+    let part = KnownPart::new(&mesh)?;
+    let PartFit { reference_from_world, share, .. } = part.fit(&in_world, |_| false, cancel)?;
     if share < LEAST_FIT {
         let message = format!(
             "{name} does not fit the cloud: in the best pose found, {:.0} % of the points lie near it, expected at least {:.0} %",
@@ -98,18 +119,18 @@ pub fn inspect(
     let radius = config.patch_mm.map_or_else(|| suitable_radius(&positions), |patch_mm| patch_mm / 1e3);
     let patches = Patches::new(&positions, radius);
     let Deviations { of_points: deviations, correlated_error } =
-        deviations(&points, &positions, &surface, &patches);
+        deviations(&points, &positions, part.surface(), &patches);
     let tolerance = config.tolerance_mm / 1e3;
     let share_of = |verdict: Verdict| {
         let n = deviations.iter().filter(|deviation| deviation.verdict(tolerance) == verdict).count();
         n as f64 / deviations.len() as f64
     };
-    let samples = sample_surface(reference, N_SAMPLES, 0);
+    let samples = sample_surface(&mesh, N_SAMPLES, 0);
     let n_inspected = samples.par_iter().filter(|sample| patches.around(**sample).next().is_some()).count();
     let square = deviations.iter().map(|deviation| deviation.mean.powi(2)).sum::<f64>();
     let median_error = 1e3 * quantile(deviations.iter().map(|deviation| deviation.error), 0.5);
     let record = InspectionRecord {
-        reference: name.to_owned(),
+        reference: name,
         tolerance_mm: config.tolerance_mm,
         patch_mm: 1e3 * radius,
         reference_from_world: rows_of_pose(&reference_from_world),
@@ -122,9 +143,10 @@ pub fn inspect(
         deviation_p95_mm: 1e3 * quantile(deviations.iter().map(|deviation| deviation.mean.abs()), 0.95),
         correlated_error_mm: 1e3 * correlated_error,
         standard_error_median_mm: Some(median_error).filter(|error| error.is_finite()),
+        surfaces: seen_as_demanded(results, reference, &mesh, &reference_from_world.inverse(), cancel)?,
         defects: defects(&positions, &deviations, tolerance, &patches),
     };
-    Ok(Inspection { record, points, deviations })
+    Ok(Inspection { record, note: format!("{}: {scaling}", reference.mesh.display()), points, deviations })
 }
 
 fn quantile(values: impl Iterator<Item = f64>, share: f64) -> f64 {

@@ -6,13 +6,13 @@
 
 mod defects;
 mod deviation;
-mod fit;
 mod inspection;
 mod patches;
 mod record;
+mod seen;
 mod text;
 mod write;
 
-pub use inspection::{Inspection, InspectionConfig, inspect};
-pub use record::{DefectRecord, InspectionRecord};
+pub use inspection::{Inspection, InspectionConfig, inspect, reference_of};
+pub use record::{DefectRecord, InspectionRecord, SurfaceRecord};
 pub use write::{INSPECTION_FILES, write_inspection};

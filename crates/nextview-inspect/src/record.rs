@@ -34,6 +34,9 @@ pub struct InspectionRecord {
     /// few points to tell.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub standard_error_median_mm: Option<f64>,
+    /// How much of each surface was measured as it is to be seen; empty where the results hold no frames.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub surfaces: Vec<SurfaceRecord>,
     /// Where the part deviates, the largest deviation first.
     pub defects: Vec<DefectRecord>,
 }
@@ -52,4 +55,18 @@ pub struct DefectRecord {
     pub standard_error_mm: f64,
     /// Number of its points.
     pub n_points: usize,
+}
+
+/// A surface of the part, and how much of it was measured as it is to be seen.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct SurfaceRecord {
+    /// Its name.
+    pub name: String,
+    /// Largest angle between the line of sight and its normal.
+    pub angle_deg: f64,
+    /// Least number of pixels of one picture on each square millimetre.
+    pub points_per_mm2: f64,
+    /// Share, 0..=1, of it that a frame measured like that.
+    pub measured_share: f64,
 }

@@ -33,6 +33,18 @@ impl InspectionRecord {
             self.patch_mm,
             width = 13_usize.saturating_sub(self.tolerance_mm.to_string().len()),
         );
+        for surface in &self.surfaces {
+            let density = match surface.points_per_mm2 {
+                0.0 => String::new(),
+                density => format!(", {density} points/mm² and more"),
+            };
+            text += &format!(
+                "seen within {:.0}°{density}: {} of {}\n",
+                surface.angle_deg,
+                percent(surface.measured_share),
+                surface.name
+            );
+        }
         if self.defects.is_empty() {
             return text + "\nno defect found\n";
         }

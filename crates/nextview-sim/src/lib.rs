@@ -2,8 +2,8 @@
 //! looks at them, the truth about what it could see, and the measures that compare planners.
 //!
 //! Start with [`scene::Scene`]; a scan asks the session for views, [`evaluator::ScanCamera`] for frames, and
-//! [`evaluator::Evaluator`] for measures. Nothing here plans, except [`baseline::Clairvoyant`], which may
-//! look at the truth.
+//! [`evaluator::Evaluator`] for measures. Nothing here plans, except what may look at a mesh:
+//! [`baseline::Clairvoyant`] at the true object, [`inspection::InspectionViews`] at the CAD model of a part.
 
 pub mod accuracy;
 pub mod area;
@@ -12,6 +12,7 @@ pub mod builtin;
 pub mod camera;
 mod error;
 pub mod evaluator;
+pub mod inspection;
 pub mod mesh;
 pub mod noise;
 mod overlap;

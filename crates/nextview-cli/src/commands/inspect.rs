@@ -2,10 +2,9 @@ use super::values::{named, positive};
 use crate::{Failure, stdout};
 use clap::Args;
 use nextview::Cancel;
-use nextview_inspect::{INSPECTION_FILES, InspectionConfig, inspect, write_inspection};
+use nextview_inspect::{INSPECTION_FILES, InspectionConfig, inspect, reference_of, write_inspection};
 use nextview_scan::UnitName;
 use nextview_scan::files::{Overwrite, ResultFolder};
-use nextview_sim::mesh;
 use std::path::PathBuf;
 
 /// Compare a scanned part with its CAD model.
@@ -18,12 +17,12 @@ use std::path::PathBuf;
 pub(super) struct InspectArgs {
     /// The folder of the scan
     dir: PathBuf,
-    /// The CAD model: .ply .obj .stl .off .gltf .glb
+    /// The CAD model: .ply .obj .stl .off .gltf .glb [default: that of the scan]
     #[arg(long, value_name = "MESH")]
-    reference: PathBuf,
-    /// Unit of the CAD model's file
-    #[arg(long, value_parser = named::<UnitName>(), default_value = "auto")]
-    unit: UnitName,
+    reference: Option<PathBuf>,
+    /// Unit of the CAD model's file [default: that of the scan, or auto]
+    #[arg(long, value_parser = named::<UnitName>())]
+    unit: Option<UnitName>,
     /// Deviations up to this are none
     #[arg(long, value_name = "MM", value_parser = positive, default_value = "0.5", allow_negative_numbers = true)]
     tolerance_mm: f64,
@@ -49,13 +48,12 @@ Examples:
 
 impl InspectArgs {
     pub fn run(self) -> Result<(), Failure> {
-        let rule = Overwrite::forced(self.force).but(vec![self.reference.clone()]);
+        let reference = reference_of(&self.dir, self.reference, self.unit)?;
+        let rule = Overwrite::forced(self.force).but(vec![reference.mesh.clone()]);
         let mut folder = ResultFolder::begin(&self.out, INSPECTION_FILES, rule)?;
-        let (reference, scaling) = mesh::load(&self.reference)?.to_metres(self.unit.into())?;
-        eprintln!("note: {}: {scaling}", self.reference.display());
         let config = InspectionConfig { tolerance_mm: self.tolerance_mm, patch_mm: self.patch_mm };
-        let name = self.reference.display().to_string();
-        let inspection = inspect(&self.dir, &reference, &name, config, &Cancel::default())?;
+        let inspection = inspect(&self.dir, &reference, config, &Cancel::default())?;
+        eprintln!("note: {}", inspection.note);
         write_inspection(&mut folder, &inspection)?;
         folder.publish()?;
         stdout::print(match self.json {

@@ -5,7 +5,7 @@ use clap::Args;
 use nextview::geometry::Aabb;
 use nextview::planner::{BatchConfig, GreedyConfig, MaxFlowConfig, MostSurfaceConfig};
 use nextview::sensor::Intrinsics;
-use nextview_scan::{NbvNetConfig, PlannerConfigs, PlannerName, SavedMap};
+use nextview_scan::{PlannerConfigs, PlannerName, SavedMap};
 use serde::Serialize;
 use std::path::PathBuf;
 
@@ -84,7 +84,7 @@ impl PlanArgs {
                 n_views: self.batch.map_or(default.n_views, |n| n as usize),
                 ..default
             },
-            nbv_net: NbvNetConfig::default(),
+            ..PlannerConfigs::default()
         }
     }
 

@@ -12,6 +12,7 @@ mod positions;
 mod reach;
 mod reachable;
 mod recording;
+mod reference;
 mod robot;
 mod scan_config;
 #[cfg(feature = "simulated")]
@@ -30,6 +31,7 @@ pub use planner_name::{NbvNetConfig, PlannerConfigs, PlannerName};
 pub use positions::Positions;
 pub use reach::ReachConfig;
 pub use recording::RecordingConfig;
+pub use reference::{ReferenceConfig, ReferenceSurface};
 pub use robot::RobotConfig;
 pub use scan_config::{MapConfig, ModelConfig, ObjectBoxConfig, ScanConfig};
 #[cfg(feature = "simulated")]

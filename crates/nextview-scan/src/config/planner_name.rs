@@ -1,3 +1,4 @@
+use super::ReferenceConfig;
 use crate::names::named;
 use crate::{Fault, files};
 use nextview::gain::{
@@ -36,6 +37,7 @@ named! {
         NbvNet = "nbv-net": "NBV-Net, Mendoza et al. 2020: the one of 14 views that a network has learned to name",
         Batch = "batch": "Several views at once that together show most, and the shortest tour through them",
         EvenViews = "even-views": "Views from all around: the direction farthest from all taken; for reference views",
+        Inspection = "inspection": "Knows the part's CAD model: the fewest views that show its surfaces as demanded",
         InOrder = "in-order": "The views in the order of their numbers: that of a recording",
         Random = "random": "A random view: the baseline",
         Clairvoyant = "clairvoyant": "Knows the object: the upper bound, where the truth is known",
@@ -69,6 +71,9 @@ pub struct PlannerConfigs {
     pub batch: BatchConfig,
     /// Of NBV-Net.
     pub nbv_net: NbvNetConfig,
+    /// Of the planner inspection, and the number of views of the scan, at most; none where no CAD model is
+    /// named.
+    pub reference: Option<(ReferenceConfig, usize)>,
 }
 
 impl NbvNetConfig {
@@ -88,7 +93,7 @@ impl NbvNetConfig {
 impl PlannerName {
     /// Whether the planner needs the depth images behind the map.
     pub fn needs_frames(self) -> bool {
-        matches!(self, Self::ProximityCount | Self::See)
+        matches!(self, Self::ProximityCount | Self::See | Self::Inspection)
     }
 
     /// Whether a map is all that the planner needs: neither frames nor the true object.
@@ -108,7 +113,7 @@ impl PlannerName {
         seed: u64,
         clairvoyant: Option<Box<dyn ViewPlanner>>,
     ) -> Result<Box<dyn ViewPlanner>, Fault> {
-        let PlannerConfigs { most_surface, max_flow, greedy, batch, nbv_net } = configs;
+        let PlannerConfigs { most_surface, max_flow, greedy, batch, nbv_net, reference } = configs;
         Ok(match self {
             Self::MostSurface => Box::new(MostSurface::new(most_surface)?),
             Self::MaxFlow => Box::new(MaxFlow::new(max_flow)?),
@@ -130,6 +135,7 @@ impl PlannerName {
             Self::NbvNet => Box::new(nbv_net.planner()?),
             Self::Batch => Box::new(Batch::new(batch)?),
             Self::EvenViews => Box::new(EvenViews),
+            Self::Inspection => inspection(reference)?,
             Self::InOrder => Box::new(InOrder),
             Self::Random => Box::new(RandomViews { seed }),
             Self::Clairvoyant => clairvoyant.ok_or_else(|| {
@@ -139,6 +145,19 @@ impl PlannerName {
             })?,
         })
     }
+}
+
+#[cfg(feature = "simulated")]
+fn inspection(reference: Option<(ReferenceConfig, usize)>) -> Result<Box<dyn ViewPlanner>, Fault> {
+    let fault = || Fault::request("the planner inspection needs the CAD model of the part");
+    let missing = || fault().with_remedy("name it as `reference.mesh`");
+    let (reference, max_views) = reference.ok_or_else(missing)?;
+    reference.planner(max_views)
+}
+
+#[cfg(not(feature = "simulated"))]
+fn inspection(_: Option<(ReferenceConfig, usize)>) -> Result<Box<dyn ViewPlanner>, Fault> {
+    Err(Fault::request("this program reads no meshes, which the planner inspection needs"))
 }
 
 fn by_gain<G: InformationGain + 'static>(config: GreedyConfig) -> Result<Box<dyn ViewPlanner>, Fault> {

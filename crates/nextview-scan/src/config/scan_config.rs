@@ -1,6 +1,7 @@
 use super::{
     BoxRule, LiveConfig, NbvNetConfig, PlannerChoice, PlannerConfigs, PlannerName, Profile, ReachConfig,
-    RecordingConfig, RobotConfig, SizeOf, TableRule, TurntableConfig, UnitName, ViewSpaceName,
+    RecordingConfig, ReferenceConfig, RobotConfig, SizeOf, TableRule, TurntableConfig, UnitName,
+    ViewSpaceName,
 };
 use crate::Fault;
 use nextview::geometry::Aabb;
@@ -127,6 +128,9 @@ pub struct ScanConfig {
     pub batch: BatchConfig,
     /// Of the planner nbv-net.
     pub nbv_net: NbvNetConfig,
+    /// The CAD model of the part: the planner inspection needs it.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub reference: Option<ReferenceConfig>,
     /// When the scan stops before its last view.
     pub stop: StopConfig,
     /// Depth camera: it decides the defaults of `camera` and `noise`. Without one, those are the optics of
@@ -237,6 +241,7 @@ impl ScanConfig {
             greedy: GreedyConfig::default(),
             batch: BatchConfig::default(),
             nbv_net: NbvNetConfig::default(),
+            reference: None,
             most_surface: MostSurfaceConfig::default(),
             stop: StopConfig::default(),
             #[cfg(feature = "simulated")]
@@ -292,6 +297,14 @@ impl ScanConfig {
         self
     }
 
+    /// Names the CAD model of the part; how its surfaces are to be seen stays as it is.
+    pub fn set_reference(&mut self, mesh: PathBuf) {
+        match &mut self.reference {
+            Some(reference) => reference.mesh = mesh,
+            None => self.reference = Some(ReferenceConfig::of(mesh)),
+        }
+    }
+
     /// Whether the scan needs the truth: what every candidate truly sees.
     pub fn needs_truth(&self) -> bool {
         self.baselines && self.after.is_none() || self.planner == PlannerName::Clairvoyant
@@ -310,6 +323,7 @@ impl ScanConfig {
         let recording = self.recording.iter();
         let truth = recording.flat_map(|recording| [&recording.truth, &recording.truth_from_world]).flatten();
         let named = object.into_iter().chain(views).chain(truth).map(PathBuf::from);
+        let named = named.chain(self.reference.iter().map(|reference| reference.mesh.clone()));
         let named = named.chain(self.nbv_net.weights.clone()).chain(self.after.clone());
         let urdf = self.robot.iter().filter_map(|robot| robot.file());
         let named = named.chain(urdf.map(PathBuf::from));
@@ -339,6 +353,7 @@ impl ScanConfig {
             greedy: neutral.greedy,
             batch: neutral.batch,
             nbv_net: neutral.nbv_net,
+            reference: None,
             most_surface: neutral.most_surface,
             stop: neutral.stop,
             time_limit_s: None,
@@ -359,6 +374,7 @@ impl ScanConfig {
             greedy: self.greedy,
             batch: self.batch,
             nbv_net: self.nbv_net.clone(),
+            reference: self.reference.clone().map(|reference| (reference, self.max_views(usize::MAX))),
         };
         let planner = self.planner.build(configs, self.seed, clairvoyant)?;
         match self.least_overlap() {

@@ -92,6 +92,7 @@ fn of_files(keys: &Map<String, Value>) -> Vec<Fault> {
     let given = keys.contains_key("recording").then_some("recording").into_iter();
     let given = given.chain(sensor.is_some_and(|name| name.ends_with(".toml")).then_some("sensor"));
     let given = given.chain(weights.is_some().then_some("nbv_net.weights"));
+    let given = given.chain(keys.contains_key("reference").then_some("reference"));
     let fault = |key: &str| {
         let fault =
             Fault::request(format!("`{key}` is not for a server, which reads no files for its clients"));

@@ -5,6 +5,7 @@
 mod cancel;
 mod closed_loop;
 mod common;
+mod inspection;
 mod noise;
 mod registration;
 mod truth;

@@ -5,14 +5,15 @@ use crate::sensor::{DepthRange, Intrinsics};
 use crate::surface::SurfaceLooks;
 use crate::visibility::RayCaster;
 
-/// The number of occupied voxels at which a view adds one of the looks that they lack: it shows them, from at
-/// most 60 degrees beside their normal, and from far enough beside all looks so far. Rays are two voxels
-/// apart: of a surface seen straight on, every fourth voxel is counted.
+/// The number of occupied voxels at which a view adds one of the looks that they lack: it shows them well
+/// enough, and from far enough beside all looks so far. Rays are two voxels apart: of a surface seen straight
+/// on, every fourth voxel is counted.
 #[derive(Debug)]
 pub struct MoreLooks<'a> {
     snapshot: &'a Snapshot,
     caster: RayCaster<'a>,
     looks: &'a SurfaceLooks,
+    intrinsics: Intrinsics,
 }
 
 impl<'a> MoreLooks<'a> {
@@ -24,14 +25,16 @@ impl<'a> MoreLooks<'a> {
         depth_range: DepthRange,
         looks: &'a SurfaceLooks,
     ) -> Self {
-        Self { snapshot, caster: caster(snapshot, intrinsics, depth_range), looks }
+        let caster = caster(snapshot, intrinsics, depth_range);
+        Self { snapshot, caster, looks, intrinsics: *intrinsics }
     }
 
     /// The gain of a view, in voxels.
     pub fn gain(&self, world_from_camera: &Pose) -> f64 {
         let (lattice, block) = (self.snapshot.lattice(), self.snapshot.block());
         let camera = world_from_camera.translation();
-        let lacks = |voxel: &u32| self.looks.lacks(lattice.center(block.key(*voxel as usize)), camera);
+        let center = |voxel: &u32| lattice.center(block.key(*voxel as usize));
+        let lacks = |voxel: &u32| self.looks.lacks(center(voxel), camera, &self.intrinsics);
         occupied_voxels(&self.caster, world_from_camera).iter().filter(|voxel| lacks(voxel)).count() as f64
     }
 }
@@ -120,7 +123,7 @@ mod tests {
             (LooksGoal::default(), vec![0.0]),
             (LooksGoal { n: 2, ..LooksGoal::default() }, vec![0.0, 30.0]),
             (LooksGoal::default(), vec![-40.0, 0.0, 3.0, 9.5, 50.0]),
-            (LooksGoal { n: 20, apart: 0.4 }, vec![-40.0, 0.0]),
+            (LooksGoal { n: 20, apart: 0.4, ..LooksGoal::default() }, vec![-40.0, 0.0]),
         ] {
             let mut looks = SurfaceLooks::new(VOXEL, goal).unwrap();
             for &degrees in &taken {

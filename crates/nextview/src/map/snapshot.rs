@@ -3,7 +3,7 @@ use super::key_box::KeyBox;
 use super::{LogOdds, Occupancy, entropy};
 use crate::geometry::{Lattice, VoxelBlock, VoxelKey};
 use crate::{Cancel, Cancelled};
-use glam::IVec3;
+use glam::{DVec3, IVec3};
 use std::f64::consts::LN_2;
 
 /// Voxels processed between two checks for cancellation.
@@ -100,6 +100,14 @@ impl Snapshot {
     /// P(occupied) of each voxel; 0.5 where unknown.
     pub fn probability(&self) -> &[f32] {
         &self.probability
+    }
+
+    /// Whether the voxel of this point and all around it were seen to be free: whatever is a voxel away from
+    /// where it is thought to be is not here.
+    pub fn is_free_around(&self, point: DVec3) -> bool {
+        let is_free = |i: usize| self.occupancy[i] == Occupancy::Free;
+        let here = self.block.index(self.lattice.key(point));
+        here.is_some_and(|i| is_free(i) && self.block.neighbors(i).all(is_free))
     }
 
     /// Number of voxels in this state.

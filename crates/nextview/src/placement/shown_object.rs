@@ -1,5 +1,5 @@
-use crate::geometry::{Plane, VoxelKey};
-use crate::map::{Occupancy, Snapshot};
+use crate::geometry::Plane;
+use crate::map::Snapshot;
 use crate::registration::{KnownSurface, RegistrationConfig, SurfacePoint};
 use crate::sensor::Frame;
 use crate::{Cancel, Cancelled};
@@ -64,10 +64,7 @@ impl ShownObject {
     /// Whether a point of the object cannot be here: in the table, or in space that was seen to be free, with
     /// all that is up to a voxel away.
     pub(super) fn rules_out(&self, point: DVec3) -> bool {
-        let (lattice, block) = (self.snapshot.lattice(), self.snapshot.block());
-        let is_free = |i: usize| self.snapshot.occupancy()[i] == Occupancy::Free;
-        let is_all_free =
-            |key: VoxelKey| block.index(key).is_some_and(|i| is_free(i) && block.neighbors(i).all(is_free));
-        self.table.height(point) < -lattice.voxel_size() || is_all_free(lattice.key(point))
+        let voxel_size = self.snapshot.lattice().voxel_size();
+        self.table.height(point) < -voxel_size || self.snapshot.is_free_around(point)
     }
 }

@@ -1,5 +1,5 @@
 use super::Explanation;
-use crate::geometry::Pose;
+use crate::geometry::{Plane, Pose};
 use crate::map::Snapshot;
 use crate::motion::{MotionConfig, Surroundings, Trajectory};
 use crate::sensor::{DepthRange, Frame, Intrinsics};
@@ -70,6 +70,7 @@ pub struct Situation<'a> {
     approaches: Option<&'a [Option<f64>]>,
     motion: MotionConfig,
     surroundings: Surroundings,
+    table: Option<Plane>,
     /// At most the voxel size of the snapshot, metres, and at least that which [`MOST_VOXELS`] allows.
     finest_voxel_size: f64,
     cancel: &'a Cancel,
@@ -103,6 +104,7 @@ impl<'a> Situation<'a> {
             approaches: None,
             motion: MotionConfig::default(),
             surroundings: Surroundings::default(),
+            table: None,
             finest_voxel_size,
             cancel,
         }
@@ -160,6 +162,11 @@ impl<'a> Situation<'a> {
         Ok(Self { motion, surroundings, ..self })
     }
 
+    /// The same for an object that stands on this table, its normal upwards; without it, on none.
+    pub fn with_table(self, table: Option<Plane>) -> Self {
+        Self { table, ..self }
+    }
+
     /// The same for a scan that ends in voxels of this size, metres: that of the snapshot, or finer.
     ///
     /// Fails if they are coarser, or if more than 65,536 of them fit along the box.
@@ -202,6 +209,11 @@ impl<'a> Situation<'a> {
     /// The depths that the camera measures.
     pub fn depth_range(&self) -> DepthRange {
         self.depth_range
+    }
+
+    /// The table that the object stands on, if one is known.
+    pub fn table(&self) -> Option<Plane> {
+        self.table
     }
 
     /// Whether the given poses have proved right.

@@ -18,6 +18,7 @@ pub(super) fn known_situation<'a>(
     let situation = situation
         .with_depth_range(config.depth_range)
         .with_frames(frames)
+        .with_table(scene.map.place().table.map(|table| table.plane))
         .with_right_poses(scene.alignment.trusts_given_poses())
         .with_visited(visited)
         .and_then(|situation| situation.with_finest_voxel_size(config.voxel_size))

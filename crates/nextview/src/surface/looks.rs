@@ -4,26 +4,32 @@ use super::tangent_plane::TangentPlanes;
 use crate::checked::{check_range, checked_when_read};
 use crate::degrees;
 use crate::geometry::{Aabb, Lattice};
-use crate::sensor::Frame;
+use crate::sensor::{Frame, Intrinsics};
 use crate::{Cancel, Cancelled, Error};
 use glam::{DVec3, IVec3};
 use rustc_hash::FxHashMap;
 use serde::{Deserialize, Serialize};
 
-/// Cosine of the largest angle from the normal, 60 degrees, at which a frame is a look: flatter ones are
-/// foreshortened to less than half, and many of their pixels are lost.
-const LEAST_COSINE: f64 = 0.5;
-
-/// How often each part of the surface is to be seen, from how different directions.
+/// How often each part of the surface is to be seen, how well, and from how different directions.
 ///
-/// A frame is a look at a part of the surface if it measured points there, from at most 60 degrees beside
-/// their normal, and from at least so far beside all looks before it, as seen from there.
+/// A frame is a look at a part of the surface if it measured points there, from near enough to their normal,
+/// with enough pixels on each square millimetre, and from far enough beside all looks before it, as seen from
+/// there.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(default, deny_unknown_fields, remote = "Self")]
 pub struct LooksGoal {
-    /// Number of looks, 2..=20. Default 3.
+    /// Number of looks, 1..=20. Default 3.
     pub n: usize,
+    /// Largest angle between the line of sight and the normal, above 0 and below 90 degrees; radians, degrees
+    /// in files. Default 60 degrees: flatter surface is foreshortened to less than half, and many of its
+    /// pixels are lost.
+    #[serde(rename = "angle_deg", with = "degrees")]
+    #[cfg_attr(feature = "schema", schemars(with = "f64"))]
+    pub angle: f64,
+    /// Least number of pixels on each square millimetre of the surface, at least 0: how sharp its texture is
+    /// to be. Default 0.
+    pub points_per_mm2: f64,
     /// Least angle between the directions of two looks, 0 to 60 degrees; radians, degrees in files. Default
     /// 10 degrees.
     #[serde(rename = "apart_deg", with = "degrees")]
@@ -35,15 +41,22 @@ checked_when_read!(LooksGoal);
 
 impl Default for LooksGoal {
     fn default() -> Self {
-        Self { n: 3, apart: 10_f64.to_radians() }
+        Self { n: 3, angle: 60_f64.to_radians(), points_per_mm2: 0.0, apart: 10_f64.to_radians() }
     }
 }
 
 impl LooksGoal {
     /// Fails on the first value out of range.
     pub fn check(&self) -> Result<(), Error> {
-        if !(2..=20).contains(&self.n) {
-            return Err(Error::invalid("n", self.n, "2 to 20 looks"));
+        if !(1..=20).contains(&self.n) {
+            return Err(Error::invalid("n", self.n, "1 to 20 looks"));
+        }
+        let angle = degrees::tidy(self.angle);
+        if !(angle > 0.0 && angle < 90.0) {
+            return Err(Error::invalid("angle_deg", angle, "a number of degrees above 0 and below 90"));
+        }
+        if !(self.points_per_mm2 >= 0.0 && self.points_per_mm2.is_finite()) {
+            return Err(Error::invalid("points_per_mm2", self.points_per_mm2, "a finite number, at least 0"));
         }
         let apart = degrees::tidy(self.apart);
         check_range("apart_deg", apart, 0.0..=60.0, "a number of degrees in 0..=60")
@@ -57,6 +70,10 @@ impl LooksGoal {
 pub struct SurfaceLooks {
     lattice: Lattice,
     n: usize,
+    /// Cosine of the largest angle from the normal.
+    least_cosine: f64,
+    /// Least number of pixels on a square metre.
+    least_density: f64,
     /// Directions of larger cosine are the same look.
     apart_cosine: f64,
     cells: FxHashMap<IVec3, Cell>,
@@ -77,8 +94,14 @@ impl SurfaceLooks {
     /// Nothing was seen yet, in cubes with edges of `cell` metres (at least 0.0001).
     pub fn new(cell: f64, goal: LooksGoal) -> Result<Self, Error> {
         goal.check()?;
-        let apart_cosine = goal.apart.cos();
-        Ok(Self { lattice: Lattice::new(cell)?, n: goal.n, apart_cosine, cells: FxHashMap::default() })
+        Ok(Self {
+            lattice: Lattice::new(cell)?,
+            n: goal.n,
+            least_cosine: goal.angle.cos(),
+            least_density: 1e6 * goal.points_per_mm2,
+            apart_cosine: goal.apart.cos(),
+            cells: FxHashMap::default(),
+        })
     }
 
     /// Adds a frame: the looks at what it shows in a box (world coordinates, finite). If cancelled, nothing
@@ -86,12 +109,13 @@ impl SurfaceLooks {
     pub fn add(&mut self, frame: &Frame, bounds: Aabb, cancel: &Cancel) -> Result<(), Cancelled> {
         let pose = frame.world_from_camera();
         for (key, normal) in normals(frame, &self.lattice, bounds, cancel)? {
-            let center = self.lattice.center(key);
-            let direction = (pose.translation() - center).normalize_or_zero();
+            let to_camera = pose.translation() - self.lattice.center(key);
+            let is_good = self.is_good(to_camera, normal, frame.intrinsics());
+            let direction = to_camera.normalize_or_zero();
             // The order of cells does not matter: each is met once.
             let cell = self.cells.entry(key).or_default();
             cell.normal += normal;
-            let is_wanted = cell.looks.len() < self.n && direction.dot(normal) >= LEAST_COSINE;
+            let is_wanted = cell.looks.len() < self.n && is_good;
             if is_wanted && is_apart(&cell.looks, direction, self.apart_cosine) {
                 cell.looks.push(direction);
             }
@@ -104,13 +128,22 @@ impl SurfaceLooks {
         self.cells.get(&self.lattice.key(position)).map(|cell| cell.looks.len())
     }
 
-    /// Whether a camera at `camera` that sees the cell of a position would add a look to those that it lacks.
-    pub(crate) fn lacks(&self, position: DVec3, camera: DVec3) -> bool {
+    /// Whether a camera with these optics at `camera` that sees the cell of a position would add a look to
+    /// those that it lacks.
+    pub(crate) fn lacks(&self, position: DVec3, camera: DVec3, intrinsics: &Intrinsics) -> bool {
         let key = self.lattice.key(position);
         let Some(cell) = self.cells.get(&key).filter(|cell| cell.looks.len() < self.n) else { return false };
-        let direction = (camera - self.lattice.center(key)).normalize_or_zero();
-        direction.dot(cell.normal.normalize_or_zero()) >= LEAST_COSINE
-            && is_apart(&cell.looks, direction, self.apart_cosine)
+        let to_camera = camera - self.lattice.center(key);
+        self.is_good(to_camera, cell.normal.normalize_or_zero(), intrinsics)
+            && is_apart(&cell.looks, to_camera.normalize_or_zero(), self.apart_cosine)
+    }
+
+    /// Whether surface with this normal is seen well enough by a camera that is there from it. Beside the
+    /// middle of the image, pixels are denser than is counted here.
+    fn is_good(&self, to_camera: DVec3, normal: DVec3, intrinsics: &Intrinsics) -> bool {
+        let (focal, cosine) = (intrinsics.focal(), to_camera.normalize_or_zero().dot(normal));
+        let density = focal.x * focal.y * cosine / to_camera.length_squared();
+        cosine >= self.least_cosine && density >= self.least_density
     }
 
     /// By cell with measured surface, in no fixed order, whether it has all looks of the goal.
@@ -235,7 +268,11 @@ mod tests {
     #[test]
     fn are_those_of_the_definition() {
         let frames = around(&[0.0, 3.0, 12.0, 15.0, 40.0, 41.0, 95.0, 180.0, 1.0]);
-        for goal in [LooksGoal::default(), LooksGoal { n: 20, apart: 0.0 }, LooksGoal { n: 2, apart: 0.5 }] {
+        for goal in [
+            LooksGoal::default(),
+            LooksGoal { n: 20, apart: 0.0, ..LooksGoal::default() },
+            LooksGoal { n: 2, apart: 0.5, ..LooksGoal::default() },
+        ] {
             let looks = looks(goal, &frames);
             let mut found = BTreeSet::new();
             for &key in looks.cells.keys() {
@@ -267,17 +304,36 @@ mod tests {
         let front = DVec3::new(0.0, 0.0, -0.1);
         let at = |degrees: f64| DQuat::from_rotation_y(f64::to_radians(degrees)) * DVec3::new(0.0, 0.0, -0.5);
         let seen = looks(LooksGoal::default(), &around(&[0.0, 20.0]));
-        assert!(seen.lacks(front, at(-20.0)));
-        assert!(!seen.lacks(front, at(5.0)), "as before");
-        assert!(!seen.lacks(front, at(-65.0)), "too flat");
-        assert!(!seen.lacks(DVec3::ZERO, at(-20.0)), "nothing was measured there");
-        assert!(!looks(LooksGoal::default(), &around(&[0.0, 20.0, 40.0])).lacks(front, at(-20.0)), "done");
+        let camera = *around(&[0.0])[0].intrinsics();
+        let lacks = |looks: &SurfaceLooks, degrees| looks.lacks(front, at(degrees), &camera);
+        assert!(lacks(&seen, -20.0));
+        assert!(!lacks(&seen, 5.0), "as before");
+        assert!(!lacks(&seen, -65.0), "too flat");
+        assert!(!seen.lacks(DVec3::ZERO, at(-20.0), &camera), "nothing was measured there");
+        assert!(!lacks(&looks(LooksGoal::default(), &around(&[0.0, 20.0, 40.0])), -20.0), "done");
+    }
+
+    /// From 0.4 m, a millimetre is f / 400 pixels wide.
+    #[test]
+    fn a_look_is_as_steep_and_as_sharp_as_is_asked_for() {
+        let front = DVec3::new(0.0, 0.0, -0.1);
+        let frames = around(&[0.0]);
+        let density = (frames[0].intrinsics().focal().x / 400.0).powi(2);
+        let n = |goal, degrees: f64| looks(goal, &around(&[degrees])).n_at(front);
+        let sharp = |share: f64| LooksGoal { points_per_mm2: share * density, ..LooksGoal::default() };
+        assert_eq!((n(sharp(0.9), 0.0), n(sharp(1.1), 0.0)), (Some(1), Some(0)));
+        assert_eq!(n(sharp(0.9), 40.0), Some(0), "it is foreshortened, and farther away");
+        let steep = |degrees: f64| LooksGoal { angle: degrees.to_radians(), ..LooksGoal::default() };
+        // At the front, a camera 20 degrees about the middle is 25 degrees beside the normal.
+        assert_eq!((n(steep(32.0), 20.0), n(steep(18.0), 20.0)), (Some(1), Some(0)));
     }
 
     #[test]
     fn goals_out_of_range_are_refused() {
         for (goal, problem) in [
-            (LooksGoal { n: 1, ..LooksGoal::default() }, "n is 1"),
+            (LooksGoal { n: 0, ..LooksGoal::default() }, "n is 0"),
+            (LooksGoal { angle: 1.6, ..LooksGoal::default() }, "angle_deg is 91.6"),
+            (LooksGoal { points_per_mm2: f64::INFINITY, ..LooksGoal::default() }, "points_per_mm2 is inf"),
             (LooksGoal { n: 21, ..LooksGoal::default() }, "n is 21"),
             (LooksGoal { apart: 1.1, ..LooksGoal::default() }, "apart_deg is 63.02"),
             (LooksGoal { apart: f64::NAN, ..LooksGoal::default() }, "apart_deg is NaN"),
@@ -287,7 +343,10 @@ mod tests {
             assert!(message.starts_with(problem), "{message}");
         }
         assert!(serde_json::from_str::<LooksGoal>(r#"{"n": 0}"#).is_err());
-        let goal = LooksGoal { n: 4, apart: 15_f64.to_radians() };
-        assert_eq!(serde_json::to_string(&goal).unwrap(), r#"{"n":4,"apart_deg":15.0}"#);
+        let goal = LooksGoal { n: 4, apart: 15_f64.to_radians(), ..LooksGoal::default() };
+        assert_eq!(
+            serde_json::to_string(&goal).unwrap(),
+            r#"{"n":4,"angle_deg":60.0,"points_per_mm2":0.0,"apart_deg":15.0}"#
+        );
     }
 }

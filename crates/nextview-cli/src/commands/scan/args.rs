@@ -120,6 +120,9 @@ pub struct ScanArgs {
     /// surface that was seen is done]
     #[arg(long, value_name = "N", value_parser = values::count, allow_negative_numbers = true)]
     looks: Option<usize>,
+    /// The CAD model of the part, which the planner inspection needs
+    #[arg(long, value_name = "MESH", value_parser = values::file_name())]
+    reference: Option<String>,
     /// Whether the mesh is closed where nothing was measured, to be printed, and marks these vertices in its
     /// column `filled` [default: off]
     #[arg(long, value_enum, value_name = "on|off", hide_possible_values = true)]
@@ -288,6 +291,7 @@ impl ScanArgs {
         config.min_overlap = self.min_overlap.or(config.min_overlap);
         config.goal_mm = self.goal_mm.or(config.goal_mm);
         self.looks.into_iter().for_each(|n| config.looks.get_or_insert_default().n = n);
+        self.reference.into_iter().for_each(|mesh| config.set_reference(mesh.into()));
         set(&mut config.baselines, self.baselines.map(|switch| switch == Switch::On));
         config.stop.completeness = self.complete.or(config.stop.completeness);
         config.stop.path_length = self.max_path_m.or(config.stop.path_length);

@@ -1,0 +1,52 @@
+use crate::record::SurfaceRecord;
+use fixedbitset::FixedBitSet;
+use nextview::Cancel;
+use nextview::geometry::Pose;
+use nextview::sensor::DepthRange;
+use nextview_recording::{ReadOptions, Recording};
+use nextview_scan::{FRAMES_FOLDER, Fault, ReferenceConfig};
+use nextview_sim::inspection::PlacedPart;
+use nextview_sim::mesh::TriangleMesh;
+use rayon::prelude::*;
+use std::path::Path;
+
+/// How much of each surface of the part the frames in the results measured as it is to be seen; none where
+/// there are no frames.
+pub(crate) fn seen_as_demanded(
+    results: &Path,
+    reference: &ReferenceConfig,
+    mesh: &TriangleMesh,
+    world_from_reference: &Pose,
+    cancel: &Cancel,
+) -> Result<Vec<SurfaceRecord>, Fault> {
+    let demands = reference.demands(mesh)?;
+    let folder = results.join(FRAMES_FOLDER);
+    if !folder.is_dir() {
+        return Ok(Vec::new());
+    }
+    let recording = Recording::open(&folder, &ReadOptions::default())?;
+    // What a frame measured was in the camera's range.
+    let camera = (recording.intrinsics, DepthRange::default());
+    let part = PlacedPart::new(mesh, &demands, world_from_reference, camera)?;
+    let measured = recording.frames.par_iter().map(|frame| {
+        cancel.check()?;
+        Ok::<_, Fault>(part.shown_in(&frame.load()?)?.1)
+    });
+    let none = || Ok(FixedBitSet::with_capacity(demands.samples().len()));
+    let measured = measured.try_reduce_with(|mut all, of_frame| {
+        all.union_with(&of_frame);
+        Ok(all)
+    });
+    let measured = measured.unwrap_or_else(none)?;
+    let of_surface = |(i, demand): (usize, &nextview_sim::inspection::SurfaceDemand)| {
+        let samples = demands.samples().iter().enumerate().filter(|(_, (of, _))| *of == i);
+        let is_measured: Vec<bool> = samples.map(|(sample, _)| measured.contains(sample)).collect();
+        SurfaceRecord {
+            name: demand.name.clone(),
+            angle_deg: demand.max_angle.to_degrees(),
+            points_per_mm2: demand.min_density / 1e6,
+            measured_share: is_measured.iter().filter(|is| **is).count() as f64 / is_measured.len() as f64,
+        }
+    };
+    Ok(demands.demands().iter().enumerate().map(of_surface).collect())
+}

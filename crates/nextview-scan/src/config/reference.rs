@@ -1,0 +1,111 @@
+use super::UnitName;
+use nextview::geometry::Pose;
+use serde::{Deserialize, Serialize};
+use std::path::PathBuf;
+
+/// The CAD model of the part that is scanned, and how its surfaces are to be seen. The planner inspection
+/// plans by it, and an inspection of the results says how much was seen like that.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(deny_unknown_fields)]
+pub struct ReferenceConfig {
+    /// A mesh file, whose triangles run counter-clockwise seen from outside.
+    pub mesh: PathBuf,
+    /// Unit of the file. Default: auto.
+    #[serde(default)]
+    pub unit: UnitName,
+    /// Where the part stands. By default, it is found in the frames.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub world_from_reference: Option<Pose>,
+    /// Largest angle between the line of sight and the surface's normal, above 0 and below 90. Default: 60.
+    #[serde(default = "default_angle")]
+    pub angle_deg: f64,
+    /// Least number of pixels of one picture on each square millimetre, at least 0. Default: 0.
+    #[serde(default)]
+    pub points_per_mm2: f64,
+    /// The surfaces that are to be seen. By default, all of the part.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub surfaces: Vec<ReferenceSurface>,
+}
+
+/// A surface of a part.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(deny_unknown_fields)]
+pub struct ReferenceSurface {
+    /// Its name.
+    pub name: String,
+    /// What of the CAD model lies in this box, in the model's coordinates, by its lowest and highest corner.
+    pub box_m: [f64; 6],
+    /// As for the whole part, which is the default.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub angle_deg: Option<f64>,
+    /// As for the whole part, which is the default.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub points_per_mm2: Option<f64>,
+}
+
+fn default_angle() -> f64 {
+    60.0
+}
+
+impl ReferenceConfig {
+    /// Of this file, with the defaults.
+    pub fn of(mesh: PathBuf) -> Self {
+        Self {
+            mesh,
+            unit: UnitName::default(),
+            world_from_reference: None,
+            angle_deg: default_angle(),
+            points_per_mm2: 0.0,
+            surfaces: Vec::new(),
+        }
+    }
+}
+
+#[cfg(feature = "simulated")]
+mod known {
+    use super::ReferenceConfig;
+    use crate::Fault;
+    use glam::DVec3;
+    use nextview::geometry::Aabb;
+    use nextview::planner::ViewPlanner;
+    use nextview_sim::inspection::{InspectionViews, SurfaceDemand, SurfaceDemands};
+    use nextview_sim::mesh::{self, TriangleMesh};
+
+    impl ReferenceConfig {
+        /// The CAD model, metres, and how the file's numbers became metres.
+        pub fn load(&self) -> Result<(TriangleMesh, String), Fault> {
+            let (mesh, scaling) = mesh::load(&self.mesh)?.to_metres(self.unit.into())?;
+            Ok((mesh, scaling.to_string()))
+        }
+
+        /// How its surfaces are to be seen.
+        pub fn demands(&self, mesh: &TriangleMesh) -> Result<SurfaceDemands, Fault> {
+            let whole = SurfaceDemand {
+                name: "all".to_owned(),
+                bounds: None,
+                max_angle: self.angle_deg.to_radians(),
+                min_density: 1e6 * self.points_per_mm2,
+            };
+            let demands = self.surfaces.iter().map(|surface| {
+                let [x0, y0, z0, x1, y1, z1] = surface.box_m;
+                SurfaceDemand {
+                    name: surface.name.clone(),
+                    bounds: Some(Aabb { min: DVec3::new(x0, y0, z0), max: DVec3::new(x1, y1, z1) }),
+                    max_angle: surface.angle_deg.unwrap_or(self.angle_deg).to_radians(),
+                    min_density: 1e6 * surface.points_per_mm2.unwrap_or(self.points_per_mm2),
+                }
+            });
+            let demands = if self.surfaces.is_empty() { vec![whole] } else { demands.collect() };
+            SurfaceDemands::new(mesh, demands).map_err(|error| Fault::from(error).within("reference"))
+        }
+
+        /// The planner of so many views, at most, that show them like that.
+        pub(crate) fn planner(&self, max_views: usize) -> Result<Box<dyn ViewPlanner>, Fault> {
+            let (mesh, _) = self.load()?;
+            let demands = self.demands(&mesh)?;
+            Ok(Box::new(InspectionViews::new(mesh, demands, self.world_from_reference, max_views)?))
+        }
+    }
+}

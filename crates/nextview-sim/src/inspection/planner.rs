@@ -1,0 +1,258 @@
+use super::{KnownPart, PartFit, PlacedPart, SurfaceDemands};
+use crate::SimError;
+use crate::mesh::TriangleMesh;
+use fixedbitset::FixedBitSet;
+use glam::DVec3;
+use nextview::Error;
+use nextview::flow::{Incidence, SetValues, fewest_sets, good_coverage};
+use nextview::geometry::{Plane, Pose};
+use nextview::planner::{Choice, EvenViews, Explanation, Plan, Situation, ViewPlanner};
+use nextview::registration::{KnownSurface, RegistrationConfig, SurfacePoint};
+use nextview::session::ON_TABLE;
+use nextview::view::ViewSpace;
+use rayon::prelude::*;
+use std::cmp::Reverse;
+
+/// Plans the fewest views in which all surfaces of a part are seen as demanded.
+///
+/// After each frame, it finds where the part is, which samples of its surfaces were measured as demanded, and
+/// a small set of views that show the rest: the fewest or, where that is more than may be taken, those that
+/// show most. Of these it takes the one that shows most. A sample that two pictures should have shown and did
+/// not is given up.
+pub struct InspectionViews {
+    mesh: TriangleMesh,
+    demands: SurfaceDemands,
+    place: Place,
+    max_views: usize,
+    /// As of the plan before.
+    outlook: Option<Outlook>,
+}
+
+/// What each candidate would show of the part.
+struct Outlook {
+    fit: PartFit,
+    views: ViewSpace,
+    /// By candidate, the samples that it would show as demanded.
+    shown: Vec<FixedBitSet>,
+}
+
+/// Where the part is.
+enum Place {
+    Stated { world_from_reference: Pose },
+    ToFind(KnownPart),
+}
+
+/// A place of the part that was found, or why none was.
+enum Found {
+    There(PartFit),
+    NotYet,
+}
+
+/// If a smaller share of the points lies near the model, the part has not been found.
+const LEAST_FIT: f64 = 0.6;
+
+/// After so many frames it should have been.
+const N_FRAMES_TO_FIND: usize = 4;
+
+/// Where the part was found to be stays where it is until that moves a corner of its box farther, metres:
+/// pictures of the model from all candidates take longest of all.
+const MOTION: f64 = 0.001;
+
+/// Pictures that should have shown a sample, after which it is given up.
+const N_ATTEMPTS: u8 = 2;
+
+impl InspectionViews {
+    /// For a part with this CAD model in metres, whose triangles run counter-clockwise seen from outside, and
+    /// that stands where it is said, or somewhere. `max_views` is the number of views of the scan, at most.
+    pub fn new(
+        mesh: TriangleMesh,
+        demands: SurfaceDemands,
+        world_from_reference: Option<Pose>,
+        max_views: usize,
+    ) -> Result<Self, Error> {
+        let place = match world_from_reference {
+            Some(world_from_reference) => Place::Stated { world_from_reference },
+            None => Place::ToFind(KnownPart::new(&mesh)?),
+        };
+        Ok(Self { mesh, demands, place, max_views, outlook: None })
+    }
+
+    fn find(&self, situation: &Situation<'_>) -> Result<Found, Error> {
+        let part = match &self.place {
+            Place::Stated { world_from_reference } => {
+                let reference_from_world = world_from_reference.inverse();
+                return Ok(Found::There(PartFit { reference_from_world, share: 1.0, ruled_out_share: 0.0 }));
+            }
+            Place::ToFind(part) => part,
+        };
+        let fit =
+            part.fit(&measured_points(situation)?, |point| rules_out(situation, point), situation.cancel())?;
+        let n_frames = situation.frames().len();
+        match fit.share >= LEAST_FIT {
+            true => Ok(Found::There(fit)),
+            false if n_frames < N_FRAMES_TO_FIND => Ok(Found::NotYet),
+            false => {
+                let problem = format!(
+                    "the CAD model does not fit what {n_frames} frames measured: {:.0} % of the points lie near it in the best pose found, expected at least {:.0} %; is it the model of this part, in the right unit?",
+                    1e2 * fit.share,
+                    1e2 * LEAST_FIT
+                );
+                Err(Error::Planner(problem.into()))
+            }
+        }
+    }
+
+    /// What each candidate would show of a part that was found like this: as before, where hardly anything
+    /// has changed.
+    fn outlook(&self, fit: PartFit, situation: &Situation<'_>) -> Result<Option<Outlook>, Error> {
+        if self.outlook.as_ref().is_some_and(|known| self.is_as_before(known, &fit, situation)) {
+            return Ok(None);
+        }
+        let part = self.placed(&fit, situation)?;
+        let shown_from = |pose| {
+            situation.cancel().check()?;
+            part.shown_from(pose)
+        };
+        let views = situation.views();
+        let shown = views.poses().par_iter().map(shown_from).collect::<Result<_, Error>>()?;
+        Ok(Some(Outlook { fit, views: views.clone(), shown }))
+    }
+
+    fn is_as_before(&self, known: &Outlook, fit: &PartFit, situation: &Situation<'_>) -> bool {
+        let motion = known.fit.reference_from_world * fit.reference_from_world.inverse();
+        let stays = |corner: DVec3| motion.transform_point(corner).distance(corner) <= MOTION;
+        self.mesh.bounds().corners().into_iter().all(stays)
+            && known.views.poses() == situation.views().poses()
+    }
+
+    fn placed(&self, fit: &PartFit, situation: &Situation<'_>) -> Result<PlacedPart<'_>, Error> {
+        let camera = (*situation.intrinsics(), situation.depth_range());
+        PlacedPart::new(&self.mesh, &self.demands, &fit.reference_from_world.inverse(), camera)
+            .map_err(failed)
+    }
+
+    fn plan_by(&self, outlook: &Outlook, situation: &Situation<'_>) -> Result<Plan, Error> {
+        let part = self.placed(&outlook.fit, situation)?;
+        let State { measured, given_up } = state(&part, situation, self.demands.samples().len())?;
+        let open = situation.open_views();
+        let still_shown = |view: &usize| {
+            let mut shown = outlook.shown[*view].clone();
+            shown.difference_with(&measured);
+            shown.difference_with(&given_up);
+            shown
+        };
+        let shown: Vec<FixedBitSet> = open.iter().map(still_shown).collect();
+        let fewest = fewest_views(&shown, situation)?;
+        let n_left = self.max_views.saturating_sub(situation.visited().len());
+        let chosen = match fewest.len() <= n_left {
+            true => fewest.clone(),
+            false => best_views(&shown, n_left, situation)?,
+        };
+        let gain = |i: usize| shown[i].count_ones(..);
+        let mut by_gain = chosen;
+        by_gain.sort_by_key(|&i| Reverse(gain(i))); // stable
+        let Some(&best) = by_gain.first() else { return Ok(Plan::default()) };
+        let all = self.demands.samples().len() as f64;
+        let mut showable = measured.clone();
+        shown.iter().for_each(|shown| showable.union_with(shown));
+        let explanation = Explanation::from([
+            ("views_to_show_all", fewest.len() as f64),
+            ("measured_as_demanded_share", measured.count_ones(..) as f64 / all),
+            ("measurable_as_demanded_share", showable.count_ones(..) as f64 / all),
+            ("given_up_share", given_up.count_ones(..) as f64 / all),
+            ("points_near_model_share", outlook.fit.share),
+        ]);
+        let choice = Choice {
+            view: open[best],
+            score: gain(best) as f64 / all,
+            runner_up: by_gain.get(1).map(|&i| open[i]),
+            explanation: Some(explanation),
+        };
+        Ok(Plan { choice: Some(choice), ..Plan::default() })
+    }
+}
+
+impl ViewPlanner for InspectionViews {
+    fn plan(&mut self, situation: &Situation<'_>) -> Result<Plan, Error> {
+        match self.find(situation)? {
+            Found::There(fit) => {
+                let anew = self.outlook(fit, situation)?;
+                let outlook = anew.as_ref().or(self.outlook.as_ref()).expect("it is as before");
+                let plan = self.plan_by(outlook, situation)?;
+                self.outlook = anew.or(self.outlook.take());
+                Ok(plan)
+            }
+            Found::NotYet => EvenViews.plan(situation),
+        }
+    }
+
+    fn seeks_surface(&self) -> bool {
+        false
+    }
+}
+
+/// Which samples the frames have measured as demanded, and which are not tried again.
+struct State {
+    measured: FixedBitSet,
+    given_up: FixedBitSet,
+}
+
+fn state(part: &PlacedPart<'_>, situation: &Situation<'_>, n_samples: usize) -> Result<State, Error> {
+    let mut measured = FixedBitSet::with_capacity(n_samples);
+    let mut n_attempts = vec![0_u8; n_samples];
+    for frame in situation.frames() {
+        situation.cancel().check()?;
+        let (shown, of_frame) = part.shown_in(frame)?;
+        shown.ones().for_each(|sample| n_attempts[sample] = n_attempts[sample].saturating_add(1));
+        measured.union_with(&of_frame);
+    }
+    let mut given_up = FixedBitSet::with_capacity(n_samples);
+    given_up.extend((0..n_samples).filter(|&i| n_attempts[i] >= N_ATTEMPTS && !measured.contains(i)));
+    Ok(State { measured, given_up })
+}
+
+/// A small choice among the sets of samples that together has all samples of all sets.
+fn fewest_views(shown: &[FixedBitSet], situation: &Situation<'_>) -> Result<Vec<usize>, Error> {
+    let n_samples = shown.first().map_or(0, FixedBitSet::len);
+    let mut views_of_sample = Incidence::new(n_samples, shown.len());
+    for (view, shown) in shown.iter().enumerate() {
+        shown.ones().for_each(|sample| views_of_sample.insert(sample, view as u32));
+    }
+    let views = fewest_sets(&views_of_sample, situation.cancel())?;
+    Ok(views.into_iter().map(|view| view as usize).collect())
+}
+
+/// As many of the sets as that, at most, which together have most samples.
+fn best_views(shown: &[FixedBitSet], n: usize, situation: &Situation<'_>) -> Result<Vec<usize>, Error> {
+    let n_samples = shown.first().map_or(0, FixedBitSet::len);
+    let of_view = |shown: &FixedBitSet| shown.ones().map(|sample| (sample as u32, 1.0)).collect();
+    let values = SetValues::new(n_samples, shown.iter().map(of_view).collect());
+    let coverage = good_coverage(&values, n, situation.cancel())?;
+    Ok(coverage.sets.into_iter().map(|view| view as usize).collect())
+}
+
+/// What the frames have measured, with normals, without the table.
+fn measured_points(situation: &Situation<'_>) -> Result<Vec<SurfacePoint>, Error> {
+    let spacing = Some(situation.finest_voxel_size());
+    let mut surface = KnownSurface::new(RegistrationConfig { spacing, ..RegistrationConfig::default() })?;
+    let snapshot = situation.snapshot();
+    let bounds = snapshot.lattice().bounds(&snapshot.block());
+    for frame in situation.frames() {
+        surface.add(frame, &frame.world_from_camera(), bounds, situation.cancel())?;
+    }
+    let is_above =
+        |point: &SurfacePoint| situation.table().is_none_or(|table| table.height(point.position) > ON_TABLE);
+    Ok(surface.points().into_iter().filter(is_above).collect())
+}
+
+/// Whether the part cannot be here: in the table, or in space that was seen to be free, with all that is up
+/// to a voxel away.
+fn rules_out(situation: &Situation<'_>, point: DVec3) -> bool {
+    let snapshot = situation.snapshot();
+    let is_in = |table: Plane| table.height(point) < -snapshot.lattice().voxel_size();
+    situation.table().is_some_and(is_in) || snapshot.is_free_around(point)
+}
+
+fn failed(error: SimError) -> Error {
+    Error::Planner(error.into())
+}
