@@ -43,9 +43,6 @@ pub struct Inspection {
     pub(crate) deviations: Vec<Deviation>,
 }
 
-/// If a smaller share of the points lies near the model, it is taken for another part.
-const LEAST_FIT: f64 = 0.6;
-
 /// Samples of the model that tell how much of it was measured.
 const N_SAMPLES: usize = 20_000;
 
@@ -100,11 +97,11 @@ pub fn inspect(
     }
     let part = KnownPart::new(&mesh)?;
     let PartFit { reference_from_world, share, .. } = part.fit(&in_world, |_| false, cancel)?;
-    if share < LEAST_FIT {
+    if share < PartFit::LEAST_SHARE {
         let message = format!(
             "{name} does not fit the cloud: in the best pose found, {:.0} % of the points lie near it, expected at least {:.0} %",
             1e2 * share,
-            1e2 * LEAST_FIT
+            1e2 * PartFit::LEAST_SHARE
         );
         let remedy =
             "is it the model of this part, in the right `unit`, and does the cloud show nothing else?";

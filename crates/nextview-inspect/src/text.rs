@@ -34,16 +34,12 @@ impl InspectionRecord {
             width = 13_usize.saturating_sub(self.tolerance_mm.to_string().len()),
         );
         for surface in &self.surfaces {
+            let label = format!("seen within {}°", surface.angle_deg);
             let density = match surface.points_per_mm2 {
                 0.0 => String::new(),
-                density => format!(", {density} points/mm² and more"),
+                density => format!(", with {density} points/mm² and more"),
             };
-            text += &format!(
-                "seen within {:.0}°{density}: {} of {}\n",
-                surface.angle_deg,
-                percent(surface.measured_share),
-                surface.name
-            );
+            text += &format!("{label:23}{} of {}{density}\n", percent(surface.measured_share), surface.name);
         }
         if self.defects.is_empty() {
             return text + "\nno defect found\n";

@@ -28,6 +28,11 @@ pub struct PartFit {
     pub ruled_out_share: f64,
 }
 
+impl PartFit {
+    /// If a smaller [share](Self::share) of the points lies near the model, it is that of another part.
+    pub const LEAST_SHARE: f64 = 0.6;
+}
+
 /// Distance of the points whose pairs find the pose, as a share of the model's diagonal.
 const SPACING: f64 = 0.05;
 

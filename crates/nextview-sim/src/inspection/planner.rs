@@ -25,11 +25,11 @@ pub struct InspectionViews {
     place: Place,
     max_views: usize,
     /// As of the plan before.
-    outlook: Option<Outlook>,
+    rendered: Option<Rendered>,
 }
 
 /// What each candidate would show of the part.
-struct Outlook {
+struct Rendered {
     fit: PartFit,
     views: ViewSpace,
     /// By candidate, the samples that it would show as demanded.
@@ -41,15 +41,6 @@ enum Place {
     Stated { world_from_reference: Pose },
     ToFind(KnownPart),
 }
-
-/// A place of the part that was found, or why none was.
-enum Found {
-    There(PartFit),
-    NotYet,
-}
-
-/// If a smaller share of the points lies near the model, the part has not been found.
-const LEAST_FIT: f64 = 0.6;
 
 /// After so many frames it should have been.
 const N_FRAMES_TO_FIND: usize = 4;
@@ -74,38 +65,36 @@ impl InspectionViews {
             Some(world_from_reference) => Place::Stated { world_from_reference },
             None => Place::ToFind(KnownPart::new(&mesh)?),
         };
-        Ok(Self { mesh, demands, place, max_views, outlook: None })
+        Ok(Self { mesh, demands, place, max_views, rendered: None })
     }
 
-    fn find(&self, situation: &Situation<'_>) -> Result<Found, Error> {
+    /// Where the part is; none as long as that may still be found. Fails if the part should have been found.
+    fn find(&self, situation: &Situation<'_>) -> Result<Option<PartFit>, Error> {
         let part = match &self.place {
             Place::Stated { world_from_reference } => {
                 let reference_from_world = world_from_reference.inverse();
-                return Ok(Found::There(PartFit { reference_from_world, share: 1.0, ruled_out_share: 0.0 }));
+                return Ok(Some(PartFit { reference_from_world, share: 1.0, ruled_out_share: 0.0 }));
             }
             Place::ToFind(part) => part,
         };
         let fit =
             part.fit(&measured_points(situation)?, |point| rules_out(situation, point), situation.cancel())?;
         let n_frames = situation.frames().len();
-        match fit.share >= LEAST_FIT {
-            true => Ok(Found::There(fit)),
-            false if n_frames < N_FRAMES_TO_FIND => Ok(Found::NotYet),
-            false => {
-                let problem = format!(
-                    "the CAD model does not fit what {n_frames} frames measured: {:.0} % of the points lie near it in the best pose found, expected at least {:.0} %; is it the model of this part, in the right unit?",
-                    1e2 * fit.share,
-                    1e2 * LEAST_FIT
-                );
-                Err(Error::Planner(problem.into()))
-            }
+        if fit.share < PartFit::LEAST_SHARE && n_frames >= N_FRAMES_TO_FIND {
+            let problem = format!(
+                "the CAD model does not fit what {n_frames} frames measured: {:.0} % of the points lie near it in the best pose found, expected at least {:.0} %; is it the model of this part, in the right unit?",
+                1e2 * fit.share,
+                1e2 * PartFit::LEAST_SHARE
+            );
+            return Err(Error::Planner(problem.into()));
         }
+        Ok(Some(fit).filter(|fit| fit.share >= PartFit::LEAST_SHARE))
     }
 
     /// What each candidate would show of a part that was found like this: as before, where hardly anything
     /// has changed.
-    fn outlook(&self, fit: PartFit, situation: &Situation<'_>) -> Result<Option<Outlook>, Error> {
-        if self.outlook.as_ref().is_some_and(|known| self.is_as_before(known, &fit, situation)) {
+    fn rendered(&self, fit: PartFit, situation: &Situation<'_>) -> Result<Option<Rendered>, Error> {
+        if self.rendered.as_ref().is_some_and(|known| self.is_as_before(known, &fit, situation)) {
             return Ok(None);
         }
         let part = self.placed(&fit, situation)?;
@@ -115,10 +104,10 @@ impl InspectionViews {
         };
         let views = situation.views();
         let shown = views.poses().par_iter().map(shown_from).collect::<Result<_, Error>>()?;
-        Ok(Some(Outlook { fit, views: views.clone(), shown }))
+        Ok(Some(Rendered { fit, views: views.clone(), shown }))
     }
 
-    fn is_as_before(&self, known: &Outlook, fit: &PartFit, situation: &Situation<'_>) -> bool {
+    fn is_as_before(&self, known: &Rendered, fit: &PartFit, situation: &Situation<'_>) -> bool {
         let motion = known.fit.reference_from_world * fit.reference_from_world.inverse();
         let stays = |corner: DVec3| motion.transform_point(corner).distance(corner) <= MOTION;
         self.mesh.bounds().corners().into_iter().all(stays)
@@ -131,12 +120,12 @@ impl InspectionViews {
             .map_err(failed)
     }
 
-    fn plan_by(&self, outlook: &Outlook, situation: &Situation<'_>) -> Result<Plan, Error> {
-        let part = self.placed(&outlook.fit, situation)?;
+    fn plan_by(&self, rendered: &Rendered, situation: &Situation<'_>) -> Result<Plan, Error> {
+        let part = self.placed(&rendered.fit, situation)?;
         let State { measured, given_up } = state(&part, situation, self.demands.samples().len())?;
         let open = situation.open_views();
         let still_shown = |view: &usize| {
-            let mut shown = outlook.shown[*view].clone();
+            let mut shown = rendered.shown[*view].clone();
             shown.difference_with(&measured);
             shown.difference_with(&given_up);
             shown
@@ -160,7 +149,7 @@ impl InspectionViews {
             ("measured_as_demanded_share", measured.count_ones(..) as f64 / all),
             ("measurable_as_demanded_share", showable.count_ones(..) as f64 / all),
             ("given_up_share", given_up.count_ones(..) as f64 / all),
-            ("points_near_model_share", outlook.fit.share),
+            ("points_near_model_share", rendered.fit.share),
         ]);
         let choice = Choice {
             view: open[best],
@@ -175,14 +164,14 @@ impl InspectionViews {
 impl ViewPlanner for InspectionViews {
     fn plan(&mut self, situation: &Situation<'_>) -> Result<Plan, Error> {
         match self.find(situation)? {
-            Found::There(fit) => {
-                let anew = self.outlook(fit, situation)?;
-                let outlook = anew.as_ref().or(self.outlook.as_ref()).expect("it is as before");
-                let plan = self.plan_by(outlook, situation)?;
-                self.outlook = anew.or(self.outlook.take());
+            Some(fit) => {
+                let anew = self.rendered(fit, situation)?;
+                let rendered = anew.as_ref().or(self.rendered.as_ref()).expect("it is as before");
+                let plan = self.plan_by(rendered, situation)?;
+                self.rendered = anew.or(self.rendered.take());
                 Ok(plan)
             }
-            Found::NotYet => EvenViews.plan(situation),
+            None => EvenViews.plan(situation),
         }
     }
 
