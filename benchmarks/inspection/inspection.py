@@ -38,14 +38,12 @@ view_seed = 0
 view_space = "hemisphere"
 baselines = false
 planner = "{planner}"
-unit = "mm"
 [object_box]
 table = "fit"
 [noise]
 model = "d435i"
 [reference]
 mesh = "{mesh}"
-unit = "mm"
 angle_deg = 45
 points_per_mm2 = 1
 """

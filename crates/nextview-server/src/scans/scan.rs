@@ -165,3 +165,32 @@ fn panicked() -> Refusal {
         Fault::data("the server failed by a fault of its own; the scan is as it was before, on the disk");
     Refusal::new(StatusCode::INTERNAL_SERVER_ERROR, fault.with_remedy("report it, with what was asked"))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::about::About;
+    use super::*;
+
+    /// What was in memory is forgotten, and the next request is answered.
+    #[test]
+    fn a_request_that_panics_is_answered_and_the_scan_goes_on() {
+        let about = About {
+            created: String::new(),
+            confirm_views: false,
+            is_paused: true,
+            accepted_after: None,
+            config: String::new(),
+        };
+        let one = || Arc::new(Semaphore::new(1));
+        let cores = Cores { requests: one(), scenes: one() };
+        let work = Work::kept(PathBuf::from("no-such-folder"), about);
+        let shared = (cores, &Limits::default());
+        let scan = Arc::new(Scan::new("mug".into(), "run".into(), work, &ScanConfig::default(), shared));
+        let runtime = tokio::runtime::Builder::new_multi_thread().enable_all().build().unwrap();
+        for _ in 0..3 {
+            let refusal = runtime.block_on(scan.with(|_| -> Result<(), Refusal> { panic!("on purpose") }));
+            assert_eq!(refusal.unwrap_err().status, StatusCode::INTERNAL_SERVER_ERROR);
+            assert!(runtime.block_on(scan.with(|work| Ok(work.about.is_paused))).unwrap());
+        }
+    }
+}

@@ -12,6 +12,7 @@ use std::time::Duration;
 /// The environment variables that tell the process what to do.
 const DIR: &str = "NEXTVIEW_TEST_SERVER_DIR";
 const TIGHT: &str = "NEXTVIEW_TEST_SERVER_TIGHT";
+const FULL: &str = "NEXTVIEW_TEST_SERVER_FULL";
 const TOKEN: &str = "NEXTVIEW_TEST_SERVER_TOKEN";
 
 /// Not a test: what a process of [`Server`] does.
@@ -31,7 +32,11 @@ fn is_a_server() {
         ..Limits::default()
     };
     let limits = if std::env::var_os(TIGHT).is_some() { tight } else { Limits::default() };
-    let limits = Limits { free_disk_mb: 1, ..limits };
+    let limits = match std::env::var(FULL).as_deref() {
+        Ok("disk") => Limits { free_disk_mb: u64::MAX, ..limits },
+        Ok("memory") => Limits { free_disk_mb: 1, memory_mb: 0, ..limits },
+        _ => Limits { free_disk_mb: 1, ..limits },
+    };
     let listen = SocketAddr::from(([127, 0, 0, 1], 0));
     let token = std::env::var(TOKEN).ok();
     let config = ServerConfig { listen, dir: dir.into(), limits, token, ..ServerConfig::default() };
@@ -54,6 +59,11 @@ impl Server {
     /// One with low limits.
     pub fn tight(dir: &Path) -> Self {
         Self::with(dir, &[(TIGHT, "1")])
+    }
+
+    /// One that takes its `disk` or its `memory` for full.
+    pub fn full(dir: &Path, what: &str) -> Self {
+        Self::with(dir, &[(FULL, what)])
     }
 
     /// One that asks every client for this token.

@@ -39,6 +39,37 @@ fn a_scan_that_cannot_be_read_is_left_out() {
     assert_eq!(fs::read_to_string(&torn).unwrap(), text[..text.len() / 2]);
 }
 
+/// Without room, nothing new is taken, and what there is goes on as soon as there is room again.
+#[test]
+fn a_server_without_room_takes_neither_scans_nor_frames() {
+    let folder = Folder::new("full");
+    let dir = folder.path("scans");
+    let robot = Robot::new(3, 160);
+    Server::start(&dir).client().post("/scans", &robot.body("mug")).expect(201);
+    for (what, message, remedy) in [
+        ("disk", "MB of the server's disk are free", "make room on the server's disk"),
+        ("memory", "MB of memory, its limit is 0 MB", "finish or delete scans"),
+    ] {
+        let server = Server::full(&dir, what);
+        let mut client = server.client();
+        let view = next(&mut client);
+        let rows = &view["view"]["world_from_camera"];
+        let refused = [
+            client.post("/scans", &robot.body("another")),
+            post_raw(&mut client, "mug", "1", rows, robot.frame(rows, true).image()),
+        ];
+        for answer in refused {
+            let fault = &answer.expect(503)["faults"][0];
+            let (said, hint) = (fault["message"].as_str().unwrap(), fault["remedy"].as_str().unwrap());
+            assert!(said.contains(message) && hint == remedy, "{fault}");
+        }
+    }
+    let server = Server::start(&dir);
+    let mut client = server.client();
+    let rows = &next(&mut client)["view"]["world_from_camera"];
+    post_raw(&mut client, "mug", "1", rows, robot.frame(rows, true).image()).expect(200);
+}
+
 #[test]
 fn a_scan_from_its_creation_to_its_files() {
     let folder = Folder::new("whole");
