@@ -43,7 +43,8 @@ pub(crate) fn seen_as_demanded(
         let is_measured: Vec<bool> = samples.map(|(sample, _)| measured.contains(sample)).collect();
         SurfaceRecord {
             name: demand.name.clone(),
-            angle_deg: demand.max_angle.to_degrees(),
+            // As it was stated: radians are rounded.
+            angle_deg: (1e9 * demand.max_angle.to_degrees()).round() / 1e9,
             points_per_mm2: demand.min_density / 1e6,
             measured_share: is_measured.iter().filter(|is| **is).count() as f64 / is_measured.len() as f64,
         }

@@ -1,7 +1,8 @@
 //! What a configuration must hold beyond what each of its parts checks itself.
 
 use super::{
-    BoxRule, LiveConfig, PlannerName, RecordingConfig, RobotConfig, ScanConfig, TableRule, ViewRule,
+    BoxRule, LiveConfig, PlannerName, RecordingConfig, ReferenceConfig, RobotConfig, ScanConfig, TableRule,
+    ViewRule,
 };
 use crate::{Fault, Faults};
 use nextview::gain::Apora;
@@ -60,6 +61,7 @@ fn faults(config: &ScanConfig) -> Vec<Fault> {
     faults.extend(config.planner.check().err());
     // The library's own weights need no check, which would cost tens of milliseconds.
     faults.extend(config.nbv_net.weights.as_ref().and_then(|_| config.nbv_net.planner().err()));
+    faults.extend(config.reference.iter().flat_map(ReferenceConfig::faults));
     faults.extend(config.reach.faults());
     faults.extend(config.robot.iter().flat_map(RobotConfig::faults));
     #[cfg(feature = "simulated")]

@@ -1,4 +1,5 @@
 use super::UnitName;
+use crate::Fault;
 use nextview::geometry::Pose;
 use serde::{Deserialize, Serialize};
 use std::path::PathBuf;
@@ -63,6 +64,30 @@ impl ReferenceConfig {
     }
 }
 
+impl ReferenceConfig {
+    /// Everything that is out of its range.
+    pub(super) fn faults(&self) -> Vec<Fault> {
+        let whole = ("reference".to_owned(), Some(self.angle_deg), Some(self.points_per_mm2));
+        let of_surface = |(i, surface): (usize, &ReferenceSurface)| {
+            (format!("reference.surfaces[{i}]"), surface.angle_deg, surface.points_per_mm2)
+        };
+        let mut faults = Vec::new();
+        for (key, angle, density) in
+            [whole].into_iter().chain(self.surfaces.iter().enumerate().map(of_surface))
+        {
+            if let Some(angle) = angle.filter(|angle| !(*angle > 0.0 && *angle < 90.0)) {
+                let expected = "an angle above 0 and below 90 degrees";
+                faults.push(Fault::of_value(&format!("{key}.angle_deg"), angle, expected));
+            }
+            if let Some(density) = density.filter(|density| !(*density >= 0.0 && density.is_finite())) {
+                let expected = "a finite number, at least 0";
+                faults.push(Fault::of_value(&format!("{key}.points_per_mm2"), density, expected));
+            }
+        }
+        faults
+    }
+}
+
 #[cfg(feature = "simulated")]
 mod known {
     use super::ReferenceConfig;
@@ -106,6 +131,21 @@ mod known {
             let (mesh, _) = self.load()?;
             let demands = self.demands(&mesh)?;
             Ok(Box::new(InspectionViews::new(mesh, demands, self.world_from_reference, max_views)?))
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::ScanConfig;
+
+    #[test]
+    fn all_numbers_out_of_range_are_named() {
+        let text = "[reference]\nmesh = \"cad.stl\"\nangle_deg = 95\n[[reference.surfaces]]\nname = \"seat\"\n\
+                    box_m = [0, 0, 0, 1, 1, 1]\npoints_per_mm2 = -1\n";
+        let message = ScanConfig::parse(text, None, None).unwrap_err().to_string();
+        for part in ["`reference.angle_deg` is 95", "`reference.surfaces[0].points_per_mm2` is -1"] {
+            assert!(message.contains(part), "{part} in {message}");
         }
     }
 }
