@@ -6,9 +6,9 @@
 
 Every part is scanned at its true size with the noise of a D435i on a table that is found, after 4, 8 and 12 views. All of its
 surface is to be seen within 45 degrees of its normal, with a point on each square millimetre, in one picture. The planner of
-inspections has the part's own mesh as CAD model and does not know where the part stands; `looks` is the default planner, asked
+inspections has the part's mesh as CAD model, in another place, and does not know where the part stands; `looks` is the default planner, asked
 for a look like that at all it finds. Random views are the mean of two scans.
-Shares are of what any candidate could show like that. Scans that were done before are read again. The meshes are in the folder
+Shares are of what any candidate could show like that. Needs trimesh. Scans that were done before are read again. The meshes are in the folder
 that NEXTVIEW_DATA names.
 """
 
@@ -20,6 +20,11 @@ import random
 import shutil
 import statistics
 import subprocess
+
+import trimesh
+
+# Where the CAD model is, beside the part.
+MOVED = trimesh.transformations.rotation_matrix(2.1, [0.3, -0.4, 0.87])
 
 HERE = pathlib.Path(__file__).resolve().parent
 MESHES = pathlib.Path(os.environ.get("NEXTVIEW_DATA", HERE / "../../../shared/data")).resolve() / "meshes"
@@ -43,10 +48,21 @@ table = "fit"
 [noise]
 model = "d435i"
 [reference]
-mesh = "{mesh}"
+mesh = "{reference}"
 angle_deg = 45
 points_per_mm2 = 1
 """
+
+
+def cad_model(mesh, out):
+    """The mesh, turned and shifted by a third of its size, as STL."""
+    path = out / f"{mesh.stem}.stl"
+    if not path.exists():
+        model = trimesh.load(mesh, force="mesh", process=False)
+        model.apply_transform(MOVED)
+        model.apply_translation(model.extents / 3)
+        model.export(path)
+    return path
 
 
 def inspected(program, out, mesh, planner, seed, views):
@@ -56,7 +72,7 @@ def inspected(program, out, mesh, planner, seed, views):
         shutil.rmtree(folder, ignore_errors=True)
         config = folder.with_suffix(".toml")
         name, goal = ("most-surface", LOOKS) if planner == "looks" else (planner, "")
-        config.write_text(CONFIG.format(planner=name, seed=seed, views=views, mesh=mesh) + goal, encoding="utf-8")
+        config.write_text(CONFIG.format(planner=name, seed=seed, views=views, reference=cad_model(mesh, out)) + goal, encoding="utf-8")
         quietly(program, "scan", mesh, "--config", config, "--out", folder)
         quietly(program, "inspect", folder, "--out", report, "--force")
     found = json.loads((report / "inspection.json").read_text(encoding="utf-8"))

@@ -41,6 +41,12 @@ fn every_planner_has_a_page_that_says_how_to_call_it() {
         .map(|(name, _)| name)
         .collect();
     assert!(names.len() > 10 && names.contains(&"max-flow") && names.contains(&"clairvoyant"), "{names:?}");
+    let readme = fs::read_to_string(workspace().join("README.md")).unwrap();
+    assert!(
+        readme.contains(&format!("{} planners, two of them bounds", names.len())),
+        "{} planners",
+        names.len()
+    );
     let pages = pages();
     for name in names {
         let page = pages.iter().find(|(page, _)| *page == format!("{name}.md"));

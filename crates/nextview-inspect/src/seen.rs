@@ -5,7 +5,7 @@ use nextview::geometry::Pose;
 use nextview::sensor::DepthRange;
 use nextview_recording::{ReadOptions, Recording};
 use nextview_scan::{FRAMES_FOLDER, Fault, ReferenceConfig};
-use nextview_sim::inspection::PlacedPart;
+use nextview_sim::inspection::{PlacedPart, SurfaceDemand};
 use nextview_sim::mesh::TriangleMesh;
 use rayon::prelude::*;
 use std::path::Path;
@@ -38,7 +38,7 @@ pub(crate) fn seen_as_demanded(
         Ok(all)
     });
     let measured = measured.unwrap_or_else(none)?;
-    let of_surface = |(i, demand): (usize, &nextview_sim::inspection::SurfaceDemand)| {
+    let of_surface = |(i, demand): (usize, &SurfaceDemand)| {
         let samples = demands.samples().iter().enumerate().filter(|(_, (of, _))| *of == i);
         let is_measured: Vec<bool> = samples.map(|(sample, _)| measured.contains(sample)).collect();
         SurfaceRecord {

@@ -1,14 +1,17 @@
 //! What a configuration must hold beyond what each of its parts checks itself.
 
+#[cfg(feature = "simulated")]
+use super::ReferenceConfig;
 use super::{
-    BoxRule, LiveConfig, PlannerName, RecordingConfig, ReferenceConfig, RobotConfig, ScanConfig, TableRule,
-    ViewRule,
+    BoxRule, LiveConfig, PlannerName, RecordingConfig, RobotConfig, ScanConfig, TableRule, ViewRule,
 };
 use crate::{Fault, Faults};
 use nextview::gain::Apora;
 use nextview::geometry::Aabb;
 use nextview::planner::{Batch, Greedy, MaxFlow, MostSurface};
 use nextview::sensor::SurfaceError;
+#[cfg(feature = "simulated")]
+use nextview_sim::inspection::SurfaceDemand;
 
 impl ScanConfig {
     /// Everything that is out of its range or contradicts something else.
@@ -61,7 +64,8 @@ fn faults(config: &ScanConfig) -> Vec<Fault> {
     faults.extend(config.planner.check().err());
     // The library's own weights need no check, which would cost tens of milliseconds.
     faults.extend(config.nbv_net.weights.as_ref().and_then(|_| config.nbv_net.planner().err()));
-    faults.extend(config.reference.iter().flat_map(ReferenceConfig::faults));
+    #[cfg(feature = "simulated")]
+    faults.extend(config.reference.iter().flat_map(of_reference));
     faults.extend(config.reach.faults());
     faults.extend(config.robot.iter().flat_map(RobotConfig::faults));
     #[cfg(feature = "simulated")]
@@ -75,6 +79,15 @@ fn faults(config: &ScanConfig) -> Vec<Fault> {
     faults.extend(of_looks(config));
     faults.extend(of_seconds(config));
     faults
+}
+
+/// Everything that is out of its range in what the surfaces of a part are to be seen like.
+#[cfg(feature = "simulated")]
+fn of_reference(reference: &ReferenceConfig) -> impl Iterator<Item = Fault> + '_ {
+    let of_demand = |(key, demand): (String, SurfaceDemand)| -> Vec<Fault> {
+        demand.faults().into_iter().map(|error| of_part(&key, error)).collect()
+    };
+    reference.keyed_demands().flat_map(of_demand)
 }
 
 /// A library's fault under the key that the value has in the configuration.

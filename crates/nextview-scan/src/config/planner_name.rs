@@ -71,9 +71,8 @@ pub struct PlannerConfigs {
     pub batch: BatchConfig,
     /// Of NBV-Net.
     pub nbv_net: NbvNetConfig,
-    /// Of the planner inspection, and the number of views of the scan, at most; none where no CAD model is
-    /// named.
-    pub reference: Option<(ReferenceConfig, usize)>,
+    /// Of the planner inspection; none where no CAD model is named.
+    pub reference: Option<ReferenceConfig>,
 }
 
 impl NbvNetConfig {
@@ -148,15 +147,13 @@ impl PlannerName {
 }
 
 #[cfg(feature = "simulated")]
-fn inspection(reference: Option<(ReferenceConfig, usize)>) -> Result<Box<dyn ViewPlanner>, Fault> {
+fn inspection(reference: Option<ReferenceConfig>) -> Result<Box<dyn ViewPlanner>, Fault> {
     let fault = || Fault::request("the planner inspection needs the CAD model of the part");
-    let missing = || fault().with_remedy("name it as `reference.mesh`");
-    let (reference, max_views) = reference.ok_or_else(missing)?;
-    reference.planner(max_views)
+    reference.ok_or_else(|| fault().with_remedy("name it as `reference.mesh`"))?.planner()
 }
 
 #[cfg(not(feature = "simulated"))]
-fn inspection(_: Option<(ReferenceConfig, usize)>) -> Result<Box<dyn ViewPlanner>, Fault> {
+fn inspection(_: Option<ReferenceConfig>) -> Result<Box<dyn ViewPlanner>, Fault> {
     Err(Fault::request("this program reads no meshes, which the planner inspection needs"))
 }
 

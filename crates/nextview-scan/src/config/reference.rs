@@ -1,5 +1,4 @@
 use super::UnitName;
-use crate::Fault;
 use nextview::geometry::Pose;
 use serde::{Deserialize, Serialize};
 use std::path::PathBuf;
@@ -64,33 +63,9 @@ impl ReferenceConfig {
     }
 }
 
-impl ReferenceConfig {
-    /// Everything that is out of its range.
-    pub(super) fn faults(&self) -> Vec<Fault> {
-        let whole = ("reference".to_owned(), Some(self.angle_deg), Some(self.points_per_mm2));
-        let of_surface = |(i, surface): (usize, &ReferenceSurface)| {
-            (format!("reference.surfaces[{i}]"), surface.angle_deg, surface.points_per_mm2)
-        };
-        let mut faults = Vec::new();
-        for (key, angle, density) in
-            [whole].into_iter().chain(self.surfaces.iter().enumerate().map(of_surface))
-        {
-            if let Some(angle) = angle.filter(|angle| !(*angle > 0.0 && *angle < 90.0)) {
-                let expected = "an angle above 0 and below 90 degrees";
-                faults.push(Fault::of_value(&format!("{key}.angle_deg"), angle, expected));
-            }
-            if let Some(density) = density.filter(|density| !(*density >= 0.0 && density.is_finite())) {
-                let expected = "a finite number, at least 0";
-                faults.push(Fault::of_value(&format!("{key}.points_per_mm2"), density, expected));
-            }
-        }
-        faults
-    }
-}
-
 #[cfg(feature = "simulated")]
 mod known {
-    use super::ReferenceConfig;
+    use super::{ReferenceConfig, ReferenceSurface};
     use crate::Fault;
     use glam::DVec3;
     use nextview::geometry::Aabb;
@@ -107,30 +82,34 @@ mod known {
 
         /// How its surfaces are to be seen.
         pub fn demands(&self, mesh: &TriangleMesh) -> Result<SurfaceDemands, Fault> {
-            let whole = SurfaceDemand {
-                name: "all".to_owned(),
-                bounds: None,
-                max_angle: self.angle_deg.to_radians(),
-                min_density: 1e6 * self.points_per_mm2,
-            };
-            let demands = self.surfaces.iter().map(|surface| {
-                let [x0, y0, z0, x1, y1, z1] = surface.box_m;
-                SurfaceDemand {
-                    name: surface.name.clone(),
-                    bounds: Some(Aabb { min: DVec3::new(x0, y0, z0), max: DVec3::new(x1, y1, z1) }),
-                    max_angle: surface.angle_deg.unwrap_or(self.angle_deg).to_radians(),
-                    min_density: 1e6 * surface.points_per_mm2.unwrap_or(self.points_per_mm2),
-                }
-            });
-            let demands = if self.surfaces.is_empty() { vec![whole] } else { demands.collect() };
-            SurfaceDemands::new(mesh, demands).map_err(|error| Fault::from(error).within("reference"))
+            let demands = self.keyed_demands().skip(usize::from(!self.surfaces.is_empty()));
+            SurfaceDemands::new(mesh, demands.map(|(_, demand)| demand).collect())
+                .map_err(|error| Fault::from(error).within("reference"))
         }
 
-        /// The planner of so many views, at most, that show them like that.
-        pub(crate) fn planner(&self, max_views: usize) -> Result<Box<dyn ViewPlanner>, Fault> {
+        /// A demand for the whole part and for each of its surfaces, by key.
+        pub(in super::super) fn keyed_demands(&self) -> impl Iterator<Item = (String, SurfaceDemand)> + '_ {
+            let demand = |name: &str, bounds, angle: Option<f64>, density: Option<f64>| SurfaceDemand {
+                name: name.to_owned(),
+                bounds,
+                max_angle: angle.unwrap_or(self.angle_deg).to_radians(),
+                min_density: 1e6 * density.unwrap_or(self.points_per_mm2),
+            };
+            let of_surface = move |(i, surface): (usize, &ReferenceSurface)| {
+                let [x0, y0, z0, x1, y1, z1] = surface.box_m;
+                let bounds = Aabb { min: DVec3::new(x0, y0, z0), max: DVec3::new(x1, y1, z1) };
+                let (angle, density) = (surface.angle_deg, surface.points_per_mm2);
+                (format!("reference.surfaces[{i}]"), demand(&surface.name, Some(bounds), angle, density))
+            };
+            let whole = ("reference".to_owned(), demand("all", None, None, None));
+            [whole].into_iter().chain(self.surfaces.iter().enumerate().map(of_surface))
+        }
+
+        /// The planner of views that show them like that.
+        pub(crate) fn planner(&self) -> Result<Box<dyn ViewPlanner>, Fault> {
             let (mesh, _) = self.load()?;
             let demands = self.demands(&mesh)?;
-            Ok(Box::new(InspectionViews::new(mesh, demands, self.world_from_reference, max_views)?))
+            Ok(Box::new(InspectionViews::new(mesh, demands, self.world_from_reference)?))
         }
     }
 }

@@ -374,7 +374,7 @@ impl ScanConfig {
             greedy: self.greedy,
             batch: self.batch,
             nbv_net: self.nbv_net.clone(),
-            reference: self.reference.clone().map(|reference| (reference, self.max_views(usize::MAX))),
+            reference: self.reference.clone(),
         };
         let planner = self.planner.build(configs, self.seed, clairvoyant)?;
         match self.least_overlap() {

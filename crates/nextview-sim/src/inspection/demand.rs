@@ -2,6 +2,7 @@ use crate::SimError;
 use crate::accuracy::SurfaceDistance;
 use crate::mesh::{TriangleMesh, sample_surface};
 use glam::DVec3;
+use nextview::Error;
 use nextview::geometry::Aabb;
 use nextview::registration::SurfacePoint;
 use nextview::sensor::Intrinsics;
@@ -49,7 +50,7 @@ impl SurfaceDemands {
         let surface = SurfaceDistance::new(mesh);
         let mut samples = Vec::new();
         for (i, demand) in demands.iter().enumerate() {
-            demand.check()?;
+            demand.faults().into_iter().next().map_or(Ok(()), Err)?;
             let is_in = |point: &&DVec3| demand.bounds.is_none_or(|bounds| bounds.contains(**point));
             let inside: Vec<&DVec3> = drawn.iter().filter(is_in).collect();
             if inside.len() < FEWEST {
@@ -81,16 +82,20 @@ impl SurfaceDemands {
 }
 
 impl SurfaceDemand {
-    fn check(&self) -> Result<(), SimError> {
-        if !(self.max_angle > 0.0 && self.max_angle < FRAC_PI_2) {
+    /// All numbers that are out of range.
+    pub fn faults(&self) -> Vec<Error> {
+        let Self { max_angle, min_density, .. } = *self;
+        let fault =
+            |name, value: f64, expected| Error::InvalidParameter { name, value: value.to_string(), expected };
+        let mut faults = Vec::new();
+        if !(max_angle > 0.0 && max_angle < FRAC_PI_2) {
             let expected = "an angle above 0 and below 90 degrees";
-            return Err(SimError::parameter("angle_deg", self.max_angle.to_degrees(), expected));
+            faults.push(fault("angle_deg", max_angle.to_degrees(), expected));
         }
-        if !(self.min_density >= 0.0 && self.min_density.is_finite()) {
-            let expected = "a finite number, at least 0";
-            return Err(SimError::parameter("points_per_mm2", self.min_density / 1e6, expected));
+        if !(min_density >= 0.0 && min_density.is_finite()) {
+            faults.push(fault("points_per_mm2", min_density / 1e6, "a finite number, at least 0"));
         }
-        Ok(())
+        faults
     }
 
     /// Whether a picture that shows this point, in the coordinates of its camera, is good enough.

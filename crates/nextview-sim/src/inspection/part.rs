@@ -11,6 +11,7 @@ use std::convert::Infallible;
 /// A part that is known by its CAD model, wherever it is.
 pub struct KnownPart {
     surface: SurfaceDistance,
+    /// A few points of it.
     samples: Vec<SurfacePoint>,
     pairs: PointPairs,
     /// Diagonal of the box around the model, metres.
@@ -68,7 +69,7 @@ impl KnownPart {
             sample_surface(mesh, N_SAMPLES, 0).into_par_iter().map(with_normal).collect();
         let size = mesh.bounds().size().length();
         let pairs = PointPairs::new(spaced(&samples, SPACING * size)?);
-        Ok(Self { surface, samples, pairs, size })
+        Ok(Self { surface, samples: evenly(&samples, N_POINTS[0]), pairs, size })
     }
 
     /// The distance of any point from the model.
@@ -86,12 +87,12 @@ impl KnownPart {
         cancel: &Cancel,
     ) -> Result<PartFit, Error> {
         let found = self.pairs.poses(&spaced(points, SPACING * self.size)?, N_POSES, cancel)?;
-        let (few, few_samples) = (evenly(points, N_POINTS[0]), evenly(&self.samples, N_POINTS[0]));
+        let few = evenly(points, N_POINTS[0]);
         let score = |fit: &PartFit| fit.share - RULED_OUT * fit.ruled_out_share;
         let mut best: Option<PartFit> = None;
         for start in [Pose::IDENTITY].into_iter().chain(found.iter().map(|voted| voted.known_from_shown)) {
             cancel.check()?;
-            let fit = self.fit_from(start, &few, REACH[0], (&few_samples, &is_ruled_out));
+            let fit = self.fit_from(start, &few, REACH[0], &is_ruled_out);
             // A later one must be better by more than chance: what is right where it is stays there.
             if best.is_none_or(|best| score(&fit) > score(&best) + 0.01) {
                 best = Some(fit);
@@ -99,7 +100,7 @@ impl KnownPart {
         }
         let best = best.map_or(Pose::IDENTITY, |best| best.reference_from_world);
         let many = evenly(points, N_POINTS[1]);
-        Ok(self.fit_from(best, &many, REACH[1], (&few_samples, &is_ruled_out)))
+        Ok(self.fit_from(best, &many, REACH[1], &is_ruled_out))
     }
 
     fn fit_from(
@@ -107,17 +108,17 @@ impl KnownPart {
         start: Pose,
         points: &[SurfacePoint],
         reach: [f64; 2],
-        (samples, is_ruled_out): (&[SurfacePoint], impl Fn(DVec3) -> bool + Sync),
+        is_ruled_out: impl Fn(DVec3) -> bool + Sync,
     ) -> PartFit {
         let pose = aligned(start, points, &self.surface, reach.map(|reach| reach * self.size));
         let world_from_reference = pose.inverse();
         let is_out =
             |sample: &&SurfacePoint| is_ruled_out(world_from_reference.transform_point(sample.position));
-        let n_out = samples.par_iter().filter(is_out).count();
+        let n_out = self.samples.par_iter().filter(is_out).count();
         PartFit {
             reference_from_world: pose,
             share: share_near(&pose, points, &self.surface, NEAR * self.size),
-            ruled_out_share: n_out as f64 / samples.len().max(1) as f64,
+            ruled_out_share: n_out as f64 / self.samples.len().max(1) as f64,
         }
     }
 }

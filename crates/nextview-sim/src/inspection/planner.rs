@@ -23,7 +23,6 @@ pub struct InspectionViews {
     mesh: TriangleMesh,
     demands: SurfaceDemands,
     place: Place,
-    max_views: usize,
     /// As of the plan before.
     rendered: Option<Rendered>,
 }
@@ -54,18 +53,17 @@ const N_ATTEMPTS: u8 = 2;
 
 impl InspectionViews {
     /// For a part with this CAD model in metres, whose triangles run counter-clockwise seen from outside, and
-    /// that stands where it is said, or somewhere. `max_views` is the number of views of the scan, at most.
+    /// that stands where it is said, or somewhere.
     pub fn new(
         mesh: TriangleMesh,
         demands: SurfaceDemands,
         world_from_reference: Option<Pose>,
-        max_views: usize,
     ) -> Result<Self, Error> {
         let place = match world_from_reference {
             Some(world_from_reference) => Place::Stated { world_from_reference },
             None => Place::ToFind(KnownPart::new(&mesh)?),
         };
-        Ok(Self { mesh, demands, place, max_views, rendered: None })
+        Ok(Self { mesh, demands, place, rendered: None })
     }
 
     /// Where the part is; none as long as that may still be found. Fails if the part should have been found.
@@ -132,13 +130,12 @@ impl InspectionViews {
         };
         let shown: Vec<FixedBitSet> = open.iter().map(still_shown).collect();
         let fewest = fewest_views(&shown, situation)?;
-        let n_left = self.max_views.saturating_sub(situation.visited().len());
-        let chosen = match fewest.len() <= n_left {
+        let n_left = situation.n_views_left();
+        let mut by_gain = match fewest.len() <= n_left {
             true => fewest.clone(),
             false => best_views(&shown, n_left, situation)?,
         };
         let gain = |i: usize| shown[i].count_ones(..);
-        let mut by_gain = chosen;
         by_gain.sort_by_key(|&i| Reverse(gain(i))); // stable
         let Some(&best) = by_gain.first() else { return Ok(Plan::default()) };
         let all = self.demands.samples().len() as f64;

@@ -5,9 +5,10 @@ use fixedbitset::FixedBitSet;
 use glam::{DQuat, DVec3};
 use nextview::geometry::{Lattice, Pose};
 use nextview::sensor::{DepthRange, Intrinsics};
-use nextview::session::{Session, SessionConfig, StopReason};
+use nextview::session::{Decision, Session, SessionConfig, StopReason};
 use nextview::view::{ViewSpace, generate};
 use nextview_sim::builtin;
+use nextview_sim::evaluator::ScanCamera;
 use nextview_sim::inspection::{InspectionViews, PlacedPart, SurfaceDemand, SurfaceDemands};
 use nextview_sim::mesh::TriangleMesh;
 use nextview_sim::scene::Scene;
@@ -38,23 +39,19 @@ impl Setup {
         Self { model, world_from_reference, scene, views, demands }
     }
 
-    fn scan(
-        &self,
-        model: TriangleMesh,
-        place: Option<Pose>,
-        max_views: usize,
-    ) -> Result<(Vec<Step>, StopReason), String> {
+    fn session(&self, model: TriangleMesh, place: Option<Pose>, max_views: usize) -> Session {
         let demands = SurfaceDemands::new(&model, self.demands.demands().to_vec()).unwrap();
-        let planner = InspectionViews::new(model, demands, place, max_views).unwrap();
+        let planner = InspectionViews::new(model, demands, place).unwrap();
         let bounds = self.scene.planning_box(VOXEL_SIZE);
         let config = SessionConfig { max_views, ..SessionConfig::new(VOXEL_SIZE, bounds) };
-        let mut session =
-            Session::new(config, Intrinsics::d435i(), self.views.clone(), Box::new(planner)).unwrap();
+        Session::new(config, Intrinsics::d435i(), self.views.clone(), Box::new(planner)).unwrap()
+    }
+
+    fn scan(&self, place: Option<Pose>, max_views: usize) -> (Vec<Step>, StopReason) {
         let lattice = Lattice::new(VOXEL_SIZE).unwrap();
-        let object =
-            ObjectVoxels::new(self.scene.camera().mesh(), lattice, lattice.block_inside(&bounds).unwrap());
-        std::panic::catch_unwind(std::panic::AssertUnwindSafe(|| scan(&mut session, &self.scene, &object)))
-            .map_err(|panic| panic.downcast_ref::<String>().cloned().unwrap_or_default())
+        let block = lattice.block_inside(&self.scene.planning_box(VOXEL_SIZE)).unwrap();
+        let object = ObjectVoxels::new(self.scene.camera().mesh(), lattice, block);
+        scan(&mut self.session(self.model.clone(), place, max_views), &self.scene, &object)
     }
 
     fn placed(&self) -> PlacedPart<'_> {
@@ -97,7 +94,7 @@ fn the_part_is_found_and_all_of_it_is_seen_as_demanded() {
     let setup = Setup::new(60.0);
     let shown = setup.shown();
     let n_greedy = greedy(&shown, 0);
-    let (steps, reason) = setup.scan(setup.model.clone(), None, 60).unwrap();
+    let (steps, reason) = setup.scan(None, 60);
     assert_eq!(reason, StopReason::NothingToGain);
     let part = setup.placed();
     let measured: Vec<FixedBitSet> = steps.iter().map(|step| part.shown_in(&step.frame).unwrap().1).collect();
@@ -115,7 +112,7 @@ fn the_part_is_found_and_all_of_it_is_seen_as_demanded() {
 fn few_views_show_as_much_as_they_can() {
     let setup = Setup::new(35.0);
     let shown = setup.shown();
-    let (steps, reason) = setup.scan(setup.model.clone(), Some(setup.world_from_reference), 5).unwrap();
+    let (steps, reason) = setup.scan(Some(setup.world_from_reference), 5);
     assert_eq!((steps.len(), reason), (5, StopReason::ViewLimit));
     let of = |views: &[usize]| union(views.iter().map(|&view| &shown[view])).count_ones(..);
     let mut greedy = vec![0];
@@ -130,6 +127,16 @@ fn few_views_show_as_much_as_they_can() {
 #[test]
 fn another_part_is_refused() {
     let setup = Setup::new(50.0);
-    let error = setup.scan(builtin::by_name("torus-knot").unwrap(), None, 20).err().unwrap();
+    let mut session = setup.session(builtin::by_name("torus-knot").unwrap(), None, 20);
+    let mut camera = ScanCamera::new(&setup.scene);
+    let error = loop {
+        match session.decide() {
+            Ok(Decision::Move(next)) => {
+                session.observe(&camera.capture(&next).unwrap().0).unwrap();
+            }
+            Ok(Decision::Stop(reason)) => panic!("it stopped: {reason:?}"),
+            Err(error) => break error.to_string(),
+        }
+    };
     assert!(error.contains("the CAD model does not fit what 4 frames measured"), "{error}");
 }

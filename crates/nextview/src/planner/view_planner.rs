@@ -71,6 +71,8 @@ pub struct Situation<'a> {
     motion: MotionConfig,
     surroundings: Surroundings,
     table: Option<Plane>,
+    /// Of the scan, at most.
+    max_views: usize,
     /// At most the voxel size of the snapshot, metres, and at least that which [`MOST_VOXELS`] allows.
     finest_voxel_size: f64,
     cancel: &'a Cancel,
@@ -105,6 +107,7 @@ impl<'a> Situation<'a> {
             motion: MotionConfig::default(),
             surroundings: Surroundings::default(),
             table: None,
+            max_views: usize::MAX,
             finest_voxel_size,
             cancel,
         }
@@ -165,6 +168,11 @@ impl<'a> Situation<'a> {
     /// The same for an object that stands on this table, its normal upwards; without it, on none.
     pub fn with_table(self, table: Option<Plane>) -> Self {
         Self { table, ..self }
+    }
+
+    /// The same for a scan of so many views, at most; without it, of any number.
+    pub fn with_max_views(self, max_views: usize) -> Self {
+        Self { max_views, ..self }
     }
 
     /// The same for a scan that ends in voxels of this size, metres: that of the snapshot, or finer.
@@ -234,6 +242,11 @@ impl<'a> Situation<'a> {
     /// The views taken so far, in order; all are candidates.
     pub fn visited(&self) -> &'a [usize] {
         self.visited
+    }
+
+    /// Number of views that may still be taken.
+    pub fn n_views_left(&self) -> usize {
+        self.max_views.saturating_sub(self.visited.len())
     }
 
     /// Voxel size in which the scan ends, metres: that of the snapshot, or finer. Distances between rays are

@@ -18,6 +18,7 @@ pub(super) fn known_situation<'a>(
     let situation = situation
         .with_depth_range(config.depth_range)
         .with_frames(frames)
+        .with_max_views(config.max_views)
         .with_table(scene.map.place().table.map(|table| table.plane))
         .with_right_poses(scene.alignment.trusts_given_poses())
         .with_visited(visited)
