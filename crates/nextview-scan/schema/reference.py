@@ -76,28 +76,30 @@ class Reference:
                 return self.definitions[part["$ref"].rsplit("/", 1)[1]]
         return schema
 
-    def section(self, path, schema, about=""):
-        """A table with the keys of this one, and then those within it."""
+    def section(self, path, schema, about="", brackets="[]"):
+        """A table with the keys of this one, and then those within it; in double brackets, one of a list."""
         rows, below, values = [], [], []
         for key, entry in schema["properties"].items():
             target = self.resolved(entry)
             name = f"{path}{key}"
             meaning_of_key = plain(entry.get("description", ""))
-            if "properties" in target and not self.is_pose(target):
-                below.append((name, entry, target))
+            items = self.resolved(target.get("items", {}))
+            table, its_brackets = (items, ("[[", "]]")) if "properties" in items else (target, "[]")
+            if "properties" in table and not self.is_pose(table):
+                below.append((name, entry, table, its_brackets))
                 continue
             values += [line for value, meaning in self.values(target) if meaning
                        for line in textwrap.wrap(f"- `{key}` = `{value}`: {meaning}", WIDTH, subsequent_indent="  ")]
             rows.append(f"| `{key}` | {self.kind(entry, target)} | {default_of(entry)} | {meaning_of_key} |")
-        title = f"## `[{path[:-1]}]`" if path else "## At the top"
+        title = f"## `{brackets[0]}{path[:-1]}{brackets[1]}`" if path else "## At the top"
         parts = [[title], textwrap.wrap(about, WIDTH) if path else [],
                  ["| key | value | default | |", "|---|---|---|---|", *rows] if rows else [], values]
         self.sections += ["\n".join(part) + "\n" for part in parts if part]
-        for name, entry, target in below:
+        for name, entry, target, its_brackets in below:
             own = plain(target.get("description", ""))
             # What names a type of the library says less than what the key is for.
             about = [plain(entry.get("description", "")), "" if own.startswith("Parameters of") else own]
-            self.section(f"{name}.", target, " ".join(part for part in dict.fromkeys(about) if part))
+            self.section(f"{name}.", target, " ".join(part for part in dict.fromkeys(about) if part), its_brackets)
 
     def is_pose(self, target):
         """Whether this is a rigid transform, which is written inline."""

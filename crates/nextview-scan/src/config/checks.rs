@@ -2,6 +2,7 @@
 
 #[cfg(feature = "simulated")]
 use super::ReferenceConfig;
+use super::planner_name::no_reference;
 use super::{
     BoxRule, LiveConfig, PlannerName, RecordingConfig, RobotConfig, ScanConfig, TableRule, ViewRule,
 };
@@ -62,6 +63,8 @@ fn faults(config: &ScanConfig) -> Vec<Fault> {
     ];
     faults.extend(parts.into_iter().filter_map(|(section, result)| Some(of_part(section, result.err()?))));
     faults.extend(config.planner.check().err());
+    let knows_no_part = config.planner == PlannerName::Inspection && config.reference.is_none();
+    faults.extend(knows_no_part.then(no_reference));
     // The library's own weights need no check, which would cost tens of milliseconds.
     faults.extend(config.nbv_net.weights.as_ref().and_then(|_| config.nbv_net.planner().err()));
     #[cfg(feature = "simulated")]

@@ -146,10 +146,15 @@ impl PlannerName {
     }
 }
 
+/// The fault of the planner inspection without a CAD model.
+pub(super) fn no_reference() -> Fault {
+    let fault = Fault::request("the planner inspection needs the CAD model of the part");
+    fault.with_remedy("name it as `reference.mesh`")
+}
+
 #[cfg(feature = "simulated")]
 fn inspection(reference: Option<ReferenceConfig>) -> Result<Box<dyn ViewPlanner>, Fault> {
-    let fault = || Fault::request("the planner inspection needs the CAD model of the part");
-    reference.ok_or_else(|| fault().with_remedy("name it as `reference.mesh`"))?.planner()
+    reference.ok_or_else(no_reference)?.planner()
 }
 
 #[cfg(not(feature = "simulated"))]

@@ -35,12 +35,12 @@ pub struct ReferenceConfig {
 pub struct ReferenceSurface {
     /// Its name.
     pub name: String,
-    /// What of the CAD model lies in this box, in the model's coordinates, by its lowest and highest corner.
+    /// The box around it in the coordinates of the CAD model, by its lowest and its highest corner.
     pub box_m: [f64; 6],
-    /// As for the whole part, which is the default.
+    /// Largest angle between the line of sight and its normal. Default: that of the whole part.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub angle_deg: Option<f64>,
-    /// As for the whole part, which is the default.
+    /// Least number of pixels of one picture on each square millimetre. Default: that of the whole part.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub points_per_mm2: Option<f64>,
 }
