@@ -13,6 +13,7 @@ that failed counts as one that saw nothing. The data are in the folder that NEXT
 import argparse
 import csv
 import json
+import math
 import os
 import pathlib
 import statistics
@@ -24,6 +25,8 @@ DATA = pathlib.Path(os.environ.get("NEXTVIEW_DATA", HERE / "../../../shared/data
 PLANNERS = ["most-surface", "max-flow", "rear-side-voxel", "random", "clairvoyant"]
 # Standard deviations of the poses, mm and degrees.
 ERRORS = {0: 0.0, 2: 0.2, 10: 1.0}
+# Random scans of each object; that of the other planners has the first of these seeds.
+RANDOM_SEEDS = list(range(10))
 # Objects without a unit, at sizes beyond those of the others, metres.
 SCALED = {"other/ode_spot.ply": 0.04, "other/ode_koala.ply": 0.4, "other/common_rocker_arm.ply": 0.6}
 
@@ -50,7 +53,8 @@ def specification(options):
     for error in options.errors:
         for planner in options.planners:
             parts.append(f'[[variant]]\nlabel = "{planner}, {error} mm"\nscan.planner = "{planner}"\n'
-                         f"scan.noise.pose_error_mm = {error}\nscan.noise.pose_error_deg = {ERRORS[error]}\n")
+                         f"scan.noise.pose_error_mm = {error}\nscan.noise.pose_error_deg = {ERRORS[error]}\n"
+                         + (f"seeds = {RANDOM_SEEDS}\n" if planner == "random" else ""))
     return "\n".join(parts)
 
 
@@ -58,9 +62,10 @@ def measures(run):
     """Of a run: skill, final coverage over that of the planner that knows the object, model. Of a failed one, zeros."""
     record = run["result"].get("done", {}).get("record")
     if record is None or record.get("skill") is None:
-        return {"skill": 0.0, "coverage": 0.0, "views": 0, "failed": 1}
+        return {"skill": 0.0, "area": 0.0, "coverage": 0.0, "views": 0, "failed": 1}
     return {
         "skill": record["skill"],
+        "area": record["coverage_auc_views"],
         "coverage": record["reachable_coverage"] / record["clairvoyant_curve"][-1],
         "views": record["views"],
         "failed": 0,
@@ -71,36 +76,68 @@ def measures(run):
     }
 
 
+def interval(values):
+    """Mean, and the 95 % interval of the mean by Student's t for ten values."""
+    mean, half = statistics.mean(values), 2.262 * statistics.stdev(values) / math.sqrt(len(values))
+    return mean, mean - half, mean + half
+
+
+def of_planner(found):
+    """A row of a table: means over the objects, and the worst of them."""
+    of = lambda key: {name: statistics.mean(run.get(key, 0.0) for run in runs) for name, runs in found.items()}
+    mean = lambda key: statistics.mean(of(key).values())
+    worst = lambda key: min((value, name) for name, value in of(key).items())
+    return (f"{mean('skill'):.2f} | {worst('skill')[0]:.2f} ({worst('skill')[1]}) | {mean('coverage'):.3f} "
+            f"| {worst('coverage')[0]:.3f} ({worst('coverage')[1]}) | {mean('complete_1mm'):.1%} | {mean('complete_2mm'):.1%} "
+            f"| {mean('f_1mm'):.1%} | {mean('f_2mm'):.1%} | {sum(run['failed'] for runs in found.values() for run in runs)}")
+
+
 def page(runs, options):
     """The tables as Markdown."""
     by_variant = {}
     for run in runs:
-        by_variant.setdefault(run["variant"], {})[run["object"]] = measures(run)
+        by_variant.setdefault(run["variant"], {}).setdefault(run["object"], []).append(measures(run))
     lines = ["# Reality", "", f"Made by `benchmarks/reality/reality.py` on {len({r['object'] for r in runs})} objects at true size.", ""]
     for error in options.errors:
         lines += [f"## Poses off by {error} mm and {ERRORS[error]} degrees", "",
                   "| planner | skill, mean | lowest | coverage over clairvoyant, mean | lowest | cloud within 1 mm | 2 mm "
                   "| F-score 1 mm | 2 mm | failed |", "|---|---:|---:|---:|---:|---:|---:|---:|---:|---:|"]
         for planner in options.planners:
-            found = by_variant.get(f"{planner}, {error} mm", {})
-            if not found:
-                continue
-            of = lambda key: [run.get(key, 0.0) for run in found.values()]
-            worst = lambda key: min((run[key], name) for name, run in found.items())
-            mean = lambda key: statistics.mean(of(key))
-            lines.append(
-                f"| {planner} | {mean('skill'):.2f} | {worst('skill')[0]:.2f} ({worst('skill')[1]}) | {mean('coverage'):.3f} "
-                f"| {worst('coverage')[0]:.3f} ({worst('coverage')[1]}) | {mean('complete_1mm'):.1%} | {mean('complete_2mm'):.1%} "
-                f"| {mean('f_1mm'):.1%} | {mean('f_2mm'):.1%} | {sum(of('failed'))} |")
+            found = by_variant.get(f"{planner}, {error} mm")
+            lines += [f"| {planner} | {of_planner(found)} |"] if found else []
         lines.append("")
-    lines += ["## Objects", "", "Skill, and final coverage over that of the planner that knows the object.", ""]
     planner = options.planners[0]
-    lines += [f"| {planner} | " + " | ".join(f"{error} mm" for error in options.errors) + " |",
-              "|---|" + "---:|" * len(options.errors)]
+    lines += ["## Objects", "", f"Of {planner}: skill, final coverage over that of the planner that knows the object, and the area "
+              "under its curve less that of ten random scans, points, with a 95 % interval of the mean.", "",
+              "| object | " + " | ".join(f"{error} mm | | less random" for error in options.errors) + " |",
+              "|---|" + "---:|---:|---:|" * len(options.errors)]
     for name in sorted({run["object"] for run in runs}):
-        cells = [by_variant.get(f"{planner}, {error} mm", {}).get(name) for error in options.errors]
-        lines.append(f"| {name} | " + " | ".join("" if c is None else f"{c['skill']:.2f}, {c['coverage']:.3f}" for c in cells) + " |")
+        cells = []
+        for error in options.errors:
+            of = lambda planner: by_variant.get(f"{planner}, {error} mm", {}).get(name, [])
+            own, random = of(planner), of("random")
+            cells += [f"{own[0]['skill']:.2f} | {own[0]['coverage']:.3f}" if own else " | "]
+            difference = [100 * (own[0]["area"] - run["area"]) for run in random] if own else []
+            cells += ["{:+.1f} ({:+.1f} to {:+.1f})".format(*interval(difference)) if len(difference) == len(RANDOM_SEEDS) else ""]
+        lines.append(f"| {name} | " + " | ".join(cells) + " |")
     return "\n".join(lines) + "\n"
+
+
+def campaign(program, out, specification):
+    """Runs the campaign of a specification in a folder, or what is left of it; returns its runs."""
+    if not (DATA / "meshes/manifest.csv").exists():
+        sys.exit(f"{DATA / 'meshes/manifest.csv'}: no such file; NEXTVIEW_DATA names the folder of the reference data")
+    out.mkdir(parents=True, exist_ok=True)
+    folder, file = out / "campaign", out / "spec.toml"
+    if folder.exists():
+        command = ["bench", "--resume", "--out", folder]
+    else:
+        file.write_text(specification(), encoding="utf-8")
+        command = ["bench", file, "--out", folder]
+    # A run that failed is a result here; bench ends with 1 then.
+    if subprocess.run([program, *command]).returncode not in (0, 1):
+        sys.exit("the campaign did not run")
+    return [json.loads(line) for line in open(folder / "runs.jsonl", encoding="utf-8")]
 
 
 def main():
@@ -111,19 +148,7 @@ def main():
     parser.add_argument("--planners", nargs="+", default=PLANNERS, choices=PLANNERS)
     parser.add_argument("--errors", nargs="+", type=int, default=list(ERRORS), choices=list(ERRORS))
     options = parser.parse_args()
-    if not (DATA / "meshes/manifest.csv").exists():
-        sys.exit(f"{DATA / 'meshes/manifest.csv'}: no such file; NEXTVIEW_DATA names the folder of the reference data")
-    options.out.mkdir(parents=True, exist_ok=True)
-    campaign, spec = options.out / "campaign", options.out / "spec.toml"
-    if campaign.exists():
-        command = ["bench", "--resume", "--out", campaign]
-    else:
-        spec.write_text(specification(options), encoding="utf-8")
-        command = ["bench", spec, "--out", campaign]
-    # A run that failed is a result here; bench ends with 1 then.
-    if subprocess.run([options.program, *command]).returncode not in (0, 1):
-        sys.exit("the campaign did not run")
-    runs = [json.loads(line) for line in open(campaign / "runs.jsonl", encoding="utf-8")]
+    runs = campaign(options.program, options.out, lambda: specification(options))
     (options.out / "reality.md").write_text(page(runs, options), encoding="utf-8")
     print(options.out / "reality.md")
 

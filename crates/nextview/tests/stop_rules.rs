@@ -174,6 +174,9 @@ fn stops_when_the_next_view_is_expected_to_add_little() {
     }
     check(told(), stop(0.05), 5, StopReason::NothingToGain);
     check(told(), stop(0.0), 5, StopReason::NothingToGain);
+    let told = || Told([5.0, 0.11, 0.09, 5.0].map(|n_expected| outlook(n_expected, 100.0)).to_vec());
+    check(told(), StopConfig::default(), 3, StopReason::LittleToGain);
+    check(told(), StopConfig { progress: 0.0, ..StopConfig::default() }, 5, StopReason::NothingToGain);
 }
 
 #[test]

@@ -356,9 +356,12 @@ impl Outlook {
         self.n_expected.first().copied().unwrap_or(0.0)
     }
 
-    /// The expected gain of the chosen view, as a share of the surface seen; infinite if none was seen.
+    /// The largest gain that is expected of one of the next views, as a share of the surface seen: of the
+    /// chosen view, or of a later one, if the chosen one is merely near. Infinite if nothing was seen.
     pub fn gain(&self) -> f64 {
-        if self.n_seen > 0 { self.n_expected_next() / self.n_seen as f64 } else { f64::INFINITY }
+        let later = self.n_expected.windows(2).map(|two| two[1] - two[0]);
+        let largest = later.fold(self.n_expected_next(), f64::max);
+        if self.n_seen > 0 { largest / self.n_seen as f64 } else { f64::INFINITY }
     }
 }
 
@@ -437,5 +440,7 @@ mod tests {
         assert_eq!(outlook(80, 0.0, 10.0).gain(), 0.0);
         assert_eq!(outlook(0, 20.0, 30.0).gain(), f64::INFINITY);
         assert_eq!(outlook(0, 0.0, 0.0).gain(), f64::INFINITY, "a number, even of nothing");
+        let near_first = Outlook { n_expected: vec![1.0, 17.0, 20.0], ..outlook(80, 0.0, 30.0) };
+        assert_eq!(near_first.gain(), 0.2);
     }
 }

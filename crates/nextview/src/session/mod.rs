@@ -492,13 +492,14 @@ impl Session {
 
     /// The reason not to take the plan's next view, if there is one.
     fn reason_to_stop(&self, plan: &Plan) -> Option<StopReason> {
-        let StopConfig { completeness, expected_gain, path_length, .. } = self.config.stop;
+        let StopConfig { completeness, path_length, .. } = self.config.stop;
         let outlook = plan.outlook.as_ref().filter(|_| self.scene.map.is_finest());
         if outlook.zip(completeness).is_some_and(|(outlook, enough)| outlook.completeness() >= enough) {
             return Some(StopReason::Complete);
         }
         let choice = plan.choice.as_ref()?;
-        if outlook.zip(expected_gain).is_some_and(|(outlook, least)| outlook.gain() < least) {
+        let little = self.config.stop.little_gain(self.scene.quality.is_some());
+        if outlook.is_some_and(|outlook| outlook.gain() < little) {
             return Some(StopReason::LittleToGain);
         }
         let is_too_long = path_length.is_some_and(|limit| self.path_length_with(choice.view) > limit);

@@ -3,7 +3,7 @@ use crate::checked::{check_range, checked_when_read};
 use serde::{Deserialize, Serialize};
 
 /// When a scan is over before the maximum number of views is taken. By default, when no view gains anything,
-/// or when the last six together hardly did.
+/// when the last six together hardly did, or when none of the next is expected to.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(default, deny_unknown_fields, remote = "Self")]
@@ -18,8 +18,10 @@ pub struct StopConfig {
     /// on planners without expectations.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub completeness: Option<f64>,
-    /// Stop when the next view is expected to add less than this share, 0..=1, to the surface seen so far.
-    /// Default: off. It has no effect on planners without expectations.
+    /// Stop when each of the next views is expected to add less than this share, 0..=1, to the surface seen so
+    /// far. Default: a tenth of `progress`, since six views that add as little would be no progress either; 0,
+    /// which is off, where surface is to be measured with a stated error or seen several times. It has no
+    /// effect on planners without expectations.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub expected_gain: Option<f64>,
     /// Stop when the last [six frames](Self::PROGRESS_VIEWS) together added less than this share, 0..=1, to
@@ -46,6 +48,12 @@ impl Default for StopConfig {
 }
 
 impl StopConfig {
+    /// The share of the surface seen below which an expected gain ends a scan.
+    pub(super) fn little_gain(&self, has_quality_goal: bool) -> f64 {
+        let default = if has_quality_goal { 0.0 } else { 0.1 * self.progress };
+        self.expected_gain.unwrap_or(default)
+    }
+
     /// Number of views over which [`progress`](Self::progress) is measured: two or three in a row may be
     /// unlucky where the object is nearly complete.
     pub const PROGRESS_VIEWS: usize = 6;
