@@ -25,8 +25,6 @@ DATA = pathlib.Path(os.environ.get("NEXTVIEW_DATA", HERE / "../../../shared/data
 PLANNERS = ["most-surface", "max-flow", "rear-side-voxel", "random", "clairvoyant"]
 # Standard deviations of the poses, mm and degrees.
 ERRORS = {0: 0.0, 2: 0.2, 10: 1.0}
-# Random scans of each object; that of the other planners has the first of these seeds.
-RANDOM_SEEDS = list(range(10))
 # Objects without a unit, at sizes beyond those of the others, metres.
 SCALED = {"other/ode_spot.ply": 0.04, "other/ode_koala.ply": 0.4, "other/common_rocker_arm.ply": 0.6}
 
@@ -54,7 +52,7 @@ def specification(options):
         for planner in options.planners:
             parts.append(f'[[variant]]\nlabel = "{planner}, {error} mm"\nscan.planner = "{planner}"\n'
                          f"scan.noise.pose_error_mm = {error}\nscan.noise.pose_error_deg = {ERRORS[error]}\n"
-                         + (f"seeds = {RANDOM_SEEDS}\n" if planner == "random" else ""))
+                         + (f"seeds = {list(range(options.randoms))}\n" if planner == "random" else ""))
     return "\n".join(parts)
 
 
@@ -77,9 +75,12 @@ def measures(run):
 
 
 def interval(values):
-    """Mean, and the 95 % interval of the mean by Student's t for ten values."""
-    mean, half = statistics.mean(values), 2.262 * statistics.stdev(values) / math.sqrt(len(values))
-    return mean, mean - half, mean + half
+    """Mean, and for ten values the 95 % interval of the mean by Student's t, as text."""
+    mean = statistics.mean(values)
+    if len(values) != 10:
+        return f"{mean:+.1f}"
+    half = 2.262 * statistics.stdev(values) / math.sqrt(10)
+    return f"{mean:+.1f} ({mean - half:+.1f} to {mean + half:+.1f})"
 
 
 def of_planner(found):
@@ -108,7 +109,7 @@ def page(runs, options):
         lines.append("")
     planner = options.planners[0]
     lines += ["## Objects", "", f"Of {planner}: skill, final coverage over that of the planner that knows the object, and the area "
-              "under its curve less that of ten random scans, points, with a 95 % interval of the mean.", "",
+              "under its curve less that of random scans, points, of ten with a 95 % interval of the mean.", "",
               "| object | " + " | ".join(f"{error} mm | | less random" for error in options.errors) + " |",
               "|---|" + "---:|---:|---:|" * len(options.errors)]
     for name in sorted({run["object"] for run in runs}):
@@ -118,7 +119,7 @@ def page(runs, options):
             own, random = of(planner), of("random")
             cells += [f"{own[0]['skill']:.2f} | {own[0]['coverage']:.3f}" if own else " | "]
             difference = [100 * (own[0]["area"] - run["area"]) for run in random] if own else []
-            cells += ["{:+.1f} ({:+.1f} to {:+.1f})".format(*interval(difference)) if len(difference) == len(RANDOM_SEEDS) else ""]
+            cells.append(interval(difference) if difference else "")
         lines.append(f"| {name} | " + " | ".join(cells) + " |")
     return "\n".join(lines) + "\n"
 
@@ -147,6 +148,7 @@ def main():
     parser.add_argument("--only", nargs="+", metavar="PART")
     parser.add_argument("--planners", nargs="+", default=PLANNERS, choices=PLANNERS)
     parser.add_argument("--errors", nargs="+", type=int, default=list(ERRORS), choices=list(ERRORS))
+    parser.add_argument("--randoms", type=int, default=10, metavar="N", help="random scans of each object (default: 10)")
     options = parser.parse_args()
     runs = campaign(options.program, options.out, lambda: specification(options))
     (options.out / "reality.md").write_text(page(runs, options), encoding="utf-8")
