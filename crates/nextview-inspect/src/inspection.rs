@@ -43,7 +43,7 @@ pub struct Inspection {
     pub(crate) deviations: Vec<Deviation>,
 }
 
-/// Samples of the model that tell how much of it was measured.
+/// Samples of the model that show how much of it was measured.
 const N_SAMPLES: usize = 20_000;
 
 /// The CAD model that a scan's results are compared with: that of the scan, or another file, in another unit;

@@ -197,7 +197,7 @@ impl Node {
         }
     }
 
-    /// An order is done: what failed that nobody asked for is a problem.
+    /// An order is done: a failure that no request caused is a problem.
     fn done(
         &mut self,
         askers: Vec<Ticket>,

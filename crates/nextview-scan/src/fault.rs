@@ -8,8 +8,8 @@ use std::sync::Arc;
 
 /// Something that is wrong, with the value and with what would be right.
 ///
-/// Keys of the configuration stand in backticks in `message` and `remedy`, so that a front end can put its
-/// own names in their place: a program its flags, a server the keys of its requests.
+/// Keys of the configuration are in backticks in `message` and `remedy`, so that a front end can put its own
+/// names in their place: a program its flags, a server the keys of its requests.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct Fault {
     /// Who can mend it.

@@ -78,7 +78,8 @@ fn measure(
     Ok(DoneRun { record, extra_memory_mb: growth.map(|mb| (10.0 * mb).round() / 10.0) })
 }
 
-/// The work's value, or why there is none. A panic is a fault of ours, but must not cost the other runs.
+/// The value of the work, or the reason why there is none. A panic is a bug of ours, but must not affect the
+/// other runs.
 fn guarded<T>(work: impl FnOnce() -> Result<T, Faults>) -> Result<T, String> {
     match catch_unwind(AssertUnwindSafe(work)) {
         Ok(result) => result.map_err(|faults| reason(&faults)),

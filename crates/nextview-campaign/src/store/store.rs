@@ -110,7 +110,7 @@ impl Store {
         self.positions.get(number).is_some_and(Option::is_some)
     }
 
-    /// The records that there are, in the order of the runs.
+    /// The existing records, in the order of the runs.
     pub fn finished(&self) -> RunRecords {
         RunRecords::new(vec![self.path.clone()], self.positions.iter().flatten().copied().collect())
     }
@@ -182,7 +182,7 @@ impl Store {
         Ok(())
     }
 
-    /// The number of the run that this is the record of; fails if it is none of this campaign and build.
+    /// The number of the run that this record belongs to; fails if it is not of this campaign and build.
     fn number(&self, record: &RunRecord) -> Result<usize, Fault> {
         check_build(record)?;
         let id = record.id();

@@ -1,5 +1,5 @@
-//! Cells with a mean, its interval, its median and a test. None of them shows a number that is none: a dash
-//! comes with the reason.
+//! Cells with a mean, its interval, its median and a test. None of them shows a number that does not exist: a
+//! dash comes with the reason.
 
 use super::document::Cell;
 use nextview_campaign::statistics::{Interval, Measure, Sample, SignedRank};

@@ -79,7 +79,7 @@ impl RobotCell {
         self.arm().joints.iter().zip(values).map(within_turn).collect()
     }
 
-    /// The checker of the cell with more around the arm and more on its flange: what a scan has found out.
+    /// The checker of the cell with more around the arm and more on its flange: what a scan has measured.
     pub fn checker_with(
         &self,
         attached: impl IntoIterator<Item = Attachment>,

@@ -92,7 +92,7 @@ impl Camera {
         self.capture.is_some()
     }
 
-    /// The image that was wanted, once; or why there is none.
+    /// The requested image, once; or the reason why there is none.
     pub fn taken(&mut self) -> Option<Result<Taken, String>> {
         let done = self.capture.as_mut()?.done(&self.whereabouts)?;
         self.capture = None;

@@ -16,7 +16,7 @@ pub enum Service {
     Skip,
     /// Writes the results.
     Save,
-    /// Begins anew.
+    /// Starts a new scan.
     Reset,
 }
 

@@ -221,7 +221,7 @@ fn of_recording(recording: &RecordingConfig, config: &ScanConfig) -> Vec<Fault> 
     faults
 }
 
-/// Everything that is wrong with a camera of one's own, and everything that only a simulation can have.
+/// All faults of a user's camera, and all keys that only a simulation can have.
 fn of_live(live: &LiveConfig, config: &ScanConfig) -> Vec<Fault> {
     let mut faults = of_place("live", live.bounds(), live.table_z_m, config);
     if config.recording.is_some() {
@@ -242,7 +242,7 @@ fn of_live(live: &LiveConfig, config: &ScanConfig) -> Vec<Fault> {
     faults
 }
 
-/// Everything that is wrong with a turntable, which is for a camera of one's own.
+/// All faults of a turntable, which requires a user's camera.
 fn of_turntable(config: &ScanConfig) -> Vec<Fault> {
     let Some(turntable) = &config.turntable else { return Vec::new() };
     let mut faults = turntable.faults();

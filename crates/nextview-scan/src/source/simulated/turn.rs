@@ -12,7 +12,7 @@ use std::path::Path;
 const STREAM: u64 = 17;
 
 /// How somebody turns the object who is asked to by the results in a folder: into the pose nearest to that in
-/// which it truly rests, about the vertical by chance, where it stood and as high.
+/// which it truly rests, at a random angle about the vertical, where it stood and as high.
 pub(super) fn turn(mesh: &TriangleMesh, results: &Path, seed: u64) -> Result<Pose, Fault> {
     let Some(PlacementRecord { down, .. }) = ScanRecord::read(results)?.next_placement else {
         let fault = Fault::data("asks for no other placement of the object").in_file(results);
