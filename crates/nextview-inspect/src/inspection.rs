@@ -14,7 +14,7 @@ use nextview_sim::mesh::sample_surface;
 use rayon::prelude::*;
 use std::path::{Path, PathBuf};
 
-/// What is asked of an inspection.
+/// The settings of an inspection.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct InspectionConfig {
     /// Deviations up to this, in millimetres, are none; positive. Default 0.5.
@@ -33,7 +33,7 @@ impl Default for InspectionConfig {
 
 /// A part beside its CAD model.
 pub struct Inspection {
-    /// What was found.
+    /// The findings.
     pub record: InspectionRecord,
     /// How the numbers of the CAD model's file became metres.
     pub note: String,

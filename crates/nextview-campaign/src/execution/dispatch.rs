@@ -53,7 +53,7 @@ impl Dispatch {
         Self { n_open, n_waiting: n_open, store, tally, groups }
     }
 
-    /// What there is to say before the first batch.
+    /// Messages before the first batch.
     pub fn beginning(&self) -> Vec<CampaignEvent> {
         self.tally.beginning(&self.store)
     }

@@ -7,7 +7,7 @@ use nextview_scan::{
 };
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
-/// What the runs on an object share, or why they all fail.
+/// The data shared by the runs on an object, or the reason why they all fail.
 pub(super) type Prepared = Result<(SimulatedObject, Option<Truth>), String>;
 
 /// Loads an object and, where that is needed, looks at it from everywhere, unless a cache knows what there is

@@ -1,4 +1,4 @@
-//! What is read off a run, one number each: the list of measures that tables, figures and comparisons choose
+//! The numbers taken from a run, one each: the list of measures that tables, figures and comparisons choose
 //! from.
 
 use super::{MeasuredRun, mean, percentile};

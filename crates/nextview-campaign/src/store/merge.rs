@@ -57,7 +57,7 @@ pub fn merge(dirs: &[PathBuf], out: &Path) -> Result<Merged, Faults> {
     Ok(merged)
 }
 
-/// What was found in the folders so far.
+/// The records found in the folders so far.
 struct Merging {
     spec: Spec,
     runs: Runs,

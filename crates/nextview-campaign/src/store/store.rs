@@ -24,7 +24,7 @@ pub struct Store {
     n_bytes: u64,
     n_lines: usize,
     runs: Runs,
-    /// The runs that are to be done here, by the object that they share.
+    /// The runs to do here, by the object that they share.
     share: Vec<Vec<usize>>,
     /// By the number of the run.
     positions: Vec<Option<Position>>,
@@ -93,7 +93,7 @@ impl Store {
         &self.runs
     }
 
-    /// The runs that are to be done here, by their numbers; those of a group share their object.
+    /// The runs to do here, by their numbers; those of a group share their object.
     pub fn share(&self) -> &[Vec<usize>] {
         &self.share
     }

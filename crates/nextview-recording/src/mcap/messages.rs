@@ -7,7 +7,7 @@ use glam::{DQuat, DVec3};
 use nextview::geometry::Pose;
 use nextview::sensor::{ColorImage, DepthImage, Intrinsics};
 
-/// What stands at the beginning of a message.
+/// The header of a message.
 pub(super) struct Header<'a> {
     /// When the content was taken, seconds.
     pub time: f64,

@@ -77,7 +77,7 @@ impl Transforms {
         }
     }
 
-    /// What was left out, a sentence a frame.
+    /// The skipped transforms, a sentence for each frame.
     pub fn notes(&self) -> Vec<String> {
         let note = |(frame, (error, n)): (&String, &(String, usize))| {
             format!("{n} transforms of '{frame}' are left out, the first because {error}")

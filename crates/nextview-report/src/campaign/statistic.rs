@@ -4,7 +4,7 @@
 use super::document::Cell;
 use nextview_campaign::statistics::{Interval, Measure, Sample, SignedRank};
 
-/// Why a cell is empty where runs have no such number.
+/// The reason why a cell is empty where runs have no such number.
 pub(super) const NOT_MEASURED: &str = "not measured";
 
 /// A dash with the reason.

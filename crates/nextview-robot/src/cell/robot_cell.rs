@@ -18,7 +18,8 @@ pub struct RobotCell {
     checker: Checker,
 }
 
-/// Angles by which a camera may be turned about its optical axis, in eighths of a turn: as it is preferred.
+/// Angles by which a camera may be turned about its optical axis, in eighths of a turn, in order of
+/// preference.
 const ROLLS: [i32; 8] = [0, 1, -1, 2, -2, 3, -3, 4];
 
 impl RobotCell {
@@ -39,7 +40,7 @@ impl RobotCell {
         self.checker.arm()
     }
 
-    /// What the flange carries.
+    /// The load of the flange.
     pub fn mount(&self) -> &Mount {
         &self.mount
     }

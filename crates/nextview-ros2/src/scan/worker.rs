@@ -67,7 +67,7 @@ pub struct State {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Stage {
-    /// No camera_info has come.
+    /// No camera_info has arrived.
     #[default]
     WaitingForCamera,
     /// The next view is known.

@@ -1,4 +1,4 @@
-//! What a configuration must hold beyond what each of its parts checks itself.
+//! Checks of a configuration that involve several of its parts.
 
 #[cfg(feature = "simulated")]
 use super::ReferenceConfig;
@@ -84,7 +84,7 @@ fn faults(config: &ScanConfig) -> Vec<Fault> {
     faults
 }
 
-/// Everything that is out of its range in what the surfaces of a part are to be seen like.
+/// All values out of range in the demands on the surfaces of a part.
 #[cfg(feature = "simulated")]
 fn of_reference(reference: &ReferenceConfig) -> impl Iterator<Item = Fault> + '_ {
     let of_demand = |(key, demand): (String, SurfaceDemand)| -> Vec<Fault> {

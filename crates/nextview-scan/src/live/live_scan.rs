@@ -239,7 +239,7 @@ impl LiveScan {
         self.run.scan()
     }
 
-    /// Why the scan is over; none while it is under way.
+    /// The reason why the scan ended; none while it is under way.
     pub fn stop_reason(&self) -> Option<StopReason> {
         self.scan().stop_reason
     }

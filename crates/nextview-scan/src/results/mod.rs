@@ -15,7 +15,7 @@ use std::path::{Path, PathBuf};
 
 pub use frames_folder::FRAMES_FOLDER;
 
-/// What a folder of results holds.
+/// The files in a folder of results.
 const ENTRIES: &[&str] = &[
     "config.toml",
     "record.json",
@@ -57,7 +57,7 @@ pub fn result_folder(config: &ScanConfig, rule: &Overwrite) -> PathBuf {
 pub struct Results {
     /// The record; without measures of the model where there is none.
     pub record: ScanRecord,
-    /// What failed; none if the results are complete.
+    /// The faults; none if the results are complete.
     pub faults: Option<Faults>,
 }
 

@@ -31,7 +31,7 @@ pub struct FinishedScan<'a> {
     pub steps: Vec<StepRecord>,
     /// By step, the colours that were pushed with its frame.
     pub(crate) colors: Vec<Option<ColorImage>>,
-    /// Why the scan ended; none while it is under way.
+    /// The reason why the scan ended; none while it is under way.
     pub stop_reason: Option<StopReason>,
 }
 

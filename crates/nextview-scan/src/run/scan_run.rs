@@ -20,7 +20,7 @@ const MOST_SUSPECTED: usize = 8;
 /// the picture, and [`push`](Self::push)es it.
 ///
 /// With a [journal](Self::with_journal), every frame is on the disk before it counts, and after an
-/// interruption the journal answers before any capture is asked for.
+/// interruption the journal replays its frames before any capture is requested.
 ///
 /// ```
 /// use glam::DVec3;
@@ -300,7 +300,7 @@ impl<'a> ScanRun<'a> {
         &self.scan.session
     }
 
-    /// The run as it stands, ended for this reason; none if it is to be looked at while under way.
+    /// The current state of the run, ended for this reason; none if it is inspected while under way.
     pub fn finish(self, stop_reason: Option<StopReason>) -> FinishedScan<'a> {
         FinishedScan { stop_reason, ..self.scan }
     }
@@ -315,7 +315,7 @@ impl<'a> ScanRun<'a> {
         &mut self.scan
     }
 
-    /// What is probably wrong with the frames so far; none where it was said before, or if they are many:
+    /// The suspected fault of the frames so far; none if it was reported before, or if there are many frames:
     /// then there is nothing new to find.
     fn warning(&self) -> Option<String> {
         let suspicion =

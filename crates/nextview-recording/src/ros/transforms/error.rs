@@ -1,4 +1,4 @@
-/// Why a transform cannot be kept or found.
+/// The reason why a transform cannot be kept or found.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum TransformError {

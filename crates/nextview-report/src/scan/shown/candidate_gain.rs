@@ -1,4 +1,4 @@
-//! What the view candidates are expected to show.
+//! The expected new surface of the view candidates.
 
 use crate::scan::scan_copy::ScanCopy;
 use nextview::gain::ExpectedSurface;
