@@ -35,6 +35,9 @@ for example in examples/*.py; do
     echo "--- $example"
     [[ $example == *server.py ]] || "$venv/bin/python" "$example"
 done
+echo "--- docs/start.md"
+awk '/^```python$/ { on = 1; next } /^```$/ { on = 0 } on' "$here/../docs/start.md" >start.py
+"$venv/bin/python" start.py
 if [ -z "${NEXTVIEW_PROGRAM:-}" ]; then
     echo "09_server.py: SKIPPED, needs the program in NEXTVIEW_PROGRAM"
     exit

@@ -6,7 +6,7 @@ use std::collections::BTreeMap;
 pub struct FailedRuns {
     /// Name of the object.
     pub object: String,
-    /// Why they failed.
+    /// The reason of their failure.
     pub reason: String,
     /// How many they are.
     pub n_runs: usize,

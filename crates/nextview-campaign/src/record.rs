@@ -2,7 +2,7 @@ use crate::{Host, RunId};
 use nextview_scan::{BuildIdentity, ScanConfig, ScanRecord};
 use serde::{Deserialize, Serialize};
 
-/// What is kept of a run: a line of `runs.jsonl`.
+/// The stored result of a run: a line of `runs.jsonl`.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct RunRecord {
@@ -40,7 +40,7 @@ pub enum RunResult {
     Failed(String),
 }
 
-/// What was measured in a run.
+/// The measurements of a run.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct DoneRun {
@@ -72,7 +72,7 @@ impl RunRecord {
         }
     }
 
-    /// Why the run failed; none if it did not.
+    /// The reason why the run failed; none if it succeeded.
     pub fn failure(&self) -> Option<&str> {
         match &self.result {
             RunResult::Done(_) => None,

@@ -43,7 +43,7 @@ impl fmt::Display for RunId {
 }
 
 /// The runs of a specification by object, variant, seed, view seed and first view, in this order of
-/// importance. Each is made when it is asked for: a large campaign has more of them than fit into memory.
+/// importance. Each is created on demand: a large campaign has more of them than fit into memory.
 ///
 /// ```
 /// use nextview_campaign::Spec;

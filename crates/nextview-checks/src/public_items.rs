@@ -2,7 +2,7 @@ use crate::lister::public_items;
 use std::path::Path;
 use std::{env, fs};
 
-/// Set to 1, it has the lists of public items written anew.
+/// If set to 1, the lists of public items are rewritten.
 const WRITE: &str = "NEXTVIEW_WRITE_PUBLIC_ITEMS";
 
 /// Compares the public items of a crate with the list in its folder, `public-items.txt`, or writes that list

@@ -121,3 +121,81 @@ fn prose_fits_on_a_screen() {
     }
     assert!(faults.is_empty(), "lines of prose beyond {WIDTH} characters:\n{}", faults.join("\n"));
 }
+
+/// The pages, without those in tests, relative to the workspace.
+fn pages() -> Vec<PathBuf> {
+    let mut pages = Vec::new();
+    files(&workspace(), "md", &mut pages);
+    let inside = |page: PathBuf| page.strip_prefix(workspace()).unwrap().to_owned();
+    pages.into_iter().map(inside).filter(|page| !page.ends_with("golden.md")).collect()
+}
+
+/// The lines of a page that are not code.
+fn prose(text: &str) -> impl Iterator<Item = &str> {
+    let mut is_block = false;
+    text.lines().filter(move |line| {
+        let is_fence = line.trim_start().starts_with("```");
+        is_block ^= is_fence;
+        !is_block && !is_fence && !line.starts_with("    ")
+    })
+}
+
+/// The links of a page to others, relative to it.
+fn links(text: &str) -> Vec<String> {
+    let lines: Vec<&str> = prose(text).collect();
+    let text = lines.join("\n");
+    let links = text.split("](").skip(1).map(|rest| rest.split(')').next().unwrap().to_owned());
+    links.filter(|link| !link.contains(':')).collect()
+}
+
+/// The anchors of a page: its headings as code hosts write them.
+fn anchors(text: &str) -> Vec<String> {
+    let mut anchors: Vec<String> = Vec::new();
+    for heading in prose(text).filter(|line| line.starts_with('#')) {
+        // Of a link in a heading, its text.
+        let heading: String = heading.split("](").enumerate().fold(String::new(), |text, (i, part)| {
+            text + if i == 0 { part } else { part.split_once(')').unwrap().1 }
+        });
+        let words = heading.trim_start_matches('#').trim().to_lowercase();
+        let kept = words.chars().filter(|c| c.is_alphanumeric() || matches!(c, ' ' | '-' | '_'));
+        let anchor = kept.collect::<String>().replace(' ', "-");
+        let n_before = anchors.iter().filter(|other| **other == anchor).count();
+        anchors.push(if n_before == 0 { anchor } else { format!("{anchor}-{n_before}") });
+    }
+    anchors
+}
+
+#[test]
+fn links_lead_to_files_and_headings() {
+    let mut faults = Vec::new();
+    for page in pages() {
+        let text = fs::read_to_string(workspace().join(&page)).unwrap();
+        for link in links(&text) {
+            let (file, anchor) = link.split_once('#').unwrap_or((&link, ""));
+            let folder = workspace().join(page.parent().unwrap());
+            let target = if file.is_empty() { workspace().join(&page) } else { folder.join(file) };
+            let is_right = match (anchor.is_empty(), fs::read_to_string(&target)) {
+                (true, _) => target.exists(),
+                (false, Ok(text)) => anchors(&text).iter().any(|other| other == anchor),
+                (false, Err(_)) => false,
+            };
+            if !is_right {
+                faults.push(format!("{}: {link}", page.display()));
+            }
+        }
+    }
+    assert!(faults.is_empty(), "links that lead nowhere:\n{}", faults.join("\n"));
+}
+
+#[test]
+fn every_page_is_in_the_book() {
+    let summary = fs::read_to_string(workspace().join("docs/SUMMARY.md")).unwrap();
+    let listed = links(&summary);
+    let resolved = |link: &String| workspace().join("docs").join(link).canonicalize().unwrap();
+    let listed: Vec<PathBuf> = listed.iter().map(resolved).collect();
+    let is_missing = |page: &PathBuf| {
+        !page.ends_with("SUMMARY.md") && !listed.contains(&workspace().join(page).canonicalize().unwrap())
+    };
+    let missing: Vec<PathBuf> = pages().into_iter().filter(is_missing).collect();
+    assert!(missing.is_empty(), "docs/SUMMARY.md does not list {missing:?}");
+}

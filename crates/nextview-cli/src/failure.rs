@@ -2,7 +2,7 @@ use crate::flags;
 use nextview_scan::{Fault, FaultKind, Faults};
 use std::fmt;
 
-/// Why a command failed, worded for users of the program.
+/// The reason why a command failed, worded for users of the program.
 #[derive(Debug)]
 pub struct Failure(Faults);
 

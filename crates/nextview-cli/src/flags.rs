@@ -78,8 +78,8 @@ const FILE_KEYS: [&str; 16] = [
     "recording.read.color_topic",
 ];
 
-/// The text with options in the place of keys, which stand in backticks: `` `table` = fit `` becomes `--table
-/// fit`. Other keys are those of a configuration file.
+/// The text with options in place of keys, which are in backticks: `` `table` = fit `` becomes `--table fit`.
+/// Other keys are those of a configuration file.
 pub(crate) fn word(text: &str) -> String {
     let mut worded = String::new();
     let mut parts = text.split('`');

@@ -1,4 +1,4 @@
-//! What the program has to say.
+//! The output of the program.
 
 use crate::Failure;
 use std::io::{self, ErrorKind, Write};

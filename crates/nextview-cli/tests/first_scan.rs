@@ -1,4 +1,6 @@
-//! The output that docs/scan.md shows is what its first command prints, times and memory aside.
+//! The output that docs/scan.md and docs/start.md show is what their commands print, times and memory aside.
+
+#![allow(clippy::unwrap_used, reason = "helpers of tests")]
 
 use std::process::Command;
 
@@ -18,16 +20,37 @@ fn lines(text: &str) -> Vec<Vec<&str>> {
     words.filter(|words| !words.is_empty()).collect()
 }
 
-#[test]
-fn shows_what_the_first_command_prints() {
-    let folder = std::env::temp_dir().join(format!("nextview-first-scan-{}", std::process::id()));
+/// What the program prints with these arguments.
+fn printed(arguments: &str, name: &str) -> String {
+    let folder = std::env::temp_dir().join(format!("nextview-{name}-{}", std::process::id()));
     let out = folder.to_string_lossy();
-    let output =
-        Command::new(env!("CARGO_BIN_EXE_nextview")).args(["scan", "--out", &*out]).output().unwrap();
+    let mut command = Command::new(env!("CARGO_BIN_EXE_nextview"));
+    let output = command.args(arguments.split(' ')).args(["--out", &*out]).output().unwrap();
     std::fs::remove_dir_all(&folder).unwrap();
     assert!(output.status.success());
-    let printed = String::from_utf8(output.stdout).unwrap();
+    String::from_utf8(output.stdout).unwrap()
+}
+
+/// The first block of a page that shows text.
+fn shown(page: &str) -> &str {
+    page.split("```text\n").nth(1).unwrap().split("```").next().unwrap()
+}
+
+#[test]
+fn shows_what_the_first_command_prints() {
+    let printed = printed("scan", "first-scan");
     let page = include_str!("../../../docs/scan.md");
-    let shown = page.split("```text\n").nth(1).unwrap().split("```").next().unwrap();
-    assert_eq!(lines(shown), lines(&printed), "docs/scan.md shows another output");
+    assert_eq!(lines(shown(page)), lines(&printed), "docs/scan.md shows another output");
+}
+
+#[test]
+fn the_start_shows_lines_that_its_command_prints() {
+    let page = include_str!("../../../docs/start.md");
+    let command = page.lines().find_map(|line| line.strip_prefix("nextview scan builtin:mug ")).unwrap();
+    let printed =
+        printed(&format!("scan builtin:mug {}", command.strip_suffix(" --out mug").unwrap()), "start");
+    let printed = lines(&printed);
+    for line in lines(shown(page)) {
+        assert!(printed.contains(&line), "docs/start.md shows another output: {line:?}");
+    }
 }

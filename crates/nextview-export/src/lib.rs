@@ -21,7 +21,7 @@ use scanned::Scanned;
 use std::io::Write;
 use std::path::Path;
 
-/// What an export came to.
+/// The result of an export.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Exported {
     /// Number of pictures.

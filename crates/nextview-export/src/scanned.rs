@@ -7,7 +7,7 @@ use nextview_scan::{FRAMES_FOLDER, Fault, Faults, SavedModel, ScanRecord};
 use rayon::prelude::*;
 use std::path::Path;
 
-/// What a scan left in its folder.
+/// The results of a scan in its folder.
 pub(crate) struct Scanned {
     /// Optics of all pictures, without distortion.
     pub intrinsics: Intrinsics,

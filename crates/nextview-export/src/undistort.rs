@@ -7,8 +7,8 @@ pub(crate) fn ideal(intrinsics: &Intrinsics) -> Result<Intrinsics, Fault> {
     Ok(intrinsics.with_distortion(Distortion::None)?)
 }
 
-/// What a camera without distortion would have taken: few tools know all lens models. Depths are those of the
-/// nearest pixels, since blends would lie between surfaces; colours are blended of four.
+/// The image of a camera without distortion: few tools know all lens models. Depths are those of the nearest
+/// pixels, since blends would lie between surfaces; colours are blended of four.
 pub(crate) fn undistorted(
     frame: Frame,
     color: Option<ColorImage>,

@@ -22,7 +22,7 @@ pub(crate) struct Deviations {
     pub correlated_error: f64,
 }
 
-/// What is known of a point, for a tolerance.
+/// The verdict on a point, for a tolerance.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Verdict {
     /// It deviates by more.

@@ -14,7 +14,7 @@ use nextview_sim::mesh::sample_surface;
 use rayon::prelude::*;
 use std::path::{Path, PathBuf};
 
-/// What is asked of an inspection.
+/// The settings of an inspection.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct InspectionConfig {
     /// Deviations up to this, in millimetres, are none; positive. Default 0.5.
@@ -33,7 +33,7 @@ impl Default for InspectionConfig {
 
 /// A part beside its CAD model.
 pub struct Inspection {
-    /// What was found.
+    /// The findings.
     pub record: InspectionRecord,
     /// How the numbers of the CAD model's file became metres.
     pub note: String,
@@ -43,7 +43,7 @@ pub struct Inspection {
     pub(crate) deviations: Vec<Deviation>,
 }
 
-/// Samples of the model that tell how much of it was measured.
+/// Samples of the model that show how much of it was measured.
 const N_SAMPLES: usize = 20_000;
 
 /// The CAD model that a scan's results are compared with: that of the scan, or another file, in another unit;

@@ -1,4 +1,4 @@
-//! What a recording may hold in proportion to its size: small files must not fill the memory.
+//! Limits of a recording's content in proportion to its size: small files must not fill the memory.
 //!
 //! Everything that is read stays below 20 times the size of its files plus 200 MB. What a file states of its
 //! own content is checked against that before memory is reserved.

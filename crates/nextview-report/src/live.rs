@@ -15,7 +15,7 @@ pub const SCRIPT: &str = crate::scan::LIVE_SCRIPT;
 /// Its style.
 pub const STYLE: &str = crate::text::STYLE;
 
-/// The policy to send with the page: everything comes from the server itself, and no script stands in the
-/// page. The pictures of views are parts of the [scene](LiveScene).
+/// The policy to send with the page: everything comes from the server itself, and no script is in the page.
+/// The pictures of views are parts of the [scene](LiveScene).
 pub const CONTENT_SECURITY_POLICY: &str = "default-src 'none'; script-src 'self'; style-src 'self'; \
      connect-src 'self'; img-src 'self' data:; base-uri 'none'; form-action 'none'; frame-ancestors 'none'";

@@ -24,7 +24,7 @@ const STATUS: Duration = Duration::from_secs(1);
 /// Most orders that wait: a request more is refused.
 const MAX_ORDERS: usize = 8;
 
-/// Who waits for an answer.
+/// The request that waits for an answer.
 type Ticket = (Service, RmwRequestId);
 
 /// Runs the node until it is stopped by a signal.
@@ -93,7 +93,7 @@ async fn spin(names: &Names, parameters: Parameters) -> Result<(), String> {
     }
 }
 
-/// Ends when the process is asked to end.
+/// Ends on a signal to terminate.
 async fn stopped() {
     let terminated = async {
         #[cfg(unix)]
@@ -120,7 +120,7 @@ struct Node {
     begun_with: Option<Intrinsics>,
     /// Orders that are not done yet.
     n_orders: usize,
-    /// Who asked for the image that is being taken.
+    /// The request for the image that is being taken.
     askers: Vec<Ticket>,
 }
 
@@ -169,7 +169,7 @@ impl Node {
         }
     }
 
-    /// What is to be done from time to time.
+    /// Periodic work.
     fn tick(&mut self) -> Vec<(Ticket, TriggerResponse)> {
         let Parameters { auto_capture, capture_distance, capture_angle, capture_timeout, .. } =
             self.parameters;
@@ -197,7 +197,7 @@ impl Node {
         }
     }
 
-    /// An order is done: what failed that nobody asked for is a problem.
+    /// An order is done: a failure that no request caused is a problem.
     fn done(
         &mut self,
         askers: Vec<Ticket>,

@@ -1,4 +1,4 @@
-//! What is wrong at present: said once on stderr, and told in the status for as long as it lasts.
+//! Current problems: printed once to stderr, and listed in the status as long as they last.
 
 use std::collections::BTreeMap;
 use std::time::{Duration, Instant};
@@ -45,7 +45,7 @@ impl Notes {
         }
     }
 
-    /// What is wrong, by what it is about.
+    /// The problems, by subject.
     pub fn problems(&self) -> BTreeMap<&'static str, &str> {
         self.0.iter().filter_map(|(about, note)| Some((*about, note.problem.as_deref()?))).collect()
     }

@@ -1,4 +1,4 @@
-//! What the node says of itself, as JSON.
+//! The status of the node, as JSON.
 
 use crate::messages::Text;
 use crate::scan::State;
@@ -15,7 +15,7 @@ struct Status<'a> {
     capturing: bool,
     /// Number of images that came since the node started.
     images: u64,
-    /// What is wrong at present, by what it is about.
+    /// The current problems, by subject.
     problems: BTreeMap<&'static str, &'a str>,
 }
 

@@ -11,7 +11,7 @@ use std::path::Path;
 
 /// A finished scan of an object that has been turned since.
 pub(crate) struct EarlierScan {
-    /// What it has shown.
+    /// The object as that scan showed it.
     pub shown: ShownObject,
     frames: Vec<RecordedFrame>,
 }

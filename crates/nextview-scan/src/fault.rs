@@ -8,11 +8,11 @@ use std::sync::Arc;
 
 /// Something that is wrong, with the value and with what would be right.
 ///
-/// Keys of the configuration stand in backticks in `message` and `remedy`, so that a front end can put its
-/// own names in their place: a program its flags, a server the keys of its requests.
+/// Keys of the configuration are in backticks in `message` and `remedy`, so that a front end can put its own
+/// names in their place: a program its flags, a server the keys of its requests.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct Fault {
-    /// Who can mend it.
+    /// Who can correct it.
     pub kind: FaultKind,
     /// Where it is, where a file is behind it.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -28,7 +28,7 @@ pub struct Fault {
     pub expected: Option<String>,
     /// The whole fault as a sentence without its place, value and expectation included.
     pub message: String,
-    /// What to do about it.
+    /// The remedy.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub remedy: Option<String>,
     /// The error behind it, where a planner from outside the library failed.
@@ -48,7 +48,7 @@ impl PartialEq for Cause {
 
 impl Eq for Cause {}
 
-/// Who can mend a fault.
+/// Who can correct a fault.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum FaultKind {

@@ -2,7 +2,7 @@
 //! the record.
 //!
 //! It prints nothing, ends no process and names no option of a program: front ends do. What is wrong comes
-//! back as [`Fault`]s. Start with [`ScanRun`], which is pushed and never blocks: whoever owns the camera asks
+//! back as [`Fault`]s. Start with [`ScanRun`], which is pushed and never blocks: the owner of the camera asks
 //! [`next`](ScanRun::next), takes the picture and [`push`](ScanRun::push)es it. [`LiveScan`] is such a run
 //! from a configuration to the results.
 //!

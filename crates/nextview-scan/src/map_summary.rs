@@ -1,4 +1,4 @@
-//! What a saved map knows, and its other forms.
+//! The content of a saved map, and its conversions.
 
 use crate::files::{self, Overwrite};
 use crate::{Fault, SavedMap};
@@ -10,8 +10,8 @@ use serde::Serialize;
 use std::f64::consts::LN_2;
 use std::path::Path;
 
-/// What a map knows, counted with the bounds of the paper's authors: a voxel is occupied above P = 0.65, free
-/// below 0.45, and unknown in between or where nothing was measured.
+/// The content of a map, counted with the bounds of the paper's authors: a voxel is occupied above P = 0.65,
+/// free below 0.45, and unknown in between or where nothing was measured.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct MapSummary {
     /// Kind of the octree, as OctoMap names it.

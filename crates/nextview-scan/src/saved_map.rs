@@ -14,7 +14,7 @@ use std::path::Path;
 
 /// A map from a file, the box that the object lies in, and the views to choose from.
 ///
-/// Planners that remember earlier decisions begin anew: a map does not hold them.
+/// Planners that remember earlier decisions start without them: a map does not contain them.
 #[derive(Debug)]
 pub struct SavedMap {
     snapshot: Snapshot,

@@ -1,4 +1,4 @@
-//! A client: scans a mug through a server that runs, with a simulated camera in place of one's own.
+//! A client: scans a mug through a running server, with a simulated camera in place of a real one.
 //!
 //! `nextview serve` in one terminal, `cargo run -p nextview-server --example client` in another.
 

@@ -7,7 +7,7 @@ use nextview_scan::{Fault, memory};
 use std::sync::Arc;
 use tokio::sync::{Semaphore, watch};
 
-/// What all requests share.
+/// The state shared by all requests.
 pub(crate) struct App {
     pub limits: Limits,
     pub access: Access,

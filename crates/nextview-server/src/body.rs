@@ -58,7 +58,7 @@ fn too_large(value: usize, most: usize) -> Refusal {
     Refusal::new(StatusCode::PAYLOAD_TOO_LARGE, fault)
 }
 
-/// Receives a JSON body. `what` it is stands in messages.
+/// Receives a JSON body. Messages name it by `what`.
 pub(crate) async fn receive_json<T: DeserializeOwned>(
     app: &App,
     headers: &HeaderMap,
@@ -78,7 +78,7 @@ pub(crate) fn is_kind(kind: &[u8], expected: &str) -> bool {
     bare.trim_ascii().eq_ignore_ascii_case(expected.as_bytes())
 }
 
-/// A content type that is none of those that are read.
+/// An unsupported content type.
 pub(crate) fn wrong_kind(kind: Option<&[u8]>, expected: &str) -> Refusal {
     let kind = kind.map_or("missing".into(), String::from_utf8_lossy);
     Refusal::new(StatusCode::UNSUPPORTED_MEDIA_TYPE, Fault::of_value("content-type", kind, expected))

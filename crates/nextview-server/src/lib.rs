@@ -1,8 +1,8 @@
-//! An HTTP server for scans by any camera: whoever has the camera posts frames and gets the next views.
+//! An HTTP server for scans with any camera: clients post frames and get the next views.
 //!
 //! Scans are those of [`nextview_scan::LiveScan`]; what is here is HTTP: routes, bodies, who may ask, and
-//! limits against whoever asks too much. Every frame is on the disk before it is acknowledged, and a server
-//! that was killed goes on with all scans. Start with [`serve`]; `docs/server.md` describes the routes.
+//! limits against too many requests. Every frame is on the disk before it is acknowledged, and a server that
+//! was killed resumes all scans. Start with [`serve`]; `docs/server.md` describes the routes.
 
 mod access;
 mod answers;

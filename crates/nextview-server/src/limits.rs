@@ -30,7 +30,7 @@ pub struct Limits {
     pub head_time: Duration,
     /// Time for the body of a request, and for the client to take a part of an answer. Default 30 s.
     pub body_time: Duration,
-    /// Time for an answer; the work goes on after it. Default 120 s.
+    /// Time for an answer; the work continues after it. Default 120 s.
     pub answer_time: Duration,
 }
 

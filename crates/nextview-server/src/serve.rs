@@ -43,7 +43,7 @@ impl Default for ServerConfig {
 pub struct Started {
     /// Where it listens.
     pub address: SocketAddr,
-    /// The page, with its token: whoever has it can do everything.
+    /// The page, with its token, which permits everything.
     pub page: String,
     /// Number of interrupted scans that are resumed.
     pub n_resumed: usize,

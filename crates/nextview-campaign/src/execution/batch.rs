@@ -73,8 +73,8 @@ impl Batch {
     }
 
     /// Gets ready to do the runs, each by so many threads; with a cache, the truth of their object comes from
-    /// there. Fails if they cannot be done here, for example
-    /// because a planner of one's own is missing: every run would fail, and stay failed.
+    /// there. Fails if they cannot be done here, for example because a user's planner is missing: every run
+    /// would fail, and stay failed.
     pub fn begin(self, n_threads: usize, truths: Option<TruthCache>) -> Result<BatchRuns, Faults> {
         for run in &self.runs {
             let worker = || format!("the worker on {}", Host::this(1).name);

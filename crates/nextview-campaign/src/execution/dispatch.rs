@@ -11,8 +11,8 @@ const PARTS_OF_SHARE: usize = 8;
 const MAX_NAMED: usize = 3;
 
 /// The open runs of a campaign for workers in other processes: hands out batches, and keeps the records that
-/// come back. Whoever starts the workers decides what is done about a batch that is lost; what is still
-/// missing at the end is open for the next one that opens the store.
+/// come back. The code that starts the workers decides what to do about a lost batch; what is still missing
+/// at the end is open for the next one that opens the store.
 ///
 /// ```no_run
 /// # use nextview::Cancel;
@@ -53,7 +53,7 @@ impl Dispatch {
         Self { n_open, n_waiting: n_open, store, tally, groups }
     }
 
-    /// What there is to say before the first batch.
+    /// Messages before the first batch.
     pub fn beginning(&self) -> Vec<CampaignEvent> {
         self.tally.beginning(&self.store)
     }

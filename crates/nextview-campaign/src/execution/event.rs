@@ -1,7 +1,7 @@
 use crate::RunId;
 use serde::Serialize;
 
-/// What happens in a campaign.
+/// An event of a campaign.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 #[non_exhaustive]
@@ -19,7 +19,7 @@ pub enum CampaignEvent {
     RunFinished {
         /// Which one.
         run: RunId,
-        /// Why it failed; none if it did not.
+        /// The reason of a failure; none if it succeeded.
         failure: Option<String>,
     },
     /// All runs of an object are finished.

@@ -1,8 +1,8 @@
 //! Doing runs: several beside each other, from wherever work comes.
 //!
-//! [`run_campaign`] does what is left of a campaign in a folder. Beneath it, [`execute`] takes runs from a
-//! [`WorkSource`] and hands their records back to it, and knows neither specification nor folder: a source
-//! may as well lease runs from another machine.
+//! [`run_campaign`] does the remaining runs of a campaign in a folder. Beneath it, [`execute`] takes runs
+//! from a [`WorkSource`] and hands their records back to it, and knows neither specification nor folder: a
+//! source may as well lease runs from another machine.
 //!
 //! For workers that are processes of their own, a [`Dispatch`] hands out the open runs of a folder as
 //! [`Batch`]es, which travel as text, and keeps the records that come back.

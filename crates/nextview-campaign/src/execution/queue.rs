@@ -35,7 +35,7 @@ struct Group<R, T> {
 }
 
 impl<'a, R: Clone, T> Queue<'a, R, T> {
-    /// What this source gives.
+    /// A queue of the tasks of this source.
     pub fn new(take: Take<'a, R>) -> Self {
         let state = State { groups: BTreeMap::new(), n_taken: 0, is_exhausted: false };
         Self { take, state: Mutex::new(state), changed: Condvar::new() }

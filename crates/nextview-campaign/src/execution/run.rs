@@ -7,7 +7,7 @@ use nextview_scan::{
 };
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
-/// What the runs on an object share, or why they all fail.
+/// The data shared by the runs on an object, or the reason why they all fail.
 pub(super) type Prepared = Result<(SimulatedObject, Option<Truth>), String>;
 
 /// Loads an object and, where that is needed, looks at it from everywhere, unless a cache knows what there is
@@ -78,7 +78,8 @@ fn measure(
     Ok(DoneRun { record, extra_memory_mb: growth.map(|mb| (10.0 * mb).round() / 10.0) })
 }
 
-/// The work's value, or why there is none. A panic is a fault of ours, but must not cost the other runs.
+/// The value of the work, or the reason why there is none. A panic is a bug of ours, but must not affect the
+/// other runs.
 fn guarded<T>(work: impl FnOnce() -> Result<T, Faults>) -> Result<T, String> {
     match catch_unwind(AssertUnwindSafe(work)) {
         Ok(result) => result.map_err(|faults| reason(&faults)),

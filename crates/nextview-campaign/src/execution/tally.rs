@@ -39,7 +39,7 @@ impl Tally {
         Self { objects }
     }
 
-    /// What there is to say about the runs of this store before the first of them.
+    /// Messages about the runs of this store before the first of them.
     pub fn beginning(&self, store: &Store) -> Vec<CampaignEvent> {
         let torn = "the last line of runs.jsonl is not whole; its run is done again";
         let note = store.was_torn().then(|| CampaignEvent::Note(torn.to_owned()));

@@ -5,8 +5,8 @@ use std::sync::{Mutex, PoisonError};
 
 /// Where runs come from and their records go: a campaign's folder, a list, or a lease from elsewhere.
 ///
-/// Runs that were taken and are not finished, because this process is cancelled or ends, are open again:
-/// whoever hands out leases decides when.
+/// Runs that were taken and are not finished, because this process is cancelled or ends, are open again: the
+/// owner of the leases decides when.
 pub trait WorkSource: Sync {
     /// Takes some runs to do; none if there is nothing left. They must share their object
     /// ([`ScanConfig::of_object`](nextview_scan::ScanConfig::of_object)), which is prepared once for all of

@@ -11,7 +11,7 @@ impl FaultList {
         self.add_without_key(Fault { key: Some(key.to_owned()), ..without_place(fault) });
     }
 
-    /// Adds a fault of something that stands in no specification.
+    /// Adds a fault that belongs to no key of the specification.
     pub fn add_without_key(&mut self, fault: Fault) {
         if !self.0.contains(&fault) {
             self.0.push(fault);

@@ -9,7 +9,7 @@ pub(super) fn whole_path(path: &Path) -> Result<String, Fault> {
     text.map_err(|path| Fault::data("the name is not Unicode").in_file(&PathBuf::from(path)))
 }
 
-/// The value of a dotted key, which may stand in the table as one key or in tables within it.
+/// The value of a dotted key, which may be one key of the table or in nested tables.
 pub(super) fn value_at<'a>(table: &'a mut Table, key: &str) -> Option<&'a mut Value> {
     if table.contains_key(key) {
         return table.get_mut(key);

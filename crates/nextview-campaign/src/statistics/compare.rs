@@ -17,7 +17,7 @@ const LISTED: f64 = 1e-3;
 /// Most objects in a list.
 const MAX_LISTED: usize = 10;
 
-/// What is compared: by differences, but the time, which is the last, by ratios.
+/// The measures to compare: by differences, except the time, which is the last, by ratios.
 const MEASURES: [Measure; 6] = [VOXEL_COVERAGE, REACHABLE_COVERAGE, SKILL, VIEWS_TO_95, PATH, PLAN_TIME];
 const TIME: usize = MEASURES.len() - 1;
 
@@ -82,7 +82,7 @@ fn id_in_a(run: &RunRecord, renamed: Option<&str>) -> RunId {
     RunId { variant: renamed.map_or(id.variant, str::to_owned), ..id }
 }
 
-/// What was found in both campaigns so far.
+/// The runs found in both campaigns so far.
 #[derive(Default)]
 struct Found {
     /// By the name of the variant in A.
@@ -130,7 +130,7 @@ fn label(run: &RunRecord) -> String {
 
 /// The numbers of a run that are compared: a small part of what a report needs of it.
 struct ComparedRun {
-    /// What it was drawn by: seed, set of candidates and first view.
+    /// The draws of the run: seed, set of candidates and first view.
     draw: (u64, u64, usize),
     values: [Option<f64>; MEASURES.len()],
 }

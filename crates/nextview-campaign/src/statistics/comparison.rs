@@ -1,7 +1,7 @@
 use super::{Interval, Measure, SignedRank};
 use serde::Serialize;
 
-/// What differs between campaign A and campaign B.
+/// The differences between campaign A and campaign B.
 #[derive(Clone, Debug, Serialize)]
 pub struct Comparison {
     /// Runs of A.
@@ -33,7 +33,7 @@ pub struct VariantComparison {
     pub variant_b: String,
     /// Objects that have a pair of measured runs.
     pub n_objects: usize,
-    /// What is compared.
+    /// The compared measures.
     pub measures: Vec<MeasureComparison>,
     /// Objects whose voxel coverage is better in B by more than 0.1 point: name and difference in points, the
     /// largest differences first, ten at most.

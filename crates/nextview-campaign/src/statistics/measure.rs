@@ -1,10 +1,10 @@
-//! What is read off a run, one number each: the list of measures that tables, figures and comparisons choose
+//! The numbers taken from a run, one each: the list of measures that tables, figures and comparisons choose
 //! from.
 
 use super::{MeasuredRun, mean, percentile};
 use std::cmp::Ordering;
 
-/// In the place of a number that there is not.
+/// Shown in place of a missing number.
 const DASH: &str = "–";
 
 /// A number that a run has, or a mean over runs.
@@ -58,7 +58,7 @@ impl Measure {
         }
     }
 
-    /// Unit of a difference: points for a percentage, else that of the measure, which stands in its name.
+    /// Unit of a difference: points for a percentage, else that of the measure, which is part of its name.
     pub fn difference_unit(&self) -> Option<&'static str> {
         self.name.ends_with(", %").then_some("points")
     }

@@ -5,7 +5,7 @@ use nextview_scan::{ScanConfig, ScanRecord, StepRecord};
 /// of its record.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MeasuredRun {
-    /// What it was drawn by: seed, set of candidates and first view.
+    /// The draws of the run: seed, set of candidates and first view.
     pub draw: (u64, u64, usize),
     /// After each view.
     pub steps: Vec<MeasuredStep>,
@@ -27,7 +27,7 @@ pub struct MeasuredRun {
     sensing_time: f64,
 }
 
-/// What statistics need of a view.
+/// The numbers of a view that statistics need.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MeasuredStep {
     /// Occupied object voxels over object voxels.

@@ -20,7 +20,7 @@ const MAX_NAMED: usize = 3;
 pub struct Merged {
     /// Its runs.
     pub n_runs: usize,
-    /// Records that were in the folders once more, and equal.
+    /// Equal repetitions of records in the folders.
     pub n_repeated: usize,
     /// Folders whose last line was not whole and was left out.
     pub torn: Vec<PathBuf>,
@@ -57,7 +57,7 @@ pub fn merge(dirs: &[PathBuf], out: &Path) -> Result<Merged, Faults> {
     Ok(merged)
 }
 
-/// What was found in the folders so far.
+/// The records found in the folders so far.
 struct Merging {
     spec: Spec,
     runs: Runs,

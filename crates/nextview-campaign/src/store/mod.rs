@@ -4,7 +4,7 @@
 //! rules:
 //!
 //! - One process writes at a time: it holds a lock on the file, which ends with the process.
-//! - A last line without its line feed is a write that was torn. Readers leave it out and report it; who
+//! - A last line without its line feed is an incomplete write. Readers leave it out and report it; who
 //!   resumes cuts it.
 //! - Any other line that is no record is a fault, with line and column.
 //! - Records of one run that are equal apart from times, memory and host count once; unequal ones are a fault

@@ -24,7 +24,7 @@ pub struct Store {
     n_bytes: u64,
     n_lines: usize,
     runs: Runs,
-    /// The runs that are to be done here, by the object that they share.
+    /// The runs to do here, by the object that they share.
     share: Vec<Vec<usize>>,
     /// By the number of the run.
     positions: Vec<Option<Position>>,
@@ -93,7 +93,7 @@ impl Store {
         &self.runs
     }
 
-    /// The runs that are to be done here, by their numbers; those of a group share their object.
+    /// The runs to do here, by their numbers; those of a group share their object.
     pub fn share(&self) -> &[Vec<usize>] {
         &self.share
     }
@@ -110,7 +110,7 @@ impl Store {
         self.positions.get(number).is_some_and(Option::is_some)
     }
 
-    /// The records that there are, in the order of the runs.
+    /// The existing records, in the order of the runs.
     pub fn finished(&self) -> RunRecords {
         RunRecords::new(vec![self.path.clone()], self.positions.iter().flatten().copied().collect())
     }
@@ -182,7 +182,7 @@ impl Store {
         Ok(())
     }
 
-    /// The number of the run that this is the record of; fails if it is none of this campaign and build.
+    /// The number of the run that this record belongs to; fails if it is not of this campaign and build.
     fn number(&self, record: &RunRecord) -> Result<usize, Fault> {
         check_build(record)?;
         let id = record.id();

@@ -32,7 +32,7 @@ pub(super) fn all_steps<'a>(
     done.flat_map(|(record, steps)| steps.iter().map(move |step| (record, step)))
 }
 
-/// What is measured after a view, times aside.
+/// The measures after a view, except times.
 pub(super) fn measure_columns<'a, I: Iterator<Item = Option<&'a StepRecord>>>(
     table: &mut Table,
     steps: impl Fn() -> I,

@@ -1,4 +1,4 @@
-//! What the commands about campaigns share.
+//! Code shared by the commands about campaigns.
 
 use crate::Failure;
 use nextview_campaign::FailedRuns;

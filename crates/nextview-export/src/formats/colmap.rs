@@ -31,7 +31,7 @@ struct Point {
     track: Vec<(usize, usize)>,
 }
 
-/// What an image shows.
+/// The points that an image shows.
 struct Seen {
     /// The pixel, and the index of the point.
     points: Vec<(DVec2, usize)>,

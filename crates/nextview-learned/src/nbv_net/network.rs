@@ -9,8 +9,8 @@ use pulp::{Arch, Simd, WithSimd};
 ///
 /// Three 3D convolutions (10, 12 and 8 filters of 3 x 3 x 3 cells, a border of zeros), each followed by the
 /// larger of 0 and the value, and by the largest of eight neighbours; then five fully connected layers of
-/// 1500, 500, 100, 50 and 14 units, rectified but for the last. The authors' code rectifies the last one,
-/// too, which separates views no better and makes training harder.
+/// 1500, 500, 100, 50 and 14 units, rectified except the last. The authors' code rectifies the last one, too,
+/// which separates views no better and makes training harder.
 ///
 /// Every number is computed in the same order of operations on every CPU, by one thread, so that the results
 /// have the same bits.

@@ -7,7 +7,7 @@ use glam::{DQuat, DVec3};
 use nextview::geometry::Pose;
 use nextview::sensor::{ColorImage, DepthImage, Intrinsics};
 
-/// What stands at the beginning of a message.
+/// The header of a message.
 pub(super) struct Header<'a> {
     /// When the content was taken, seconds.
     pub time: f64,
@@ -44,7 +44,7 @@ pub(super) struct Transform<'a> {
     /// The header's frame is the parent.
     pub header: Header<'a>,
     pub child: &'a str,
-    /// Takes points of the child to the parent; or why it is none.
+    /// Takes points of the child to the parent; or the reason why it is invalid.
     pub parent_from_child: Result<Pose, nextview::Error>,
 }
 

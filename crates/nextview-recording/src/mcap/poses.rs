@@ -7,7 +7,7 @@ use crate::{RecordingError, rigid};
 use nextview::geometry::Pose;
 use std::collections::BTreeMap;
 
-/// Whatever tells where the camera was.
+/// The source of the camera's poses.
 pub(super) enum Poses {
     Topic(Trajectory),
     Transforms { tree: TransformTree, world: String, camera: String },
@@ -61,7 +61,7 @@ impl Default for Transforms {
 }
 
 impl Transforms {
-    /// Adds a transform. One that cannot be is left out: those of joints that nobody needs are often wrong.
+    /// Adds a transform. Invalid ones are skipped: those of joints that are not needed are often wrong.
     pub fn add(&mut self, transform: Transform<'_>, is_static: bool) {
         let Transform { header, child, parent_from_child } = transform;
         let added = parent_from_child.map_err(|error| error.to_string()).and_then(|pose| {
@@ -77,7 +77,7 @@ impl Transforms {
         }
     }
 
-    /// What was left out, a sentence a frame.
+    /// The skipped transforms, a sentence for each frame.
     pub fn notes(&self) -> Vec<String> {
         let note = |(frame, (error, n)): (&String, &(String, usize))| {
             format!("{n} transforms of '{frame}' are left out, the first because {error}")

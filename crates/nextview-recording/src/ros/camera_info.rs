@@ -24,7 +24,7 @@ impl CameraInfo<'_> {
     /// The optics.
     ///
     /// # Errors
-    /// If they cannot be those of a camera, or their distortion is none that is known here.
+    /// If they cannot be those of a camera, or if their distortion model is unknown.
     pub fn intrinsics(&self) -> Result<Intrinsics, RecordingError> {
         let [fx, _, cx, _, fy, cy, ..] = self.k;
         let intrinsics =

@@ -6,7 +6,7 @@ use nextview::sensor::{ColorImage, DepthImage, Intrinsics};
 /// A compressed image, as of `sensor_msgs/msg/CompressedImage`.
 #[derive(Clone, Copy, Debug)]
 pub struct CompressedImage<'a> {
-    /// What the sender says of it, such as `16UC1; compressedDepth png` or `rgb8; jpeg compressed bgr8`.
+    /// The format stated by the sender, such as `16UC1; compressedDepth png` or `rgb8; jpeg compressed bgr8`.
     pub format: &'a str,
     /// A JPEG or PNG file; of `compressedDepth`, twelve bytes before it.
     pub data: &'a [u8],

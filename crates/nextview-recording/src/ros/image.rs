@@ -10,7 +10,7 @@ pub struct Image<'a> {
     pub width: u32,
     /// Rows.
     pub height: u32,
-    /// What a pixel is; see [`is_depth`](Self::is_depth).
+    /// The format of a pixel; see [`is_depth`](Self::is_depth).
     pub encoding: &'a str,
     /// Whether a pixel's highest byte comes first.
     pub is_big_endian: bool,

@@ -1,5 +1,5 @@
-//! What ROS 2 messages say, however they came here, from a file or over a network: images, optics, and where
-//! frames are to each other.
+//! The content of ROS 2 messages, from a file or from a network: images, optics, and where frames are to each
+//! other.
 
 mod camera_info;
 mod compressed;

@@ -9,7 +9,7 @@ use std::collections::{BTreeMap, BTreeSet};
 /// Most entries of a list and most rows of failed runs.
 const MAX_LISTED: usize = 200;
 
-/// What the runs were done with, gathered record by record.
+/// The configurations and hosts of the runs, gathered record by record.
 #[derive(Default)]
 pub(crate) struct Setup {
     n_runs: usize,

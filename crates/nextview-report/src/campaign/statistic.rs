@@ -1,10 +1,10 @@
-//! Cells with a mean, its interval, its median and a test. None of them shows a number that is none: a dash
-//! comes with the reason.
+//! Cells with a mean, its interval, its median and a test. None of them shows a number that does not exist: a
+//! dash comes with the reason.
 
 use super::document::Cell;
 use nextview_campaign::statistics::{Interval, Measure, Sample, SignedRank};
 
-/// Why a cell is empty where runs have no such number.
+/// The reason why a cell is empty where runs have no such number.
 pub(super) const NOT_MEASURED: &str = "not measured";
 
 /// A dash with the reason.

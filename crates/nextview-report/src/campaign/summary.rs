@@ -14,11 +14,11 @@ use rayon::prelude::*;
 /// The shares of the reachable object voxels whose views are counted.
 const LEVELS: [f64; 3] = [0.9, 0.95, 0.99];
 
-/// What is shown of the last view; measures that no run has are left out.
+/// The measures shown for the last view; measures that no run has are left out.
 const REACHED: [Measure; 7] =
     [VOXEL_COVERAGE, REACHABLE_COVERAGE, SKILL, SURFACE_2MM, SURFACE_5MM, ACCURACY, COMPLETENESS];
 
-/// What map and model have, and how early.
+/// The measures of map and model, and of early coverage.
 const HAS: [Measure; 9] = [
     MAP_PRECISION,
     MAP_RECALL,
@@ -86,7 +86,7 @@ fn reached(study: &Study) -> Table {
     })
 }
 
-/// What map and model have; none if no run has any of it.
+/// The measures of map and model; none if no run has any of them.
 fn has(study: &Study) -> Option<Table> {
     let measures = measured(study, &HAS);
     let head: Vec<&str> = measures.iter().map(|measure| measure.name).collect();

@@ -6,7 +6,7 @@ use nextview_scan::StepRecord;
 
 /// A share of the surface after each view.
 pub(super) struct Coverage {
-    /// What it is a share of, as its heading.
+    /// The whole that it is a share of, as its heading.
     pub name: &'static str,
     /// By step.
     pub values: Vec<Option<f64>>,

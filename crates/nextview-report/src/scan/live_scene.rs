@@ -33,7 +33,7 @@ pub struct LiveScene {
 }
 
 impl LiveScene {
-    /// What the page shows, as JSON: the surface so far, measured and expected, the candidates with their
+    /// The content of the page, as JSON: the surface so far, measured and expected, the candidates with their
     /// expected gains, the view to take next, the curves and tables, the cameras, and the points and pictures
     /// of the views after number `after`; 0 is everything, and so is sent where frames have moved since.
     ///

@@ -13,7 +13,7 @@ pub(super) struct NewPoints {
 }
 
 impl NewPoints {
-    /// Adds the frames that are not among them yet. Box and poses must be those of before.
+    /// Adds the frames that are not among them yet. Box and poses must be unchanged.
     pub fn update(&mut self, scan: &ScanCopy) {
         let Some((bounds, cell)) = scan.place else { return };
         for (frame, step_idx, _) in scan.model_views().skip(self.n_frames) {

@@ -23,7 +23,7 @@ pub(super) fn request(record: &ScanRecord) -> Option<String> {
     ))
 }
 
-/// What to do with the object, as a clause.
+/// The action on the object, as a clause.
 fn lay(record: &ScanRecord, down: DVec3) -> String {
     let up = record.table().map_or(DVec3::Z, |table| table.normal());
     if down.angle_between(up) < UPSIDE_DOWN {
@@ -61,7 +61,7 @@ fn refusal_phrase(refusal: TurnRefusal) -> &'static str {
     }
 }
 
-/// The request with its pictures, as HTML; empty where nothing is asked for.
+/// The request with its pictures, as HTML; empty if there is none.
 pub(super) fn section(page: &ScanPage<'_>) -> String {
     let (Some(text), Some(next)) = (request(page.record), page.record.next_placement) else {
         return String::new();

@@ -5,7 +5,8 @@ use nextview::sensor::{ColorImage, DepthRange, Frame};
 use nextview::view::ViewSpace;
 use nextview_scan::{FinishedScan, ModelFrames};
 
-/// What a page shows of a scan, copied, so that the scan can go on while the page is made. Images are shared.
+/// A copy of everything that a page shows of a scan, so that the scan can continue while the page is made.
+/// Images are shared.
 pub(crate) struct ScanCopy {
     /// The frames in the map, in the poses in which they were mapped.
     pub frames: Vec<Frame>,

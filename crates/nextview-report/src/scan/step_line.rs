@@ -41,7 +41,7 @@ pub fn step_line(step: &StepRecord) -> String {
     )
 }
 
-/// Why the frame was set aside; nothing if it was not.
+/// The reason why the frame was set aside; empty if it was not.
 fn set_aside_phrase(step: &StepRecord) -> String {
     let verdict = step.registration_verdict.filter(|_| step.registration_set_aside == Some(true));
     verdict.map_or(String::new(), |verdict| format!("  set aside: {}", verdict_phrase(verdict)))

@@ -122,7 +122,7 @@ fn candidate(step: &StepRecord) -> String {
     view + &step.runner_up.map_or(String::new(), |view| format!(", next best {view}"))
 }
 
-/// What registration made of the frame.
+/// The result of the frame's registration.
 fn registration(step: &StepRecord) -> String {
     let Some(verdict) = step.registration_verdict else { return "–".to_owned() };
     let moved = step.registration_moved_mm.zip(step.registration_turned_deg);

@@ -91,7 +91,7 @@ fn map_phrase(step: &StepRecord) -> Option<String> {
     Some(precision + &reachable.unwrap_or_default())
 }
 
-/// What the camera's error makes of the cloud's, and how much of the surface is at the goal.
+/// The expected error of the cloud, and the share of the surface at the goal.
 fn expected_error(record: &ScanRecord) -> Option<Row> {
     let median = fixed(record.cloud_expected_error_median_mm?, 2);
     let p95 = fixed(record.cloud_expected_error_p95_mm?, 2);

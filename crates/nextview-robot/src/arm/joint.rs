@@ -12,7 +12,7 @@ pub struct Joint {
     pub parent_from_joint: Pose,
     /// The axis in the frame of the joint, of unit length.
     pub axis: DVec3,
-    /// What the joint can do.
+    /// The limits of the joint.
     pub limits: JointLimits,
 }
 

@@ -1,7 +1,8 @@
 use crate::Arm;
 use nextview::geometry::Pose;
 
-/// What the flange of an arm carries, and where the rest is. The world is where the object does not move.
+/// The load of an arm's flange, and the poses of everything else. The world is where the object does not
+/// move.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Mount {
     /// The flange carries the camera.

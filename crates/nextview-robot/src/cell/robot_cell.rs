@@ -18,7 +18,8 @@ pub struct RobotCell {
     checker: Checker,
 }
 
-/// Angles by which a camera may be turned about its optical axis, in eighths of a turn: as it is preferred.
+/// Angles by which a camera may be turned about its optical axis, in eighths of a turn, in order of
+/// preference.
 const ROLLS: [i32; 8] = [0, 1, -1, 2, -2, 3, -3, 4];
 
 impl RobotCell {
@@ -39,7 +40,7 @@ impl RobotCell {
         self.checker.arm()
     }
 
-    /// What the flange carries.
+    /// The load of the flange.
     pub fn mount(&self) -> &Mount {
         &self.mount
     }
@@ -79,7 +80,7 @@ impl RobotCell {
         self.arm().joints.iter().zip(values).map(within_turn).collect()
     }
 
-    /// The checker of the cell with more around the arm and more on its flange: what a scan has found out.
+    /// The checker of the cell with more around the arm and more on its flange: what a scan has measured.
     pub fn checker_with(
         &self,
         attached: impl IntoIterator<Item = Attachment>,

@@ -245,7 +245,7 @@ fn check(
     CellError::unless_empty(faults)
 }
 
-/// Why motions of a joint cannot be bounded or timed, if they cannot.
+/// The reason why motions of a joint cannot be bounded or timed, if there is one.
 fn joint_fault(joint: &Joint) -> Option<String> {
     let JointLimits { lower, upper, velocity, acceleration } = joint.limits;
     let is_limit = |limit: f64| limit > 0.0 && limit.is_finite();

@@ -1,6 +1,6 @@
 use std::fmt;
 
-/// Why a cell cannot be checked; all faults at once.
+/// The reasons why a cell cannot be checked; all faults at once.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub struct CellError {
     /// What, where, the value and what would be right, one entry for each fault.

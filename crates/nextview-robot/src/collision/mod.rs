@@ -1,6 +1,6 @@
-//! What an arm would touch: itself, solids, tables and blocked voxels. Start with [`Checker`].
+//! Collisions of an arm with itself, solids, tables and blocked voxels. Start with [`Checker`].
 //!
-//! Distances are lower bounds, so that an error shows as a contact that is none, never as a miss. The
+//! Distances are lower bounds, so that an error shows as a false contact, never as a missed one. The
 //! algorithm is our own: libraries with one state an upper bound (the distance of the nearest points found),
 //! and cost more build time than the rest of this crate.
 

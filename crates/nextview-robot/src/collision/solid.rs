@@ -140,7 +140,7 @@ impl Solid {
     }
 }
 
-/// What is wrong with the size of a shape, if anything.
+/// The fault in the size of a shape, if there is one.
 pub(super) fn fault(kind: &ShapeKind) -> Option<String> {
     let is_size = |size: f64| size > 0.0 && size < 1e6;
     let fault = |what: &str, value: String| Some(format!("{what} is {value}, expected positive metres"));

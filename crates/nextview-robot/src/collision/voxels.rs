@@ -4,7 +4,7 @@ use super::solid::{Placement, Solid};
 use glam::{DVec3, UVec3};
 use nextview::geometry::Pose;
 
-/// Voxels of a regular grid that nothing may enter: measured surface, or space that nobody has seen yet.
+/// Voxels of a regular grid that nothing may enter: measured surface, or space that has not been seen yet.
 ///
 /// Blocks of blocked voxels are merged to an octree, so that solid space costs little.
 #[derive(Clone, Debug)]

@@ -11,7 +11,7 @@ const EXACT: f64 = 1e-11;
 const FIRST_DAMPING: f64 = 1e-4;
 const LAST_DAMPING: f64 = 1e4;
 
-/// A step to values beyond, radians or metres, is none: next to a singular pose, steps have no bounds.
+/// A step to larger values, radians or metres, is rejected: near a singular pose, steps have no bounds.
 const FARTHEST: f64 = 1e6;
 
 /// How far a pose is from another: metres and, as a vector along the axis, radians.

@@ -3,7 +3,7 @@ use std::f64::consts::TAU;
 /// Values for a joint that may have any in a singular pose.
 const N_FREE: usize = 8;
 
-/// What joints without influence are set to: equal steps, and the values that the caller is near to.
+/// The values of joints without influence: equal steps, and the values that the caller is near to.
 pub(super) struct Free {
     near: Option<[f64; 6]>,
 }

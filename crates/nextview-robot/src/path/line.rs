@@ -3,8 +3,8 @@ use crate::collision::{Checker, Contact};
 use nextview::{Cancel, Cancelled};
 use std::collections::VecDeque;
 
-/// What the arm touches first on the straight line between joint values, in the order of checking; none if
-/// the line is free.
+/// The first collision on the straight line between joint values, in the order of checking; none if the line
+/// is free.
 ///
 /// The whole line is checked and not only samples: at each sample, all distances together with how far each
 /// part can move at most tell how much of the line around it is free (Schwarzer, Saha and Latombe 2005). On

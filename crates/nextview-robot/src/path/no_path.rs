@@ -1,7 +1,7 @@
 use crate::collision::Contact;
 use nextview::Cancelled;
 
-/// Why there is no path.
+/// The reason why there is no path.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum NoPath {
     /// Start or goals are no joint values of the arm; all faults at once.

@@ -8,7 +8,7 @@ use crate::collision::Checker;
 use nextview::geometry::random::Random;
 use nextview::{Cancel, Cancelled};
 
-/// How often a path that is not straight is searched anew; the fastest one is taken.
+/// Number of searches for a path that is not straight; the fastest path is taken.
 const N_ATTEMPTS: u64 = 4;
 
 /// Changes tried to make a path faster.

@@ -74,7 +74,7 @@ fn twice(what: &str, name: &str, line: u32, earlier: u32) -> UrdfFault {
     UrdfFault::new(Some(line), format!("{what} {name:?}"), problem)
 }
 
-/// What is above each link, and the link below each joint.
+/// The joint above each link, and the link below each joint.
 fn tree(model: &Model, links: &BTreeMap<&str, usize>) -> Result<(Above, Vec<usize>), UrdfError> {
     let mut faults = Vec::new();
     let mut above: Above = vec![None; model.links.len()];

@@ -1,6 +1,6 @@
 use std::fmt;
 
-/// Why a URDF is no arm: every fault that could be told at once.
+/// The reasons why a URDF is not an arm: all faults that could be found at once.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("{}", listed(faults))]
 pub struct UrdfError {
@@ -15,7 +15,7 @@ pub struct UrdfFault {
     pub line: Option<u32>,
     /// The element, such as `joint "elbow"`, or the option.
     pub place: String,
-    /// What is wrong, the value, and what would be right.
+    /// The fault, the value, and the expected value.
     pub problem: String,
 }
 

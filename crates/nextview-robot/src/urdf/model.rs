@@ -25,7 +25,7 @@ pub(super) struct ModelJoint {
     pub motion: Motion,
 }
 
-/// What a joint of a URDF allows.
+/// The motion that a joint of a URDF allows.
 pub(super) enum Motion {
     Fixed,
     Moves {

@@ -1,6 +1,6 @@
 use glam::DVec3;
 
-/// What a URDF leaves open.
+/// Options for everything that a URDF does not state.
 #[derive(Clone, Copy)]
 pub struct UrdfOptions<'a> {
     /// The link where the arm begins; by default the root of the tree.

@@ -9,7 +9,7 @@ use roxmltree::{Document, Node};
 pub(super) const LARGEST: f64 = 1e6;
 
 /// Reads the elements of a URDF and collects their faults. What is at fault is replaced by a harmless value,
-/// so that reading goes on.
+/// so that reading continues.
 pub(super) struct Reader<'a> {
     pub options: &'a UrdfOptions<'a>,
     /// The byte at which each line begins.

@@ -31,7 +31,7 @@ const PATIENCE: Duration = Duration::from_millis(500);
 pub struct Capture {
     until: Instant,
     shot: Option<Shot>,
-    /// Why there is none yet.
+    /// The reason why there is none yet.
     why: String,
 }
 
@@ -56,7 +56,7 @@ impl Capture {
         }
     }
 
-    /// The image, once its pose is known; or, when time is up, why there is none.
+    /// The image, once its pose is known; or, when time is up, the reason why there is none.
     pub fn done(&mut self, whereabouts: &Whereabouts) -> Option<Result<Taken, String>> {
         if let Some(Shot { header, depth, intrinsics, came }) = self.shot.take() {
             match whereabouts.at(&header.frame_id, header.stamp.seconds()) {

@@ -15,7 +15,7 @@ pub struct Camera {
     whereabouts: Whereabouts,
     /// As the last camera_info says.
     pub intrinsics: Option<Intrinsics>,
-    /// What took the last image, and when.
+    /// The header of the last image: its frame and its time.
     last: Option<Header>,
     /// Number of images so far.
     pub n_images: u64,
@@ -92,14 +92,14 @@ impl Camera {
         self.capture.is_some()
     }
 
-    /// The image that was wanted, once; or why there is none.
+    /// The requested image, once; or the reason why there is none.
     pub fn taken(&mut self) -> Option<Result<Taken, String>> {
         let done = self.capture.as_mut()?.done(&self.whereabouts)?;
         self.capture = None;
         Some(done)
     }
 
-    /// Whether the camera rests near a pose, as far as it is known where it is. To be asked regularly.
+    /// Whether the camera rests near a pose, as far as its pose is known. Must be called regularly.
     pub fn rests_near(&mut self, wanted: &Pose, distance: f64, angle: f64) -> bool {
         let Some(Header { stamp, frame_id }) = &self.last else { return false };
         if let Ok(pose) = self.whereabouts.at(frame_id, stamp.seconds()) {

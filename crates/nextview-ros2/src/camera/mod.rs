@@ -1,4 +1,4 @@
-//! What the node knows of its camera, from the messages that come in.
+//! The state of the node's camera, from incoming messages.
 
 mod capture;
 mod incoming;

@@ -8,7 +8,7 @@ use nextview_recording::ros::{TransformError, TransformTree};
 /// How long transforms are kept, seconds, as tf2 does.
 const HISTORY: f64 = 10.0;
 
-/// What the topic of poses calls the camera.
+/// The frame of the camera on the topic of poses.
 const CAMERA: &str = "the camera";
 
 pub struct Whereabouts {

@@ -27,7 +27,7 @@ pub fn join(names: &Names) -> Result<Node, String> {
         .map_err(|error| format!("cannot make the node {}: {error:?}", names.full()))
 }
 
-/// What is needed to connect.
+/// The objects needed to connect.
 pub struct Connector<'a> {
     pub node: &'a mut Node,
     pub names: &'a Names,

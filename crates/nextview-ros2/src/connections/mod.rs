@@ -1,4 +1,4 @@
-//! What the node reads from and writes to over DDS.
+//! The node's subscriptions and publications over DDS.
 
 mod connector;
 mod inputs;

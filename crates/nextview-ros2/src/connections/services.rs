@@ -5,7 +5,7 @@ use futures_util::stream::{LocalBoxStream, SelectAll, select_all};
 use ros2_client::dds::{Server, ServiceMapping};
 use ros2_client::{RmwRequestId, ServiceTypeName};
 
-/// What the node does when it is asked to.
+/// The services of the node.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Service {
     /// Takes the next image.
@@ -16,7 +16,7 @@ pub enum Service {
     Skip,
     /// Writes the results.
     Save,
-    /// Begins anew.
+    /// Starts a new scan.
     Reset,
 }
 

@@ -58,7 +58,7 @@ impl From<&nextview::geometry::Pose> for Pose {
 impl TryFrom<&Pose> for nextview::geometry::Pose {
     type Error = nextview::Error;
 
-    /// Fails if the orientation is none.
+    /// Fails if the orientation is not a rotation.
     fn try_from(pose: &Pose) -> Result<Self, nextview::Error> {
         let Quaternion { x, y, z, w } = pose.orientation;
         let position = DVec3::new(pose.position.x, pose.position.y, pose.position.z);

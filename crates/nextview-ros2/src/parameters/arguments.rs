@@ -2,7 +2,7 @@ use super::{file, value};
 use crate::names::{Names, is_name, is_part};
 use toml::Value;
 
-/// What stands behind `--ros-args`: names, and parameters in the order in which they were given.
+/// The arguments after `--ros-args`: names, and parameters in the order in which they were given.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct RosArguments {
     pub names: Names,

@@ -1,4 +1,4 @@
-//! What the node is told when it starts: arguments, files of parameters, and what they mean.
+//! The input of the node when it starts: arguments, parameter files, and their meaning.
 
 mod arguments;
 mod file;

@@ -4,7 +4,7 @@ use nextview_scan::{Faults, ScanConfig, merged, nested};
 use std::path::PathBuf;
 use toml::{Table, Value};
 
-/// What the node does, as its parameters say.
+/// The settings of the node, from its parameters.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Parameters {
     /// The frame of the world, in which boxes, views and maps are. Default `map`.

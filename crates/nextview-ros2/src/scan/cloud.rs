@@ -1,7 +1,7 @@
 use crate::messages::{Bytes, Header, PointCloud2, PointField};
 use glam::DVec3;
 
-/// What `sensor_msgs/msg/PointField` calls a float of 32 bits.
+/// The code of a 32-bit float in `sensor_msgs/msg/PointField`.
 const FLOAT32: u8 = 7;
 
 /// Bytes of a point.

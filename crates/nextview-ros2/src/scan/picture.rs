@@ -10,8 +10,8 @@ use nextview::session::NextView;
 use nextview::surface::downsample;
 use nextview_scan::{Fault, LiveScan};
 
-/// All that there is to see after a decision, in this frame. When the scan is over, there is no next view,
-/// and its path is empty.
+/// Everything to show after a decision, in this frame. When the scan is over, there is no next view, and its
+/// path is empty.
 pub fn outputs(scan: &LiveScan, next: Option<&NextView>, frame: &str) -> Result<Vec<Output>, Fault> {
     let session = &scan.scan().session;
     let stamped =

@@ -23,17 +23,17 @@ pub struct Order<T> {
 pub enum Job {
     /// Goes on with the interrupted scan of the folder, if there is one.
     Resume,
-    /// Begins with this camera, or goes on if the interrupted scan is one of it.
+    /// Starts with this camera, or resumes if the interrupted scan used the same camera.
     Begin(Intrinsics),
     Observe(Box<Taken>),
     Plan,
     Skip,
     Save,
-    /// Begins anew with this camera.
+    /// Starts a new scan with this camera.
     Reset(Intrinsics),
 }
 
-/// What the thread tells.
+/// The messages of the thread.
 pub enum Report<T> {
     /// To be published.
     Outputs(Vec<Output>),
@@ -67,7 +67,7 @@ pub struct State {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Stage {
-    /// No camera_info has come.
+    /// No camera_info has arrived.
     #[default]
     WaitingForCamera,
     /// The next view is known.

@@ -1,4 +1,4 @@
-//! What a configuration must hold beyond what each of its parts checks itself.
+//! Checks of a configuration that involve several of its parts.
 
 #[cfg(feature = "simulated")]
 use super::ReferenceConfig;
@@ -84,7 +84,7 @@ fn faults(config: &ScanConfig) -> Vec<Fault> {
     faults
 }
 
-/// Everything that is out of its range in what the surfaces of a part are to be seen like.
+/// All values out of range in the demands on the surfaces of a part.
 #[cfg(feature = "simulated")]
 fn of_reference(reference: &ReferenceConfig) -> impl Iterator<Item = Fault> + '_ {
     let of_demand = |(key, demand): (String, SurfaceDemand)| -> Vec<Fault> {
@@ -221,7 +221,7 @@ fn of_recording(recording: &RecordingConfig, config: &ScanConfig) -> Vec<Fault> 
     faults
 }
 
-/// Everything that is wrong with a camera of one's own, and everything that only a simulation can have.
+/// All faults of a user's camera, and all keys that only a simulation can have.
 fn of_live(live: &LiveConfig, config: &ScanConfig) -> Vec<Fault> {
     let mut faults = of_place("live", live.bounds(), live.table_z_m, config);
     if config.recording.is_some() {
@@ -242,7 +242,7 @@ fn of_live(live: &LiveConfig, config: &ScanConfig) -> Vec<Fault> {
     faults
 }
 
-/// Everything that is wrong with a turntable, which is for a camera of one's own.
+/// All faults of a turntable, which requires a user's camera.
 fn of_turntable(config: &ScanConfig) -> Vec<Fault> {
     let Some(turntable) = &config.turntable else { return Vec::new() };
     let mut faults = turntable.faults();

@@ -73,7 +73,7 @@ fn isolated(base: &Table, table: &Table, error: &toml::de::Error) -> Faults {
     Faults::of(faults).unwrap_or_else(|| Fault::data(error.message()).into())
 }
 
-/// A value that does not fit its key, or a key that there is not.
+/// A value that does not fit its key, or an unknown key.
 fn of_key(key: &str, value: &Value, error: &toml::de::Error) -> Fault {
     let message = error.message();
     if let Some(known) = message.strip_prefix("unknown field `").and_then(|rest| rest.split_once('`')) {
@@ -86,14 +86,14 @@ fn of_key(key: &str, value: &Value, error: &toml::de::Error) -> Fault {
     }
 }
 
-/// A key that there is not, with its nearest neighbour among those of the list, which stand in backticks.
+/// An unknown key, with its nearest neighbour among those of the list, which are in backticks.
 fn unknown(key: &str, word: &str, list: &str) -> Fault {
     let prefix = key.find(word).map_or("", |at| &key[..at]);
     Fault::unknown_key(prefix, word, list.split('`').skip(1).step_by(2))
 }
 
 impl Fault {
-    /// A key that there is not, with its nearest neighbour among the known ones. The prefix leads to both.
+    /// An unknown key, with its nearest neighbour among the known ones. The prefix leads to both.
     pub fn unknown_key<'a>(prefix: &str, word: &str, known: impl Iterator<Item = &'a str>) -> Self {
         // A word is likelier to be cut short than misspelt: what both begin with counts for it.
         let alike = |known: &&str| word.chars().zip(known.chars()).take_while(|(a, b)| a == b).count();

@@ -8,7 +8,7 @@ use toml::de::{DeTable, DeValue};
 /// Where the keys of a TOML text stand.
 #[derive(Clone, Debug, Default)]
 pub struct Positions {
-    /// The file that holds the text; none where there is none.
+    /// The file that holds the text, if there is one.
     pub(super) file: Option<PathBuf>,
     /// Line and column by dotted key.
     by_key: BTreeMap<String, (usize, usize)>,

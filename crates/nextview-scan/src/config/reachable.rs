@@ -23,14 +23,14 @@ impl Reachability for Held {
 }
 
 impl ScanConfig {
-    /// Where the camera can be, changed by whoever knows more.
+    /// Where the camera can be.
     pub(crate) fn held(&self, change: impl FnOnce(Reach) -> Reach) -> Result<Held, Fault> {
         let robot = self.robot.as_ref().map(|robot| robot.cell()).transpose()?;
         Ok(Held { reach: change(self.reach.rule()), robot })
     }
 
-    /// Those of the candidates where the camera can be, numbered anew, and a note on how many are left,
-    /// unless all may stay. Fails if none is left.
+    /// The candidates where the camera can be, renumbered, and a note on how many are left, unless all may
+    /// stay. Fails if none is left.
     pub(crate) fn within_reach(&self, views: ViewSpace) -> Result<(ViewSpace, Option<String>), Fault> {
         let (views, note) = self.reach.views(views)?;
         let Some(robot) = &self.robot else { return Ok((views, note)) };

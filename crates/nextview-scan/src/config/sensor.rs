@@ -1,4 +1,4 @@
-//! What a sensor decides of a configuration.
+//! The part of a configuration that a sensor decides.
 
 use super::{NoiseConfig, NoiseModel, ScanConfig, SensorName, merged};
 use crate::{Fault, Faults, files};
@@ -31,7 +31,7 @@ impl ScanConfig {
         self.noise != NoiseConfig { model, depth, ..NoiseConfig::default() }
     }
 
-    /// What is wrong with the sensor and the model of the noise together.
+    /// The fault of a sensor together with the noise model, if there is one.
     pub(super) fn of_sensor(&self) -> Option<Fault> {
         match (&self.sensor, self.noise.model) {
             (None, NoiseModel::Sensor) => {
@@ -50,7 +50,7 @@ impl ScanConfig {
     }
 }
 
-/// What a sensor decides.
+/// The optics and the depth noise of a sensor.
 struct Camera {
     intrinsics: Intrinsics,
     depth: DepthNoise,

@@ -2,7 +2,7 @@ use crate::{Fault, Faults};
 use std::fs;
 use std::path::{Path, PathBuf};
 
-/// What may be written over: never a file that is read, and other files only if that was asked for.
+/// Files that may be overwritten: never a file that is read, and other files only on request.
 ///
 /// A file counts as the one that is read under any of its names, through symbolic and hard links.
 ///
@@ -31,7 +31,7 @@ impl Overwrite {
         Self { replaces: false, inputs: Vec::new() }
     }
 
-    /// Files that exist, such as results of before.
+    /// Existing files, such as earlier results.
     pub fn results() -> Self {
         Self { replaces: true, inputs: Vec::new() }
     }

@@ -104,7 +104,7 @@ fn replace_folder(new: &Path, old: &Path) -> io::Result<()> {
     fs::remove_dir_all(aside)
 }
 
-/// Removes what writing into this folder has left unfinished; nobody must be writing into it.
+/// Removes unfinished files of this folder; no process may be writing to it.
 pub fn remove_unfinished(folder: &Path) -> io::Result<()> {
     let prefix = format!(".{}.", name_of(folder));
     for entry in fs::read_dir(folder)? {

@@ -21,7 +21,7 @@ pub struct KeptFrame {
     pub frame: Frame,
     /// The colours that were pushed with it.
     pub color: Option<ColorImage>,
-    /// The name that whoever took it gave it.
+    /// The name given by the client that took it.
     pub name: Option<String>,
 }
 
@@ -31,7 +31,7 @@ pub struct KeptFrame {
 pub struct SkippedView {
     /// Its number.
     pub view: usize,
-    /// Why, in words of whoever skipped it.
+    /// The reason, in the words of the client that skipped it.
     pub reason: String,
     /// Whether a view had been decided on when it was skipped. A resumed scan decides in the same order,
     /// since planners may remember their decisions.

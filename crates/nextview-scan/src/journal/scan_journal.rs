@@ -10,7 +10,7 @@ pub struct ScanJournal {
     /// The topmost folder that was not there before the scan.
     created: Option<PathBuf>,
     journal: Journal,
-    /// Entries of before the interruption that the scan has not come to again.
+    /// Entries from before the interruption that the scan has not reached again.
     replays: VecDeque<JournalEntry>,
     /// Number of frames that would be lost with the journal.
     n_needed: usize,
@@ -73,12 +73,12 @@ impl ScanJournal {
         Ok(Interrupted { heading, journal, n_frames, damage })
     }
 
-    /// The next entry of before the interruption that the scan has not come to again.
+    /// The next entry from before the interruption that the scan has not reached again.
     pub(crate) fn replay(&self) -> Option<&JournalEntry> {
         self.replays.front()
     }
 
-    /// The scan has come to that entry.
+    /// The scan has reached that entry.
     pub(crate) fn replayed(&mut self) {
         self.replays.pop_front();
     }

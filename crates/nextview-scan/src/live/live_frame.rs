@@ -1,12 +1,12 @@
 use nextview::geometry::Pose;
 use nextview::sensor::{ColorImage, DepthImage};
 
-/// What a camera of one's own has taken.
+/// A frame of a user's camera.
 #[derive(Clone, Debug)]
 pub struct LiveFrame {
     /// The depth image, of the camera's size.
     pub depth: DepthImage,
-    /// Where the camera stood; none if that is to be [found out](crate::LiveScan::locate).
+    /// Where the camera stood; none if it is to be [found out](crate::LiveScan::locate).
     pub world_from_camera: Option<Pose>,
     /// A colour image of the same size that belongs to it.
     pub color: Option<ColorImage>,

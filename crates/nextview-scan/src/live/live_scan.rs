@@ -15,9 +15,9 @@ use nextview::session::{NextView, StopReason};
 use nextview_robot::path::JointTrajectory;
 use std::path::Path;
 
-/// A scan by a camera of one's own, which a configuration with a section `live` describes.
+/// A scan with a user's camera, described by a configuration with a section `live`.
 ///
-/// Whoever owns the camera asks for the [`next`](Self::next) view, takes a depth image there, and has it
+/// The owner of the camera asks for the [`next`](Self::next) view, takes a depth image there, and has it
 /// [`observe`](Self::observe)d. In a folder, every frame is on the disk before it counts, and an interrupted
 /// scan is [resumed](Self::resume): it asks for no old view again.
 ///
@@ -58,9 +58,9 @@ impl LiveScan {
     }
 
     /// Resumes the scan in a folder: the frames that are kept there are observed again. Fails if it is no
-    /// scan by a camera of one's own.
+    /// scan with a user's camera.
     ///
-    /// Cancelled, it can be resumed anew.
+    /// If cancelled, it can be resumed again.
     pub fn resume(dir: &Path, cancel: Cancel) -> Result<Self, Faults> {
         let Interrupted { heading, journal, n_frames, .. } = ScanJournal::resume(dir)?;
         let path = dir.join(ScanJournal::FILE);
@@ -130,7 +130,7 @@ impl LiveScan {
     }
 
     /// The step of a frame that was taken in before, recognised by its name; none of a new one, or of one
-    /// without a name. So a frame that is sent again, because nobody knew whether it had come, counts once.
+    /// without a name. So a frame that is sent again, because its answer was lost, counts once.
     ///
     /// Fails if the frame of that name had another content.
     pub fn known(&self, frame: &LiveFrame) -> Result<Option<&StepRecord>, Fault> {
@@ -155,7 +155,7 @@ impl LiveScan {
         Ok(&self.run.steps()[step_idx])
     }
 
-    /// Poses that are tracked are none of what is given.
+    /// Tracked poses are not given ones.
     fn fingerprint(&self, pose: Option<&Pose>, depth: &DepthImage, color: Option<&ColorImage>) -> u64 {
         let is_given = self.config.registration.given_poses != GivenPoses::Tracked;
         fingerprint(pose.filter(|_| is_given), depth, color)
@@ -174,7 +174,7 @@ impl LiveScan {
         self.run.trajectory_to(view)
     }
 
-    /// The view to take next, as a robot and a page are told it.
+    /// The view to take next, for a robot and for a page.
     pub fn record_of(&self, view: &NextView) -> Result<ViewRecord, Fault> {
         Ok(self.completed(view, &self.trajectory_to(view)?, self.joints_to(view)))
     }
@@ -239,7 +239,7 @@ impl LiveScan {
         self.run.scan()
     }
 
-    /// Why the scan is over; none while it is under way.
+    /// The reason why the scan ended; none while it is under way.
     pub fn stop_reason(&self) -> Option<StopReason> {
         self.scan().stop_reason
     }

@@ -1,4 +1,4 @@
-//! A scan by a camera of one's own, from a configuration to the results: what a server, a ROS node and Python
+//! A scan with a user's camera, from a configuration to the results: what a server, a ROS node and Python
 //! drive.
 
 mod fingerprint;

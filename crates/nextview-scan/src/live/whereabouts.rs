@@ -1,6 +1,6 @@
 use nextview::geometry::Pose;
 
-/// What is known of where the camera is.
+/// Where the camera was asked to go, and where it was last.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Whereabouts {
     /// The view that was asked for last, if its frame did not come yet.

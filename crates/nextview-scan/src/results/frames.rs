@@ -6,7 +6,7 @@ use nextview_recording::{NumberedFrame, write_folder};
 use std::io::Write;
 use std::path::Path;
 
-/// What that folder may hold.
+/// The files that the folder may hold.
 const CONTENT: [&str; 5] = ["intrinsics.txt", "poses.csv", "depth", "mask", "color"];
 
 /// Fails if replacing the folder would remove what no scan has left there.

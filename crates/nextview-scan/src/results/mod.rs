@@ -15,7 +15,7 @@ use std::path::{Path, PathBuf};
 
 pub use frames_folder::FRAMES_FOLDER;
 
-/// What a folder of results holds.
+/// The files in a folder of results.
 const ENTRIES: &[&str] = &[
     "config.toml",
     "record.json",
@@ -46,7 +46,7 @@ pub fn begin_results(dir: &Path, rule: Overwrite) -> Result<ResultFolder, Faults
 
 /// The folder for the results of a scan where none is named: `scan-OBJECT-PLANNER`, followed by -2, -3, ...
 /// where that one holds results that the rule does not allow to replace. One that holds an interrupted scan
-/// is not passed over, since that scan is to be resumed or given up first.
+/// is not skipped, because that scan must be resumed or removed first.
 pub fn result_folder(config: &ScanConfig, rule: &Overwrite) -> PathBuf {
     let is_refused = |dir: &Path| dir.is_file() || rule.check_folder(dir, ENTRIES).is_err();
     let is_taken = |dir: &Path| !ScanJournal::is_in(dir) && is_refused(dir);
@@ -57,7 +57,7 @@ pub fn result_folder(config: &ScanConfig, rule: &Overwrite) -> PathBuf {
 pub struct Results {
     /// The record; without measures of the model where there is none.
     pub record: ScanRecord,
-    /// What failed; none if the results are complete.
+    /// The faults; none if the results are complete.
     pub faults: Option<Faults>,
 }
 

@@ -184,7 +184,7 @@ fn why_not(cell: &RobotCell, checker: &Checker, pose: &Pose) -> String {
     }
 }
 
-/// The checker of the cell with everything that the scan has found out.
+/// The checker of the cell with everything that the scan has measured.
 fn checker(cell: &RobotCell, session: &Session) -> Result<Checker, Fault> {
     let (mut attached, mut obstacles) = (Vec::new(), Vec::new());
     match cell.mount() {

@@ -17,7 +17,7 @@ use std::borrow::Cow;
 pub struct FinishedScan<'a> {
     /// The scan: its map, its frames in the poses in which they were mapped, its candidates.
     pub session: Session,
-    /// Where the frames came from; none if they were pushed by a camera of one's own.
+    /// Where the frames came from; none if they were pushed by a user's camera.
     pub(crate) source: Option<&'a dyn FrameSource>,
     pub(crate) journal: Option<ScanJournal>,
     /// The scan before the object was turned.
@@ -31,7 +31,7 @@ pub struct FinishedScan<'a> {
     pub steps: Vec<StepRecord>,
     /// By step, the colours that were pushed with its frame.
     pub(crate) colors: Vec<Option<ColorImage>>,
-    /// Why the scan ended; none while it is under way.
+    /// The reason why the scan ended; none while it is under way.
     pub stop_reason: Option<StopReason>,
 }
 
@@ -247,7 +247,7 @@ impl FinishedScan<'_> {
     }
 }
 
-/// What is known of the box around an object before a camera of one's own.
+/// What is known of the box around an object in front of a user's camera.
 fn describe_box(record: &mut ScanRecord, rule: BoxRule) {
     let grows = rule == BoxRule::Grows;
     record.box_rule = Some(rule);

@@ -13,14 +13,14 @@ use nextview::{Cancel, Cancelled};
 use nextview_robot::path::JointTrajectory;
 use std::time::{Duration, Instant};
 
-/// Number of frames after which nobody looks for what may be wrong with them.
+/// Number of frames that are checked for wrong poses and units.
 const MOST_SUSPECTED: usize = 8;
 
-/// One scan under way. It never blocks: whoever owns the camera asks for the [`next`](Self::next) step, takes
+/// One scan under way. It never blocks: the owner of the camera asks for the [`next`](Self::next) step, takes
 /// the picture, and [`push`](Self::push)es it.
 ///
 /// With a [journal](Self::with_journal), every frame is on the disk before it counts, and after an
-/// interruption the journal answers before any capture is asked for.
+/// interruption the journal replays its frames before any capture is requested.
 ///
 /// ```
 /// use glam::DVec3;
@@ -68,7 +68,7 @@ pub enum Next {
     Replay(Frame),
     /// Take a frame of this view, or of another pose, and push it.
     Capture(NextView),
-    /// The scan is over. After [`StopReason::NoObject`] or [`StopReason::Cancelled`] it can go on.
+    /// The scan is over. After [`StopReason::NoObject`] or [`StopReason::Cancelled`] it can continue.
     Stop(StopReason),
 }
 
@@ -109,7 +109,7 @@ struct Asked {
 }
 
 impl<'a> ScanRun<'a> {
-    /// A run of this session by a camera of one's own.
+    /// A run of this session with a user's camera.
     pub fn new(session: Session) -> Self {
         let scan = FinishedScan::new(session);
         let path = Path::default();
@@ -125,7 +125,7 @@ impl<'a> ScanRun<'a> {
         Ok(run)
     }
 
-    /// The run of this session by a camera of one's own, with the time limit of a configuration.
+    /// The run of this session with a user's camera, with the time limit of a configuration.
     pub(crate) fn of_session(session: Session, config: &ScanConfig, begin: Begin) -> Result<Self, Fault> {
         let earlier = config.after.as_deref().map(|dir| EarlierScan::open(dir, &begin.cancel)).transpose()?;
         let session = match &earlier {
@@ -300,7 +300,7 @@ impl<'a> ScanRun<'a> {
         &self.scan.session
     }
 
-    /// The run as it stands, ended for this reason; none if it is to be looked at while under way.
+    /// The current state of the run, ended for this reason; none if it is inspected while under way.
     pub fn finish(self, stop_reason: Option<StopReason>) -> FinishedScan<'a> {
         FinishedScan { stop_reason, ..self.scan }
     }
@@ -315,7 +315,7 @@ impl<'a> ScanRun<'a> {
         &mut self.scan
     }
 
-    /// What is probably wrong with the frames so far; none where it was said before, or if they are many:
+    /// The suspected fault of the frames so far; none if it was reported before, or if there are many frames:
     /// then there is nothing new to find.
     fn warning(&self) -> Option<String> {
         let suspicion =

@@ -1,7 +1,7 @@
 use nextview::diagnosis::{Reading, Suspicion};
 use nextview::sensor::CameraAxes;
 
-/// What is suspected, and what to do about it; where the frames are recorded, by keys of the configuration.
+/// The suspicion and its remedy; where the frames are recorded, by keys of the configuration.
 pub(super) fn warning(suspicion: &Suspicion, is_recorded: bool) -> String {
     let remedy = match suspicion {
         Suspicion::Misread(Reading::Axes(CameraAxes::OpenGl)) if is_recorded => {

@@ -20,7 +20,7 @@ use nextview::surface::SurfaceMesh;
 
 /// A camera that a run can drive by itself: a simulated one, or the frames of a recording.
 ///
-/// Cameras of one's own need none of this: see [`LiveScan`](crate::LiveScan) and
+/// Users' cameras need none of this: see [`LiveScan`](crate::LiveScan) and
 /// [`ScanRun::next`](crate::ScanRun::next).
 pub trait FrameSource: Send + Sync {
     /// The session that the configuration describes.

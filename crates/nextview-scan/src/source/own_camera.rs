@@ -9,8 +9,8 @@ use nextview::session::{ObjectBox, Session, SessionConfig, Table, Views};
 use nextview::view::ViewSpace;
 use std::sync::Arc;
 
-/// A camera of one's own before an unknown object: it takes its frames elsewhere, and they are pushed into
-/// the run. See [`LiveScan`](crate::LiveScan).
+/// A user's camera in front of an unknown object: it takes its frames elsewhere, and they are pushed into the
+/// run. See [`LiveScan`](crate::LiveScan).
 pub struct OwnCamera {
     intrinsics: Intrinsics,
     /// The depth up to which a pixel from which nothing came back is free, metres.

@@ -39,7 +39,7 @@ pub(super) fn session_config(
     }
 }
 
-/// Whoever simulates a right first pose knows that it is right.
+/// If a right first pose is simulated, it is known to be right.
 fn registration(config: &ScanConfig) -> RegistrationConfig {
     #[cfg(feature = "simulated")]
     if config.noise.first_pose_is_right {

@@ -1,4 +1,4 @@
-//! Who may ask, and for which host.
+//! Which clients may send requests, and for which host.
 
 mod host;
 mod token;
@@ -6,7 +6,7 @@ mod token;
 pub(crate) use host::Hosts;
 pub(crate) use token::{Token, random_hex};
 
-/// Who may ask.
+/// Which clients may send requests.
 pub(crate) struct Access {
     /// The names that the server goes by.
     pub hosts: Hosts,

@@ -24,7 +24,7 @@ use tokio::io::AsyncWriteExt;
 use tokio::net::{TcpListener, TcpStream};
 use tokio::sync::{Semaphore, watch};
 
-/// What is told to whoever connects when there is no room.
+/// The answer to connections when there is no room.
 const FULL: &str = "{\"faults\":[{\"kind\":\"request\",\"message\":\"as many clients are connected as the server has \
                     room for\",\"remedy\":\"close connections, or ask again in a second\"}]}";
 

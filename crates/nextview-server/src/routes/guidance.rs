@@ -74,7 +74,7 @@ async fn post_locate(
     Ok(Json(answer.await?))
 }
 
-/// The way from there, which listeners are told.
+/// The way from there, which is sent to listeners.
 fn guided(scan: &mut LiveScan, pose: &Pose, listened: &Scan) -> Result<GuidanceAnswer, Refusal> {
     let guidance = scan.guidance(pose)?;
     let answer = GuidanceAnswer { world_from_camera: rows_of_pose(pose), guidance };

@@ -13,7 +13,7 @@ pub(crate) struct Events {
     kept: Mutex<VecDeque<Told>>,
     /// Number of all events.
     n_told: watch::Sender<u64>,
-    /// Where the camera is, which is news only as long as it is there: nobody is told later.
+    /// Where the camera is. It is only sent to current listeners, because it is soon outdated.
     whereabouts: watch::Sender<Option<Passing>>,
 }
 
@@ -46,7 +46,7 @@ pub(crate) struct EventStream {
     last: u64,
     n_told: watch::Receiver<u64>,
     whereabouts: watch::Receiver<Option<Passing>>,
-    /// Whether it has missed events, which it is told first.
+    /// Whether it has missed events, which is reported first.
     has_gap: bool,
 }
 

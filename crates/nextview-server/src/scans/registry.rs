@@ -111,7 +111,7 @@ impl Scans {
         }
     }
 
-    /// Fails if another scan that is under way goes on after this one.
+    /// Fails if an unfinished scan continues this one.
     pub fn check_not_needed(&self, id: &str) -> Result<(), Refusal> {
         let dir = self.dir.join(id);
         let scans = self.lock();

@@ -33,7 +33,7 @@ pub(crate) enum Shown {
 /// A scan of the server. Requests to it are worked on one after the other, in the order in which they came.
 pub(crate) struct Scan {
     pub events: Events,
-    /// The folder of the scan after whose turn of the object it goes on.
+    /// The folder of the scan that this one continues after the object was turned.
     after: Option<PathBuf>,
     work: Arc<AsyncMutex<Work>>,
     queue: Arc<Semaphore>,
@@ -79,8 +79,8 @@ impl Scan {
         self.summary.lock().unwrap_or_else(PoisonError::into_inner).clone()
     }
 
-    /// Does this with the scan, when all requests of before are done. It is done to its end, even if nobody
-    /// waits for it any more.
+    /// Does this with the scan, after all earlier requests. It is completed, even if nobody waits for it any
+    /// more.
     pub async fn with<T: Send + 'static>(
         self: &Arc<Self>,
         job: impl FnOnce(&mut Work) -> Result<T, Refusal> + Send + 'static,

@@ -72,7 +72,7 @@ impl Work {
         self.is_finished().then(steps)?.map(|steps| steps.lines().count())
     }
 
-    /// The scan to go on with, resumed where it is not in memory.
+    /// The scan to continue with, resumed if it is not in memory.
     pub fn under_way(&mut self) -> Result<(&mut LiveScan, &mut About), Refusal> {
         match self.phase {
             Phase::UnderWay => (),
@@ -91,7 +91,7 @@ impl Work {
         self.told.replace((n_frames, view)) != Some((n_frames, view))
     }
 
-    /// Writes the results; what could not be made is told, the scan is finished all the same.
+    /// Writes the results; the scan is finished even if some could not be written, which is reported.
     pub fn finish(&mut self) -> Result<Option<Faults>, Refusal> {
         if self.phase == Phase::Finished {
             return Ok(None);
@@ -111,7 +111,7 @@ impl Work {
         Ok(faults)
     }
 
-    /// Removes all that there is of it.
+    /// Removes everything of it.
     pub fn delete(&mut self) -> Result<(), Refusal> {
         self.scan = None;
         self.phase = Phase::Deleted;

@@ -1,4 +1,4 @@
-//! Random objects made from nothing but a seed, to learn from and to test planners on.
+//! Random objects made from a seed alone, to learn from and to test planners on.
 //!
 //! They look like nothing in particular, but have the features of real objects: flat and round faces, edges,
 //! holes, handles, thin walls, insides that can be looked into, and symmetry. The order in which numbers are

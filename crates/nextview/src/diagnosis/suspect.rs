@@ -56,9 +56,9 @@ pub enum Suspicion {
 /// if they do, or if there is no likely reason. `bounds` is the box in which the object is known to lie,
 /// metres.
 ///
-/// The frames' points are computed once more as they would be with other axes, inverted poses, other units
-/// and so on. A reading is named if the points of different frames then meet, or lie in the box, and as they
-/// are they do not.
+/// The frames' points are computed again as they would be with other axes, inverted poses, other units and so
+/// on. A reading is named if the points of different frames then meet, or lie in the box, and as they are
+/// they do not.
 pub fn suspect(frames: &[Frame], bounds: Option<Aabb>, range: DepthRange) -> Option<Suspicion> {
     let last = frames.last()?;
     if has_same_pose(frames) {

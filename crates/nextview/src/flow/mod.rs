@@ -8,7 +8,7 @@
 //! Conversely, [`best_coverage`] takes a given number of sets of largest joint value.
 //!
 //! There is no flow network here: it would only be needed if channels or sets had limits. One, with a
-//! textbook min-cost-flow solver, stands in the tests as an oracle.
+//! textbook min-cost-flow solver, is an oracle in the tests.
 
 mod best;
 mod cover;

@@ -114,7 +114,7 @@ impl ViewEvaluator<'_> {
         }
     }
 
-    /// The number of voxels of surface that the view is expected to show anew.
+    /// The number of voxels of new surface that the view is expected to show.
     pub fn gain(&mut self, world_from_camera: &Pose) -> f64 {
         let (mut sum, estimate) = (0.0, self.gain.estimate);
         self.survey(world_from_camera, |item, class| sum += estimate.shows(item, class) as f64);

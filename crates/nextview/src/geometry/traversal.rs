@@ -60,7 +60,8 @@ impl Axis {
         axis
     }
 
-    /// Where the border after `n` steps is crossed: computed anew for each, so that rounding does not add up.
+    /// Where the border after `n` steps is crossed: computed separately for each, so that rounding does not
+    /// add up.
     #[inline(always)]
     fn crossing(&self, n: f64) -> f64 {
         self.t_first + n * self.t_delta

@@ -1,5 +1,5 @@
-//! Where all frames lie as a whole. Their surfaces tell how they lie to each other and nothing more; the
-//! given poses tell the rest.
+//! The common pose of all frames. Their surfaces determine only their relative poses; the given poses
+//! determine the common one.
 
 use super::joint::View;
 use crate::geometry::{Eigen, Pose};

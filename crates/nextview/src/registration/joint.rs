@@ -22,7 +22,7 @@ const LEAST_AGREEMENT: f64 = 0.7;
 /// The weight of a pair falls to a quarter where the residual is this share of the reach.
 const SCALE: f64 = 1.0 / 3.0;
 
-/// Maximum number of steps: each looks for pairs anew.
+/// Maximum number of steps: each searches for pairs again.
 const MAX_STEPS: usize = 10;
 
 /// A step that moves points by less than this share of the reach is the last.

@@ -89,7 +89,7 @@ impl KnownScene {
         Ok(Added { report: report.unwrap_or_default(), ..added })
     }
 
-    /// The same scene made anew of these frames, some of which may be of the placement before, and what that
+    /// The same scene, rebuilt from these frames, some of which may be of the placement before, and what that
     /// changed.
     pub fn anew(
         &self,

@@ -152,7 +152,7 @@ impl Session {
 
     /// The same session of an object that was scanned before and has been turned since. As soon as its frames
     /// show [how](Self::turn), the surface of that time is known, too: its frames come into map and model,
-    /// and planning goes on from there.
+    /// and planning continues from there.
     pub fn after(self, before: ShownObject) -> Self {
         Self { earlier: Some(Earlier { shown: before, turn: None }), ..self }
     }
@@ -212,7 +212,7 @@ impl Session {
     /// most `n_legs`, and no more than may be taken. They are those of the planner's itinerary; where it
     /// chooses one view at a time, those of [`Batch::plan_after`]. None before an object was found.
     ///
-    /// The session itself decides anew after the next view. Frames of the legs can be observed all the same.
+    /// The session itself decides again after the next view. Frames of the legs can still be observed.
     pub fn legs_after(&self, next: &NextView, n_legs: usize) -> Result<Vec<Leg>, Cancelled> {
         let n_views = n_legs.min(self.config.max_views.saturating_sub(self.n_taken + 1));
         let planned: Vec<Leg> = self.itinerary.rest().take(n_views).cloned().collect();

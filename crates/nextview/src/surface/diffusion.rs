@@ -140,7 +140,7 @@ mod tests {
         assert_eq!(found.into_iter().map(Some).collect::<Vec<_>>(), all);
     }
 
-    /// A wall that is known at one end of a long block only goes on to the other.
+    /// A wall that is known only at one end of a long block continues to the other.
     #[test]
     fn a_value_reaches_far_through_the_unknown() {
         let block = block([200, 4, 4]);

@@ -5,8 +5,8 @@
 //! measured. [`frame_points`] gives the measured points of a frame with normals and colours, [`downsample`]
 //! thins those of many frames, [`fit_normals`] smooths their normals, [`take_nearest`] transfers their
 //! colours to a mesh; [`write_mesh`], [`write_cloud`] and [`write_points`] write PLY. [`texture_mesh`] gives
-//! a mesh a texture from photos, which [`write_obj`] writes. [`MeasuredCells`] tells how accurate the surface
-//! is, [`SurfaceLooks`] how often it was seen; planning reads nothing else of this.
+//! a mesh a texture from photos, which [`write_obj`] writes. [`MeasuredCells`] reports how accurate the
+//! surface is, [`SurfaceLooks`] how often it was seen; planning reads nothing else of this.
 
 mod clear_depth;
 mod cloud;

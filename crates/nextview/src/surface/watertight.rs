@@ -63,9 +63,9 @@ impl DistanceField {
     /// The surface, closed where nothing was measured: a 2-manifold, oriented outwards, without the specks
     /// that [`surface`](Self::surface) leaves out. Empty if no surface was measured.
     ///
-    /// 1. Voxels of which nothing was measured take the value that diffuses into them from all others
-    ///    (Davis et al. 2002, in the limit), so that the surface goes on smoothly. Nothing flows through the
-    ///    border of the block: what reaches it goes on to it.
+    /// 1. Voxels of which nothing was measured take the value that diffuses into them from all others (Davis
+    ///    et al. 2002, in the limit), so that the surface continues smoothly. Nothing flows through the
+    ///    border of the block: surface that reaches it continues up to it.
     /// 2. With a floor, measurements less than its clearance above it count as none, and the object ends at
     ///    its plane. If that lies a little below the block, so does the bottom of the object.
     /// 3. Everything ends at the border of the block.

@@ -79,7 +79,7 @@ fn scan(
     }
 }
 
-/// Why a scan by a camera of one's own is none of this program's.
+/// The reason why this program cannot resume a scan with a user's camera.
 fn own_camera() -> Fault {
     Fault::request("the frames of this scan come from a camera of one's own (`live`)")
         .with_remedy("resume it in the program that began it, in Python with `nextview.resume(dir)`")

@@ -3,7 +3,7 @@ use nextview_sim::SimError;
 use std::io;
 use std::path::PathBuf;
 
-/// Why a data set cannot be made.
+/// The reason why a data set cannot be made.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum DatasetError {

@@ -1,13 +1,13 @@
-/// Why a transform cannot be kept or found.
+/// The reason why a transform cannot be kept or found.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum TransformError {
-    /// Nobody has published a frame of this name.
+    /// No frame of this name was published.
     #[error("no transform names the frame '{frame}', expected one of {known}")]
     UnknownFrame {
         /// The frame that was asked for.
         frame: String,
-        /// The frames that there are.
+        /// The known frames.
         known: String,
     },
     /// Both frames are known, but belong to different trees.
@@ -62,7 +62,7 @@ pub enum TransformError {
         /// Where it ends, seconds.
         to_s: f64,
     },
-    /// A transform is much older than another one of the same frame: a simulation was begun anew, or a
+    /// A transform is much older than another one of the same frame: a simulation was restarted, or a
     /// recording is played again.
     #[error(
         "the clock ran backwards: '{frame}' was at {newest_s:.3} s and is at {time_s:.3} s now, expected at most 10 s less"
@@ -101,7 +101,7 @@ pub enum TransformError {
         /// Its parent.
         parent: String,
     },
-    /// A transform is none.
+    /// A transform is invalid.
     #[error("'{frame}' in '{parent}': {problem}")]
     Invalid {
         /// The child frame.

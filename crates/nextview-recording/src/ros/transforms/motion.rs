@@ -7,7 +7,7 @@ use std::collections::VecDeque;
 #[derive(Clone, Debug, Default)]
 pub(super) struct Motion(VecDeque<(f64, Pose)>);
 
-/// Why there is no pose at a time; times in seconds.
+/// The reason why there is no pose at a time; times in seconds.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Missing {
     Before { first: f64 },

@@ -3,7 +3,7 @@ use super::motion::{Missing, Motion};
 use nextview::geometry::Pose;
 use std::collections::BTreeMap;
 
-/// Where frames are to each other over time, as `/tf` and `/tf_static` tell: each frame has one parent.
+/// Where frames are to each other over time, as `/tf` and `/tf_static` state: each frame has one parent.
 ///
 /// Transforms may come in any order. A moving frame is interpolated between its neighbours in time, and never
 /// extrapolated; a static one holds at any time.
@@ -109,7 +109,7 @@ impl TransformTree {
         Ok(())
     }
 
-    /// Forgets where moving frames were, as when the clock begins anew; static ones are kept.
+    /// Forgets where moving frames were, as when the clock restarts; static ones are kept.
     pub fn forget_motion(&mut self) {
         self.edges.retain(|_, edge| matches!(edge.kind, Kind::Static(_)));
     }

@@ -1,4 +1,4 @@
-//! What the view candidates are expected to show.
+//! The expected new surface of the view candidates.
 
 use crate::scan::scan_copy::ScanCopy;
 use nextview::gain::ExpectedSurface;
@@ -10,7 +10,7 @@ use nextview::{Cancel, Error};
 /// Rays side by side across the box: enough to rank candidates, few enough for thousands of them.
 const RAYS_ACROSS: f64 = 8.0;
 
-/// By candidate, the voxels of surface that it is expected to show anew; 0 where it is not within reach.
+/// By candidate, the voxels of new surface that it is expected to show; 0 where it is not within reach.
 pub(super) fn candidate_gains(
     scan: &ScanCopy,
     snapshot: &Snapshot,

@@ -1,4 +1,4 @@
-//! Surface that nobody has seen yet, as the prior expects it.
+//! Unseen surface, as the prior expects it.
 
 use super::candidate_gain::candidate_gains;
 use crate::scan::scan_copy::ScanCopy;

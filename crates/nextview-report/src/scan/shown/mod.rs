@@ -1,4 +1,4 @@
-//! What the 3D view shows of a scan beside its measured points and its cameras.
+//! The content of the 3D view besides the measured points and the cameras.
 
 mod candidate_gain;
 mod expected;

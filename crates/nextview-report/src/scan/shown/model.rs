@@ -17,7 +17,7 @@ pub struct ShownModel {
     pub(crate) triangles: Vec<[u32; 3]>,
     /// Around the unseen voxels that probably hold surface.
     pub(crate) expected: SurfaceMesh,
-    /// By candidate, the voxels of surface that it is expected to show anew; empty if that is not known.
+    /// By candidate, the voxels of new surface that it is expected to show; empty if that is not known.
     pub(crate) gains: Vec<f64>,
     /// The normal of the table; none where none is known.
     pub(crate) up: Option<DVec3>,

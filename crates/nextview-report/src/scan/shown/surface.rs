@@ -25,7 +25,7 @@ pub(crate) struct FusedFrames {
 
 impl FusedFrames {
     /// The surface with at most so many vertices, and the edge of its cells, metres; none if there is no
-    /// object. Box and poses of the frames must be those of before.
+    /// object. Box and poses of the frames must be unchanged.
     ///
     /// The map says how large the cells must be: a second attempt would cost as much time as the first.
     pub fn surface(&mut self, scan: &ScanCopy, max_vertices: usize) -> Option<(SurfaceMesh, f64)> {

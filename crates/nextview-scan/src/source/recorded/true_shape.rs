@@ -23,7 +23,7 @@ const SEEN: f64 = 0.002;
 /// The true object in the world of the recording.
 pub(super) struct TrueShape {
     mesh: TriangleMesh,
-    /// What points and the final model are measured against.
+    /// The true shape that points and the final model are compared with.
     pub surface: TrueSurface,
     voxels: ObjectVoxels,
     /// How the file's numbers became metres, where that was not stated.

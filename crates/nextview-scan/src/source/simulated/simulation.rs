@@ -21,7 +21,7 @@ pub struct Simulation<'a> {
     box_rule: BoxRule,
     /// Whether the first frame claims a wrong pose, so that the model lies beside the truth as a whole.
     is_first_pose_wrong: bool,
-    /// What the last frame truly shows, and from where: rendered together, and measured right after.
+    /// The true content and pose of the last frame: rendered together, and measured right after.
     last: Mutex<Option<(Pose, Shown)>>,
     /// Where the camera truly stood, by view.
     places: Mutex<BTreeMap<usize, Pose>>,
@@ -45,7 +45,7 @@ impl<'a> Simulation<'a> {
         }
     }
 
-    /// What the camera truly shows from there.
+    /// The true content of the camera's image from there.
     fn shown_from(&self, world_from_camera: &Pose) -> Result<Shown, Fault> {
         let last = self.last.lock().unwrap_or_else(PoisonError::into_inner).take();
         match last.filter(|(place, _)| place == world_from_camera) {
@@ -85,7 +85,7 @@ impl FrameSource for Simulation<'_> {
         Some(Box::new(SimulatedEvaluator::new(self, config.noise.is_pose_wrong())))
     }
 
-    /// Rendered when it is asked for, of an object with colours.
+    /// Rendered on demand, for an object with colours.
     fn color(&self, view: Option<usize>) -> Result<Option<ColorImage>, Fault> {
         let places = self.places.lock().unwrap_or_else(PoisonError::into_inner);
         let place = view.and_then(|view| places.get(&view).copied());

@@ -9,7 +9,7 @@ use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::time::{Instant, SystemTime};
 
-/// What an entry begins with.
+/// The header of an entry.
 const MAGIC: &[u8] = b"nextview truth 1\n";
 
 /// Bytes of a hash.

@@ -11,8 +11,8 @@ use std::path::Path;
 /// The draws of the turn about the vertical, apart from those of the noise.
 const STREAM: u64 = 17;
 
-/// How somebody turns the object who is asked to by the results in a folder: into the pose nearest to that in
-/// which it truly rests, about the vertical by chance, where it stood and as high.
+/// How a person turns the object as the results in a folder request: into the pose nearest to that in which
+/// it truly rests, at a random angle about the vertical, where it stood and as high.
 pub(super) fn turn(mesh: &TriangleMesh, results: &Path, seed: u64) -> Result<Pose, Fault> {
     let Some(PlacementRecord { down, .. }) = ScanRecord::read(results)?.next_placement else {
         let fault = Fault::data("asks for no other placement of the object").in_file(results);

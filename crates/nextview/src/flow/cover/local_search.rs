@@ -14,7 +14,7 @@ const MAX_WORK_PER_EDGE: usize = 2_000;
 /// Local search with weights on the items (Gao, Weise and Li 2015): removes a set from a cover, then swaps
 /// sets one for one until the rest is a cover again. The weight of an unserved item grows with every step, so
 /// the search escapes every dead end. The published method draws an unserved item at random; this one takes
-/// the heaviest, which needs no random numbers and reached the optimum soonest on the problems at hand.
+/// the heaviest, which needs no random numbers and reached the optimum soonest on our problems.
 ///
 /// The search ends early once no smaller cover is possible.
 pub(super) fn improve(

@@ -16,7 +16,7 @@ use rayon::prelude::*;
 ///
 /// Stage one chooses the [fewest](fewest_sets) open views whose rays cross every frontier voxel that any of
 /// them crosses. Stage two orders these by the shortest open [tour](crate::motion::tour) from where the
-/// camera is, around the ball through the corners of the box. The tour is planned anew after every frame;
+/// camera is, around the ball through the corners of the box. The tour is planned again after every frame;
 /// there is no choice once no open view sees a frontier voxel. Clusters of fewer than four frontier voxels
 /// count only where there are no others.
 ///

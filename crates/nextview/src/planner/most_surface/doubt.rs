@@ -24,7 +24,7 @@ const EXPECTED: f32 = 0.05;
 /// Other views teach the map, and that is enough.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Doubt {
-    /// Edge of the voxels, metres; another size begins anew.
+    /// Edge of the voxels, metres; another size discards all doubts.
     voxel_size: f64,
     /// The factors on the probabilities of voxels, by key.
     factors: FxHashMap<IVec3, f32>,

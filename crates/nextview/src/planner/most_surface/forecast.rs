@@ -8,7 +8,7 @@ const N_AHEAD: usize = 5;
 /// Number of views all around of which those after the next one are taken.
 const N_AROUND: usize = 24;
 
-/// Number of voxels expected to be seen anew in all, after `chosen` and each of the views that would follow
+/// Total number of voxels expected to be newly seen, after `chosen` and each of the views that would follow
 /// if nothing were learned on the way: always the one that is expected to add most, of some that lie all
 /// around. Rays are `ray_spacing` voxels apart.
 pub(super) fn n_expected(

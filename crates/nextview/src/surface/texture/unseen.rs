@@ -3,7 +3,7 @@
 use crate::surface::CloudPoint;
 use crate::{Cancel, Cancelled};
 
-/// Colour where there is none far and wide.
+/// Colour where there is no colour nearby.
 const NONE: [f32; 3] = [128.0; 3];
 
 /// The colour of every vertex: that in the photos, or else its own, or else, in rounds, the mean of its
