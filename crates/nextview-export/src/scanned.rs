@@ -42,8 +42,7 @@ impl Scanned {
     pub fn check(&self, format: Format) -> Result<(), Fault> {
         let uncolored = self.views.iter().find(|view| view.color.is_none());
         if let Some(view) = uncolored.filter(|_| format.needs_color()) {
-            let message =
-                format!("frame {} has no colour image, and {format} is of no use without", view.number);
+            let message = format!("frame {} has no colour image, which {format} requires", view.number);
             return Err(Fault::data(message).with_remedy("scan with colour images beside the depth"));
         }
         if self.object.triangles.is_empty() && format.needs_mesh() {

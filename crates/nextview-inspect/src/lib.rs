@@ -1,7 +1,7 @@
 //! A scanned part beside its CAD model.
 //!
 //! [`inspect`] finds where the part is, from anywhere, and says of every measured point how far it is from
-//! the model and how sure that is; points that deviate together are [defects](DefectRecord).
+//! the model and how certain that is; points that deviate together are [defects](DefectRecord).
 //! `docs/inspection.md` describes the method.
 
 mod defects;

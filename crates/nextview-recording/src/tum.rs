@@ -33,7 +33,7 @@ pub(crate) fn read(folder: &Path, options: &ReadOptions) -> Result<Recording, Re
         let path = folder.join(&file);
         let what = || format!("{file} (depth.txt, {place})");
         let pose = match trajectory.at(time) {
-            _ if !path.is_file() => Err("there is no such file".to_owned()),
+            _ if !path.is_file() => Err("the file does not exist".to_owned()),
             pose => pose,
         };
         match pose {

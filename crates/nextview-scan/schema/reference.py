@@ -19,10 +19,10 @@ INTRODUCTION = """\
 # Every key of a configuration
 
 `nextview scan OBJECT --config FILE` reads these keys from a TOML file; options of the command line override
-them, and `config.toml` in the results of a scan has all that decided it. In a [campaign](bench.md) they stand
-under `[scan]` and `scan`; Python, the [server](server.md) and the [ROS 2 node](ros2.md) take them, too. A
-file needs only those that differ from the default. A key that is none is an error, which names the nearest
-one.
+them, and `config.toml` in the results of a scan has everything that determined it. In a
+[campaign](bench.md) they are under `[scan]` and `scan`; Python, the [server](server.md) and the [ROS 2
+node](ros2.md) take them, too. A file needs only those that differ from the default. An unknown key is an
+error, which names the nearest known key.
 
 ```toml
 planner = "most-surface"

@@ -29,7 +29,7 @@ impl EarlierScan {
         }
         let Some(table) = record.table() else {
             return Err(fault(
-                "holds a scan without a table, so that nobody knows what the object stood on",
+                "holds a scan without a table, so the side on which the object stood is unknown",
                 "scan an object that is to be turned with `object_box.table` = fit or known",
             ));
         };

@@ -12,7 +12,7 @@ use nextview::view::ViewSpace;
 use nextview::{Cancel, Error};
 use std::path::Path;
 
-/// A map from a file, the box that the object lies in, and the views to choose from.
+/// A map from a file, the box around the object, and the views to choose from.
 ///
 /// Planners that remember earlier decisions start without them: a map does not contain them.
 #[derive(Debug)]

@@ -68,7 +68,7 @@ fn is_browser(headers: &HeaderMap) -> bool {
     headers.contains_key(header::ORIGIN) || headers.contains_key("sec-fetch-site")
 }
 
-/// What is the same for everybody.
+/// What is the same for all clients.
 fn is_static(path: &str) -> bool {
     let is_page = path.strip_prefix("/scans/").and_then(|rest| rest.strip_suffix("/page"));
     path == "/"

@@ -12,7 +12,7 @@ const REFUSALS: [(&str, &str); 10] = [
     ("404", "there is no such scan, file or step"),
     ("409", "the state of the scan does not allow it"),
     ("413", "the body is too large"),
-    ("415", "the content type is none that is read"),
+    ("415", "the content type is not supported"),
     ("422", "a value cannot be"),
     ("429", "too many requests to this scan wait already"),
     ("503", "a limit of the server is reached"),

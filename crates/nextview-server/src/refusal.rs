@@ -16,7 +16,7 @@ pub(crate) struct Refusal {
 /// A fault as it is answered.
 #[derive(Serialize, JsonSchema)]
 pub(crate) struct FaultAnswer {
-    /// `request`: whoever asked can mend it; `data`: a file or the system is at fault; `cancelled`: ask
+    /// `request`: the client can correct it; `data`: a file or the system is at fault; `cancelled`: ask
     /// again.
     kind: &'static str,
     /// Dotted key of the value that is wrong; none where it is not about one value.
@@ -58,7 +58,7 @@ impl Refusal {
         self.faults.iter().any(|fault| fault.kind == FaultKind::Cancelled)
     }
 
-    /// The request's content cannot be, whoever states that.
+    /// The request's content is invalid.
     pub fn content(faults: impl Into<Faults>) -> Self {
         Self::new(StatusCode::UNPROCESSABLE_ENTITY, faults)
     }

@@ -196,7 +196,7 @@ fn check_first_views(config: &ScanConfig, first_views: &FirstViews) -> Result<()
     match first_views {
         FirstViews::List(views) => {
             let outside = views.iter().find(|&&view| has_rule && view >= n);
-            let fault = |view| Fault::data(format!("first view {view} is none of the {n} candidates"));
+            let fault = |view| Fault::data(format!("first view {view} is not among the {n} candidates"));
             outside.map_or(Ok(()), |view| Err(fault(view)))
         }
         FirstViews::Count(_) if !has_rule => {

@@ -12,7 +12,7 @@ use nextview_scan::TruthCache;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-/// Run a campaign: many scans of many objects by several planners, measured alike.
+/// Run a campaign: many scans of many objects by several planners, measured in the same way.
 ///
 /// A specification names the objects, the planners with their parameters, the seeds, the sets of candidates
 /// and the first views; all combinations are run. Failures are recorded and do not stop the rest. --resume
@@ -30,15 +30,16 @@ pub(super) struct BenchArgs {
     /// campaign]
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
-    /// Runs beside each other [default: one per thread]; with 1, times and memory are undisturbed
+    /// Number of runs in parallel [default: one per thread]; with 1, times and memory are those of a single
+    /// run
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
     jobs: Option<u16>,
     /// Do one share of the runs, the Kth of N, counted from 1; `nextview merge` makes one campaign of all
     /// [default folder: bench-NAME-K-of-N]
     #[arg(long, value_name = "K/N", value_parser = values::shard)]
     shard: Option<Shard>,
-    /// Keep what the candidates truly see of every object in this folder, so that it is computed once for
-    /// all campaigns and shards; the results are the same
+    /// Cache the true visibility of every object from all candidates in this folder, so that it is computed
+    /// once for all campaigns and shards; the results are the same
     #[arg(long, value_name = "DIR")]
     truth_cache: Option<PathBuf>,
     /// Largest size of that folder; what was not used for the longest time is removed

@@ -10,7 +10,7 @@ use std::path::PathBuf;
 /// Compare a scanned part with its CAD model.
 ///
 /// Reads the cloud of a scan, finds where the part stood, and writes how far every point is from the model,
-/// how sure that is, and where the part deviates. Triangles of the model run counter-clockwise seen from
+/// how certain that is, and where the part deviates. Triangles of the model run counter-clockwise seen from
 /// outside.
 #[derive(Debug, Args)]
 #[command(after_help = EXAMPLES)]

@@ -11,8 +11,8 @@ use std::path::PathBuf;
 
 /// Give the next best view for a saved map, or with --batch several.
 ///
-/// The camera is the D435i of the paper. Planners that remember earlier decisions begin anew: a map does not
-/// hold them.
+/// The camera is the D435i of the paper. Planners that remember earlier decisions start without them: a map
+/// does not hold them.
 #[derive(Debug, Args)]
 #[command(after_help = EXAMPLES)]
 pub(super) struct PlanArgs {
@@ -26,7 +26,7 @@ pub(super) struct PlanArgs {
     /// Views already taken, by number from 0
     #[arg(long, value_name = "I,J,...", value_delimiter = ',', value_parser = values::count, allow_negative_numbers = true)]
     visited: Vec<usize>,
-    /// The cube the object lies in [default: around the map's occupied voxels, a tenth and two voxels wider]
+    /// The cube around the object [default: around the map's occupied voxels, a tenth and two voxels wider]
     #[arg(long = "box", value_name = "CX,CY,CZ,HALF", value_parser = values::cube, allow_hyphen_values = true)]
     cube: Option<Aabb>,
     /// Planner that chooses the view

@@ -10,11 +10,11 @@ const MAX_TOKEN: u64 = 4096;
 
 /// Serve scans over HTTP: post the frames of any camera, get the next view.
 ///
-/// Every frame is on the disk before it is acknowledged, and a server that was killed goes on with all scans.
+/// Every frame is on the disk before it is acknowledged, and a server that was killed resumes all scans.
 /// docs/server.md describes the routes, /openapi.json too.
 ///
-/// Whoever is on this machine may ask, but for web pages: the server's own page needs the token that is
-/// printed. An address that others can reach needs a token for everybody.
+/// All programs on this machine may send requests, except web pages: the server's own page needs the token
+/// that is printed. An address that others can reach needs a token from all clients.
 #[derive(Debug, Args)]
 #[command(after_help = EXAMPLES)]
 pub(super) struct ServeArgs {
@@ -34,22 +34,22 @@ pub(super) struct ServeArgs {
     /// Largest body of a request
     #[arg(long, value_name = "MB", default_value = "64", value_parser = clap::value_parser!(u32).range(1..=1024))]
     max_body_mb: u32,
-    /// Most pixels of an image
+    /// Maximum number of pixels of an image
     #[arg(long, value_name = "N", default_value = "8000000", value_parser = clap::value_parser!(u32).range(1..))]
     max_pixels: u32,
-    /// Most scans under way
+    /// Maximum number of unfinished scans
     #[arg(long, value_name = "N", default_value = "64", value_parser = clap::value_parser!(u32).range(1..))]
     max_scans: u32,
-    /// Most frames of a scan
+    /// Maximum number of frames of a scan
     #[arg(long, value_name = "N", default_value = "500", value_parser = clap::value_parser!(u32).range(1..))]
     max_frames: u32,
-    /// Most connections at once
+    /// Maximum number of connections
     #[arg(long, value_name = "N", default_value = "256", value_parser = clap::value_parser!(u32).range(1..=65536))]
     max_connections: u32,
-    /// Memory above which neither scans nor frames are taken
+    /// Memory of the process above which new scans and frames are refused
     #[arg(long, value_name = "MB", default_value = "4096", value_parser = clap::value_parser!(u64).range(64..))]
     max_memory_mb: u64,
-    /// Space of the disk that stays free
+    /// Disk space that must stay free
     #[arg(long, value_name = "MB", default_value = "512")]
     min_free_disk_mb: u64,
 }

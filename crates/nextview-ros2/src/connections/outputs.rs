@@ -67,7 +67,9 @@ impl Outputs {
 fn sent<M>(topic: &str, result: Result<(), ros2_client::WriteError<M>>) -> Result<(), String> {
     // The message itself, which the error holds, may be megabytes.
     result.map_err(|error| match error {
-        ros2_client::WriteError::WouldBlock { .. } => format!("{topic}: nobody takes what was sent before"),
+        ros2_client::WriteError::WouldBlock { .. } => {
+            format!("{topic}: no subscriber has taken the previous messages")
+        }
         _ => format!("{topic}: a message cannot be sent"),
     })
 }

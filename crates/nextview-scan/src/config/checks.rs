@@ -225,7 +225,7 @@ fn of_recording(recording: &RecordingConfig, config: &ScanConfig) -> Vec<Fault> 
 fn of_live(live: &LiveConfig, config: &ScanConfig) -> Vec<Fault> {
     let mut faults = of_place("live", live.bounds(), live.table_z_m, config);
     if config.recording.is_some() {
-        let fault = Fault::request("frames are either recorded or come from a camera of one's own");
+        let fault = Fault::request("frames are either recorded or come from a user's camera");
         faults.push(fault.with_remedy("leave out `recording` or `live`"));
     }
     if !(live.min_depth_m >= 0.0 && live.min_depth_m.is_finite()) {
@@ -281,7 +281,7 @@ fn of_place(section: &str, bounds: Option<Aabb>, table_z_m: Option<f64>, config:
         faults.push(Fault::of_value(&key, z, "a finite number of metres"));
     }
     if table_z_m.is_some() && config.object_box.table != TableRule::None {
-        let fault = Fault::request(format!("`{key}` states the table, so that there is none to find"));
+        let fault = Fault::request(format!("`{key}` states the table, so there is none to find"));
         faults.push(fault.with_remedy(format!("leave out `{key}` or `object_box.table`")));
     }
     faults

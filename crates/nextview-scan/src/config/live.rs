@@ -3,7 +3,7 @@ use nextview::geometry::{Aabb, Pose};
 use nextview::sensor::DepthRange;
 use serde::{Deserialize, Serialize};
 
-/// What decides a scan by a camera of one's own, besides what decides every scan.
+/// What decides a scan with a user's camera, besides what decides every scan.
 ///
 /// A pose takes points of the camera to the world; the camera looks along z, and y points down.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -13,13 +13,13 @@ pub struct LiveConfig {
     /// The box that the object lies in, by its lowest and its highest corner; without it, the box grows.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub box_m: Option<[f64; 6]>,
-    /// Height of the table that the object stands on; without it, there is none, or one is found.
+    /// Height of the table that the object stands on; without it, there is no table, or it is found.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub table_z_m: Option<f64>,
     /// Surfaces nearer than this are not measured, at least 0. Default 0.
     pub min_depth_m: f64,
-    /// Surfaces farther away than this are not measured; up to it, pixels from which nothing came back are
-    /// free. Default 10.
+    /// Surfaces farther away than this are not measured; up to it, pixels without return are free. Default
+    /// 10.
     pub max_depth_m: f64,
     /// The pose of the first view, where the box grows and a rule makes the candidates: it must show some of
     /// the object. It is no candidate.

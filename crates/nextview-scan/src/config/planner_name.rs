@@ -17,7 +17,7 @@ named! {
     /// A planner, by the name users give it.
     #[derive(Default)]
     pub enum PlannerName {
-        #[default] MostSurface = "most-surface": "Ours: the most surface that a learned prior expects to be seen anew",
+        #[default] MostSurface = "most-surface": "Ours: the most surface that a learned prior expects to be newly seen",
         MaxFlow = "max-flow": "The paper's: local information gain and the views of a maximum flow",
         Local = "local": "The paper's local information gain alone (gamma = 0)",
         Apora = "apora": "APORA's gain, Daudelin & Campbell 2017: entropy near the frontier",
@@ -34,10 +34,10 @@ named! {
         PbNbv = "pb-nbv": "Image area of ellipsoids around frontier and surface, Jia et al. 2025",
         See = "see": "Views onto the edges of dense points, Border & Gammell 2024",
         RecedingHorizon = "receding-horizon": "First view of the best branch of a random tree, Bircher et al. 2016",
-        NbvNet = "nbv-net": "NBV-Net, Mendoza et al. 2020: the one of 14 views that a network has learned to name",
+        NbvNet = "nbv-net": "NBV-Net, Mendoza et al. 2020: the one of 14 views chosen by a network",
         Batch = "batch": "Several views at once that together show most, and the shortest tour through them",
         EvenViews = "even-views": "Views from all around: the direction farthest from all taken; for reference views",
-        Inspection = "inspection": "Knows the part's CAD model: the fewest views that show its surfaces as demanded",
+        Inspection = "inspection": "Knows the part's CAD model: the fewest views that show its surfaces as required",
         InOrder = "in-order": "The views in the order of their numbers: that of a recording",
         Random = "random": "A random view: the baseline",
         Clairvoyant = "clairvoyant": "Knows the object: the upper bound, where the truth is known",

@@ -11,7 +11,7 @@ pub struct RecordingConfig {
     /// The box that the object lies in, by its lowest and its highest corner; without it, the box grows.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub box_m: Option<[f64; 6]>,
-    /// Height of the table that the object stands on; without it, there is none, or one is found.
+    /// Height of the table that the object stands on; without it, there is no table, or it is found.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub table_z_m: Option<f64>,
     /// A mesh of the true object, in the unit of the scan's `unit`.

@@ -32,8 +32,8 @@ const OVERLAP_TO_ALIGN: f64 = 0.5;
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(default, deny_unknown_fields)]
 pub struct ScanConfig {
-    /// A mesh file or `builtin:NAME`; with a recording, where its frames are; with a camera of one's own, the
-    /// name of the object.
+    /// A mesh file or `builtin:NAME`; with a recording, where its frames are; with a user's camera, the name
+    /// of the object.
     pub object: String,
     /// The named set of defaults that all other values started from.
     pub profile: Profile,
@@ -54,12 +54,12 @@ pub struct ScanConfig {
     /// Distance of the candidates of a rule, except the shell, from the object's middle; by default 3 x size.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub view_distance_m: Option<f64>,
-    /// The same distance as what it is above half the diagonal of the object's box.
+    /// The same distance, stated as the excess over half the diagonal of the object's box.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub view_standoff_m: Option<f64>,
     /// Seed of the planners random and receding-horizon and, without `view_seed`, of the random shell.
     pub seed: u64,
-    /// Seed of the random views that define skill 0. The same number gives other draws than as `seed`.
+    /// Seed of the random views that define skill 0. The same number as `seed` gives different draws.
     pub baseline_seed: u64,
     /// Seed of the random shell alone, so that random planners of several seeds may choose among the same
     /// candidates; by default `seed`.
@@ -78,11 +78,11 @@ pub struct ScanConfig {
     #[serde(skip_serializing_if = "Option::is_none")]
     pub min_overlap: Option<f64>,
     /// How accurate the surface in each voxel is to be: its expected error along the normal, standard
-    /// deviation; the planner most-surface spends views on it. By default, surface that was seen is done.
+    /// deviation; the planner most-surface spends views on it. By default, no second looks.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub goal_mm: Option<f64>,
-    /// How often each part of the surface is to be seen; the planner most-surface spends views on it. By
-    /// default, surface that was seen is done.
+    /// Required number of looks at each part of the surface; the planner most-surface spends views on it. By
+    /// default, no second looks.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub looks: Option<LooksGoal>,
     /// Whether to compute the random and clairvoyant curves.
@@ -147,7 +147,7 @@ pub struct ScanConfig {
     /// The frames are recorded; without it and `live`, they are simulated.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub recording: Option<RecordingConfig>,
-    /// The frames come from a camera of one's own while the scan is under way.
+    /// The frames come from a user's camera while the scan is under way.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub live: Option<LiveConfig>,
     /// That camera stands still, and the object turns: candidates are angles. Needs `view_space` = ring.

@@ -1,7 +1,7 @@
 use serde::{Deserialize, Serialize};
 use std::path::Path;
 
-/// The name of a known sensor, or a `.toml` file that says in what another one differs from it: its name as
+/// The name of a known sensor, or a `.toml` file that states how another one differs from it: its name as
 /// `like`, and tables `camera` and `noise.depth` with the keys of a configuration.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]

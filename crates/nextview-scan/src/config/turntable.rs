@@ -6,8 +6,8 @@ use nextview::view::ViewSpace;
 use serde::{Deserialize, Serialize};
 use std::f64::consts::TAU;
 
-/// A turntable before a camera that stands still. The world is the plate: its origin is the middle of the
-/// plate's surface, z is the axis, upwards, and it turns with the object.
+/// A turntable in front of a camera that stands still. The world is the plate: its origin is the middle of
+/// the plate's surface, z is the axis, upwards, and it turns with the object.
 ///
 /// Angles are counter-clockwise, seen from above.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -16,7 +16,7 @@ use std::f64::consts::TAU;
 pub struct TurntableConfig {
     /// Where the camera stands, seen from the plate at angle 0.
     pub table_from_camera: Pose,
-    /// Radius of the plate. What the camera shows beside it does not turn, and is left out.
+    /// Radius of the plate. Everything beside it does not turn, and is ignored.
     pub plate_radius_m: f64,
 }
 

@@ -219,7 +219,7 @@ fn unseen_or_occupied(session: &Session, base_from_world: &Pose) -> Result<Optio
     let (lattice, block) = (snapshot.lattice(), snapshot.block());
     let corner = lattice.bounds(&block).min;
     voxels(
-        "the object, or what nobody has seen beside it",
+        "the object, or unseen space beside it",
         base_from_world,
         corner,
         lattice.voxel_size(),

@@ -270,7 +270,7 @@ fn set_seeds(record: &mut ScanRecord, config: &ScanConfig) {
 }
 
 fn no_object() -> Fault {
-    Fault::data("the first frame shows no object, so that there is nothing to plan for")
+    Fault::data("the first frame shows no object, so there is nothing to plan for")
         .with_remedy("`first_view` begins with another frame, `recording.box_m` or `live.box_m` states where the object is")
 }
 

@@ -119,7 +119,7 @@ impl Scans {
         let Some((by, _)) = scans.iter().find(|(_, scan)| scan.as_ref().is_some_and(needs)) else {
             return Ok(());
         };
-        let fault = Fault::of_value("id", id, "a scan that no other one goes on after");
+        let fault = Fault::of_value("id", id, "a scan that no unfinished scan continues");
         Err(Refusal::new(StatusCode::CONFLICT, fault.with_remedy(format!("finish or delete `{by}` first"))))
     }
 

@@ -155,7 +155,7 @@ impl Scan {
     fn too_late(&self) -> Refusal {
         let seconds = self.answer_time.as_secs();
         let fault =
-            Fault::request(format!("the answer took more than {seconds} s; the server goes on computing"));
+            Fault::request(format!("the answer took more than {seconds} s; the server continues computing"));
         Refusal::busy(StatusCode::SERVICE_UNAVAILABLE, fault)
     }
 }

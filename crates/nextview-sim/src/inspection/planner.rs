@@ -13,7 +13,7 @@ use nextview::view::ViewSpace;
 use rayon::prelude::*;
 use std::cmp::Reverse;
 
-/// Plans the fewest views in which all surfaces of a part are seen as demanded.
+/// Plans the fewest views in which all surfaces of a part are seen as required.
 ///
 /// After each frame, it finds where the part is, which samples of its surfaces were measured as demanded, and
 /// a small set of views that show the rest: the fewest or, where that is more than may be taken, those that

@@ -17,7 +17,7 @@ pub struct GreedyConfig {
     /// at least 0.1. Default 2, as for [`MaxFlow`](super::MaxFlow).
     pub ray_spacing: f64,
     /// Weight of the movement cost against the gain, 0..=1; the paper's theta (section V.D). Default 0:
-    /// moving is free.
+    /// moving has no cost.
     pub theta: f64,
 }
 

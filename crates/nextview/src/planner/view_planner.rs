@@ -125,13 +125,13 @@ impl<'a> Situation<'a> {
     }
 
     /// The same where measured surface is to be this accurate: how well it was measured, and the goal, a
-    /// standard deviation in metres, positive. Without it, surface that was seen is done.
+    /// standard deviation in metres, positive. Without it, no second looks.
     pub fn with_goal(self, measured: &'a MeasuredCells, goal: f64) -> Self {
         Self { measured: Some((measured, goal)), ..self }
     }
 
-    /// The same where surface is to be seen several times: the looks at it so far. Without it, surface that
-    /// was seen is done.
+    /// The same where surface is to be seen several times: the looks at it so far. Without it, no second
+    /// looks.
     pub fn with_looks(self, looks: &'a SurfaceLooks) -> Self {
         Self { looks: Some(looks), ..self }
     }

@@ -144,7 +144,7 @@ struct Fields {
     cx: f64,
     /// Row of the principal point, pixels.
     cy: f64,
-    /// How the lens departs from a pinhole. Default: not at all.
+    /// The distortion of the lens. Default: none.
     #[serde(default)]
     distortion: Distortion,
 }

@@ -74,11 +74,11 @@ pub struct SessionConfig {
     pub surface_error: SurfaceError,
     /// How accurate the surface in each voxel is to be: its expected error along the normal, standard
     /// deviation, metres, positive. Planning then spends views on surface that was seen, but not well enough,
-    /// and the scan goes on while they help. Default: surface that was seen is done.
+    /// and the scan goes on while they help. Default: no second looks.
     #[serde(default, rename = "goal_m", skip_serializing_if = "Option::is_none")]
     pub goal: Option<f64>,
     /// How often each part of the surface is to be seen. Planning then spends views on surface that was seen,
-    /// but not often enough, and the scan goes on while they help. Default: surface that was seen is done.
+    /// but not often enough, and the scan goes on while they help. Default: no second looks.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub looks: Option<LooksGoal>,
     /// How the camera moves. Default: see there.

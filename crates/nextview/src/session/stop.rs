@@ -9,7 +9,7 @@ use serde::{Deserialize, Serialize};
 #[serde(default, deny_unknown_fields, remote = "Self")]
 pub struct StopConfig {
     /// Stop when the entropy in the box is below this share, 0..=1, of that of an unknown box: q_thresh of
-    /// the paper's eq. (9), where it is 0.5. Default: off, since the share measures how empty the box is
+    /// the paper's eq. (9), where it is 0.5. Default: off, because the share measures how empty the box is
     /// rather than how completely the object was seen.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub entropy_share: Option<f64>,
@@ -18,10 +18,10 @@ pub struct StopConfig {
     /// on planners without expectations.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub completeness: Option<f64>,
-    /// Stop when each of the next views is expected to add less than this share, 0..=1, to the surface seen so
-    /// far. Default: a tenth of `progress`, since six views that add as little would be no progress either; 0,
-    /// which is off, where surface is to be measured with a stated error or seen several times. It has no
-    /// effect on planners without expectations.
+    /// Stop when each of the next views is expected to add less than this share, 0..=1, to the surface seen
+    /// so far. Default: a tenth of `progress`, because six views that add as little would be no progress
+    /// either; 0, which is off, where surface is to be measured with a stated error or seen several times.
+    /// It has no effect on planners without expectations.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub expected_gain: Option<f64>,
     /// Stop when the last [six frames](Self::PROGRESS_VIEWS) together added less than this share, 0..=1, to

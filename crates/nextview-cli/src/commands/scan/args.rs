@@ -53,18 +53,18 @@ pub struct ScanArgs {
     #[arg(long, value_name = "SHARE", value_parser = values::share, allow_negative_numbers = true)]
     complete: Option<f64>,
     /// Results of a scan of the same object, which has been turned since: its frames come into map and model
-    /// as soon as it is known how. In a simulation, the object is turned as those results ask for
+    /// as soon as the turn is found. In a simulation, the object is turned as those results request
     #[arg(long, value_name = "DIR", value_parser = values::file_name(), conflicts_with = "flips")]
     after: Option<String>,
-    /// How often the object is turned, once all is seen that can be seen as it lies: 0 or 1. The scan before
-    /// the turn is left in OUT-placement-1 [default: 0]
+    /// How often to turn the object once everything visible in its current position has been seen: 0 or 1.
+    /// The scan before the turn is left in OUT-placement-1 [default: 0]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u8).range(0..=1), conflicts_with = "frames")]
     flips: Option<u8>,
     /// Maximum length of the path through the views, in metres
     #[arg(long, value_name = "M", value_parser = values::positive, allow_negative_numbers = true)]
     max_path_m: Option<f64>,
-    /// Stop after this time, in seconds, once the view under way is done; such a scan is not the same every
-    /// time
+    /// Stop after this time, in seconds, once the view under way is done; the result then depends on the
+    /// speed of the machine
     #[arg(long, value_name = "S", value_parser = values::not_negative, allow_negative_numbers = true)]
     max_time_s: Option<f64>,
     /// Number of view candidates [default: 1000; profile paper: 5000]
@@ -83,16 +83,16 @@ pub struct ScanArgs {
     /// Box around the object [default: known]
     #[arg(long = "box", value_parser = named::<BoxRule>())]
     object_box: Option<BoxRule>,
-    /// Where the box grows: how far apart parts of the object may be, in metres [default: 0, they touch]
+    /// If the box grows: how far apart parts of the object may be, in metres [default: 0, they touch]
     #[arg(long, value_name = "M", value_parser = values::not_negative, allow_negative_numbers = true)]
     max_gap_m: Option<f64>,
     /// Table that the object stands on [default: none]
     #[arg(long, value_parser = named::<TableRule>())]
     table: Option<TableRule>,
     /// Depth camera, which decides optics, range and noise: d405, d415, d435, d435i, d455, l515,
-    /// azure-kinect, femto-bolt, gemini-335, zivid-2-m60, phoxi-s, phoxi-m, or a .toml file that says in what
+    /// azure-kinect, femto-bolt, gemini-335, zivid-2-m60, phoxi-s, phoxi-m, or a .toml file that states how
     /// it differs from one of them [default: optics of the D435i, no limits and no noise]. With --frames, it
-    /// states the error of the depth alone, which --goal-mm needs
+    /// states only the error of the depth, which --goal-mm needs
     #[arg(long, value_name = "NAME|FILE", value_parser = values::file_name())]
     sensor: Option<String>,
     /// Errors and losses of the camera's depth [default: none, or those of --sensor]
@@ -112,26 +112,26 @@ pub struct ScanArgs {
     /// [default: 0.5 with registration, else 0]
     #[arg(long, value_name = "SHARE", value_parser = values::share, allow_negative_numbers = true)]
     min_overlap: Option<f64>,
-    /// How accurate the surface is to be: its expected error, a standard deviation in millimetres; views are
-    /// spent on second looks until then [default: surface that was seen is done]
+    /// Required accuracy of the surface: its expected error, a standard deviation in millimetres; views are
+    /// spent on second looks until then [default: no second looks]
     #[arg(long, value_name = "MM", value_parser = values::positive, allow_negative_numbers = true)]
     goal_mm: Option<f64>,
-    /// How often each part of the surface is to be seen; views are spent on second looks until then [default:
-    /// surface that was seen is done]
+    /// Required number of looks at each part of the surface; views are spent on second looks until then
+    /// [default: no second looks]
     #[arg(long, value_name = "N", value_parser = values::count, allow_negative_numbers = true)]
     looks: Option<usize>,
     /// The CAD model of the part, which the planner inspection needs
     #[arg(long, value_name = "MESH", value_parser = values::file_name())]
     reference: Option<String>,
-    /// Whether the mesh is closed where nothing was measured, to be printed, and marks these vertices in its
-    /// column `filled` [default: off]
+    /// Whether the mesh is closed where nothing was measured, for 3D printing, and marks these vertices in
+    /// its column `filled` [default: off]
     #[arg(long, value_enum, value_name = "on|off", hide_possible_values = true)]
     watertight: Option<Switch>,
     /// View candidates: shell (the paper's), sphere, hemisphere, ring (a turntable), or a CSV file of poses
     /// [default: shell]
     #[arg(long, value_name = "RULE|FILE", value_parser = values::file_name())]
     view_space: Option<String>,
-    /// Base of a robot and its reach, in metres; candidates beyond are dropped [default: everywhere]
+    /// Base of a robot and its reach, in metres; candidates out of reach are dropped [default: everywhere]
     #[arg(long, value_name = "X,Y,Z,R", value_parser = values::sphere, allow_hyphen_values = true)]
     reach: Option<[f64; 4]>,
     #[command(flatten)]
@@ -190,20 +190,19 @@ struct RobotArgs {
 /// What only recordings need.
 #[derive(Debug, Default, PartialEq, Args)]
 struct RecordingArgs {
-    /// With --frames: what the names of the pose columns in poses.csv begin with [default: world_from_camera,
-    /// or the only set]
+    /// With --frames: prefix of the pose columns in poses.csv [default: world_from_camera, or the only set]
     #[arg(long, value_name = "NAME")]
     pose_columns: Option<String>,
     /// With --frames: where the axes of the recorded cameras point: opencv (x right, y down, z forward),
     /// opengl (x right, y up, z backward), or ros (x forward, y left, z up) [default: opencv]
     #[arg(long, value_name = "AXES", value_parser = values::word::<CameraAxes>)]
     camera_axes: Option<CameraAxes>,
-    /// With --frames: what the recorded poses take to what, world-from-camera or camera-from-world [default:
+    /// With --frames: direction of the recorded poses, world-from-camera or camera-from-world [default:
     /// world-from-camera]
     #[arg(long, value_name = "DIRECTION", value_parser = values::word::<PoseDirection>)]
     poses: Option<PoseDirection>,
-    /// With --frames: the box that the object lies in, in metres, by its lowest and its highest corner
-    /// [default: it grows]
+    /// With --frames: the box around the object, in metres, by its lowest and its highest corner [default: it
+    /// grows]
     #[arg(long, value_name = "X0,Y0,Z0,X1,Y1,Z1", value_parser = values::corners, allow_hyphen_values = true)]
     box_m: Option<[f64; 6]>,
     /// With --frames: height of the table that the object stands on, z in metres; what is below it, or less

@@ -81,7 +81,7 @@ fn scan(
 
 /// The reason why this program cannot resume a scan with a user's camera.
 fn own_camera() -> Fault {
-    Fault::request("the frames of this scan come from a camera of one's own (`live`)")
+    Fault::request("the frames of this scan come from a user's camera (`live`)")
         .with_remedy("resume it in the program that began it, in Python with `nextview.resume(dir)`")
 }
 

@@ -33,7 +33,7 @@ pub struct MaxFlowConfig {
     /// How far rays see through free space. Default: without loss; the paper's eq. (2) lets them fade.
     pub free_space: FreeSpace,
     /// Weight of the movement cost against the global gain, 0..=1; the paper's theta (section V.D). Default
-    /// 0: moving is free.
+    /// 0: moving has no cost.
     pub theta: f64,
 }
 

@@ -28,7 +28,7 @@ pub struct MostSurfaceConfig {
     /// rays is the same in fine voxels as in coarse ones.
     pub rays_across: f64,
     /// Weight of the movement cost against the gain, 0..=1; the paper's theta (section V.D). Default 0:
-    /// moving is free.
+    /// moving has no cost.
     pub theta: f64,
     /// Whether the view of most expected surface per second is taken, with the time to go there and to
     /// measure, instead of the view of most surface; then theta is 0. Default false.
