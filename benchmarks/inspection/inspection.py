@@ -6,10 +6,10 @@
 
 Every part is scanned at its true size with the noise of a D435i on a table that is found, after 4, 8 and 12 views. All of its
 surface is to be seen within 45 degrees of its normal, with a point on each square millimetre, in one picture. The planner of
-inspections has the part's mesh as CAD model, in another place, and does not know where the part stands; `looks` is the default planner, asked
-for a look like that at all it finds. Random views are the mean of two scans.
-Shares are of what any candidate could show like that. Needs trimesh. Scans that were done before are read again. The meshes are in the folder
-that NEXTVIEW_DATA names.
+inspections has the part's mesh as CAD model, in another place, and does not know where the part stands; `looks` is the default
+planner, asked for a look like that at all it finds. Random views are the mean of two scans. No scan stops by itself. Shares are of
+what any candidate could show like that. Needs trimesh. Scans that were done before are read again. The meshes are in the folder that
+NEXTVIEW_DATA names.
 """
 
 import argparse
@@ -45,6 +45,8 @@ baselines = false
 planner = "{planner}"
 [object_box]
 table = "fit"
+[stop]
+progress = 0
 [noise]
 model = "d435i"
 [reference]

@@ -69,7 +69,7 @@ WRONG_SCANS: list[tuple[dict[str, Any], str]] = [
     ({"box": None}, "the pose of a view that shows some of it is needed"),
     ({"table": "found"}, '`object_box.table` is "found"'),
     ({"table": float("inf")}, "`table` is inf, expected a finite number of metres"),
-    ({"plannner": 1}, "`plannner` is no key .hint: did you mean `planner`"),
+    ({"plannner": 1}, "`plannner` is not a key .hint: did you mean `planner`"),
     ({"stop": {"completenes": 1}}, "did you mean `stop.completeness`"),
     ({"noise": {"model": "d435i"}}, "`noise` is for simulations"),
     ({"planner": "clairvoyant"}, "needs the true object"),

@@ -40,7 +40,7 @@ const FREE_CHUNKS: u64 = 1 << 30;
 /// Opens a regular file: devices and pipes may never end.
 pub(crate) fn open(path: &Path) -> Result<File, RecordingError> {
     if !path.metadata()?.is_file() {
-        return Err(RecordingError::Content("is no regular file, expected a file".into()));
+        return Err(RecordingError::Content("is not a regular file, expected a file".into()));
     }
     Ok(File::open(path)?)
 }

@@ -56,15 +56,15 @@ sweep."max_flow.theta" = [0, -2]
             "line 2, column 1: name is \"a/b\", expected letters",
             "line 3, column 1: seeds has 1 twice",
             "line 4, column 1: first_views is empty",
-            "line 5, column 1: `sedes` is no key",
+            "line 5, column 1: `sedes` is not a key",
             "line 6, column 1: object 2: is of the type integer, expected a file or a table",
             "line 6, column 1: none/*.ply: matches no file",
             "line 6, column 48: object 3: `objects.2.size_m`: is 0, expected a positive number of metres",
-            "line 6, column 60: object 3: `objects.2.init` is no key",
+            "line 6, column 60: object 3: `objects.2.init` is not a key",
             "line 11, column 10: `max_flow.gamma` is -1",
             "line 16, column 6: variant 1 (\"{planer}\"): `seed` is not for [scan], `scan` or `sweep`",
             "line 17, column 1: variant 1 (\"{planer}\"): seeds has 3 twice",
-            "line 21, column 1: variant 2: `variant.1.lable` is no key",
+            "line 21, column 1: variant 2: `variant.1.lable` is not a key",
             "line 22, column 6: variant 2 (\"x\"): `planner`",
             "line 23, column 7: variant 2 (\"x\"): sweep.candidates is 100, expected a list of values",
             "line 24, column 11: variant 2 (\"x\"): sweep.map.background is empty",
@@ -82,7 +82,7 @@ fn what_only_the_whole_shows_is_found_too() {
     );
     check(
         &of("[[variant]]\nfirst_views = [20]"),
-        &["line 5, column 1: variant 1: first view 20 is none of the 20"],
+        &["line 5, column 1: variant 1: first view 20 is not among the 20"],
     );
     check(
         &of("[[variant]]\nlabel = \"{planer}\""),

@@ -53,7 +53,7 @@ impl Store {
         fs::create_dir_all(dir).map_err(writing)?;
         let file = File::options().read(true).append(true).create(true).open(&path).map_err(writing)?;
         if !file.metadata().map_err(writing)?.is_file() {
-            return Err(Fault::data("is no regular file").in_file(&path).into());
+            return Err(Fault::data("is not a regular file").in_file(&path).into());
         }
         lock(&file).map_err(|fault| fault.in_file(dir))?;
         let has_runs = file.metadata().map_err(writing)?.len() > 0;

@@ -57,7 +57,7 @@ fn what_cannot_be_exported_is_named() {
     refused(&["out", "--to", "tum", "--out=out"], 1, &["out: is the folder of the results", "(--out)"]);
     refused(&["out", "--to", "ply", "--out=x"], 2, &["[possible values: bop, colmap, foundationpose,"]);
     for format in ["colmap", "foundationpose", "nerfstudio", "obj"] {
-        let message = format!("frame 2 has no colour image, and {format} is of no use without");
+        let message = format!("frame 2 has no colour image, which {format} requires");
         refused(&["out", "--to", format, "--out=x"], 1, &[&message]);
     }
     let note = folder.run(&["export", "out", "--to", "bop", "--out=bop"]).stderr;

@@ -94,7 +94,7 @@ fn holes_are_left_out() {
                more than 20 ms";
     assert_eq!(moved.unwrap(), [why]);
     let missing = changed_tum("missing", |folder| remove(folder, "depth/1305031102.1000.png")).unwrap();
-    assert!(missing[0].ends_with("there is no such file"), "{missing:?}");
+    assert!(missing[0].ends_with("the file does not exist"), "{missing:?}");
 }
 
 #[test]

@@ -2,6 +2,7 @@
 
 use super::{Positions, Profile, ScanConfig};
 use crate::{Fault, FaultKind, Faults, Place, files};
+use std::collections::BTreeSet;
 use std::path::Path;
 use toml::{Table, Value};
 
@@ -58,19 +59,38 @@ fn with_sensor(mut base: ScanConfig, table: &Table) -> Result<ScanConfig, Faults
 
 /// The faults of each value by itself, and those of all others together.
 fn isolated(base: &Table, table: &Table, error: &toml::de::Error) -> Faults {
-    let mut faults = Vec::new();
+    let mut faults: Vec<Fault> = Vec::new();
     let mut sound = base.clone();
+    // Sections without defaults, whose keys are nothing by themselves.
+    let mut sections = BTreeSet::new();
     for (key, value) in leaves(table) {
         let with = merged(sound.clone(), nested(&key, value.clone()));
         match with.clone().try_into::<ScanConfig>() {
             Ok(_) => sound = with,
+            Err(error) if error.message().starts_with("missing field") => {
+                sections.extend(key.split('.').next().map(str::to_owned));
+            }
             Err(error) => faults.push(of_key(&key, value, &error)),
+        }
+    }
+    for section in sections {
+        let is_of = |fault: &Fault| fault.key.as_ref().is_some_and(|key| key.starts_with(&section));
+        let value = table.get(&section).filter(|_| !faults.iter().any(is_of));
+        let with = merged(sound.clone(), value.iter().map(|v| (section.clone(), (*v).clone())).collect());
+        match with.clone().try_into::<ScanConfig>() {
+            Ok(_) => sound = with,
+            Err(error) => faults.push(of_section(&section, &error)),
         }
     }
     if let Ok(config) = sound.try_into::<ScanConfig>() {
         faults.extend(config.check().err().iter().flat_map(Faults::iter).cloned());
     }
     Faults::of(faults).unwrap_or_else(|| Fault::data(error.message()).into())
+}
+
+/// What is wrong in a section.
+fn of_section(section: &str, error: &toml::de::Error) -> Fault {
+    Fault { key: Some(section.to_owned()), ..Fault::data(format!("`{section}`: {}", error.message())) }
 }
 
 /// A value that does not fit its key, or an unknown key.
@@ -99,7 +119,7 @@ impl Fault {
         let alike = |known: &&str| word.chars().zip(known.chars()).take_while(|(a, b)| a == b).count();
         let nearest = known.min_by_key(|known| distance(word, known) as i64 - alike(known) as i64);
         let key = format!("{prefix}{word}");
-        let fault = Self { key: Some(key.clone()), ..Self::data(format!("`{key}` is no key")) };
+        let fault = Self { key: Some(key.clone()), ..Self::data(format!("`{key}` is not a key")) };
         match nearest {
             Some(nearest) => fault.with_remedy(format!("did you mean `{prefix}{nearest}`?")),
             None => fault,

@@ -38,8 +38,8 @@ impl TurntableConfig {
         let turned = world_from_camera.rotation() * self.table_from_camera.rotation().conjugate();
         let angle = -2.0 * turned.z.atan2(turned.w);
         let degrees = angle.rem_euclid(TAU).to_degrees();
-        // Rounding must not make 0 a whole turn.
-        if degrees > 360.0 - 1e-9 { 0.0 } else { degrees }
+        // Rounding must make 0 neither a whole turn nor negative.
+        if degrees > 360.0 - 1e-9 { 0.0 } else { degrees.abs() }
     }
 
     /// As many candidates, evenly around; candidate i is at i / n of a turn.

@@ -135,7 +135,7 @@ impl Journal {
     fn reopen(path: &Path) -> Result<(Self, Kept), Fault> {
         let file = OpenOptions::new().read(true).write(true).open(path)?;
         if !file.metadata()?.is_file() {
-            return Err(Fault::data("is no regular file"));
+            return Err(Fault::data("is not a regular file"));
         }
         let mut journal = Self { path: path.to_owned(), file, n_entries: 0, end: 0 };
         journal.lock()?;

@@ -51,7 +51,7 @@ fn all_faults_come_at_once_with_line_and_column() {
                 entropy_share = 7\n";
     let found = faults(text);
     let expected = [
-        "1:1 `voxels` is no key (did you mean `voxel_size_m`?)",
+        "1:1 `voxels` is not a key (did you mean `voxel_size_m`?)",
         "2:1 `views` is \"many\", expected usize",
         "5:3 `max_flow.gamma` is 2, expected a number in 0..=1",
         "7:1 `map.rays` is \"some\", expected",
@@ -150,12 +150,31 @@ fn wrong_values_are_named() {
 }
 
 #[test]
+fn a_section_without_defaults_is_read_as_a_whole() {
+    let turntable = |length: f64| {
+        format!(
+            "[turntable]\nplate_radius_m = 0.1\n[turntable.table_from_camera]\ntranslation_m = [0.4, 0, 0.3]\n\
+             rotation_xyzw = [0, 0, 0, {length}]\n"
+        )
+    };
+    assert_eq!(
+        faults(&turntable(0.99)),
+        ["1:2 `turntable`: length of the quaternion is 0.99, expected 1 (within 1e-6)"]
+    );
+    let missing = faults("[live]\n[turntable]\nplate_radius_m = 0.1\n");
+    assert_eq!(missing, ["2:2 `turntable`: missing field `table_from_camera`"]);
+}
+
+#[test]
 fn an_unknown_key_names_its_nearest_neighbour() {
     assert_eq!(
         faults("[max_flow]\ngama = 1\n"),
-        ["2:1 `max_flow.gama` is no key (did you mean `max_flow.gamma`?)"]
+        ["2:1 `max_flow.gama` is not a key (did you mean `max_flow.gamma`?)"]
     );
-    assert_eq!(faults("[motoin]\nspeed_m_per_s = 1\n"), ["1:2 `motoin` is no key (did you mean `motion`?)"]);
+    assert_eq!(
+        faults("[motoin]\nspeed_m_per_s = 1\n"),
+        ["1:2 `motoin` is not a key (did you mean `motion`?)"]
+    );
 }
 
 #[test]

@@ -50,7 +50,7 @@ fn check_same(path: &Path, config: &DatasetConfig, resume: bool) -> Result<(), D
     // A pipe may never end.
     let read = || match path.is_file() {
         true => fs::read_to_string(path),
-        false => Err(io::Error::other("it is no regular file")),
+        false => Err(io::Error::other("it is not a regular file")),
     };
     let text = read().map_err(|error| failed(path, error))?;
     let malformed = |error: toml::de::Error| DatasetError::Malformed {
