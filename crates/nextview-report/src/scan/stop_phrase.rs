@@ -7,7 +7,7 @@ pub fn stop_phrase(reason: StopReason) -> &'static str {
         StopReason::Converged => "the map's entropy fell below its threshold (converged)",
         StopReason::Complete => "the surface is estimated to be as complete as asked for",
         StopReason::NoProgress => "the last six views showed hardly anything new",
-        StopReason::LittleToGain => "the next view is expected to add less than asked for",
+        StopReason::LittleToGain => "the next views are expected to add hardly anything",
         StopReason::TimeLimit => "the time allowed was over",
         StopReason::PathLimit => "the path would become longer than allowed",
         StopReason::Cancelled => "the scan was cancelled",

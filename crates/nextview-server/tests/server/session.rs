@@ -304,6 +304,8 @@ fn a_scan_goes_on_after_its_object_was_turned() {
 
     let turned = robot.turned(dir.join("mug"));
     let poses = turned.body("turned")["live"].clone();
+    // The server closes connections on which nothing comes, and turning took a while.
+    let mut client = server.client();
     let body = json!({ "after": "mug", "id": "turned", "live": poses });
     client.post("/scans", &body).expect(201);
     let refused = client.delete("/scans/mug").expect(409);
