@@ -7,6 +7,7 @@
 //! known](known_object), the program `color` textures on [painted] objects, the program `purposes` planners
 //! by what [purposes of scans need](needs).
 
+pub mod authors;
 pub mod known_object;
 pub mod log_plot;
 pub mod needs;
