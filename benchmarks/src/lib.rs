@@ -5,8 +5,10 @@
 //! `kernels` (instruction counts) and, over sizes, the program `growth`. The results are in `BENCHMARK.md`.
 //! The programs `questions`, `ceiling` and `seconds` compare planners on [objects whose truth is
 //! known](known_object), the program `color` textures on [painted] objects, the program `purposes` planners
-//! by what [purposes of scans need](needs).
+//! by what [purposes of scans need](needs). The program `authors_code` repairs the [program of the paper's
+//! authors](authors), slip by slip.
 
+pub mod authors;
 pub mod known_object;
 pub mod log_plot;
 pub mod needs;

@@ -1,0 +1,96 @@
+use super::recording::N_SCANS;
+use super::run::{Choice, Scene, Step};
+use super::{Outcome, Slips};
+use rayon::prelude::*;
+use std::time::Duration;
+
+/// Runs of one kind that differ by a draw.
+pub struct Rung {
+    /// What it is.
+    pub name: String,
+    /// Coverage after each scan, on average.
+    pub coverage: [f64; N_SCANS],
+    /// The lowest and the highest coverage after the last scan.
+    pub last: [f64; 2],
+    /// Coverage after the last scan by occupied voxels that are object voxels, on average.
+    pub true_coverage: f64,
+    /// The entropy left after the last scan, a share, on average.
+    pub entropy: f64,
+    /// Rays of the first plan; none of random views.
+    pub n_rays: Option<usize>,
+    /// Time of a plan, on average.
+    pub plan_time: Duration,
+}
+
+impl Rung {
+    /// Runs with these slips, one for each choice.
+    pub fn run(name: &str, scene: &Scene, slips: Slips, choices: &[Choice]) -> Outcome<Self> {
+        let run = |&choice: &Choice| scene.run(slips, choice).map_err(|error| error.to_string());
+        let runs: Vec<Vec<Step>> = choices.par_iter().map(run).collect::<Result<_, _>>()?;
+        let mean = |value: &dyn Fn(&[Step]) -> f64| {
+            runs.iter().map(|run| value(run)).sum::<f64>() / runs.len() as f64
+        };
+        let last = |run: &[Step]| run[N_SCANS - 1].coverage;
+        let plans = || runs.iter().flatten().filter_map(|step| step.plan.as_ref());
+        let n_plans = plans().count().max(1) as u32;
+        Ok(Self {
+            name: name.to_owned(),
+            coverage: std::array::from_fn(|scan| mean(&|run| run[scan].coverage)),
+            last: [
+                runs.iter().map(|run| last(run)).fold(f64::INFINITY, f64::min),
+                runs.iter().map(|run| last(run)).fold(0.0, f64::max),
+            ],
+            true_coverage: mean(&|run| run[N_SCANS - 1].true_coverage),
+            entropy: mean(&|run| run[N_SCANS - 1].entropy),
+            n_rays: plans().next().map(|plan| plan.n_rays),
+            plan_time: plans().map(|plan| plan.time).sum::<Duration>() / n_plans,
+        })
+    }
+
+    /// The largest difference to another curve.
+    pub fn distance(&self, curve: &[f64; N_SCANS]) -> f64 {
+        self.coverage.iter().zip(curve).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max)
+    }
+}
+
+/// The defaults of the paper, drawn so many times; `lasting` draws hold for a run, others for a plan.
+pub fn orders(n: u64, lasting: bool) -> Vec<Choice> {
+    (0..n).map(|order| Choice::MaxFlow { gamma: 0.5, uses_history: true, order, lasting }).collect()
+}
+
+/// The authors' program, then one slip after the other repaired.
+pub fn cumulative(scene: &Scene, choices: &[Choice]) -> Outcome<Vec<Rung>> {
+    let mut slips = Slips::AUTHORS_CODE;
+    let mut rungs = vec![Rung::run("authors-code", scene, slips, choices)?];
+    for (name, repair) in Slips::REPAIRS {
+        repair(&mut slips);
+        rungs.push(Rung::run(name, scene, slips, choices)?);
+    }
+    Ok(rungs)
+}
+
+/// The authors' program with each slip repaired alone.
+pub fn alone(scene: &Scene, choices: &[Choice]) -> Outcome<Vec<Rung>> {
+    let rung = |(name, repair): (&str, fn(&mut Slips))| {
+        let mut slips = Slips::AUTHORS_CODE;
+        repair(&mut slips);
+        Rung::run(name, scene, slips, choices)
+    };
+    Slips::REPAIRS.into_iter().map(rung).collect()
+}
+
+/// Other weights of the flow, with these slips: the ends of table IV.
+pub fn weights(scene: &Scene, slips: Slips, n: u64, kind: &str) -> Outcome<Vec<Rung>> {
+    let cases = [
+        ("gamma 0", 0.0, true),
+        ("gamma 1", 1.0, true),
+        ("gamma 0.5, no history", 0.5, false),
+        ("gamma 1, no history", 1.0, false),
+    ];
+    let rung = |(name, gamma, uses_history)| {
+        let choices: Vec<_> =
+            (0..n).map(|order| Choice::MaxFlow { gamma, uses_history, order, lasting: false }).collect();
+        Rung::run(&format!("{kind}, {name}"), scene, slips, &choices)
+    };
+    cases.into_iter().map(rung).collect()
+}

@@ -1,0 +1,142 @@
+use super::ladder::{self, Rung};
+use super::map::Knowledge;
+use super::recording::N_SCANS;
+use super::reference::{
+    CURVES, FIRST_PLAN, FIRST_PLAN_THROUGH_UNKNOWN, ORDER_LIKE_FIXED, ORDER_LIKE_RECORDED,
+};
+use super::run::{Choice, Scene, Survey};
+use super::{Outcome, Slips};
+use std::fmt::Write;
+
+/// How many runs of each kind are averaged.
+#[derive(Clone, Copy)]
+pub struct Effort {
+    /// Draws for the timing of threads.
+    pub n_orders: u64,
+    /// Draws of random views.
+    pub n_random: u64,
+}
+
+/// Everything the program `authors_code` measures, as Markdown, and times of plans, which no two runs share.
+pub struct Report {
+    /// The same bits in every run.
+    pub markdown: String,
+    /// A line for each kind of run.
+    pub times: String,
+}
+
+impl Report {
+    /// Runs everything; names what is under way.
+    pub fn new(scene: &Scene, effort: Effort, under_way: impl Fn(&str)) -> Outcome<Self> {
+        let mut report = Self { markdown: String::new(), times: String::new() };
+        let (choices, n) = (ladder::orders(effort.n_orders, false), effort.n_orders);
+        under_way("recorded views");
+        report.part("The recorded views, scanned again", &replay(scene)?)?;
+        under_way("the first plan");
+        report.part("The first plan on the recorded first map", &first_plan(scene)?)?;
+        under_way("slip after slip");
+        let mut rungs = vec![
+            Rung::run("recorded views", scene, Slips::AUTHORS_CODE, &[Choice::Recorded])?,
+            one_order(scene, ORDER_LIKE_RECORDED)?,
+            one_order(scene, ORDER_LIKE_FIXED)?,
+        ];
+        rungs.extend(ladder::cumulative(scene, &choices)?);
+        under_way("random views");
+        let random: Vec<_> = (0..effort.n_random).map(Choice::Random).collect();
+        rungs.push(Rung::run("random views", scene, Slips::AUTHORS_CODE, &random)?);
+        report.rungs("One slip after the other repaired", &CURVES, &rungs)?;
+        under_way("each slip alone");
+        report.rungs("Each slip repaired alone", &[], &ladder::alone(scene, &choices)?)?;
+        under_way("draws that last");
+        let lasting = ladder::cumulative(scene, &ladder::orders(n, true))?;
+        report.rungs("The same with draws that last for a run", &CURVES[2..], &lasting)?;
+        under_way("weights of the flow");
+        let mut weights = ladder::weights(scene, Slips::AUTHORS_CODE, n, "authors-code")?;
+        weights.extend(ladder::weights(scene, Slips::PAPER, n, "the paper's formulas")?);
+        report.rungs("Weights of the flow", &[], &weights)?;
+        Ok(report)
+    }
+
+    fn part(&mut self, title: &str, table: &str) -> Outcome<()> {
+        let space = if self.markdown.is_empty() { "" } else { "\n" };
+        Ok(write!(self.markdown, "{space}## {title}\n\n{table}")?)
+    }
+
+    fn rungs(&mut self, title: &str, curves: &[(&str, [f64; N_SCANS])], rungs: &[Rung]) -> Outcome<()> {
+        let numbers = (1..=N_SCANS).map(|scan| format!(" {scan} |"));
+        let mut table =
+            format!("| |{} lowest to highest | rays | entropy, % |\n", numbers.collect::<String>());
+        writeln!(table, "|---|{}", "---:|".repeat(N_SCANS + 3))?;
+        for (name, curve) in curves {
+            writeln!(table, "| {name} |{} | | |", columns(curve))?;
+        }
+        for rung in rungs {
+            let ([low, high], curve) = (rung.last, columns(&rung.coverage));
+            let rays = rung.n_rays.map_or(String::new(), |n| n.to_string());
+            let (name, entropy) = (&rung.name, rung.entropy * 100.0);
+            writeln!(table, "| {name} |{curve} {low:.3} to {high:.3} | {rays} | {entropy:.1} |")?;
+            writeln!(self.times, "{title}, {name}: {:.1} ms", rung.plan_time.as_secs_f64() * 1e3)?;
+        }
+        self.part(title, &table)
+    }
+}
+
+fn columns(curve: &[f64]) -> String {
+    curve.iter().map(|coverage| format!(" {coverage:.3} |")).collect()
+}
+
+fn one_order(scene: &Scene, order: u64) -> Outcome<Rung> {
+    let name = format!("authors-code, order {order}");
+    Rung::run(&name, scene, Slips::AUTHORS_CODE, &[Choice::max_flow(order)])
+}
+
+fn replay(scene: &Scene) -> Outcome<String> {
+    let mut table =
+        "| scan | view | occupied: recorded | here | entropy, nats: recorded | here | voxels that differ |\n\
+         |---:|---:|---:|---:|---:|---:|---:|\n"
+            .to_owned();
+    let recording = &scene.recording;
+    for (scan, step) in scene.run(Slips::AUTHORS_CODE, Choice::Recorded)?.iter().enumerate() {
+        let theirs = &recording.maps[scan];
+        let [ours, recorded] = [&step.log_odds, theirs].map(|map| Knowledge::new(map, recording, true));
+        let (ours, recorded) = (ours?, recorded?);
+        let n_different = step.log_odds.iter().zip(theirs).filter(|(a, b)| a != b).count();
+        writeln!(
+            table,
+            "| {} | {} | {} | {} | {:.2} | {:.2} | {n_different} |",
+            scan + 1,
+            step.view,
+            recorded.n_occupied(|_| true),
+            ours.n_occupied(|_| true),
+            recorded.entropy(),
+            ours.entropy(),
+        )?;
+    }
+    Ok(table)
+}
+
+fn first_plan(scene: &Scene) -> Outcome<String> {
+    let mut table = "| | rays | of a view | views without | voxels in the flow | edges | quality |\n\
+                     |---|---:|---:|---:|---:|---:|---:|\n"
+        .to_owned();
+    let through = Slips { rays_stop_at_unknown: false, ..Slips::AUTHORS_CODE };
+    for (name, theirs, slips) in [
+        ("authors-code", FIRST_PLAN.map(Some), Slips::AUTHORS_CODE),
+        ("rays pass unknown voxels", FIRST_PLAN_THROUGH_UNKNOWN, through),
+    ] {
+        let cell = |(value, digits): (Option<f64>, usize)| {
+            value.map_or(" |".to_owned(), |value| format!(" {value:.digits$} |"))
+        };
+        let cells = |values: [Option<f64>; 6]| {
+            values.into_iter().zip([0, 1, 0, 0, 0, 1]).map(cell).collect::<String>()
+        };
+        writeln!(table, "| {name}: their program |{}", cells(theirs))?;
+        writeln!(table, "| {name}: here |{}", cells(facts(&scene.survey(slips)?).map(Some)))?;
+    }
+    Ok(table)
+}
+
+fn facts(survey: &Survey) -> [f64; 6] {
+    let Survey { n_rays, rays_per_view, n_views_without, n_voxels, n_edges, quality } = *survey;
+    [n_rays as f64, rays_per_view, n_views_without as f64, n_voxels as f64, n_edges as f64, quality]
+}

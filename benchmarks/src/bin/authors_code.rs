@@ -1,0 +1,33 @@
+//! Runs the program of the paper's authors as the profile `authors-code`, then repairs one of its slips after
+//! the other down to the paper's formulas.
+//!
+//!     cargo run --release -p nextview-benchmarks --bin authors_code -- AUTHORS_FOLDER OUT.md
+//!
+//! The folder holds the authors' recorded Armadillo run. `OUT.md` gets the tables, the same bits every time;
+//! stdout the mean time of a plan in every kind of run. With QUICK set, two runs of each kind are averaged.
+
+use nextview_benchmarks::authors::recording::Recording;
+use nextview_benchmarks::authors::report::{Effort, Report};
+use nextview_benchmarks::authors::run::Scene;
+use nextview_benchmarks::is_quick;
+use std::error::Error;
+use std::path::PathBuf;
+
+fn main() -> Result<(), Box<dyn Error>> {
+    let paths: Vec<PathBuf> = std::env::args_os().skip(1).map(PathBuf::from).collect();
+    let [folder, out] = &paths[..] else {
+        let n = paths.len();
+        return Err(
+            format!("{n} arguments; there should be the authors' folder and the file to write").into()
+        );
+    };
+    let effort = match is_quick() {
+        true => Effort { n_orders: 2, n_random: 2 },
+        false => Effort { n_orders: 40, n_random: 200 },
+    };
+    let scene = Scene::new(Recording::read(folder)?)?;
+    let report = Report::new(&scene, effort, |what| eprintln!("{what} ..."))?;
+    std::fs::write(out, &report.markdown).map_err(|error| format!("{}: {error}", out.display()))?;
+    print!("{}", report.times);
+    Ok(())
+}
