@@ -197,9 +197,10 @@ const KINDS: &[Kind] = &[
         m.scan_with(|c| (c["camera"]["width"], c["camera"]["height"]) = (json!(65_535), json!(65_535)))
     }),
     ("files of the server", |m, n| {
-        m.scan_with(|c| match n % 3 {
+        m.scan_with(|c| match n % 4 {
             0 => c["sensor"] = json!("/etc/passwd.toml"),
             1 => c["nbv_net"] = json!({ "weights": "/etc/passwd" }),
+            2 => c["reference"] = json!({ "mesh": "/etc/passwd" }),
             _ => c["recording"] = json!({ "truth": "/etc/passwd" }),
         })
     }),
