@@ -18,7 +18,7 @@ fn scene(test: &str) -> Option<Scene> {
     if !folder.is_dir() {
         // Not with `eprintln`, whose output the test runner shows only for failed tests.
         let why = "no data, NEXTVIEW_DATA should name a folder with authors/";
-        writeln!(std::io::stderr(), "SKIPPED {test}: {why}").unwrap();
+        writeln!(std::io::stderr(), "SKIPPED {test}: {why}").expect("stderr is open");
         return None;
     }
     Some(Scene::new(Recording::read(&folder).unwrap()).unwrap())

@@ -1,6 +1,6 @@
 use super::recording::N_SCANS;
 use super::run::{Choice, Scene, Step};
-use super::{Outcome, Slips};
+use super::{Outcome, Repair, Slips};
 use rayon::prelude::*;
 use std::time::Duration;
 
@@ -71,7 +71,7 @@ pub fn cumulative(scene: &Scene, choices: &[Choice]) -> Outcome<Vec<Rung>> {
 
 /// The authors' program with each slip repaired alone.
 pub fn alone(scene: &Scene, choices: &[Choice]) -> Outcome<Vec<Rung>> {
-    let rung = |(name, repair): (&str, fn(&mut Slips))| {
+    let rung = |(name, repair): Repair| {
         let mut slips = Slips::AUTHORS_CODE;
         repair(&mut slips);
         Rung::run(name, scene, slips, choices)

@@ -34,7 +34,7 @@ pub mod run;
 pub mod sensor;
 mod slips;
 
-pub use slips::Slips;
+pub use slips::{Repair, Slips};
 
 /// What fails here says where and why.
 pub type Outcome<T> = Result<T, Box<dyn std::error::Error>>;

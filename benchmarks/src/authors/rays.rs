@@ -35,16 +35,13 @@ pub struct RayCaster<'a> {
 impl RayCaster<'_> {
     /// The rays of all views, with the roll that they have after this camera.
     pub fn cast(&self, before: &Pose) -> Outcome<Rays> {
-        let one = |&position: &DVec3| {
-            self.cast_view(&look_from(position, self.recording.center, before)?)
-                .map_err(|error| error.to_string().into())
+        // Errors that may pass between threads.
+        let one = |&position: &DVec3| -> Result<_, String> {
+            let camera = look_from(position, self.recording.center, before).map_err(|e| e.to_string())?;
+            self.cast_view(&camera).map_err(|e| e.to_string())
         };
-        let views = self
-            .recording
-            .positions
-            .par_iter()
-            .map(|position| one(position).map_err(|error: Box<dyn std::error::Error>| error.to_string()));
-        let views: Vec<Vec<Vec<u32>>> = views.collect::<Result<_, String>>()?;
+        let views: Vec<Vec<Vec<u32>>> =
+            self.recording.positions.par_iter().map(one).collect::<Result<_, _>>()?;
         let mut rays = Rays { voxels: Vec::new(), of_view: Vec::new() };
         let mut numbers = HashMap::new();
         for view in views {

@@ -25,6 +25,9 @@ pub struct Slips {
     pub hits_only: bool,
 }
 
+/// The name of a rung and what it repairs.
+pub type Repair = (&'static str, fn(&mut Slips));
+
 impl Slips {
     /// The authors' program: the profile `authors-code`.
     pub const AUTHORS_CODE: Self = Self {
@@ -55,7 +58,7 @@ impl Slips {
     };
 
     /// How each is repaired, the name of its rung, in words, in the order of the ladder.
-    pub const REPAIRS: [(&str, fn(&mut Self)); 10] = [
+    pub const REPAIRS: [Repair; 10] = [
         ("1: history by plan", |slips| slips.history_by_view_number = false),
         ("2: rays pass unknown voxels", |slips| slips.rays_stop_at_unknown = false),
         ("3: rays cast at every plan", |slips| slips.rays_cast_once = false),
