@@ -5,8 +5,8 @@
 //! says. `docs/reproduction.md` has the results, the program `authors_code` makes them.
 //!
 //! Found by fitting to the recorded maps and networks, because no description says it: the roll of the
-//! cameras ([`camera`]), the distance between the rays of a view ([`outline`]), and the layers of voxels just outside
-//! the box in which rays end as well ([`recording::Recording::created`]).
+//! cameras ([`camera`]), the distance between the rays of a view ([`outline`]), and the layers of voxels just
+//! outside the box in which rays end as well ([`recording::Recording::created`]).
 
 /// The camera's roll.
 pub mod camera;
