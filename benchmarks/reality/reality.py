@@ -52,8 +52,6 @@ def specification(options):
         for planner in options.planners:
             parts.append(f'[[variant]]\nlabel = "{planner}, {error} mm"\nscan.planner = "{planner}"\n'
                          f"scan.noise.pose_error_mm = {error}\nscan.noise.pose_error_deg = {ERRORS[error]}\n"
-                         # Planners are compared at equal views; stopping.py measures when scans stop.
-                         "scan.stop.progress = 0\n"
                          + (f"seeds = {list(range(options.randoms))}\n" if planner == "random" else ""))
     return "\n".join(parts)
 
