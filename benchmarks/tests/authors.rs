@@ -38,7 +38,7 @@ fn recorded_views_give_the_recorded_maps() {
         let n_different = step.log_odds.iter().zip(recorded).filter(|(a, b)| a != b).count();
         let [ours, theirs] =
             [&step.log_odds, recorded].map(|map| Knowledge::new(map, &scene.recording, true).unwrap());
-        let n_occupied = [&ours, &theirs].map(|map| map.n_occupied(|_| true));
+        let n_occupied = [&ours, &theirs].map(|map| map.n_occupied());
         println!("view {}: {n_different} voxels differ, occupied {n_occupied:?}", step.view);
         assert!(n_different <= 90, "of 8000");
         assert!(n_occupied[0].abs_diff(n_occupied[1]) <= 6);

@@ -12,8 +12,6 @@ pub struct Rung {
     pub coverage: [f64; N_SCANS],
     /// The lowest and the highest coverage after the last scan.
     pub last: [f64; 2],
-    /// Coverage after the last scan by occupied voxels that are object voxels, on average.
-    pub true_coverage: f64,
     /// The entropy left after the last scan, a share, on average.
     pub entropy: f64,
     /// Rays of the first plan; none of random views.
@@ -40,16 +38,10 @@ impl Rung {
                 runs.iter().map(|run| last(run)).fold(f64::INFINITY, f64::min),
                 runs.iter().map(|run| last(run)).fold(0.0, f64::max),
             ],
-            true_coverage: mean(&|run| run[N_SCANS - 1].true_coverage),
             entropy: mean(&|run| run[N_SCANS - 1].entropy),
             n_rays: plans().next().map(|plan| plan.n_rays),
             plan_time: plans().map(|plan| plan.time).sum::<Duration>() / n_plans,
         })
-    }
-
-    /// The largest difference to another curve.
-    pub fn distance(&self, curve: &[f64; N_SCANS]) -> f64 {
-        self.coverage.iter().zip(curve).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max)
     }
 }
 

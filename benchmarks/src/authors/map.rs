@@ -74,10 +74,9 @@ impl Knowledge {
         Ok(Self { probability, snapshot: Snapshot::from_fn(Lattice::new(VOXEL_SIZE)?, block, known) })
     }
 
-    /// Number of voxels that are occupied for the authors and fulfil a condition.
-    pub fn n_occupied(&self, counts: impl Fn(VoxelKey) -> bool) -> usize {
-        let keys = self.probability.iter().enumerate().filter(|&(_, &p)| p > OCCUPIED);
-        keys.filter(|&(voxel, _)| counts(self.snapshot.block().key(voxel))).count()
+    /// Number of voxels that are occupied for the authors.
+    pub fn n_occupied(&self) -> usize {
+        self.probability.iter().filter(|&&p| p > OCCUPIED).count()
     }
 
     /// The entropy of all voxels together, nats.

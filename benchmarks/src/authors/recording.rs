@@ -2,7 +2,6 @@ use super::Outcome;
 use glam::DVec3;
 use nextview::geometry::{Aabb, Lattice, VoxelBlock, VoxelKey};
 use nextview::map::Octree;
-use std::collections::BTreeSet;
 use std::fs::File;
 use std::path::Path;
 use std::str::FromStr;
@@ -31,8 +30,8 @@ pub struct Recording {
     pub created: VoxelBlock,
     /// The voxels of 2 mm that hold surface.
     pub surface: Vec<VoxelKey>,
-    /// The voxels of 1 cm that hold surface.
-    pub object: BTreeSet<[i32; 3]>,
+    /// Number of voxels of 1 cm that hold surface.
+    pub n_object_voxels: usize,
     /// By scan, the log-odds of the voxels of `created`; 0 where nothing was measured.
     pub maps: Vec<Vec<f32>>,
 }
@@ -59,10 +58,7 @@ impl Recording {
             block,
             created,
             surface: voxels(&folder.join("ground_truth_2mm.ot"), 0.002)?,
-            object: voxels(&folder.join("ground_truth_1cm.ot"), VOXEL_SIZE)?
-                .iter()
-                .map(VoxelKey::to_array)
-                .collect(),
+            n_object_voxels: voxels(&folder.join("ground_truth_1cm.ot"), VOXEL_SIZE)?.len(),
             maps: maps.collect::<Outcome<_>>()?,
         })
     }

@@ -106,8 +106,8 @@ fn replay(scene: &Scene) -> Outcome<String> {
             "| {} | {} | {} | {} | {:.2} | {:.2} | {n_different} |",
             scan + 1,
             step.view,
-            recorded.n_occupied(|_| true),
-            ours.n_occupied(|_| true),
+            recorded.n_occupied(),
+            ours.n_occupied(),
             recorded.entropy(),
             ours.entropy(),
         )?;

@@ -54,8 +54,6 @@ pub struct Step {
     pub log_odds: Vec<f32>,
     /// Occupied voxels of the box over object voxels, wherever they are: the program's coverage.
     pub coverage: f64,
-    /// The same, of occupied voxels that are object voxels.
-    pub true_coverage: f64,
     /// The entropy of the box over that of one of which nothing is known.
     pub entropy: f64,
     /// The plan that came after it.
@@ -66,12 +64,6 @@ pub struct Step {
 pub struct PlanFacts {
     /// Distinct rays.
     pub n_rays: usize,
-    /// Voxels in the flow.
-    pub n_voxels: usize,
-    /// The optimal quality Q_T.
-    pub quality: f64,
-    /// Views in V_global.
-    pub n_views: usize,
     /// Time of the plan.
     pub time: Duration,
 }
@@ -180,13 +172,10 @@ impl<'a> State<'a> {
         self.visited.push(view);
         self.log_odds = self.map.log_odds();
         let knowledge = Knowledge::new(&self.log_odds, recording, self.slips.unknown_by_bands)?;
-        let object = recording.object.len() as f64;
         Ok(Step {
             view,
             log_odds: self.log_odds.clone(),
-            coverage: knowledge.n_occupied(|_| true) as f64 / object,
-            true_coverage: knowledge.n_occupied(|key| recording.object.contains(&key.to_array())) as f64
-                / object,
+            coverage: knowledge.n_occupied() as f64 / recording.n_object_voxels as f64,
             entropy: knowledge.entropy_share(),
             plan: None,
         })
@@ -221,7 +210,7 @@ impl<'a> State<'a> {
         let best =
             optimal_views(&qualities, &rays, n_voxels, self.slips, |view| self.visited.contains(&view));
         let views = self.ties.views(&best, n_voxels);
-        let (n_views, n_rays) = (views.len(), rays.voxels.len());
+        let n_rays = rays.voxels.len();
         if !uses_history {
             self.plans.clear();
         }
@@ -239,8 +228,7 @@ impl<'a> State<'a> {
         let view = open.max_by(|&a, &b| gain(a).total_cmp(&gain(b)).then(b.cmp(&a)));
         let view = view.ok_or("all views are visited; there should be more than ten")?;
         self.rays = Some(rays);
-        let (n_voxels, quality) = (best.n_served(), best.total_quality());
-        Ok((view, PlanFacts { n_rays, n_voxels, quality, n_views, time: start.elapsed() }))
+        Ok((view, PlanFacts { n_rays, time: start.elapsed() }))
     }
 
     fn cast(&self, knowledge: &Knowledge) -> Outcome<Rays> {
