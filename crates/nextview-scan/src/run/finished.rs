@@ -7,7 +7,7 @@ use crate::{
 use glam::DVec3;
 use nextview::geometry::{Aabb, Plane};
 use nextview::motion::Trajectory;
-use nextview::sensor::{ColorImage, Frame};
+use nextview::sensor::{ColorImage, Depth, Frame};
 use nextview::session::{BOX_MARGIN_FACTOR, BOX_MARGIN_VOXELS, ON_TABLE, Session, StopReason};
 use nextview::surface::{CloudPoint, SurfaceMesh, WatertightMesh, downsample};
 use nextview_robot::path::JointTrajectory;
@@ -106,7 +106,7 @@ impl FinishedScan<'_> {
     /// image cannot be loaded, or if it is cancelled: reset the flag to make the model of a scan that was
     /// cancelled.
     pub fn model(&self, config: ModelConfig) -> Result<FinalModel, Fault> {
-        let bounds = self.model_bounds().ok_or_else(no_object)?;
+        let bounds = self.model_bounds().ok_or_else(|| no_object(self.session.frames().first()))?;
         let ModelFrames { frames, n_earlier } = self.model_frames()?;
         let color = |i: usize| self.model_color(i, n_earlier);
         let cancel = self.session.cancel();
@@ -269,9 +269,26 @@ fn set_seeds(record: &mut ScanRecord, config: &ScanConfig) {
     }
 }
 
-fn no_object() -> Fault {
-    Fault::data("the first frame shows no object, so there is nothing to plan for")
-        .with_remedy("`first_view` begins with another frame, `recording.box_m` or `live.box_m` states where the object is")
+/// The fault of a scan that begins with this frame and found no object.
+fn no_object(first: Option<&Frame>) -> Fault {
+    let depth = first.and_then(middle_depth).map_or_else(
+        || "it measured no depth".to_owned(),
+        |depth| format!("the median of its depths is {depth:.3} m"),
+    );
+    Fault::data(format!("the first frame shows no object, so there is nothing to plan for; {depth}")).with_remedy(
+        "`first_view` begins with another frame, `recording.box_m` or `live.box_m` states where the object is; \
+         if it is not as far away as that, state the unit of the depth images",
+    )
+}
+
+/// The median of the depths of a frame, metres; none if none was measured.
+fn middle_depth(frame: &Frame) -> Option<f32> {
+    let image = frame.image();
+    let pixels = (0..image.height()).flat_map(|v| (0..image.width()).map(move |u| image.get(u, v)));
+    let surface = |depth| if let Depth::Surface(depth) = depth { Some(depth) } else { None };
+    let mut depths: Vec<f32> = pixels.filter_map(surface).collect();
+    let middle = depths.len() / 2;
+    (!depths.is_empty()).then(|| *depths.select_nth_unstable_by(middle, f32::total_cmp).1)
 }
 
 fn is_above(table: Option<Plane>, point: DVec3) -> bool {

@@ -8,10 +8,15 @@ use std::fmt;
 /// Most frames that are compared, the oldest.
 const FRAMES: usize = 8;
 
-/// A reading is suspected if the frames fit at least so well under it, and so many times better than as they
-/// are.
+/// A reading is suspected if the frames fit at least so well under it, the odds of fitting are so many times
+/// those of the frames as they are, and no other reading fits as well, to this difference: of one frame in a
+/// box, several often do.
 const LEAST_FIT: f64 = 0.08;
-const TIMES_BETTER: f64 = 3.0;
+const TIMES_THE_ODDS: f64 = 3.0;
+const LEAST_LEAD: f64 = 0.005;
+
+/// Frames that fit so well as they are, as a share of the best possible fit, are not suspected.
+const FITS: f64 = 0.9;
 
 /// A frame with a smaller share of measured pixels measures nothing.
 const LEAST_MEASURED: f64 = 0.01;
@@ -43,6 +48,8 @@ pub enum Suspicion {
         /// Share, 0..=1, of the last frame's pixels that were measured.
         measured: f64,
     },
+    /// What is connected to the object grows beyond the memory allowed: a table, floor or wall is part of it.
+    Boundless,
     /// The camera looks past the object's box: no frame shows a point inside.
     Elsewhere {
         /// The box around the last frame's points, metres.
@@ -57,27 +64,42 @@ pub enum Suspicion {
 /// metres.
 ///
 /// The frames' points are computed again as they would be with other axes, inverted poses, other units and so
-/// on. A reading is named if the points of different frames then meet, or lie in the box, and as they are
-/// they do not.
-pub fn suspect(frames: &[Frame], bounds: Option<Aabb>, range: DepthRange) -> Option<Suspicion> {
-    let last = frames.last()?;
-    if has_same_pose(frames) {
+/// on. A reading is named if the points of different frames then meet, or lie in the box, as under no other,
+/// and as they are they do not.
+pub fn suspect<'a>(
+    frames: impl IntoIterator<Item = &'a Frame>,
+    bounds: Option<Aabb>,
+    range: DepthRange,
+) -> Option<Suspicion> {
+    let frames: Vec<&Frame> = frames.into_iter().collect();
+    let last = *frames.last()?;
+    if has_same_pose(&frames) {
         return Some(Suspicion::SamePose);
     }
-    let samples: Vec<Samples> = frames.iter().take(FRAMES).map(Samples::new).collect();
-    let as_given = fit(&samples, None, bounds);
-    let of = |reading: &Reading| (fit(&samples, Some(*reading), bounds), *reading);
-    // The better of two that fit equally well is the earlier one.
-    let best = || Reading::ALL.iter().map(of).reduce(|a, b| if b.0 > a.0 { b } else { a });
-    let least = LEAST_FIT.max(TIMES_BETTER * as_given);
-    let best_possible = if bounds.is_some() { 2.0 } else { 1.0 };
-    match (least <= best_possible).then(best).flatten() {
-        Some((fit, reading)) if fit >= least => Some(Suspicion::Misread(reading)),
-        _ => match bounds {
+    let samples: Vec<Samples> = frames.into_iter().take(FRAMES).map(Samples::new).collect();
+    match misread(&samples, bounds) {
+        Some(reading) => Some(Suspicion::Misread(reading)),
+        None => match bounds {
             Some(bounds) => nothing_shown(last, &bounds, range),
             None => samples.last().and_then(nothing_measured),
         },
     }
+}
+
+/// The one reading under which the frames fit, where they do not as they are.
+fn misread(frames: &[Samples], bounds: Option<Aabb>) -> Option<Reading> {
+    let best_possible = if bounds.is_some() { 2.0 } else { 1.0 };
+    let as_given = fit(frames, None, bounds);
+    if as_given >= FITS * best_possible {
+        return None;
+    }
+    let odds = |fit: f64| fit / (best_possible - fit);
+    let of = |reading: &Reading| (fit(frames, Some(*reading), bounds), *reading);
+    let mut fits: Vec<(f64, Reading)> = Reading::ALL.iter().map(of).collect();
+    fits.sort_by(|a, b| b.0.total_cmp(&a.0));
+    let ((best, reading), next) = (fits[0], fits[1].0);
+    let is_better = best >= LEAST_FIT && odds(best) >= TIMES_THE_ODDS * odds(as_given);
+    (is_better && best >= next + LEAST_LEAD).then_some(reading)
 }
 
 fn nothing_measured(samples: &Samples) -> Option<Suspicion> {
@@ -105,7 +127,7 @@ fn nothing_shown(frame: &Frame, bounds: &Aabb, range: DepthRange) -> Option<Susp
 }
 
 /// Whether three frames or more claim one pose, and at least two of them show different things.
-fn has_same_pose(frames: &[Frame]) -> bool {
+fn has_same_pose(frames: &[&Frame]) -> bool {
     let [first, rest @ ..] = frames else { return false };
     let is_near = |pose: Pose| {
         let first = first.world_from_camera();
@@ -141,6 +163,9 @@ impl fmt::Display for Suspicion {
             Self::TooFar { distance, largest } => write!(
                 f,
                 "the camera is too far away: {distance:.3} m from the object's box, and it measures up to {largest} m"
+            ),
+            Self::Boundless => f.write_str(
+                "what is connected to the object needs more memory than allowed: a table, floor or wall is part of it",
             ),
             Self::NothingMeasured { measured } => write!(
                 f,
