@@ -7,4 +7,6 @@ pub(super) struct Location {
     pub place: Place,
     /// Where the object is and half its longest side, metres: view candidates follow both.
     pub object: Option<(DVec3, f64)>,
+    /// By how much the object may turn out to be larger: a factor of its size, at least 1.
+    pub may_grow: f64,
 }

@@ -79,7 +79,16 @@ impl Locator {
         Ok(Location {
             place: Place { bounds, table },
             object: object.map(|object| (object.center(), size(object))),
+            may_grow: self.may_grow(frames.len()),
         })
+    }
+
+    /// By how much an object that so many frames show may turn out to be larger.
+    fn may_grow(&self, n_frames: usize) -> f64 {
+        match self.object_box {
+            ObjectBox::Known(_) => 1.0,
+            ObjectBox::Growing => 1.0 + MAY_GROW / n_frames.max(1) as f64,
+        }
     }
 
     /// The bodies beside an object whose box grows; none where the box is known.
@@ -90,3 +99,7 @@ impl Locator {
         }
     }
 }
+
+/// Share of its size by which an object that a single frame shows may turn out to be larger, from where it lies
+/// by then: half of it was not seen, so both its middle and its size are uncertain.
+const MAY_GROW: f64 = 0.75;

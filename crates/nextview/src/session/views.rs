@@ -18,9 +18,11 @@ pub enum Views {
         /// The candidates for an object at the origin whose longest side is 2 m ("size 1"), such as
         /// `generate::shell(DVec3::ZERO, 1.0, 1000, 0)`. They stand [around](ViewSpace::around) the middle of
         /// the known part of the object, at distances proportional to half its longest side, or where the
-        /// camera [measures](ViewSpace::within_range) if that is farther or nearer. So a candidate's number
-        /// always means the same direction and relative distance, and stays taken once it was, although the
-        /// candidate may have moved a little since.
+        /// camera [measures](ViewSpace::within_range) if that is farther or nearer. There, an object that few
+        /// frames have shown is taken to be larger than it was seen to be, by 75 % after one frame, half of that
+        /// after two and so on, so that what was not seen is not nearer than the camera measures. So a
+        /// candidate's number always means the same direction and relative distance, and stays taken once it
+        /// was, although the candidate may have moved a little since.
         unit: ViewSpace,
         /// Candidates that have moved out of it are out of reach. Of fixed ones, [`held`](ViewSpace::held)
         /// does the same.
@@ -48,7 +50,9 @@ impl Views {
         let views = match (self, location.object) {
             (Self::Fixed(views), _) => views.clone(),
             (Self::Following { unit, reach, .. }, Some((center, size))) => {
-                unit.following(center, size).within_range(center, size, range).held(&**reach)
+                // Too far costs a little accuracy, too near the whole view.
+                let extent = size * location.may_grow;
+                unit.following(center, size).within_range(center, extent, range).held(&**reach)
             }
             (Self::Following { unit, .. }, None) => unit.clone(),
         };
