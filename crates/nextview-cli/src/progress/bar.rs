@@ -6,9 +6,22 @@ use std::time::Duration;
 /// dropped.
 pub(crate) struct Progress(ProgressBar);
 
+/// The bar takes the room that the texts leave: a line that wraps is drawn below itself again and again.
+const BAR: &str = "{msg} [{wide_bar}] {pos}/{len}, {elapsed} ({eta} left)";
+
 impl Progress {
     pub fn new(work: &'static str, n: usize) -> Self {
-        let style = ProgressStyle::with_template("{msg} [{bar:30}] {pos}/{len}, {elapsed} ({eta} left)");
+        Self::of_template(BAR, work, n)
+    }
+
+    /// The looks from every view before a simulated scan, below a line that says what they are for.
+    pub fn of_baselines(n_views: usize) -> Self {
+        let reason = "Before the scan, to measure coverage and skill (see --baselines):";
+        Self::of_template(&format!("{reason}\n{BAR}"), "looking from every view", n_views)
+    }
+
+    fn of_template(template: &str, work: &'static str, n: usize) -> Self {
+        let style = ProgressStyle::with_template(template);
         let bar = ProgressBar::new(n as u64).with_style(style.expect("the template is well formed"));
         bar.set_message(work);
         // A single step may take long; the clock shows that it goes on.
@@ -34,5 +47,22 @@ impl Progress {
 impl Drop for Progress {
     fn drop(&mut self) {
         self.0.finish_and_clear();
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::screen::{WIDTH, widest_line};
+    use super::*;
+
+    #[test]
+    fn no_line_wraps() {
+        for progress in [
+            Progress::new("scanning", 10_000),
+            Progress::new("scanning objects", 1_000_000),
+            Progress::of_baselines(100_000),
+        ] {
+            assert_eq!(widest_line(&progress.0), WIDTH);
+        }
     }
 }

@@ -21,7 +21,7 @@ pub(crate) struct CampaignProgress {
 impl CampaignProgress {
     /// A campaign of this many runs.
     pub fn new(n_runs: usize) -> Self {
-        let style = ProgressStyle::with_template("{pos} of {len} runs [{bar:30}] {elapsed} ({left})");
+        let style = ProgressStyle::with_template("{pos} of {len} runs [{wide_bar}] {elapsed} ({left})");
         let style = style.expect("the template is well formed");
         let begin = (Instant::now(), Arc::new(AtomicU64::new(0)));
         let since = begin.clone();
@@ -73,5 +73,19 @@ fn time_left((begin, n_before): &(Instant, Arc<AtomicU64>), n_done: u64, n_runs:
 impl Drop for CampaignProgress {
     fn drop(&mut self) {
         self.bar.finish_and_clear();
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::screen::{WIDTH, widest_line};
+    use super::*;
+
+    #[test]
+    fn no_line_wraps() {
+        let progress = CampaignProgress::new(1_000_000);
+        assert_eq!(widest_line(&progress.bar), WIDTH);
+        progress.begin(500_000);
+        assert_eq!(widest_line(&progress.bar), WIDTH);
     }
 }

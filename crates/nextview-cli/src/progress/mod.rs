@@ -2,6 +2,8 @@
 
 mod bar;
 mod campaign;
+#[cfg(test)]
+mod screen;
 
 pub(crate) use bar::Progress;
 pub(crate) use campaign::CampaignProgress;
