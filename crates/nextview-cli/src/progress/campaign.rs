@@ -11,7 +11,7 @@ const BETWEEN_LINES: Duration = Duration::from_secs(30);
 
 /// How far a campaign is, on stderr: a bar, or else a line now and then.
 pub(crate) struct CampaignProgress {
-    bar: ProgressBar,
+    pub(super) bar: ProgressBar,
     /// When the campaign began, and how many runs had been done before.
     begin: (Instant, Arc<AtomicU64>),
     /// When the last line was; none where there is a bar.
@@ -73,19 +73,5 @@ fn time_left((begin, n_before): &(Instant, Arc<AtomicU64>), n_done: u64, n_runs:
 impl Drop for CampaignProgress {
     fn drop(&mut self) {
         self.bar.finish_and_clear();
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::super::screen::{WIDTH, widest_line};
-    use super::*;
-
-    #[test]
-    fn no_line_wraps() {
-        let progress = CampaignProgress::new(1_000_000);
-        assert_eq!(widest_line(&progress.bar), WIDTH);
-        progress.begin(500_000);
-        assert_eq!(widest_line(&progress.bar), WIDTH);
     }
 }
