@@ -1,6 +1,5 @@
-use super::Cli;
 use crate::{Failure, stdout};
-use clap::{Args, CommandFactory};
+use clap::{Args, Command};
 use clap_complete::Shell;
 
 /// Print the script that completes commands and options in a shell.
@@ -18,9 +17,10 @@ Examples:
   nextview completions fish > ~/.config/fish/completions/nextview.fish";
 
 impl CompletionsArgs {
-    pub fn run(self) -> Result<(), Failure> {
+    /// Prints the script of this program.
+    pub fn run(self, mut program: Command) -> Result<(), Failure> {
         let mut script = Vec::new();
-        clap_complete::generate(self.shell, &mut Cli::command(), "nextview", &mut script);
+        clap_complete::generate(self.shell, &mut program, "nextview", &mut script);
         stdout::print(script)
     }
 }

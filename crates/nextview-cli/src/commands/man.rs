@@ -1,6 +1,5 @@
-use super::Cli;
 use crate::{Failure, stdout};
-use clap::{Args, Command, CommandFactory};
+use clap::{Args, Command};
 use clap_mangen::Man;
 use nextview_scan::files::{self, Overwrite};
 use std::fs;
@@ -20,9 +19,11 @@ pub(super) struct ManArgs {
 }
 
 impl ManArgs {
-    pub fn run(self) -> Result<(), Failure> {
+    /// Writes the pages of this program.
+    pub fn run(self, program: Command) -> Result<(), Failure> {
         let (out, rule) = (self.out, Overwrite::forced(self.force));
-        let pages = pages()?;
+        // `help` is a command that needs no page.
+        let pages = pages(program.disable_help_subcommand(true))?;
         let names: Vec<&str> = pages.iter().map(|(name, _)| name.as_str()).collect();
         rule.check_folder(&out, &names)?;
         fs::create_dir_all(&out).map_err(|error| Failure::data(format!("{}: {error}", out.display())))?;
@@ -34,9 +35,7 @@ impl ManArgs {
 }
 
 /// The name of each page and its text.
-fn pages() -> Result<Vec<(String, Vec<u8>)>, Failure> {
-    // `help` is a command that needs no page.
-    let mut program = Cli::command().disable_help_subcommand(true);
+fn pages(mut program: Command) -> Result<Vec<(String, Vec<u8>)>, Failure> {
     program.build();
     let mut pages = Vec::new();
     let mut commands = vec![program];

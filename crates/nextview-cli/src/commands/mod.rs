@@ -20,7 +20,7 @@ mod version;
 mod views;
 
 use crate::Failure;
-use clap::{Parser, Subcommand};
+use clap::{CommandFactory, Parser, Subcommand};
 
 /// Decides where a depth camera should look next, so that an unknown object is scanned completely in as few
 /// views as possible.
@@ -104,8 +104,8 @@ impl Cli {
             Command::Dataset(command) => command.run(),
             Command::Report(args) => args.run(),
             Command::Compare(args) => args.run(),
-            Command::Completions(args) => args.run(),
-            Command::Man(args) => args.run(),
+            Command::Completions(args) => args.run(Self::command()),
+            Command::Man(args) => args.run(Self::command()),
         }
     }
 }
