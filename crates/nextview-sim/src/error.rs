@@ -62,8 +62,9 @@ pub enum SimError {
     },
     /// The file states no unit and its size fits several.
     #[error(
-        "the file has no unit and its longest side is {longest_side}, which may be metres or millimetres; \
-         state the `unit` as m or mm, or the true size as `size_m`"
+        "the file has no unit and its longest side is {}, which may be metres or millimetres; \
+         state the `unit` as m or mm, or the true size as `size_m`",
+        short(*longest_side)
     )]
     AmbiguousUnit {
         /// Longest side of the box around the mesh, in the file's unit.
@@ -71,8 +72,9 @@ pub enum SimError {
     },
     /// The object is too large for the camera.
     #[error(
-        "the object's longest side is {longest_side} m, too large for a camera that sees up to {range} m; \
-         if its unit is not the metre, state the `unit`, or its true size as `size_m`"
+        "the object's longest side is {} m, too large for a camera that sees up to {range} m; \
+         if its unit is not the metre, state the `unit`, or its true size as `size_m`",
+        short(*longest_side)
     )]
     TooLargeForCamera {
         /// Longest side of the object, metres.
@@ -91,6 +93,11 @@ fn unknown(extension: &str) -> String {
         "" => "unknown mesh format, its name has no extension".to_owned(),
         _ => format!("unknown mesh format {extension:?}"),
     }
+}
+
+/// A length to read: four digits. The coordinates of most files have single precision.
+fn short(length: f64) -> f64 {
+    format!("{length:.3e}").parse().unwrap_or(length)
 }
 
 impl SimError {

@@ -1,3 +1,4 @@
+use super::campaign::counted;
 use crate::progress::Progress;
 use crate::{Failure, stdout};
 use clap::{Args, Subcommand};
@@ -59,8 +60,9 @@ impl NbvNetArgs {
         let progress = Progress::new("scanning objects", config.objects as usize);
         dataset::make(&config, &self.out, self.resume, || progress.step()).map_err(failure)?;
         drop(progress);
-        let n_files = config.n_files();
-        stdout::print(format!("{} objects in {n_files} files in {}\n", config.objects, self.out.display()))
+        let objects = counted(config.objects as usize, "object");
+        let files = counted(config.n_files() as usize, "file");
+        stdout::print(format!("{objects} in {files} in {}\n", self.out.display()))
     }
 }
 

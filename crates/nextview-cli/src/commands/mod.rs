@@ -4,9 +4,11 @@ mod batch;
 mod bench;
 mod campaign;
 mod compare;
+mod completions;
 mod dataset;
 mod export;
 mod inspect;
+mod man;
 mod map;
 mod merge;
 mod plan;
@@ -14,10 +16,11 @@ mod report;
 mod scan;
 mod serve;
 mod values;
+mod version;
 mod views;
 
 use crate::Failure;
-use clap::{Parser, Subcommand};
+use clap::{CommandFactory, Parser, Subcommand};
 
 /// Decides where a depth camera should look next, so that an unknown object is scanned completely in as few
 /// views as possible.
@@ -29,9 +32,9 @@ use clap::{Parser, Subcommand};
 /// them with a CAD model. `nextview serve` takes the frames of any camera over HTTP and answers with the next
 /// view. `nextview plan` gives the next view, or the next few, for a saved map, `nextview map` summarises and
 /// converts maps, `nextview views` makes view candidates, `nextview dataset` training data for learned
-/// planners.
+/// planners. `nextview completions` and `nextview man` write completions of shells and manual pages.
 #[derive(Debug, Parser)]
-#[command(name = "nextview", version, max_term_width = 100, after_help = EXAMPLES)]
+#[command(name = "nextview", version, long_version = version::long(), max_term_width = 100, after_help = EXAMPLES)]
 pub struct Cli {
     /// Number of threads [default: all cores]; results do not depend on it
     #[arg(long, global = true, display_order = 100, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
@@ -54,6 +57,8 @@ Examples:
   nextview views > views.csv                 poses to choose from
   nextview plan --map map.ot --views views.csv
   nextview dataset nbv-net --out nbv-data    training data for NBV-Net
+  nextview completions bash                  what completes commands and options in bash
+  nextview man --out man1                    these texts as manual pages
 
 Conventions: metres, world frame right-handed with z up, camera frame x right, y down, z forward.
 Data goes to stdout, messages to stderr.
@@ -75,6 +80,8 @@ enum Command {
     Map(map::MapCommand),
     #[command(subcommand)]
     Dataset(dataset::DatasetCommand),
+    Completions(completions::CompletionsArgs),
+    Man(man::ManArgs),
 }
 
 impl Cli {
@@ -97,6 +104,8 @@ impl Cli {
             Command::Dataset(command) => command.run(),
             Command::Report(args) => args.run(),
             Command::Compare(args) => args.run(),
+            Command::Completions(args) => args.run(Self::command()),
+            Command::Man(args) => args.run(Self::command()),
         }
     }
 }

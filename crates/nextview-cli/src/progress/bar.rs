@@ -4,11 +4,24 @@ use std::time::Duration;
 
 /// A bar on stderr that shows how far the work is; nothing where stderr is no terminal. It disappears when
 /// dropped.
-pub(crate) struct Progress(ProgressBar);
+pub(crate) struct Progress(pub(super) ProgressBar);
+
+/// The bar takes the room that the texts leave: a line that wraps is drawn below itself again and again.
+const BAR: &str = "{msg} [{wide_bar}] {pos}/{len}, {elapsed} ({eta} left)";
 
 impl Progress {
     pub fn new(work: &'static str, n: usize) -> Self {
-        let style = ProgressStyle::with_template("{msg} [{bar:30}] {pos}/{len}, {elapsed} ({eta} left)");
+        Self::of_template(BAR, work, n)
+    }
+
+    /// The looks from every view before a simulated scan, below a line that says what they are for.
+    pub fn of_baselines(n_views: usize) -> Self {
+        let reason = "Before the scan, to measure coverage and skill (see --baselines):";
+        Self::of_template(&format!("{reason}\n{BAR}"), "looking from every view", n_views)
+    }
+
+    fn of_template(template: &str, work: &'static str, n: usize) -> Self {
+        let style = ProgressStyle::with_template(template);
         let bar = ProgressBar::new(n as u64).with_style(style.expect("the template is well formed"));
         bar.set_message(work);
         // A single step may take long; the clock shows that it goes on.

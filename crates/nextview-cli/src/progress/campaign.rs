@@ -11,7 +11,7 @@ const BETWEEN_LINES: Duration = Duration::from_secs(30);
 
 /// How far a campaign is, on stderr: a bar, or else a line now and then.
 pub(crate) struct CampaignProgress {
-    bar: ProgressBar,
+    pub(super) bar: ProgressBar,
     /// When the campaign began, and how many runs had been done before.
     begin: (Instant, Arc<AtomicU64>),
     /// When the last line was; none where there is a bar.
@@ -21,7 +21,7 @@ pub(crate) struct CampaignProgress {
 impl CampaignProgress {
     /// A campaign of this many runs.
     pub fn new(n_runs: usize) -> Self {
-        let style = ProgressStyle::with_template("{pos} of {len} runs [{bar:30}] {elapsed} ({left})");
+        let style = ProgressStyle::with_template("{pos} of {len} runs [{wide_bar}] {elapsed} ({left})");
         let style = style.expect("the template is well formed");
         let begin = (Instant::now(), Arc::new(AtomicU64::new(0)));
         let since = begin.clone();

@@ -113,6 +113,7 @@ fn objects_of_the_wrong_size() {
     folder.refused(&["scan", "--min-overlap", "1.5"], USAGE, &["--min-overlap", "1.5 is not in 0 to 1"]);
     folder.refused(&["scan", "--register", "maybe"], USAGE, &["--register", "maybe"]);
     folder.refused(&["scan", "--size-m", "100"], USAGE, &["100 m", "10 m"]);
+    folder.refused(&["scan", "--size-m", "6.434000015258789"], USAGE, &["side is 6.434 m,"]);
     folder.refused(&["scan", "--size-m", "1e-6"], USAGE, &["0.000001 m", "0.0001 m"]);
 }
 

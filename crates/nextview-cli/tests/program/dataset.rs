@@ -28,11 +28,11 @@ fn a_data_set_is_the_same_bytes_for_any_number_of_threads_and_after_interruption
 fn a_data_set_is_neither_overwritten_nor_mixed_with_another() {
     let folder = Folder::new("dataset-other");
     let make = |more: &[&str]| folder.run(&[&["dataset", "nbv-net", "--out", "data"], more].concat());
-    assert_eq!(make(&["--objects", "1"]).code, Some(0));
+    assert_eq!(make(&["--objects", "1"]).stdout, "1 object in 1 file in data\n");
     let before = folder.bytes("data/objects-0000000.npy");
     for (more, expected) in [
         (&["--objects", "1"][..], "--resume"),
-        (&["--objects", "2", "--resume"], "has 1 objects and seed 0"),
+        (&["--objects", "2", "--resume"], "has objects = 1, seed = 0"),
         (&["--objects", "1", "--seed", "3", "--resume"], "pass --objects 1 --seed 0"),
     ] {
         let run = make(more);

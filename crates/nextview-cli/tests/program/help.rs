@@ -82,7 +82,20 @@ fn no_command_shows_the_help_as_an_error() {
 }
 
 #[test]
-fn the_version_is_that_of_the_package() {
-    let version = Folder::new("version").ok(&["--version"]);
-    assert_eq!(version, format!("nextview {}\n", env!("CARGO_PKG_VERSION")));
+fn of_completions_and_man() {
+    check(&["completions"]);
+    check(&["man"]);
+}
+
+#[test]
+fn the_version_names_the_build() {
+    let folder = Folder::new("version");
+    let short = format!("nextview {}", env!("CARGO_PKG_VERSION"));
+    assert_eq!(folder.ok(&["-V"]), format!("{short}\n"));
+    let long = folder.ok(&["--version"]);
+    let build = long.strip_prefix(&format!("{short} (")).and_then(|rest| rest.strip_suffix(")\n"));
+    let parts: Vec<&str> = build.unwrap_or_default().split(", ").collect();
+    let [source, target, profile] = parts[..] else { panic!("{long}") };
+    assert_eq!(source, nextview_scan::BuildIdentity::this().source);
+    assert!(target.starts_with(std::env::consts::ARCH) && !profile.is_empty(), "{long}");
 }

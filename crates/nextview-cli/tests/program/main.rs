@@ -49,4 +49,6 @@ mod resume;
 mod scan;
 #[cfg(test)]
 mod shards;
+#[cfg(test)]
+mod shell;
 mod turned;

@@ -13,6 +13,7 @@ mod line;
 mod made_up;
 mod markdown;
 mod paper;
+mod planner_section;
 mod report;
 mod setup;
 mod statistic;

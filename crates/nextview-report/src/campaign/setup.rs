@@ -1,8 +1,10 @@
 //! The setup of a campaign: objects, variants, parameters, failures.
 
 use super::document::{Block, Cell, Column, Row, Section, Table};
+use super::planner_section::{PLANNER_SECTIONS, section_of};
 use nextview_campaign::RunRecord;
 use nextview_campaign::statistics::{Study, StudyVariant};
+use nextview_scan::PlannerName;
 use serde_json::Value;
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -172,10 +174,22 @@ impl Parameters {
     }
 }
 
-/// The parameters of a run as names with dots and values.
+/// The parameters of a run as names with dots and values, without those of other planners.
 fn flat(run: &RunRecord) -> Vec<(String, String)> {
+    let mut config = serde_json::to_value(&run.config).unwrap_or_default();
+    let own = section_of(&run.config.planner);
+    let others = PLANNER_SECTIONS.into_iter().filter(|section| Some(*section) != own);
+    if let Value::Object(fields) = &mut config {
+        others.for_each(|section| drop(fields.remove(section)));
+        // The gain alone is max-flow without its gamma.
+        if run.config.planner == PlannerName::Local
+            && let Some(Value::Object(max_flow)) = fields.get_mut("max_flow")
+        {
+            max_flow.remove("gamma");
+        }
+    }
     let mut out = Vec::new();
-    flatten("", &serde_json::to_value(&run.config).unwrap_or_default(), &mut out);
+    flatten("", &config, &mut out);
     out
 }
 

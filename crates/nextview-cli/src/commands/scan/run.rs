@@ -97,7 +97,7 @@ fn simulated(
     let notes = object.notes().into_iter().map(|note| format!("note: {note}"));
     output.begin(&config, &object.description(), notes, object.views.len())?;
     let truth = config.needs_truth().then(|| {
-        let progress = Progress::new("baselines: looking from every view", object.views.len());
+        let progress = Progress::of_baselines(object.views.len());
         Truth::new(&object, &Cancel::default(), || progress.step())
     });
     let truth = truth.transpose()?;

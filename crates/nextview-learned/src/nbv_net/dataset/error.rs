@@ -14,7 +14,7 @@ pub enum DatasetError {
         path: PathBuf,
     },
     /// The folder holds another data set.
-    #[error("{}: the data set has {} objects and seed {}", path.display(), found.objects, found.seed)]
+    #[error("{}: the data set has objects = {}, seed = {}", path.display(), found.objects, found.seed)]
     Differs {
         /// The configuration of that data set.
         path: PathBuf,

@@ -1,6 +1,7 @@
 //! The parameters that make the rows and columns of the paper's tables.
 
 use super::published;
+use crate::campaign::planner_section::{PLANNER_SECTIONS, section_of};
 use nextview_campaign::statistics::StudyVariant;
 use nextview_scan::{PlannerChoice, PlannerName};
 use serde_json::Value;
@@ -58,32 +59,18 @@ pub(super) const Q_THRESH: Axis = Axis {
 pub(super) const THETA: Axis = Axis {
     name: "θ",
     keys: &["most_surface.theta", "max_flow.theta", "greedy.theta", "batch.theta"],
-    label: |planner, config| find(config, &format!("{}.theta", planner_key(planner))).and_then(number),
+    label: |planner, config| find(config, &format!("{}.theta", section_of(planner)?)).and_then(number),
 };
 
 fn method(planner: &PlannerChoice) -> String {
     published::method(planner).map_or_else(|| planner.to_string(), str::to_owned)
 }
 
-/// Sections of the configuration that hold the parameters of planners.
-const PLANNER_KEYS: [&str; 5] = ["most_surface", "max_flow", "greedy", "batch", "nbv_net"];
-
-/// The section of this planner.
-fn planner_key(planner: &PlannerChoice) -> &'static str {
-    match planner.built_in() {
-        Some(PlannerName::MaxFlow | PlannerName::Local) => "max_flow",
-        Some(PlannerName::MostSurface) => "most_surface",
-        Some(PlannerName::Batch) => "batch",
-        Some(PlannerName::NbvNet) => "nbv_net",
-        _ => "greedy",
-    }
-}
-
 /// The variant's parameters, without those that differ between its runs and those that its planner does not
 /// read.
 pub(super) fn configuration(variant: &StudyVariant) -> Value {
     let mut config = serde_json::to_value(&variant.example).unwrap_or_default();
-    let unread = PLANNER_KEYS.into_iter().filter(|key| *key != planner_key(&variant.planner));
+    let unread = PLANNER_SECTIONS.into_iter().filter(|key| Some(*key) != section_of(&variant.planner));
     let of_runs =
         ["object", "unit", "size_m", "seed", "baseline_seed", "view_seed", "noise.seed", "first_view"];
     for key in of_runs.into_iter().chain(unread) {

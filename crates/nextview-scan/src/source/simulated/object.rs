@@ -90,6 +90,8 @@ impl Object {
             .with_remedy("`voxel_size_m` is in metres")),
             Some(size) => Ok(size),
             None if longest < 40.0 * Lattice::MIN_VOXEL_SIZE => {
+                // To a thousandth of the smallest voxel; what is less is the file's single precision.
+                let longest = (1e7 * longest).round() / 1e7;
                 let problem = format!(
                     "the object's longest side is {longest} m, too small for voxels of at least {} m",
                     Lattice::MIN_VOXEL_SIZE

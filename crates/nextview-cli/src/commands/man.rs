@@ -1,0 +1,55 @@
+use crate::{Failure, stdout};
+use clap::{Args, Command};
+use clap_mangen::Man;
+use nextview_scan::files::{self, Overwrite};
+use std::fs;
+use std::io::Write;
+use std::path::PathBuf;
+
+/// Write the manual pages, one for each command.
+#[derive(Debug, Args)]
+#[command(after_help = "Example:\n  nextview man --out ~/.local/share/man/man1")]
+pub(super) struct ManArgs {
+    /// Folder for the pages
+    #[arg(long, value_name = "DIR")]
+    out: PathBuf,
+    /// Replace pages that are in it
+    #[arg(long)]
+    force: bool,
+}
+
+impl ManArgs {
+    /// Writes the pages of this program.
+    pub fn run(self, program: Command) -> Result<(), Failure> {
+        let (out, rule) = (self.out, Overwrite::forced(self.force));
+        // `help` is a command that needs no page.
+        let pages = pages(program.disable_help_subcommand(true))?;
+        let names: Vec<&str> = pages.iter().map(|(name, _)| name.as_str()).collect();
+        rule.check_folder(&out, &names)?;
+        fs::create_dir_all(&out).map_err(|error| Failure::data(format!("{}: {error}", out.display())))?;
+        for (name, text) in &pages {
+            files::write(&out.join(name), &rule, |writer| Ok(writer.write_all(text)?))?;
+        }
+        stdout::print(format!("{} manual pages in {}\n", pages.len(), out.display()))
+    }
+}
+
+/// The name of each page and its text.
+fn pages(mut program: Command) -> Result<Vec<(String, Vec<u8>)>, Failure> {
+    program.build();
+    let mut pages = Vec::new();
+    let mut commands = vec![program];
+    while let Some(command) = commands.pop() {
+        commands.extend(command.get_subcommands().cloned());
+        pages.push(page(command)?);
+    }
+    pages.sort();
+    Ok(pages)
+}
+
+fn page(command: Command) -> Result<(String, Vec<u8>), Failure> {
+    let page = Man::new(command).source(concat!("nextview ", env!("CARGO_PKG_VERSION")));
+    let mut text = Vec::new();
+    page.render(&mut text).map_err(Failure::data)?;
+    Ok((page.get_filename(), text))
+}

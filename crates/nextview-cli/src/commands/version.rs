@@ -1,0 +1,11 @@
+use nextview_scan::BuildIdentity;
+use std::sync::LazyLock;
+
+/// The version with the build that the records of campaigns name, its target and its profile.
+pub(super) fn long() -> &'static str {
+    static LONG: LazyLock<String> = LazyLock::new(|| {
+        let BuildIdentity { version, source } = BuildIdentity::this();
+        format!("{version} ({source}, {}, {})", env!("NEXTVIEW_TARGET"), env!("NEXTVIEW_PROFILE"))
+    });
+    &LONG
+}
