@@ -75,24 +75,32 @@ def files(folder):
     return {str(path.relative_to(folder)): path.read_bytes() for path in paths}
 
 
-def killed_after(command, seconds):
-    """Starts it and kills it then: what it printed, and whether it had finished."""
-    process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+def killed(command, printed, is_time, seconds):
+    """Starts it and kills it so long after it is time: whether it had finished before. What it prints goes to a file."""
+    with printed.open("w") as out:
+        process = subprocess.Popen(command, stdout=out, stderr=subprocess.STDOUT)
+    while process.poll() is None and not is_time():
+        time.sleep(0.002)
     try:
-        stdout, stderr = process.communicate(timeout=seconds)
-        if process.returncode != 0:
-            sys.exit(f"{command} failed: {stderr}")
-        return stdout, stderr, True
+        if process.wait(timeout=seconds) != 0:
+            sys.exit(f"{command} failed: {printed.read_text()}")
+        return True
     except subprocess.TimeoutExpired:
         process.kill()
-        stdout, stderr = process.communicate()
-        return stdout, stderr, False
+        process.wait()
+        return False
 
 
-def n_frames(stdout):
+def n_frames(printed):
     """Number of frames that a scan printed; a line that a kill cut says nothing."""
-    whole = stdout[: stdout.rfind("\n") + 1]
+    text = printed.read_text()
+    whole = text[: text.rfind("\n") + 1]
     return len(re.findall(r"^ +\d+ +\d+ .*%", whole, re.MULTILINE))
+
+
+def instant(rng, seconds):
+    """How many more frames or runs to wait for, and then how long: one in four kills comes at any time at all."""
+    return (0, rng.uniform(0.0, seconds)) if rng.random() < 0.25 else (rng.randint(1, 2), rng.uniform(0.0, 0.1 * seconds))
 
 
 class Scans:
@@ -101,7 +109,7 @@ class Scans:
     def __init__(self, program, work):
         self.first, self.again = Row("scan"), Row("scan --resume")
         (work / "scan.toml").write_text(SCAN)
-        self.out = work / "scan"
+        self.out, self.printed = work / "scan", work / "printed"
         self.begin = [program, "scan", "builtin:bracket", "--config", work / "scan.toml", "--out"]
         self.resume = [program, "scan", "--resume", self.out]
         start = time.monotonic()
@@ -116,11 +124,12 @@ class Scans:
             shutil.rmtree(self.out)
         row = self.again if is_resumed else self.first
         command = self.resume if is_resumed else [*self.begin, self.out]
-        stdout, stderr, is_done = killed_after(command, self.seconds * rng.uniform(0.02, 0.8))
-        told = re.search(r"resumes after (\d+) frame", stderr)
+        n_more, seconds = instant(rng, self.seconds)
+        is_done = killed(command, self.printed, lambda: n_frames(self.printed) >= self.known + n_more, seconds)
+        told = re.search(r"resumes after (\d+) frame", self.printed.read_text())
         if told:
             row.lost += max(self.known - int(told[1]), 0)
-        known = max(n_frames(stdout), self.known)
+        known = max(n_frames(self.printed), self.known)
         row.acknowledged += known - self.known
         self.known = known
         row.kills += not is_done
@@ -147,7 +156,7 @@ class Campaigns:
     def __init__(self, program, work):
         self.first, self.again = Row("bench"), Row("bench --resume")
         (work / "spec.toml").write_text(CAMPAIGN)
-        self.out = work / "bench"
+        self.out, self.printed = work / "bench", work / "printed"
         # The objects' truth is computed once, so that kills fall into the runs.
         cache = ["--truth-cache", work / "truth"]
         self.begin = [program, "bench", work / "spec.toml", "--jobs", "1", *cache, "--out"]
@@ -181,7 +190,8 @@ class Campaigns:
             shutil.rmtree(self.out, ignore_errors=True)
         row = self.again if is_resumed else self.first
         command = self.resume if is_resumed else [*self.begin, self.out]
-        _, _, is_done = killed_after(command, self.seconds * rng.uniform(0.02, 0.7))
+        n_more, seconds = instant(rng, self.seconds)
+        is_done = killed(command, self.printed, lambda: len(self.stored()) >= len(self.known) + n_more, seconds)
         row.kills += not is_done
         self.check(row, is_done)
 
@@ -255,16 +265,23 @@ class Servers:
 
     def kill_once(self, rng):
         process, client = self.start(self.dir)
-        timer = threading.Timer(rng.uniform(0.0, 0.6), process.kill)
-        timer.start()
+        n_more, seconds = instant(rng, 0.5)
+        killer = threading.Thread(target=self.kill_when, args=(process, self.first.acknowledged + n_more, seconds))
+        killer.start()
         try:
             while True:
                 self.drive(client)
         except (OSError, http.client.HTTPException):
             pass  # the kill
-        timer.join()
+        killer.join()
         process.communicate()
         self.first.kills += 1
+
+    def kill_when(self, process, n_acknowledged, seconds):
+        while self.first.acknowledged < n_acknowledged and process.poll() is None:
+            time.sleep(0.002)
+        time.sleep(seconds)
+        process.kill()
 
     def drive(self, client):
         """One scan, from where it is to its results."""
