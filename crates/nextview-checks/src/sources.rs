@@ -122,13 +122,17 @@ pub(crate) fn item_name(item: &Item) -> Option<String> {
     Some(ident.to_string())
 }
 
-/// Whether an item is for tests alone.
+/// Whether an item is for tests or for the fuzzer alone.
 fn is_test(attributes: &[Attribute]) -> bool {
     attributes.iter().any(|attribute| {
         attribute.path().is_ident("test")
-            || (attribute.path().is_ident("cfg")
-                && attribute.parse_args::<syn::Path>().is_ok_and(|condition| condition.is_ident("test")))
+            || (attribute.path().is_ident("cfg") && attribute.parse_args::<syn::Path>().is_ok_and(is_absent))
     })
+}
+
+/// Whether the program is built without this condition.
+fn is_absent(condition: syn::Path) -> bool {
+    condition.is_ident("test") || condition.is_ident("fuzzing")
 }
 
 fn attributes(item: &Item) -> &[Attribute] {

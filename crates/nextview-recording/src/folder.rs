@@ -28,7 +28,7 @@ const POSE: &str = "world_from_camera";
 const NOTED: f64 = 1e-3;
 
 /// A row of poses.csv.
-struct Row {
+pub(crate) struct Row {
     line: usize,
     timestamp_s: Option<f64>,
     rigid: Rigid,
@@ -113,7 +113,7 @@ fn images(folder: &Path, extensions: &[&str]) -> Result<BTreeMap<u32, PathBuf>, 
 }
 
 /// The rows of poses.csv by number of the frame.
-fn rows(text: &str, options: &ReadOptions) -> Result<BTreeMap<u32, Row>, RecordingError> {
+pub(crate) fn rows(text: &str, options: &ReadOptions) -> Result<BTreeMap<u32, Row>, RecordingError> {
     let mut lines = text::lines(text);
     let header = lines.next().ok_or_else(|| RecordingError::Content("is empty, expected a header".into()))?;
     let columns = Columns::new(&header, options)?;

@@ -39,7 +39,8 @@ pub(crate) fn checked(intrinsics: Intrinsics) -> Result<Intrinsics, RecordingErr
     )))
 }
 
-fn parse(text: &str, depth_unit: f64) -> Result<Lens, RecordingError> {
+/// The camera that a text of this form describes.
+pub(crate) fn parse(text: &str, depth_unit: f64) -> Result<Lens, RecordingError> {
     let fields = Fields::new(text)?;
     let size = [fields.whole("width")?, fields.whole("height")?];
     let focal = DVec2::new(fields.number("fx")?, fields.number("fy")?);

@@ -11,6 +11,8 @@ mod encode;
 mod error;
 mod folder;
 mod frame;
+#[cfg(fuzzing)]
+pub mod fuzzing;
 mod lens;
 mod limits;
 mod mcap;

@@ -16,25 +16,26 @@ const FARTHEST: f64 = 100.0;
 
 /// Reads a rigid transform: 4 lines of 4 numbers, row by row, the last `0 0 0 1`; the translation in metres.
 pub fn read_transform(path: &Path) -> Result<Pose, RecordingError> {
-    let parse = || {
-        let text = text::read(path)?;
-        let mut numbers: Vec<f64> = Vec::new();
-        for line in text::lines(&text) {
-            for word in line.words() {
-                numbers.push(line.value("an entry", word)?);
-            }
+    text::read(path).and_then(|text| parse_transform(&text)).map_err(|error| error.in_file(path))
+}
+
+/// The same of the file's text.
+pub(crate) fn parse_transform(text: &str) -> Result<Pose, RecordingError> {
+    let mut numbers: Vec<f64> = Vec::new();
+    for line in text::lines(text) {
+        for word in line.words() {
+            numbers.push(line.value("an entry", word)?);
         }
-        let matrix: [f64; 16] = numbers.try_into().map_err(|numbers: Vec<f64>| {
-            RecordingError::Content(format!("{} numbers, expected 4 lines of 4", numbers.len()))
-        })?;
-        let (rows, last) = matrix.split_at(12);
-        if last != [0.0, 0.0, 0.0, 1.0] {
-            return Err(RecordingError::Content(format!("the last line is {last:?}, expected 0 0 0 1")));
-        }
-        let rows = std::array::from_fn(|i| rows[i]);
-        from_rows(rows).map(|rigid| rigid.pose).map_err(RecordingError::Content)
-    };
-    parse().map_err(|error| error.in_file(path))
+    }
+    let matrix: [f64; 16] = numbers.try_into().map_err(|numbers: Vec<f64>| {
+        RecordingError::Content(format!("{} numbers, expected 4 lines of 4", numbers.len()))
+    })?;
+    let (rows, last) = matrix.split_at(12);
+    if last != [0.0, 0.0, 0.0, 1.0] {
+        return Err(RecordingError::Content(format!("the last line is {last:?}, expected 0 0 0 1")));
+    }
+    let rows = std::array::from_fn(|i| rows[i]);
+    from_rows(rows).map(|rigid| rigid.pose).map_err(RecordingError::Content)
 }
 
 /// A matrix made rigid.

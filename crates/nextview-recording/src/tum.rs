@@ -56,26 +56,30 @@ fn list<T>(
     path: &Path,
     parse: impl Fn(&Line<'_>, &[&str]) -> Result<T, RecordingError>,
 ) -> Result<Vec<Stamped<T>>, RecordingError> {
-    let read = || {
-        let text = text::read(path)?;
-        let entry = |line: Line<'_>| {
-            let words = line.words();
-            let time: f64 = line.value("the timestamp", words[0])?;
-            Ok(Stamped { time, place: line.place(), value: parse(&line, &words[1..])? })
-        };
-        Stamped::sorted(text::lines(&text).map(entry).collect::<Result<_, RecordingError>>()?)
-    };
-    read().map_err(|error| error.in_file(path))
+    text::read(path).and_then(|text| entries(&text, parse)).map_err(|error| error.in_file(path))
 }
 
-fn image(line: &Line<'_>, words: &[&str]) -> Result<String, RecordingError> {
+/// The same of a list's text.
+pub(crate) fn entries<T>(
+    text: &str,
+    parse: impl Fn(&Line<'_>, &[&str]) -> Result<T, RecordingError>,
+) -> Result<Vec<Stamped<T>>, RecordingError> {
+    let entry = |line: Line<'_>| {
+        let words = line.words();
+        let time: f64 = line.value("the timestamp", words[0])?;
+        Ok(Stamped { time, place: line.place(), value: parse(&line, &words[1..])? })
+    };
+    Stamped::sorted(text::lines(text).map(entry).collect::<Result<_, RecordingError>>()?)
+}
+
+pub(crate) fn image(line: &Line<'_>, words: &[&str]) -> Result<String, RecordingError> {
     match words {
         [file] => Ok((*file).to_owned()),
         _ => Err(line.error(format!("{} words, expected `timestamp file`", words.len() + 1))),
     }
 }
 
-fn pose(line: &Line<'_>, words: &[&str]) -> Result<Pose, RecordingError> {
+pub(crate) fn pose(line: &Line<'_>, words: &[&str]) -> Result<Pose, RecordingError> {
     const NAMES: [&str; 7] = ["tx", "ty", "tz", "qx", "qy", "qz", "qw"];
     if words.len() != NAMES.len() {
         let n = words.len() + 1;

@@ -34,6 +34,8 @@ mod source;
 
 pub use config::*;
 pub use fault::{Cause, Fault, FaultKind, Faults, Place};
+#[cfg(fuzzing)]
+pub use journal::fuzzing;
 pub use journal::{Damage, Interrupted, Journal, JournalEntry, Kept, KeptFrame, ScanJournal, SkippedView};
 pub use live::{Guidance, LiveFrame, LiveScan};
 pub use map_summary::{MapSummary, convert_map};

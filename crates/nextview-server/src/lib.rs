@@ -10,6 +10,8 @@ mod app;
 mod body;
 mod connections;
 mod frames;
+#[cfg(fuzzing)]
+pub mod fuzzing;
 mod guard;
 mod json;
 mod limits;

@@ -4,6 +4,8 @@ mod cdr;
 mod chunk;
 mod cursor;
 mod file;
+#[cfg(fuzzing)]
+pub(crate) mod fuzzing;
 mod image;
 mod messages;
 mod poses;

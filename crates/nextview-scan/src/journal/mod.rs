@@ -2,6 +2,8 @@
 
 mod entry;
 mod file;
+#[cfg(fuzzing)]
+pub mod fuzzing;
 mod kept;
 mod read;
 mod scan_journal;

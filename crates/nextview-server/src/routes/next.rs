@@ -65,11 +65,12 @@ async fn next(
             let stop_reason = super::scans::record_so_far(work)?.stop_reason;
             return Ok(NextAnswer::without_view(NextState::Finished, stop_reason));
         }
-        let (scan, about) = work.under_way()?;
-        if about.is_paused {
+        if work.under_way()?.1.is_paused {
             return Ok(NextAnswer::without_view(NextState::Paused, None));
         }
-        let Some(next) = scan.next()? else {
+        let next = work.next_view()?;
+        let (scan, about) = work.under_way()?;
+        let Some(next) = next else {
             return Ok(NextAnswer::without_view(NextState::Finished, scan.stop_reason()));
         };
         let view = scan.record_of(&next)?;
@@ -101,7 +102,8 @@ async fn skip(
         let dir = work.dir().to_owned();
         let (scan, about) = work.under_way()?;
         scan.skip(skip.view, &skip.reason)?;
-        if about.accepted_after.take().is_some() {
+        let was_accepted = about.accepted_after.take().is_some();
+        if about.asked_after.take().is_some() || was_accepted {
             about.save(&dir)?;
         }
         listened.events.tell("skipped", &skip);
@@ -121,8 +123,8 @@ async fn accept(
     let listened = scan.clone();
     let done = scan.with(move |work| {
         let dir = work.dir().to_owned();
+        let proposed = work.next_view()?.map(|next| next.view);
         let (scan, about) = work.under_way()?;
-        let proposed = scan.next()?.map(|next| next.view);
         if proposed != Some(accepted.view) {
             let name = |view: Option<usize>| view.map_or("none".to_owned(), |view| view.to_string());
             let expected = proposed.map_or("no view: the scan is over".to_owned(), |view| {

@@ -48,9 +48,8 @@ async fn get_scene(
         if work.is_finished() {
             return Ok(Shown::Finished(kept_page::scene(work.dir())?));
         }
-        let is_paused = work.about.is_paused;
+        let next = if work.about.is_paused { None } else { work.next_view()? };
         let (scan, _) = work.under_way()?;
-        let next = if is_paused { None } else { scan.next()? };
         Ok(Shown::UnderWay(Box::new(SceneSource::of_scan(scan.scan(), scan.config(), next))))
     };
     let scene = scan.scene(shown, after).await?;

@@ -16,6 +16,9 @@ pub(crate) struct About {
     pub is_paused: bool,
     /// Number of frames after which the next view was accepted; none where none is.
     pub accepted_after: Option<usize>,
+    /// Number of frames after which a view was asked for: the next frame is that view's, also after a kill.
+    #[serde(default)]
+    pub asked_after: Option<usize>,
     /// The configuration as it was given, as TOML.
     pub config: String,
 }

@@ -193,6 +193,7 @@ impl Scans {
             confirm_views,
             is_paused: false,
             accepted_after: None,
+            asked_after: None,
             config: text,
         };
         let summary_config = config.clone();

@@ -179,6 +179,7 @@ mod tests {
             confirm_views: false,
             is_paused: true,
             accepted_after: None,
+            asked_after: None,
             config: String::new(),
         };
         let one = || Arc::new(Semaphore::new(1));

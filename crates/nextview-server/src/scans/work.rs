@@ -4,6 +4,7 @@ use super::summary::ScanState;
 use crate::refusal::Refusal;
 use axum::http::StatusCode;
 use nextview::Cancel;
+use nextview::session::NextView;
 use nextview_report::page_of_scan;
 use nextview_scan::files::Overwrite;
 use nextview_scan::{Fault, Faults, LiveScan, Results, ScanJournal, begin_results};
@@ -85,6 +86,19 @@ impl Work {
         Ok((self.scan.as_mut().expect("it was resumed"), &mut self.about))
     }
 
+    /// The view to take next; none if the scan is over. That it was asked for is on the disk when this returns:
+    /// the frame that comes then is that view's, whatever happens to the server before.
+    pub fn next_view(&mut self) -> Result<Option<NextView>, Refusal> {
+        let dir = self.dir.clone();
+        let (scan, about) = self.under_way()?;
+        let (next, n_frames) = (scan.next()?, scan.scan().steps.len());
+        if next.is_some() && about.asked_after != Some(n_frames) {
+            let before = about.asked_after.replace(n_frames);
+            about.save(&dir).inspect_err(|_| about.asked_after = before)?;
+        }
+        Ok(next)
+    }
+
     /// Whether listeners have not been told of this view yet. Now they are.
     pub fn is_news(&mut self, view: Option<usize>) -> bool {
         let n_frames = self.scan.as_ref().map_or(0, |scan| scan.scan().steps.len());
@@ -128,11 +142,15 @@ impl Work {
     }
 
     fn resumed(&self) -> Result<LiveScan, Refusal> {
-        if ScanJournal::is_in(&self.dir) {
-            return Ok(LiveScan::resume(&self.dir, self.cancel.clone())?);
+        let mut scan = match ScanJournal::is_in(&self.dir) {
+            true => LiveScan::resume(&self.dir, self.cancel.clone())?,
+            // A scan that has no frames yet leaves no journal.
+            false => LiveScan::begin(self.about.config()?, Some(&self.dir), self.cancel.clone())?,
+        };
+        if self.about.asked_after == Some(scan.scan().steps.len()) {
+            scan.next()?;
         }
-        // A scan that has no frames yet leaves no journal.
-        Ok(LiveScan::begin(self.about.config()?, Some(&self.dir), self.cancel.clone())?)
+        Ok(scan)
     }
 }
 

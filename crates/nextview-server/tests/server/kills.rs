@@ -109,6 +109,29 @@ fn whenever_it_is_killed_no_acknowledged_frame_is_lost() {
     }
 }
 
+/// A robot may be on its way while the server is killed, and needs not ask again.
+#[test]
+fn a_frame_is_of_the_view_that_was_asked_for_before_a_kill() {
+    let robot = Robot::new(3, 80);
+    let steps = undisturbed(&robot);
+    let folder = Folder::new("killed-on-the-way");
+    let dir = folder.path("scans");
+    let mut server = Server::start(&dir);
+    server
+        .client()
+        .send("POST", "/scans", "application/json", robot.body("mug").to_string().as_bytes())
+        .unwrap();
+    for step in &steps {
+        let next = server.client().get("/scans/mug/next").expect(200);
+        server.kill();
+        server = Server::start(&dir);
+        let path = step.path.replace("SCAN", "mug");
+        let answer = server.client().send("POST", &path, "application/octet-stream", &step.body);
+        assert_eq!((&next["view"]["view"], &answer.unwrap().expect(200)["view"]), (&step.view, &step.view));
+    }
+    assert_eq!(server.client().get("/scans/mug/next").expect(200)["stop_reason"], "view-limit");
+}
+
 /// One client of one scan after the other, until the server is gone: number of frames that were there
 /// already, and of scans that were completed.
 fn drive(

@@ -148,3 +148,40 @@ fn draw_chunk(x: &Chunk, y: &Chunk, nearest: &mut Chunk, lanes: Range<i64>, [a, 
         nearest[i] = if is_inside & (inverse_depth > nearest[i]) { inverse_depth } else { nearest[i] };
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::mesh::TriangleMesh;
+    use glam::{DQuat, DVec3};
+    use nextview::geometry::random::Random;
+    use nextview::sensor::{Distortion, Intrinsics};
+
+    /// The instructions of every CPU, those of this one, and those of most.
+    #[test]
+    fn images_have_the_same_bits_with_all_instructions() {
+        let mut archs = vec![Arch::Scalar, Arch::new()];
+        #[cfg(target_arch = "x86_64")]
+        archs.extend(pulp::x86::V3::try_new().map(Arch::V3));
+        let mut random = Random::new(3, 0);
+        for _ in 0..20 {
+            let vertices: Vec<DVec3> = (0..60).map(|_| random.in_cube()).collect();
+            let triangles = (0..20).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect();
+            let list = DrawList::new(&TriangleMesh::new(vertices, triangles).unwrap());
+            let pinhole = Intrinsics::pinhole(45, 31, DVec2::splat(30.0), DVec2::new(22.0, 15.0)).unwrap();
+            let lens = Distortion::BrownConrady([0.1, -0.05, 0.002, -0.001, 0.01]);
+            let samples = Samples::new(&pinhole.with_distortion(lens).unwrap()).unwrap();
+            // Triangles before the camera, behind it, and around it.
+            let position = random.in_cube() * 2.0;
+            let pose =
+                Pose::new(DQuat::from_rotation_arc(DVec3::Z, -position.normalize()), position).unwrap();
+            let to_camera = ToCamera::new(&pose);
+            let bits = |arch: &Arch| {
+                let image = arch.dispatch(Raster { samples: &samples, list: &list, to_camera });
+                image.into_iter().flatten().map(f64::to_bits).collect::<Vec<u64>>()
+            };
+            let images: Vec<Vec<u64>> = archs.iter().map(bits).collect();
+            assert!(images.iter().all(|image| *image == images[0]));
+        }
+    }
+}

@@ -6,6 +6,8 @@
 
 mod appearance;
 mod file;
+#[cfg(fuzzing)]
+pub mod fuzzing;
 mod gltf;
 mod image;
 mod limit;

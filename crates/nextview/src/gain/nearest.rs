@@ -1,6 +1,5 @@
-use crate::geometry::VoxelBlock;
+use crate::geometry::{VoxelBlock, instructions};
 use crate::{Cancel, Cancelled};
-use pulp::Arch;
 use rayon::prelude::*;
 
 /// Squared distances from here on are not distinguished.
@@ -36,7 +35,7 @@ pub(super) fn sums_of_nearest<const K: usize>(
         let slab = slab(x);
         // A closure that consumes its captures: any other is called through a function without vector
         // instructions.
-        Arch::new().dispatch(
+        instructions().dispatch(
             #[inline(always)]
             || slab.sums(&is_needed, cancel),
         )

@@ -1,7 +1,7 @@
 use super::lanes::{FIRST_INDEX, LANES, Lanes, any, cell, load, round, store};
-use super::{VoxelBlock, VoxelKey};
+use super::{VoxelBlock, VoxelKey, instructions};
 use glam::DVec3;
-use pulp::{Arch, Simd, WithSimd};
+use pulp::{Simd, WithSimd};
 use std::sync::atomic::{AtomicU8, Ordering};
 
 /// Segments from one point through a box of voxels, several walked at a time in the lanes of vector
@@ -27,7 +27,7 @@ impl SegmentFan {
     /// voxels. There must be one cell more than voxels in the block; its value means nothing.
     pub fn mark_crossed(&self, ends: &[DVec3], cells: &[AtomicU8]) {
         assert_eq!(cells.len(), self.cells.n_voxels() + 1);
-        Arch::new().dispatch(Crossing { fan: self, ends, cells });
+        instructions().dispatch(Crossing { fan: self, ends, cells });
     }
 }
 

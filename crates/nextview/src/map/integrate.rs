@@ -6,11 +6,11 @@ use super::key_box::KeyBox;
 use super::marks::{HIT, MISS, Marks};
 use super::scan::{Scan, ScanRules};
 use super::{LogOdds, OccupancyMap, SensorModel};
-use crate::geometry::check_position;
+use crate::geometry::{check_position, instructions};
 use crate::sensor::Frame;
 use crate::{Cancel, Cancelled, Error};
 use glam::DVec3;
-use pulp::{Arch, Simd, WithSimd};
+use pulp::{Simd, WithSimd};
 use rayon::prelude::*;
 
 impl OccupancyMap {
@@ -111,7 +111,7 @@ impl Writer<'_> {
     }
 
     fn write_tile(&mut self, scan: &Scan, keys: KeyBox) {
-        Arch::new().dispatch(WriteTile { writer: self, scan, keys });
+        instructions().dispatch(WriteTile { writer: self, scan, keys });
     }
 }
 

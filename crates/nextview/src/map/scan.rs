@@ -1,9 +1,8 @@
 use super::integration::{Background, Integration, RayRule};
 use super::key_box::KeyBox;
-use crate::geometry::{Lattice, VoxelKey};
+use crate::geometry::{Lattice, VoxelKey, instructions};
 use crate::sensor::Frame;
 use glam::DVec3;
-use pulp::Arch;
 use rayon::prelude::*;
 use rustc_hash::FxHashSet;
 
@@ -48,7 +47,7 @@ impl ScanRules {
     /// The scan whose rays have these ends, in world coordinates, each with whether it is a surface.
     pub fn scan(&self, ends: impl Iterator<Item = (DVec3, bool)>) -> Scan {
         let mut scan = Scan::default();
-        Arch::new().dispatch(
+        instructions().dispatch(
             #[inline(always)]
             || {
                 for (end, hit) in ends {

@@ -1,6 +1,7 @@
 use super::VoxelFeatures;
+use crate::geometry::instructions;
 use crate::{Cancel, Cancelled};
-use pulp::{Arch, Simd, WithSimd};
+use pulp::{Simd, WithSimd};
 use rayon::prelude::*;
 
 /// A small network from the features of a voxel to logits: two hidden layers of rectified linear units.
@@ -72,7 +73,7 @@ impl Network {
         let parts = out.par_chunks_mut(CHUNK * self.n_outputs).zip(rows.par_chunks(CHUNK));
         parts.try_for_each(|(out, rows)| {
             cancel.check()?;
-            Arch::new().dispatch(Forward { network: self, rows, out });
+            instructions().dispatch(Forward { network: self, rows, out });
             Ok(())
         })?;
         Ok(out)
@@ -153,8 +154,8 @@ fn rectified(value: f32) -> f32 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::geometry::all_instructions::archs;
     use crate::geometry::random::Random;
-    use crate::visibility::archs;
     use proptest::prelude::*;
 
     const N: usize = VoxelFeatures::N;

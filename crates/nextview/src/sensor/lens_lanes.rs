@@ -1,7 +1,8 @@
 use super::distortion::{self, polynomial};
 use super::{Distortion, Intrinsics};
+use crate::geometry::instructions;
 use glam::{DVec2, DVec3};
-use pulp::{Arch, Simd, WithSimd};
+use pulp::{Simd, WithSimd};
 
 /// Points of an image or of the plane z = 1, in the form that vector instructions work on: the same
 /// operations as on one point after the other, so the same bits. Loops over the points contain only
@@ -17,7 +18,7 @@ pub(crate) struct Points<const N: usize> {
 impl Intrinsics {
     /// [`deproject`](Self::deproject) of all pixels of an image row, from left to right.
     pub(crate) fn deproject_row(&self, v: u32) -> Vec<Option<DVec2>> {
-        Arch::new().dispatch(DeprojectRow { intrinsics: self, v })
+        instructions().dispatch(DeprojectRow { intrinsics: self, v })
     }
 
     /// [`deproject`](Self::deproject) of several pixels. To be inlined where vector instructions are allowed.
@@ -44,7 +45,7 @@ impl Intrinsics {
         let observed = match self.distortion() {
             Distortion::None => ideal,
             Distortion::BrownConrady(k) => unfolded(&k, ideal),
-            Distortion::InverseBrownConrady(k) => Arch::new().dispatch(Invert { k: &k, targets: ideal }),
+            Distortion::InverseBrownConrady(k) => instructions().dispatch(Invert { k: &k, targets: ideal }),
         };
         std::array::from_fn(|i| {
             let point = observed.is_known[i].then(|| DVec2::new(observed.x[i], observed.y[i]))?;

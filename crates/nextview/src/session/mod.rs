@@ -6,6 +6,8 @@ mod connected_cells;
 mod decision;
 mod earlier;
 mod goal;
+#[cfg(test)]
+mod instructions;
 mod itinerary_progress;
 mod known_scene;
 mod known_situation;

@@ -22,6 +22,3 @@ pub use ray_grid::{NO_VOXEL_MISSED, RayGrid};
 pub use sight::{FreeSpace, Sight};
 pub(crate) use value_caster::ValueCaster;
 pub use view_rays::ViewRays;
-
-#[cfg(test)]
-pub(crate) use packet::tests::archs;

@@ -171,21 +171,14 @@ impl<S: Simd> Clip<S> {
 #[cfg(test)]
 pub(super) mod tests {
     use super::*;
+    use crate::geometry::all_instructions::archs;
     use crate::geometry::lanes::cell;
     use crate::geometry::{Aabb, Lattice, VoxelBlock};
     use crate::map::Snapshot;
     use crate::visibility::FreeSpace;
     use glam::{IVec3, UVec3};
     use proptest::prelude::*;
-    use pulp::{Arch, WithSimd};
-
-    /// The instructions that this CPU has, and those that every CPU has.
-    pub fn archs() -> Vec<Arch> {
-        let mut archs = vec![Arch::Scalar, Arch::new()];
-        #[cfg(target_arch = "x86_64")]
-        archs.extend(pulp::x86::V3::try_new().map(Arch::V3));
-        archs
-    }
+    use pulp::WithSimd;
 
     /// Fills a packet.
     pub struct Enter<'a> {

@@ -4,7 +4,7 @@ use super::ray_grid::Cells;
 use super::{Crossing, MeasuredParts, Ray, RayEnd, RayGrid, Sight};
 use crate::Error;
 use crate::geometry::lanes::{LANES, cell};
-use crate::geometry::{Aabb, Pose};
+use crate::geometry::{Aabb, Pose, instructions};
 use crate::map::Snapshot;
 use crate::sensor::{DepthRange, Intrinsics};
 use glam::{DMat3, DVec3};
@@ -100,7 +100,7 @@ impl<'a> RayCaster<'a> {
             passes,
             fade_limit,
             depths: DepthRange::default(),
-            arch: Arch::new(),
+            arch: instructions(),
         })
     }
 

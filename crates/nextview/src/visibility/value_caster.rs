@@ -109,11 +109,11 @@ impl WithSimd for Follow<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::geometry::all_instructions::archs;
     use crate::geometry::{Lattice, VoxelBlock};
     use crate::map::LogOdds;
     use crate::sensor::{Distortion, Intrinsics};
     use crate::view::look_at;
-    use crate::visibility::packet::tests::archs;
     use crate::visibility::{FreeSpace, MeasuredParts, Sight};
     use glam::{DVec2, DVec3, IVec3, UVec3};
     use proptest::prelude::*;

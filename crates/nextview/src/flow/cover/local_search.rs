@@ -1,6 +1,6 @@
 use super::lists::Lists;
+use crate::geometry::instructions;
 use crate::{Cancel, Cancelled};
-use pulp::Arch;
 
 /// Work after which the search ends: some 1 ms. Real problems of 200 items and 500 sets needed up to 1.5
 /// million to reach the proved optimum.
@@ -29,7 +29,7 @@ pub(super) fn improve(
     cover.iter().for_each(|&set| search.add(set));
     // A third of the time is spent on the minimum of some hundred numbers, which takes one vector instruction
     // for every eight.
-    Arch::new().dispatch(
+    instructions().dispatch(
         #[inline(always)]
         || search.run(cover, fewest, max_work, cancel),
     )

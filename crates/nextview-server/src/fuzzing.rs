@@ -1,0 +1,96 @@
+//! A server without sockets, for `fuzz/` alone.
+
+use crate::Limits;
+use crate::access::{Access, Hosts, Token};
+use crate::app::App;
+use crate::routes;
+use crate::scans::{NewScan, Scans};
+use axum::Router;
+use hyper::server::conn::http1;
+use hyper_util::rt::TokioIo;
+use hyper_util::service::TowerToHyperService;
+use nextview_scan::Fault;
+use std::net::SocketAddr;
+use std::path::Path;
+use std::sync::Arc;
+use std::time::Duration;
+use tokio::io::{AsyncReadExt, AsyncWriteExt};
+use tokio::runtime::Runtime;
+use tokio::sync::{Semaphore, watch};
+
+/// Reads the description of a scan.
+pub fn new_scan(bytes: &[u8]) {
+    let _ = NewScan::from_json(bytes, &Limits::default(), |_| Err(Fault::request("no scan is finished")));
+}
+
+/// A server that takes small scans.
+pub struct Server {
+    runtime: Runtime,
+    app: Arc<App>,
+    router: Router,
+    /// Never told to close.
+    _close: watch::Sender<bool>,
+}
+
+/// Longest answer that is read, bytes: a stream of events has no end.
+const MOST: u64 = 1 << 20;
+
+impl Server {
+    /// One with its scans in this folder.
+    pub fn new(dir: &Path) -> Self {
+        let limits = Limits {
+            body_bytes: 1 << 16,
+            all_bodies_bytes: 1 << 20,
+            image_pixels: 64,
+            scans: 2,
+            frames: 3,
+            candidates: 20,
+            free_disk_mb: 0,
+            ..Limits::default()
+        };
+        let (close, is_closing) = watch::channel(false);
+        let app = Arc::new(App {
+            limits,
+            access: Access {
+                hosts: Hosts::new(SocketAddr::from(([127, 0, 0, 1], 80)), Vec::new()),
+                page: Token::random().expect("the system has random numbers"),
+                clients: None,
+            },
+            scans: Scans::open(dir, limits).expect("the folder can be written").0,
+            bodies: Arc::new(Semaphore::new(limits.all_bodies_bytes / 1024)),
+            streams: Arc::new(Semaphore::new(limits.event_streams)),
+            is_closing,
+        });
+        let runtime =
+            tokio::runtime::Builder::new_current_thread().enable_all().build().expect("there are threads");
+        Self { runtime, router: routes::service(app.clone()), app, _close: close }
+    }
+
+    /// Sends these bytes on a connection, as they are, and reads the answers. No scan is left behind.
+    pub fn send(&self, bytes: &[u8]) {
+        self.runtime.block_on(async {
+            self.exchange(bytes).await;
+            let ids: Vec<String> = self.app.scans.list().into_iter().map(|scan| scan.id).collect();
+            for id in ids {
+                self.exchange(
+                    format!("DELETE /scans/{id} HTTP/1.1\r\nhost: 127.0.0.1:80\r\n\r\n").as_bytes(),
+                )
+                .await;
+            }
+        });
+    }
+
+    async fn exchange(&self, bytes: &[u8]) {
+        let (mut client, server) = tokio::io::duplex(1 << 16);
+        let service = TowerToHyperService::new(self.router.clone());
+        let serve = http1::Builder::new().serve_connection(TokioIo::new(server), service);
+        let ask = async {
+            let _ = client.write_all(bytes).await;
+            let _ = client.shutdown().await;
+            let mut answers = Vec::new();
+            let mut rest = client.take(MOST);
+            let _ = tokio::time::timeout(Duration::from_secs(2), rest.read_to_end(&mut answers)).await;
+        };
+        let _ = tokio::join!(serve, ask);
+    }
+}
