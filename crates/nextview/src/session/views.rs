@@ -60,3 +60,26 @@ impl Views {
         views.restricted(is_clear)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::scan_map::Place;
+    use super::*;
+    use crate::view::{Reach, generate};
+    use glam::DVec3;
+
+    #[test]
+    fn candidates_keep_clear_of_what_was_not_seen_yet() {
+        let unit = generate::shell(DVec3::ZERO, 1.0, 50, 0).unwrap();
+        let views = Views::Following { first: unit.pose(0), unit, reach: Arc::new(Reach::default()) };
+        let range = DepthRange { min: 0.17, max: 3.0 };
+        let center = DVec3::new(0.1, 0.2, 0.3);
+        let nearest = |may_grow| {
+            let location = Location { place: Place::default(), object: Some((center, 0.02)), may_grow };
+            let candidates = views.candidates(&location, range);
+            candidates.poses().iter().map(|pose| pose.translation().distance(center)).fold(f64::MAX, f64::min)
+        };
+        assert!((nearest(1.0) - 0.19).abs() < 1e-12);
+        assert!((nearest(1.75) - 0.205).abs() < 1e-12);
+    }
+}
