@@ -82,6 +82,7 @@ mod error;
 pub mod flow;
 pub mod gain;
 pub mod geometry;
+mod instructions;
 pub mod map;
 pub mod motion;
 pub mod placement;

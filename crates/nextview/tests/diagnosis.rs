@@ -131,23 +131,6 @@ fn a_reading_is_named_only_if_no_other_fits_as_well() {
     assert_eq!(of(2), Some(Suspicion::Misread(Reading::Depths(5.0))));
 }
 
-/// What all frames show together outweighs what fits by chance, such as a table in a camera that hardly moves.
-#[test]
-fn a_reading_is_named_although_frames_fit_in_part_as_they_are() {
-    let around = |i: usize| {
-        let offset = DVec3::new((0.1 * i as f64).cos(), (0.1 * i as f64).sin(), 1.5);
-        let pose = look_at(ball().0 + offset * 0.35, ball().0).unwrap();
-        Frame::new(image(&pose, true), optics(), pose, 10.0).unwrap()
-    };
-    let right: Vec<Frame> = (0..5).map(around).collect();
-    let w_first = with_poses(&right, |pose| {
-        let [x, y, z, w] = pose.rotation().to_array();
-        Pose::new(DQuat::from_xyzw(w, x, y, z), pose.translation()).unwrap()
-    });
-    assert_eq!(suspect(&right, None, DepthRange::default()), None);
-    assert_eq!(suspect(&w_first, None, DepthRange::default()), Some(Suspicion::Misread(Reading::WFirst)));
-}
-
 #[test]
 fn right_frames_are_not_suspected() {
     for has_table in [false, true] {

@@ -7,7 +7,7 @@ use std::path::Path;
 const LAYERS: [&[&str]; 11] = [
     &["cancel"],
     &["error"],
-    &["checked", "degrees"],
+    &["checked", "degrees", "instructions"],
     &["geometry", "flow"],
     &["sensor"],
     &["map", "diagnosis"],

@@ -196,9 +196,6 @@ fn issue_18_poses_of_other_conventions_are_named_and_can_be_read() {
     let wrong = folder.run(&scan(&options));
     assert!(wrong.stderr.ends_with("; try --camera-axes opengl\n"), "{}", wrong.stderr);
     assert_eq!(wrong.stderr.lines().count(), 1, "said once: {}", wrong.stderr);
-    // In a box that grows, this scan ends after its first frame: those that were not chosen are compared, too.
-    let grows = folder.run(&scan(&["--views", "4", "--planner", "in-order", "--json"]));
-    assert!(grows.stderr.ends_with("; try --camera-axes opengl\n"), "{}", grows.stderr);
     let read = folder.run(&scan(&[&options[..], &["--camera-axes", "opengl"]].concat()));
     assert_eq!((read.code, read.stderr.as_str()), (Some(0), ""));
     assert_eq!(hits(&read.stdout), hits(&right.stdout));

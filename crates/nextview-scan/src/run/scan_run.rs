@@ -239,7 +239,7 @@ impl<'a> ScanRun<'a> {
         record.plan_time_ms = milliseconds(plan_time.unwrap_or_default());
         record.map_time_ms = milliseconds(map_time);
         record.capture_time_ms = milliseconds(capture_time);
-        record.warning = self.warning(record.view);
+        record.warning = self.warning();
         if let Some(arm) = &mut self.arm {
             arm.arrive(joints.as_ref(), &claimed);
             record.joint_values = arm.values().map(<[f64]>::to_vec);
@@ -315,17 +315,11 @@ impl<'a> ScanRun<'a> {
         &mut self.scan
     }
 
-    /// The suspected fault of the frames so far, of which the last is of this view; none if it was reported before, or if there are many frames:
+    /// The suspected fault of the frames so far; none if it was reported before, or if there are many frames:
     /// then there is nothing new to find.
-    fn warning(&self, view: Option<usize>) -> Option<String> {
-        let n_before = self.scan.steps.len();
-        if n_before >= MOST_SUSPECTED {
-            return None;
-        }
-        // A scan may end with the first of frames that do not fit.
-        let source = self.scan.source.filter(|_| n_before == 0);
-        let others = source.map(|source| source.others(view, MOST_SUSPECTED - 1));
-        let suspicion = self.scan.session.suspicion(&others.unwrap_or_default())?;
+    fn warning(&self) -> Option<String> {
+        let suspicion =
+            (self.scan.steps.len() < MOST_SUSPECTED).then(|| self.scan.session.suspicion()).flatten()?;
         let warning = warning(&suspicion, self.scan.source.is_some());
         self.scan.steps.iter().all(|step| step.warning.as_ref() != Some(&warning)).then_some(warning)
     }

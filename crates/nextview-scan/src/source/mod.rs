@@ -29,10 +29,6 @@ pub trait FrameSource: Send + Sync {
     /// Takes the frame of a view; `is_first` if it is the first of the scan.
     fn capture(&self, next: &NextView, is_first: bool) -> Result<Frame, Fault>;
 
-    /// At most `n` frames of other views than this one, from all over the views, that are there before they
-    /// are asked for; none of a camera.
-    fn others(&self, view: Option<usize>, n: usize) -> Vec<Frame>;
-
     /// The evaluator of a run, for a configuration; none where there is nothing to add to its records.
     fn evaluator(&self, config: &ScanConfig) -> Option<Box<dyn Evaluator + '_>>;
 

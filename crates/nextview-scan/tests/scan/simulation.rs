@@ -151,10 +151,6 @@ impl FrameSource for WithoutColor<'_> {
         self.0.capture(next, is_first)
     }
 
-    fn others(&self, view: Option<usize>, n: usize) -> Vec<Frame> {
-        self.0.others(view, n)
-    }
-
     fn evaluator(&self, config: &ScanConfig) -> Option<Box<dyn Evaluator + '_>> {
         self.0.evaluator(config)
     }

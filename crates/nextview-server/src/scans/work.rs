@@ -86,8 +86,8 @@ impl Work {
         Ok((self.scan.as_mut().expect("it was resumed"), &mut self.about))
     }
 
-    /// The view to take next; none if the scan is over. That it was asked for is on the disk when this returns:
-    /// the frame that comes then is that view's, whatever happens to the server before.
+    /// The view to take next; none if the scan is over. That it was asked for is on the disk when this
+    /// returns: the frame that comes then is that view's, whatever happens to the server before.
     pub fn next_view(&mut self) -> Result<Option<NextView>, Refusal> {
         let dir = self.dir.clone();
         let (scan, about) = self.under_way()?;

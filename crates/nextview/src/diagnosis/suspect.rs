@@ -8,15 +8,11 @@ use std::fmt;
 /// Most frames that are compared, the oldest.
 const FRAMES: usize = 8;
 
-/// A reading is suspected if the frames fit at least so well under it, the odds of fitting are so many times
-/// those of the frames as they are, and no other reading fits as well, to this difference: of one frame in a
-/// box, several often do.
+/// A reading is suspected if the frames fit at least so well under it, so many times better than as they are,
+/// and no other reading fits as well, to this difference: of one frame in a box, several often do.
 const LEAST_FIT: f64 = 0.08;
-const TIMES_THE_ODDS: f64 = 3.0;
+const TIMES_BETTER: f64 = 3.0;
 const LEAST_LEAD: f64 = 0.005;
-
-/// Frames that fit so well as they are, as a share of the best possible fit, are not suspected.
-const FITS: f64 = 0.9;
 
 /// A frame with a smaller share of measured pixels measures nothing.
 const LEAST_MEASURED: f64 = 0.01;
@@ -89,17 +85,15 @@ pub fn suspect<'a>(
 /// The one reading under which the frames fit, where they do not as they are.
 fn misread(frames: &[Samples], bounds: Option<Aabb>) -> Option<Reading> {
     let best_possible = if bounds.is_some() { 2.0 } else { 1.0 };
-    let as_given = fit(frames, None, bounds);
-    if as_given >= FITS * best_possible {
+    let least = LEAST_FIT.max(TIMES_BETTER * fit(frames, None, bounds));
+    if least > best_possible {
         return None;
     }
-    let odds = |fit: f64| fit / (best_possible - fit);
     let of = |reading: &Reading| (fit(frames, Some(*reading), bounds), *reading);
     let mut fits: Vec<(f64, Reading)> = Reading::ALL.iter().map(of).collect();
     fits.sort_by(|a, b| b.0.total_cmp(&a.0));
     let ((best, reading), next) = (fits[0], fits[1].0);
-    let is_better = best >= LEAST_FIT && odds(best) >= TIMES_THE_ODDS * odds(as_given);
-    (is_better && best >= next + LEAST_LEAD).then_some(reading)
+    (best >= least && best >= next + LEAST_LEAD).then_some(reading)
 }
 
 fn nothing_measured(samples: &Samples) -> Option<Suspicion> {

@@ -1,4 +1,5 @@
-use crate::geometry::{VoxelBlock, instructions};
+use crate::geometry::VoxelBlock;
+use crate::instructions::instructions;
 use crate::{Cancel, Cancelled};
 use rayon::prelude::*;
 

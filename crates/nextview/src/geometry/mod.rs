@@ -6,7 +6,6 @@
 mod aabb;
 mod box_count;
 mod eigen;
-mod instructions;
 pub(crate) mod lanes;
 mod lattice;
 mod moments;
@@ -23,9 +22,6 @@ mod traversal;
 pub use aabb::Aabb;
 pub(crate) use box_count::BoxCount;
 pub(crate) use eigen::Eigen;
-pub(crate) use instructions::instructions;
-#[cfg(test)]
-pub(crate) use instructions::tests as all_instructions;
 pub(crate) use lattice::local_origin;
 pub use lattice::{Lattice, VoxelBlock, VoxelKey};
 pub(crate) use moments::Moments;

@@ -1,5 +1,6 @@
 use super::lanes::{FIRST_INDEX, LANES, Lanes, any, cell, load, round, store};
-use super::{VoxelBlock, VoxelKey, instructions};
+use super::{VoxelBlock, VoxelKey};
+use crate::instructions::instructions;
 use glam::DVec3;
 use pulp::{Simd, WithSimd};
 use std::sync::atomic::{AtomicU8, Ordering};

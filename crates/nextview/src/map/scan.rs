@@ -1,6 +1,7 @@
 use super::integration::{Background, Integration, RayRule};
 use super::key_box::KeyBox;
-use crate::geometry::{Lattice, VoxelKey, instructions};
+use crate::geometry::{Lattice, VoxelKey};
+use crate::instructions::instructions;
 use crate::sensor::Frame;
 use glam::DVec3;
 use rayon::prelude::*;

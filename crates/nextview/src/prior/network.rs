@@ -1,5 +1,5 @@
 use super::VoxelFeatures;
-use crate::geometry::instructions;
+use crate::instructions::instructions;
 use crate::{Cancel, Cancelled};
 use pulp::{Simd, WithSimd};
 use rayon::prelude::*;
@@ -154,8 +154,8 @@ fn rectified(value: f32) -> f32 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::geometry::all_instructions::archs;
     use crate::geometry::random::Random;
+    use crate::instructions::tests::archs;
     use proptest::prelude::*;
 
     const N: usize = VoxelFeatures::N;

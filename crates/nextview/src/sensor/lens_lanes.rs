@@ -1,6 +1,6 @@
 use super::distortion::{self, polynomial};
 use super::{Distortion, Intrinsics};
-use crate::geometry::instructions;
+use crate::instructions::instructions;
 use glam::{DVec2, DVec3};
 use pulp::{Simd, WithSimd};
 

@@ -4,9 +4,9 @@ use super::{Decision, Session, SessionConfig};
 use crate::Cancel;
 use crate::flow::{Incidence, fewest_sets};
 use crate::gain::RearSideEntropy;
-use crate::geometry::all_instructions::with_each;
 use crate::geometry::random::Random;
 use crate::geometry::{Aabb, Pose};
+use crate::instructions::tests::with_each;
 use crate::planner::{
     Batch, BatchConfig, FrontierTour, Greedy, GreedyConfig, MaxFlow, MaxFlowConfig, MostSurface,
     MostSurfaceConfig, PbNbv, See, ViewPlanner,

@@ -100,6 +100,6 @@ impl Locator {
     }
 }
 
-/// Share of its size by which an object that a single frame shows may turn out to be larger, from where it lies
-/// by then: half of it was not seen, so both its middle and its size are uncertain.
+/// Share of its size by which an object that a single frame shows may turn out to be larger: half of it was
+/// not seen, so both its middle and its size are uncertain.
 const MAY_GROW: f64 = 0.75;

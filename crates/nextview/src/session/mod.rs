@@ -296,16 +296,14 @@ impl Session {
     }
 
     /// Why the frames probably show nothing of the object, or do not fit together; none if they do, or if
-    /// there is no likely reason. `others` are frames that are not part of the scan but known, such as those
-    /// of a recording that have not been chosen. See [`suspect`].
-    pub fn suspicion(&self, others: &[Frame]) -> Option<Suspicion> {
+    /// there is no likely reason. See [`suspect`].
+    pub fn suspicion(&self) -> Option<Suspicion> {
         let known = match self.config.object_box {
             ObjectBox::Known(bounds) => Some(bounds),
             ObjectBox::Growing => None,
         };
-        let frames = others.iter().chain(self.frames.of_now());
         let boundless = self.scene.is_box_too_large.then_some(Suspicion::Boundless);
-        suspect(frames, known, self.config.depth_range).or(boundless)
+        suspect(self.frames.of_now(), known, self.config.depth_range).or(boundless)
     }
 
     /// The depths that the camera measures, metres.

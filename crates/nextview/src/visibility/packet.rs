@@ -171,9 +171,9 @@ impl<S: Simd> Clip<S> {
 #[cfg(test)]
 pub(super) mod tests {
     use super::*;
-    use crate::geometry::all_instructions::archs;
     use crate::geometry::lanes::cell;
     use crate::geometry::{Aabb, Lattice, VoxelBlock};
+    use crate::instructions::tests::archs;
     use crate::map::Snapshot;
     use crate::visibility::FreeSpace;
     use glam::{IVec3, UVec3};

@@ -109,8 +109,8 @@ impl WithSimd for Follow<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::geometry::all_instructions::archs;
     use crate::geometry::{Lattice, VoxelBlock};
+    use crate::instructions::tests::archs;
     use crate::map::LogOdds;
     use crate::sensor::{Distortion, Intrinsics};
     use crate::view::look_at;

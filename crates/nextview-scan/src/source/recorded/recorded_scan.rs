@@ -140,14 +140,6 @@ impl FrameSource for RecordedScan {
         Ok(frame.load()?)
     }
 
-    fn others(&self, view: Option<usize>, n: usize) -> Vec<Frame> {
-        let frames = self.recording.frames.iter().enumerate();
-        let others = frames.filter(|(i, _)| Some(*i) != view).map(|(_, frame)| frame);
-        let spread = others.step_by(self.recording.frames.len().div_ceil(n.max(1)).max(1));
-        // Faults of a frame are reported when it is chosen.
-        spread.filter_map(|frame| frame.load().ok()).collect()
-    }
-
     fn evaluator(&self, _: &ScanConfig) -> Option<Box<dyn Evaluator + '_>> {
         Some(Box::new(RecordedEvaluator {
             scan: self,

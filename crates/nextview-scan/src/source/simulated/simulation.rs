@@ -81,10 +81,6 @@ impl FrameSource for Simulation<'_> {
         Ok(frame)
     }
 
-    fn others(&self, _: Option<usize>, _: usize) -> Vec<Frame> {
-        Vec::new()
-    }
-
     fn evaluator(&self, config: &ScanConfig) -> Option<Box<dyn Evaluator + '_>> {
         Some(Box::new(SimulatedEvaluator::new(self, config.noise.is_pose_wrong())))
     }

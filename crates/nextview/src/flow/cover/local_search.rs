@@ -1,5 +1,5 @@
 use super::lists::Lists;
-use crate::geometry::instructions;
+use crate::instructions::instructions;
 use crate::{Cancel, Cancelled};
 
 /// Work after which the search ends: some 1 ms. Real problems of 200 items and 500 sets needed up to 1.5
