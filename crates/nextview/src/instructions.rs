@@ -31,8 +31,8 @@ pub(crate) mod tests {
         FORCED.load(SeqCst).checked_sub(1).map(|number| archs()[number])
     }
 
-    /// What comes of the same computation with each of [`archs`]. Tests beside it are computed with them, too;
-    /// that changes nothing but their speed.
+    /// What comes of the same computation with each of [`archs`]. Tests beside it are computed with them,
+    /// too; that changes nothing but their speed.
     pub fn with_each<T>(compute: impl Fn() -> T) -> Vec<T> {
         static TURN: Mutex<()> = Mutex::new(());
         let _turn = TURN.lock().unwrap_or_else(PoisonError::into_inner);
