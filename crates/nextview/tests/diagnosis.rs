@@ -141,7 +141,7 @@ fn right_frames_are_not_suspected() {
             }
         }
     }
-    assert_eq!(suspect([], Some(bounds()), DepthRange::default()), None);
+    assert_eq!(suspect(&[], Some(bounds()), DepthRange::default()), None);
 }
 
 #[test]

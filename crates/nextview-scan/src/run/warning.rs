@@ -20,8 +20,7 @@ pub(super) fn warning(suspicion: &Suspicion, is_recorded: bool) -> String {
         Suspicion::Misread(Reading::Depths(_)) => "state the unit of the depth images",
         Suspicion::SamePose => "the poses must be those of the frames, in one world",
         Suspicion::TooNear { .. } | Suspicion::TooFar { .. } => "choose views within the camera's range",
-        Suspicion::Boundless if is_recorded => "try `object_box.table` = fit, or state `recording.box_m`",
-        Suspicion::Boundless => "state the box or the table",
+        Suspicion::Boundless => "`object_box.table` = fit finds a table or floor; or state the object's box",
         Suspicion::Elsewhere { .. } if is_recorded => {
             "`recording.box_m` is in the coordinates of the poses, in metres"
         }

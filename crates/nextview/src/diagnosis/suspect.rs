@@ -62,17 +62,12 @@ pub enum Suspicion {
 /// The frames' points are computed again as they would be with other axes, inverted poses, other units and so
 /// on. A reading is named if the points of different frames then meet, or lie in the box, as under no other,
 /// and as they are they do not.
-pub fn suspect<'a>(
-    frames: impl IntoIterator<Item = &'a Frame>,
-    bounds: Option<Aabb>,
-    range: DepthRange,
-) -> Option<Suspicion> {
-    let frames: Vec<&Frame> = frames.into_iter().collect();
-    let last = *frames.last()?;
-    if has_same_pose(&frames) {
+pub fn suspect(frames: &[Frame], bounds: Option<Aabb>, range: DepthRange) -> Option<Suspicion> {
+    let last = frames.last()?;
+    if has_same_pose(frames) {
         return Some(Suspicion::SamePose);
     }
-    let samples: Vec<Samples> = frames.into_iter().take(FRAMES).map(Samples::new).collect();
+    let samples: Vec<Samples> = frames.iter().take(FRAMES).map(Samples::new).collect();
     match misread(&samples, bounds) {
         Some(reading) => Some(Suspicion::Misread(reading)),
         None => match bounds {
@@ -121,7 +116,7 @@ fn nothing_shown(frame: &Frame, bounds: &Aabb, range: DepthRange) -> Option<Susp
 }
 
 /// Whether three frames or more claim one pose, and at least two of them show different things.
-fn has_same_pose(frames: &[&Frame]) -> bool {
+fn has_same_pose(frames: &[Frame]) -> bool {
     let [first, rest @ ..] = frames else { return false };
     let is_near = |pose: Pose| {
         let first = first.world_from_camera();
