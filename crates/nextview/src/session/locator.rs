@@ -102,4 +102,4 @@ impl Locator {
 
 /// Share of its size by which an object that a single frame shows may turn out to be larger: half of it was
 /// not seen, so both its middle and its size are uncertain.
-const MAY_GROW: f64 = 0.75;
+const MAY_GROW: f64 = 0.5;

@@ -19,7 +19,7 @@ pub enum Views {
         /// `generate::shell(DVec3::ZERO, 1.0, 1000, 0)`. They stand [around](ViewSpace::around) the middle of
         /// the known part of the object, at distances proportional to half its longest side, or where the
         /// camera [measures](ViewSpace::within_range) if that is farther or nearer. There, an object that few
-        /// frames have shown is taken to be larger than was seen, by 75 % after one frame, half of that after
+        /// frames have shown is taken to be larger than was seen, by 50 % after one frame, half of that after
         /// two and so on, so that what was not seen is not nearer than the camera measures. So a candidate's
         /// number always means the same direction and relative distance, and stays taken once it was,
         /// although the candidate may have moved a little since.
