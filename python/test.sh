@@ -12,7 +12,9 @@ venv=$(cd "$venv" && pwd)
 "$venv/bin/pip" install --quiet pytest hypothesis mypy gymnasium
 [ "${1:-}" != --full ] || "$venv/bin/pip" install --quiet -r tests/requirements-full.txt
 start=$SECONDS
-"$venv/bin/pip" install --quiet --force-reinstall --no-deps .
+# Built as the tests of the workspace are, in their folder: what they have in common is compiled once.
+MATURIN_PEP517_ARGS="--profile dev" CARGO_TARGET_DIR=$PWD/../target \
+    "$venv/bin/pip" install --quiet --force-reinstall --no-deps .
 "$venv/bin/pip" install --quiet numpy
 echo "installed in $((SECONDS - start)) s"
 

@@ -3,7 +3,7 @@
 #![allow(clippy::unwrap_used, reason = "helpers of tests")]
 
 use glam::{DMat3, DQuat, DVec2, DVec3};
-use nextview::diagnosis::{Reading, Suspicion, suspect};
+use nextview::diagnosis::{Reading, Suspicion, suspect, suspect_poses};
 use nextview::geometry::{Aabb, Pose};
 use nextview::sensor::{CameraAxes, Depth, DepthImage, DepthRange, Frame, Intrinsics};
 use nextview::view::look_at;
@@ -172,4 +172,24 @@ fn a_box_elsewhere_and_poses_that_do_not_move_are_named() {
         None,
         "one view, four times"
     );
+}
+
+/// A scan whose first frame sees the object, while no other pose does, ends there: no frames to compare.
+#[test]
+fn poses_that_look_elsewhere_are_named_after_one_frame() {
+    let suspicion = |frames: &[Frame]| {
+        let poses: Vec<Pose> = frames.iter().map(Frame::world_from_camera).collect();
+        suspect_poses(&frames[0], &poses)
+    };
+    let right = frames(true);
+    assert_eq!(suspicion(&right), None);
+    for (wrong, reading) in wrong_inputs(&right) {
+        let found = suspicion(&wrong);
+        let must = matches!(reading, Reading::Axes(CameraAxes::OpenGl) | Reading::Inverted);
+        let is_named = found == Some(Suspicion::Misread(reading));
+        assert!(is_named || found.is_none() && !must, "{reading}: {found:?}");
+    }
+    let still = |n| with_poses(&right[..n], |_| right[0].world_from_camera());
+    assert_eq!(suspicion(&still(4)), Some(Suspicion::SamePose));
+    assert_eq!(suspicion(&still(3)), None, "too few to tell");
 }

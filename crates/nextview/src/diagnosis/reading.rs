@@ -39,6 +39,11 @@ impl Reading {
         Self::Depths(1000.0),
     ];
 
+    /// Whether it is about how poses are written, not about units.
+    pub(super) fn is_convention(self) -> bool {
+        matches!(self, Self::Axes(_) | Self::Inverted | Self::WFirst)
+    }
+
     /// The pose that was meant.
     pub(super) fn pose(self, pose: &Pose) -> Pose {
         match self {

@@ -17,6 +17,15 @@ const LEAST_LEAD: f64 = 0.005;
 /// A frame with a smaller share of measured pixels measures nothing.
 const LEAST_MEASURED: f64 = 0.01;
 
+/// Of fewer poses, it is no wonder if few show the object. Of those that are wrong, at most this share shows
+/// it, and of those that are right at least that.
+const LEAST_POSES: usize = 4;
+const MOST_SHOWN_IF_WRONG: f64 = 0.5;
+const LEAST_SHOWN_IF_RIGHT: f64 = 0.9;
+
+/// By this share of the distance of what they show, poses around it are apart, at least.
+const LEAST_MOVED: f64 = 0.5;
+
 /// Why frames probably show nothing, or do not fit together.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
@@ -77,6 +86,50 @@ pub fn suspect(frames: &[Frame], bounds: Option<Aabb>, range: DepthRange) -> Opt
     }
 }
 
+/// The likely reason why few of the poses at which frames can be taken, such as those of a recording, show what
+/// is in the middle of a frame; none if most of them do, or if there is no likely reason. It suits objects that
+/// are in view from most poses.
+///
+/// All poses are the same, or, with other axes, inverted, or with the quaternion's w first, almost all of them
+/// show that place, from different ones, as in no other of these ways.
+pub fn suspect_poses(frame: &Frame, poses: &[Pose]) -> Option<Suspicion> {
+    if poses.len() < LEAST_POSES {
+        return None;
+    }
+    if poses.iter().all(|pose| is_near(pose, &poses[0])) {
+        return Some(Suspicion::SamePose);
+    }
+    let from_axis = |point: &DVec3| point.truncate().length_squared() / (point.z * point.z);
+    let points = Samples::new(frame).points;
+    let in_camera = points.into_iter().min_by(|a, b| from_axis(a).total_cmp(&from_axis(b)))?;
+    let share = |reading: Option<Reading>| {
+        let read = |pose: &Pose| reading.map_or(*pose, |reading| reading.pose(pose));
+        let frame_pose = read(&frame.world_from_camera());
+        let place = frame_pose.transform_point(in_camera);
+        let shows = |pose: &Pose| {
+            let pixel = frame.intrinsics().project(read(pose).inverse().transform_point(place));
+            pixel.is_some_and(|pixel| frame.intrinsics().contains(pixel))
+        };
+        let moved = |pose: &Pose| read(pose).translation().distance(frame_pose.translation());
+        // Of cameras that stand at one place, the poses inverted are as likely.
+        let farthest = poses.iter().map(moved).fold(0.0, f64::max);
+        let is_still = reading.is_some() && farthest < LEAST_MOVED * in_camera.length();
+        if is_still {
+            0.0
+        } else {
+            poses.iter().filter(|pose| shows(pose)).count() as f64 / poses.len() as f64
+        }
+    };
+    if share(None) > MOST_SHOWN_IF_WRONG {
+        return None;
+    }
+    let is_likely =
+        |reading: &&Reading| reading.is_convention() && share(Some(**reading)) >= LEAST_SHOWN_IF_RIGHT;
+    let mut likely = Reading::ALL.iter().filter(is_likely);
+    let reading = likely.next()?;
+    likely.next().is_none().then_some(Suspicion::Misread(*reading))
+}
+
 /// The one reading under which the frames fit, where they do not as they are.
 fn misread(frames: &[Samples], bounds: Option<Aabb>) -> Option<Reading> {
     let best_possible = if bounds.is_some() { 2.0 } else { 1.0 };
@@ -118,14 +171,13 @@ fn nothing_shown(frame: &Frame, bounds: &Aabb, range: DepthRange) -> Option<Susp
 /// Whether three frames or more claim one pose, and at least two of them show different things.
 fn has_same_pose(frames: &[Frame]) -> bool {
     let [first, rest @ ..] = frames else { return false };
-    let is_near = |pose: Pose| {
-        let first = first.world_from_camera();
-        pose.translation().distance(first.translation()) < 1e-6
-            && pose.rotation().dot(first.rotation()).abs() > 1.0 - 1e-9
-    };
     rest.len() >= 2
-        && rest.iter().all(|frame| is_near(frame.world_from_camera()))
+        && rest.iter().all(|frame| is_near(&frame.world_from_camera(), &first.world_from_camera()))
         && rest.iter().any(|frame| !shows_the_same(first, frame))
+}
+
+fn is_near(a: &Pose, b: &Pose) -> bool {
+    a.translation().distance(b.translation()) < 1e-6 && a.rotation().dot(b.rotation()).abs() > 1.0 - 1e-9
 }
 
 /// Whether most pixels of two frames have about the same depth: noise differs, another view differs more.

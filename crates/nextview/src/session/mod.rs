@@ -41,7 +41,7 @@ pub use table::{ON_TABLE, Table};
 pub use taken_frames::SetAside;
 pub use views::Views;
 
-use crate::diagnosis::{Suspicion, suspect};
+use crate::diagnosis::{Suspicion, suspect, suspect_poses};
 use crate::geometry::{Aabb, Plane, Pose};
 use crate::map::{OccupancyMap, Snapshot};
 use crate::motion::Trajectory;
@@ -296,14 +296,20 @@ impl Session {
     }
 
     /// Why the frames probably show nothing of the object, or do not fit together; none if they do, or if
-    /// there is no likely reason. See [`suspect`].
+    /// there is no likely reason. See [`suspect`], and, for an object whose box grows among fixed views,
+    /// [`suspect_poses`].
     pub fn suspicion(&self) -> Option<Suspicion> {
         let known = match self.config.object_box {
             ObjectBox::Known(bounds) => Some(bounds),
             ObjectBox::Growing => None,
         };
         let boundless = self.scene.is_box_too_large.then_some(Suspicion::Boundless);
-        suspect(self.frames.of_now(), known, self.config.depth_range).or(boundless)
+        let frames = self.frames.of_now();
+        let poses = || match (&self.views, known, frames.first()) {
+            (Views::Fixed(views), None, Some(first)) => suspect_poses(first, views.poses()),
+            _ => None,
+        };
+        suspect(frames, known, self.config.depth_range).or_else(poses).or(boundless)
     }
 
     /// The depths that the camera measures, metres.
