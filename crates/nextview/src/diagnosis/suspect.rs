@@ -86,12 +86,12 @@ pub fn suspect(frames: &[Frame], bounds: Option<Aabb>, range: DepthRange) -> Opt
     }
 }
 
-/// The likely reason why few of the poses at which frames can be taken, such as those of a recording, show what
-/// is in the middle of a frame; none if most of them do, or if there is no likely reason. It suits objects that
-/// are in view from most poses.
+/// The likely reason why few of the poses at which frames can be taken, such as those of a recording, show
+/// what is in the middle of a frame; none if most of them do, or if there is no likely reason. It suits
+/// objects that are in view from most poses.
 ///
-/// All poses are the same, or, with other axes, inverted, or with the quaternion's w first, almost all of them
-/// show that place, from different ones, as in no other of these ways.
+/// All poses are the same, or, with other axes, inverted, or with the quaternion's w first, almost all of
+/// them show that place, from different ones, as in no other of these ways.
 pub fn suspect_poses(frame: &Frame, poses: &[Pose]) -> Option<Suspicion> {
     if poses.len() < LEAST_POSES {
         return None;
