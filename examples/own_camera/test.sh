@@ -3,8 +3,10 @@
 # views are those of a scan that nobody disturbed.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")"
-cargo build --release --quiet --locked
-program=$PWD/target/release/own_camera
+# Built as the tests of the workspace are, in their folder: what they have in common is compiled once.
+export CARGO_TARGET_DIR=$PWD/../../target
+cargo build --quiet --locked
+program=$CARGO_TARGET_DIR/debug/own_camera
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 cd "$work"
