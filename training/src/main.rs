@@ -1,11 +1,13 @@
 //! Trains the surface prior:
-//! `cargo run --release -p nextview-training -- OUT N_RANDOM [N_VARIED MESH ...] ...`.
+//! `cargo run --release -p nextview-training -- OUT N_RANDOM [N_VARIED MESH ...] ...`, and the policy of the
+//! planner kaba: `cargo run --release -p nextview-training -- kaba OUT N_EPISODES`.
 //!
 //! Scans `N_RANDOM` random objects and each mesh as often as the last `N_VARIED` before it says, turned and
 //! stretched, and writes the learned prior to OUT. The same arguments give the same bits. `docs/planner.md`
 //! states the arguments for the library's own prior.
 
 mod housing;
+mod kaba;
 mod optimizer;
 mod scans;
 
@@ -36,8 +38,13 @@ const N_HELD_OUT: usize = 20;
 fn main() -> Result<(), Box<dyn Error>> {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
     let [out, n_random, meshes @ ..] = &arguments[..] else {
-        return Err("usage: nextview-training OUT N_RANDOM [N_VARIED MESH ...] ...".into());
+        return Err("usage: nextview-training OUT N_RANDOM [N_VARIED MESH ...] ... | kaba OUT N_EPISODES".into());
     };
+    if let ("kaba", [n_episodes]) = (out.as_str(), meshes) {
+        let policy = kaba::learn(n_episodes.parse()?);
+        kaba::compare(&policy);
+        return Ok(std::fs::write(n_random, policy.to_json())?);
+    }
     let mut sources = random_objects(seeds::PRIOR, n_random.parse()?)?;
     let mut n_varied = None;
     for argument in meshes {

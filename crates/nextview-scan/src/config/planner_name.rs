@@ -9,6 +9,7 @@ use nextview::planner::{
     Batch, BatchConfig, EvenViews, FrontierTour, Greedy, GreedyConfig, InOrder, MaxFlow, MaxFlowConfig,
     MostSurface, MostSurfaceConfig, PbNbv, RandomViews, RecedingHorizon, See, ViewPlanner,
 };
+use nextview_learned::kaba::Kaba;
 use nextview_learned::nbv_net::{NbvNet, Network};
 use serde::{Deserialize, Serialize};
 use std::path::PathBuf;
@@ -34,6 +35,7 @@ named! {
         PbNbv = "pb-nbv": "Image area of ellipsoids around frontier and surface, Jia et al. 2025",
         See = "see": "Views onto the edges of dense points, Border & Gammell 2024",
         RecedingHorizon = "receding-horizon": "First view of the best branch of a random tree, Bircher et al. 2016",
+        Kaba = "kaba": "Gain less the boundary left, as weighed by reinforcement learning, Kaba et al. 2017",
         NbvNet = "nbv-net": "NBV-Net, Mendoza et al. 2020: the one of 14 views chosen by a network",
         Batch = "batch": "Several views at once that together show most, and the shortest tour through them",
         EvenViews = "even-views": "Views from all around: the direction farthest from all taken; for reference views",
@@ -65,7 +67,7 @@ pub struct PlannerConfigs {
     /// Of the paper's planner.
     pub max_flow: MaxFlowConfig,
     /// Of all planners that are named after a gain, and of gains that are written in Python; the ray spacing
-    /// also of frontier-tour and receding-horizon.
+    /// also of frontier-tour, receding-horizon and kaba.
     pub greedy: GreedyConfig,
     /// Of the planner that chooses several views at once.
     pub batch: BatchConfig,
@@ -131,6 +133,7 @@ impl PlannerName {
             Self::PbNbv => Box::new(PbNbv),
             Self::See => Box::new(See::default()),
             Self::RecedingHorizon => Box::new(RecedingHorizon::new(greedy.ray_spacing, seed)?),
+            Self::Kaba => Box::new(Kaba::new(greedy.ray_spacing)?),
             Self::NbvNet => Box::new(nbv_net.planner()?),
             Self::Batch => Box::new(Batch::new(batch)?),
             Self::EvenViews => Box::new(EvenViews),

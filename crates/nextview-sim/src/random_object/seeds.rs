@@ -12,6 +12,10 @@ pub const PRIOR_HELD_OUT: Range<u64> = 1 << 32..1 << 33;
 /// Data sets for NBV-Net: a block of 2^24 seeds for each seed of a data set.
 pub const NBV_NET: Range<u64> = 1 << 60..1 << 61;
 
+/// Training of the policy of the planner kaba: objects it learns from, and from the middle on those on which it
+/// is compared.
+pub const KABA: Range<u64> = 1 << 61..1 << 62;
+
 /// Objects with a name: `builtin:random-N` is the object of seed 2^63 + N.
 pub const NAMED: RangeInclusive<u64> = 1 << 63..=u64::MAX;
 
@@ -26,7 +30,7 @@ mod tests {
 
     #[test]
     fn no_two_ranges_share_a_seed() {
-        let training = [PRIOR, PRIOR_HELD_OUT, NBV_NET];
+        let training = [PRIOR, PRIOR_HELD_OUT, NBV_NET, KABA];
         let mut ranges: Vec<(u64, u64)> = training.iter().map(|range| (range.start, range.end - 1)).collect();
         ranges.push((*NAMED.start(), *NAMED.end()));
         ranges.sort_unstable();

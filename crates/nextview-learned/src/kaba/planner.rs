@@ -1,0 +1,55 @@
+use super::{Policy, Surveyor};
+use nextview::Error;
+use nextview::planner::{Plan, Situation, ViewPlanner};
+
+/// Takes the view of largest gain less a weight times the boundary that it leaves; a learned policy chooses
+/// the weight anew before each view.
+#[derive(Clone, Debug)]
+pub struct Kaba {
+    surveyor: Surveyor,
+    rule: Rule,
+}
+
+#[derive(Clone, Debug)]
+enum Rule {
+    Learned(Policy),
+    Fixed(f64),
+}
+
+impl Kaba {
+    /// A planner with the library's own policy. Its rays are this far apart at the far side of the box, in
+    /// voxels of the finest size, at least 0.1.
+    pub fn new(ray_spacing: f64) -> Result<Self, Error> {
+        Self::with_policy(ray_spacing, Policy::default())
+    }
+
+    /// The same with a policy of your own.
+    pub fn with_policy(ray_spacing: f64, policy: Policy) -> Result<Self, Error> {
+        Ok(Self { surveyor: Surveyor::new(ray_spacing)?, rule: Rule::Learned(policy) })
+    }
+
+    /// A planner that always uses this weight, at least 0: with 0, the greedy one.
+    pub fn with_boundary_weight(ray_spacing: f64, boundary_weight: f64) -> Result<Self, Error> {
+        if !(boundary_weight >= 0.0 && boundary_weight.is_finite()) {
+            return Err(Error::InvalidParameter {
+                name: "boundary_weight",
+                value: boundary_weight.to_string(),
+                expected: "a finite number, at least 0",
+            });
+        }
+        Ok(Self { surveyor: Surveyor::new(ray_spacing)?, rule: Rule::Fixed(boundary_weight) })
+    }
+}
+
+impl ViewPlanner for Kaba {
+    fn plan(&mut self, situation: &Situation<'_>) -> Result<Plan, Error> {
+        let survey = self.surveyor.survey(situation)?;
+        let choice = survey.and_then(|survey| {
+            survey.choice(match &self.rule {
+                Rule::Learned(policy) => policy.boundary_weight(survey.features()),
+                Rule::Fixed(weight) => *weight,
+            })
+        });
+        Ok(Plan { choice, ..Plan::default() })
+    }
+}
