@@ -187,14 +187,15 @@ impl Trial {
         let object = ObjectVoxels::new(scene.camera().mesh(), lattice, block);
         let mut reachable = FixedBitSet::with_capacity(object.len());
         for pose in views.poses() {
-            reachable.union_with(&object.seen_from(scene.camera(), pose).expect("candidates are in the room"));
+            reachable
+                .union_with(&object.seen_from(scene.camera(), pose).expect("candidates are in the room"));
         }
         let enough = ENOUGH * reachable.count_ones(..) as f64;
         Self { seed, scene, views, object, enough }
     }
 
-    /// The number of views that a planner needs to see enough, at most [`MAX_VIEWS`], which counts, too, where
-    /// it gives up.
+    /// The number of views that a planner needs to see enough, at most [`MAX_VIEWS`], which counts, too,
+    /// where it gives up.
     fn n_views(&self, planner: Box<dyn ViewPlanner>) -> usize {
         let camera = self.scene.camera();
         let config = SessionConfig {

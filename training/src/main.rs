@@ -38,7 +38,9 @@ const N_HELD_OUT: usize = 20;
 fn main() -> Result<(), Box<dyn Error>> {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
     let [out, n_random, meshes @ ..] = &arguments[..] else {
-        return Err("usage: nextview-training OUT N_RANDOM [N_VARIED MESH ...] ... | kaba OUT N_EPISODES".into());
+        return Err(
+            "usage: nextview-training OUT N_RANDOM [N_VARIED MESH ...] ... | kaba OUT N_EPISODES".into()
+        );
     };
     if let ("kaba", [n_episodes]) = (out.as_str(), meshes) {
         let policy = kaba::learn(n_episodes.parse()?);

@@ -1,3 +1,4 @@
+use glam::IVec3;
 use nextview::Cancelled;
 use nextview::geometry::VoxelBlock;
 use nextview::map::{Occupancy, Snapshot, frontier};
@@ -61,7 +62,7 @@ impl Rim {
 /// The voxels of the block that touch this one by a face, an edge or a corner.
 fn around(block: VoxelBlock, voxel: usize) -> impl Iterator<Item = usize> {
     let key = block.key(voxel);
-    let offsets = (0..27).filter(|&n| n != 13).map(|n| glam::IVec3::new(n % 3, n / 3 % 3, n / 9) - 1);
+    let offsets = (0..27).filter(|&n| n != 13).map(|n| IVec3::new(n % 3, n / 3 % 3, n / 9) - 1);
     offsets.filter_map(move |offset| block.index(key + offset))
 }
 
@@ -94,18 +95,21 @@ impl Seen {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use glam::{DVec3, IVec3, UVec3};
+    use glam::{DVec3, UVec3};
+    use nextview::Cancel;
     use nextview::geometry::Lattice;
     use nextview::geometry::random::Random;
+    use nextview::map::LogOdds;
     use nextview::sensor::Intrinsics;
     use nextview::view::generate;
-    use nextview::Cancel;
 
     fn random_snapshot(seed: u64) -> Snapshot {
         let mut random = Random::new(seed, 0);
         let block = VoxelBlock::new(IVec3::splat(-6), UVec3::new(12, 11, 10)).unwrap();
-        let states = [Some(2.0), Some(-1.0), Some(-1.0), None, None, None, None, None];
-        Snapshot::from_fn(Lattice::new(0.01).unwrap(), block, |_| states[random.index(states.len())])
+        let drawn: Vec<usize> = (0..block.n_voxels()).map(|_| random.index(8)).collect();
+        let states = [Some(LogOdds(2.0)), Some(LogOdds(-1.0)), Some(LogOdds(-1.0))];
+        let state = |key| states.get(drawn[block.index(key).unwrap()]).copied().flatten();
+        Snapshot::from_fn(Lattice::new(0.01).unwrap(), block, state)
     }
 
     /// The definition, word for word: what the view sees is made free, and the frontier counted anew.
@@ -121,9 +125,9 @@ mod tests {
         let after = Snapshot::from_fn(snapshot.lattice(), block, |key| {
             let voxel = block.index(key).unwrap();
             match snapshot.occupancy()[voxel] {
-                Occupancy::Occupied => Some(2.0),
+                Occupancy::Occupied => Some(LogOdds(2.0)),
                 Occupancy::Unknown if !seen.contains(&voxel) => None,
-                _ => Some(-1.0),
+                _ => Some(LogOdds(-1.0)),
             }
         });
         frontier(&after).len()

@@ -4,8 +4,8 @@ use serde::{Deserialize, Serialize};
 /// The boundary weights that a policy chooses from.
 pub const BOUNDARY_WEIGHTS: [f64; 5] = [0.0, 0.25, 0.5, 1.0, 2.0];
 
-/// A learned choice of the boundary weight: for each weight, a linear function of the state that estimates the
-/// negative number of views still needed.
+/// A learned choice of the boundary weight: for each weight, a linear function of the state that estimates
+/// the negative number of views still needed.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Policy {

@@ -70,7 +70,10 @@ impl Surveyor {
         let before = self.before.unwrap_or(Before { first_gain: best, unknown, frontier });
         let n_good = views.iter().filter(|view| view.gain > 0.5).count();
         let numbers = [
-            share(situation.visited().len(), situation.visited().len().saturating_add(situation.n_views_left())),
+            share(
+                situation.visited().len(),
+                situation.visited().len().saturating_add(situation.n_views_left()),
+            ),
             unknown,
             frontier,
             (before.unknown - unknown).clamp(0.0, 1.0),

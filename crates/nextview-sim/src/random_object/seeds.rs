@@ -12,8 +12,8 @@ pub const PRIOR_HELD_OUT: Range<u64> = 1 << 32..1 << 33;
 /// Data sets for NBV-Net: a block of 2^24 seeds for each seed of a data set.
 pub const NBV_NET: Range<u64> = 1 << 60..1 << 61;
 
-/// Training of the policy of the planner kaba: objects it learns from, and from the middle on those on which it
-/// is compared.
+/// Training of the policy of the planner kaba: objects it learns from, and from the middle on those on
+/// which it is compared.
 pub const KABA: Range<u64> = 1 << 61..1 << 62;
 
 /// Objects with a name: `builtin:random-N` is the object of seed 2^63 + N.
