@@ -65,6 +65,12 @@ struct Pool {
 /// points.
 const REACH_IN_CELLS: f64 = 2.0;
 
+/// Search distances that an alignment begins with, as shares of the given pose's uncertainty: far points that
+/// overlap with nothing pull a frame that is nearly right to a wrong place. Of those of about the same misfit,
+/// up to this factor, the nearest counts.
+const FIRST_REACHES: [f64; 3] = [0.25, 0.5, 1.0];
+const CLEARLY_WORSE: f64 = 1.05;
+
 /// Frames are realigned if that moves a point by more than this share of a cell.
 const LEAST_MOTION: f64 = 0.1;
 
@@ -158,20 +164,45 @@ impl KnownSurface {
     pub fn register(&self, frame: &Frame, bounds: Aabb, cancel: &Cancel) -> Result<Registration, Cancelled> {
         let points = surface_points(frame, self.around(bounds), self.spacing, cancel)?;
         let given = frame.world_from_camera();
-        let paired = |pose: &Pose, reach| pairs(&points, &self.tree, pose, reach, cancel);
         let reach = self.reach();
-        let mut alignment = align(given, reach, paired)?;
+        let firsts = FIRST_REACHES.map(|share| (share * reach.first).max(reach.last));
+        let mut found: Vec<(Registration, f64)> = Vec::new();
+        for first in firsts {
+            let registration =
+                self.register_within(&points, &given, SearchReach { first, ..reach }, cancel)?;
+            let misfit = misfit(&points, &self.tree, &registration.world_from_camera, reach.last, cancel)?;
+            found.push((registration, misfit));
+        }
+        let best = found.iter().map(|(_, misfit)| *misfit).fold(f64::INFINITY, f64::min);
+        let nearest = found.iter().find(|(_, misfit)| *misfit <= CLEARLY_WORSE * best);
+        let found = nearest.expect("the best is as good as itself").0;
+        Ok(match self.objection(&found, &points, &given, cancel)? {
+            Some(verdict) => Registration { world_from_camera: given, verdict, ..found },
+            None => found,
+        })
+    }
+
+    /// Aligns points to the known surface from a search distance on.
+    fn register_within(
+        &self,
+        points: &[SurfacePoint],
+        given: &Pose,
+        reach: SearchReach,
+        cancel: &Cancel,
+    ) -> Result<Registration, Cancelled> {
+        let paired = |pose: &Pose, reach| pairs(points, &self.tree, pose, reach, cancel);
+        let mut alignment = align(*given, reach, paired)?;
         let stiffness = stiffness(&paired(&alignment.0, reach.last)?, reach.last);
         let is_held = stiffness >= self.config.min_stiffness;
         if !is_held {
-            alignment = align_where_held(given, reach, self.config.min_stiffness, paired)?;
+            alignment = align_where_held(*given, reach, self.config.min_stiffness, paired)?;
         }
         let (aligned, n_iterations) = alignment;
         let pairs = paired(&aligned, reach.last)?;
         let motion = aligned * given.inverse();
         let [residual_before, residual_after] =
             [motion.inverse(), Pose::IDENTITY].map(|to| residual(&pairs, &to));
-        let found = Registration {
+        Ok(Registration {
             world_from_camera: aligned,
             verdict: if is_held { Verdict::Aligned } else { Verdict::Sliding },
             residual_before,
@@ -181,10 +212,6 @@ impl KnownSurface {
             turned: angle(&motion),
             stiffness,
             n_iterations,
-        };
-        Ok(match self.objection(&found, &points, &given, pairs.len(), cancel)? {
-            Some(verdict) => Registration { world_from_camera: given, verdict, ..found },
-            None => found,
         })
     }
 
@@ -194,13 +221,13 @@ impl KnownSurface {
         found: &Registration,
         points: &[SurfacePoint],
         given: &Pose,
-        n_pairs: usize,
         cancel: &Cancel,
     ) -> Result<Option<Verdict>, Cancelled> {
         let config = &self.config;
         // A pose that was found from another image, elsewhere, is no rival.
         let is_rival = config.given_poses != GivenPoses::Tracked;
         let misfit = |pose: &Pose| misfit(points, &self.tree, pose, self.reach().last, cancel);
+        let n_pairs = (found.overlap * points.len() as f64).round() as usize;
         Ok(if found.overlap < config.min_overlap || n_pairs < LEAST_PAIRS {
             Some(Verdict::LittleOverlap)
         } else if found.moved > config.position_uncertainty || found.turned > config.rotation_uncertainty {
