@@ -66,8 +66,8 @@ struct Pool {
 const REACH_IN_CELLS: f64 = 2.0;
 
 /// Search distances that an alignment begins with, as shares of the given pose's uncertainty: far points that
-/// overlap with nothing pull a frame that is nearly right to a wrong place. Of those of about the same misfit,
-/// up to this factor, the nearest counts.
+/// overlap with nothing pull a frame that is nearly right to a wrong place. Of those of about the same
+/// misfit, up to this factor, the nearest counts.
 const FIRST_REACHES: [f64; 3] = [0.25, 0.5, 1.0];
 const CLEARLY_WORSE: f64 = 1.05;
 
