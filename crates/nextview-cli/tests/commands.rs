@@ -7,7 +7,7 @@ use clap::Parser;
 use clap::error::ErrorKind;
 use nextview_cli::commands::Cli;
 use std::fs;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 /// Folders of this repository that commands name files of.
 const FOLDERS: [&str; 7] =
@@ -102,8 +102,8 @@ fn is_unknown(kind: ErrorKind) -> bool {
 /// The files of this repository that a command names and that are missing.
 fn missing_files(command: &[String]) -> Vec<&String> {
     let is_ours = |word: &&String| FOLDERS.iter().any(|folder| word.starts_with(folder));
-    let is_made = |word: &&String| word.contains(['*', '[']) || Path::new(word).starts_with("target");
-    let ours = command.iter().filter(is_ours).filter(|word| !is_made(word));
+    let is_pattern = |word: &&String| word.contains(['*', '[']);
+    let ours = command.iter().filter(is_ours).filter(|word| !is_pattern(word));
     ours.filter(|word| !workspace().join(word).exists()).collect()
 }
 
