@@ -53,8 +53,8 @@ impl Learning {
         Self { weights: [[0.0; N_FEATURES]; N_ACTIONS], trace: [[0.0; N_FEATURES]; N_ACTIONS] }
     }
 
-    fn values(&self, features: &[f64; N_FEATURES]) -> [f64; N_ACTIONS] {
-        self.weights.map(|row| row.iter().zip(features).map(|(w, x)| w * x).sum())
+    fn policy(&self) -> Policy {
+        Policy::new(&self.weights)
     }
 
     /// What follows is not due to what was done before: an episode begins, or an action explores.
@@ -64,7 +64,7 @@ impl Learning {
 
     /// Learns from an action, its reward, and the largest value in the state after it, 0 at the end.
     fn step(&mut self, (features, action): &Step, reward: f64, next: f64) {
-        let error = reward + next - self.values(features)[*action];
+        let error = reward + next - self.policy().values(features)[*action];
         self.trace.iter_mut().flatten().for_each(|trace| *trace *= TRACE_DECAY);
         self.trace[*action].iter_mut().zip(features).for_each(|(trace, feature)| *trace += feature);
         for (weight, trace) in self.weights.iter_mut().flatten().zip(self.trace.iter().flatten()) {
@@ -95,11 +95,10 @@ impl Agent {
     }
 
     fn act(&mut self, features: &[f64; N_FEATURES]) -> usize {
-        let values = self.learning.values(features);
-        let better = |best: usize, action: usize| if values[action] > values[best] { action } else { best };
-        let best = (1..N_ACTIONS).fold(0, better);
+        let policy = self.learning.policy();
+        let best = policy.choice(features);
         if let Some(last) = &self.last {
-            self.learning.step(last, -1.0, values[best]);
+            self.learning.step(last, -1.0, policy.values(features)[best]);
         }
         let explores = self.random.unit() < self.explores;
         let action = if explores { self.random.index(N_ACTIONS) } else { best };
@@ -145,8 +144,7 @@ pub fn learn(n_episodes: u64) -> Policy {
         trial.n_views(Box::new(Learner { agent: agent.clone(), surveyor }));
         agent.lock().expect("no thread panicked").end();
     }
-    let agent = agent.lock().expect("no thread panicked");
-    Policy::new(&agent.learning.weights)
+    agent.lock().expect("no thread panicked").learning.policy()
 }
 
 /// Prints how many views this policy and every fixed boundary weight need, on average over held-out objects.
@@ -244,7 +242,7 @@ mod tests {
             agent.end();
         }
         for place in 0..4 {
-            let values = agent.learning.values(&state(place));
+            let values = agent.learning.policy().values(&state(place));
             let left = place as f64 - 4.0;
             assert!((values[0] - left).abs() < 0.05, "{place}: {values:?}");
             assert!(values[1..].iter().all(|value| (value - left + 1.0).abs() < 0.4), "{place}: {values:?}");

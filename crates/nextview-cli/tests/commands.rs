@@ -46,33 +46,16 @@ fn quoted(page: &str) -> Vec<String> {
     quotations.filter(|quotation| quotation.starts_with("nextview ")).collect()
 }
 
-/// The words of each command of a line, as a shell would cut them: without comment, redirections and
-/// variables set before it.
+/// The words of each command of a line, without comment, redirections and variables set before it.
 fn commands(line: &str) -> Vec<Vec<String>> {
-    let (mut commands, mut words, mut word) = (Vec::new(), Vec::new(), None::<String>);
-    let mut quote = None;
-    for c in line.chars().chain(['\n']) {
-        match (quote, c) {
-            (Some(open), _) if c == open => quote = None,
-            (None, '\'' | '"') => {
-                quote = Some(c);
-                word.get_or_insert_default();
-            }
-            (None, '#') if word.is_none() => break,
-            (None, ' ' | '\n') => words.extend(word.take()),
-            _ => word.get_or_insert_default().push(c),
-        }
-    }
-    words.extend(word);
-    for part in words.split(|word| ["&&", "|", ";"].contains(&word.as_str())) {
-        let to_file = part.iter().position(|word| word.starts_with('>')).unwrap_or(part.len());
+    let words = shlex::split(line).unwrap_or_else(|| panic!("an open quotation: {line}"));
+    let command = |part: &[String]| {
+        let words = part.iter().take_while(|word| !word.starts_with('>'));
         let is_variable = |word: &&String| word.contains('=') && !word.starts_with('-');
-        let command: Vec<String> = part[..to_file].iter().skip_while(is_variable).cloned().collect();
-        if !command.is_empty() {
-            commands.push(command);
-        }
-    }
-    commands
+        words.skip_while(is_variable).cloned().collect::<Vec<_>>()
+    };
+    let parts = words.split(|word| ["&&", "|", ";"].contains(&word.as_str()));
+    parts.map(command).filter(|command| !command.is_empty()).collect()
 }
 
 /// What is wrong with a command, if it is one of the program.

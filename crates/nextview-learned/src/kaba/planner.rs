@@ -1,4 +1,4 @@
-use super::{Policy, Surveyor};
+use super::{BOUNDARY_WEIGHTS, Policy, Surveyor};
 use nextview::Error;
 use nextview::planner::{Plan, Situation, ViewPlanner};
 
@@ -46,7 +46,7 @@ impl ViewPlanner for Kaba {
         let survey = self.surveyor.survey(situation)?;
         let choice = survey.and_then(|survey| {
             survey.choice(match &self.rule {
-                Rule::Learned(policy) => policy.boundary_weight(survey.features()),
+                Rule::Learned(policy) => BOUNDARY_WEIGHTS[policy.choice(survey.features())],
                 Rule::Fixed(weight) => *weight,
             })
         });

@@ -46,11 +46,12 @@ impl Policy {
         std::array::from_fn(|action| self.rows[action].iter().zip(features).map(|(w, x)| w * x).sum())
     }
 
-    /// The boundary weight of the largest value; the smaller one on ties.
-    pub fn boundary_weight(&self, features: &[f64; N_FEATURES]) -> f64 {
+    /// The boundary weight of the largest value, as its place in [`BOUNDARY_WEIGHTS`]; the smaller one on
+    /// ties.
+    pub fn choice(&self, features: &[f64; N_FEATURES]) -> usize {
         let values = self.values(features);
         let better = |best: usize, action: usize| if values[action] > values[best] { action } else { best };
-        BOUNDARY_WEIGHTS[(1..values.len()).fold(0, better)]
+        (1..values.len()).fold(0, better)
     }
 }
 
@@ -63,12 +64,12 @@ mod tests {
         let mut rows = [[0.0; N_FEATURES]; BOUNDARY_WEIGHTS.len()];
         let mut features = [0.0; N_FEATURES];
         (features[0], features[3]) = (1.0, 0.5);
-        assert_eq!(Policy::new(&rows).boundary_weight(&features), 0.0, "the smaller one on ties");
+        assert_eq!(Policy::new(&rows).choice(&features), 0, "the smaller one on ties");
         rows[2][3] = 1.0;
         rows[4][0] = 0.4;
-        assert_eq!(Policy::new(&rows).boundary_weight(&features), 0.5);
+        assert_eq!(Policy::new(&rows).choice(&features), 2);
         rows[4][0] = 0.6;
-        assert_eq!(Policy::new(&rows).boundary_weight(&features), 2.0);
+        assert_eq!(Policy::new(&rows).choice(&features), 4);
     }
 
     #[test]

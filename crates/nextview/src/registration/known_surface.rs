@@ -53,6 +53,16 @@ pub struct KnownSurface {
     views: Vec<View>,
 }
 
+/// A frame aligned from one search distance on, before anything is said against it.
+#[derive(Clone, Copy, Debug)]
+struct Alignment {
+    registration: Registration,
+    /// Number of its points that lie on the known surface.
+    n_pairs: usize,
+    /// Square metres.
+    misfit: f64,
+}
+
 /// Sums over points.
 #[derive(Clone, Copy, Debug, Default)]
 struct Pool {
@@ -165,44 +175,39 @@ impl KnownSurface {
         let points = surface_points(frame, self.around(bounds), self.spacing, cancel)?;
         let given = frame.world_from_camera();
         let reach = self.reach();
-        let firsts = FIRST_REACHES.map(|share| (share * reach.first).max(reach.last));
-        let mut found: Vec<(Registration, f64)> = Vec::new();
-        for first in firsts {
-            let registration =
-                self.register_within(&points, &given, SearchReach { first, ..reach }, cancel)?;
-            let misfit = misfit(&points, &self.tree, &registration.world_from_camera, reach.last, cancel)?;
-            found.push((registration, misfit));
-        }
-        let best = found.iter().map(|(_, misfit)| *misfit).fold(f64::INFINITY, f64::min);
-        let nearest = found.iter().find(|(_, misfit)| *misfit <= CLEARLY_WORSE * best);
-        let found = nearest.expect("the best is as good as itself").0;
-        Ok(match self.objection(&found, &points, &given, cancel)? {
-            Some(verdict) => Registration { world_from_camera: given, verdict, ..found },
-            None => found,
+        let mut firsts = FIRST_REACHES.map(|share| (share * reach.first).max(reach.last)).to_vec();
+        firsts.dedup();
+        let from = |first: &f64| self.align(&points, &given, SearchReach { first: *first, ..reach }, cancel);
+        let found: Vec<Alignment> = firsts.iter().map(from).collect::<Result<_, _>>()?;
+        let least = found.iter().map(|found| found.misfit).fold(f64::INFINITY, f64::min);
+        let nearest = found.into_iter().find(|found| found.misfit <= CLEARLY_WORSE * least);
+        let nearest = nearest.expect("the least misfit is no worse than itself");
+        Ok(match self.objection(&nearest, &points, &given, cancel)? {
+            Some(verdict) => Registration { world_from_camera: given, verdict, ..nearest.registration },
+            None => nearest.registration,
         })
     }
 
-    /// Aligns points to the known surface from a search distance on.
-    fn register_within(
+    /// Aligns points to the known surface, with a search distance that begins and ends as stated.
+    fn align(
         &self,
         points: &[SurfacePoint],
         given: &Pose,
         reach: SearchReach,
         cancel: &Cancel,
-    ) -> Result<Registration, Cancelled> {
+    ) -> Result<Alignment, Cancelled> {
         let paired = |pose: &Pose, reach| pairs(points, &self.tree, pose, reach, cancel);
-        let mut alignment = align(*given, reach, paired)?;
-        let stiffness = stiffness(&paired(&alignment.0, reach.last)?, reach.last);
+        let (mut aligned, mut n_iterations) = align(*given, reach, paired)?;
+        let stiffness = stiffness(&paired(&aligned, reach.last)?, reach.last);
         let is_held = stiffness >= self.config.min_stiffness;
         if !is_held {
-            alignment = align_where_held(*given, reach, self.config.min_stiffness, paired)?;
+            (aligned, n_iterations) = align_where_held(*given, reach, self.config.min_stiffness, paired)?;
         }
-        let (aligned, n_iterations) = alignment;
         let pairs = paired(&aligned, reach.last)?;
         let motion = aligned * given.inverse();
         let [residual_before, residual_after] =
             [motion.inverse(), Pose::IDENTITY].map(|to| residual(&pairs, &to));
-        Ok(Registration {
+        let registration = Registration {
             world_from_camera: aligned,
             verdict: if is_held { Verdict::Aligned } else { Verdict::Sliding },
             residual_before,
@@ -212,27 +217,30 @@ impl KnownSurface {
             turned: angle(&motion),
             stiffness,
             n_iterations,
-        })
+        };
+        let misfit = misfit(&pairs, points.len(), reach.last);
+        Ok(Alignment { registration, n_pairs: pairs.len(), misfit })
     }
 
     /// The first reason to leave the given pose, if there is one.
     fn objection(
         &self,
-        found: &Registration,
+        found: &Alignment,
         points: &[SurfacePoint],
         given: &Pose,
         cancel: &Cancel,
     ) -> Result<Option<Verdict>, Cancelled> {
-        let config = &self.config;
+        let (config, Registration { overlap, moved, turned, .. }) = (&self.config, found.registration);
         // A pose that was found from another image, elsewhere, is no rival.
         let is_rival = config.given_poses != GivenPoses::Tracked;
-        let misfit = |pose: &Pose| misfit(points, &self.tree, pose, self.reach().last, cancel);
-        let n_pairs = (found.overlap * points.len() as f64).round() as usize;
-        Ok(if found.overlap < config.min_overlap || n_pairs < LEAST_PAIRS {
+        let reach = self.reach().last;
+        let misfit_as_given =
+            || Ok(misfit(&pairs(points, &self.tree, given, reach, cancel)?, points.len(), reach));
+        Ok(if overlap < config.min_overlap || found.n_pairs < LEAST_PAIRS {
             Some(Verdict::LittleOverlap)
-        } else if found.moved > config.position_uncertainty || found.turned > config.rotation_uncertainty {
+        } else if moved > config.position_uncertainty || turned > config.rotation_uncertainty {
             Some(Verdict::TooFar)
-        } else if is_rival && misfit(&found.world_from_camera)? >= misfit(given)? {
+        } else if is_rival && found.misfit >= misfit_as_given()? {
             Some(Verdict::NoBetter)
         } else {
             None
@@ -299,18 +307,11 @@ fn residual(pairs: &[Pair], motion: &Pose) -> f64 {
     (sum / pairs.len().max(1) as f64).sqrt()
 }
 
-/// How badly the points lie on the known surface: the sum of squared residuals, in which a point without
-/// correspondence counts as one at `reach`.
-fn misfit(
-    points: &[SurfacePoint],
-    known: &PointTree,
-    pose: &Pose,
-    reach: f64,
-    cancel: &Cancel,
-) -> Result<f64, Cancelled> {
-    let pairs = pairs(points, known, pose, reach, cancel)?;
-    let n_alone = (points.len() - pairs.len()) as f64;
-    Ok(n_alone * reach * reach + pairs.iter().map(|pair| pair.residual().powi(2)).sum::<f64>())
+/// How badly points lie on the known surface: the sum of squared residuals of their pairs, in which each of
+/// the other points counts as one at `reach`.
+fn misfit(pairs: &[Pair], n_points: usize, reach: f64) -> f64 {
+    let n_alone = (n_points - pairs.len()) as f64;
+    n_alone * reach * reach + pairs.iter().map(|pair| pair.residual().powi(2)).sum::<f64>()
 }
 
 /// The angle that a motion turns by, radians.
