@@ -5,6 +5,7 @@
 //! least-squares problem whose unknowns are the poses of all frames but the first (multi-view registration,
 //! Pulli 1999; a pose graph whose edges are the pairs of points themselves).
 
+use super::camera::Camera;
 use super::pair::Pair;
 use super::point_tree::PointTree;
 use super::surface_points::SurfacePoint;
@@ -40,18 +41,24 @@ pub(super) struct View {
     pub pose: Pose,
     /// The pose that the frame came with.
     given: Pose,
+    camera: Camera,
 }
 
 impl View {
-    /// A frame that shows these points, in the camera frame, stands here and came with a given pose; unless
-    /// cancelled.
+    /// A camera that shows these points, in its own frame, and came with a given pose; unless cancelled.
     pub fn new(
         points: Vec<SurfacePoint>,
-        pose: Pose,
+        camera: Camera,
         given: Pose,
         cancel: &Cancel,
     ) -> Result<Self, Cancelled> {
-        Ok(Self { tree: PointTree::new(&points, cancel)?, points, anchor: pose, pose, given })
+        let (tree, pose) = (PointTree::new(&points, cancel)?, camera.pose());
+        Ok(Self { points, tree, anchor: pose, pose, given, camera })
+    }
+
+    /// Its camera, where it is now.
+    pub fn camera(&self) -> Camera {
+        self.camera.at(self.pose)
     }
 
     /// Moves it and its anchor.

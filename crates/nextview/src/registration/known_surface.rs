@@ -1,11 +1,12 @@
+use super::camera::Camera;
+use super::fitting::Fitting;
 use super::gauge::motion_to_given;
-use super::icp::{SearchReach, align, align_where_held, pairs};
+use super::icp::{SearchReach, pairs};
 use super::joint::{self, View};
-use super::normal_equations::NormalEquations;
 use super::pair::Pair;
 use super::point_tree::PointTree;
 use super::surface_points::{SurfacePoint, surface_points};
-use super::{GivenPoses, Registration, RegistrationConfig, Verdict};
+use super::{GivenPoses, Registration, RegistrationConfig};
 use crate::geometry::{Aabb, Lattice, Pose};
 use crate::sensor::Frame;
 use crate::{Cancel, Cancelled, Error};
@@ -53,16 +54,6 @@ pub struct KnownSurface {
     views: Vec<View>,
 }
 
-/// A frame aligned from one search distance on, before anything is said against it.
-#[derive(Clone, Copy, Debug)]
-struct Alignment {
-    registration: Registration,
-    /// Number of its points that lie on the known surface.
-    n_pairs: usize,
-    /// Square metres.
-    misfit: f64,
-}
-
 /// Sums over points.
 #[derive(Clone, Copy, Debug, Default)]
 struct Pool {
@@ -75,17 +66,8 @@ struct Pool {
 /// points.
 const REACH_IN_CELLS: f64 = 2.0;
 
-/// Search distances that an alignment begins with, as shares of the given pose's uncertainty: far points that
-/// overlap with nothing pull a frame that is nearly right to a wrong place. Of those of about the same
-/// misfit, up to this factor, the nearest counts.
-const FIRST_REACHES: [f64; 3] = [0.25, 0.5, 1.0];
-const CLEARLY_WORSE: f64 = 1.05;
-
 /// Frames are realigned if that moves a point by more than this share of a cell.
 const LEAST_MOTION: f64 = 0.1;
-
-/// Fewer points on the known surface are no overlap, whatever their share.
-const LEAST_PAIRS: usize = 50;
 
 impl KnownSurface {
     /// Nothing is known yet; fails on a configuration out of range.
@@ -134,7 +116,7 @@ impl KnownSurface {
         cancel: &Cancel,
     ) -> Result<(), Cancelled> {
         let shown = surface_points(frame, self.around(bounds), self.spacing, cancel)?;
-        let view = View::new(shown, frame.world_from_camera(), *given, cancel)?;
+        let view = View::new(shown, Camera::new(frame.clone()), *given, cancel)?;
         let (mut slots, mut pools) = (self.slots.clone(), self.pools.clone());
         pool(&view, &self.lattice, &mut slots, &mut pools);
         self.tree = tree(&pools, cancel)?;
@@ -173,78 +155,11 @@ impl KnownSurface {
     /// surface, unless cancelled.
     pub fn register(&self, frame: &Frame, bounds: Aabb, cancel: &Cancel) -> Result<Registration, Cancelled> {
         let points = surface_points(frame, self.around(bounds), self.spacing, cancel)?;
-        let given = frame.world_from_camera();
-        let reach = self.reach();
-        let mut firsts = FIRST_REACHES.map(|share| (share * reach.first).max(reach.last)).to_vec();
-        firsts.dedup();
-        let from = |first: &f64| self.align(&points, &given, SearchReach { first: *first, ..reach }, cancel);
-        let found: Vec<Alignment> = firsts.iter().map(from).collect::<Result<_, _>>()?;
-        let least = found.iter().map(|found| found.misfit).fold(f64::INFINITY, f64::min);
-        let nearest = found.into_iter().find(|found| found.misfit <= CLEARLY_WORSE * least);
-        let nearest = nearest.expect("the least misfit is no worse than itself");
-        Ok(match self.objection(&nearest, &points, &given, cancel)? {
-            Some(verdict) => Registration { world_from_camera: given, verdict, ..nearest.registration },
-            None => nearest.registration,
-        })
-    }
-
-    /// Aligns points to the known surface, with a search distance that begins and ends as stated.
-    fn align(
-        &self,
-        points: &[SurfacePoint],
-        given: &Pose,
-        reach: SearchReach,
-        cancel: &Cancel,
-    ) -> Result<Alignment, Cancelled> {
-        let paired = |pose: &Pose, reach| pairs(points, &self.tree, pose, reach, cancel);
-        let (mut aligned, mut n_iterations) = align(*given, reach, paired)?;
-        let stiffness = stiffness(&paired(&aligned, reach.last)?, reach.last);
-        let is_held = stiffness >= self.config.min_stiffness;
-        if !is_held {
-            (aligned, n_iterations) = align_where_held(*given, reach, self.config.min_stiffness, paired)?;
-        }
-        let pairs = paired(&aligned, reach.last)?;
-        let motion = aligned * given.inverse();
-        let [residual_before, residual_after] =
-            [motion.inverse(), Pose::IDENTITY].map(|to| residual(&pairs, &to));
-        let registration = Registration {
-            world_from_camera: aligned,
-            verdict: if is_held { Verdict::Aligned } else { Verdict::Sliding },
-            residual_before,
-            residual_after,
-            overlap: pairs.len() as f64 / points.len().max(1) as f64,
-            moved: aligned.translation().distance(given.translation()),
-            turned: angle(&motion),
-            stiffness,
-            n_iterations,
-        };
-        let misfit = misfit(&pairs, points.len(), reach.last);
-        Ok(Alignment { registration, n_pairs: pairs.len(), misfit })
-    }
-
-    /// The first reason to leave the given pose, if there is one.
-    fn objection(
-        &self,
-        found: &Alignment,
-        points: &[SurfacePoint],
-        given: &Pose,
-        cancel: &Cancel,
-    ) -> Result<Option<Verdict>, Cancelled> {
-        let (config, Registration { overlap, moved, turned, .. }) = (&self.config, found.registration);
-        // A pose that was found from another image, elsewhere, is no rival.
-        let is_rival = config.given_poses != GivenPoses::Tracked;
-        let reach = self.reach().last;
-        let misfit_as_given =
-            || Ok(misfit(&pairs(points, &self.tree, given, reach, cancel)?, points.len(), reach));
-        Ok(if overlap < config.min_overlap || found.n_pairs < LEAST_PAIRS {
-            Some(Verdict::LittleOverlap)
-        } else if moved > config.position_uncertainty || turned > config.rotation_uncertainty {
-            Some(Verdict::TooFar)
-        } else if is_rival && found.misfit >= misfit_as_given()? {
-            Some(Verdict::NoBetter)
-        } else {
-            None
-        })
+        let known = self.pools.iter().map(|pool| pool.position / pool.n).collect();
+        let earlier = self.views.iter().map(View::camera).collect();
+        let (config, reach, tree) = (&self.config, self.reach(), &self.tree);
+        let camera = Camera::new(frame.clone());
+        Fitting { config, reach, points, camera, known, tree, earlier, cancel }.register()
     }
 
     fn reach(&self) -> SearchReach {
@@ -293,28 +208,4 @@ impl Pool {
 fn side(normal: DVec3) -> u8 {
     let axis = normal.abs().max_position();
     2 * axis as u8 + (normal[axis] < 0.0) as u8
-}
-
-/// How well the known surface holds these pairs in place.
-fn stiffness(pairs: &[Pair], reach: f64) -> f64 {
-    NormalEquations::new(pairs, reach).map_or(0.0, |equations| equations.stiffness())
-}
-
-/// Root mean square of the residuals after another motion, metres.
-fn residual(pairs: &[Pair], motion: &Pose) -> f64 {
-    let moved = |pair: &Pair| Pair { point: motion.transform_point(pair.point), ..*pair };
-    let sum = pairs.iter().fold(0.0, |sum, pair| sum + moved(pair).residual().powi(2));
-    (sum / pairs.len().max(1) as f64).sqrt()
-}
-
-/// How badly points lie on the known surface: the sum of squared residuals of their pairs, in which each of
-/// the other points counts as one at `reach`.
-fn misfit(pairs: &[Pair], n_points: usize, reach: f64) -> f64 {
-    let n_alone = (n_points - pairs.len()) as f64;
-    n_alone * reach * reach + pairs.iter().map(|pair| pair.residual().powi(2)).sum::<f64>()
-}
-
-/// The angle that a motion turns by, radians.
-fn angle(motion: &Pose) -> f64 {
-    2.0 * motion.rotation().xyz().length().atan2(motion.rotation().w.abs())
 }

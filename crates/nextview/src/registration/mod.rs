@@ -7,7 +7,9 @@
 //! known of the pose, as of a part beside its CAD model. The formulas are in `docs/methods/registration.md`.
 
 mod anywhere;
+mod camera;
 mod config;
+mod fitting;
 mod gauge;
 mod icp;
 mod joint;

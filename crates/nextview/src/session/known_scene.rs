@@ -46,7 +46,7 @@ impl KnownScene {
         let &SessionConfig { voxel_size, sensor_model, rays, background, registration, .. } = config;
         let rules = MapRules { voxel_size, sensor_model, rays, background };
         let mut scene = Self {
-            locator: Locator::new(config.object_box, config.table, voxel_size, config.max_gap),
+            locator: Locator::new(config),
             map: ScanMap::new(rules, Place::default()),
             alignment: Alignment::new(registration, voxel_size)?,
             quality: Quality::new(config)?,

@@ -1,10 +1,11 @@
+use super::SessionConfig;
 use super::location::Location;
 use super::object_box::ObjectBox;
 use super::object_points::ObjectPoints;
 use super::other_body::{OtherBody, other_bodies};
 use super::planning_box::{as_deep_as_wide, growing_box};
 use super::scan_map::Place;
-use super::table::{ShownTable, Table, TableSearch};
+use super::table::{ShownTable, TableSearch};
 use crate::geometry::Aabb;
 use crate::sensor::Frame;
 use crate::{Cancel, Cancelled};
@@ -22,9 +23,11 @@ pub(super) struct Locator {
 }
 
 impl Locator {
-    /// For checked parameters; voxel size and gap in metres.
-    pub fn new(object_box: ObjectBox, table: Table, voxel_size: f64, max_gap: f64) -> Self {
-        let (table, points) = (TableSearch::new(table), ObjectPoints::new(voxel_size, max_gap));
+    /// For a checked configuration.
+    pub fn new(config: &SessionConfig) -> Self {
+        let &SessionConfig { object_box, table, registration, voxel_size, max_gap, .. } = config;
+        let pose_error = registration.enabled.then_some(registration.position_uncertainty);
+        let (table, points) = (TableSearch::new(table, pose_error), ObjectPoints::new(voxel_size, max_gap));
         Self { object_box, table, voxel_size, points, n_earlier: 0 }
     }
 

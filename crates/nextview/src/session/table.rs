@@ -18,7 +18,9 @@ pub enum Table {
     /// Nothing that the camera sees. The default.
     #[default]
     None,
-    /// A horizontal surface at this z, metres, finite.
+    /// A horizontal surface at this z, metres, finite. With [registration](crate::registration), poses are
+    /// uncertain and frames need not show it there: it is then where they do, as for [`Fitted`](Self::Fitted),
+    /// but at most as far away as poses may be wrong.
     #[serde(rename = "at-height-m")]
     AtHeight(f64),
     /// The largest surface that the first frame shows below the camera and less than 30 degrees from the
@@ -107,7 +109,7 @@ impl Table {
     /// The table, as far as the frames (oldest first) show it.
     #[cfg(test)]
     pub(super) fn find(self, frames: &[Frame], cancel: &Cancel) -> Result<Option<KnownTable>, Cancelled> {
-        let mut search = TableSearch::new(self);
+        let mut search = TableSearch::new(self, None);
         search.look(frames, cancel)?;
         Ok(search.known())
     }
@@ -118,25 +120,27 @@ impl Table {
 #[derive(Clone, Copy, Debug)]
 pub(super) struct TableSearch {
     table: Table,
+    /// How far poses may be wrong, metres; none if they are right.
+    pose_error: Option<f64>,
     is_first: bool,
     found: Option<PlaneFit>,
 }
 
 impl TableSearch {
-    /// Before the first frame.
-    pub fn new(table: Table) -> Self {
-        Self { table, is_first: true, found: None }
+    /// Before the first frame. `pose_error`: how far poses may be wrong, metres; none if they are right.
+    pub fn new(table: Table, pose_error: Option<f64>) -> Self {
+        Self { table, pose_error, is_first: true, found: None }
     }
 
     /// The same before the first frame.
     pub fn anew(&self) -> Self {
-        Self::new(self.table)
+        Self::new(self.table, self.pose_error)
     }
 
     /// Looks at more frames, oldest first; returns whether the table is another one now.
     pub fn look(&mut self, frames: &[Frame], cancel: &Cancel) -> Result<bool, Cancelled> {
         let before = self.known();
-        if self.table == Table::Fitted {
+        if self.table == Table::Fitted || self.stated().is_some() {
             for frame in frames {
                 cancel.check()?;
                 self.look_at(frame, cancel)?;
@@ -149,7 +153,10 @@ impl TableSearch {
         let camera = frame.world_from_camera().translation();
         let points = || frame.points().collect::<Vec<DVec3>>();
         if std::mem::take(&mut self.is_first) {
-            self.found = fit_ground_unless(&points(), camera, cancel)?;
+            self.found = match self.stated() {
+                Some((stated, distance)) => fit_ground_near(stated, distance, &points(), camera),
+                None => fit_ground_unless(&points(), camera, cancel)?,
+            };
         } else if let Some(found) = self.found.filter(|found| found.deviation > GOOD) {
             let shown = fit_ground_near(found.plane, POSE_ERROR, &points(), camera);
             self.found = shown.filter(|shown| shown.deviation < BETTER * found.deviation).or(self.found);
@@ -161,9 +168,18 @@ impl TableSearch {
     pub fn known(&self) -> Option<KnownTable> {
         match self.table {
             Table::None => None,
-            Table::AtHeight(z) => Plane::horizontal(z).ok().map(KnownTable::new),
+            Table::AtHeight(z) => {
+                let stated = || Plane::horizontal(z).ok().map(KnownTable::new);
+                self.found.map(KnownTable::fitted).or_else(stated)
+            }
             Table::Fitted => self.found.map(KnownTable::fitted),
         }
+    }
+
+    /// A table that is stated, and how far from there frames may show it, if they may.
+    fn stated(&self) -> Option<(Plane, f64)> {
+        let Table::AtHeight(z) = self.table else { return None };
+        Plane::horizontal(z).ok().zip(self.pose_error)
     }
 }
 

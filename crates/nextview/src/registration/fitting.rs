@@ -1,0 +1,261 @@
+//! Where a frame fits the surface known before: by the points that lie on it, and by what cameras looked
+//! through.
+
+use super::camera::Camera;
+use super::icp::{SearchReach, align, align_where_held, pairs};
+use super::normal_equations::NormalEquations;
+use super::pair::Pair;
+use super::point_tree::PointTree;
+use super::surface_points::SurfacePoint;
+use super::{GivenPoses, Registration, RegistrationConfig, Verdict};
+use crate::geometry::{Eigen, Pose};
+use crate::{Cancel, Cancelled};
+use glam::{DQuat, DVec3};
+use rayon::prelude::*;
+
+/// Search distances that an alignment begins with, as shares of the given pose's uncertainty: far points that
+/// overlap with nothing pull a frame that is nearly right to a wrong place. Of all poses of about the same
+/// misfit, up to this factor, the first counts, which is the nearest.
+const FIRST_REACHES: [f64; 3] = [0.25, 0.5, 1.0];
+const CLEARLY_WORSE: f64 = 1.05;
+
+/// Directions in which the surface is stiffer than this are firm: a table holds a frame up and level.
+const FIRM: f64 = 0.05;
+
+/// An axis that more than this share of the surface faces needs no search along it.
+const MOST: f64 = 0.5;
+
+/// The search begins in this many steps each way, together the position's uncertainty, with one of so many
+/// points, and goes on from so many places.
+const N_STEPS: usize = 4;
+const EVERY: usize = 5;
+const N_LIKELY: usize = 12;
+
+/// After the search, a frame is aligned also in directions that are held by this share of what is required
+/// otherwise: it cannot go far any more.
+const LOOSELY: f64 = 0.1;
+
+/// How much a point that is not known yet counts, in points that contradict: it is worse than one that fits.
+const NEW: f64 = 0.25;
+
+/// Fewer points on the known surface are no overlap, whatever their share.
+const LEAST_PAIRS: usize = 50;
+
+/// A frame beside the surface that earlier frames have shown.
+pub(super) struct Fitting<'a> {
+    pub config: &'a RegistrationConfig,
+    /// Search distances; the last one is that within which points lie on the surface.
+    pub reach: SearchReach,
+    /// What the frame shows, in the camera frame.
+    pub points: Vec<SurfacePoint>,
+    /// The frame's camera, in the given pose.
+    pub camera: Camera,
+    /// The known points, world coordinates.
+    pub known: Vec<DVec3>,
+    /// Of the known points.
+    pub tree: &'a PointTree,
+    /// The cameras that have shown the known points.
+    pub earlier: Vec<Camera>,
+    pub cancel: &'a Cancel,
+}
+
+/// A frame in a pose, before anything is said against it.
+#[derive(Clone, Copy, Debug)]
+struct Fit {
+    registration: Registration,
+    /// Number of its points that lie on the known surface.
+    n_pairs: usize,
+    /// Square metres.
+    misfit: f64,
+}
+
+impl Fitting<'_> {
+    /// Where the frame fits best, or the given pose and what speaks against that.
+    pub fn register(&self) -> Result<Registration, Cancelled> {
+        let best = self.best()?;
+        Ok(match self.objection(&best)? {
+            Some(verdict) => {
+                Registration { world_from_camera: self.camera.pose(), verdict, ..best.registration }
+            }
+            None => best.registration,
+        })
+    }
+
+    /// The nearest of the alignments of about the least misfit, among those as near as given poses are right,
+    /// if there are any.
+    fn best(&self) -> Result<Fit, Cancelled> {
+        let mut firsts = FIRST_REACHES.map(|share| (share * self.reach.first).max(self.reach.last)).to_vec();
+        firsts.dedup();
+        let mut fits = firsts.iter().map(|first| self.aligned(*first)).collect::<Result<Vec<_>, _>>()?;
+        fits.extend(self.searched()?);
+        let is_near = |fit: &Fit| self.is_near(&fit.registration.world_from_camera);
+        if fits.iter().any(is_near) {
+            fits.retain(is_near);
+        }
+        let least = fits.iter().map(|fit| fit.misfit).fold(f64::INFINITY, f64::min);
+        let nearest = fits.into_iter().find(|fit| fit.misfit <= CLEARLY_WORSE * least);
+        Ok(nearest.expect("the least misfit is no worse than itself"))
+    }
+
+    /// The frame aligned from the given pose, with a search distance that begins like this.
+    fn aligned(&self, first: f64) -> Result<Fit, Cancelled> {
+        let (given, reach) = (self.camera.pose(), SearchReach { first, ..self.reach });
+        let paired = |pose: &Pose, reach| self.pairs(pose, reach);
+        let (mut aligned, mut n_steps) = align(given, reach, paired)?;
+        let stiffness = self.stiffness(&aligned)?;
+        if stiffness < self.config.min_stiffness {
+            (aligned, n_steps) = align_where_held(given, reach, self.config.min_stiffness, paired)?;
+        }
+        self.fit(aligned, stiffness, n_steps)
+    }
+
+    /// The frame aligned from where its misfit is least, all over the places at which it may be: an alignment
+    /// from the given pose alone takes one face of a box for the next. None if no place is near enough.
+    fn searched(&self) -> Result<Option<Fit>, Cancelled> {
+        let thin = self.thinned();
+        let (firm, _) =
+            align_where_held(self.camera.pose(), self.reach, FIRM, |pose, reach| thin.pairs(pose, reach))?;
+        let step = self.config.position_uncertainty / N_STEPS as f64;
+        let mut places = thin.ranked(self.places(firm, step)?)?;
+        places.truncate(N_LIKELY);
+        let near = SearchReach { first: 1.5 * step.max(self.reach.last), ..self.reach };
+        let loosely = LOOSELY * self.config.min_stiffness;
+        let refine = |(_, place): &(f64, Pose)| {
+            Ok(align_where_held(*place, near, loosely, |pose, reach| thin.pairs(pose, reach))?.0)
+        };
+        let refined = places.par_iter().map(refine).collect::<Result<Vec<_>, Cancelled>>()?;
+        let Some(&(_, best)) = self.ranked(refined)?.first() else { return Ok(None) };
+        let last = SearchReach { first: self.reach.last, ..self.reach };
+        let (aligned, n_steps) =
+            align_where_held(best, last, loosely, |pose, reach| self.pairs(pose, reach))?;
+        self.fit(aligned, self.stiffness(&aligned)?, n_steps).map(Some)
+    }
+
+    /// The same with fewer points.
+    fn thinned(&self) -> Self {
+        let points = self.points.iter().step_by(EVERY).copied().collect();
+        let known = self.known.iter().step_by(EVERY).copied().collect();
+        Self { points, known, camera: self.camera.clone(), earlier: self.earlier.clone(), ..*self }
+    }
+
+    /// A grid of poses around this one, as far as the position is uncertain, along the axes that hold the
+    /// frame least.
+    fn places(&self, around: Pose, step: f64) -> Result<Vec<Pose>, Cancelled> {
+        let axes = loose_axes(&self.pairs(&around, self.reach.last)?);
+        let side = 2 * N_STEPS + 1;
+        let place = |number: usize| {
+            let along = |(i, axis): (usize, &DVec3)| {
+                *axis * step * ((number / side.pow(i as u32) % side) as f64 - N_STEPS as f64)
+            };
+            let shift = axes.iter().enumerate().map(along).sum();
+            Pose::new(DQuat::IDENTITY, shift).expect("finite steps along axes of unit length") * around
+        };
+        Ok((0..side.pow(axes.len() as u32)).map(place).collect())
+    }
+
+    /// The poses that are near enough with their misfits, the least first.
+    fn ranked(&self, mut poses: Vec<Pose>) -> Result<Vec<(f64, Pose)>, Cancelled> {
+        poses.retain(|pose| self.is_near(pose));
+        let with_misfit = poses.par_iter().map(|pose| Ok((self.misfit(pose)?, *pose)));
+        let mut ranked = with_misfit.collect::<Result<Vec<_>, Cancelled>>()?;
+        ranked.sort_by(|(a, _), (b, _)| a.total_cmp(b));
+        Ok(ranked)
+    }
+
+    /// The frame in a pose in which the surface holds it so firmly.
+    fn fit(&self, pose: Pose, stiffness: f64, n_iterations: usize) -> Result<Fit, Cancelled> {
+        let (given, pairs) = (self.camera.pose(), self.pairs(&pose, self.reach.last)?);
+        let motion = pose * given.inverse();
+        let [residual_before, residual_after] =
+            [motion.inverse(), Pose::IDENTITY].map(|to| residual(&pairs, &to));
+        let is_held = stiffness >= self.config.min_stiffness;
+        let registration = Registration {
+            world_from_camera: pose,
+            verdict: if is_held { Verdict::Aligned } else { Verdict::Sliding },
+            residual_before,
+            residual_after,
+            overlap: pairs.len() as f64 / self.points.len().max(1) as f64,
+            moved: pose.translation().distance(given.translation()),
+            turned: angle(&motion),
+            stiffness,
+            n_iterations,
+        };
+        Ok(Fit { registration, n_pairs: pairs.len(), misfit: self.misfit(&pose)? })
+    }
+
+    /// The first reason to leave the given pose, if there is one.
+    fn objection(&self, found: &Fit) -> Result<Option<Verdict>, Cancelled> {
+        let (config, Registration { world_from_camera, overlap, .. }) = (self.config, found.registration);
+        // A pose that was found from another image, elsewhere, is no rival.
+        let is_rival = config.given_poses != GivenPoses::Tracked;
+        Ok(if overlap < config.min_overlap || found.n_pairs < LEAST_PAIRS {
+            Some(Verdict::LittleOverlap)
+        } else if !self.is_near(&world_from_camera) {
+            Some(Verdict::TooFar)
+        } else if is_rival && found.misfit >= self.misfit(&self.camera.pose())? {
+            Some(Verdict::NoBetter)
+        } else {
+            None
+        })
+    }
+
+    /// Whether the given pose may be so wrong that this is the true one.
+    fn is_near(&self, pose: &Pose) -> bool {
+        let given = self.camera.pose();
+        pose.translation().distance(given.translation()) <= self.config.position_uncertainty
+            && angle(&(*pose * given.inverse())) <= self.config.rotation_uncertainty
+    }
+
+    /// How badly the frame in a pose fits, square metres: the sum of squared residuals of the points that lie
+    /// on the known surface, in which each contradiction counts as a residual of the whole reach, and each
+    /// other point as a quarter of that. Contradictions are points of the frame that an earlier camera looked
+    /// through, and known points that the frame's camera looks through.
+    fn misfit(&self, pose: &Pose) -> Result<f64, Cancelled> {
+        let (pairs, reach) = (self.pairs(pose, self.reach.last)?, self.reach.last);
+        let squares: f64 = pairs.iter().map(|pair| pair.residual().powi(2)).sum();
+        let n_new = (self.points.len() - pairs.len()) as f64;
+        let looked_through = |point: &&SurfacePoint| {
+            let point = pose.transform_point(point.position);
+            self.earlier.iter().any(|camera| camera.looks_through(point, reach))
+        };
+        let camera = self.camera.at(*pose);
+        let looks_through = |point: &&DVec3| camera.looks_through(**point, reach);
+        let n_contradictions = self.points.par_iter().filter(looked_through).count()
+            + self.known.par_iter().filter(looks_through).count();
+        Ok(squares + reach * reach * (NEW * n_new + n_contradictions as f64))
+    }
+
+    /// The points in a pose that lie on the known surface, within `reach` metres.
+    fn pairs(&self, pose: &Pose, reach: f64) -> Result<Vec<Pair>, Cancelled> {
+        pairs(&self.points, self.tree, pose, reach, self.cancel)
+    }
+
+    /// How well the known surface holds the frame in a pose.
+    fn stiffness(&self, pose: &Pose) -> Result<f64, Cancelled> {
+        let pairs = self.pairs(pose, self.reach.last)?;
+        Ok(NormalEquations::new(&pairs, self.reach.last).map_or(0.0, |equations| equations.stiffness()))
+    }
+}
+
+/// The axes that no more than half of a surface faces.
+fn loose_axes(pairs: &[Pair]) -> Vec<DVec3> {
+    let mut squares = [[0.0; 3]; 3];
+    for normal in pairs.iter().map(|pair| pair.normal.to_array()) {
+        (0..3).for_each(|i| (0..3).for_each(|j| squares[i][j] += normal[i] * normal[j]));
+    }
+    let eigen = Eigen::of(squares);
+    let axes = eigen.values.iter().zip(eigen.vectors);
+    axes.filter(|(sum, _)| **sum <= MOST * pairs.len() as f64).map(|(_, axis)| DVec3::from(axis)).collect()
+}
+
+/// Root mean square of the residuals after another motion, metres.
+fn residual(pairs: &[Pair], motion: &Pose) -> f64 {
+    let moved = |pair: &Pair| Pair { point: motion.transform_point(pair.point), ..*pair };
+    let sum = pairs.iter().fold(0.0, |sum, pair| sum + moved(pair).residual().powi(2));
+    (sum / pairs.len().max(1) as f64).sqrt()
+}
+
+/// The angle that a motion turns by, radians.
+fn angle(motion: &Pose) -> f64 {
+    2.0 * motion.rotation().xyz().length().atan2(motion.rotation().w.abs())
+}
