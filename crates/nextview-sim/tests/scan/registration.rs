@@ -204,6 +204,20 @@ fn ball() -> TriangleMesh {
     TriangleMesh::new((0..(n + 1) * m).map(corner).collect(), (0..n * m).flat_map(square).collect()).unwrap()
 }
 
+/// A brick of 50 x 78 x 51 mm on a plate of 1 m.
+fn brick_on_plate() -> TriangleMesh {
+    let corner = |i: u32| DVec3::new((i & 1) as f64 - 0.5, (i >> 1 & 1) as f64 - 0.5, (i >> 2) as f64);
+    let corners = (0..8).map(|i| corner(i) * DVec3::new(0.05, 0.078, 0.051));
+    let mut vertices = plate().vertices().to_vec();
+    let first = vertices.len() as u32;
+    vertices.extend(corners);
+    let faces = [[0, 1, 3, 2], [4, 6, 7, 5], [0, 4, 5, 1], [2, 3, 7, 6], [0, 2, 6, 4], [1, 5, 7, 3]];
+    let halves = faces.iter().flat_map(|&[a, b, c, d]| [[a, b, c], [a, c, d]]);
+    let mut triangles = plate().triangles().to_vec();
+    triangles.extend(halves.map(|triangle| triangle.map(|i| first + i)));
+    TriangleMesh::new(vertices, triangles).unwrap()
+}
+
 fn register(known: &[Frame], frame: &Frame) -> Registration {
     let bounds = Aabb::cube(DVec3::ZERO, 0.15);
     known_from(known, bounds).register(frame, bounds, &Cancel::default()).unwrap()
@@ -235,6 +249,24 @@ fn a_frame_that_could_slide_is_moved_only_where_it_is_held() {
                 assert!(rest.length() < 1e-3 && turn.z.abs() < 1e-3, "slides by {rest}, {}", turn.z);
             }
         }
+    }
+}
+
+/// Both frames show the top of a brick and one of its sides: with the next side in the place of that one,
+/// their surfaces would fit as well.
+#[test]
+fn a_box_is_found_where_cameras_did_not_look_through_it() {
+    let mesh = brick_on_plate();
+    let known = look(&mesh, DVec3::new(0.25, -0.2, 0.25));
+    let frame = look(&mesh, DVec3::new(0.25, 0.22, 0.2));
+    let truth = frame.world_from_camera();
+    let turn = DQuat::from_scaled_axis(DVec3::new(0.01, -0.02, 0.02));
+    for shift in [[0.03, 0.0, 0.01], [0.0, 0.03, -0.01], [-0.02, 0.02, 0.01], [0.0, -0.03, 0.0]] {
+        let wrong = Pose::new(turn * truth.rotation(), truth.translation() + DVec3::from(shift)).unwrap();
+        let found = register(std::slice::from_ref(&known), &frame.clone().with_pose(wrong));
+        let (off, turned) = error(&found.world_from_camera, &truth, DVec3::ZERO);
+        println!("off by {:.2} mm and {:.2} degrees", 1e3 * off, turned.to_degrees());
+        assert!(found.fits() && off < 0.002 && turned < 0.02, "{shift:?}: {off} {found:?}");
     }
 }
 
