@@ -28,8 +28,9 @@ fn depth(byte: u8) -> f32 {
 
 fn planner(source: &mut Source<'_>) -> Option<Box<dyn ViewPlanner>> {
     let name = source.pick(PlannerName::ALL);
-    // A network of thousands of cells takes a hundred times as long as all others.
-    let is_quick = name != PlannerName::NbvNet;
+    // Networks take a hundred times as long as all others.
+    let networks = [PlannerName::NbvNet, PlannerName::NbvRegression, PlannerName::PcNbv];
+    let is_quick = !networks.contains(&name);
     is_quick.then(|| name.build(PlannerConfigs::default(), 7, None).ok()).flatten()
 }
 

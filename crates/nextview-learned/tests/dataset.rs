@@ -2,13 +2,13 @@
 #![cfg(feature = "dataset")]
 #![allow(clippy::unwrap_used, reason = "helpers of tests")]
 
-use nextview_learned::nbv_net::dataset::{DatasetConfig, DatasetError, make};
+use nextview_learned::dataset::{DatasetConfig, DatasetError, NetworkName, make};
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 /// More than a file of objects.
-const CONFIG: DatasetConfig = DatasetConfig { objects: 65, seed: 0 };
+const CONFIG: DatasetConfig = DatasetConfig { network: NetworkName::NbvNet, objects: 65, seed: 0 };
 
 const FILES: [&str; 3] = ["dataset.toml", "objects-0000000.npy", "objects-0000064.npy"];
 
@@ -62,16 +62,17 @@ fn a_data_set_is_the_same_bytes_for_any_number_of_threads_and_after_interruption
 #[test]
 fn a_data_set_is_neither_overwritten_nor_mixed_with_another() {
     let Folder(folder) = &Folder::new("dataset-other");
-    let one = DatasetConfig { objects: 1, seed: 0 };
+    let one = DatasetConfig { objects: 1, ..CONFIG };
     make(&one, folder, false, || ()).unwrap();
     let before = fs::read(folder.join(FILES[1])).unwrap();
     let error = |config, resume| make(&config, folder, resume, || ()).unwrap_err();
     assert!(matches!(error(one, false), DatasetError::Exists { .. }));
-    for other in [DatasetConfig { objects: 2, ..one }, DatasetConfig { seed: 3, ..one }] {
+    let of_another = DatasetConfig { network: NetworkName::PcNbv, ..one };
+    for other in [DatasetConfig { objects: 2, ..one }, DatasetConfig { seed: 3, ..one }, of_another] {
         let error = error(other, true);
         assert!(matches!(&error, DatasetError::Differs { found, .. } if *found == one));
         assert!(
-            error.to_string().ends_with("dataset.toml: the data set has objects = 1, seed = 0"),
+            error.to_string().ends_with("dataset.toml: the data set has objects = 1, seed = 0, for NbvNet"),
             "{error}"
         );
     }

@@ -90,7 +90,7 @@ impl SavedMap {
             );
             return Err(Fault::request(message).with_remedy("use it in a scan"));
         }
-        if planner == PlannerName::NbvNet {
+        if planner.names_views_of_nothing() {
             check_shows_object(&self.snapshot)?;
         }
         let mut planner = planner.build(configs, seed, None)?;
@@ -211,14 +211,15 @@ fn suitable_box(octree: &Octree, lattice: &Lattice, map: &Path) -> Result<Aabb, 
     Err(fault.with_remedy(remedy))
 }
 
-/// Fails if the box, which is NBV-Net's grid, shows nothing of an object: the network would name a view all
-/// the same.
+/// Fails if the box, which is what a network sees, shows nothing of an object: it would name a view all the
+/// same.
 fn check_shows_object(snapshot: &Snapshot) -> Result<(), Fault> {
     if snapshot.count(Occupancy::Occupied) > 0 {
         return Ok(());
     }
     let bounds = snapshot.lattice().bounds(&snapshot.block());
     let place = format!("from {:.3} to {:.3} m", bounds.min, bounds.max);
-    let message = format!("the object is outside NBV-Net's grid: no occupied voxel in the box {place}");
+    let message =
+        format!("the object is outside the box that the network sees: no occupied voxel in the box {place}");
     Err(Fault::data(message).with_remedy("state the cube that it lies in as `box`"))
 }

@@ -2,37 +2,51 @@ use super::campaign::counted;
 use crate::progress::Progress;
 use crate::{Failure, stdout};
 use clap::{Args, Subcommand};
-use nextview_learned::nbv_net::dataset::{self, DatasetConfig, DatasetError};
+use nextview_learned::dataset::{self, DatasetConfig, DatasetError, NetworkName};
 use std::path::PathBuf;
 
 /// Make training data for learned planners.
+///
+/// The simulated camera looks at random objects, which no benchmark has, up to eight times each: from
+/// anywhere, from one of the network's views, or from the best of them. Each view gives a sample: the state
+/// known then, and what each of the network's views would truly show. The same objects and seed give the same
+/// bytes, for any number of threads and interruptions.
 #[derive(Debug, Subcommand)]
-#[command(after_help = "Example:\n  nextview dataset nbv-net --out nbv-data")]
+#[command(after_help = EXAMPLES)]
 pub(super) enum DatasetCommand {
-    NbvNet(NbvNetArgs),
+    /// For NBV-Net: the known grid after a few views of an object, and the best of 14 views
+    ///
+    /// A sample has 33 kB, so 8000 objects make 2 GB.
+    #[command(after_help = NBV_NET)]
+    NbvNet(DatasetArgs),
+    /// For NBV regression: the known grid after a few views of an object, and the best of 128 views
+    ///
+    /// A sample has 34 kB, so 8000 objects make 2 GB.
+    #[command(after_help = NBV_REGRESSION)]
+    NbvRegression(DatasetArgs),
+    /// For PC-NBV: points after a few views of an object, and what each of 33 views would show
+    ///
+    /// A sample has 1.8 kB, so 8000 objects make 0.1 GB.
+    #[command(after_help = PC_NBV)]
+    PcNbv(DatasetArgs),
 }
 
 impl DatasetCommand {
     pub fn run(self) -> Result<(), Failure> {
         match self {
-            Self::NbvNet(args) => args.run(),
+            Self::NbvNet(args) => args.run(NetworkName::NbvNet),
+            Self::NbvRegression(args) => args.run(NetworkName::NbvRegression),
+            Self::PcNbv(args) => args.run(NetworkName::PcNbv),
         }
     }
 }
 
-/// Make training data for NBV-Net: the known grid after a few views of an object, and the best of 14 views.
-///
-/// The simulated camera looks at random objects, which no benchmark has, up to eight times each: from
-/// anywhere, from one of the 14 views, or from the best of them. Each view gives a sample: the known grid,
-/// and what each of the 14 would truly show. The same objects and seed give the same bytes, for any number of
-/// threads and interruptions.
 #[derive(Debug, Args)]
-#[command(after_help = EXAMPLES)]
-pub(super) struct NbvNetArgs {
+pub(super) struct DatasetArgs {
     /// Folder for the data set
     #[arg(long, value_name = "DIR")]
     out: PathBuf,
-    /// Number of objects, each of which gives up to eight examples of 33 kB: 2 GB by default
+    /// Number of objects, each of which gives up to eight examples
     #[arg(long, value_name = "N", default_value = "8000", value_parser = clap::value_parser!(u32).range(1..=1_000_000), allow_negative_numbers = true)]
     objects: u32,
     /// Seed of the objects and the views
@@ -44,19 +58,39 @@ pub(super) struct NbvNetArgs {
 }
 
 const EXAMPLES: &str = "\
+Example:
+  nextview dataset nbv-net --out nbv-data
+
+The folder holds dataset.toml and files of 64 objects, each a NumPy array of records: object (its
+number), n_views (taken so far), label (the best view), seen and gains (surface voxels that each
+view sees, and those of them that are new) and the network's input.";
+
+const NBV_NET: &str = "\
 Examples:
   nextview dataset nbv-net --out nbv-data
   nextview dataset nbv-net --out nbv-data --resume         resume after an interruption
   nextview dataset nbv-net --out other --objects 100 --seed 1
 
-The folder holds dataset.toml and files of 64 objects, each a NumPy array of records: object (its
-number), n_views (taken so far), label (the best view, 0 to 13), seen and gains (surface voxels
-that each view sees, and those of them that are new) and grid (32 x 32 x 32 cells, x slowest;
-P(occupied) times 254). training/nbv_net.py learns from it.";
+Input: grid (32 x 32 x 32 cells, x slowest; P(occupied) times 254). training/nbv_net.py learns
+from it.";
 
-impl NbvNetArgs {
-    pub fn run(self) -> Result<(), Failure> {
-        let config = DatasetConfig { objects: self.objects, seed: self.seed };
+const NBV_REGRESSION: &str = "\
+Example:
+  nextview dataset nbv-regression --out regression-data
+
+Input: grid (32 x 32 x 32 cells, x slowest; P(occupied) times 254). training/nbv_regression.py
+learns from it.";
+
+const PC_NBV: &str = "\
+Example:
+  nextview dataset pc-nbv --out pc-data
+
+Input: surface (voxels of the object), visited (which of the 33 views) and points (128, in units of
+the box). training/pc_nbv.py learns from it.";
+
+impl DatasetArgs {
+    fn run(self, network: NetworkName) -> Result<(), Failure> {
+        let config = DatasetConfig { network, objects: self.objects, seed: self.seed };
         let progress = Progress::new("scanning objects", config.objects as usize);
         dataset::make(&config, &self.out, self.resume, || progress.step()).map_err(failure)?;
         drop(progress);

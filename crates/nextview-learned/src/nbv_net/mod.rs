@@ -2,20 +2,14 @@
 //! object reconstruction*, Pattern Recognition Letters 2020): a 3D convolutional network that takes the known
 //! state of the box around an object and chooses one of 14 views.
 //!
-//! Start with the planner [`NbvNet`]; its input is a [`Grid`], its output one of the [`views`]. How its
-//! weights were learned is described in `docs/methods/nbv-net.md`.
+//! Start with the planner [`NbvNet`]; its input is a [`Grid`](crate::Grid), its output one of the [`views`].
+//! How its weights were learned is described in `docs/methods/nbv-net.md`.
 
-#[cfg(feature = "dataset")]
-pub mod dataset;
-mod error;
-mod grid;
-mod layout;
 mod network;
 mod planner;
 pub mod views;
-mod weights;
 
-pub use error::{Shape, WeightsError};
-pub use grid::Grid;
 pub use network::Network;
+#[cfg(test)]
+pub(crate) use network::layout;
 pub use planner::NbvNet;

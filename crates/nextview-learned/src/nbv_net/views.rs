@@ -1,16 +1,9 @@
 //! The 14 views that NBV-Net knows: its classes.
 
 use glam::DVec3;
-use nextview::Error;
-use nextview::geometry::{Aabb, Pose};
-use nextview::view::look_at;
 
 /// Number of views.
 pub const N_VIEWS: usize = 14;
-
-/// How far they are from the centre of the box, in halves of its longest side: in the middle of the paper's
-/// shell of candidates. The network is trained with views from there.
-pub const DISTANCE: f64 = 2.5;
 
 /// Where view `k` is as seen from the centre of the box: point `k` of a spiral of 20 on the unit sphere,
 ///
@@ -39,17 +32,6 @@ pub const DIRECTIONS: [DVec3; N_VIEWS] = [
     DVec3::new(0.519_004_528_094_695, -0.779_829_660_770_352, -0.35),
 ];
 
-/// Where the cameras of the views stand around a box, metres.
-pub fn positions(bounds: &Aabb) -> [DVec3; N_VIEWS] {
-    let distance = 0.5 * DISTANCE * bounds.longest_side();
-    DIRECTIONS.map(|direction| bounds.center() + distance * direction)
-}
-
-/// Their poses: all look at the centre of the box. Fails if one is beyond [`Pose::REACH`].
-pub fn poses(bounds: &Aabb) -> Result<Vec<Pose>, Error> {
-    positions(bounds).into_iter().map(|position| look_at(position, bounds.center())).collect()
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -72,16 +54,5 @@ mod tests {
             "as published"
         );
         assert!((DIRECTIONS[13] * 0.4).abs_diff_eq(DVec3::new(0.207602, -0.311932, -0.14), 1e-6));
-    }
-
-    #[test]
-    fn views_stand_around_the_box_and_look_at_its_centre() {
-        let bounds = Aabb { min: DVec3::new(0.1, 0.0, -0.1), max: DVec3::new(0.3, 0.1, 0.0) };
-        for (pose, direction) in poses(&bounds).unwrap().iter().zip(DIRECTIONS) {
-            let offset = pose.translation() - bounds.center();
-            assert!((offset.length() - 0.25).abs() < 1e-12);
-            assert!(offset.normalize().distance(direction) < 1e-12);
-            assert!((pose.rotation() * DVec3::Z).distance(-direction) < 1e-12);
-        }
     }
 }

@@ -11,7 +11,8 @@ pub(super) fn section_of(planner: &PlannerChoice) -> Option<&'static str> {
         Some(Name::MaxFlow | Name::Local) => Some("max_flow"),
         Some(Name::Batch) => Some("batch"),
         Some(Name::NbvNet) => Some("nbv_net"),
-        Some(Name::PbNbv | Name::See | Name::EvenViews | Name::Inspection) => None,
+        Some(Name::PbNbv | Name::See | Name::NbvRegression | Name::PcNbv) => None,
+        Some(Name::EvenViews | Name::Inspection) => None,
         Some(Name::InOrder | Name::Random | Name::Clairvoyant) => None,
         // Those named after a gain, and those written in Python.
         _ => Some("greedy"),

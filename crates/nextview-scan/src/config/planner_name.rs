@@ -11,6 +11,8 @@ use nextview::planner::{
 };
 use nextview_learned::kaba::Kaba;
 use nextview_learned::nbv_net::{NbvNet, Network};
+use nextview_learned::nbv_regression::NbvRegression;
+use nextview_learned::pc_nbv::PcNbv;
 use serde::{Deserialize, Serialize};
 use std::path::PathBuf;
 
@@ -37,6 +39,8 @@ named! {
         RecedingHorizon = "receding-horizon": "First view of the best branch of a random tree, Bircher et al. 2016",
         Kaba = "kaba": "Gain less the boundary left, as weighed by reinforcement learning, Kaba et al. 2017",
         NbvNet = "nbv-net": "NBV-Net, Mendoza et al. 2020: the one of 14 views chosen by a network",
+        NbvRegression = "nbv-regression": "A direction named by a network, Vasquez-Gomez et al. 2021",
+        PcNbv = "pc-nbv": "PC-NBV, Zeng et al. 2020: the one of 33 views of most new surface, by a network",
         Batch = "batch": "Several views at once that together show most, and the shortest tour through them",
         EvenViews = "even-views": "Views from all around: the direction farthest from all taken; for reference views",
         Inspection = "inspection": "Knows the part's CAD model: the fewest views that show its surfaces as required",
@@ -102,6 +106,11 @@ impl PlannerName {
         !self.needs_frames() && self != Self::Clairvoyant
     }
 
+    /// Whether the planner names a view even where nothing of an object was seen: a network does.
+    pub(crate) fn names_views_of_nothing(self) -> bool {
+        matches!(self, Self::NbvNet | Self::NbvRegression | Self::PcNbv)
+    }
+
     /// Whether the planner estimates how complete the scan is, which some rules to stop need.
     pub fn estimates_completeness(self) -> bool {
         self == Self::MostSurface
@@ -135,6 +144,8 @@ impl PlannerName {
             Self::RecedingHorizon => Box::new(RecedingHorizon::new(greedy.ray_spacing, seed)?),
             Self::Kaba => Box::new(Kaba::new(greedy.ray_spacing)?),
             Self::NbvNet => Box::new(nbv_net.planner()?),
+            Self::NbvRegression => Box::new(NbvRegression::default()),
+            Self::PcNbv => Box::new(PcNbv::default()),
             Self::Batch => Box::new(Batch::new(batch)?),
             Self::EvenViews => Box::new(EvenViews),
             Self::Inspection => inspection(reference)?,

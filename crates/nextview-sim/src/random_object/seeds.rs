@@ -16,6 +16,12 @@ pub const NBV_NET: Range<u64> = 1 << 60..1 << 61;
 /// which it is compared.
 pub const KABA: Range<u64> = 1 << 61..1 << 62;
 
+/// Data sets for NBV regression, in blocks as those for NBV-Net.
+pub const NBV_REGRESSION: Range<u64> = 1 << 62..3 << 61;
+
+/// Data sets for PC-NBV, likewise.
+pub const PC_NBV: Range<u64> = 3 << 61..1 << 63;
+
 /// Objects with a name: `builtin:random-N` is the object of seed 2^63 + N.
 pub const NAMED: RangeInclusive<u64> = 1 << 63..=u64::MAX;
 
@@ -30,7 +36,7 @@ mod tests {
 
     #[test]
     fn no_two_ranges_share_a_seed() {
-        let training = [PRIOR, PRIOR_HELD_OUT, NBV_NET, KABA];
+        let training = [PRIOR, PRIOR_HELD_OUT, NBV_NET, KABA, NBV_REGRESSION, PC_NBV];
         let mut ranges: Vec<(u64, u64)> = training.iter().map(|range| (range.start, range.end - 1)).collect();
         ranges.push((*NAMED.start(), *NAMED.end()));
         ranges.sort_unstable();

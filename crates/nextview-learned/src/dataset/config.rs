@@ -1,9 +1,13 @@
+use super::NetworkName;
 use serde::{Deserialize, Serialize};
 
 /// The configuration of a data set.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct DatasetConfig {
+    /// The network to train. Data sets that do not state it are for NBV-Net.
+    #[serde(default)]
+    pub network: NetworkName,
     /// Number of objects.
     pub objects: u32,
     /// Seed of the objects and of their scans.

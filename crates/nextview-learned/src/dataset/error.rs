@@ -14,7 +14,10 @@ pub enum DatasetError {
         path: PathBuf,
     },
     /// The folder holds another data set.
-    #[error("{}: the data set has objects = {}, seed = {}", path.display(), found.objects, found.seed)]
+    #[error(
+        "{}: the data set has objects = {}, seed = {}, for {:?}",
+        path.display(), found.objects, found.seed, found.network
+    )]
     Differs {
         /// The configuration of that data set.
         path: PathBuf,

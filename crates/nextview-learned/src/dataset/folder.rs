@@ -1,7 +1,7 @@
-use super::DatasetConfig;
 use super::error::DatasetError;
 use super::npy;
 use super::sample::Sample;
+use super::{DatasetConfig, NetworkName};
 use std::fs::{self, File};
 use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
@@ -21,7 +21,7 @@ impl Folder {
             check_same(&path, config, resume)?;
         } else {
             fs::create_dir_all(dir).map_err(|error| failed(dir, error))?;
-            let text = toml::to_string(config).expect("two numbers");
+            let text = toml::to_string(config).expect("a name and two numbers");
             replace(&path, |writer| writer.write_all(text.as_bytes()))?;
         }
         Ok(Self(dir.to_owned()))
@@ -33,8 +33,8 @@ impl Folder {
     }
 
     /// Writes the samples of this object and those after it.
-    pub fn write(&self, first: u32, samples: &[Sample]) -> Result<(), DatasetError> {
-        replace(&self.file(first), |writer| npy::write(writer, samples))
+    pub fn write(&self, first: u32, network: NetworkName, samples: &[Sample]) -> Result<(), DatasetError> {
+        replace(&self.file(first), |writer| npy::write(writer, network, samples))
     }
 
     fn file(&self, first: u32) -> PathBuf {

@@ -4,8 +4,10 @@
 //! The reader is our own, since the checks are its main part and the format takes a few lines: the crate of
 //! its authors would bring more than it saves.
 
-use super::error::{Shape, WeightsError};
-use super::layout::layout;
+mod error;
+
+pub use error::{Shape, WeightsError};
+
 use half::f16;
 use serde::Deserialize;
 use std::collections::BTreeMap;
@@ -17,6 +19,15 @@ pub(crate) struct Layer {
     pub bias: Vec<f32>,
 }
 
+/// The layers of a network. A file of its weights has a tensor `weight` and a tensor `bias` of each.
+#[derive(Clone, Debug)]
+pub(crate) struct Layout {
+    /// Its name.
+    pub network: &'static str,
+    /// Names of the layers, from the first to the last, and the shapes of their weights.
+    pub layers: Vec<(String, Vec<usize>)>,
+}
+
 /// A tensor as the header describes it.
 #[derive(Debug, Deserialize)]
 struct Entry {
@@ -26,11 +37,11 @@ struct Entry {
     data_offsets: [usize; 2],
 }
 
-/// Longest header, bytes: fifty times that of NBV-Net.
+/// Longest header, bytes: thirty times that of the network of most layers.
 const MAX_HEADER: u64 = 100_000;
 
-/// The layers of NBV-Net, from the first to the last.
-pub(crate) fn read(file: &[u8]) -> Result<Vec<Layer>, WeightsError> {
+/// The layers of a network, from the first to the last.
+pub(crate) fn read(file: &[u8], layout: &Layout) -> Result<Vec<Layer>, WeightsError> {
     let (mut entries, data) = split(file)?;
     let mut take = |name: String, shape: Vec<usize>| {
         let expected = Shape(shape);
@@ -40,12 +51,15 @@ pub(crate) fn read(file: &[u8]) -> Result<Vec<Layer>, WeightsError> {
         }
     };
     let mut layers = Vec::new();
-    for (name, shape) in layout() {
+    for (name, shape) in &layout.layers {
         let bias = take(format!("{name}.bias"), vec![shape[0]])?;
-        layers.push(Layer { weight: take(format!("{name}.weight"), shape)?, bias });
+        layers.push(Layer { weight: take(format!("{name}.weight"), shape.clone())?, bias });
     }
     match entries.into_keys().next() {
-        Some(name) => Err(WeightsError::Unknown { name }),
+        Some(name) => {
+            let expected = layout.layers.iter().map(|(name, _)| name.clone()).collect();
+            Err(WeightsError::Unknown { name, network: layout.network, expected })
+        }
         None => Ok(layers),
     }
 }
@@ -118,19 +132,19 @@ pub(crate) mod tests {
     /// A tensor of a made-up file: its name, type, shape and bytes.
     type Tensor = (String, &'static str, Vec<usize>, Vec<u8>);
 
-    /// The tensors of a network with small random weights, in single precision.
-    pub fn tensors(seed: u64) -> Vec<Tensor> {
+    /// The tensors of such a network with small random weights, in single precision.
+    pub fn tensors(seed: u64, layout: &Layout) -> Vec<Tensor> {
         let mut random = Random::new(seed, 0);
         let mut tensor = |name: String, shape: Vec<usize>, bound: f64| {
             let n = shape.iter().product();
             let numbers: Vec<f32> = (0..n).map(|_| random.range(-bound, bound) as f32).collect();
             (name, "F32", shape, numbers.iter().flat_map(|number| number.to_le_bytes()).collect())
         };
-        let layers = layout().flat_map(|(name, shape)| {
+        let layers = layout.layers.iter().flat_map(|(name, shape)| {
             // This bound keeps the magnitude of the values about the same from layer to layer.
             let bound = (6.0 / shape[1..].iter().product::<usize>() as f64).sqrt();
             let bias = tensor(format!("{name}.bias"), vec![shape[0]], 0.1);
-            [tensor(format!("{name}.weight"), shape, bound), bias]
+            [tensor(format!("{name}.weight"), shape.clone(), bound), bias]
         });
         layers.collect()
     }
@@ -149,29 +163,33 @@ pub(crate) mod tests {
         [&(header.len() as u64).to_le_bytes()[..], &header, &data].concat()
     }
 
+    fn nbv_net() -> Layout {
+        crate::nbv_net::layout()
+    }
+
     /// The error message for the tensors of seed 0 after a change.
     fn refusal(change: impl FnOnce(&mut Vec<Tensor>)) -> String {
-        let mut tensors = tensors(0);
+        let mut tensors = tensors(0, &nbv_net());
         change(&mut tensors);
-        read(&file(&tensors)).unwrap_err().to_string()
+        read(&file(&tensors), &nbv_net()).unwrap_err().to_string()
     }
 
     #[test]
     fn reads_single_and_half_precision_in_any_order() {
-        let mut tensors = tensors(1);
-        let layers = read(&file(&tensors)).unwrap();
+        let mut tensors = tensors(1, &nbv_net());
+        let layers = read(&file(&tensors), &nbv_net()).unwrap();
         assert_eq!(
             layers.iter().map(|layer| layer.bias.len()).collect::<Vec<_>>(),
             [10, 12, 8, 1500, 500, 100, 50, 14]
         );
         assert_eq!(layers.iter().map(|l| l.weight.len() + l.bias.len()).sum::<usize>(), 1_581_996);
         tensors.reverse();
-        assert_eq!(read(&file(&tensors)).unwrap(), layers);
+        assert_eq!(read(&file(&tensors), &nbv_net()).unwrap(), layers);
         for (_, dtype, _, bytes) in &mut tensors {
             let numbers = bytes.chunks_exact(4).map(|b| f32::from_le_bytes(b.try_into().unwrap()));
             (*dtype, *bytes) = ("F16", numbers.flat_map(|x| f16::from_f32(x).to_le_bytes()).collect());
         }
-        let halved = read(&file(&tensors)).unwrap();
+        let halved = read(&file(&tensors), &nbv_net()).unwrap();
         for (half, single) in halved.iter().zip(&layers) {
             let pairs = half.weight.iter().zip(&single.weight).chain(half.bias.iter().zip(&single.bias));
             pairs.for_each(|(a, b)| assert!((a - b).abs() <= 5e-4 * b.abs() + 1e-7, "{a} {b}"));
@@ -205,8 +223,8 @@ pub(crate) mod tests {
 
     #[test]
     fn says_where_a_file_is_damaged() {
-        let whole = file(&tensors(2));
-        let message = |bytes: &[u8]| read(bytes).unwrap_err().to_string();
+        let whole = file(&tensors(2, &nbv_net()));
+        let message = |bytes: &[u8]| read(bytes, &nbv_net()).unwrap_err().to_string();
         for (n, expected) in
             [(0, "the file: has 0 bytes"), (7, "has 7 bytes"), (500, "the header: has 492 of")]
         {

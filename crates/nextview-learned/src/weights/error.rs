@@ -20,11 +20,16 @@ pub enum WeightsError {
     },
     /// A tensor that the network does not have.
     #[error(
-        "there is a tensor {name}, expected those of NBV-Net alone: conv1 to conv3 and fc1 to fc5, weight and bias"
+        "there is a tensor {name}, expected those of {network} alone: weight and bias of {}",
+        expected.join(", ")
     )]
     Unknown {
         /// Its name.
         name: String,
+        /// The name of the network.
+        network: &'static str,
+        /// The names of its layers.
+        expected: Vec<String>,
     },
     /// A tensor has another shape.
     #[error("the tensor {name} has the shape {found}, expected {expected}")]

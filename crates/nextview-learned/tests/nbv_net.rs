@@ -10,7 +10,8 @@ use nextview::map::{LogOdds, Snapshot};
 use nextview::planner::{Plan, Situation, ViewPlanner};
 use nextview::sensor::Intrinsics;
 use nextview::view::{ViewSpace, generate, look_at};
-use nextview_learned::nbv_net::{Grid, NbvNet, Network, views};
+use nextview_learned::nbv_net::{NbvNet, Network, views};
+use nextview_learned::{Grid, fixed_views};
 
 /// A box of 26 voxels of 1 cm a side in which a slab is known.
 fn snapshot() -> Snapshot {
@@ -41,7 +42,7 @@ fn ranking(snapshot: &Snapshot) -> Vec<usize> {
 fn candidates(snapshot: &Snapshot) -> ViewSpace {
     let bounds = snapshot.lattice().bounds(&snapshot.block());
     let mut random = Random::new(4, 0);
-    let poses = views::positions(&bounds).into_iter().rev().flat_map(|position| {
+    let poses = fixed_views::positions(&bounds, &views::DIRECTIONS).into_iter().rev().flat_map(|position| {
         let near = position + 0.01 * random.in_cube();
         [near, position + 0.1 * random.in_cube().normalize()].map(|at| look_at(at, DVec3::ZERO).unwrap())
     });

@@ -1,0 +1,70 @@
+//! Views around the box in fixed directions: what networks choose from, and what they are trained with.
+
+use glam::DVec3;
+use nextview::Error;
+use nextview::geometry::{Aabb, Pose};
+use nextview::planner::{Choice, Situation};
+use nextview::view::look_at;
+
+/// How far the views are from the centre of the box, in halves of its longest side: in the middle of the
+/// paper's shell of candidates.
+pub const DISTANCE: f64 = 2.5;
+
+/// Where the cameras in these directions stand around a box, metres.
+pub fn positions(bounds: &Aabb, directions: &[DVec3]) -> Vec<DVec3> {
+    let distance = 0.5 * DISTANCE * bounds.longest_side();
+    directions.iter().map(|direction| bounds.center() + distance * direction).collect()
+}
+
+/// Their poses: all look at the centre of the box. Fails if one is beyond [`Pose::REACH`].
+pub fn poses(bounds: &Aabb, directions: &[DVec3]) -> Result<Vec<Pose>, Error> {
+    positions(bounds, directions).into_iter().map(|position| look_at(position, bounds.center())).collect()
+}
+
+/// The candidate within reach that is nearest to each view, visited or not, the first on ties; none if there
+/// is no candidate within reach.
+pub(crate) fn stand_ins(situation: &Situation<'_>, directions: &[DVec3]) -> Vec<Option<usize>> {
+    let (snapshot, views) = (situation.snapshot(), situation.views());
+    let bounds = snapshot.lattice().bounds(&snapshot.block());
+    let nearest = |position: DVec3| {
+        let candidates = (0..views.len()).filter(|&view| situation.can_go(view));
+        let distances =
+            candidates.map(|view| (views.pose(view).translation().distance_squared(position), view));
+        distances.min_by(|(a, _), (b, _)| a.total_cmp(b)).map(|(_, view)| view)
+    };
+    positions(&bounds, directions).into_iter().map(nearest).collect()
+}
+
+/// The stand-in of the view of the highest score among those whose stand-ins were not visited, the first on
+/// ties; the runner-up is the next other one. Views without a score are left out.
+pub(crate) fn choice(
+    situation: &Situation<'_>,
+    stand_ins: &[Option<usize>],
+    scores: &[Option<f64>],
+) -> Option<Choice> {
+    let is_open = |candidate: &usize| !situation.visited().contains(candidate);
+    let scored = stand_ins.iter().zip(scores);
+    let mut open: Vec<(usize, f64)> =
+        scored.filter_map(|(candidate, &score)| Some((candidate.filter(is_open)?, score?))).collect();
+    open.sort_by(|(_, a), (_, b)| b.total_cmp(a));
+    let &(best, score) = open.first()?;
+    let runner_up = open.iter().map(|&(other, _)| other).find(|&other| other != best);
+    Some(Choice { runner_up, ..Choice::new(best, score) })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::nbv_net::views::DIRECTIONS;
+
+    #[test]
+    fn views_stand_around_the_box_and_look_at_its_centre() {
+        let bounds = Aabb { min: DVec3::new(0.1, 0.0, -0.1), max: DVec3::new(0.3, 0.1, 0.0) };
+        for (pose, direction) in poses(&bounds, &DIRECTIONS).unwrap().iter().zip(DIRECTIONS) {
+            let offset = pose.translation() - bounds.center();
+            assert!((offset.length() - 0.25).abs() < 1e-12);
+            assert!(offset.normalize().distance(direction) < 1e-12);
+            assert!((pose.rotation() * DVec3::Z).distance(-direction) < 1e-12);
+        }
+    }
+}
