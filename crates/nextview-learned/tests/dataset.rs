@@ -72,7 +72,7 @@ fn a_data_set_is_neither_overwritten_nor_mixed_with_another() {
         let error = error(other, true);
         assert!(matches!(&error, DatasetError::Differs { found, .. } if *found == one));
         assert!(
-            error.to_string().ends_with("dataset.toml: the data set has objects = 1, seed = 0, for NbvNet"),
+            error.to_string().ends_with("dataset.toml: the data set has objects = 1, seed = 0, for nbv-net"),
             "{error}"
         );
     }

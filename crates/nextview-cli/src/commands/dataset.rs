@@ -11,23 +11,30 @@ use std::path::PathBuf;
 /// anywhere, from one of the network's views, or from the best of them. Each view gives a sample: the state
 /// known then, and what each of the network's views would truly show. The same objects and seed give the same
 /// bytes, for any number of threads and interruptions.
+///
+/// The folder holds dataset.toml and files of 64 objects, each a NumPy array of records: object (its number),
+/// n_views (taken so far), label (the best view), seen and gains (surface voxels that each view sees, and
+/// those of them that are new) and the network's input.
 #[derive(Debug, Subcommand)]
-#[command(after_help = EXAMPLES)]
+#[command(after_help = "Example:\n  nextview dataset nbv-net --out nbv-data")]
 pub(super) enum DatasetCommand {
     /// For NBV-Net: the known grid after a few views of an object, and the best of 14 views
     ///
-    /// A sample has 33 kB, so 8000 objects make 2 GB.
-    #[command(after_help = NBV_NET)]
+    /// Input: grid (32 x 32 x 32 cells, x slowest; P(occupied) times 254). A sample has 33 kB, so 8000
+    /// objects make 2 GB. training/nbv_net.py learns from it.
+    #[command(after_help = EXAMPLES)]
     NbvNet(DatasetArgs),
     /// For NBV regression: the known grid after a few views of an object, and the best of 128 views
     ///
-    /// A sample has 34 kB, so 8000 objects make 2 GB.
-    #[command(after_help = NBV_REGRESSION)]
+    /// Input: grid (32 x 32 x 32 cells, x slowest; P(occupied) times 254). A sample has 34 kB, so 8000
+    /// objects make 2 GB. training/nbv_regression.py learns from it.
+    #[command(after_help = "Example:\n  nextview dataset nbv-regression --out regression-data")]
     NbvRegression(DatasetArgs),
     /// For PC-NBV: points after a few views of an object, and what each of 33 views would show
     ///
-    /// A sample has 1.8 kB, so 8000 objects make 0.1 GB.
-    #[command(after_help = PC_NBV)]
+    /// Input: surface (voxels of the object), visited (which of the 33 views) and points (128, in units of
+    /// the box). A sample has 1.8 kB, so 8000 objects make 0.1 GB. training/pc_nbv.py learns from it.
+    #[command(after_help = "Example:\n  nextview dataset pc-nbv --out pc-data")]
     PcNbv(DatasetArgs),
 }
 
@@ -58,35 +65,10 @@ pub(super) struct DatasetArgs {
 }
 
 const EXAMPLES: &str = "\
-Example:
-  nextview dataset nbv-net --out nbv-data
-
-The folder holds dataset.toml and files of 64 objects, each a NumPy array of records: object (its
-number), n_views (taken so far), label (the best view), seen and gains (surface voxels that each
-view sees, and those of them that are new) and the network's input.";
-
-const NBV_NET: &str = "\
 Examples:
   nextview dataset nbv-net --out nbv-data
   nextview dataset nbv-net --out nbv-data --resume         resume after an interruption
-  nextview dataset nbv-net --out other --objects 100 --seed 1
-
-Input: grid (32 x 32 x 32 cells, x slowest; P(occupied) times 254). training/nbv_net.py learns
-from it.";
-
-const NBV_REGRESSION: &str = "\
-Example:
-  nextview dataset nbv-regression --out regression-data
-
-Input: grid (32 x 32 x 32 cells, x slowest; P(occupied) times 254). training/nbv_regression.py
-learns from it.";
-
-const PC_NBV: &str = "\
-Example:
-  nextview dataset pc-nbv --out pc-data
-
-Input: surface (voxels of the object), visited (which of the 33 views) and points (128, in units of
-the box). training/pc_nbv.py learns from it.";
+  nextview dataset nbv-net --out other --objects 100 --seed 1";
 
 impl DatasetArgs {
     fn run(self, network: NetworkName) -> Result<(), Failure> {

@@ -65,6 +65,8 @@ fn of_report_compare_and_merge() {
 fn of_dataset() {
     check(&["dataset"]);
     check(&["dataset", "nbv-net"]);
+    check(&["dataset", "nbv-regression"]);
+    check(&["dataset", "pc-nbv"]);
 }
 
 #[test]

@@ -15,7 +15,7 @@ pub enum DatasetError {
     },
     /// The folder holds another data set.
     #[error(
-        "{}: the data set has objects = {}, seed = {}, for {:?}",
+        "{}: the data set has objects = {}, seed = {}, for {}",
         path.display(), found.objects, found.seed, found.network
     )]
     Differs {

@@ -144,8 +144,8 @@ mod tests {
         check((NetworkName::PcNbv, reference, 1e-3), |input| checksum(&input[4..]), gains);
     }
 
-    /// The mean gain of the view that a network names, and of all views, as shares of that of the best one, on
-    /// objects of another seed than it learned from.
+    /// The mean gain of the view that a network names, and of all views, as shares of that of the best one,
+    /// on objects of another seed than it learned from.
     fn judge(network: NetworkName, view: impl Fn(&Sample) -> usize) -> [f64; 2] {
         let samples = samples_of(network, 0..20, 1);
         let (mut named, mut mean) = (0.0, 0.0);

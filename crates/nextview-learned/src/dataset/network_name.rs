@@ -20,6 +20,16 @@ pub enum NetworkName {
     PcNbv,
 }
 
+impl std::fmt::Display for NetworkName {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(match self {
+            Self::NbvNet => "nbv-net",
+            Self::NbvRegression => "nbv-regression",
+            Self::PcNbv => "pc-nbv",
+        })
+    }
+}
+
 impl NetworkName {
     /// Views of a sample for NBV regression, on a Fibonacci sphere: the best of them is on average 5 degrees
     /// from the best of all directions.

@@ -7,8 +7,8 @@ use nextview::planner::{Plan, Situation, ViewPlanner};
 
 /// Takes the view for which PC-NBV predicts most new surface, among those that were not visited.
 ///
-/// Each of its 33 [`views`] stands for the view candidate nearest to it (the first on ties), visited or not. A
-/// view was visited if its candidate was, or if it is the nearest in angle to a candidate that was. So the
+/// Each of its 33 [`views`] stands for the view candidate nearest to it (the first on ties), visited or not.
+/// A view was visited if its candidate was, or if it is the nearest in angle to a candidate that was. So the
 /// planner takes 33 candidates at most, however many there are, and then none. The score is the share of the
 /// surface that the view would newly show, according to the network.
 #[derive(Clone, Debug, Default)]
