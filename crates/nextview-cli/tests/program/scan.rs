@@ -165,6 +165,8 @@ fn every_gain_scans_and_plans() {
         "frontier-tour",
         "pb-nbv",
         "receding-horizon",
+        "nbv-regression",
+        "pc-nbv",
         "batch",
     ] {
         let args = ["--views", "3", "--planner", planner, "--baselines", "off", "--json"];
