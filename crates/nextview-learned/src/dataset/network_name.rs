@@ -31,8 +31,7 @@ impl std::fmt::Display for NetworkName {
 }
 
 impl NetworkName {
-    /// Views of a sample for NBV regression, on a Fibonacci sphere: the best of them is on average 5 degrees
-    /// from the best of all directions.
+    /// Views of a sample for NBV regression, on a Fibonacci sphere.
     pub const N_REGRESSION_VIEWS: usize = 128;
 
     /// The directions of the views whose gains a sample states.
