@@ -13,18 +13,19 @@ const FREE: u16 = 1;
 const OCCUPIED: u16 = 2;
 const INNER: u16 = 3;
 
+/// A word whose eight children are the same is this times their bits.
+const EIGHT: u16 = 0x5555;
+
 impl Octree {
     /// Writes a `.bt` file, which holds the maximum likelihood map: leaves with P >= 0.5 become occupied, the
     /// rest free, then equal ones are merged as by [`pruned`](Self::pruned). Probabilities and colours are
     /// lost; a tree that is a single leaf loses its occupancy, too.
     pub fn write_bt(&self, writer: impl Write) -> Result<(), Error> {
-        let clamps = Clamps::default();
-        let tree = self.clone().map_log_odds(|l| clamps.maximum_likelihood(l)).pruned();
+        let Words { words, n_nodes } = words(self);
         let mut out = BufWriter::new(writer);
-        write_header(&mut out, Encoding::Bt, &tree)?;
-        for word in words(&tree) {
-            out.write_all(&word.to_le_bytes())?;
-        }
+        write_header(&mut out, Encoding::Bt, self, n_nodes)?;
+        let bytes: Vec<u8> = words.iter().flat_map(|word| word.to_le_bytes()).collect();
+        out.write_all(&bytes)?;
         Ok(out.flush()?)
     }
 }
@@ -42,12 +43,6 @@ impl Default for Clamps {
             free: LogOdds::from_probability(clamp_min).0,
             occupied: LogOdds::from_probability(clamp_max).0,
         }
-    }
-}
-
-impl Clamps {
-    fn maximum_likelihood(&self, log_odds: f32) -> f32 {
-        if log_odds >= 0.0 { self.occupied } else { self.free }
     }
 }
 
@@ -91,26 +86,112 @@ fn read_leaf(nodes: &mut NodeReader<impl Read>, log_odds: f32) -> Result<f32, Er
     Ok(log_odds)
 }
 
+/// The content of a file, and the number of nodes that it stands for.
+struct Words {
+    words: Vec<u16>,
+    n_nodes: usize,
+}
+
 /// The words of the inner nodes in preorder. The root has one even if it is a leaf.
-fn words(tree: &Octree) -> Vec<u16> {
-    let mut words = Vec::new();
-    // Codes of finished subtrees. Backwards, the children of a node come just before it, the first one last.
-    let mut pending = Vec::new();
-    for idx in (0..tree.n_nodes()).rev() {
-        let node = tree.node(idx);
-        let mut word = 0;
-        for octant in (0..8).filter(|i| node.child_mask >> i & 1 == 1) {
-            word |= pending.pop().expect("a tree holds all children") << (2 * octant);
-        }
-        if word != 0 || idx == 0 {
-            words.push(word);
-        }
-        pending.push(match node.child_mask {
-            0 if node.log_odds >= 0.0 => OCCUPIED,
-            0 => FREE,
-            _ => INNER,
-        });
+///
+/// Pruning goes from depth to depth, up to the first at which nothing merges. So leaves are merged at every
+/// depth first, and if that was too many, once more at those below the first without.
+fn words(tree: &Octree) -> Words {
+    let mut all = Merging::of(tree, 1);
+    if let Some(first_without) = (1..DEPTH).rev().find(|&depth| all.n_merged[usize::from(depth)] == 0)
+        && all.n_merged[..usize::from(first_without)].iter().any(|&n| n > 0)
+    {
+        all = Merging::of(tree, first_without + 1);
     }
-    words.reverse();
-    words
+    Words { n_nodes: tree.n_nodes() - 8 * all.n_merged.iter().sum::<usize>(), words: all.words }
+}
+
+/// Words under way, while the nodes of a tree are visited in preorder.
+struct Merging<'a> {
+    tree: &'a Octree,
+    next: usize,
+    /// The least depth of a node whose leaves are merged.
+    least_depth: u8,
+    words: Vec<u16>,
+    /// Number of nodes, by depth, whose leaves were merged.
+    n_merged: [usize; DEPTH as usize],
+}
+
+impl<'a> Merging<'a> {
+    fn of(tree: &'a Octree, least_depth: u8) -> Self {
+        let mut merging =
+            Self { tree, next: 0, least_depth, words: Vec::new(), n_merged: Default::default() };
+        if tree.n_nodes() > 0 {
+            merging.visit(0);
+            if merging.words.is_empty() {
+                merging.words.push(0);
+            }
+        }
+        merging
+    }
+
+    /// Visits the next node, which is at `depth`, and all below it; returns its code.
+    fn visit(&mut self, depth: u8) -> u16 {
+        let node = self.tree.node(self.next);
+        self.next += 1;
+        if node.child_mask == 0 {
+            return if node.log_odds >= 0.0 { OCCUPIED } else { FREE };
+        }
+        let place = self.words.len();
+        self.words.push(0);
+        let (mut word, mut octants) = (0, node.child_mask);
+        while octants != 0 {
+            word |= self.visit(depth + 1) << (2 * octants.trailing_zeros());
+            octants &= octants - 1;
+        }
+        let first = word & 3;
+        if depth >= self.least_depth && first != INNER && word == first * EIGHT {
+            self.words.truncate(place);
+            self.n_merged[usize::from(depth)] += 1;
+            return first;
+        }
+        self.words[place] = word;
+        INNER
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    impl Octree {
+        /// The slow twin: the words of the pruned tree of most likely occupancies, backwards.
+        pub(in super::super) fn write_bt_slowly(&self) -> Vec<u8> {
+            let clamps = Clamps::default();
+            let likely = |l: f32| if l >= 0.0 { clamps.occupied } else { clamps.free };
+            let tree = self.clone().map_log_odds(likely).pruned();
+            let mut file = Vec::new();
+            write_header(&mut file, Encoding::Bt, &tree, tree.n_nodes()).unwrap();
+            words_backwards(&tree).iter().rev().for_each(|word| file.extend(word.to_le_bytes()));
+            file
+        }
+    }
+
+    fn words_backwards(tree: &Octree) -> Vec<u16> {
+        let mut words = Vec::new();
+        // Codes of finished subtrees. Backwards, the children of a node come just before it, the first one
+        // last.
+        let mut pending = Vec::new();
+        for idx in (0..tree.n_nodes()).rev() {
+            let node = tree.node(idx);
+            let mut word = 0;
+            for octant in (0..8).filter(|i| node.child_mask >> i & 1 == 1) {
+                word |= pending.pop().expect("a tree holds all children") << (2 * octant);
+            }
+            if word != 0 || idx == 0 {
+                words.push(word);
+            }
+            pending.push(match node.child_mask {
+                0 if node.log_odds >= 0.0 => OCCUPIED,
+                0 => FREE,
+                _ => INNER,
+            });
+        }
+        words
+    }
 }

@@ -55,8 +55,13 @@ impl Header {
 const OFFSET: &str = "offset_m";
 
 /// Writes OctoMap's header, with its invitation to edit the comments, and with the offset of a map that is
-/// far away.
-pub(super) fn write_header(out: &mut impl Write, encoding: Encoding, tree: &Octree) -> io::Result<()> {
+/// far away. The file holds `n_nodes` nodes.
+pub(super) fn write_header(
+    out: &mut impl Write,
+    encoding: Encoding,
+    tree: &Octree,
+    n_nodes: usize,
+) -> io::Result<()> {
     writeln!(out, "{}", encoding.magic())?;
     writeln!(out, "# (feel free to add / change comments, but leave the first line as it is!)\n#")?;
     if tree.origin() != VoxelKey::ZERO {
@@ -64,7 +69,7 @@ pub(super) fn write_header(out: &mut impl Write, encoding: Encoding, tree: &Octr
         writeln!(out, "# {OFFSET} {x} {y} {z}")?;
     }
     writeln!(out, "id {}", id(tree.kind()))?;
-    writeln!(out, "size {}", tree.n_nodes())?;
+    writeln!(out, "size {n_nodes}")?;
     writeln!(out, "res {}", format_like_cpp(tree.voxel_size()))?;
     writeln!(out, "data")
 }

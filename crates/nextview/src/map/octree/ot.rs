@@ -9,7 +9,7 @@ impl Octree {
     /// Writes an `.ot` file: every node as it is.
     pub fn write_ot(&self, writer: impl Write) -> Result<(), Error> {
         let mut out = BufWriter::new(writer);
-        write_header(&mut out, Encoding::Ot, self)?;
+        write_header(&mut out, Encoding::Ot, self, self.n_nodes())?;
         for node in (0..self.n_nodes()).map(|idx| self.node(idx)) {
             out.write_all(&node.log_odds.to_le_bytes())?;
             if self.kind() == TreeKind::ColorOcTree {

@@ -86,6 +86,13 @@ fn to_map(tree: &Octree) -> BTreeMap<[i32; 3], f32> {
 
 proptest! {
     #[test]
+    fn bt_files_hold_the_pruned_tree_of_most_likely_occupancies(tree in any_tree(), voxels in any_voxels()) {
+        for tree in [tree, from_map(&voxels), from_map(&voxels).pruned()] {
+            prop_assert_eq!(bt(&tree), tree.write_bt_slowly());
+        }
+    }
+
+    #[test]
     fn any_tree_survives_an_ot_file(tree in any_tree()) {
         assert_well_formed(&tree);
         let file = ot(&tree);

@@ -111,6 +111,7 @@ impl Octree {
         }
     }
 
+    #[cfg(test)]
     pub(super) fn map_log_odds(mut self, change: impl Fn(f32) -> f32) -> Self {
         self.log_odds.iter_mut().for_each(|l| *l = change(*l));
         self
