@@ -1,3 +1,4 @@
+use super::clear_space::{Axis, ClearSpace};
 use super::packet::{OUTSIDE, Packet, PacketAxis};
 use super::pass_grid::PassGrid;
 use crate::geometry::lanes::{LANES, Lanes, cell, load, store};
@@ -43,9 +44,16 @@ impl Paths {
 
     /// Follows the rays of a packet through its grid until all have ended.
     #[inline(always)]
-    pub(super) fn follow<S: Simd>(&mut self, simd: S, packet: &Packet, grid: &PassGrid, fade_limit: f32) {
+    pub(super) fn follow<S: Simd>(
+        &mut self,
+        simd: S,
+        packet: &Packet,
+        grid: &PassGrid,
+        clear: Option<&ClearSpace>,
+        fade_limit: f32,
+    ) {
         for part in 0..LANES / S::F64_LANES {
-            self.follow_part(simd, part, packet, grid, fade_limit);
+            self.follow_part(simd, part, packet, grid, clear, fade_limit);
         }
     }
 
@@ -56,6 +64,7 @@ impl Paths {
         part: usize,
         packet: &Packet,
         grid: &PassGrid,
+        clear: Option<&ClearSpace>,
         fade_limit: f32,
     ) {
         let (zero, one, outside) = (simd.splat_f64s(0.0), simd.splat_f64s(1.0), simd.splat_f64s(OUTSIDE));
@@ -63,6 +72,11 @@ impl Paths {
         let [x, y, z] = &packet.axes;
         let mut axes = [Axis::<S>::load(x, part), Axis::<S>::load(y, part), Axis::<S>::load(z, part)];
         let mut index = load::<S>(&packet.index, part);
+        if let Some(clear) = clear {
+            let [x, y, z] = &packet.directions;
+            let directions = [load::<S>(x, part), load::<S>(y, part), load::<S>(z, part)];
+            index = clear.leap(simd, packet.origin, directions, &mut axes, index);
+        }
         let mut visibility = [1.0; LANES];
         let (mut len, mut n_clear) = (outside, outside);
         let mut goes_on = simd.less_than_f64s(zero, one);
@@ -71,7 +85,7 @@ impl Paths {
             // Where a ray ends is known only after many cycles: it may go a step too far, so as not to wait
             // for that.
             let may_move = goes_on;
-            let (pass, after) = step.pass::<S>(part, packet, grid, &mut visibility);
+            let (pass, after) = step.pass::<S>(simd, part, packet, grid, &mut visibility);
             let crosses = simd.and_m64s(goes_on, simd.greater_than_f64s(pass, zero));
             len = simd.add_f64s(len, simd.select_f64s(crosses, one, zero));
             n_clear = simd.add_f64s(n_clear, simd.select_f64s(simd.equal_f64s(after, one), one, zero));
@@ -98,6 +112,7 @@ impl Step {
     #[inline(always)]
     fn pass<S: Simd>(
         &self,
+        simd: S,
         part: usize,
         packet: &Packet,
         grid: &PassGrid,
@@ -111,24 +126,29 @@ impl Step {
         for lane in 0..S::F64_LANES {
             let cell = cell(self.index[part * S::F64_LANES + lane]);
             passes[lane] = grid.passes.get(cell).copied().unwrap_or(PassGrid::OUTSIDE);
-            if passes[lane] < PassGrid::OUTSIDE {
-                passes[lane] = grid.beside(cell, packet.origin, packet.direction(part * S::F64_LANES + lane));
-            }
         }
         let (mut pass, mut after) = ([0.0; LANES], [0.0; LANES]);
+        for lane in 0..S::F64_LANES {
+            pass[lane] = passes[lane] as f64;
+        }
+        let outside = simd.splat_f64s(PassGrid::OUTSIDE as f64);
+        if simd.first_true_m64s(simd.less_than_f64s(load::<S>(&pass, 0), outside)) < S::F64_LANES {
+            self.pass_beside(part * S::F64_LANES, packet, grid, &mut passes[..S::F64_LANES]);
+        }
         for lane in 0..S::F64_LANES {
             visibility[lane] *= passes[lane];
             (pass[lane], after[lane]) = (passes[lane] as f64, visibility[lane] as f64);
         }
         (load::<S>(&pass, 0), load::<S>(&after, 0))
     }
-}
 
-/// The walks along one axis.
-struct Axis<S: Simd> {
-    next: S::f64s,
-    step: S::f64s,
-    stride: S::f64s,
+    /// Fills in the shares of cells of which parts end rays, for the lanes from `first` on.
+    #[cold]
+    fn pass_beside(&self, first: usize, packet: &Packet, grid: &PassGrid, passes: &mut [f32]) {
+        for (lane, pass) in (first..).zip(passes).filter(|(_, pass)| **pass < PassGrid::OUTSIDE) {
+            *pass = grid.beside(cell(self.index[lane]), packet.origin, packet.direction(lane));
+        }
+    }
 }
 
 impl<S: Simd> Axis<S> {

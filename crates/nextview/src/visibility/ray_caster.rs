@@ -1,4 +1,5 @@
-use super::packet::Packet;
+use super::entries::{Entries, Tiles};
+use super::packet::{Directions, Packet};
 use super::pass_grid::PassGrid;
 use super::ray_grid::Cells;
 use super::{Crossing, MeasuredParts, Ray, RayEnd, RayGrid, Sight};
@@ -132,7 +133,7 @@ impl<'a> RayCaster<'a> {
         mut visit: impl FnMut(Ray<'_>) -> Result<(), E>,
     ) -> Result<(), E> {
         let mut crossings = Vec::new();
-        self.try_for_each_packet(world_from_camera, |packet| {
+        self.try_for_each_packet(world_from_camera, None, |packet| {
             for lane in 0..LANES {
                 crossings.clear();
                 if let Some(end) = self.trace(packet, lane, &mut crossings) {
@@ -144,20 +145,28 @@ impl<'a> RayCaster<'a> {
     }
 
     /// The rays of a view where they enter the box, [`LANES`] at a time and in order, up to the first for
-    /// which `visit` fails.
+    /// which `visit` fails. With `entries`, rays may be left out that pass none of them.
     pub(super) fn try_for_each_packet<E>(
         &self,
         world_from_camera: &Pose,
+        entries: Option<&Entries>,
         mut visit: impl FnMut(&Packet) -> Result<(), E>,
     ) -> Result<(), E> {
         let rotation = world_from_camera.rotation_matrix();
         let origin = self.snapshot.lattice().to_voxels(world_from_camera.translation());
-        let cells = self.grid.cells(world_from_camera, &self.bounds, self.spacing);
-        let mut packet = Packet::default();
-        for start in (0..cells.len()).step_by(LANES) {
-            let (caster, cells) = (self, &cells);
-            self.arch.dispatch(Prepare { packet: &mut packet, caster, cells, start, rotation, origin });
-            visit(&packet)?;
+        let cells = &self.grid.cells(world_from_camera, &self.bounds, self.spacing);
+        let tiles = entries.and_then(|entries| {
+            entries.seen_from(self.arch, &rotation, origin, self.depths.min, cells.len())
+        });
+        let (mut packet, mut rays) = (Packet::default(), Rays::default());
+        for start in (0..cells.len()).step_by(SHARE) {
+            let (grid, tiles) = (&self.grid, tiles.as_ref());
+            self.arch.dispatch(Collect { rays: &mut rays, grid, cells, start, tiles });
+            for first in (0..rays.len).step_by(LANES) {
+                let (packet, rays) = (&mut packet, &rays);
+                self.arch.dispatch(Prepare { packet, caster: self, rays, first, rotation, origin });
+                visit(packet)?;
+            }
         }
         Ok(())
     }
@@ -210,12 +219,59 @@ impl<'a> RayCaster<'a> {
     }
 }
 
-/// Prepares the rays through the cells of an image from `start` on.
+/// Cells of an image whose rays are collected at a time.
+const SHARE: usize = 512;
+
+/// Rays of a view, by their places on the plane z = 1.
+struct Rays {
+    x: [f64; SHARE + LANES],
+    y: [f64; SHARE + LANES],
+    len: usize,
+}
+
+impl Default for Rays {
+    fn default() -> Self {
+        Self { x: [0.0; SHARE + LANES], y: [0.0; SHARE + LANES], len: 0 }
+    }
+}
+
+/// Collects the rays through the cells of an image from `start` on; with tiles, only those that pass them.
+struct Collect<'a> {
+    rays: &'a mut Rays,
+    grid: &'a RayGrid,
+    cells: &'a Cells,
+    start: usize,
+    tiles: Option<&'a Tiles>,
+}
+
+impl WithSimd for Collect<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) {
+        let mut len = 0;
+        for start in (self.start..self.cells.len().min(self.start + SHARE)).step_by(LANES) {
+            let ideal = self.grid.ideal(self.cells, start);
+            let shown = if let Some(tiles) = self.tiles { tiles.show(&ideal) } else { [true; LANES] };
+            #[allow(
+                clippy::needless_range_loop,
+                reason = "iterators are not always inlined into vector instructions"
+            )]
+            for lane in 0..LANES {
+                (self.rays.x[len], self.rays.y[len]) = (ideal.x[lane], ideal.y[lane]);
+                len += usize::from(ideal.is_known[lane] && shown[lane]);
+            }
+        }
+        self.rays.len = len;
+    }
+}
+
+/// Prepares the collected rays from `first` on.
 struct Prepare<'a> {
     packet: &'a mut Packet,
     caster: &'a RayCaster<'a>,
-    cells: &'a Cells,
-    start: usize,
+    rays: &'a Rays,
+    first: usize,
     rotation: DMat3,
     /// In units of voxels.
     origin: DVec3,
@@ -226,7 +282,15 @@ impl WithSimd for Prepare<'_> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) {
-        let directions = self.caster.grid.packet(self.cells, self.start, &self.rotation);
+        let mut axes = [[0.0; LANES]; 3];
+        let mut is_ray = [false; LANES];
+        for lane in 0..LANES {
+            let ray = self.first + lane;
+            let direction = self.rotation * DVec3::new(self.rays.x[ray], self.rays.y[ray], 1.0);
+            (axes[0][lane], axes[1][lane], axes[2][lane]) = (direction.x, direction.y, direction.z);
+            is_ray[lane] = ray < self.rays.len;
+        }
+        let directions = Directions { axes, is_ray };
         self.packet.enter(simd, &self.caster.passes, self.origin, &directions, self.caster.depths);
     }
 }

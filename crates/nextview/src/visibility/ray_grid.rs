@@ -1,8 +1,7 @@
-use super::packet::Directions;
 use crate::geometry::lanes::LANES;
 use crate::geometry::{Aabb, Pose};
 use crate::sensor::{Distortion, Intrinsics, Points};
-use glam::{DMat3, DVec2, DVec3};
+use glam::{DVec2, DVec3};
 use std::f64::consts::FRAC_PI_2;
 
 /// The ray spacing at which no voxel of the box is missed: 1 / sqrt(2) of a voxel. A voxel contains a ball as
@@ -108,10 +107,10 @@ impl RayGrid {
         middle.angle_between(DVec3::Z) <= self.widest + (radius / middle.length()).asin()
     }
 
-    /// The directions, turned by `rotation`, of the rays through the cells from `start` on, which is one of
-    /// them: the twin of [`directions`](Self::directions) for a packet.
+    /// The places on the plane z = 1 of the rays through the cells from `start` on, which is one of them: the
+    /// twin of [`directions`](Self::directions) for several rays.
     #[inline(always)]
-    pub(super) fn packet(&self, cells: &Cells, start: usize, rotation: &DMat3) -> Directions {
+    pub(super) fn ideal(&self, cells: &Cells, start: usize) -> Points<LANES> {
         let mut pixels = Points { x: [0.0; LANES], y: [0.0; LANES], is_known: [false; LANES] };
         let (mut column, mut row) = (start % cells.columns, start / cells.columns);
         for lane in 0..LANES {
@@ -122,17 +121,7 @@ impl RayGrid {
                 (column, row) = (0, row + 1);
             }
         }
-        let ideal = self.intrinsics.deproject_lanes(pixels);
-        let mut axes = [[0.0; LANES]; 3];
-        #[allow(
-            clippy::needless_range_loop,
-            reason = "iterators are not always inlined into vector instructions"
-        )]
-        for lane in 0..LANES {
-            let direction = *rotation * DVec3::new(ideal.x[lane], ideal.y[lane], 1.0);
-            (axes[0][lane], axes[1][lane], axes[2][lane]) = (direction.x, direction.y, direction.z);
-        }
-        Directions { axes, is_ray: ideal.is_known }
+        self.intrinsics.deproject_lanes(pixels)
     }
 
     /// The part of the image, in pixels, that can show the box with these corners (camera frame).
