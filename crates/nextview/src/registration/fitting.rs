@@ -22,6 +22,9 @@ const CLEARLY_WORSE: f64 = 1.05;
 /// Directions in which the surface is stiffer than this are firm: a table holds a frame up and level.
 const FIRM: f64 = 0.05;
 
+/// Where no more contradictions than this share of the points are left, there is nothing to search for.
+const MAY_CONTRADICT: f64 = 0.01;
+
 /// An axis that more than this share of the surface faces needs no search along it.
 const MOST: f64 = 0.5;
 
@@ -65,6 +68,7 @@ struct Fit {
     registration: Registration,
     /// Number of its points that lie on the known surface.
     n_pairs: usize,
+    n_contradictions: usize,
     /// Square metres.
     misfit: f64,
 }
@@ -87,8 +91,11 @@ impl Fitting<'_> {
         let mut firsts = FIRST_REACHES.map(|share| (share * self.reach.first).max(self.reach.last)).to_vec();
         firsts.dedup();
         let mut fits = firsts.iter().map(|first| self.aligned(*first)).collect::<Result<Vec<_>, _>>()?;
-        fits.extend(self.searched()?);
         let is_near = |fit: &Fit| self.is_near(&fit.registration.world_from_camera);
+        let few = (MAY_CONTRADICT * self.points.len() as f64) as usize;
+        if !fits.iter().any(|fit| is_near(fit) && fit.n_contradictions <= few) {
+            fits.extend(self.searched()?);
+        }
         if fits.iter().any(is_near) {
             fits.retain(is_near);
         }
@@ -180,7 +187,9 @@ impl Fitting<'_> {
             stiffness,
             n_iterations,
         };
-        Ok(Fit { registration, n_pairs: pairs.len(), misfit: self.misfit(&pose)? })
+        let n_contradictions = self.n_contradictions(&pose);
+        let misfit = self.misfit_of(&pairs, n_contradictions);
+        Ok(Fit { registration, n_pairs: pairs.len(), n_contradictions, misfit })
     }
 
     /// The first reason to leave the given pose, if there is one.
@@ -208,21 +217,28 @@ impl Fitting<'_> {
 
     /// How badly the frame in a pose fits, square metres: the sum of squared residuals of the points that lie
     /// on the known surface, in which each contradiction counts as a residual of the whole reach, and each
-    /// other point as a quarter of that. Contradictions are points of the frame that an earlier camera looked
-    /// through, and known points that the frame's camera looks through.
+    /// other point as a quarter of that.
     fn misfit(&self, pose: &Pose) -> Result<f64, Cancelled> {
-        let (pairs, reach) = (self.pairs(pose, self.reach.last)?, self.reach.last);
+        Ok(self.misfit_of(&self.pairs(pose, self.reach.last)?, self.n_contradictions(pose)))
+    }
+
+    fn misfit_of(&self, pairs: &[Pair], n_contradictions: usize) -> f64 {
         let squares: f64 = pairs.iter().map(|pair| pair.residual().powi(2)).sum();
         let n_new = (self.points.len() - pairs.len()) as f64;
-        let looked_through = |point: &&SurfacePoint| {
+        squares + self.reach.last.powi(2) * (NEW * n_new + n_contradictions as f64)
+    }
+
+    /// The number of points of the frame in a pose that an earlier camera looked through, and of known points
+    /// that the frame's camera looks through.
+    fn n_contradictions(&self, pose: &Pose) -> usize {
+        let margin = self.reach.last;
+        let is_looked_through = |point: &&SurfacePoint| {
             let point = pose.transform_point(point.position);
-            self.earlier.iter().any(|camera| camera.looks_through(point, reach))
+            self.earlier.iter().any(|camera| camera.looks_through(point, margin))
         };
         let camera = self.camera.at(*pose);
-        let looks_through = |point: &&DVec3| camera.looks_through(**point, reach);
-        let n_contradictions = self.points.par_iter().filter(looked_through).count()
-            + self.known.par_iter().filter(looks_through).count();
-        Ok(squares + reach * reach * (NEW * n_new + n_contradictions as f64))
+        self.points.par_iter().filter(is_looked_through).count()
+            + self.known.par_iter().filter(|point| camera.looks_through(**point, margin)).count()
     }
 
     /// The points in a pose that lie on the known surface, within `reach` metres.

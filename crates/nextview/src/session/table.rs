@@ -222,6 +222,8 @@ impl KnownTable {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::sensor::{DepthImage, Intrinsics};
+    use crate::view::look_at;
 
     #[test]
     fn the_box_ends_at_the_top() {
@@ -235,6 +237,22 @@ mod tests {
         let tilted =
             KnownTable::with_tolerance(Plane::new(DVec3::new(0.1, 0.0, 1.0), DVec3::ZERO).unwrap(), 0.0);
         assert!((tilted.clip(Aabb::cube(DVec3::ZERO, 0.5)).min.z + 0.05).abs() < 1e-15);
+    }
+
+    #[test]
+    fn a_stated_table_is_where_frames_show_it_if_their_poses_may_be_wrong() {
+        // A camera that looks straight down from a metre above the ground, in a pose that is a centimetre too
+        // high.
+        let optics = Intrinsics::pinhole(40, 40, DVec2::splat(20.0), DVec2::splat(19.5)).unwrap();
+        let image = DepthImage::from_metres(40, 40, vec![1.0; 1600]).unwrap();
+        let pose = look_at(DVec3::Z * 1.01, DVec3::ZERO).unwrap();
+        let frames = [Frame::new(image, optics, pose, 3.0).unwrap()];
+        for (pose_error, z) in [(None, 0.0), (Some(0.05), 0.01), (Some(0.005), 0.0)] {
+            let mut search = TableSearch::new(Table::AtHeight(0.0), pose_error);
+            search.look(&frames, &Cancel::default()).unwrap();
+            let height = search.known().unwrap().plane.height(DVec3::Z * z);
+            assert!(height.abs() < 1e-6, "{pose_error:?}: {height}");
+        }
     }
 
     #[test]
