@@ -3,7 +3,6 @@
 //! Start with [`RayCaster`]: it sends the rays of a view through a dense [`Snapshot`](crate::map::Snapshot)
 //! and returns one [`Ray`] after the other. The rays are evaluated elsewhere.
 
-mod clear_space;
 mod entries;
 mod measured_parts;
 mod packet;

@@ -1,4 +1,3 @@
-use super::clear_space::{Axis, ClearSpace};
 use super::packet::{OUTSIDE, Packet, PacketAxis};
 use super::pass_grid::PassGrid;
 use crate::geometry::lanes::{LANES, Lanes, cell, load, store};
@@ -44,16 +43,9 @@ impl Paths {
 
     /// Follows the rays of a packet through its grid until all have ended.
     #[inline(always)]
-    pub(super) fn follow<S: Simd>(
-        &mut self,
-        simd: S,
-        packet: &Packet,
-        grid: &PassGrid,
-        clear: Option<&ClearSpace>,
-        fade_limit: f32,
-    ) {
+    pub(super) fn follow<S: Simd>(&mut self, simd: S, packet: &Packet, grid: &PassGrid, fade_limit: f32) {
         for part in 0..LANES / S::F64_LANES {
-            self.follow_part(simd, part, packet, grid, clear, fade_limit);
+            self.follow_part(simd, part, packet, grid, fade_limit);
         }
     }
 
@@ -64,7 +56,6 @@ impl Paths {
         part: usize,
         packet: &Packet,
         grid: &PassGrid,
-        clear: Option<&ClearSpace>,
         fade_limit: f32,
     ) {
         let (zero, one, outside) = (simd.splat_f64s(0.0), simd.splat_f64s(1.0), simd.splat_f64s(OUTSIDE));
@@ -72,11 +63,6 @@ impl Paths {
         let [x, y, z] = &packet.axes;
         let mut axes = [Axis::<S>::load(x, part), Axis::<S>::load(y, part), Axis::<S>::load(z, part)];
         let mut index = load::<S>(&packet.index, part);
-        if let Some(clear) = clear {
-            let [x, y, z] = &packet.directions;
-            let directions = [load::<S>(x, part), load::<S>(y, part), load::<S>(z, part)];
-            index = clear.leap(simd, packet.origin, directions, &mut axes, index);
-        }
         let mut visibility = [1.0; LANES];
         let (mut len, mut n_clear) = (outside, outside);
         let mut goes_on = simd.less_than_f64s(zero, one);
@@ -149,6 +135,13 @@ impl Step {
             *pass = grid.beside(cell(self.index[lane]), packet.origin, packet.direction(lane));
         }
     }
+}
+
+/// The walks along one axis.
+struct Axis<S: Simd> {
+    next: S::f64s,
+    step: S::f64s,
+    stride: S::f64s,
 }
 
 impl<S: Simd> Axis<S> {
