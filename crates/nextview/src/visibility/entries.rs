@@ -5,8 +5,8 @@ use crate::sensor::Points;
 use glam::{DMat3, DVec2, DVec3, IVec3, UVec3};
 use pulp::{Arch, Simd, WithSimd};
 
-/// Where rays enter what weakens them: the bricks of a grid with voxels that weaken a ray and lie beside clear
-/// ones or at the border of the block.
+/// Where rays enter what weakens them: the bricks of a grid with voxels that weaken a ray and lie beside
+/// clear ones or at the border of the block.
 ///
 /// A ray that comes from outside and passes none of these bricks is never weakened. Most rays of a view are
 /// such, and [`Tiles`] tell them without a walk.
@@ -119,7 +119,7 @@ impl Entries {
         let low = on_plane.into_iter().fold(DVec2::INFINITY, DVec2::min);
         let high = on_plane.into_iter().fold(DVec2::NEG_INFINITY, DVec2::max);
         let mut tiles = Tiles { rows: [0; N_TILES], low, density: (N_TILES - 1) as f64 / (high - low) };
-        // From a point of the block, a length of 1 moves the image by at most this over the depth it leads to.
+        // A length of 1 from a point of the block moves its image by at most this over the depth at its end.
         let slope = (1.0 + low.abs().max(high.abs()).length_squared()).sqrt();
         arch.dispatch(Mark { tiles: &mut tiles, entries: self, camera_from_world, origin, slope });
         Some(tiles)
