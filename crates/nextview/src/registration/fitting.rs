@@ -93,7 +93,8 @@ impl Fitting<'_> {
         let mut fits = firsts.iter().map(|first| self.aligned(*first)).collect::<Result<Vec<_>, _>>()?;
         let is_near = |fit: &Fit| self.is_near(&fit.registration.world_from_camera);
         let few = (MAY_CONTRADICT * self.points.len() as f64) as usize;
-        if !fits.iter().any(|fit| is_near(fit) && fit.n_contradictions <= few) {
+        let is_consistent = |fit: &Fit| is_near(fit) && fit.n_contradictions <= few;
+        if self.points.len() >= LEAST_PAIRS && !fits.iter().any(is_consistent) {
             fits.extend(self.searched()?);
         }
         if fits.iter().any(is_near) {

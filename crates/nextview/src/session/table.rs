@@ -18,9 +18,8 @@ pub enum Table {
     /// Nothing that the camera sees. The default.
     #[default]
     None,
-    /// A horizontal surface at this z, metres, finite. With [registration](crate::registration), poses are
-    /// uncertain and frames need not show it there: it is then where they do, as for [`Fitted`](Self::Fitted),
-    /// but at most as far away as poses may be wrong.
+    /// A horizontal surface at this z, metres, finite. With [registration](crate::registration), it is where
+    /// the frames show it, at most as far away as poses may be wrong.
     #[serde(rename = "at-height-m")]
     AtHeight(f64),
     /// The largest surface that the first frame shows below the camera and less than 30 degrees from the
