@@ -266,8 +266,8 @@ fn a_box_is_found_where_cameras_did_not_look_through_it() {
         let found = register(std::slice::from_ref(&known), &frame.clone().with_pose(wrong));
         let (off, turned) = error(&found.world_from_camera, &truth, DVec3::ZERO);
         println!("off by {:.2} mm and {:.2} degrees", 1e3 * off, turned.to_degrees());
-        // Two of its six directions are held by contradictions alone, and a pixel is 1.2 mm wide.
-        assert!(found.fits() && off < 0.003 && turned < 0.01, "{shift:?}: {off} {found:?}");
+        // Where contradictions alone hold it, it is found to a cell or two; the wrong places are 3 cm away.
+        assert!(found.fits() && off < 0.01 && turned < 0.01, "{shift:?}: {off} {found:?}");
     }
 }
 
