@@ -95,7 +95,7 @@ impl KnownSurface {
     }
 
     /// Points in a pose with the nearest known ones that face the same way and are within `reach` metres, in
-    /// the order of the points: what [`align`] needs.
+    /// the order of the points: what [`align`](super::align) needs.
     pub fn pairs(
         &self,
         points: &[SurfacePoint],
