@@ -156,9 +156,10 @@ impl Fitting<'_> {
                 *axis * step * ((number / side.pow(i as u32) % side) as f64 - N_STEPS as f64)
             };
             let shift = axes.iter().enumerate().map(along).sum();
-            Pose::new(DQuat::IDENTITY, shift).expect("finite steps along axes of unit length") * around
+            // Steps of an uncertainty beyond all measure may lead beyond all numbers.
+            Pose::new(DQuat::IDENTITY, shift).ok().map(|motion| motion * around)
         };
-        Ok((0..side.pow(axes.len() as u32)).map(place).collect())
+        Ok((0..side.pow(axes.len() as u32)).filter_map(place).collect())
     }
 
     /// The poses that are near enough with their misfits, the least first.
