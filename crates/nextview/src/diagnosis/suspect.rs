@@ -53,6 +53,11 @@ pub enum Suspicion {
         /// Share, 0..=1, of the last frame's pixels that were measured.
         measured: f64,
     },
+    /// The frames fit together, but not in the poses that they claim.
+    Apart {
+        /// Distance between the surfaces of different frames, metres.
+        distance: f64,
+    },
     /// What is connected to the object grows beyond the memory allowed: a table, floor or wall is part of it.
     Boundless,
     /// The camera looks past the object's box: no frame shows a point inside.
@@ -204,6 +209,11 @@ impl fmt::Display for Suspicion {
             Self::TooFar { distance, largest } => write!(
                 f,
                 "the camera is too far away: {distance:.3} m from the object's box, and it measures up to {largest} m"
+            ),
+            Self::Apart { distance } => write!(
+                f,
+                "the poses do not agree with the frames: the same surface is some {:.1} mm apart in them",
+                distance * 1e3
             ),
             Self::Boundless => f.write_str(
                 "what is connected to the object needs more memory than allowed: a table, floor or wall is part of it",

@@ -7,8 +7,8 @@
 //!
 //! [`ExpectedSurface`] is ours: it counts the surface that a view will probably show, under a learned prior.
 //!
-//! [`BetterSurface`] and [`MoreLooks`] value second looks, where surface was seen but not measured well
-//! enough, or not often enough.
+//! [`BetterSurface`], [`MoreLooks`] and [`SurerSurface`] value second looks, where surface was seen but not
+//! measured well enough, or not often enough.
 //!
 //! In the formulas x runs over the voxels of a ray from the camera up to and including the first occupied
 //! one, or to the border of the box; H is entropy in nats, and P(vis_x) the product of 1 - P(occupied) over
@@ -27,11 +27,14 @@ mod more_looks;
 mod nearest;
 mod object_probability;
 mod occlusion_aware;
+#[cfg(test)]
+mod plate;
 mod potthast;
 mod proximity_count;
 mod rear_side_entropy;
 mod rear_side_voxel;
 mod seen_voxels;
+mod surer_surface;
 mod unobserved_voxel;
 
 pub use apora::Apora;
@@ -50,4 +53,5 @@ pub use proximity_count::ProximityCount;
 pub use rear_side_entropy::RearSideEntropy;
 pub use rear_side_voxel::RearSideVoxel;
 pub(crate) use seen_voxels::is_in_measured_voxels;
+pub use surer_surface::SurerSurface;
 pub use unobserved_voxel::UnobservedVoxel;

@@ -2,7 +2,7 @@ use super::Explanation;
 use crate::geometry::{Plane, Pose};
 use crate::map::Snapshot;
 use crate::motion::{MotionConfig, Surroundings, Trajectory};
-use crate::sensor::{DepthRange, Frame, Intrinsics};
+use crate::sensor::{DepthRange, Frame, Intrinsics, SurfaceError};
 use crate::surface::{MeasuredCells, SurfaceLooks};
 use crate::view::ViewSpace;
 use crate::{Cancel, Error};
@@ -61,6 +61,7 @@ pub struct Situation<'a> {
     views: &'a ViewSpace,
     intrinsics: &'a Intrinsics,
     depth_range: DepthRange,
+    surface_error: SurfaceError,
     are_poses_right: bool,
     measured: Option<(&'a MeasuredCells, f64)>,
     looks: Option<&'a SurfaceLooks>,
@@ -99,6 +100,7 @@ impl<'a> Situation<'a> {
             views,
             intrinsics,
             depth_range: DepthRange::default(),
+            surface_error: SurfaceError::default(),
             are_poses_right: false,
             measured: None,
             looks: None,
@@ -116,6 +118,11 @@ impl<'a> Situation<'a> {
     /// The same for a camera that measures only these depths; without it, all.
     pub fn with_depth_range(self, depth_range: DepthRange) -> Self {
         Self { depth_range, ..self }
+    }
+
+    /// The same for a camera with this random error; without it, with none.
+    pub fn with_surface_error(self, surface_error: SurfaceError) -> Self {
+        Self { surface_error, ..self }
     }
 
     /// The same where the given poses have proved right, or not, which is the default: later frames then need
@@ -217,6 +224,11 @@ impl<'a> Situation<'a> {
     /// The depths that the camera measures.
     pub fn depth_range(&self) -> DepthRange {
         self.depth_range
+    }
+
+    /// The random error of the camera.
+    pub fn surface_error(&self) -> SurfaceError {
+        self.surface_error
     }
 
     /// The table that the object stands on, if one is known.

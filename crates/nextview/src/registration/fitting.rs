@@ -85,6 +85,11 @@ impl Fitting<'_> {
         })
     }
 
+    /// Where the frame fits from the given pose alone, without a search and whatever speaks against it.
+    pub fn nearby(&self) -> Result<Registration, Cancelled> {
+        Ok(self.aligned(self.reach.first)?.registration)
+    }
+
     /// The nearest of the alignments of about the least misfit, among those as near as given poses are right,
     /// if there are any.
     fn best(&self) -> Result<Fit, Cancelled> {

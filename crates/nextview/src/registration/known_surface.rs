@@ -154,12 +154,32 @@ impl KnownSurface {
     /// Aligns the surface that a frame shows in and around a box (world coordinates, finite) to the known
     /// surface, unless cancelled.
     pub fn register(&self, frame: &Frame, bounds: Aabb, cancel: &Cancel) -> Result<Registration, Cancelled> {
+        self.fitting(frame, bounds, cancel)?.register()
+    }
+
+    /// The same, from the given pose alone and unjudged: only how far the frame lies beside the known surface
+    /// is to be learned.
+    pub(crate) fn compare(
+        &self,
+        frame: &Frame,
+        bounds: Aabb,
+        cancel: &Cancel,
+    ) -> Result<Registration, Cancelled> {
+        self.fitting(frame, bounds, cancel)?.nearby()
+    }
+
+    fn fitting<'a>(
+        &'a self,
+        frame: &Frame,
+        bounds: Aabb,
+        cancel: &'a Cancel,
+    ) -> Result<Fitting<'a>, Cancelled> {
         let points = surface_points(frame, self.around(bounds), self.spacing, cancel)?;
         let known = self.pools.iter().map(|pool| pool.position / pool.n).collect();
         let earlier = self.views.iter().map(View::camera).collect();
         let (config, reach, tree) = (&self.config, self.reach(), &self.tree);
         let camera = Camera::new(frame.clone());
-        Fitting { config, reach, points, camera, known, tree, earlier, cancel }.register()
+        Ok(Fitting { config, reach, points, camera, known, tree, earlier, cancel })
     }
 
     fn reach(&self) -> SearchReach {

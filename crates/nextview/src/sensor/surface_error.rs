@@ -39,6 +39,14 @@ checked_when_read!(SurfaceError);
 const LEAST_COSINE: f64 = 0.2;
 
 impl SurfaceError {
+    /// Of a camera of which nothing is known: that of a first Kinect, 1.4 mm at 1 m and growing with the
+    /// square of the depth (Khoshelham & Elberink, Sensors 2012), of which neighbouring pixels share four
+    /// fifths, and 1 mm for its calibration and its poses.
+    pub fn of_unknown_camera() -> Self {
+        let depth = DepthError { constant: 1e-3, quadratic: 1.425e-3, ..DepthError::default() };
+        Self { depth, correlated_share: 0.8, ..Self::default() }
+    }
+
     /// Fails on the first value out of range.
     pub fn check(&self) -> Result<(), Error> {
         let from_0 = 0.0..=f64::MAX;

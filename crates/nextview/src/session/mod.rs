@@ -1,5 +1,6 @@
 //! A scan in progress: two verbs, [`observe`](Session::observe) and [`decide`](Session::decide).
 
+mod agreement;
 mod alignment;
 mod config;
 mod connected_cells;
@@ -124,7 +125,8 @@ impl Session {
         config.check_with(&views)?;
         if let Some(goal) = config.goal {
             let SessionConfig { surface_error, voxel_size, depth_range, .. } = &config;
-            goal::check_reachable(goal, surface_error, *voxel_size, &intrinsics, *depth_range)?;
+            let error = surface_error.unwrap_or_default();
+            goal::check_reachable(goal, &error, *voxel_size, &intrinsics, *depth_range)?;
         }
         let (scene, location) = KnownScene::new(&config)?;
         Ok(Self {
@@ -309,7 +311,16 @@ impl Session {
             (Views::Fixed(views), None, Some(first)) => suspect_poses(first, views.poses()),
             _ => None,
         };
-        suspect(frames, known, self.config.depth_range).or_else(poses).or(boundless)
+        // Frames that are aligned need not agree as given.
+        let apart = || match self.bounds() {
+            Some(bounds) if !self.config.registration.enabled => {
+                let voxel_size = self.config.voxel_size;
+                let distance = agreement::apart(frames, bounds, voxel_size, &self.cancel).ok()??;
+                Some(Suspicion::Apart { distance })
+            }
+            _ => None,
+        };
+        suspect(frames, known, self.config.depth_range).or_else(poses).or(boundless).or_else(apart)
     }
 
     /// The depths that the camera measures, metres.
@@ -317,9 +328,9 @@ impl Session {
         self.config.depth_range
     }
 
-    /// The random error of the camera.
+    /// The random error of the camera, as far as it is known.
     pub fn surface_error(&self) -> SurfaceError {
-        self.config.surface_error
+        self.config.surface_error.unwrap_or_default()
     }
 
     /// The flag that cancels decisions and observations.
