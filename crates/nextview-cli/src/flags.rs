@@ -78,7 +78,8 @@ const FILE_KEYS: [&str; 16] = [
     "recording.read.color_topic",
 ];
 
-/// The text with options in place of keys, which are in backticks: `` `table` = fit `` becomes `--table fit`.
+/// The text with options in place of keys, which are in backticks: `` `table` = fit `` becomes `--table fit`,
+/// and true is on.
 /// Other keys are those of a configuration file.
 pub(crate) fn word(text: &str) -> String {
     let mut worded = String::new();
@@ -88,7 +89,11 @@ pub(crate) fn word(text: &str) -> String {
         match FLAGS.iter().find(|(known, _)| *known == key) {
             Some((_, flag)) => {
                 worded += flag;
-                worded += &rest.strip_prefix(" = ").map_or(rest.to_owned(), |value| format!(" {value}"));
+                worded += &match (rest.strip_prefix(" = "), rest.strip_prefix(" = true")) {
+                    (_, Some(rest)) => format!(" on{rest}"),
+                    (Some(value), None) => format!(" {value}"),
+                    (None, None) => rest.to_owned(),
+                };
             }
             None if FILE_KEYS.contains(&key) => worded += &format!("{key} in --config{rest}"),
             // A quotation.
@@ -109,6 +114,7 @@ mod tests {
             "use a larger --voxel-size-m, or memory_limit_mb in --config"
         );
         assert_eq!(word("`object_box.table` = fit finds it"), "--table fit finds it");
+        assert_eq!(word("`registration.enabled` = true aligns"), "--register on aligns");
         assert_eq!(word("integer `7`, expected"), "integer `7`, expected");
     }
 }

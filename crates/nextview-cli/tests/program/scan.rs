@@ -388,6 +388,12 @@ fn a_box_that_grows_too_far_ends_no_scan() {
         &["scan", "builtin:mug", "--candidates", "200", "--views", "6", "--baselines", "off", "--json"],
         &args[..],
     ];
-    let result = folder.json(&scan.concat());
-    assert!(result["views"].as_u64().unwrap() >= 2, "{result}");
+    let run = folder.run(&scan.concat());
+    let result: Value = serde_json::from_str(&run.stdout).unwrap();
+    assert!(run.code == Some(0) && result["views"].as_u64().unwrap() >= 2, "{result}");
+    assert!(
+        run.stderr.ends_with(" mm apart in them; --register on aligns frames to each other\n"),
+        "{}",
+        run.stderr
+    );
 }

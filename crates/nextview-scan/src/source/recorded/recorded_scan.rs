@@ -15,7 +15,7 @@ use nextview::geometry::Aabb;
 #[cfg(feature = "simulated")]
 use nextview::geometry::Pose;
 use nextview::planner::ViewPlanner;
-use nextview::sensor::{ColorImage, Frame};
+use nextview::sensor::{ColorImage, Frame, SurfaceError};
 use nextview::session::{
     BOX_MARGIN_FACTOR, BOX_MARGIN_VOXELS, NextView, ObjectBox, Session, SessionConfig, Table,
 };
@@ -234,7 +234,10 @@ fn resolve(
         _ => Table::None,
     };
     let object_box = bounds.map_or(ObjectBox::Growing, ObjectBox::Known);
-    let session_config = session_config(config, n_frames, voxel_size, object_box, table);
+    let stated = session_config(config, n_frames, voxel_size, object_box, table);
+    // A real camera is never exact.
+    let surface_error = stated.surface_error.filter(|error| *error != SurfaceError::default());
+    let session_config = SessionConfig { surface_error, ..stated };
     bounds.map(|bounds| voxel_block(&session_config, &bounds)).transpose()?;
     Ok(session_config)
 }

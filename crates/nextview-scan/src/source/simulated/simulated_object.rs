@@ -100,9 +100,7 @@ fn simulated_session(
         TableRule::Fit => Table::Fitted,
     };
     let session = session_config(config, n_candidates, voxel_size, object_box, table);
-    // An exact camera is known to have no error.
-    let surface_error = Some(config.surface_error());
-    SessionConfig { depth_range: config.noise.depth_range(), surface_error, ..session }
+    SessionConfig { depth_range: config.noise.depth_range(), ..session }
 }
 
 /// The candidates around the true object that are above its table, if it has one. Those of a rule are where

@@ -27,7 +27,7 @@ const TOLERANCE: f64 = 0.25;
 const FEW: f64 = 0.01;
 
 /// By view, the value of second looks at surface that was seen, in voxels of new surface: the gains
-/// [`BetterSurface`] and [`MoreLooks`], which need a goal, and not while planning is in coarser voxels, and
+/// [`BetterSurface`] and [`MoreLooks`] with a goal, unless planning is in coarser voxels, and without one
 /// [`SurerSurface`], where the error of the camera is large beside the voxels. Empty without any.
 pub(super) fn values(situation: &Situation<'_>, snapshot: &Snapshot) -> Result<Vec<f64>, Cancelled> {
     let (intrinsics, range) = (situation.intrinsics(), situation.depth_range());
@@ -58,13 +58,15 @@ pub(super) fn values(situation: &Situation<'_>, snapshot: &Snapshot) -> Result<V
     Ok(values)
 }
 
-/// The gain where the error of the camera leaves much of the seen surface unsure; none for an exact camera.
+/// The gain where the error of the camera leaves much of the seen surface unsure; none for an exact camera,
+/// or if goals say where second looks are wanted.
 fn unsure_surface<'a>(
     situation: &Situation<'a>,
     snapshot: &'a Snapshot,
 ) -> Result<Option<SurerSurface<'a>>, Cancelled> {
     let error = situation.surface_error();
-    if error == SurfaceError::default() {
+    let has_goal = situation.goal().is_some() || situation.looks().is_some();
+    if has_goal || error == SurfaceError::default() {
         return Ok(None);
     }
     let (intrinsics, range, frames) = (situation.intrinsics(), situation.depth_range(), situation.frames());
