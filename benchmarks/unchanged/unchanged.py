@@ -201,13 +201,15 @@ def main():
     tasks += [(campaign, name) for name in CAMPAIGNS if options.only in name]
     with concurrent.futures.ThreadPoolExecutor(os.cpu_count()) as pool:
         lines = list(pool.map(lambda task: line(program, *task), tasks))
-    if options.write:
-        with open(HERE / "results.csv", "w", newline="") as file:
-            csv.writer(file, lineterminator="\n").writerows([COLUMNS, *lines])
-        print(f"{len(lines)} lines written")
-        return
     with open(HERE / "results.csv", newline="") as file:
         expected = {line[0]: line for line in csv.reader(file)}
+    if options.write:
+        # Lines of scans that did not run stay.
+        written = expected | {found[0]: found for found in lines}
+        with open(HERE / "results.csv", "w", newline="") as file:
+            csv.writer(file, lineterminator="\n").writerows(written.values())
+        print(f"{len(lines)} lines written")
+        return
     n_different = 0
     for found in lines:
         known = expected.get(found[0], [""] * len(found))

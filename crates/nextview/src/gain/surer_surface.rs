@@ -79,7 +79,7 @@ impl<'a> SurerSurface<'a> {
     /// The number of voxels that were seen and whose surface is not within the tolerance, as expected: no
     /// number of views gains more.
     pub fn unsure(&self) -> f64 {
-        let is_seen = |looks: &&Looks| looks.information > 0.0;
+        let is_seen = |looks: &&Looks| !looks.directions.is_empty();
         self.known.iter().filter(is_seen).map(|looks| 1.0 - self.share(looks.information)).sum()
     }
 
@@ -91,7 +91,7 @@ impl<'a> SurerSurface<'a> {
             if looks.directions.is_empty() {
                 return 0.0;
             }
-            let direction = (world_from_camera.translation() - center).normalize();
+            let direction = (world_from_camera.translation() - center).normalize_or_zero();
             let look = self.information(from_world.transform_point(center).z) * looks.apart(direction);
             self.share(looks.information + look) - self.share(looks.information)
         };
@@ -102,14 +102,13 @@ impl<'a> SurerSurface<'a> {
     fn looks(&self, center: DVec3, cameras: &[(Pose, &Frame)]) -> Looks {
         let mut looks = Looks::default();
         for (from_world, frame) in cameras {
-            let depth = from_world.transform_point(center).z;
-            let allowed = self.snapshot.lattice().voxel_size()
-                + SPREAD * self.error.of_pixel(depth, 1.0, self.focal).sqrt();
-            if shown(frame, from_world.transform_point(center))
-                .is_some_and(|at| (at - depth).abs() <= allowed)
-            {
-                let direction = (frame.world_from_camera().translation() - center).normalize();
-                looks.information += self.information(depth) * looks.apart(direction);
+            let in_camera = from_world.transform_point(center);
+            let sigma = self.error.of_pixel(in_camera.z, 1.0, self.focal).sqrt();
+            let spread = self.snapshot.lattice().voxel_size() + SPREAD * sigma;
+            let pixel = frame.pixel_at(in_camera);
+            if matches!(pixel, Some(Depth::Surface(at)) if (at as f64 - in_camera.z).abs() <= spread) {
+                let direction = (frame.world_from_camera().translation() - center).normalize_or_zero();
+                looks.information += self.information(in_camera.z) * looks.apart(direction);
                 looks.directions.push(direction);
             }
         }
@@ -137,17 +136,6 @@ impl Looks {
     fn apart(&self, direction: DVec3) -> f64 {
         let distances = self.directions.iter().map(|other| other.distance(direction));
         distances.fold(APART, f64::min) / APART
-    }
-}
-
-/// The depth that a frame shows where a point (of its camera) would be, metres; none where it shows nothing.
-fn shown(frame: &Frame, point: DVec3) -> Option<f64> {
-    let intrinsics = frame.intrinsics();
-    let pixel = intrinsics.project(point).filter(|pixel| intrinsics.contains(*pixel))?;
-    let pixel = pixel.round().as_uvec2();
-    match frame.image().get(pixel.x, pixel.y) {
-        Depth::Surface(depth) => Some(depth as f64),
-        Depth::Missing | Depth::Beyond => None,
     }
 }
 

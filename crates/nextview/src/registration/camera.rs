@@ -29,14 +29,11 @@ impl Camera {
     /// deeper by more than `margin` metres, or nothing up to the camera's range. It does not know of points
     /// that are hidden, outside the image, or where it measured nothing.
     pub fn looks_through(&self, point: DVec3, margin: f64) -> bool {
-        let (image, intrinsics) = (self.frame.image(), self.frame.intrinsics());
         let in_camera = self.from_world.transform_point(point);
-        let pixel = intrinsics.project(in_camera).filter(|pixel| intrinsics.contains(*pixel));
-        let Some(pixel) = pixel.map(|pixel| pixel.round().as_uvec2()) else { return false };
-        let depth = match image.get(pixel.x, pixel.y) {
-            Depth::Missing => return false,
-            Depth::Beyond => self.frame.range(),
-            Depth::Surface(depth) => depth as f64,
+        let depth = match self.frame.pixel_at(in_camera) {
+            None | Some(Depth::Missing) => return false,
+            Some(Depth::Beyond) => self.frame.range(),
+            Some(Depth::Surface(depth)) => depth as f64,
         };
         depth - in_camera.z > margin
     }

@@ -61,6 +61,13 @@ impl Frame {
         self.range
     }
 
+    /// The pixel that shows a point of the camera frame, or what hides it; none outside the image.
+    pub(crate) fn pixel_at(&self, point_in_camera: DVec3) -> Option<Depth> {
+        let pixel = self.intrinsics.project(point_in_camera)?;
+        let at = self.intrinsics.contains(pixel).then(|| pixel.round().as_uvec2())?;
+        Some(self.image.get(at.x, at.y))
+    }
+
     /// The end of every ray of image row `v` that carries information, in world coordinates, from left to
     /// right: with `true` for a measured surface and `false` for the end of the range where nothing came
     /// back.
