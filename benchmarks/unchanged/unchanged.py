@@ -48,6 +48,9 @@ def scans():
     yield "table fit noise", [*mug, *NOISE, "--table", "fit"]
     yield "box grows", [*mug, "--box", "grows"]
     yield "box grows table", [*mug, *NOISE, "--box", "grows", "--table", "fit", "--planner", "max-flow", "--register", "on"]
+    # Fine voxels beside the error of the camera, as in the benchmark of reality.
+    small = ["builtin:mug", "--size-m", "0.06", "--candidates", "150", "--views", "6", "--noise", "d435i"]
+    yield "true size", [*small, "--pose-error-mm", "2", "--pose-error-deg", "0.2", "--box", "grows", "--table", "fit"]
     yield "coarse to fine", ["builtin:torus-knot", "--candidates", "80", "--multi-resolution", "on"]
     yield "coarse to fine max-flow", ["builtin:random-17", *SMALL, "--multi-resolution", "on", "--planner", "max-flow"]
     yield "coarse to fine rse", [*mug, "--multi-resolution", "on", "--planner", "rse", "--theta", "0.2"]

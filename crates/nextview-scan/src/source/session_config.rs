@@ -1,7 +1,7 @@
 use crate::{Fault, ScanConfig};
 use nextview::geometry::{Aabb, VoxelBlock};
 use nextview::registration::RegistrationConfig;
-use nextview::sensor::DepthRange;
+use nextview::sensor::{DepthRange, SurfaceError};
 use nextview::session::{ObjectBox, SessionConfig, Table};
 
 /// Where the box grows, nothing is known of the object's size when the voxels are chosen: they suit one of
@@ -25,7 +25,8 @@ pub(super) fn session_config(
         table,
         first_view: config.first_view,
         depth_range: DepthRange::default(),
-        surface_error: Some(config.surface_error()),
+        surface_error: config.surface_error(),
+        planned_error: SurfaceError::default(),
         goal: config.goal_mm.map(|goal| goal / 1e3),
         looks: config.looks,
         sensor_model: config.map.sensor_model,

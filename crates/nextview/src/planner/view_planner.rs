@@ -120,7 +120,8 @@ impl<'a> Situation<'a> {
         Self { depth_range, ..self }
     }
 
-    /// The same for a camera with this random error; without it, with none.
+    /// The same for a camera with this random error, for which surface is worth second looks; without it, with
+    /// none.
     pub fn with_surface_error(self, surface_error: SurfaceError) -> Self {
         Self { surface_error, ..self }
     }
@@ -226,7 +227,7 @@ impl<'a> Situation<'a> {
         self.depth_range
     }
 
-    /// The random error of the camera.
+    /// The random error of the camera, for which surface is worth second looks.
     pub fn surface_error(&self) -> SurfaceError {
         self.surface_error
     }

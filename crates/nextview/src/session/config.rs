@@ -69,10 +69,13 @@ pub struct SessionConfig {
     /// given.
     #[serde(default)]
     pub registration: RegistrationConfig,
-    /// The random error of the camera. Default: not known, which planning takes for [that of a
-    /// Kinect](SurfaceError::of_unknown_camera).
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub surface_error: Option<SurfaceError>,
+    /// The random error of the camera. Default: none.
+    #[serde(default)]
+    pub surface_error: SurfaceError,
+    /// The random error that planning reckons with: where it is large beside the voxels, surface is looked at
+    /// again from elsewhere. Default: none; without a goal, there are no second looks.
+    #[serde(default)]
+    pub planned_error: SurfaceError,
     /// How accurate the surface in each voxel is to be: its expected error along the normal, standard
     /// deviation, metres, positive. Planning then spends views on surface that was seen, but not well enough,
     /// and the scan goes on while they help. Default: no second looks.
@@ -122,7 +125,8 @@ impl SessionConfig {
             sensor_model: SensorModel::default(),
             multi_resolution: MultiResolutionConfig::default(),
             registration: RegistrationConfig::default(),
-            surface_error: None,
+            surface_error: SurfaceError::default(),
+            planned_error: SurfaceError::default(),
             goal: None,
             looks: None,
             motion: MotionConfig::default(),
@@ -158,7 +162,8 @@ impl SessionConfig {
         self.sensor_model.check()?;
         self.table.check()?;
         self.registration.check()?;
-        self.surface_error.unwrap_or_default().check()?;
+        self.surface_error.check()?;
+        self.planned_error.check()?;
         self.looks.map_or(Ok(()), |looks| looks.check())?;
         let positive = f64::MIN_POSITIVE..=f64::MAX;
         self.goal.map_or(Ok(()), |goal| check_range("goal_m", goal, positive, "a positive number"))?;

@@ -45,8 +45,7 @@ impl Quality {
     /// Nothing was measured; none without a goal. For a checked configuration.
     pub fn new(config: &SessionConfig) -> Result<Option<Self>, Error> {
         let &SessionConfig { goal, looks, surface_error, voxel_size, .. } = config;
-        let error = surface_error.unwrap_or_default();
-        let errors = |goal| MeasuredCells::new(voxel_size, error).map(|cells| (cells, goal));
+        let errors = |goal| MeasuredCells::new(voxel_size, surface_error).map(|cells| (cells, goal));
         let errors = goal.map(errors).transpose()?;
         let looks = looks.map(|goal| SurfaceLooks::new(voxel_size, goal)).transpose()?;
         let is_any = errors.is_some() || looks.is_some();

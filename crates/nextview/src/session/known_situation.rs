@@ -3,7 +3,7 @@ use super::known_scene::KnownScene;
 use super::scan_map::Place;
 use crate::motion::Surroundings;
 use crate::planner::Situation;
-use crate::sensor::{Frame, SurfaceError};
+use crate::sensor::Frame;
 
 /// A situation with all that a session knows besides the map, the candidates and the camera: its frames, the
 /// candidates that were visited, and how long a robot needs to each.
@@ -17,7 +17,7 @@ pub(super) fn known_situation<'a>(
 ) -> Situation<'a> {
     let situation = situation
         .with_depth_range(config.depth_range)
-        .with_surface_error(config.surface_error.unwrap_or_else(SurfaceError::of_unknown_camera))
+        .with_surface_error(config.planned_error)
         .with_frames(frames)
         .with_max_views(config.max_views)
         .with_table(scene.map.place().table.map(|table| table.plane))

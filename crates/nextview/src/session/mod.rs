@@ -125,8 +125,7 @@ impl Session {
         config.check_with(&views)?;
         if let Some(goal) = config.goal {
             let SessionConfig { surface_error, voxel_size, depth_range, .. } = &config;
-            let error = surface_error.unwrap_or_default();
-            goal::check_reachable(goal, &error, *voxel_size, &intrinsics, *depth_range)?;
+            goal::check_reachable(goal, surface_error, *voxel_size, &intrinsics, *depth_range)?;
         }
         let (scene, location) = KnownScene::new(&config)?;
         Ok(Self {
@@ -328,9 +327,9 @@ impl Session {
         self.config.depth_range
     }
 
-    /// The random error of the camera, as far as it is known.
+    /// The random error of the camera.
     pub fn surface_error(&self) -> SurfaceError {
-        self.config.surface_error.unwrap_or_default()
+        self.config.surface_error
     }
 
     /// The flag that cancels decisions and observations.

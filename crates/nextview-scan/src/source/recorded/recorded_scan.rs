@@ -234,10 +234,13 @@ fn resolve(
         _ => Table::None,
     };
     let object_box = bounds.map_or(ObjectBox::Growing, ObjectBox::Known);
-    let stated = session_config(config, n_frames, voxel_size, object_box, table);
+    let session_config = session_config(config, n_frames, voxel_size, object_box, table);
     // A real camera is never exact.
-    let surface_error = stated.surface_error.filter(|error| *error != SurfaceError::default());
-    let session_config = SessionConfig { surface_error, ..stated };
+    let planned_error = match session_config.surface_error {
+        unknown if unknown == SurfaceError::default() => SurfaceError::of_unknown_camera(),
+        stated => stated,
+    };
+    let session_config = SessionConfig { planned_error, ..session_config };
     bounds.map(|bounds| voxel_block(&session_config, &bounds)).transpose()?;
     Ok(session_config)
 }
