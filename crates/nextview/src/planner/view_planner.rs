@@ -120,8 +120,8 @@ impl<'a> Situation<'a> {
         Self { depth_range, ..self }
     }
 
-    /// The same for a camera with this random error, for which surface is worth second looks; without it, with
-    /// none.
+    /// The same for a camera with this random error, for which surface is worth second looks; without it,
+    /// with none.
     pub fn with_surface_error(self, surface_error: SurfaceError) -> Self {
         Self { surface_error, ..self }
     }
