@@ -2,7 +2,7 @@
 //! through.
 
 use super::camera::Camera;
-use super::icp::{SearchReach, align, align_where_held, pairs};
+use super::icp::{Hold, SearchReach, align, align_where_held, pairs};
 use super::normal_equations::NormalEquations;
 use super::pair::Pair;
 use super::point_tree::PointTree;
@@ -35,7 +35,8 @@ const EVERY: usize = 5;
 const N_LIKELY: usize = 12;
 
 /// After the search, a frame is aligned also in directions that are held by this share of what is required
-/// otherwise: it cannot go far any more.
+/// otherwise: it cannot go far any more. Turns cost something there: little overlap, most of it table, would
+/// let a frame turn as far as it may.
 const LOOSELY: f64 = 0.1;
 
 /// How much a point that is not known yet counts, in points that contradict: it is worse than one that fits.
@@ -117,7 +118,8 @@ impl Fitting<'_> {
         let (mut aligned, mut n_steps) = align(given, reach, paired)?;
         let stiffness = self.stiffness(&aligned)?;
         if stiffness < self.config.min_stiffness {
-            (aligned, n_steps) = align_where_held(given, reach, self.config.min_stiffness, paired)?;
+            let hold = Hold { min_stiffness: self.config.min_stiffness, turn: None };
+            (aligned, n_steps) = align_where_held(given, reach, &hold, paired)?;
         }
         self.fit(aligned, stiffness, n_steps)
     }
@@ -126,21 +128,25 @@ impl Fitting<'_> {
     /// from the given pose alone takes one face of a box for the next. None if no place is near enough.
     fn searched(&self) -> Result<Option<Fit>, Cancelled> {
         let thin = self.thinned();
-        let (firm, _) =
-            align_where_held(self.camera.pose(), self.reach, FIRM, |pose, reach| thin.pairs(pose, reach))?;
+        let given = self.camera.pose();
+        let firm = Hold { min_stiffness: FIRM, turn: None };
+        let (firm, _) = align_where_held(given, self.reach, &firm, |pose, reach| thin.pairs(pose, reach))?;
         let step = self.config.position_uncertainty / N_STEPS as f64;
         let mut places = thin.ranked(self.places(firm, step)?)?;
         places.truncate(N_LIKELY);
         let near = SearchReach { first: 1.5 * step.max(self.reach.last), ..self.reach };
-        let loosely = LOOSELY * self.config.min_stiffness;
+        let loosely = Hold {
+            min_stiffness: LOOSELY * self.config.min_stiffness,
+            turn: Some((given.rotation(), self.config.min_stiffness)),
+        };
         let refine = |(_, place): &(f64, Pose)| {
-            Ok(align_where_held(*place, near, loosely, |pose, reach| thin.pairs(pose, reach))?.0)
+            Ok(align_where_held(*place, near, &loosely, |pose, reach| thin.pairs(pose, reach))?.0)
         };
         let refined = places.par_iter().map(refine).collect::<Result<Vec<_>, Cancelled>>()?;
         let Some(&(_, best)) = self.ranked(refined)?.first() else { return Ok(None) };
         let last = SearchReach { first: self.reach.last, ..self.reach };
         let (aligned, n_steps) =
-            align_where_held(best, last, loosely, |pose, reach| self.pairs(pose, reach))?;
+            align_where_held(best, last, &loosely, |pose, reach| self.pairs(pose, reach))?;
         self.fit(aligned, self.stiffness(&aligned)?, n_steps).map(Some)
     }
 

@@ -4,6 +4,7 @@ use super::point_tree::PointTree;
 use super::surface_points::SurfacePoint;
 use crate::geometry::Pose;
 use crate::{Cancel, Cancelled};
+use glam::DQuat;
 use rayon::prelude::*;
 
 /// Minimum cosine between the normals of a pair: 45 degrees. The other side of a thin wall does not match.
@@ -44,15 +45,24 @@ pub fn align<E>(
     reach: SearchReach,
     pairs: impl Fn(&Pose, f64) -> Result<Vec<Pair>, E>,
 ) -> Result<(Pose, usize), E> {
-    align_where_held(given, reach, 0.0, pairs)
+    align_where_held(given, reach, &Hold { min_stiffness: 0.0, turn: None }, pairs)
 }
 
-/// [`align`] that moves nothing in directions in which the surface is less stiff than this: those keep the
-/// given pose (solution remapping, Zhang, Kaess & Singh 2016).
+/// What keeps a frame from moving where the surface does not hold it.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Hold {
+    /// Nothing moves in directions in which the surface is less stiff than this: those keep the given pose
+    /// (solution remapping, Zhang, Kaess & Singh 2016).
+    pub min_stiffness: f64,
+    /// A rotation to stay near, and how stiffly.
+    pub turn: Option<(DQuat, f64)>,
+}
+
+/// [`align`] with something that holds the frame.
 pub(super) fn align_where_held<E>(
     given: Pose,
     reach: SearchReach,
-    min_stiffness: f64,
+    hold: &Hold,
     pairs: impl Fn(&Pose, f64) -> Result<Vec<Pair>, E>,
 ) -> Result<(Pose, usize), E> {
     let (mut pose, mut distance) = (given, reach.first);
@@ -60,7 +70,16 @@ pub(super) fn align_where_held<E>(
         let Some(equations) = NormalEquations::new(&pairs(&pose, distance)?, SCALE * distance) else {
             return Ok((pose, n_steps));
         };
-        let (motion, size) = equations.step(min_stiffness);
+        let equations = match hold.turn {
+            Some((rotation, stiffness)) => {
+                let turn = pose.rotation() * rotation.inverse();
+                // Of the two quaternions of a rotation, the one of the shorter way.
+                let turn = if turn.w < 0.0 { -turn } else { turn };
+                equations.with_turn_held(turn.to_scaled_axis(), stiffness)
+            }
+            None => equations,
+        };
+        let (motion, size) = equations.step(hold.min_stiffness);
         pose = motion * pose;
         if distance <= reach.last && size < SMALL_STEP * reach.last {
             return Ok((pose, n_steps));

@@ -12,6 +12,8 @@ pub(super) struct NormalEquations {
     center: DVec3,
     radius: f64,
     /// Mean of the derivatives' outer products.
+    squares: [[f64; 6]; 6],
+    /// Of `squares`.
     eigen: Eigen<6>,
     /// Mean of the derivatives times the residual.
     gradient: [f64; 6],
@@ -44,7 +46,18 @@ impl NormalEquations {
             total += weight;
         }
         squares.as_flattened_mut().iter_mut().chain(&mut gradient).for_each(|value| *value /= total);
-        Some(Self { center, radius, eigen: Eigen::of(squares), gradient })
+        Some(Self { center, radius, squares, eigen: Eigen::of(squares), gradient })
+    }
+
+    /// The same problem with points that have turned by this much so far, a rotation vector, and are held
+    /// back as firmly as by a surface of this stiffness about each axis.
+    pub fn with_turn_held(mut self, turned: DVec3, stiffness: f64) -> Self {
+        for (i, turned) in turned.to_array().into_iter().enumerate() {
+            self.squares[i][i] += stiffness;
+            self.gradient[i] += stiffness * self.radius * turned;
+        }
+        self.eigen = Eigen::of(self.squares);
+        self
     }
 
     /// The smallest eigenvalue.
@@ -135,6 +148,43 @@ mod tests {
         let [freely, held] = [0.0, 0.005].map(|least| equations.step(least).0.translation());
         assert!(freely.x.abs() > 1e-4 && held.x.abs() < 1e-5, "{freely} {held}");
         assert!((held.z - freely.z).abs() < 1e-5 && held.z.abs() > 5e-5, "{freely} {held}");
+    }
+
+    #[test]
+    fn a_turn_that_nothing_holds_is_undone_and_one_that_the_surface_holds_hardly_changes() {
+        let plane = |random: &mut Random| (random.in_cube().with_z(0.0), DVec3::Z);
+        let all_around = |random: &mut Random| (random.in_cube(), random.in_cube().normalize());
+        let turn = |equations: NormalEquations, turned| {
+            equations.with_turn_held(turned, 0.005).step(1e-3).0.rotation().to_scaled_axis()
+        };
+        let of = |pairs: &[Pair]| NormalEquations::new(pairs, 1.0).unwrap();
+        let turned = 0.1 * DVec3::Z;
+        let loose = turn(of(&pairs(&Pose::IDENTITY, plane)), turned);
+        assert!((loose + turned).length() < 1e-3, "{loose}");
+        let held = turn(of(&pairs(&Pose::IDENTITY, all_around)), turned);
+        assert!(held.length() < 0.1 * turned.length(), "{held}");
+    }
+
+    #[test]
+    fn a_step_with_a_held_turn_is_the_minimum_of_what_is_summed_up_point_by_point() {
+        let pairs = pairs(&motion(1e-3), |random| (random.in_cube(), random.in_cube().normalize()));
+        let (scale, stiffness, turned) = (0.01, 0.05, DVec3::new(0.02, -0.01, 0.03));
+        let equations = NormalEquations::new(&pairs, scale).unwrap().with_turn_held(turned, stiffness);
+        let weights: f64 = pairs.iter().map(|pair| pair.weight(scale)).sum();
+        let sum = |turn: DVec3, shift: DVec3| {
+            let moved = |pair: &Pair| turn.cross(pair.point - equations.center) + shift;
+            let squares = pairs.iter().map(|pair| {
+                pair.weight(scale) * (pair.residual() + pair.normal.dot(moved(pair))).powi(2) / weights
+            });
+            squares.sum::<f64>() + stiffness * equations.radius.powi(2) * (turned + turn).length_squared()
+        };
+        let step = equations.step(0.0).0;
+        let turn = step.rotation().to_scaled_axis();
+        let shift = step.transform_point(equations.center) - equations.center;
+        let least = sum(turn, shift);
+        for axis in [DVec3::X, DVec3::Y, DVec3::Z, -DVec3::X, -DVec3::Y, -DVec3::Z] {
+            assert!(sum(turn + 1e-4 * axis, shift) > least && sum(turn, shift + 1e-4 * axis) > least);
+        }
     }
 
     #[test]
