@@ -20,6 +20,9 @@ const N_DRAWS_NEAR: usize = 300;
 /// may hold more points than a table that is seen at a grazing angle, but the world's z axis hardly ever
 /// leans against a table.
 const HALF_WEIGHT_TILT: f64 = 5.0;
+/// Of a plane near a stated one, the distance, as a share of the largest that is possible, is normally
+/// distributed with this standard deviation: poses are hardly ever as wrong as they may be.
+const USUAL_SHARE: f64 = 0.2;
 /// Cosine of 3 degrees.
 const ALIKE: f64 = 0.998_629_534_754_573_9;
 /// Share of the points that a plane must hold.
@@ -53,27 +56,57 @@ pub(crate) fn fit_ground_unless(
     viewpoint: DVec3,
     cancel: &Cancel,
 ) -> Result<Option<PlaneFit>, Cancelled> {
-    fit(points, viewpoint, DVec3::Z, N_DRAWS, cancel)
+    fit(points, viewpoint, &Expected { normal: DVec3::Z, stated: None }, N_DRAWS, cancel)
 }
 
 /// The same for the points at most `distance` metres from a rough estimate of the plane; none if the result
 /// is tilted against the estimate by more than 3 degrees. Tilts count against the estimate, too.
 pub fn fit_ground_near(rough: Plane, distance: f64, points: &[DVec3], viewpoint: DVec3) -> Option<PlaneFit> {
+    fit_near(rough, distance, points, viewpoint, None)
+}
+
+/// The same where the table is stated, and poses are at most `distance` metres off: of a table and the flat
+/// top of what stands on it, the one that is nearer to the statement is likelier, even if it holds a few
+/// times fewer points.
+pub(crate) fn fit_ground_stated(
+    stated: Plane,
+    distance: f64,
+    points: &[DVec3],
+    viewpoint: DVec3,
+) -> Option<PlaneFit> {
+    fit_near(stated, distance, points, viewpoint, Some((stated, USUAL_SHARE * distance)))
+}
+
+fn fit_near(
+    rough: Plane,
+    distance: f64,
+    points: &[DVec3],
+    viewpoint: DVec3,
+    stated: Option<(Plane, f64)>,
+) -> Option<PlaneFit> {
     let near: Vec<DVec3> = inliers(points, rough, distance).collect();
+    let expected = Expected { normal: rough.normal(), stated };
     let found =
-        fit(&near, viewpoint, rough.normal(), N_DRAWS_NEAR, &Cancel::default()).expect("nobody cancels")?;
+        fit(&near, viewpoint, &expected, N_DRAWS_NEAR, &Cancel::default()).expect("nobody cancels")?;
     (found.plane.normal().dot(rough.normal()) >= ALIKE).then_some(found)
+}
+
+/// What is known of a plane beforehand.
+struct Expected {
+    normal: DVec3,
+    /// Where it is, and the standard deviation of that, metres.
+    stated: Option<(Plane, f64)>,
 }
 
 fn fit(
     points: &[DVec3],
     viewpoint: DVec3,
-    expected_normal: DVec3,
+    expected: &Expected,
     n_draws: usize,
     cancel: &Cancel,
 ) -> Result<Option<PlaneFit>, Cancelled> {
     let tried: Vec<DVec3> = points.iter().step_by(points.len().div_ceil(N_TRIED).max(1)).copied().collect();
-    let Some((_, plane)) = likeliest_plane(&tried, viewpoint, expected_normal, n_draws, cancel)? else {
+    let Some((_, plane)) = likeliest_plane(&tried, viewpoint, expected, n_draws, cancel)? else {
         return Ok(None);
     };
     let plane = least_squares(points, least_squares(points, plane, INLIER_DISTANCE), CLOSE_DISTANCE);
@@ -87,7 +120,7 @@ fn fit(
 fn likeliest_plane(
     points: &[DVec3],
     viewpoint: DVec3,
-    expected_normal: DVec3,
+    expected: &Expected,
     n_draws: usize,
     cancel: &Cancel,
 ) -> Result<Option<(f64, Plane)>, Cancelled> {
@@ -100,7 +133,7 @@ fn likeliest_plane(
     for _ in 0..n_draws {
         cancel.check()?;
         let Some(plane) = ground_through([draw(), draw(), draw()], viewpoint) else { continue };
-        let Some(weight) = weight(points, plane, expected_normal) else { continue };
+        let Some(weight) = weight(points, plane, expected) else { continue };
         if likeliest.is_none_or(|(most, _)| weight > most) {
             likeliest = Some((weight, plane));
         }
@@ -108,11 +141,19 @@ fn likeliest_plane(
     Ok(likeliest)
 }
 
-/// The number of points near a plane, less the more it is tilted; none if they are too few.
-fn weight(points: &[DVec3], plane: Plane, expected_normal: DVec3) -> Option<f64> {
-    let tilt = plane.normal().angle_between(expected_normal).to_degrees();
+/// The number of points near a plane, less the more it is tilted and the farther it is from where it is
+/// stated; none if they are too few.
+fn weight(points: &[DVec3], plane: Plane, expected: &Expected) -> Option<f64> {
     let n = inliers(points, plane, INLIER_DISTANCE).count() as f64;
-    (n >= LEAST_SHARE * points.len() as f64).then(|| n / (1.0 + (tilt / HALF_WEIGHT_TILT).powi(2)))
+    if n < LEAST_SHARE * points.len() as f64 {
+        return None;
+    }
+    let tilt = plane.normal().angle_between(expected.normal).to_degrees();
+    let at_height = expected.stated.map_or(1.0, |(stated, sigma)| {
+        let heights = inliers(points, plane, INLIER_DISTANCE).map(|point| stated.height(point));
+        (-0.5 * (heights.sum::<f64>() / n / sigma).powi(2)).exp()
+    });
+    Some(n * at_height / (1.0 + (tilt / HALF_WEIGHT_TILT).powi(2)))
 }
 
 fn ground_through([a, b, c]: [DVec3; 3], viewpoint: DVec3) -> Option<Plane> {
@@ -179,6 +220,21 @@ mod tests {
     }
 
     #[test]
+    fn of_a_stated_table_and_the_top_of_a_box_on_it_the_nearer_one_is_the_table() {
+        // A box of 5 cm that fills most of the image, in a pose that is 2 cm off.
+        let mut random = Random::new(5, 0);
+        let mut points = square(8000, 0.0, DVec3::Z * 0.03, &mut random);
+        points.extend(square(2000, 0.0, DVec3::Z * -0.02, &mut random));
+        let stated = Plane::horizontal(0.0).unwrap();
+        check_near(fit_ground_stated(stated, 0.05, &points, EYE).unwrap(), 0.0, DVec3::Z * -0.02);
+        check_near(fit_ground_near(stated, 0.05, &points, EYE).unwrap(), 0.0, DVec3::Z * 0.03);
+        // A turntable above a table that is no less near.
+        let mut points = square(5000, 0.0, DVec3::Z * 0.005, &mut random);
+        points.extend(square(5000, 0.0, DVec3::Z * -0.03, &mut random));
+        check_near(fit_ground_stated(stated, 0.05, &points, EYE).unwrap(), 0.0, DVec3::Z * 0.005);
+    }
+
+    #[test]
     fn finds_nothing_where_there_is_no_table() {
         let mut random = Random::new(2, 0);
         let wall = square(3000, 90.0, DVec3::Y, &mut random);
@@ -193,6 +249,7 @@ mod tests {
     /// The slow twin: every triple of a few points.
     #[test]
     fn holds_as_many_points_as_the_best_of_all_triples() {
+        let up = Expected { normal: DVec3::Z, stated: None };
         for seed in 0..20 {
             let mut random = Random::new(seed, 1);
             let mut points = square(8, 0.0, DVec3::ZERO, &mut random);
@@ -202,12 +259,11 @@ mod tests {
                 for (j, &b) in points.iter().enumerate().skip(i + 1) {
                     for &c in &points[j + 1..] {
                         let plane = ground_through([a, b, c], EYE);
-                        most =
-                            most.max(plane.and_then(|plane| weight(&points, plane, DVec3::Z)).unwrap_or(0.0));
+                        most = most.max(plane.and_then(|plane| weight(&points, plane, &up)).unwrap_or(0.0));
                     }
                 }
             }
-            let found = likeliest_plane(&points, EYE, DVec3::Z, N_DRAWS, &Cancel::default());
+            let found = likeliest_plane(&points, EYE, &up, N_DRAWS, &Cancel::default());
             // The order of three points decides the last bits of their plane's tilt.
             assert!((found.unwrap().unwrap().0 - most).abs() < 1e-9, "seed {seed}");
         }

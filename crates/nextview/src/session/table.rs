@@ -1,6 +1,6 @@
 use crate::Error;
 use crate::checked::checked_when_read;
-use crate::geometry::{Aabb, Plane, PlaneFit, fit_ground_near, fit_ground_unless};
+use crate::geometry::{Aabb, Plane, PlaneFit, fit_ground_near, fit_ground_stated, fit_ground_unless};
 use crate::sensor::Frame;
 use crate::{Cancel, Cancelled};
 use glam::{DVec2, DVec3};
@@ -153,7 +153,7 @@ impl TableSearch {
         let points = || frame.points().collect::<Vec<DVec3>>();
         if std::mem::take(&mut self.is_first) {
             self.found = match self.stated() {
-                Some((stated, distance)) => fit_ground_near(stated, distance, &points(), camera),
+                Some((stated, distance)) => fit_ground_stated(stated, distance, &points(), camera),
                 None => fit_ground_unless(&points(), camera, cancel)?,
             };
         } else if let Some(found) = self.found.filter(|found| found.deviation > GOOD) {
