@@ -35,8 +35,8 @@ const EVERY: usize = 5;
 const N_LIKELY: usize = 12;
 
 /// After the search, a frame is aligned also in directions that are held by this share of what is required
-/// otherwise: it cannot go far any more. Turns cost something there: little overlap, most of it table, would
-/// let a frame turn as far as it may.
+/// otherwise: it cannot go far any more. Before that, from the places of the search, turns cost something:
+/// little overlap, most of it table, would let a frame turn as far as it may.
 const LOOSELY: f64 = 0.1;
 
 /// How much a point that is not known yet counts, in points that contradict: it is worse than one that fits.
@@ -135,12 +135,10 @@ impl Fitting<'_> {
         let mut places = thin.ranked(self.places(firm, step)?)?;
         places.truncate(N_LIKELY);
         let near = SearchReach { first: 1.5 * step.max(self.reach.last), ..self.reach };
-        let loosely = Hold {
-            min_stiffness: LOOSELY * self.config.min_stiffness,
-            turn: Some((given.rotation(), self.config.min_stiffness)),
-        };
+        let loosely = Hold { min_stiffness: LOOSELY * self.config.min_stiffness, turn: None };
+        let hardly_turned = Hold { turn: Some((given.rotation(), self.config.min_stiffness)), ..loosely };
         let refine = |(_, place): &(f64, Pose)| {
-            Ok(align_where_held(*place, near, &loosely, |pose, reach| thin.pairs(pose, reach))?.0)
+            Ok(align_where_held(*place, near, &hardly_turned, |pose, reach| thin.pairs(pose, reach))?.0)
         };
         let refined = places.par_iter().map(refine).collect::<Result<Vec<_>, Cancelled>>()?;
         let Some(&(_, best)) = self.ranked(refined)?.first() else { return Ok(None) };
