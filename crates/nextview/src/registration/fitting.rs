@@ -35,8 +35,8 @@ const EVERY: usize = 5;
 const N_LIKELY: usize = 12;
 
 /// After the search, a frame is aligned also in directions that are held by this share of what is required
-/// otherwise: it cannot go far any more. Before that, from the places of the search, turns cost something:
-/// little overlap, most of it table, would let a frame turn as far as it may.
+/// otherwise: it cannot go far any more. Turns cost something, first from the given pose, then from the best
+/// place: little overlap, most of it table, would let a frame turn as far as it may.
 const LOOSELY: f64 = 0.1;
 
 /// How much a point that is not known yet counts, in points that contradict: it is worse than one that fits.
@@ -135,16 +135,17 @@ impl Fitting<'_> {
         let mut places = thin.ranked(self.places(firm, step)?)?;
         places.truncate(N_LIKELY);
         let near = SearchReach { first: 1.5 * step.max(self.reach.last), ..self.reach };
-        let loosely = Hold { min_stiffness: LOOSELY * self.config.min_stiffness, turn: None };
-        let hardly_turned = Hold { turn: Some((given.rotation(), self.config.min_stiffness)), ..loosely };
+        let loosely = LOOSELY * self.config.min_stiffness;
+        let turn = Some((given.rotation(), self.config.min_stiffness));
+        let hold = Hold { min_stiffness: loosely, turn };
         let refine = |(_, place): &(f64, Pose)| {
-            Ok(align_where_held(*place, near, &hardly_turned, |pose, reach| thin.pairs(pose, reach))?.0)
+            Ok(align_where_held(*place, near, &hold, |pose, reach| thin.pairs(pose, reach))?.0)
         };
         let refined = places.par_iter().map(refine).collect::<Result<Vec<_>, Cancelled>>()?;
         let Some(&(_, best)) = self.ranked(refined)?.first() else { return Ok(None) };
         let last = SearchReach { first: self.reach.last, ..self.reach };
-        let (aligned, n_steps) =
-            align_where_held(best, last, &loosely, |pose, reach| self.pairs(pose, reach))?;
+        let hold = Hold { min_stiffness: loosely, turn: Some((best.rotation(), loosely)) };
+        let (aligned, n_steps) = align_where_held(best, last, &hold, |pose, reach| self.pairs(pose, reach))?;
         self.fit(aligned, self.stiffness(&aligned)?, n_steps).map(Some)
     }
 
