@@ -54,7 +54,8 @@ pub(super) struct Hold {
     /// Nothing moves in directions in which the surface is less stiff than this: those keep the given pose
     /// (solution remapping, Zhang, Kaess & Singh 2016).
     pub min_stiffness: f64,
-    /// A rotation to stay near, and how stiffly.
+    /// A rotation to stay near: a turn from it counts like a residual of the turn, radians, times so many
+    /// metres.
     pub turn: Option<(DQuat, f64)>,
 }
 
@@ -71,11 +72,11 @@ pub(super) fn align_where_held<E>(
             return Ok((pose, n_steps));
         };
         let equations = match hold.turn {
-            Some((rotation, stiffness)) => {
+            Some((rotation, arm)) => {
                 let turn = pose.rotation() * rotation.inverse();
                 // Of the two quaternions of a rotation, the one of the shorter way.
                 let turn = if turn.w < 0.0 { -turn } else { turn };
-                equations.with_turn_held(turn.to_scaled_axis(), stiffness)
+                equations.with_turn_held(turn.to_scaled_axis(), arm)
             }
             None => equations,
         };

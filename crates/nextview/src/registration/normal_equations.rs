@@ -49,9 +49,10 @@ impl NormalEquations {
         Some(Self { center, radius, squares, eigen: Eigen::of(squares), gradient })
     }
 
-    /// The same problem with points that have turned by this much so far, a rotation vector, and are held
-    /// back as firmly as by a surface of this stiffness about each axis.
-    pub fn with_turn_held(mut self, turned: DVec3, stiffness: f64) -> Self {
+    /// The same problem with points that have turned by this much so far, a rotation vector, where a turn
+    /// counts like a residual of the turn times `arm` metres.
+    pub fn with_turn_held(mut self, turned: DVec3, arm: f64) -> Self {
+        let stiffness = (arm / self.radius).powi(2);
         for (i, turned) in turned.to_array().into_iter().enumerate() {
             self.squares[i][i] += stiffness;
             self.gradient[i] += stiffness * self.radius * turned;
@@ -155,7 +156,7 @@ mod tests {
         let plane = |random: &mut Random| (random.in_cube().with_z(0.0), DVec3::Z);
         let all_around = |random: &mut Random| (random.in_cube(), random.in_cube().normalize());
         let turn = |equations: NormalEquations, turned| {
-            equations.with_turn_held(turned, 0.005).step(1e-3).0.rotation().to_scaled_axis()
+            equations.with_turn_held(turned, 0.05).step(1e-3).0.rotation().to_scaled_axis()
         };
         let of = |pairs: &[Pair]| NormalEquations::new(pairs, 1.0).unwrap();
         let turned = 0.1 * DVec3::Z;
@@ -168,15 +169,15 @@ mod tests {
     #[test]
     fn a_step_with_a_held_turn_is_the_minimum_of_what_is_summed_up_point_by_point() {
         let pairs = pairs(&motion(1e-3), |random| (random.in_cube(), random.in_cube().normalize()));
-        let (scale, stiffness, turned) = (0.01, 0.05, DVec3::new(0.02, -0.01, 0.03));
-        let equations = NormalEquations::new(&pairs, scale).unwrap().with_turn_held(turned, stiffness);
+        let (scale, arm, turned) = (0.01, 0.2, DVec3::new(0.02, -0.01, 0.03));
+        let equations = NormalEquations::new(&pairs, scale).unwrap().with_turn_held(turned, arm);
         let weights: f64 = pairs.iter().map(|pair| pair.weight(scale)).sum();
         let sum = |turn: DVec3, shift: DVec3| {
             let moved = |pair: &Pair| turn.cross(pair.point - equations.center) + shift;
             let squares = pairs.iter().map(|pair| {
                 pair.weight(scale) * (pair.residual() + pair.normal.dot(moved(pair))).powi(2) / weights
             });
-            squares.sum::<f64>() + stiffness * equations.radius.powi(2) * (turned + turn).length_squared()
+            squares.sum::<f64>() + arm.powi(2) * (turned + turn).length_squared()
         };
         let step = equations.step(0.0).0;
         let turn = step.rotation().to_scaled_axis();
