@@ -39,8 +39,8 @@ const N_LIKELY: usize = 12;
 const LOOSELY: f64 = 0.1;
 
 /// What a turn costs there, first from the given pose, then from the best place: as much as if each point
-/// were off by the turn (radians) times this, metres. Little overlap, most of it table, would let a frame turn
-/// as far as it may. A degree costs 0.07 mm, which is less than the noise, and the largest turn that is
+/// were off by the turn (radians) times this, metres. Little overlap, most of it table, would let a frame
+/// turn as far as it may. A degree costs 0.07 mm, which is less than the noise, and the largest turn that is
 /// possible by default 0.7 mm.
 const TURN_ARM: f64 = 0.004;
 
