@@ -20,8 +20,8 @@ const N_DRAWS_NEAR: usize = 300;
 /// may hold more points than a table that is seen at a grazing angle, but the world's z axis hardly ever
 /// leans against a table.
 const HALF_WEIGHT_TILT: f64 = 5.0;
-/// Of a plane near a stated one, the distance, as a share of the largest that is possible, is normally
-/// distributed with this standard deviation: poses are hardly ever as wrong as they may be.
+/// Standard deviation of the distance between a table and where it is stated, as a share of the largest that
+/// is possible: poses are hardly ever as wrong as they may be.
 const USUAL_SHARE: f64 = 0.2;
 /// Cosine of 3 degrees.
 const ALIKE: f64 = 0.998_629_534_754_573_9;
@@ -65,16 +65,16 @@ pub fn fit_ground_near(rough: Plane, distance: f64, points: &[DVec3], viewpoint:
     fit_near(rough, distance, points, viewpoint, None)
 }
 
-/// The same where the table is stated, and poses are at most `distance` metres off: of a table and the flat
-/// top of what stands on it, the one that is nearer to the statement is likelier, even if it holds a few
-/// times fewer points.
+/// The same where the plane is stated, and poses are at most `distance` metres off. A plane that is nearer to
+/// the stated one may win although it holds a few times fewer points: otherwise, the flat top of an object
+/// that fills the image is taken for the table.
 pub(crate) fn fit_ground_stated(
     stated: Plane,
     distance: f64,
     points: &[DVec3],
     viewpoint: DVec3,
 ) -> Option<PlaneFit> {
-    fit_near(stated, distance, points, viewpoint, Some((stated, USUAL_SHARE * distance)))
+    fit_near(stated, distance, points, viewpoint, Some(USUAL_SHARE * distance))
 }
 
 fn fit_near(
@@ -82,10 +82,10 @@ fn fit_near(
     distance: f64,
     points: &[DVec3],
     viewpoint: DVec3,
-    stated: Option<(Plane, f64)>,
+    sigma: Option<f64>,
 ) -> Option<PlaneFit> {
     let near: Vec<DVec3> = inliers(points, rough, distance).collect();
-    let expected = Expected { normal: rough.normal(), stated };
+    let expected = Expected { normal: rough.normal(), stated: sigma.map(|sigma| (rough, sigma)) };
     let found =
         fit(&near, viewpoint, &expected, N_DRAWS_NEAR, &Cancel::default()).expect("nobody cancels")?;
     (found.plane.normal().dot(rough.normal()) >= ALIKE).then_some(found)

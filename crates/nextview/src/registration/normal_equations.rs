@@ -13,8 +13,6 @@ pub(super) struct NormalEquations {
     radius: f64,
     /// Mean of the derivatives' outer products.
     squares: [[f64; 6]; 6],
-    /// Of `squares`.
-    eigen: Eigen<6>,
     /// Mean of the derivatives times the residual.
     gradient: [f64; 6],
 }
@@ -46,7 +44,7 @@ impl NormalEquations {
             total += weight;
         }
         squares.as_flattened_mut().iter_mut().chain(&mut gradient).for_each(|value| *value /= total);
-        Some(Self { center, radius, squares, eigen: Eigen::of(squares), gradient })
+        Some(Self { center, radius, squares, gradient })
     }
 
     /// The same problem with points that have turned by this much so far, a rotation vector, where a turn
@@ -57,21 +55,22 @@ impl NormalEquations {
             self.squares[i][i] += stiffness;
             self.gradient[i] += stiffness * self.radius * turned;
         }
-        self.eigen = Eigen::of(self.squares);
         self
     }
 
     /// The smallest eigenvalue.
     pub fn stiffness(&self) -> f64 {
-        self.eigen.values[self.eigen.smallest()].clamp(0.0, 1.0)
+        let eigen = Eigen::of(self.squares);
+        eigen.values[eigen.smallest()].clamp(0.0, 1.0)
     }
 
     /// The motion that solves it, and its size, metres; nothing moves in directions that the surface does not
     /// determine or in which it is less stiff than this.
     pub fn step(&self, min_stiffness: f64) -> (Pose, f64) {
-        let largest = self.eigen.values.iter().fold(0.0, |a: f64, b| a.max(*b));
+        let eigen = Eigen::of(self.squares);
+        let largest = eigen.values.iter().fold(0.0, |a: f64, b| a.max(*b));
         let mut step = [0.0; 6];
-        for (value, vector) in self.eigen.values.iter().zip(&self.eigen.vectors) {
+        for (value, vector) in eigen.values.iter().zip(&eigen.vectors) {
             if *value > (LEAST_SHARE * largest).max(min_stiffness) {
                 let along = -dot(vector, &self.gradient) / value;
                 (0..6).for_each(|i| step[i] += along * vector[i]);
