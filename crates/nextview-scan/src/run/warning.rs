@@ -21,7 +21,9 @@ pub(super) fn warning(suspicion: &Suspicion, is_recorded: bool) -> String {
         Suspicion::SamePose => "the poses must be those of the frames, in one world",
         Suspicion::TooNear { .. } | Suspicion::TooFar { .. } => "choose views within the camera's range",
         Suspicion::Apart { .. } => "`registration.enabled` = true aligns frames to each other",
-        Suspicion::Boundless => "`object_box.table` = fit finds a table or floor; or state the object's box",
+        Suspicion::Boundless => {
+            "with right poses, `object_box.table` = fit finds a table or floor; or state the object's box"
+        }
         Suspicion::Elsewhere { .. } if is_recorded => {
             "`recording.box_m` is in the coordinates of the poses, in metres"
         }
