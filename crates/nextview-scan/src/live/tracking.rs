@@ -47,7 +47,7 @@ impl LiveScan {
             let Some(found) = self.scan().session.locate(&frame)? else { continue };
             if !found.is_accepted() {
                 refused.get_or_insert(found.verdict);
-            } else if best.is_none_or(|best| best.overlap < found.overlap) {
+            } else if best.is_none_or(|best| found.misfit < best.misfit) {
                 best = Some(found);
             }
         }

@@ -192,19 +192,20 @@ impl Fitting<'_> {
         let [residual_before, residual_after] =
             [motion.inverse(), Pose::IDENTITY].map(|to| residual(&pairs, &to));
         let is_held = stiffness >= self.config.min_stiffness;
+        let n_contradictions = self.n_contradictions(&pose);
+        let misfit = self.misfit_of(&pairs, n_contradictions);
         let registration = Registration {
             world_from_camera: pose,
             verdict: if is_held { Verdict::Aligned } else { Verdict::Sliding },
             residual_before,
             residual_after,
             overlap: pairs.len() as f64 / self.points.len().max(1) as f64,
+            misfit: (misfit / self.points.len().max(1) as f64).sqrt(),
             moved: pose.translation().distance(given.translation()),
             turned: angle(&motion),
             stiffness,
             n_iterations,
         };
-        let n_contradictions = self.n_contradictions(&pose);
-        let misfit = self.misfit_of(&pairs, n_contradictions);
         Ok(Fit { registration, n_pairs: pairs.len(), n_contradictions, misfit })
     }
 
