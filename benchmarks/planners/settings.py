@@ -37,7 +37,8 @@ def skills(report):
     table = report[report.index("| variant | objects |"):].split("\n\n")[0]
     head, _, *rows = [[cell.strip() for cell in line.strip("|").split("|")] for line in table.splitlines()]
     mean, lowest = head.index("skill"), head.index("lowest skill")
-    return {row[0]: f"{row[mean]}, {row[lowest].split(' ')[0]}" for row in rows}
+    without_median = lambda cell: cell.split(", median")[0].rstrip(")") + ")"
+    return {row[0]: f"{without_median(row[mean])}, {row[lowest].split(' ')[0]}" for row in rows}
 
 
 def page(found):

@@ -1,14 +1,32 @@
 //! The common pose of all frames. Their surfaces determine only their relative poses; the given poses
 //! determine the common one.
 
-use super::joint::View;
+use super::RegistrationConfig;
 use crate::geometry::{Eigen, Pose};
 use glam::{DQuat, DVec3};
 
-/// The motion that brings the points of all views, where these are now, nearest to where the given poses put
-/// them: least squares in closed form (Horn, J. Opt. Soc. Am. A 1987). None moves where there are no points.
-pub(super) fn motion_to_given(views: &[View]) -> Pose {
-    motion_between(&views.iter().flat_map(View::placed_and_given).collect::<Vec<_>>())
+/// Beyond this many metres that count as much as a turn by a radian, turns alone decide, and below the
+/// inverse, positions do.
+const LONGEST_ARM: f64 = 1e3;
+
+/// The motion that is most likely to take cameras from where they were placed to where they stood, if the given
+/// poses are off from there by independent, normally distributed errors of position and rotation, in proportion
+/// to how uncertain both are: least squares in closed form (Horn, J. Opt. Soc. Am. A 1987). Pairs of the pose
+/// that was found and the given one.
+///
+/// What the cameras see does not count: an error of the position would act on the part of the object that a
+/// camera sees, and shifts of its parts would turn the object.
+pub(super) fn motion_to_given(poses: impl Iterator<Item = [Pose; 2]>, config: &RegistrationConfig) -> Pose {
+    let arm = config.position_uncertainty / config.rotation_uncertainty;
+    let arm = arm.clamp(LONGEST_ARM.recip(), LONGEST_ARM);
+    // Six points around a camera, s away: errors t and w of its pose move them by 6 t^2 + 4 s^2 w^2, which is
+    // to be in proportion to t^2 + (arm w)^2.
+    let s = 1.5_f64.sqrt() * arm;
+    let around = DVec3::AXES.map(|axis| s * axis);
+    let around = around.into_iter().flat_map(|point| [point, -point]);
+    let points =
+        poses.flat_map(|pair| around.clone().map(move |point| pair.map(|pose| pose.transform_point(point))));
+    motion_between(&points.collect::<Vec<_>>())
 }
 
 /// The motion that brings the first points nearest to the second ones.
@@ -39,6 +57,45 @@ fn motion_between(points: &[[DVec3; 2]]) -> Pose {
 mod tests {
     use super::*;
     use crate::geometry::random::Random;
+
+    #[test]
+    fn errors_of_poses_are_least_as_uncertain_as_these_are() {
+        let mut random = Random::new(9, 0);
+        for (position_uncertainty, rotation_uncertainty) in [(0.05, 0.17), (0.002, 0.1), (0.1, 0.01)] {
+            let config = RegistrationConfig {
+                position_uncertainty,
+                rotation_uncertainty,
+                ..RegistrationConfig::default()
+            };
+            let mut pose = |size: f64, length: f64| {
+                let turn = DQuat::from_scaled_axis(size * random.in_cube());
+                Pose::new(turn, length * random.in_cube()).unwrap()
+            };
+            let poses: Vec<_> = (0..8)
+                .map(|_| {
+                    let found = pose(3.0, 0.5);
+                    [found, found * pose(0.01, 0.01)]
+                })
+                .collect();
+            let cost = |motion: &Pose| {
+                let off = |[found, given]: &[Pose; 2]| {
+                    let off = given.inverse() * *motion * *found;
+                    let turn = off.rotation().to_scaled_axis();
+                    let turn = if off.rotation().w < 0.0 { (-off.rotation()).to_scaled_axis() } else { turn };
+                    (off.translation() / position_uncertainty).length_squared()
+                        + (turn / rotation_uncertainty).length_squared()
+                };
+                poses.iter().map(off).sum::<f64>()
+            };
+            let best = motion_to_given(poses.iter().copied(), &config);
+            for axis in DVec3::AXES.into_iter().flat_map(|axis| [axis, -axis]) {
+                let turned = Pose::new(DQuat::from_scaled_axis(1e-3 * axis), DVec3::ZERO).unwrap();
+                let shifted = Pose::new(DQuat::IDENTITY, 1e-3 * axis).unwrap();
+                assert!(cost(&best) < cost(&(turned * best)), "{config:?}, a turn about {axis}");
+                assert!(cost(&best) < cost(&(shifted * best)), "{config:?}, a shift along {axis}");
+            }
+        }
+    }
 
     #[test]
     fn a_motion_is_found_again() {

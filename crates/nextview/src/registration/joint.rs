@@ -66,10 +66,9 @@ impl View {
         (self.pose, self.anchor) = (*motion * self.pose, *motion * self.anchor);
     }
 
-    /// Some of its points, evenly chosen: where they are, and where the given pose puts them.
-    pub fn placed_and_given(&self) -> impl Iterator<Item = [DVec3; 2]> + '_ {
-        let places = [self.pose, self.given];
-        self.some_points().map(move |point| places.map(|pose| pose.transform_point(point.position)))
+    /// The pose in which it is now, and the given one.
+    pub fn found_and_given(&self) -> [Pose; 2] {
+        [self.pose, self.given]
     }
 
     /// The points in the world frame.
