@@ -75,6 +75,16 @@ def files(folder):
     return {str(path.relative_to(folder)): path.read_bytes() for path in paths}
 
 
+def n_differing(folder, whole):
+    """1 if the files of a folder are not these; what differs is said."""
+    found = files(folder)
+    names = sorted(name for name in found.keys() | whole.keys() if found.get(name) != whole.get(name))
+    for name in names:
+        what = "differs" if name in found and name in whole else "is missing" if name in whole else "is new"
+        print(f"{folder / name} {what}", file=sys.stderr)
+    return int(bool(names))
+
+
 def killed(command, printed, is_time, seconds):
     """Starts it and kills it so long after it is time: whether it had finished before. What it prints goes to a file."""
     with printed.open("w") as out:
@@ -137,7 +147,7 @@ class Scans:
         if not (self.out / "scan.journal").exists():
             if is_done or self.known:
                 row.done += 1
-                row.differing += files(self.out) != self.whole
+                row.differing += n_differing(self.out, self.whole)
             self.known = 0
             shutil.rmtree(self.out, ignore_errors=True)
 
@@ -145,7 +155,7 @@ class Scans:
         if self.out.exists():
             subprocess.run(self.resume, check=True, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
             self.again.done += 1
-            self.again.differing += files(self.out) != self.whole
+            self.again.differing += n_differing(self.out, self.whole)
 
 
 class Campaigns:
@@ -180,7 +190,7 @@ class Campaigns:
         self.known = runs
         if is_done:
             row.done += 1
-            row.differing += files(self.out) != self.whole
+            row.differing += n_differing(self.out, self.whole)
             self.known = []
             shutil.rmtree(self.out)
 

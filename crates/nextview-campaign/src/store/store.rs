@@ -56,6 +56,7 @@ impl Store {
             return Err(Fault::data("is not a regular file").in_file(&path).into());
         }
         lock(&file).map_err(|fault| fault.in_file(dir))?;
+        files::remove_unfinished(dir, &[tables::FILES, &[Spec::FILE]].concat()).map_err(writing)?;
         let has_runs = file.metadata().map_err(writing)?.len() > 0;
         if has_runs && !resume {
             let fault = Fault::data("has the results of a campaign already").in_file(dir);

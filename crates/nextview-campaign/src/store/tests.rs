@@ -211,6 +211,17 @@ fn one_process_writes_at_a_time() {
 }
 
 #[test]
+fn what_a_kill_left_of_tables_and_specification_is_removed() {
+    let folder = Folder::new("remnants").with(line(&records_of_spec()[0]));
+    let path = |name: &str| folder.0.join(name);
+    let left = [".runs.csv.12.partial", ".times.csv.12.partial", ".spec.toml.12.partial"];
+    left.iter().for_each(|name| fs::write(path(name), "half").unwrap());
+    fs::write(path(".mine.12.partial"), "kept").unwrap();
+    folder.resume().unwrap();
+    assert!(left.iter().all(|name| !path(name).exists()) && path(".mine.12.partial").exists());
+}
+
+#[test]
 fn a_folder_is_that_of_one_campaign() {
     let records = records_of_spec();
     let folder = Folder::new("one").with(line(&records[0]));

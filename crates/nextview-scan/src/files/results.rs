@@ -1,5 +1,5 @@
 use super::Overwrite;
-use super::write::{name_of, unfinished};
+use super::write::{unfinished, written_name};
 use crate::{Fault, Faults};
 use std::fs::{self, File};
 use std::io::{self, Write};
@@ -104,16 +104,17 @@ fn replace_folder(new: &Path, old: &Path) -> io::Result<()> {
     fs::remove_dir_all(aside)
 }
 
-/// Removes unfinished files of this folder; no process may be writing to it.
-pub fn remove_unfinished(folder: &Path) -> io::Result<()> {
-    let prefix = format!(".{}.", name_of(folder));
+/// Removes what a killed process left in a folder of the files and folders of these names that it was
+/// writing; no process may be writing to them.
+pub fn remove_unfinished(folder: &Path, names: &[&str]) -> io::Result<()> {
     for entry in fs::read_dir(folder)? {
         let entry = entry?;
         let name = entry.file_name();
-        let is_unfinished =
-            name.to_str().is_some_and(|name| name.starts_with(&prefix) && name.ends_with(".partial"));
-        if is_unfinished && entry.file_type()?.is_dir() {
-            fs::remove_dir_all(entry.path())?;
+        let is_unfinished = name.to_str().and_then(written_name).is_some_and(|name| names.contains(&name));
+        match entry.file_type()?.is_dir() {
+            true if is_unfinished => fs::remove_dir_all(entry.path())?,
+            false if is_unfinished => fs::remove_file(entry.path())?,
+            _ => {}
         }
     }
     Ok(())
@@ -147,6 +148,20 @@ mod tests {
             assert_eq!(fs::read_dir(&path).unwrap().count(), 1);
         }
         assert_eq!(fs::read_dir(folder.join("new")).unwrap().count(), 1);
+        fs::remove_dir_all(&folder).unwrap();
+    }
+
+    #[test]
+    fn what_a_killed_process_left_of_stated_names_is_removed() {
+        let folder = std::env::temp_dir().join(format!("nextview-remnants-{}", std::process::id()));
+        fs::create_dir_all(folder.join(".out.7.partial/deep")).unwrap();
+        let left = [".a.csv.12.partial", ".b.csv.12.partial", ".a.csv.partial", ".a.csv.x.partial", "a.csv"];
+        left.iter().for_each(|name| fs::write(folder.join(name), "half").unwrap());
+        remove_unfinished(&folder, &["a.csv", "out"]).unwrap();
+        let names = fs::read_dir(&folder).unwrap().map(|entry| entry.unwrap().file_name());
+        let mut names: Vec<_> = names.map(|name| name.into_string().unwrap()).collect();
+        names.sort();
+        assert_eq!(names, [".a.csv.partial", ".a.csv.x.partial", ".b.csv.12.partial", "a.csv"]);
         fs::remove_dir_all(&folder).unwrap();
     }
 

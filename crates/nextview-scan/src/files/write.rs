@@ -99,7 +99,13 @@ pub(super) fn unfinished(path: &Path) -> String {
     format!(".{}.{}.partial", name_of(path), std::process::id())
 }
 
-pub(super) fn name_of(path: &Path) -> Cow<'_, str> {
+/// The name of the file that one of an [`unfinished`] name was to become.
+pub(super) fn written_name(unfinished: &str) -> Option<&str> {
+    let (name, process) = unfinished.strip_prefix('.')?.strip_suffix(".partial")?.rsplit_once('.')?;
+    process.parse::<u32>().is_ok().then_some(name)
+}
+
+fn name_of(path: &Path) -> Cow<'_, str> {
     path.file_name().unwrap_or_default().to_string_lossy()
 }
 

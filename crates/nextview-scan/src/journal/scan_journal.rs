@@ -66,7 +66,8 @@ impl ScanJournal {
             return Err(Fault::data(message).in_file(dir).into());
         }
         let (journal, Kept { heading, entries, damage }) = Journal::open(&dir.join(Self::FILE))?;
-        files::remove_unfinished(dir).map_err(|e| Fault::from(e).while_writing(dir))?;
+        let name = dir.file_name().unwrap_or_default().to_string_lossy();
+        files::remove_unfinished(dir, &[&name]).map_err(|e| Fault::from(e).while_writing(dir))?;
         let n_frames = entries.iter().filter(|entry| matches!(entry, JournalEntry::Frame(_))).count();
         let journal =
             Self { dir: dir.to_owned(), created: None, journal, replays: entries.into(), n_needed: n_frames };
