@@ -2,6 +2,7 @@
 //! determine the common one.
 
 use super::RegistrationConfig;
+use super::joint::View;
 use crate::geometry::{Eigen, Pose};
 use glam::{DQuat, DVec3};
 
@@ -9,14 +10,28 @@ use glam::{DQuat, DVec3};
 /// inverse, positions do.
 const LONGEST_ARM: f64 = 1e3;
 
-/// The motion that is most likely to take cameras from where they were placed to where they stood, if the given
-/// poses are off from there by independent, normally distributed errors of position and rotation, in proportion
-/// to how uncertain both are: least squares in closed form (Horn, J. Opt. Soc. Am. A 1987). Pairs of the pose
-/// that was found and the given one.
+/// The motion of all views by what the given poses say. None moves where there are no points.
 ///
-/// What the cameras see does not count: an error of the position would act on the part of the object that a
-/// camera sees, and shifts of its parts would turn the object.
-pub(super) fn motion_to_given(poses: impl Iterator<Item = [Pose; 2]>, config: &RegistrationConfig) -> Pose {
+/// The turn is the most likely one if the given poses of the cameras are off by independent, normally
+/// distributed errors of position and rotation, in proportion to how uncertain both are. Points of the object
+/// say less: an error of a position acts on the side of the object that a camera sees, and shifts of its
+/// sides turn it.
+///
+/// The shift brings the middle of all points to where the given poses put it: poses from markers around the
+/// object, or from its surface, are off by turns around the object rather than around the camera.
+pub(super) fn motion_to_given(views: &[View], config: &RegistrationConfig) -> Pose {
+    let pairs: Vec<_> = views.iter().flat_map(View::placed_and_given).collect();
+    if pairs.is_empty() {
+        return Pose::IDENTITY;
+    }
+    let turn = motion_of_cameras(views.iter().map(View::found_and_given), config).rotation();
+    let [from, to] = means(&pairs);
+    Pose::new(turn, to - turn * from).expect("means of finite points are finite")
+}
+
+/// The motion that is most likely to take cameras from where they were found to where they stood; pairs of
+/// the pose that was found and the given one.
+fn motion_of_cameras(poses: impl Iterator<Item = [Pose; 2]>, config: &RegistrationConfig) -> Pose {
     let arm = config.position_uncertainty / config.rotation_uncertainty;
     let arm = arm.clamp(LONGEST_ARM.recip(), LONGEST_ARM);
     // Six points around a camera, s away: errors t and w of its pose move them by 6 t^2 + 4 s^2 w^2, which is
@@ -29,10 +44,15 @@ pub(super) fn motion_to_given(poses: impl Iterator<Item = [Pose; 2]>, config: &R
     motion_between(&points.collect::<Vec<_>>())
 }
 
-/// The motion that brings the first points nearest to the second ones.
+/// The means of the first and of the second points.
+fn means(points: &[[DVec3; 2]]) -> [DVec3; 2] {
+    [0, 1].map(|side| points.iter().map(|pair| pair[side]).sum::<DVec3>() / points.len().max(1) as f64)
+}
+
+/// The motion that brings the first points nearest to the second ones: least squares in closed form (Horn,
+/// J. Opt. Soc. Am. A 1987).
 fn motion_between(points: &[[DVec3; 2]]) -> Pose {
-    let n = points.len().max(1) as f64;
-    let [from, to] = [0, 1].map(|side| points.iter().map(|pair| pair[side]).sum::<DVec3>() / n);
+    let [from, to] = means(points);
     // Sums of the products of all coordinates.
     let mut s = [[0.0; 3]; 3];
     for pair in points {
@@ -87,7 +107,7 @@ mod tests {
                 };
                 poses.iter().map(off).sum::<f64>()
             };
-            let best = motion_to_given(poses.iter().copied(), &config);
+            let best = motion_of_cameras(poses.iter().copied(), &config);
             for axis in DVec3::AXES.into_iter().flat_map(|axis| [axis, -axis]) {
                 let turned = Pose::new(DQuat::from_scaled_axis(1e-3 * axis), DVec3::ZERO).unwrap();
                 let shifted = Pose::new(DQuat::IDENTITY, 1e-3 * axis).unwrap();

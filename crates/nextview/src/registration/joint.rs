@@ -66,6 +66,12 @@ impl View {
         (self.pose, self.anchor) = (*motion * self.pose, *motion * self.anchor);
     }
 
+    /// Some of its points, evenly chosen: where they are, and where the given pose puts them.
+    pub fn placed_and_given(&self) -> impl Iterator<Item = [DVec3; 2]> + '_ {
+        self.some_points()
+            .map(|point| self.found_and_given().map(|pose| pose.transform_point(point.position)))
+    }
+
     /// The pose in which it is now, and the given one.
     pub fn found_and_given(&self) -> [Pose; 2] {
         [self.pose, self.given]

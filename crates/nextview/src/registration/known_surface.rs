@@ -137,7 +137,7 @@ impl KnownSurface {
         let mut views = self.views.clone();
         joint::align(&mut views, self.reach().last, self.config.min_stiffness, cancel)?;
         if self.config.given_poses == GivenPoses::Independent {
-            let motion = motion_to_given(views.iter().map(View::found_and_given), &self.config);
+            let motion = motion_to_given(&views, &self.config);
             views.iter_mut().for_each(|view| view.move_by(&motion));
         }
         let moved = views.iter().zip(&self.views).map(|(view, before)| view.moved_from(before));

@@ -19,9 +19,9 @@ pub struct Registration {
     /// Share, 0..=1, of the frame's points that lie on the known surface after the alignment.
     pub overlap: f64,
     /// How badly the frame fits after the alignment, metres: of all its points, the root mean square of their
-    /// distances to the known surface, in which a point that lies on none counts as half of the distance within
-    /// which points do, and a point that a camera looked through as the whole. Of places at which the same image
-    /// was aligned, the true one has the least; a wrong one may overlap more.
+    /// distances to the known surface. A point that lies on none counts as half of the distance within which
+    /// points do, and one that a camera looked through as the whole. Of places at which the same image was
+    /// aligned, the true one has the least; a wrong one may overlap more.
     #[serde(rename = "misfit_m")]
     pub misfit: f64,
     /// How far the alignment moves the camera, metres.
