@@ -150,8 +150,8 @@ fn frames_around_an_object_share_the_error_of_the_loop() {
     }
 }
 
-/// Errors of given poses cancel out where none of them is trusted more than the others: each is turned by up to
-/// 2 degrees, and all together by much less.
+/// Errors of given poses cancel out where none of them is trusted more than the others: each is turned by up
+/// to 2 degrees, and all together by much less.
 #[test]
 fn all_frames_together_lie_where_the_given_poses_say_on_average() {
     let (mut by_first, mut by_all, mut turned) = (0.0, 0.0, 0.0);
