@@ -76,7 +76,7 @@ def files(folder):
 
 
 def n_differing(folder, whole):
-    """1 if the files of a folder are not these; what differs is said."""
+    """1 if the files of a folder are not these, else 0; prints which ones differ."""
     found = files(folder)
     names = sorted(name for name in found.keys() | whole.keys() if found.get(name) != whole.get(name))
     for name in names:

@@ -59,6 +59,8 @@ def main():
     parser.add_argument("--only", nargs="+", default=list(SETTINGS), choices=list(SETTINGS), metavar="SETTING")
     parser.add_argument("--spec", default="all", help="file of this folder without its extension; default: all")
     options = parser.parse_args()
+    if len(options.meshes) < 2:
+        parser.error("a table with the lowest skill needs at least two meshes")
     options.out.mkdir(parents=True, exist_ok=True)
     variants = (HERE / f"{options.spec}.toml").read_text(encoding="utf-8")
     found = {}

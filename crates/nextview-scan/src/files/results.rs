@@ -104,8 +104,8 @@ fn replace_folder(new: &Path, old: &Path) -> io::Result<()> {
     fs::remove_dir_all(aside)
 }
 
-/// Removes what a killed process left in a folder of the files and folders of these names that it was
-/// writing; no process may be writing to them.
+/// Removes the unfinished files and folders of these names that a killed process has left in a folder. No
+/// process may be writing to them.
 pub fn remove_unfinished(folder: &Path, names: &[&str]) -> io::Result<()> {
     for entry in fs::read_dir(folder)? {
         let entry = entry?;
