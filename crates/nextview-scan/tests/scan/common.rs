@@ -7,6 +7,7 @@ use nextview::sensor::{DepthImage, Frame, Intrinsics};
 use nextview::session::{NextView, Session, SessionConfig};
 use nextview::view::generate;
 use std::fs;
+use std::io::Write;
 use std::path::{Path, PathBuf};
 
 /// A fresh folder, removed at the end unless the test fails.
@@ -63,4 +64,16 @@ pub fn image_from(world_from_camera: &Pose) -> Frame {
 /// An image of the ball of this view.
 pub fn image(view: &NextView) -> Frame {
     image_from(&view.world_from_camera)
+}
+
+/// The folder of meshes in the reference data. Without it, says which test is skipped.
+pub fn meshes(test: &str) -> Option<PathBuf> {
+    let default = concat!(env!("CARGO_MANIFEST_DIR"), "/../../../shared/data");
+    let folder = std::env::var_os("NEXTVIEW_DATA").map_or(default.into(), PathBuf::from).join("meshes");
+    let is_there = folder.is_dir();
+    if !is_there {
+        // Not by eprintln, which tests capture.
+        writeln!(std::io::stderr(), "SKIPPED {test}: no meshes/ in NEXTVIEW_DATA").unwrap();
+    }
+    is_there.then_some(folder)
 }

@@ -1,6 +1,6 @@
 //! A simulated scan through the library, from the configuration to the folder.
 
-use crate::common::Folder;
+use crate::common::{Folder, meshes};
 use glam::DVec3;
 use nextview::Cancel;
 use nextview::geometry::{Aabb, Pose};
@@ -220,9 +220,13 @@ fn warnings(error_mm: f64, is_registered: bool) -> Vec<String> {
     config.noise.pose_error_deg = 0.1 * error_mm;
     config.object_box.table = TableRule::Known;
     config.registration.enabled = is_registered;
-    let object = SimulatedObject::new(&config).unwrap();
-    let simulation = Simulation::new(&object, &config, None);
-    let steps = scanned(&simulation, &config).record(&config, Measured::Nothing).unwrap().steps;
+    warnings_of(&config)
+}
+
+fn warnings_of(config: &ScanConfig) -> Vec<String> {
+    let object = SimulatedObject::new(config).unwrap();
+    let simulation = Simulation::new(&object, config, None);
+    let steps = scanned(&simulation, config).record(config, Measured::Nothing).unwrap().steps;
     steps.into_iter().filter_map(|step| step.warning).collect()
 }
 
@@ -232,4 +236,19 @@ fn poses_that_do_not_agree_with_the_frames_are_named_and_right_ones_are_not() {
     assert!(found.contains(" mm apart in them; `registration.enabled` = true aligns"), "{found}");
     assert_eq!(warnings(0.0, false), Vec::<String>::new());
     assert_eq!(warnings(10.0, true), Vec::<String>::new());
+}
+
+/// One face of the brick lies well on the next.
+#[test]
+fn right_poses_around_a_brick_agree_with_the_frames() {
+    let Some(meshes) = meshes("right_poses_around_a_brick_agree_with_the_frames") else { return };
+    let mut config = ScanConfig::parse(
+        "unit = 'm'\nviews = 4\ncandidates = 300\nbaselines = false\nsensor = 'd405'\nview_space = 'hemisphere'\n\
+         object_box.table = 'known'\n",
+        None,
+        None,
+    )
+    .unwrap();
+    config.object = meshes.join("ycb/ycb_061_foam_brick.ply").display().to_string();
+    assert_eq!(warnings_of(&config), Vec::<String>::new());
 }

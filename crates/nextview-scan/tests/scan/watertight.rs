@@ -1,5 +1,6 @@
 //! Closed meshes of whole scans.
 
+use crate::common::meshes;
 use glam::DVec3;
 use nextview::surface::SurfaceMesh;
 use nextview_scan::{
@@ -8,8 +9,6 @@ use nextview_scan::{
 };
 use nextview_sim::mesh::{Unit, load};
 use std::collections::BTreeSet;
-use std::io::Write;
-use std::path::PathBuf;
 
 /// Ten noisy views of an object on a table of which nothing is known.
 fn config(object: String, size_m: f64) -> ScanConfig {
@@ -76,13 +75,7 @@ fn a_scanned_mug_is_closed_if_wanted() {
 
 #[test]
 fn real_objects_are_closed_and_keep_their_volume() {
-    let default = concat!(env!("CARGO_MANIFEST_DIR"), "/../../../shared/data");
-    let data = std::env::var_os("NEXTVIEW_DATA").map_or(default.into(), PathBuf::from).join("meshes");
-    if !data.is_dir() {
-        let name = "real_objects_are_closed_and_keep_their_volume";
-        writeln!(std::io::stderr(), "SKIPPED {name}: no meshes/ in NEXTVIEW_DATA").unwrap();
-        return;
-    }
+    let Some(data) = meshes("real_objects_are_closed_and_keep_their_volume") else { return };
     // A mug and a part with holes have insides that views do not reach: only closed.
     for (name, tolerance) in [
         ("lm/lm_obj_000009_duck.ply", Some(0.04)),

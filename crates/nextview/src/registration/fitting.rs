@@ -91,9 +91,13 @@ impl Fitting<'_> {
         })
     }
 
-    /// Where the frame fits from the given pose alone, without a search and whatever speaks against it.
+    /// Where the frame fits from the given pose alone, without a search; the only objection is that it fits no
+    /// better than in the given pose.
     pub fn nearby(&self) -> Result<Registration, Cancelled> {
-        Ok(self.aligned(self.reach.first)?.registration)
+        let Fit { registration, misfit, .. } = self.aligned(self.reach.first)?;
+        let is_better = misfit < self.misfit(&self.camera.pose())?;
+        let verdict = if is_better { registration.verdict } else { Verdict::NoBetter };
+        Ok(Registration { verdict, ..registration })
     }
 
     /// The nearest of the alignments of about the least misfit, among those as near as given poses are right,

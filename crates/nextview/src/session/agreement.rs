@@ -1,5 +1,5 @@
 use crate::geometry::Aabb;
-use crate::registration::{KnownSurface, Registration, RegistrationConfig};
+use crate::registration::{KnownSurface, Registration, RegistrationConfig, Verdict};
 use crate::sensor::Frame;
 use crate::{Cancel, Cancelled};
 
@@ -43,7 +43,9 @@ pub(super) fn apart(
 }
 
 fn is_apart(found: &Registration, voxel_size: f64) -> bool {
-    found.overlap >= LEAST_OVERLAP
+    // One face of a box lies well on the next, but then the rest stands where cameras looked through.
+    found.verdict != Verdict::NoBetter
+        && found.overlap >= LEAST_OVERLAP
         && found.residual_before > 0.5 * voxel_size
         && found.residual_before > TIMES_NEARER * found.residual_after
 }
