@@ -73,7 +73,7 @@ pub fn meshes(test: &str) -> Option<PathBuf> {
     let is_there = folder.is_dir();
     if !is_there {
         // Not by eprintln, which tests capture.
-        writeln!(std::io::stderr(), "SKIPPED {test}: no meshes/ in NEXTVIEW_DATA").unwrap();
+        writeln!(std::io::stderr(), "SKIPPED {test}: no meshes/ in NEXTVIEW_DATA").expect("stderr is open");
     }
     is_there.then_some(folder)
 }

@@ -91,8 +91,8 @@ impl Fitting<'_> {
         })
     }
 
-    /// Where the frame fits from the given pose alone, without a search; the only objection is that it fits no
-    /// better than in the given pose.
+    /// Where the frame fits from the given pose alone, without a search; the only objection is that it fits
+    /// no better than in the given pose.
     pub fn nearby(&self) -> Result<Registration, Cancelled> {
         let Fit { registration, misfit, .. } = self.aligned(self.reach.first)?;
         let is_better = misfit < self.misfit(&self.camera.pose())?;

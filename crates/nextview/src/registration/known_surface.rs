@@ -157,8 +157,8 @@ impl KnownSurface {
         self.fitting(frame, bounds, cancel)?.register()
     }
 
-    /// The same, from the given pose alone, judged only by whether it fits better there: how far the frame lies
-    /// beside the known surface is to be learned.
+    /// The same, from the given pose alone, judged only by whether it fits better there: how far the frame
+    /// lies beside the known surface is to be learned.
     pub(crate) fn compare(
         &self,
         frame: &Frame,
