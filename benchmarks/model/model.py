@@ -9,6 +9,7 @@ Needs numpy, scipy, trimesh and rtree. The meshes are in the folder that NEXTVIE
 import argparse
 import os
 import pathlib
+import shutil
 import subprocess
 
 import numpy
@@ -33,7 +34,8 @@ def scan(program, folder, mesh, options):
     """The folder of a scan of this mesh."""
     if not (folder / "record.json").exists():
         unit = "m" if mesh.parent.name == "ycb" else "mm"
-        command = [program, "scan", mesh, "--unit", unit, *SHARED, *options, "--out", folder, "--force"]
+        command = [program, "scan", mesh, "--unit", unit, *SHARED, *options, "--out", folder]
+        shutil.rmtree(folder, ignore_errors=True)
         subprocess.run(command, check=True, stdout=subprocess.DEVNULL)
     return folder
 

@@ -5,15 +5,19 @@
     benchmarks/planners/settings.py target/release/nextview OUT MESH ... --only 5mm 5mm-table-noise
     benchmarks/planners/settings.py target/release/nextview OUT MESH ... --spec headline         # another file of this folder
 
-Each setting is a campaign in OUT with its report; OUT/settings.md has the skill of every planner in every setting.
+Each setting is a campaign in OUT with its report. OUT/settings.md has the tables of all settings.
 """
 
 import argparse
+import csv
 import pathlib
+import re
+import statistics
 import subprocess
 import sys
 
 HERE = pathlib.Path(__file__).resolve().parent
+DEFAULT = "most-surface"
 TABLE = 'object_box.table = "known"\n'
 NOISE = 'noise = { model = "d435i", pose_error_mm = 2, pose_error_deg = 0.2 }\n'
 SETTINGS = {
@@ -32,22 +36,55 @@ def run(program, campaign, spec, meshes):
     return (campaign / "report.md").read_text(encoding="utf-8")
 
 
-def skills(report):
-    """By variant, the mean skill with its interval, and that of the lowest of several objects, as the report has them."""
-    table = report[report.index("| variant | objects |"):].split("\n\n")[0]
-    head, _, *rows = [[cell.strip() for cell in line.strip("|").split("|")] for line in table.splitlines()]
-    mean, lowest = head.index("skill"), head.index("lowest skill")
-    without_median = lambda cell: cell.split(", median")[0].rstrip(")") + ")"
-    return {row[0]: f"{without_median(row[mean])}, {row[lowest].split(' ')[0]}" for row in rows}
+def table(report, caption, columns):
+    """By variant, the cells of these columns in the report's table below a caption."""
+    lines = [line for line in report[report.index(caption):].split("\n\n")[1].splitlines()]
+    head, _, *rows = [[cell.strip() for cell in re.split(r"(?<!\\)\|", line.strip("|"))] for line in lines]
+    return {row[0]: [row[head.index(column)] for column in columns] for row in rows}
 
 
-def page(found):
-    """The skill of every variant in every setting as Markdown, sorted by the first setting."""
-    first = next(iter(found.values()))
-    variants = sorted(first, key=lambda name: -float(first[name].split(" ")[0]))
-    lines = ["| | " + " | ".join(found) + " |", "|---|" + "---:|" * len(found)]
-    for name in variants:
-        lines.append(f"| {name} | " + " | ".join(table[name] for table in found.values()) + " |")
+def measures(report):
+    """By variant, the cells of a setting's table."""
+    reached = table(report, "What was reached with the last view", ["skill", "reachable coverage, %"])
+    lowest = table(report, "The worst object", ["skill"])
+    views = table(report, "Views until this share", ["95 %"])
+    model = table(report, "What the map and the cloud have", ["F-score of the cloud at 2 mm, %", "Chamfer distance of the cloud, mm"])
+    mean = lambda cell: cell.removeprefix("≥ ").split(" ")[0]
+    with_interval = lambda cell: cell.split(", median")[0] + ")"
+    return {
+        name: [with_interval(skill), *lowest[name], mean(*views[name]), mean(coverage), *map(mean, model[name])]
+        for name, (skill, coverage) in reached.items()
+    }
+
+
+def skills_by_object(campaign, variant):
+    """By object, the skill of each run of a variant."""
+    found = {}
+    for row in csv.DictReader(open(campaign / "runs.csv", encoding="utf-8")):
+        if row["variant"] == variant:
+            found.setdefault(row["object"], []).append(float(row["skill"]))
+    return found
+
+
+def rows(head, body):
+    """The lines of a table."""
+    return ["| " + " | ".join(head) + " |", "|---|" + "---:|" * (len(head) - 1), *(f"| {' | '.join(row)} |" for row in body)]
+
+
+def page(found, by_object):
+    """All settings side by side, each by itself, and the default planner on each object, as Markdown."""
+    variants = sorted(next(iter(found.values())), key=lambda name: -float(next(iter(found.values()))[name][0].split(" ")[0]))
+    lines = rows(["", *found], [
+        [name, *(f"{of[name][0]}, {of[name][1].split(' ')[0]}" for of in found.values())] for name in variants
+    ])
+    head = ["", "skill", "lowest", "views to 95 %", "reachable coverage, %", "F-score 2 mm, %", "Chamfer, mm"]
+    for setting, of in found.items():
+        lines += ["", f"## {setting}", "", *rows(head, [[name, *of[name]] for name in variants])]
+    spread = lambda skills: f"{statistics.mean(skills):.2f} ({min(skills):.2f} to {max(skills):.2f})"
+    objects = next(iter(by_object.values()))
+    lines += ["", f"## {DEFAULT} on each object: mean, lowest and highest of its runs", "", *rows(
+        ["object", *by_object], [[name, *(spread(of[name]) for of in by_object.values())] for name in objects]
+    )]
     return "\n".join(lines) + "\n"
 
 
@@ -63,12 +100,13 @@ def main():
         parser.error("a table with the lowest skill needs at least two meshes")
     options.out.mkdir(parents=True, exist_ok=True)
     variants = (HERE / f"{options.spec}.toml").read_text(encoding="utf-8")
-    found = {}
+    found, by_object = {}, {}
     for setting in options.only:
         spec = options.out / f"{setting}.toml"
         spec.write_text(variants.replace("[scan]\n", f"[scan]\n{SETTINGS[setting]}"), encoding="utf-8")
-        found[setting] = skills(run(options.program, options.out / setting, spec, options.meshes))
-        (options.out / "settings.md").write_text(page(found), encoding="utf-8")
+        found[setting] = measures(run(options.program, options.out / setting, spec, options.meshes))
+        by_object[setting] = skills_by_object(options.out / setting, DEFAULT)
+        (options.out / "settings.md").write_text(page(found, by_object), encoding="utf-8")
     print(options.out / "settings.md")
 
 

@@ -59,7 +59,8 @@ def scan(program, out, mesh, seed, error, noise, register):
         unit = "m" if mesh.parent.name == "ycb" else "mm"
         config.write_text(CONFIG.format(
             unit=unit, seed=seed, noise=noise, error=error, angle=ERRORS[error], register=str(register).lower()))
-        command = [program, "scan", mesh, "--config", config, "--out", folder, "--force", "--threads", "1"]
+        shutil.rmtree(folder, ignore_errors=True)
+        command = [program, "scan", mesh, "--config", config, "--out", folder, "--threads", "1"]
         subprocess.run(command, check=True, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
         (folder / "record.json").rename(record)
         shutil.rmtree(folder)

@@ -13,6 +13,7 @@ import argparse
 import csv
 import json
 import pathlib
+import shutil
 import statistics
 import subprocess
 
@@ -109,7 +110,8 @@ def rotation_of(quaternion):
 
 
 def scan(program, mesh, base, out, options):
-    command = [program, "scan", mesh, "--out", out, "--force", "--json", "--table", "known", "--sensor", "d435i",
+    shutil.rmtree(out, ignore_errors=True)
+    command = [program, "scan", mesh, "--out", out, "--json", "--table", "known", "--sensor", "d435i",
                "--views", "10", "--candidates", "400", *options]
     done = subprocess.run([str(word) for word in command], capture_output=True, text=True, check=False)
     if done.returncode != 0:

@@ -1,4 +1,4 @@
-use crate::seeds::Repetition;
+use crate::seeds::{FirstViewDraw, Repetition};
 use crate::spec::{FaultList, Variant, expand};
 use crate::{ObjectSpec, Spec};
 use nextview_scan::{Fault, Faults, ScanConfig};
@@ -16,6 +16,9 @@ pub struct Run {
     pub data_set: String,
     /// Everything that decides it.
     pub config: ScanConfig,
+    /// How its first view is drawn, if the specification states only how many there are.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub(crate) first_view_draw: Option<FirstViewDraw>,
 }
 
 /// The identity of a run within its campaign.
@@ -30,7 +33,8 @@ pub struct RunId {
     pub seed: u64,
     /// Seed of the set of candidates.
     pub view_seed: u64,
-    /// Number of the view to begin with.
+    /// Number of the view to begin with. Of a drawn one, that among the candidates as configured: if some of
+    /// them do not exist, the number in the run's configuration is another.
     pub first_view: usize,
 }
 
@@ -120,13 +124,13 @@ impl Runs {
         let (n_views, n_sets) = (variant.first_views.len(), variant.view_seeds.len());
         let (seed, view_seed) =
             (variant.seeds[rest / n_views / n_sets], variant.view_seeds[rest / n_views % n_sets]);
-        let views = variant.first_views.of(&config, self.campaign_seed, &name, view_seed);
-        let first_view = *views.get(rest % n_views)?;
+        let (first_view, first_view_draw) =
+            variant.first_views.of(rest % n_views, &config, self.campaign_seed, &name, view_seed)?;
         let repetition =
             Repetition { campaign_seed: self.campaign_seed, object: &name, seed, view_seed, first_view };
         let config = seeded(config, variant, repetition);
         let id = RunId { variant: variant.label.clone(), object: name, seed, view_seed, first_view };
-        Some(Run { id, data_set: object.data_set(), config })
+        Some(Run { id, data_set: object.data_set(), config, first_view_draw })
     }
 
     /// The number of a run; none if it is no run of this campaign.
@@ -136,8 +140,11 @@ impl Runs {
         let variant = &self.variants[number];
         let place = |list: &[u64], value: u64| list.iter().position(|&known| known == value);
         let (seed, set) = (place(&variant.seeds, id.seed)?, place(&variant.view_seeds, id.view_seed)?);
-        let views = variant.first_views.of(&variant.config, self.campaign_seed, &id.object, id.view_seed);
-        let view = views.iter().position(|&view| view == id.first_view)?;
+        let view_at = |place| {
+            variant.first_views.of(place, &variant.config, self.campaign_seed, &id.object, id.view_seed)
+        };
+        let is_first = |place: &usize| view_at(*place).is_some_and(|(view, _)| view == id.first_view);
+        let view = (0..variant.first_views.len()).find(is_first)?;
         let of_variant = (seed * variant.view_seeds.len() + set) * variant.first_views.len() + view;
         Some(object * self.n_of_object + self.firsts[number] + of_variant)
     }

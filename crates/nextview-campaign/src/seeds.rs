@@ -5,6 +5,7 @@
 //! views, so that their differences are paired.
 
 use nextview::geometry::random::Random;
+use serde::{Deserialize, Serialize};
 
 /// The object and the repetition that a run is of.
 #[derive(Clone, Copy, Debug)]
@@ -44,18 +45,40 @@ impl Repetition<'_> {
     }
 }
 
-/// So many distinct first views of an object, drawn among its candidates; fewer if there are fewer. A larger
-/// number only appends further ones.
-pub(crate) fn first_views(
-    campaign_seed: u64,
-    object: &str,
-    view_seed: u64,
-    n: usize,
-    n_candidates: usize,
-) -> Vec<usize> {
-    let mut random = Random::new(hash(&format!("first-views {campaign_seed} {view_seed} {object}")), 0);
-    let mut open: Vec<usize> = (0..n_candidates).collect();
-    (0..n.min(n_candidates)).map(|_| open.swap_remove(random.index(open.len()))).collect()
+/// A drawn first view. Its number is that of a candidate as configured; which one that is turns out when the
+/// candidates are counted, since those below a table or out of reach do not exist.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct FirstViewDraw {
+    /// Seed of all draws for the object and the set of candidates.
+    pub seed: u64,
+    /// Number of candidates as configured.
+    pub candidates: usize,
+    /// Which of the draws, from 0.
+    pub place: usize,
+}
+
+impl FirstViewDraw {
+    /// The draw of this place for an object and a set of candidates.
+    pub(crate) fn new(
+        campaign_seed: u64,
+        object: &str,
+        view_seed: u64,
+        candidates: usize,
+        place: usize,
+    ) -> Self {
+        let seed = hash(&format!("first-views {campaign_seed} {view_seed} {object}"));
+        Self { seed, candidates, place }
+    }
+
+    /// The number among the first so many candidates, where later draws take the place of those that are not
+    /// among them; none if the candidates are too few. Draws for the same object and set are distinct.
+    pub(crate) fn among(self, n_candidates: usize) -> Option<usize> {
+        let mut random = Random::new(self.seed, 0);
+        let mut open: Vec<usize> = (0..self.candidates).collect();
+        let draws = (0..self.candidates).map(|_| open.swap_remove(random.index(open.len())));
+        draws.filter(|&view| view < n_candidates).nth(self.place)
+    }
 }
 
 /// The 64-bit hash FNV-1a (Fowler, Noll & Vo) of a text, mixed by the finaliser of SplitMix64 (Steele et al.
@@ -83,7 +106,8 @@ mod tests {
     fn seeds_are_pinned() {
         let seeds = [MUG.planner_seed(), MUG.baseline_seed(), MUG.noise_seed()];
         assert_eq!(seeds, PINNED, "a seed must mean the same numbers in every release");
-        assert_eq!(first_views(0, "mug", 0, 3, 1000), PINNED_VIEWS);
+        let views = [0, 1, 2].map(|place| FirstViewDraw::new(0, "mug", 0, 1000, place).among(1000));
+        assert_eq!(views, PINNED_VIEWS.map(Some));
     }
 
     const PINNED: [u64; 3] = [6_401_230_271_834_487, 2_199_457_667_406_090, 7_837_220_535_057_186];
@@ -132,11 +156,19 @@ mod tests {
     }
 
     #[test]
-    fn first_views_are_distinct_and_a_longer_list_begins_with_a_shorter_one() {
-        let views = |n| first_views(0, "mug", 0, n, 20);
-        assert_eq!(views(20).iter().collect::<BTreeSet<_>>().len(), 20);
-        assert_eq!(views(20)[..5], views(5));
-        assert_eq!(views(30).len(), 20);
-        assert_ne!(views(5), first_views(0, "cup", 0, 5, 20));
+    fn drawn_first_views_are_distinct_candidates_that_exist() {
+        let views = |object: &str, n_candidates: usize| -> Vec<usize> {
+            (0..21)
+                .map_while(|place| FirstViewDraw::new(0, object, 0, 20, place).among(n_candidates))
+                .collect()
+        };
+        for n_candidates in [0, 1, 7, 20] {
+            let mut found = views("mug", n_candidates);
+            found.sort_unstable();
+            assert_eq!(found, (0..n_candidates).collect::<Vec<_>>());
+        }
+        assert_ne!(views("mug", 20), views("cup", 20));
+        let left: Vec<usize> = views("mug", 20).into_iter().filter(|&view| view < 7).collect();
+        assert_eq!(views("mug", 7), left, "those that exist keep their order");
     }
 }

@@ -9,6 +9,7 @@ use nextview_campaign::execution::{
 use nextview_campaign::statistics::{Study, measure};
 use nextview_campaign::store::{Store, read};
 use nextview_campaign::{RunRecord, Shard, Spec, tables};
+use std::collections::BTreeSet;
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::sync::Mutex;
@@ -76,6 +77,47 @@ fn campaign(folder: &Folder, n_jobs: Option<usize>) -> (Store, Vec<CampaignEvent
     let listener = |event| events.lock().unwrap().push(event);
     run_campaign(&mut store, n_jobs, None, &Cancel::default(), &listener).unwrap();
     (store, events.into_inner().unwrap())
+}
+
+/// On a table about half of the candidates do not exist.
+#[test]
+fn drawn_first_views_are_above_the_table() {
+    let spec = SPEC.split("[[variant]]").next().unwrap().replace("[scan]", "first_views = 6\n[scan]");
+    let spec = format!("{spec}object_box.table = \"known\"\n[[variant]]\nscan.planner = \"random\"\n");
+    let spec = Spec::parse(&spec, Path::new("")).unwrap();
+    let folder = Folder::new("first-views");
+    let mut store = Store::open(&folder.0, &spec, Shard::WHOLE, true).unwrap();
+    run_campaign(&mut store, None, None, &Cancel::default(), &|_| ()).unwrap();
+    let runs = finished(&store);
+    assert!(runs.iter().all(|run| run.failure().is_none()), "{:?}", runs.iter().find_map(RunRecord::failure));
+    for object in ["mug", "bracket"] {
+        let of_object = || runs.iter().filter(|run| run.object == object);
+        let views: BTreeSet<usize> = of_object().map(|run| run.config.first_view).collect();
+        assert_eq!(views.len(), 6);
+        assert!(of_object().any(|run| run.config.first_view != run.first_view), "none had to be drawn again");
+    }
+    drop(store);
+    let resumed = Store::open(&folder.0, &spec, Shard::WHOLE, true).unwrap();
+    assert_eq!(finished(&resumed), runs);
+}
+
+/// Their numbers are stated by somebody who should know.
+#[test]
+fn a_listed_first_view_below_the_table_is_a_failed_run() {
+    let spec = SPEC.split("[[variant]]").next().unwrap().replace("[scan]", "first_views = [19]\n[scan]");
+    let spec = format!("{spec}object_box.table = \"known\"\n[[variant]]\nscan.planner = \"random\"\n");
+    let spec = Spec::parse(&spec, Path::new("")).unwrap();
+    let folder = Folder::new("listed-first-view");
+    let mut store = Store::open(&folder.0, &spec, Shard::WHOLE, true).unwrap();
+    run_campaign(&mut store, None, None, &Cancel::default(), &|_| ()).unwrap();
+    for run in finished(&store) {
+        let reason = run.failure().unwrap();
+        assert!(reason.starts_with("`first_view` is 19, expected 0 to "), "{reason}");
+        assert!(
+            reason.ends_with("(only candidates above the table count; they are numbered anew)"),
+            "{reason}"
+        );
+    }
 }
 
 #[test]

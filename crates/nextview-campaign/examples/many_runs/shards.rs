@@ -49,7 +49,7 @@ pub fn write(
 
 /// The record of this run, made up.
 fn record(runs: &Runs, number: usize, template: &RunRecord, draw: u64) -> Option<RunRecord> {
-    let Run { id, data_set, mut config } = runs.get(number)?;
+    let Run { id, data_set, mut config, .. } = runs.get(number)?;
     config.voxel_size_m = template.config.voxel_size_m;
     let mut random = Random::new(number as u64, draw);
     let DoneRun { mut record, extra_memory_mb } = template.done()?.clone();

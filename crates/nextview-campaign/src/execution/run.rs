@@ -2,7 +2,7 @@ use crate::{DoneRun, Host, Run, RunRecord, RunResult};
 use nextview::Cancel;
 use nextview::session::StopReason;
 use nextview_scan::{
-    Begin, BuildIdentity, Faults, Measured, ScanConfig, ScanRun, SimulatedObject, Simulation, Truth,
+    Begin, BuildIdentity, Fault, Faults, Measured, ScanConfig, ScanRun, SimulatedObject, Simulation, Truth,
     TruthCache, memory,
 };
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -37,6 +37,12 @@ pub(super) fn measured(
     let mut config = run.config.clone();
     let result = prepared.as_ref().map_err(String::clone).and_then(|(object, truth)| {
         config.voxel_size_m = Some(object.voxel_size);
+        if let Some(draw) = run.first_view_draw {
+            let n_views = object.views.len();
+            config.first_view = draw.among(n_views).ok_or_else(|| {
+                format!("first view {} cannot be drawn from {n_views} candidates", draw.place + 1)
+            })?;
+        }
         guarded(|| measure(&config, object, truth.as_ref(), is_alone, cancel))
     });
     RunRecord {
@@ -65,6 +71,7 @@ fn measure(
     is_alone: bool,
     cancel: &Cancel,
 ) -> Result<DoneRun, Faults> {
+    config.check_views(object.views.len())?;
     let simulation = Simulation::new(object, config, truth);
     let before = if is_alone { memory::forget_peak().and_then(|()| memory::now_mb()) } else { None };
     let mut run = ScanRun::begin(&simulation, config, Begin { cancel: cancel.clone(), ..Begin::default() })?;
@@ -91,21 +98,24 @@ fn guarded<T>(work: impl FnOnce() -> Result<T, Faults>) -> Result<T, String> {
     }
 }
 
-/// All faults in one line.
+/// All faults with their remedies in one line.
 fn reason(faults: &Faults) -> String {
-    faults.iter().map(ToString::to_string).collect::<Vec<_>>().join("; ")
+    let with_remedy = |fault: &Fault| match &fault.remedy {
+        Some(remedy) => format!("{fault} ({remedy})"),
+        None => fault.to_string(),
+    };
+    faults.iter().map(with_remedy).collect::<Vec<_>>().join("; ")
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use nextview_scan::Fault;
 
     #[test]
     fn a_panic_is_a_failure() {
         let result: Result<(), String> = guarded(|| panic!("at {}", 3));
         assert_eq!(result, Err("a fault in nextview: at 3".to_owned()));
-        let faults = Faults::of(vec![Fault::data("no"), Fault::data("never")]).unwrap();
-        assert_eq!(guarded(|| Err::<(), _>(faults)), Err("no; never".to_owned()));
+        let faults = Faults::of(vec![Fault::data("no"), Fault::data("never").with_remedy("ever")]).unwrap();
+        assert_eq!(guarded(|| Err::<(), _>(faults)), Err("no; never (ever)".to_owned()));
     }
 }

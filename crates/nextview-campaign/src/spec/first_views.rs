@@ -1,5 +1,5 @@
 use super::values::check_distinct;
-use crate::seeds;
+use crate::seeds::FirstViewDraw;
 use nextview_scan::{Fault, ScanConfig};
 use serde::{Deserialize, Serialize};
 use toml::Value;
@@ -32,17 +32,21 @@ impl FirstViews {
         }
     }
 
-    /// The views of an object whose candidates are configured so.
+    /// The view of this place for an object whose candidates are configured so, and its draw if it is drawn.
     pub(crate) fn of(
         &self,
+        place: usize,
         config: &ScanConfig,
         campaign_seed: u64,
         object: &str,
         view_seed: u64,
-    ) -> Vec<usize> {
+    ) -> Option<(usize, Option<FirstViewDraw>)> {
         match self {
-            Self::List(views) => views.clone(),
-            Self::Count(n) => seeds::first_views(campaign_seed, object, view_seed, *n, config.candidates),
+            Self::List(views) => Some((*views.get(place)?, None)),
+            Self::Count(_) => {
+                let draw = FirstViewDraw::new(campaign_seed, object, view_seed, config.candidates, place);
+                Some((draw.among(config.candidates)?, Some(draw)))
+            }
         }
     }
 }

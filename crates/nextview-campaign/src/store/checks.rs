@@ -18,6 +18,10 @@ pub(super) fn check_config(run: &Run, record: &RunRecord) -> Result<(), Fault> {
     // The voxel size may have been chosen in the run, to suit the object.
     let mut expected = run.config.clone();
     expected.voxel_size_m = expected.voxel_size_m.or(record.config.voxel_size_m);
+    // Its number is known once the candidates are counted.
+    if run.first_view_draw.is_some() {
+        expected.first_view = record.config.first_view;
+    }
     if expected == record.config {
         return Ok(());
     }

@@ -190,9 +190,18 @@ fn of_views(config: &ScanConfig, n_views: usize) -> Vec<Fault> {
     if config.first_view >= n_views {
         let last = n_views.saturating_sub(1);
         let fault = Fault::of_value("first_view", config.first_view, format!("0 to {last}"));
-        faults.push(match config.reach.is_default() {
-            true => fault,
-            false => fault.with_remedy("only candidates within reach count; they are numbered anew"),
+        let has_table = config.object_box.table != TableRule::None;
+        let which = match (config.reach.is_default(), has_table) {
+            (true, false) => None,
+            (true, true) => Some("above the table"),
+            (false, false) => Some("within reach"),
+            (false, true) => Some("within reach and above the table"),
+        };
+        faults.push(match which {
+            Some(which) => {
+                fault.with_remedy(format!("only candidates {which} count; they are numbered anew"))
+            }
+            None => fault,
         });
     }
     if let Some(views) = config.views.filter(|views| *views == 0 || *views > n_views) {
