@@ -8,6 +8,9 @@ use nextview::geometry::Pose;
 /// numbers are off by 1e-6, a calibration that was rounded to four digits by 1e-3.
 const TOLERANCE: f64 = 1e-3;
 
+/// A camera that stands farther than this from the origin, metres, is probably given in millimetres.
+const FARTHEST: f64 = 100.0;
+
 /// The rows of the matrix of a pose.
 pub fn rows_of_pose(pose: &Pose) -> [[f64; 4]; 4] {
     let (r, t) = (pose.rotation_matrix(), pose.translation());
@@ -16,7 +19,7 @@ pub fn rows_of_pose(pose: &Pose) -> [[f64; 4]; 4] {
 }
 
 /// The pose of a matrix, by its rows; `name` is the value's name in messages. Fails unless the matrix is
-/// rigid: its rotation may be off by 1e-3, its last row must be 0 0 0 1.
+/// rigid, its rotation off by at most 1e-3, its last row 0 0 0 1, and its position within 100 m of the origin.
 ///
 /// ```
 /// use nextview_scan::{pose_of_rows, rows_of_pose};
@@ -55,6 +58,12 @@ pub fn pose_of_rows(name: &str, rows: &[[f64; 4]; 4]) -> Result<Pose, Fault> {
         return Err(fault(message.to_owned()));
     }
     let translation = DVec3::new(rows[0][3], rows[1][3], rows[2][3]);
+    if translation.length() > FARTHEST {
+        return Err(fault(format!(
+            "the position is {:.0} m from the origin, expected at most {FARTHEST} m; is it in millimetres?",
+            translation.length()
+        )));
+    }
     let pose = Pose::new(DQuat::from_mat3(&rotation).normalize(), translation);
     pose.map_err(|error| Fault::from(error).within(format!("`{name}`")))
 }
@@ -92,5 +101,9 @@ mod tests {
         assert!(changed(&|rows| rows[0][1] = -1.1).contains("not rigid: its rows are off"));
         assert!(changed(&|rows| rows[2][2] = -1.0).contains("mirrors"));
         assert!(changed(&|rows| rows[0][0] = f64::MAX).contains("not rigid"));
+        assert_eq!(
+            changed(&|rows| rows[1][3] = -250.0),
+            "`pose`: the position is 250 m from the origin, expected at most 100 m; is it in millimetres?"
+        );
     }
 }

@@ -128,6 +128,39 @@ fn stops_when_six_views_show_nothing_new() {
     assert_eq!(scan_wall(0.01, |_| 5.0), (10, StopReason::ViewLimit), "nothing seen at all");
 }
 
+/// The same distance in all pixels, metres; 0 for none.
+fn image(distance: f32) -> DepthImage {
+    DepthImage::from_metres(32, 24, vec![distance; 32 * 24]).unwrap()
+}
+
+#[test]
+fn an_image_without_depths_does_not_end_a_scan() {
+    let views = generate::fibonacci_sphere(DVec3::ZERO, 0.5, 40).unwrap();
+    let planner = Box::new(Told(Vec::new()));
+    let mut session = Session::new(config(StopConfig::default()), camera(), views, planner).unwrap();
+    let mut asked = Vec::new();
+    for distance in [0.0, 0.0, 0.49] {
+        let Decision::Move(next) = session.decide().unwrap() else { panic!("stopped after {asked:?}") };
+        asked.push(next.view.unwrap());
+        session
+            .observe(&Frame::new(image(distance), camera(), next.world_from_camera, 2.0).unwrap())
+            .unwrap();
+    }
+    assert!(asked[0] == 0 && asked[1] == 39, "from the other side: {asked:?}");
+    assert_eq!(session.decide().unwrap(), Decision::Stop(StopReason::NothingToGain));
+}
+
+#[test]
+fn the_first_view_is_planned_if_there_are_frames() {
+    let views = generate::fibonacci_sphere(DVec3::ZERO, 0.5, 40).unwrap();
+    let first = views.pose(0);
+    let mut session =
+        Session::new(config(StopConfig::default()), camera(), views, Box::new(EvenViews)).unwrap();
+    session.observe(&Frame::new(image(0.49), camera(), first, 2.0).unwrap()).unwrap();
+    let Decision::Move(next) = session.decide().unwrap() else { panic!("stopped") };
+    assert_eq!(next.view, Some(39));
+}
+
 #[test]
 fn even_views_go_on_where_nothing_new_is_seen() {
     // A ball that fills the box looks the same from everywhere, and from the third view on nothing is new.

@@ -4,10 +4,18 @@ use crate::{Cancel, Cancelled};
 use glam::{DMat2, DVec2, DVec3};
 
 /// Distance, metres, within which a point belongs to a plane: several times the noise of a depth camera that
-/// views a table.
+/// views a table nearby.
 const INLIER_DISTANCE: f64 = 0.005;
-/// The same for the last fit, which then includes fewer points of things on the table that would tilt it.
-const CLOSE_DISTANCE: f64 = 0.002;
+/// The same for the last fit, as a share: it then includes fewer points of things on the table that would tilt
+/// it.
+const CLOSE_SHARE: f64 = 0.4;
+/// Points at most so far away from the plane are noise whose deviation is known, as a share of that distance:
+/// a normal distribution that is cut off at twice its deviation has 0.44, a uniform one, which is how far
+/// larger noise looks, 0.58.
+const LARGEST_DEVIATION: f64 = 0.45;
+/// From the first distance on, it is doubled so often where the noise is larger: up to 4 cm, which is the
+/// noise of a stereo camera at two or three metres.
+const N_DISTANCES: u32 = 4;
 /// Number of points on which planes are tested, evenly drawn from all.
 const N_TRIED: usize = 4000;
 /// Number of triples drawn. A plane that holds a twentieth of the points is then found with a probability of
@@ -45,7 +53,7 @@ pub struct PlaneFit {
 /// twentieth of the points.
 ///
 /// RANSAC (Fischler & Bolles 1981) with fixed draws, then least squares over the points within 5 and then 2
-/// mm.
+/// mm; within up to 40 and 16 mm where points are as noisy as that.
 pub fn fit_ground(points: &[DVec3], viewpoint: DVec3) -> Option<PlaneFit> {
     fit_ground_unless(points, viewpoint, &Cancel::default()).expect("nobody cancels")
 }
@@ -109,10 +117,23 @@ fn fit(
     let Some((_, plane)) = likeliest_plane(&tried, viewpoint, expected, n_draws, cancel)? else {
         return Ok(None);
     };
-    let plane = least_squares(points, least_squares(points, plane, INLIER_DISTANCE), CLOSE_DISTANCE);
-    let (n, sum) = inliers(points, plane, INLIER_DISTANCE)
-        .fold((0, 0.0), |(n, sum), p| (n + 1, sum + plane.height(p).powi(2)));
-    Ok((n > 0).then(|| PlaneFit { plane, deviation: (sum / n as f64).sqrt() }))
+    Ok(refined(points, plane))
+}
+
+/// The plane near this one that fits the points best, as far from them as they are noisy; none if there are
+/// none.
+fn refined(points: &[DVec3], mut plane: Plane) -> Option<PlaneFit> {
+    let mut deviation = None;
+    for distance in (0..N_DISTANCES).map(|i| INLIER_DISTANCE * f64::from(1 << i)) {
+        plane = least_squares(points, least_squares(points, plane, distance), CLOSE_SHARE * distance);
+        let (n, sum) = inliers(points, plane, distance)
+            .fold((0, 0.0), |(n, sum), p| (n + 1, sum + plane.height(p).powi(2)));
+        deviation = (n > 0).then(|| (sum / n as f64).sqrt());
+        if deviation.is_none_or(|deviation| deviation <= LARGEST_DEVIATION * distance) {
+            break;
+        }
+    }
+    deviation.map(|deviation| PlaneFit { plane, deviation })
 }
 
 /// Of the planes through three drawn points that hold enough of all, the one whose points weigh most, and
@@ -208,6 +229,22 @@ mod tests {
             points.extend((0..3000).map(|_| random.in_cube() * 0.1 + DVec3::Z * 0.1));
             points.extend(square(4000, tilt, DVec3::ZERO, &mut random));
             check_near(fit_ground(&points, EYE).unwrap(), tilt, DVec3::ZERO);
+        }
+    }
+
+    #[test]
+    fn knows_how_noisy_the_points_are() {
+        for deviation in [0.0005, 0.002, 0.004, 0.008, 0.015] {
+            let mut random = Random::new(6, 0);
+            let mut points: Vec<DVec3> = (0..20_000)
+                .map(|_| {
+                    random.in_cube() * DVec3::new(0.5, 0.5, 0.0) + DVec3::Z * deviation * random.normal()
+                })
+                .collect();
+            points.extend((0..4000).map(|_| random.in_cube() * 0.15 + DVec3::Z * 0.15));
+            let fit = fit_ground(&points, EYE).unwrap();
+            assert!((fit.deviation / deviation - 1.0).abs() < 0.2, "{deviation}: {fit:?}");
+            assert!(fit.plane.height(DVec3::ZERO).abs() < 0.2 * deviation, "{deviation}: {fit:?}");
         }
     }
 

@@ -32,6 +32,12 @@ impl Random {
         (self.unit() * n as f64) as usize
     }
 
+    /// Nearly normally distributed with mean 0 and deviation 1: a sum of twelve uniform numbers.
+    #[cfg(test)]
+    pub(crate) fn normal(&mut self) -> f64 {
+        (0..12).map(|_| self.unit() - 0.5).sum()
+    }
+
     /// A point in the cube of half-side 1 around the origin.
     pub fn in_cube(&mut self) -> DVec3 {
         DVec3::new(self.range(-1.0, 1.0), self.range(-1.0, 1.0), self.range(-1.0, 1.0))

@@ -44,10 +44,10 @@ pub use views::Views;
 
 use crate::diagnosis::{Suspicion, suspect, suspect_poses};
 use crate::geometry::{Aabb, Plane, Pose};
-use crate::map::{OccupancyMap, Snapshot};
+use crate::map::{Occupancy, OccupancyMap, Snapshot};
 use crate::motion::Trajectory;
 use crate::placement::{NextPlacement, ShownObject, Turn, TurnRefusal, next_placement};
-use crate::planner::{Batch, BatchConfig, BatchView, Leg, Plan, Situation, ViewPlanner};
+use crate::planner::{Batch, BatchConfig, BatchView, EvenViews, Leg, Plan, Situation, ViewPlanner};
 use crate::registration::Registration;
 use crate::sensor::{DepthRange, Frame, Intrinsics, SurfaceError};
 use crate::view::ViewSpace;
@@ -474,15 +474,15 @@ impl Session {
             && quality.and_then(|quality| quality.progress(n)).is_none_or(is_little)
     }
 
-    /// Number and pose of the first view, before it was taken.
+    /// Number and pose of the first view, before there is a frame.
     fn first_view(&self) -> Option<(Option<usize>, Pose)> {
         match &self.views {
-            Views::Fixed(views) if self.n_taken == 0 => {
+            _ if !self.frames.places.is_empty() => None,
+            Views::Fixed(views) => {
                 let view = self.first_candidate()?;
                 Some((Some(view), views.pose(view)))
             }
-            Views::Fixed(_) => None,
-            Views::Following { first, .. } => self.frames.places.is_empty().then_some((None, *first)),
+            Views::Following { first, .. } => Some((None, *first)),
         }
     }
 
@@ -556,6 +556,11 @@ impl Session {
         let (config, frames) = (&self.config, &self.frames.mapped);
         let situation = known_situation(situation, config, &self.scene, frames, &self.visited, approaches);
         let mut plan = self.planner.plan(&situation)?;
+        // While nothing was seen of the box, as after a first image without depths, a planner may know no view
+        // that is worth it; one from elsewhere is.
+        if plan.choice.is_none() && self.scene.map.is_finest() && snapshot.count(Occupancy::Occupied) == 0 {
+            plan = EvenViews.plan(&situation)?;
+        }
         self.itinerary.follow(plan.itinerary.take());
         Ok(plan)
     }

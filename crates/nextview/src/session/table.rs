@@ -9,7 +9,8 @@ use serde::{Deserialize, Serialize};
 /// The surface that the object stands on.
 ///
 /// Points on and below the table are not part of the object and make no voxel occupied; the space in front of
-/// them still counts as free. The box ends at the table, and candidates below it are out of reach.
+/// them still counts as free. On the table are those up to 2 mm above it, or up to three times the deviation
+/// of its points, as frames show it, if that is more. The box ends at the table, and candidates below it are out of reach.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "kebab-case", remote = "Self")]
@@ -22,15 +23,17 @@ pub enum Table {
     /// the frames show it, at most as far away as poses may be wrong.
     #[serde(rename = "at-height-m")]
     AtHeight(f64),
-    /// The largest surface that the first frame shows below the camera and less than 30 degrees from the
-    /// horizontal, as that frame shows it that shows it best; where there is none, as without a table.
+    /// The largest surface that the first frame with points shows below the camera and less than 30 degrees
+    /// from the horizontal, as that frame shows it that shows it best; where there is none, as without a
+    /// table.
     Fitted,
 }
 
 /// Points up to this height above a table belong to it, metres: the paper's figure (section V.C).
 pub const ON_TABLE: f64 = 0.002;
 
-/// A fitted table's points may lie this many times their own deviation above it, if that is more.
+/// A table's points, as a frame shows them, may lie this many times their own deviation above it, if that is
+/// more.
 const DEVIATIONS: f64 = 3.0;
 
 /// The same for connections to the object: hardly any point of the table may bridge to the next.
@@ -42,6 +45,9 @@ const BETTER: f64 = 0.6;
 
 /// A table whose points lie this close to a plane, metres, is known well enough.
 const GOOD: f64 = 0.5 * ON_TABLE;
+
+/// A frame with fewer points shows nothing: the next one is the first that could show a table.
+const LEAST_POINTS: usize = 100;
 
 /// How far above a table's points a camera can stand, metres: most of the height of a small camera.
 const CLEARANCE: f64 = 0.02;
@@ -79,7 +85,8 @@ impl ShownTable {
         let Some(fit) = fit_ground_near(known.plane, POSE_ERROR, &points, camera) else {
             return Self { camera, tops: [known.top; 2], per_distance_sq: 0.0 };
         };
-        let of_table = points.iter().filter(|point| fit.plane.height(**point).abs() <= ON_TABLE);
+        let distance = fit.deviation.max(ON_TABLE);
+        let of_table = points.iter().filter(|point| fit.plane.height(**point).abs() <= distance);
         let (n, sum) = of_table.fold((0, 0.0), |(n, sum), p| (n + 1, sum + p.distance_squared(camera)));
         let per_distance_sq = if n > 0 { DEVIATIONS_SHOWN * fit.deviation * n as f64 / sum } else { 0.0 };
         Self { camera, tops: [known.top, fit.plane.raised(ON_TABLE)], per_distance_sq }
@@ -121,6 +128,7 @@ pub(super) struct TableSearch {
     table: Table,
     /// How far poses may be wrong, metres; none if they are right.
     pose_error: Option<f64>,
+    /// Whether no frame has shown anything so far.
     is_first: bool,
     found: Option<PlaneFit>,
 }
@@ -139,7 +147,7 @@ impl TableSearch {
     /// Looks at more frames, oldest first; returns whether the table is another one now.
     pub fn look(&mut self, frames: &[Frame], cancel: &Cancel) -> Result<bool, Cancelled> {
         let before = self.known();
-        if self.table == Table::Fitted || self.stated().is_some() {
+        if self.table != Table::None {
             for frame in frames {
                 cancel.check()?;
                 self.look_at(frame, cancel)?;
@@ -151,10 +159,12 @@ impl TableSearch {
     fn look_at(&mut self, frame: &Frame, cancel: &Cancel) -> Result<(), Cancelled> {
         let camera = frame.world_from_camera().translation();
         let points = || frame.points().collect::<Vec<DVec3>>();
-        if std::mem::take(&mut self.is_first) {
+        if self.is_first {
+            let points = points();
+            self.is_first = points.len() < LEAST_POINTS;
             self.found = match self.stated() {
-                Some((stated, distance)) => fit_ground_stated(stated, distance, &points(), camera),
-                None => fit_ground_unless(&points(), camera, cancel)?,
+                Some((stated, distance)) => fit_ground_stated(stated, distance, &points, camera),
+                None => fit_ground_unless(&points, camera, cancel)?,
             };
         } else if let Some(found) = self.found.filter(|found| found.deviation > GOOD) {
             let shown = fit_ground_near(found.plane, POSE_ERROR, &points(), camera);
@@ -168,17 +178,23 @@ impl TableSearch {
         match self.table {
             Table::None => None,
             Table::AtHeight(z) => {
-                let stated = || Plane::horizontal(z).ok().map(KnownTable::new);
-                self.found.map(KnownTable::fitted).or_else(stated)
+                let stated = Plane::horizontal(z).ok()?;
+                Some(match self.found {
+                    None => KnownTable::new(stated),
+                    Some(found) if self.pose_error.is_some() => KnownTable::fitted(found),
+                    // Where it is need not be learned from the frames, but how noisy its points are.
+                    Some(found) => KnownTable::fitted(PlaneFit { plane: stated, ..found }),
+                })
             }
             Table::Fitted => self.found.map(KnownTable::fitted),
         }
     }
 
-    /// A table that is stated, and how far from there frames may show it, if they may.
+    /// A table that is stated, and how far from there frames may show it.
     fn stated(&self) -> Option<(Plane, f64)> {
         let Table::AtHeight(z) = self.table else { return None };
-        Plane::horizontal(z).ok().zip(self.pose_error)
+        let plane = Plane::horizontal(z).ok()?;
+        Some((plane, self.pose_error.unwrap_or(POSE_ERROR)))
     }
 }
 
@@ -221,6 +237,7 @@ impl KnownTable {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::geometry::random::Random;
     use crate::sensor::{DepthImage, Intrinsics};
     use crate::view::look_at;
 
@@ -251,6 +268,35 @@ mod tests {
             search.look(&frames, &Cancel::default()).unwrap();
             let height = search.known().unwrap().plane.height(DVec3::Z * z);
             assert!(height.abs() < 1e-6, "{pose_error:?}: {height}");
+        }
+    }
+
+    #[test]
+    fn far_points_of_a_table_are_no_object() {
+        // A camera half a metre to two above a table, with the noise of a stereo camera.
+        let optics = Intrinsics::pinhole(160, 120, DVec2::splat(150.0), DVec2::new(79.5, 59.5)).unwrap();
+        for height in [0.3, 0.6, 0.9, 1.2] {
+            let mut random = Random::new(1, 0);
+            let pose = look_at(DVec3::new(height, 0.0, height), DVec3::ZERO).unwrap();
+            let depth = |pixel: usize| {
+                let ray = optics.deproject(DVec2::new((pixel % 160) as f64, (pixel / 160) as f64)).unwrap();
+                let z = -height / (pose.rotation() * ray.extend(1.0)).z;
+                if z > 0.0 { (z + 0.0038 * z * z * random.normal()) as f32 } else { 0.0 }
+            };
+            let image = DepthImage::from_metres(160, 120, (0..160 * 120).map(depth).collect()).unwrap();
+            let frame = Frame::new(image, optics, pose, 4.0).unwrap();
+            for table in [Table::Fitted, Table::AtHeight(0.0)] {
+                let known = table.find(std::slice::from_ref(&frame), &Cancel::default()).unwrap().unwrap();
+                let shown = ShownTable::new(known, &frame);
+                let (n, n_above) =
+                    (frame.points().count(), frame.points().filter(|p| shown.is_below(*p)).count());
+                let n_on_top = frame.points().filter(|p| known.top.height(*p) > 0.0).count();
+                assert!(20 * n_on_top < n, "{table:?} from {height} m: {n_on_top} of {n} above its top");
+                assert!(
+                    n > 10_000 && 2000 * n_above < n,
+                    "{table:?} from {height} m: {n_above} of {n} above"
+                );
+            }
         }
     }
 
