@@ -1,6 +1,7 @@
 //! The final model of a scan: the measured points, thinned, and a surface through them.
 
 use crate::{Fault, ModelConfig};
+use glam::DVec3;
 use nextview::Cancel;
 use nextview::geometry::{Aabb, Lattice, Plane};
 use nextview::sensor::{ColorImage, Frame, SurfaceError};
@@ -38,16 +39,18 @@ pub(crate) struct Extent {
 }
 
 impl FinalModel {
-    /// Makes both from frames. The colour image of each is loaded by its number when it is needed.
+    /// Makes both from frames. The colour image of each is loaded by its number when it is needed; the
+    /// cloud has the points above its top of the table.
     pub(crate) fn new(
         frames: &[Frame],
         color: impl Fn(usize) -> Result<Option<ColorImage>, Fault>,
+        tops: &[Option<Plane>],
         extent: Extent,
         config: ModelConfig,
         cancel: &Cancel,
     ) -> Result<Self, Fault> {
         let Extent { bounds, detail, .. } = extent;
-        let mut cloud = cloud(frames, color, bounds, detail, cancel)?;
+        let mut cloud = cloud(frames, color, tops, bounds, detail, cancel)?;
         if extent.error != SurfaceError::default() {
             let mut measured = MeasuredCells::new(detail, extent.error)?;
             frames.iter().try_for_each(|frame| measured.add(frame, bounds, cancel))?;
@@ -101,6 +104,11 @@ impl Extent {
     }
 }
 
+/// Whether a point is above the top of a table, if there is one.
+pub(crate) fn is_above_top(top: Option<Plane>, point: DVec3) -> bool {
+    top.is_none_or(|top| top.height(point) > 0.0)
+}
+
 /// Distance up to which surfaces count in cells of this size, metres.
 fn truncation(detail: f64) -> f64 {
     2.0 * detail
@@ -109,15 +117,17 @@ fn truncation(detail: f64) -> f64 {
 fn cloud(
     frames: &[Frame],
     color: impl Fn(usize) -> Result<Option<ColorImage>, Fault>,
+    tops: &[Option<Plane>],
     bounds: Aabb,
     detail: f64,
     cancel: &Cancel,
 ) -> Result<Vec<CloudPoint>, Fault> {
     let mut loaded = Ok(());
-    let points = frames.iter().enumerate().map_while(|(i, frame)| {
+    let points = frames.iter().zip(tops).enumerate().map_while(|(i, (frame, top))| {
         let color = cancel.check().map_err(Fault::from).and_then(|()| color(i));
         let points = color.and_then(|color| Ok(frame_points(frame, color, bounds)?));
-        points.map_err(|fault| loaded = Err(fault)).ok() // ends at the first fault
+        let above = points.map(|points| points.filter(|point| is_above_top(*top, point.position)));
+        above.map_err(|fault| loaded = Err(fault)).ok() // ends at the first fault
     });
     let mut cloud = downsample(points.flatten(), detail)?;
     loaded?;

@@ -1,5 +1,5 @@
 use crate::earlier_scan::EarlierScan;
-use crate::model::Extent;
+use crate::model::{Extent, is_above_top};
 use crate::{
     BoxRule, Fault, FinalModel, FrameSource, ModelConfig, ScanConfig, ScanJournal, ScanRecord, StepRecord,
     TurnRecord, ViewRule, memory, short_name,
@@ -112,7 +112,8 @@ impl FinishedScan<'_> {
         let cancel = self.session.cancel();
         let (table, error) = (self.table(), self.session.surface_error());
         let extent = Extent { bounds, table, detail: self.detail(bounds), error };
-        FinalModel::new(&frames, color, extent, config, cancel)
+        let tops = self.table_tops(&frames);
+        FinalModel::new(&frames, color, &tops, extent, config, cancel)
     }
 
     /// The frames that the model is made of; fails if it is cancelled.
@@ -230,7 +231,11 @@ impl FinishedScan<'_> {
     fn plain_cloud(&self) -> Result<Vec<CloudPoint>, Fault> {
         let Some(bounds) = self.model_bounds() else { return Ok(Vec::new()) };
         let ModelFrames { frames, .. } = self.model_frames()?;
-        let points = frames.iter().flat_map(|frame| frame.points_in(bounds));
+        let tops = self.table_tops(&frames);
+        let points = frames
+            .iter()
+            .zip(tops)
+            .flat_map(|(frame, top)| frame.points_in(bounds).filter(move |point| is_above_top(top, *point)));
         Ok(downsample(points, self.detail(bounds))?)
     }
 
@@ -239,6 +244,13 @@ impl FinishedScan<'_> {
         let table = self.table();
         let positions = cloud.iter().map(|point| point.position);
         positions.filter(|point| is_above(table, *point)).collect()
+    }
+
+    /// For each frame of the model, the plane above which its points are the object's; none where there is no
+    /// table.
+    fn table_tops(&self, frames: &[Frame]) -> Vec<Option<Plane>> {
+        let top = |frame: &Frame| self.table().and_then(|_| self.session.table_top_in(frame));
+        frames.iter().map(top).collect()
     }
 
     /// The table that frames of the model show; none where they show nothing but the object.

@@ -56,6 +56,9 @@ const CLEARANCE: f64 = 0.02;
 /// centimetre and a half.
 const POSE_ERROR: f64 = 0.025;
 
+/// How far beside the table its points are in a frame, metres, for them to be told from the object.
+const SHIFT: f64 = 0.01;
+
 /// A table that was found.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct KnownTable {
@@ -210,6 +213,17 @@ impl KnownTable {
 
     fn fitted(fit: PlaneFit) -> Self {
         Self::with_tolerance(fit.plane, ON_TABLE.max(DEVIATIONS * fit.deviation))
+    }
+
+    /// The plane above which the points of this frame are no longer its own: where a pose is wrong, or depths
+    /// are noisier than in the frame that shows the table best, they are not where it is known to be.
+    pub fn top_in(&self, frame: &Frame) -> Plane {
+        let camera = frame.world_from_camera().translation();
+        let points: Vec<DVec3> = frame.points().collect();
+        // Nearer than for connections to the object: the top of a flat part is no table.
+        let distance = SHIFT + self.top.offset() - self.plane.offset();
+        let fit = fit_ground_stated(self.plane, distance, &points, camera);
+        fit.map_or(self.top, |fit| Self::fitted(fit).top)
     }
 
     /// The plane below which no camera can stand.
