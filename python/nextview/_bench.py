@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from nextview import _native
+from nextview.errors import InputError
 
 Columns = dict[str, Any]
 """Columns by name: arrays of float64 (NaN for a missing value), int64 or bool, or lists of texts or None."""
@@ -30,7 +31,7 @@ class Bench:
 
 def bench(
     spec: str | os.PathLike[str] | Mapping[str, Any],
-    objects: Sequence[str | os.PathLike[str]] = (),
+    objects: Sequence[str | os.PathLike[str]] | None = None,
     *,
     out: str | os.PathLike[str] | None = None,
     resume: bool = False,
@@ -59,9 +60,17 @@ def bench(
     >>> done.runs["variant"]
     ['random', 'max-flow']
     """
-    listed = [os.fspath(each) for each in objects]
+    listed = names_of(objects)
     given = dict(spec) if isinstance(spec, Mapping) else os.fspath(spec)
     if out is not None:
         return Bench(**_native.bench(given, listed, os.fspath(out), resume, jobs, on_event))
     with tempfile.TemporaryDirectory(prefix="nextview-") as folder:
         return Bench(**_native.bench(given, listed, os.path.join(folder, "bench"), resume, jobs, on_event))
+
+
+def names_of(objects: Sequence[str | os.PathLike[str]] | None) -> list[str]:
+    """The names of objects that take the place of those of a specification; empty for None."""
+    # A search for files that found none is no wish for those of the specification.
+    if objects is not None and len(objects) == 0:
+        raise InputError("`objects` is empty, expected at least one, or None for those of the specification")
+    return [os.fspath(each) for each in objects or ()]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import warnings
 from collections.abc import Iterable, Sequence
 from typing import Any
 
@@ -36,7 +37,8 @@ class Scan:
     - `planner`: one of `nextview.planners`, or one of your own: a subclass of `nextview.Planner` or
       `nextview.Gain`, or its name "python:module:Class".
     - `views`: the maximum number of views; by default 10.
-    - `voxel_size_m`: edge of a voxel; by default a fortieth of the box, or 0.005.
+    - `voxel_size_m`: edge of a voxel; by default about a fortieth of the longest side of the box, rounded
+      to 1, 2 or 5 times a power of ten; 0.005 where the box grows.
     - `table`: what the object stands on: "none", "fit" (it is found in the first image), or its height z,
       metres.
     - `name`: of the object, for records and reports.
@@ -88,11 +90,16 @@ class Scan:
         """Begins a scan; nothing is observed yet."""
         if not isinstance(camera, Camera):
             raise InputError(f"`camera` is of type {type(camera).__name__}, expected nextview.Camera")
+        for key, instead in _ARGUMENTS.items():
+            if options.get(key) is not None:
+                raise InputError(f"`{key}` is no option of a scan by your own camera, use {instead}")
         live: dict[str, Any] = {"box_m": None if box is None else _corners(box)}
         given_box = options.pop("object_box", None)
         if not isinstance(given_box, dict | None):
             raise InputError(f"`object_box` is of type {type(given_box).__name__}, expected a dict")
         object_box = dict(given_box or {})
+        if object_box.get("table") is not None:
+            raise InputError("`object_box.table` is no option of a scan by your own camera, use `table`")
         if isinstance(table, str):
             object_box["table"] = table
         else:
@@ -100,7 +107,8 @@ class Scan:
         given = {"planner": planner, "views": views, "voxel_size_m": voxel_size_m, "object": name}
         config = {**options, **given, "live": live, "object_box": object_box}
         listed = None if poses is None else list(poses)
-        path = None if out is None else os.fspath(out)
+        # A program may change its folder while it scans.
+        path = None if out is None else os.path.abspath(out)
         self._begin(_native.LiveScan(config, camera, first_pose, listed, path, force), path, force)
 
     def _begin(self, scan: _native.LiveScan, out: str | None, force: bool) -> None:
@@ -255,8 +263,6 @@ class Scan:
             raise InputError("`out` is missing, expected a folder: the scan was begun without one")
         is_own = self._out is not None and os.path.abspath(path) == os.path.abspath(self._out)
         self._engine.save(path, force or (is_own and self._force), is_own)
-        # From now on, the results there are those of this scan.
-        self._force = self._force or is_own
 
     def __repr__(self) -> str:
         """The number of frames and the state."""
@@ -267,13 +273,22 @@ def resume(out: str | os.PathLike[str]) -> Scan:
     """Resumes the scan that was interrupted in this folder: it goes on after the frames that are kept, with
     the views that it would have chosen without the interruption.
 
-    Raises `DataError` if the folder holds no interrupted scan by your own camera.
+    Frames at the end that cannot be read, as after a power failure, are lost: a warning says so. Raises
+    `DataError` if the folder holds no interrupted scan by your own camera.
     """
-    path = os.fspath(out)
+    path = os.path.abspath(out)
+    engine = _native.LiveScan.resume(path)
+    damage = engine.damage()
+    if damage is not None:
+        warnings.warn(f"{os.path.join(path, 'scan.journal')}: {damage}", stacklevel=2)
     scan = Scan.__new__(Scan)
     # The folder was the scan's when it began.
-    scan._begin(_native.LiveScan.resume(path), path, True)
+    scan._begin(engine, path, True)
     return scan
+
+
+_ARGUMENTS = {"object": "`name`", "live": "`box`, `table`, `first_pose` and `poses`"}
+"""Keys of the configuration that arguments make, and those arguments."""
 
 
 def _corners(box: Sequence[Sequence[float]] | NDArray[np.float64]) -> list[float]:
@@ -284,6 +299,6 @@ def _corners(box: Sequence[Sequence[float]] | NDArray[np.float64]) -> list[float
         raise InputError(f"`box` is {box!r}, {expected}") from error
     if corners.dtype.kind not in "iuf":
         raise InputError(f"`box` is {box!r}, {expected}")
-    if corners.size != 6:
-        raise InputError(f"`box` has {corners.size} numbers, {expected}")
+    if corners.shape not in [(2, 3), (6,)]:
+        raise InputError(f"`box` has the shape {corners.shape}, {expected}")
     return [float(number) for number in corners.ravel()]

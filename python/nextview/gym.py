@@ -65,6 +65,8 @@ class ViewPlanning(gymnasium.Env[Observation, np.int64]):
         for name, value in [("n_candidates", n_candidates), ("views", views), ("cells", cells)]:
             if value < 2:
                 raise InputError(f"`{name}` is {value}, expected at least 2")
+        if isinstance(objects, str):
+            raise InputError(f"`objects` is {objects!r}, expected a list, such as [{objects!r}]")
         if not objects:
             raise InputError("`objects` is empty, expected at least one object")
         self._objects = list(objects)
@@ -96,8 +98,9 @@ class ViewPlanning(gymnasium.Env[Observation, np.int64]):
         """
         super().reset(seed=seed)
         drawn = self._objects[int(self.np_random.integers(len(self._objects)))]
-        self._object = (options or {}).get("object", drawn)
-        self._sim = self._scene(self._object)
+        name = (options or {}).get("object", drawn)
+        self._sim = self._scene(name)
+        self._object = name
         low, high = np.asarray(self._sim.box_m)
         size = float((high - low).max())
         self._scan = Scan(

@@ -20,6 +20,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from typing import Any
 
 from nextview import _native
+from nextview._bench import names_of
 from nextview.errors import DataError, InputError, NextviewError
 
 try:
@@ -33,7 +34,7 @@ Failed = list[tuple[str, str, int]]
 
 def bench(
     spec: str | os.PathLike[str] | Mapping[str, Any],
-    objects: Sequence[str | os.PathLike[str]] = (),
+    objects: Sequence[str | os.PathLike[str]] | None = None,
     *,
     out: str | os.PathLike[str],
     address: str | None = None,
@@ -66,7 +67,7 @@ def bench(
         if value is not None and value < least:
             raise InputError(f"`{name}` is {value}, expected at least {least}")
     given = dict(spec) if isinstance(spec, Mapping) else os.fspath(spec)
-    campaign = _native.Campaign(given, [os.fspath(each) for each in objects], out)
+    campaign = _native.Campaign(given, names_of(objects), out)
     tell = on_event or (lambda event: None)
     for event in campaign.beginning():
         tell(event)
@@ -195,7 +196,7 @@ def _main() -> int:
     try:
         failed = bench(
             args.spec,
-            args.meshes,
+            args.meshes or None,
             out=args.out,
             address=args.address,
             cpus=args.cpus,

@@ -23,6 +23,11 @@ pub fn depth_image(
     let &[height, width] = array.shape() else {
         return Err(input_error(py, format!("`depth` has the shape {:?}, {DEPTH}", array.shape())));
     };
+    if depth.is_instance(&py.import("numpy.ma")?.getattr("MaskedArray")?)? {
+        let problem = "`depth` is a masked array, expected a plain one: pass np.ma.getdata(depth), and \
+                       `mask`=np.ma.getmaskarray(depth)";
+        return Err(input_error(py, problem));
+    }
     let mut metres = metres(depth, array, scale)?;
     if let Some(mask) = mask {
         let mask = of_kind::<bool, _>("mask", mask, [height, width], "a bool array of the depth's shape")?;
@@ -122,10 +127,16 @@ where
     }
 }
 
-fn readonly<'py, T: Element, D: Dimension>(
+/// The array, to be read in place.
+pub fn readonly<'py, T: Element, D: Dimension>(
     name: &str,
     array: &Bound<'py, PyArray<T, D>>,
 ) -> PyResult<PyReadonlyArray<'py, T, D>> {
     let py = array.py();
+    // No reference may point to a number that is not.
+    if !array.as_any().getattr("flags")?.getattr("aligned")?.extract::<bool>()? {
+        let remedy = format!("pass np.require({name}, requirements='A')");
+        return Err(input_error(py, format!("`{name}` is not aligned in memory: {remedy}")));
+    }
     array.try_readonly().map_err(|error| input_error(py, format!("`{name}` cannot be read: {error}")))
 }

@@ -2,12 +2,13 @@
 
 use crate::arrays::{color_image, depth_image};
 use crate::camera::{Camera, numbers};
+use crate::errors::exception;
 use crate::pictures::{self, MomentArrays, Taken};
 use crate::pose::{matrix, pose_of};
 use crate::values::{self, to_python};
 use crate::view::{View, poses};
 use crate::watch::compute;
-use crate::{model, results};
+use crate::{model, planner, results};
 use nextview::Cancel;
 use nextview::session::StopReason;
 use nextview_scan::{Fault, Faults, LiveConfig, LiveFrame, Measured};
@@ -15,13 +16,16 @@ use numpy::{PyArray2, PyArray3};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use std::path::PathBuf;
-use std::sync::Mutex;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Mutex, TryLockError};
 
 /// See `nextview.Scan`, which this is the engine of.
 #[pyclass(frozen, module = "nextview._native")]
 pub struct LiveScan {
     scan: Mutex<nextview_scan::LiveScan>,
     cancel: Cancel,
+    /// Whether its own folder holds its results: it may replace them.
+    is_saved: AtomicBool,
 }
 
 #[pymethods]
@@ -42,6 +46,11 @@ impl LiveScan {
         let live = config.live.get_or_insert_with(LiveConfig::default);
         (live.min_depth_m, live.max_depth_m) = (camera.depth_range.min, camera.depth_range.max);
         live.first_pose = first_pose.map(|pose| pose_of("first_pose", pose)).transpose()?;
+        if poses.as_ref().is_some_and(Vec::is_empty) {
+            let fault = Fault::of_value("poses", "empty", "at least one pose");
+            let remedy = "without `poses`, candidates around the object are made by `view_space`";
+            return Err(exception(py, fault.with_remedy(remedy)));
+        }
         let numbered = poses.iter().flatten().enumerate();
         live.poses =
             numbered.map(|(i, pose)| pose_of(&format!("poses[{i}]"), pose)).collect::<PyResult<_>>()?;
@@ -55,6 +64,11 @@ impl LiveScan {
     #[staticmethod]
     fn resume(py: Python<'_>, dir: PathBuf) -> PyResult<Self> {
         Self::opened(py, |cancel| nextview_scan::LiveScan::resume(&dir, cancel))
+    }
+
+    /// What could not be read of the scan that was resumed.
+    fn damage(&self, py: Python<'_>) -> PyResult<Option<String>> {
+        self.with(py, |scan| Ok(scan.damage().map(ToString::to_string)))
     }
 
     fn next_view(&self, py: Python<'_>) -> PyResult<Option<View>> {
@@ -185,8 +199,12 @@ impl LiveScan {
     /// needed no more when the scan is over.
     fn save(&self, py: Python<'_>, dir: PathBuf, force: bool, is_own: bool) -> PyResult<()> {
         self.with(py, |scan| {
+            let force = force || (is_own && self.is_saved.load(Ordering::Relaxed));
             let folder = results::begin(&dir, force, scan.config().inputs())?;
-            results::publish(folder, scan.config(), scan.scan(), "nextview.Scan in Python")?;
+            let (_, faults) =
+                results::publish(folder, scan.config(), scan.scan(), "nextview.Scan in Python")?;
+            self.is_saved.fetch_or(is_own, Ordering::Relaxed);
+            faults.map_or(Ok(()), Err)?;
             let is_over = scan.stop_reason().is_some_and(|reason| reason != StopReason::NoObject);
             if is_own && is_over {
                 scan.forget_journal();
@@ -203,7 +221,7 @@ impl LiveScan {
     ) -> PyResult<Self> {
         let cancel = Cancel::default();
         let scan = compute(py, &cancel, || open(cancel.clone()))?;
-        Ok(Self { scan: Mutex::new(scan), cancel })
+        Ok(Self { scan: Mutex::new(scan), cancel, is_saved: AtomicBool::new(false) })
     }
 
     /// Does this with the scan, without the interpreter's lock.
@@ -212,10 +230,23 @@ impl LiveScan {
         py: Python<'_>,
         work: impl FnOnce(&mut nextview_scan::LiveScan) -> Result<T, Faults> + Send,
     ) -> PyResult<T> {
-        compute(py, &self.cancel, || match self.scan.lock() {
-            Ok(mut scan) => work(&mut scan),
-            Err(_) => {
-                Err(Fault::data("this scan failed before by a fault in nextview; begin another one").into())
+        // The scan that asks a planner waits for it: the planner would wait for itself.
+        let can_wait = !planner::is_called();
+        compute(py, &self.cancel, || {
+            let scan = match can_wait {
+                true => self.scan.lock().map_err(TryLockError::from),
+                false => self.scan.try_lock(),
+            };
+            match scan {
+                Ok(mut scan) => work(&mut scan),
+                Err(TryLockError::WouldBlock) => {
+                    let fault = Fault::request("a planner cannot use the scan that asks it");
+                    Err(fault.with_remedy("everything that it may use is in its situation").into())
+                }
+                Err(TryLockError::Poisoned(_)) => {
+                    let message = "this scan failed before by a fault in nextview; begin another one";
+                    Err(Fault::data(message).into())
+                }
             }
         })
     }

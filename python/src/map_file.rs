@@ -1,5 +1,6 @@
 //! OctoMap files as dense grids.
 
+use crate::arrays::readonly;
 use crate::errors::{exception, input_error};
 use crate::model;
 use crate::watch::compute;
@@ -9,7 +10,7 @@ use nextview::geometry::{Lattice, VoxelBlock};
 use nextview::map::{LogOdds, OccupancyMap, Octree, SensorModel, Snapshot};
 use nextview_scan::files::{self, Overwrite};
 use nextview_scan::{Fault, Faults, SavedMap};
-use numpy::{PyReadonlyArray3, PyUntypedArrayMethods};
+use numpy::{Element, PyArray3, PyReadonlyArray3, PyUntypedArrayMethods};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use std::path::{Path, PathBuf};
@@ -61,12 +62,8 @@ pub fn write_map(
     voxel_size_m: f64,
     force: bool,
 ) -> PyResult<()> {
-    let expected = "expected a grid of X x Y x Z";
-    let occupancy: PyReadonlyArray3<'_, u8> =
-        occupancy.extract().map_err(|_| input_error(py, format!("`occupancy`: {expected} of uint8")))?;
-    let probability: PyReadonlyArray3<'_, f32> = probability
-        .extract()
-        .map_err(|_| input_error(py, format!("`probability`: {expected} of float32")))?;
+    let occupancy = grid::<u8>("occupancy", occupancy, "uint8")?;
+    let probability = grid::<f32>("probability", probability, "float32")?;
     if occupancy.shape() != probability.shape() {
         let shapes = format!("{:?} and {:?}", occupancy.shape(), probability.shape());
         return Err(input_error(py, format!("`occupancy` and `probability` have the shapes {shapes}")));
@@ -78,6 +75,17 @@ pub fn write_map(
         .map(|(((x, y, z), _), p)| (origin + UVec3::new(x as u32, y as u32, z as u32).as_ivec3(), *p))
         .collect();
     compute(py, &Cancel::default(), || write(&path, voxels, voxel_size_m, force))
+}
+
+fn grid<'py, T: Element>(
+    name: &str,
+    value: &Bound<'py, PyAny>,
+    kind: &str,
+) -> PyResult<PyReadonlyArray3<'py, T>> {
+    match value.cast::<PyArray3<T>>() {
+        Ok(array) => readonly(name, array),
+        Err(_) => Err(input_error(value.py(), format!("`{name}`: expected a grid of X x Y x Z of {kind}"))),
+    }
 }
 
 /// The voxel whose lowest corner this is.

@@ -148,7 +148,9 @@ fn driven(
     let record = match output.dir {
         Some(dir) => {
             let folder = results::begin(dir, output.force, config.inputs())?;
-            results::publish(folder, config, &scan, "nextview scan --config config.toml")?
+            let (record, faults) =
+                results::publish(folder, config, &scan, "nextview scan --config config.toml")?;
+            faults.map_or(Ok(record), Err)?
         }
         None => scan.record(config, model.as_ref().map_or(Measured::Nothing, Measured::Model))?,
     };

@@ -1,6 +1,6 @@
 //! Planners and gains that are written in Python.
 
-use crate::errors::Failure;
+use crate::errors::{Failure, input_error};
 use crate::plan_input::{self, Grid};
 use nextview::Error;
 use nextview::planner::{Choice, GreedyByView, GreedyConfig, Plan, Situation, ViewGain, ViewPlanner};
@@ -8,6 +8,16 @@ use nextview::visibility::{FreeSpace, Sight, ViewRays};
 use nextview_scan::{Fault, PlannerProvider, ProvidedPlanner, provide_planners};
 use pyo3::prelude::*;
 use pyo3::types::{PyBool, PyTuple, PyType};
+use std::cell::Cell;
+
+thread_local! {
+    static IS_CALLED: Cell<bool> = const { Cell::new(false) };
+}
+
+/// Whether this thread is in a method of a planner.
+pub fn is_called() -> bool {
+    IS_CALLED.get()
+}
 
 /// Has configurations find their planners in this interpreter.
 pub fn provide() {
@@ -63,11 +73,7 @@ impl<'py> Class<'py> {
         if name.contains("<locals>") {
             return Err(Failure::new(format!("{name} is defined in a function, where it has no name")));
         }
-        let mut found = imported(py, module).map_err(|error| Failure::raised(py, "its import", error))?;
-        for part in name.split('.') {
-            found = found.getattr(part).map_err(|error| Failure::raised(py, "its lookup", error))?;
-        }
-        let Ok(class) = found.cast_into::<PyType>() else {
+        let Ok(class) = found(py, module, &name)?.cast_into::<PyType>() else {
             return Err(Failure::new(format!("{name} is no class")));
         };
         let lookup = |error| Failure::raised(py, "its check", error);
@@ -85,6 +91,34 @@ impl<'py> Class<'py> {
             None => Ok(Self { class, name, sight }),
         }
     }
+}
+
+/// The name of a class, by which scans find it. Fails if it finds another one, which would run in its place:
+/// in a notebook, for example, a class is easily defined twice.
+pub fn name_of(class: &Bound<'_, PyType>) -> PyResult<String> {
+    let py = class.py();
+    let (module, name) = (class.module()?.to_string(), class.qualname()?.to_string());
+    let whole = format!("python:{module}:{name}");
+    match found(py, &module, &name) {
+        Ok(found) if !found.is(class) => Err(input_error(
+            py,
+            format!(
+                "`planner` is a class {whole}, but that name leads to another one, such as a later \
+                 definition: pass that one, or name them differently"
+            ),
+        )),
+        // What is not found is refused with all else that is wrong.
+        _ => Ok(whole),
+    }
+}
+
+/// What has this name in a module.
+fn found<'py>(py: Python<'py>, module: &str, name: &str) -> Result<Bound<'py, PyAny>, Failure> {
+    let mut found = imported(py, module).map_err(|error| Failure::raised(py, "its import", error))?;
+    for part in name.split('.') {
+        found = found.getattr(part).map_err(|error| Failure::raised(py, "its lookup", error))?;
+    }
+    Ok(found)
 }
 
 /// The module; one that is being imported, since it scans as it is, would wait for itself.
@@ -117,7 +151,9 @@ impl Instance {
         method: &str,
         args: impl pyo3::call::PyCallArgs<'py>,
     ) -> Result<Bound<'py, PyAny>, Failure> {
+        let was_called = IS_CALLED.replace(true);
         let result = self.instance.bind(py).call_method1(method, args);
+        IS_CALLED.set(was_called);
         result.map_err(|error| Failure::raised(py, &format!("{}.{method}", self.name), error))
     }
 
@@ -134,7 +170,7 @@ impl Instance {
         let kind = answer.get_type().name().map_or_else(|_| "?".to_owned(), |name| name.to_string());
         let shown = answer.repr().map_or_else(|_| "?".to_owned(), |text| text.to_string());
         let shown: String = shown.chars().take(80).collect();
-        Failure::new(format!("{}.{method} returned {shown}, a {kind}, expected {expected}", self.name))
+        Failure::new(format!("{}.{method} returned {shown}, of type {kind}, expected {expected}", self.name))
     }
 
     /// The view that was answered; none if no view gains anything.

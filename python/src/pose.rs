@@ -1,5 +1,6 @@
 //! Poses as 4 x 4 matrices.
 
+use crate::arrays::readonly;
 use crate::errors::{exception, input_error};
 use crate::view::View;
 use nextview::geometry::Pose;
@@ -41,7 +42,7 @@ fn rows(name: &str, value: &Bound<'_, PyAny>) -> PyResult<[[f64; 4]; 4]> {
     let Ok(array) = value.cast::<PyArray2<f64>>() else {
         return Err(input_error(py, format!("`{name}` is of {}, {expected}", array.dtype())));
     };
-    let array = array.try_readonly().map_err(|error| input_error(py, format!("`{name}`: {error}")))?;
+    let array = readonly(name, array)?;
     let entry = |i: usize, j: usize| array.get([i, j]).copied().unwrap_or(f64::NAN);
     Ok(std::array::from_fn(|i| std::array::from_fn(|j| entry(i, j))))
 }

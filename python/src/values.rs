@@ -1,6 +1,7 @@
 //! Values between Python and the library: configurations in, records out.
 
 use crate::errors::{exception, input_error, internal_error};
+use crate::planner;
 use crate::pose::pose_of;
 use crate::view::View;
 use nextview::sensor::Sensor;
@@ -72,7 +73,7 @@ fn value_of(name: &str, value: &Bound<'_, PyAny>, depth: usize) -> PyResult<Valu
     if name == "planner"
         && let Ok(class) = value.cast::<PyType>()
     {
-        return Ok(Value::String(format!("python:{}:{}", class.module()?, class.qualname()?)));
+        return Ok(Value::String(planner::name_of(class)?));
     }
     number(name, value)
 }
@@ -93,6 +94,13 @@ fn number(name: &str, value: &Bound<'_, PyAny>) -> PyResult<Value> {
         return Ok(Value::String(text));
     }
     let kind = value.get_type().name()?;
+    if name == "planner" {
+        let expected = "expected a name, or a class: a subclass of nextview.Planner or nextview.Gain";
+        return Err(input_error(
+            py,
+            format!("`planner` is of type {kind}, {expected}; pass the class itself"),
+        ));
+    }
     let expected = "expected a text, a truth value, a number of 64 bits, a list or a dict";
     Err(input_error(py, format!("`{name}` is of type {kind}, or out of range: {expected}")))
 }

@@ -2,15 +2,20 @@
 
 use crate::errors::{exception, internal_error};
 use nextview::Cancel;
-use nextview_scan::Faults;
+use nextview_scan::{Fault, Faults};
 use pyo3::prelude::*;
 use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::sync::OnceLock;
 use std::sync::mpsc::{RecvTimeoutError, channel};
 use std::thread;
 use std::time::Duration;
 
 /// Time between two looks for signals.
 const PERIOD: Duration = Duration::from_millis(20);
+
+/// The process that computed first. One that is forked from it has none of its threads, and would wait for
+/// them for ever.
+static PROCESS: OnceLock<u32> = OnceLock::new();
 
 /// Does the work on a thread of its own, while this one waits for signals: Python handles them on its main
 /// thread only. A signal handler that raises cancels the work, and its exception is the result.
@@ -19,6 +24,12 @@ pub fn compute<T: Send>(
     cancel: &Cancel,
     work: impl FnOnce() -> Result<T, Faults> + Send,
 ) -> PyResult<T> {
+    let process = std::process::id();
+    if *PROCESS.get_or_init(|| process) != process {
+        let fault = Fault::request("this process was forked from one that had used nextview before");
+        let remedy = "start processes by multiprocessing.get_context(\"spawn\"), or \"forkserver\"";
+        return Err(exception(py, fault.with_remedy(remedy)));
+    }
     let (done, result) = channel();
     let outcome = py.detach(move || {
         thread::scope(|scope| {

@@ -54,6 +54,8 @@ def test_a_wrong_environment_is_refused() -> None:
             gym.ViewPlanning(**{name: 1})
     with pytest.raises(nextview.InputError, match="`objects` is empty"):
         gym.ViewPlanning([])
+    with pytest.raises(nextview.InputError, match=r"`objects` is 'builtin:mug', expected a list, such as \["):
+        gym.ViewPlanning("builtin:mug")
     env = gym.ViewPlanning(["builtin:no-such"])
     with pytest.raises(nextview.NextviewError, match="no built-in object"):
         env.reset(seed=1)
@@ -61,3 +63,12 @@ def test_a_wrong_environment_is_refused() -> None:
     env.reset(seed=1)
     with pytest.raises(nextview.InputError, match="expected 0 to 4"):
         env.step(5)
+
+
+def test_an_object_that_cannot_be_had_leaves_the_episode_as_it_is() -> None:
+    env = gym.ViewPlanning(**OPTIONS)
+    env.reset(seed=1, options={"object": "builtin:mug"})
+    with pytest.raises(nextview.NextviewError, match="no built-in object"):
+        env.reset(seed=1, options={"object": "builtin:no-such"})
+    *_, info = env.step(3)
+    assert info["object"] == "builtin:mug"

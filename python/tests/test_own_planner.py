@@ -179,14 +179,14 @@ def test_an_exception_ends_the_scan_and_is_its_cause() -> None:
 @pytest.mark.parametrize(
     ("answer", "problem"),
     [
-        ("best", "Told.plan returned 'best', a str, expected a number of `situation.open_views`"),
-        (1.5, "returned 1.5, a float"),
-        (True, "returned True, a bool"),
-        (-1, "returned -1, a int"),
+        ("best", "Told.plan returned 'best', of type str, expected a number of `situation.open_views`"),
+        (1.5, "returned 1.5, of type float"),
+        (True, "returned True, of type bool"),
+        (-1, "returned -1, of type int, expected"),
         (2**80, "returned 1208925819614629174706176"),
-        ((1, 2, 3), r"returned \(1, 2, 3\), a tuple"),
-        ((1, float("nan")), r"returned \(1, nan\), a tuple"),
-        ((1, "much"), "a tuple"),
+        ((1, 2, 3), r"returned \(1, 2, 3\), of type tuple"),
+        ((1, float("nan")), r"returned \(1, nan\), of type tuple"),
+        ((1, "much"), "of type tuple"),
         (40, "returned view 40, but there are fewer candidates"),
         (0, "returned view 0, but it was taken before; expected one of `situation.open_views`"),
     ],
@@ -223,14 +223,15 @@ def test_a_planner_may_be_done() -> None:
         ("python:own_planners:WrongRays", 'WrongRays.free_space is "open", expected clear or fades'),
         ("python:own_planners", "expected python:module:Class"),
         (dict, "dict is neither planner nor gain"),
-        (FromAbove(), "`planner` is of type FromAbove"),
+        (FromAbove(), "of type FromAbove, expected a name, or a class: .*; pass the class itself"),
+        (own_planners.no_class, "`planner` is of type function, expected a name, or a class"),
         ("fastest", "expected one of `most-surface`"),
     ],
 )
 def test_what_makes_no_planner_is_refused_with_all_else_that_is_wrong(planner: Any, problem: str) -> None:
     with pytest.raises(nextview.InputError, match=problem):
         begin(planner=planner)
-    if not isinstance(planner, FromAbove):
+    if isinstance(planner, str | type):
         with pytest.raises(nextview.InputError, match=problem) as raised:
             nextview.scan("builtin:mug", planner=planner, voxel_size_m=-1.0)
         assert "`voxel_size_m` is -1" in str(raised.value)
@@ -258,3 +259,33 @@ def test_a_class_in_a_function_has_no_name() -> None:
 
     with pytest.raises(nextview.InputError, match="Local is defined in a function"):
         begin(planner=Local)
+
+
+def test_a_class_whose_name_another_one_took_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
+    class Later(FromAbove):
+        pass
+
+    Later.__qualname__, Later.__module__ = "FromAbove", "own_planners"
+    monkeypatch.setattr(own_planners, "FromAbove", Later)
+    with pytest.raises(nextview.InputError, match="python:own_planners:FromAbove, but that name leads"):
+        begin(planner=FromAbove)
+    begin(planner=Later)
+
+
+@pytest.mark.parametrize("use", [lambda scan: scan.steps, repr, lambda scan: scan.next_view()])
+def test_a_planner_cannot_use_the_scan_that_asks_it(use: Any) -> None:
+    other = begin()
+
+    def answer(situation: nextview.Situation) -> int:
+        assert other.steps == []
+        use(scan)
+        return int(situation.open_views[0])
+
+    Told.answer = staticmethod(answer)
+    scan = begin(planner=Told)
+    run(scan, 1)
+    with pytest.raises(nextview.InputError, match="a planner cannot use the scan that asks it") as raised:
+        scan.next_view()
+    assert isinstance(raised.value.__cause__, nextview.InputError)
+    Told.answer = 3
+    assert scan.next_view() is not None

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import pickle
 import threading
 from pathlib import Path
@@ -125,6 +126,34 @@ def test_an_interrupted_scan_is_resumed(tmp_path: Path) -> None:
         with pytest.raises(nextview.DataError, match="holds results already"):
             undisturbed.save(out)
         undisturbed.save(out, force=True)
+
+
+def test_lost_frames_of_a_resumed_scan_are_warned_of(tmp_path: Path) -> None:
+    run(begin(out=tmp_path), 2)
+    journal = tmp_path / "scan.journal"
+    content = bytearray(journal.read_bytes())
+    content[-1] ^= 1
+    journal.write_bytes(content)
+    with pytest.warns(UserWarning, match="scan.journal: damaged from byte .* are now in .*damaged-1"):
+        scan = nextview.resume(tmp_path)
+    assert len(scan.steps) == 1 and (tmp_path / "scan.journal.damaged-1").exists()
+
+
+def test_a_folder_stays_the_scans_where_the_program_changes_its_own(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (tmp_path / "elsewhere").mkdir()
+    monkeypatch.chdir(tmp_path)
+    scan = begin(out="scan")
+    run(scan, 1)
+    os.chdir("elsewhere")
+    scan.save()
+    del scan
+    os.chdir(tmp_path)
+    scan = nextview.resume("scan")
+    os.chdir("elsewhere")
+    scan.save()
+    assert (tmp_path / "scan" / "report.html").exists() and os.listdir() == []
 
 
 def test_nothing_but_the_first_pose_need_be_known() -> None:

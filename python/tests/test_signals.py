@@ -4,9 +4,12 @@ from __future__ import annotations
 
 import os
 import signal
+import subprocess
+import sys
 import threading
 import time
 from collections.abc import Iterator
+from pathlib import Path
 
 import pytest
 
@@ -80,3 +83,43 @@ def test_other_threads_go_on_meanwhile() -> None:
     done.set()
     thread.join()
     assert counts[0] > 100 * elapsed
+
+
+def test_ctrl_c_leaves_no_part_of_the_results(mug: nextview.SimulatedScene, tmp_path: Path) -> None:
+    scan = nextview.Scan(mug.camera, mug.box_m, voxel_size_m=0.002, candidates=40, views=2, out=tmp_path)
+    while (view := scan.next_view()) is not None:
+        scan.observe(mug.capture(view), view)
+    timer = threading.Timer(0.05, os.kill, (os.getpid(), signal.SIGINT))
+    timer.start()
+    with pytest.raises(KeyboardInterrupt):
+        scan.save()
+    timer.join()
+    assert (tmp_path / "record.json").exists() == (tmp_path / "mesh.ply").exists()
+    scan.save()
+    assert (tmp_path / "mesh.ply").exists()
+
+
+FORKS = """
+import multiprocessing
+import nextview
+
+def use() -> None:
+    try:
+        nextview.SimulatedScene("builtin:mug")
+    except nextview.InputError as error:
+        print(error, flush=True)
+
+nextview.scan("builtin:mug", views=2, candidates=20, voxel_size_m=0.02, baselines=False)
+process = multiprocessing.get_context("fork").Process(target=use)
+process.start()
+process.join(30)
+if process.is_alive():
+    process.kill()
+    print("hangs")
+"""
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="nothing forks there")
+def test_a_forked_process_says_that_it_cannot_compute() -> None:
+    ended = subprocess.run([sys.executable, "-c", FORKS], capture_output=True, text=True, timeout=120)
+    assert ended.stdout.startswith("this process was forked from one that had used nextview"), ended

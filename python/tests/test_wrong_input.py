@@ -23,6 +23,16 @@ SHIFTED[:3, 3] = [np.nan, 0, 0]
 BOTTOM = np.eye(4)
 BOTTOM[3, 0] = 0.5
 
+
+def unaligned(array: np.ndarray[Any, Any]) -> np.ndarray[Any, Any]:
+    """The same numbers, a byte off where numbers of their size begin."""
+    moved = np.frombuffer(b"\0" + array.tobytes(), array.dtype, offset=1)
+    return moved.reshape(array.shape)
+
+
+UNALIGNED = unaligned(NOTHING)
+PACKED = np.zeros((60, 80), [("flag", np.uint8), ("depth", np.float32), ("units", np.uint16)])
+
 WRONG_FRAMES: list[tuple[dict[str, Any], str]] = [
     ({"depth": NOTHING.astype(np.float64)}, "`depth` is of float64, expected an array of height x"),
     ({"depth": NOTHING[0]}, r"`depth` has the shape \[80\]"),
@@ -44,6 +54,11 @@ WRONG_FRAMES: list[tuple[dict[str, Any], str]] = [
     ({"color": np.zeros((60, 80, 3), np.float32)}, "`color` is of float32, expected a uint8"),
     ({"color": np.zeros((30, 80, 3), np.uint8)}, "`color` is 80 x 30, expected 80 x 60 pixels"),
     ({"mask": np.zeros((60, 80), np.uint8)}, "`mask` is of uint8, expected a bool array"),
+    ({"depth": UNALIGNED}, r"`depth` is not aligned in memory: pass np.require\(depth, requirements='A'\)"),
+    ({"depth": PACKED["depth"]}, "`depth` is not aligned in memory"),
+    ({"depth": PACKED["units"], "depth_scale_m": 0.001}, "`depth` is not aligned in memory"),
+    ({"world_from_camera": unaligned(np.eye(4))}, "`world_from_camera` is not aligned in memory"),
+    ({"depth": np.ma.MaskedArray(NOTHING, mask=True)}, "is a masked array, .*`mask`=np.ma.getmaskarray"),
     ({"mask": np.zeros((80, 60), bool)}, r"`mask` has the shape \[80, 60\], expected \[60, 80\]"),
 ]
 
@@ -63,7 +78,15 @@ WRONG_SCANS: list[tuple[dict[str, Any], str]] = [
     ({"voxel_size_m": 1e-5}, "voxel"),
     ({"views": 0}, "`views` is 0, expected 1 to 40"),
     ({"views": 1 << 70}, "`views` is of type int, or out of range"),
-    ({"box": [0, 1]}, "`box` has 2 numbers"),
+    ({"box": [0, 1]}, r"`box` has the shape \(2,\), expected its lowest and its highest corner"),
+    ({"box": np.transpose(BOX)}, r"`box` has the shape \(3, 2\), expected its lowest and its highest"),
+    ({"poses": []}, "`poses` is empty, expected at least one pose .hint: without `poses`, candidates"),
+    ({"object": "builtin:mug"}, "`object` is no option of a scan by your own camera, use `name`"),
+    ({"live": {"table_z_m": 0.0}}, "`live` is no option of a scan by your own camera, use `box`, `table`"),
+    ({"object_box": {"table": "fit"}}, "`object_box.table` is no option .*, use `table`"),
+    ({"unit": "mm"}, "`unit` is for simulations, not for a camera of one's own"),
+    ({"candidates": -1}, "`candidates` is -1, expected a whole number, at least 0"),
+    ({"stop": 3}, "`stop` is 3, expected a table"),
     ({"box": "here"}, "`box` is 'here'"),
     ({"box": [[0, 0, 0], [0, 0, 0]]}, "`box` is .*, expected finite corners, the lowest first"),
     ({"box": None}, "the pose of a view that shows some of it is needed"),
@@ -105,6 +128,25 @@ def test_wrong_cameras_are_refused() -> None:
             nextview.Camera(**{**good, **wrong})
     with pytest.raises(nextview.InputError, match="expected d405"):
         nextview.Camera.sensor("d999")
+
+
+def test_wrong_maps_are_refused(tmp_path: Path) -> None:
+    state, p = np.full((2, 2, 2), nextview.Map.OCCUPIED, np.uint8), np.full((2, 2, 2), 0.9, np.float32)
+    for wrong, expected in [
+        ({"probability": unaligned(p)}, "`probability` is not aligned in memory"),
+        ({"probability": p.astype(np.float64)}, "`probability`: expected a grid of X x Y x Z of float32"),
+        ({"occupancy": state[0]}, "`occupancy`: expected a grid of X x Y x Z of uint8"),
+    ]:
+        given: dict[str, Any] = {"occupancy": state, "probability": p, **wrong}
+        grid = nextview.Map(origin_m=np.zeros(3), voxel_size_m=0.01, **given)
+        with pytest.raises(nextview.InputError, match=expected):
+            grid.save(tmp_path / "map.ot")
+
+
+def test_an_empty_list_of_objects_is_refused() -> None:
+    for given, objects in [({"name": "x", "objects": []}, None), ("paper-1", [])]:
+        with pytest.raises(nextview.InputError, match="objects`? is empty, expected at least one"):
+            nextview.bench(given, objects)  # type: ignore[arg-type]
 
 
 def test_files_that_are_not_there_are_data_errors(tmp_path: Path) -> None:

@@ -74,7 +74,7 @@ fn spec(table: Table, faults: &mut FaultList) -> Spec {
     let view_seeds: Option<Vec<u64>> = section.take("view_seeds");
     let first_views: FirstViews = section.take("first_views").unwrap_or_default();
     let scan = section.take("scan").unwrap_or_default();
-    let objects = section.take_list("objects");
+    let objects: Option<Vec<Value>> = section.take("objects");
     let variants = section.take_list("variant");
     section.end();
     faults.check("name", name.as_deref().map_or(Ok(()), check_name));
@@ -82,7 +82,17 @@ fn spec(table: Table, faults: &mut FaultList) -> Spec {
     let view_seeds_check = view_seeds.as_ref().map_or(Ok(()), |seeds| check_distinct("view_seeds", seeds));
     faults.check("view_seeds", view_seeds_check);
     faults.check("first_views", first_views.check());
-    let objects = objects.into_iter().zip(0..).filter_map(|(entry, i)| ObjectSpec::read(entry, i, faults));
+    // A list that was made and found nothing is no wish for other objects.
+    if objects.as_ref().is_some_and(Vec::is_empty) {
+        let fault = Fault::data("objects is empty, expected at least one mesh file or `builtin:NAME`");
+        let remedy = "without `objects`, they are the built-in ones";
+        faults.check("objects", Err(fault.with_remedy(remedy)));
+    }
+    let objects = objects
+        .unwrap_or_default()
+        .into_iter()
+        .zip(0..)
+        .filter_map(|(entry, i)| ObjectSpec::read(entry, i, faults));
     let objects = objects.collect();
     let variant = variants.into_iter().zip(0..).filter_map(|(entry, i)| VariantSpec::read(entry, i, faults));
     let variant = variant.collect();

@@ -105,6 +105,7 @@ fn what_only_the_whole_shows_is_found_too() {
         &["`name`: is missing", "line 1, column 1: `seeds`: invalid type: string \"x\", expected a sequence"],
     );
     check("name = \"x", &["line 1, column "]);
+    check("name = \"x\"\nobjects = []", &["line 2, column 1: objects is empty, expected at least one mesh"]);
     check(
         "name = \"x\"\n[scan]\nplanner = \"rse\"\nstop.completeness = 0.9",
         &["the planner rse cannot stop by completeness"],

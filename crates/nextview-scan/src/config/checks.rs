@@ -247,7 +247,10 @@ fn of_live(live: &LiveConfig, config: &ScanConfig) -> Vec<Fault> {
         let expected = "a finite number of metres above `live.min_depth_m`";
         faults.push(Fault::of_value("live.max_depth_m", live.max_depth_m, expected));
     }
-    faults.extend(simulated_keys(config).map(|key| only_simulated(key, "live")));
+    // Recorded frames may have the mesh of a true shape, which it is the unit of.
+    let has_unit = config.unit != ScanConfig::of_profile(config.profile).unit;
+    let given = simulated_keys(config).chain(has_unit.then_some("unit"));
+    faults.extend(given.map(|key| only_simulated(key, "live")));
     faults
 }
 

@@ -101,8 +101,21 @@ fn of_key(key: &str, value: &Value, error: &toml::de::Error) -> Fault {
     }
     let expected = message.rsplit_once(", expected ").map(|(_, expected)| expected);
     match expected {
-        Some(expected) => Fault { kind: FaultKind::Data, ..Fault::of_value(key, value, expected) },
+        Some(expected) => Fault { kind: FaultKind::Data, ..Fault::of_value(key, value, in_words(expected)) },
         None => Fault { key: Some(key.to_owned()), ..Fault::data(format!("`{key}`: {message}")) },
+    }
+}
+
+/// What a value should have been, where it is named by a type of Rust.
+fn in_words(expected: &str) -> String {
+    match expected {
+        "u8" => format!("a whole number, 0 to {}", u8::MAX),
+        "u16" => format!("a whole number, 0 to {}", u16::MAX),
+        "u32" => format!("a whole number, 0 to {}", u32::MAX),
+        "u64" | "usize" => "a whole number, at least 0".to_owned(),
+        "f32" | "f64" => "a number".to_owned(),
+        name if name.starts_with("struct ") => "a table".to_owned(),
+        other => other.to_owned(),
     }
 }
 

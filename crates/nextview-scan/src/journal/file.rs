@@ -2,6 +2,7 @@ use super::entry::Entry;
 use super::kept::{JournalEntry, KeptFrame, SkippedView};
 use super::read::{self, MAGIC};
 use crate::Fault;
+use std::fmt;
 use std::fs::{File, OpenOptions, TryLockError};
 use std::io::{ErrorKind, Read, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
@@ -69,6 +70,15 @@ pub struct Damage {
     pub moved_to: PathBuf,
 }
 
+impl fmt::Display for Damage {
+    /// Without the path of the journal.
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self { at, length, problem, moved_to } = self;
+        let moved_to = moved_to.display();
+        write!(f, "damaged from byte {at} on ({problem}); these {length} bytes are now in {moved_to}")
+    }
+}
+
 impl Journal {
     /// Begins a journal. It appears as a whole; fails if there is one already.
     pub fn create(path: &Path, heading: &str) -> Result<Self, Fault> {
@@ -79,7 +89,7 @@ impl Journal {
     }
 
     /// Opens the journal of a scan that was interrupted, to resume it. Damage at its end is moved to a file
-    /// beside it; fails if not even the heading is whole, or if another process has it open.
+    /// beside it; fails if not even the heading is whole, or if it is open already.
     pub fn open(path: &Path) -> Result<(Self, Kept), Fault> {
         Self::reopen(path).map_err(|fault| fault.in_file(path))
     }
@@ -160,7 +170,9 @@ impl Journal {
 
     fn lock(&self) -> std::io::Result<()> {
         self.file.try_lock().or_else(|error| match error {
-            TryLockError::WouldBlock => Err(std::io::Error::other("another process has it open")),
+            TryLockError::WouldBlock => {
+                Err(std::io::Error::other("it is open already, here or in another process"))
+            }
             // Some file systems have no locks.
             TryLockError::Error(error) if error.kind() == ErrorKind::Unsupported => Ok(()),
             TryLockError::Error(error) => Err(error),

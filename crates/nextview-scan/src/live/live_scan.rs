@@ -2,7 +2,7 @@ use super::fingerprint::fingerprint;
 use super::whereabouts::Whereabouts;
 use crate::files::ResultFolder;
 use crate::{
-    Begin, Fault, Faults, FinishedScan, Interrupted, LiveFrame, Next, OwnCamera, Results, ScanConfig,
+    Begin, Damage, Fault, Faults, FinishedScan, Interrupted, LiveFrame, Next, OwnCamera, Results, ScanConfig,
     ScanJournal, ScanRun, StepRecord, TakenFrame, ViewRecord, write_results,
 };
 use nextview::Cancel;
@@ -42,6 +42,7 @@ pub struct LiveScan {
     config: ScanConfig,
     run: ScanRun<'static>,
     cancel: Cancel,
+    damage: Option<Damage>,
     /// By step, that of the frame as it was given.
     fingerprints: Vec<u64>,
     pub(super) whereabouts: Whereabouts,
@@ -62,7 +63,7 @@ impl LiveScan {
     ///
     /// If cancelled, it can be resumed again.
     pub fn resume(dir: &Path, cancel: Cancel) -> Result<Self, Faults> {
-        let Interrupted { heading, journal, n_frames, .. } = ScanJournal::resume(dir)?;
+        let Interrupted { heading, journal, n_frames, damage } = ScanJournal::resume(dir)?;
         let path = dir.join(ScanJournal::FILE);
         let mut config = ScanConfig::parse(&heading, Some(&path), None)?;
         if config.live.is_none() {
@@ -70,7 +71,7 @@ impl LiveScan {
             return Err(fault.with_remedy("`nextview scan` resumes it").into());
         }
         let camera = OwnCamera::open(&mut config)?;
-        let mut scan = Self::with_journal(camera, config, Some(journal), cancel)?;
+        let mut scan = Self { damage, ..Self::with_journal(camera, config, Some(journal), cancel)? };
         while scan.scan().steps.len() < n_frames {
             match scan.run.next()? {
                 Next::Replay(frame) => _ = scan.push(frame.into())?,
@@ -89,8 +90,13 @@ impl LiveScan {
     ) -> Result<Self, Faults> {
         let begin = Begin { journal, cancel: cancel.clone() };
         let run = ScanRun::of_session(camera.session(&config)?, &config, begin)?;
-        let (fingerprints, whereabouts) = Default::default();
-        Ok(Self { camera, config, run, cancel, fingerprints, whereabouts })
+        let (damage, fingerprints, whereabouts) = Default::default();
+        Ok(Self { camera, config, run, cancel, damage, fingerprints, whereabouts })
+    }
+
+    /// What could not be read at the end of the journal when the scan was resumed: the frames there are lost.
+    pub fn damage(&self) -> Option<&Damage> {
+        self.damage.as_ref()
     }
 
     /// The view to take next; none if the scan is over, for the [reason](Self::stop_reason). Asked again

@@ -52,7 +52,7 @@ fn all_faults_come_at_once_with_line_and_column() {
     let found = faults(text);
     let expected = [
         "1:1 `voxels` is not a key (did you mean `voxel_size_m`?)",
-        "2:1 `views` is \"many\", expected usize",
+        "2:1 `views` is \"many\", expected a whole number, at least 0",
         "5:3 `max_flow.gamma` is 2, expected a number in 0..=1",
         "7:1 `map.rays` is \"some\", expected",
         "9:1 `stop.entropy_share` is 7, expected a number in 0..=1",
@@ -62,6 +62,19 @@ fn all_faults_come_at_once_with_line_and_column() {
     assert_eq!(sorted.len(), expected.len(), "{found:?}");
     for (found, expected) in sorted.iter().zip(expected) {
         assert!(found.starts_with(expected), "{found}, expected {expected}");
+    }
+}
+
+#[test]
+fn types_are_named_in_words() {
+    for (text, expected) in [
+        ("views = -1", "1:1 `views` is -1, expected a whole number, at least 0"),
+        ("seed = 0.5", "1:1 `seed` is 0.5, expected a whole number, at least 0"),
+        ("voxel_size_m = \"fine\"", "1:1 `voxel_size_m` is \"fine\", expected a number"),
+        ("stop = 3", "1:1 `stop` is 3, expected a table"),
+        ("camera.width = -1", "1:8 `camera.width` is -1, expected a whole number, 0 to 4294967295"),
+    ] {
+        assert_eq!(faults(text), [expected]);
     }
 }
 

@@ -180,7 +180,7 @@ fn one_process_at_a_time_and_none_is_replaced() {
     let path = folder.path("a.journal");
     let journal = Journal::create(&path, HEADING).unwrap();
     let error = Journal::open(&path).unwrap_err().to_string();
-    assert!(error.ends_with("a.journal: another process has it open"), "{error}");
+    assert!(error.ends_with("a.journal: it is open already, here or in another process"), "{error}");
     let error = Journal::create(&path, HEADING).unwrap_err().to_string();
     assert!(error.ends_with("a.journal: exists already"), "{error}");
     drop(journal);

@@ -10,7 +10,8 @@ use nextview::session::StopReason;
 use nextview_scan::files::Overwrite;
 use nextview_scan::{
     Begin, BoxRule, FinishedScan, LiveConfig, LiveFrame, LiveScan, ObjectBoxConfig, PlannerName, ScanConfig,
-    ScanJournal, ScanRecord, ScanRun, SimulatedObject, Simulation, TableRule, begin_results, write_results,
+    ScanJournal, ScanRecord, ScanRun, SimulatedObject, Simulation, TableRule, UnitName, begin_results,
+    write_results,
 };
 use nextview_sim::evaluator;
 use std::path::Path;
@@ -128,6 +129,30 @@ fn an_interrupted_scan_is_resumed_with_its_colours() {
 }
 
 #[test]
+fn a_resumed_scan_knows_what_is_lost() {
+    let folder = Folder::new("live-damaged");
+    let dir = folder.path("scan");
+    let config = config(PlannerName::MaxFlow);
+    let object = SimulatedObject::new(&config).unwrap();
+    let mut scan = LiveScan::begin(live(&config, &object), Some(&dir), Cancel::default()).unwrap();
+    for _ in 0..2 {
+        let view = scan.next().unwrap().unwrap();
+        observe(&mut scan, &object, &view.world_from_camera);
+    }
+    drop(scan);
+    let scan = LiveScan::resume(&dir, Cancel::default()).unwrap();
+    assert_eq!((scan.scan().steps.len(), scan.damage()), (2, None));
+    drop(scan);
+    let path = dir.join(ScanJournal::FILE);
+    let mut bytes = std::fs::read(&path).unwrap();
+    *bytes.last_mut().unwrap() ^= 1;
+    std::fs::write(&path, bytes).unwrap();
+    let scan = LiveScan::resume(&dir, Cancel::default()).unwrap();
+    let damage = scan.damage().unwrap().to_string();
+    assert!(scan.scan().steps.len() == 1 && damage.starts_with("damaged from byte "), "{damage}");
+}
+
+#[test]
 fn nothing_need_be_known_but_the_first_view() {
     let config = config(PlannerName::MostSurface);
     let object = SimulatedObject::new(&ScanConfig {
@@ -189,6 +214,7 @@ fn what_cannot_be_is_refused_with_its_reason() {
         |config, _| config.size_m = Some(0.1),
         "`size_m` is for simulations, not for a camera of one's own",
     );
+    check(|config, _| config.unit = UnitName::Mm, "`unit` is for simulations, not for a camera of one's own");
     check(|config, _| config.planner = PlannerName::Clairvoyant.into(), "needs the true object");
     check(|config, _| config.recording = Some(Default::default()), "frames are either recorded or come");
     check(|config, _| config.view_space.0 = "a.csv".to_owned(), "`view_space` is a.csv, expected shell");

@@ -5,8 +5,8 @@ use nextview::Cancel;
 use nextview_report::{heading, page_of_scan, step_line, summary_text};
 use nextview_scan::files::{Overwrite, ResultFolder};
 use nextview_scan::{
-    Begin, Damage, Fault, FrameSource, Interrupted, RecordedScan, Results, ScanConfig, ScanJournal,
-    ScanRecord, ScanRun, SimulatedObject, Simulation, Truth, begin_results, write_results,
+    Begin, Fault, FrameSource, Interrupted, RecordedScan, Results, ScanConfig, ScanJournal, ScanRecord,
+    ScanRun, SimulatedObject, Simulation, Truth, begin_results, write_results,
 };
 use std::io::Write;
 use std::path::{Path, PathBuf};
@@ -54,11 +54,8 @@ pub(super) fn resume(output: Output) -> Result<(), Failure> {
     let Interrupted { heading, journal, n_frames, damage } = ScanJournal::resume(&output.dir)?;
     let path = output.dir.join(ScanJournal::FILE);
     let config = ScanConfig::parse(&heading, Some(&path), None)?;
-    if let Some(Damage { at, length, problem, moved_to }) = damage {
-        let (path, moved_to) = (path.display(), moved_to.display());
-        eprintln!(
-            "note: {path}: damaged from byte {at} on ({problem}); these {length} bytes are now in {moved_to}"
-        );
+    if let Some(damage) = damage {
+        eprintln!("note: {}: {damage}", path.display());
     }
     eprintln!("note: resumes after {n_frames} frame{}", if n_frames == 1 { "" } else { "s" });
     stdout::print(scan(config, Some(journal), &output)?.0)
