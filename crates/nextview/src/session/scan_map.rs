@@ -227,6 +227,7 @@ mod tests {
         Place {
             bounds: Some(Aabb::cube(DVec3::splat(0.013), half)),
             table: table.find(&[], &Cancel::default()).unwrap(),
+            n_earlier: 0,
         }
     }
 

@@ -251,6 +251,7 @@ impl KnownTable {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::geometry::Pose;
     use crate::geometry::random::Random;
     use crate::sensor::{DepthImage, Intrinsics};
     use crate::view::look_at;
@@ -311,6 +312,38 @@ mod tests {
                     "{table:?} from {height} m: {n_above} of {n} above"
                 );
             }
+        }
+    }
+
+    #[test]
+    fn a_table_is_where_a_frame_shows_it_and_no_flat_part_is_a_table() {
+        let optics = Intrinsics::pinhole(80, 60, DVec2::splat(75.0), DVec2::new(39.5, 29.5)).unwrap();
+        let taken_from = look_at(DVec3::new(0.2, 0.0, 0.3), DVec3::ZERO).unwrap();
+        // A plate of this thickness and 26 cm, which fills most of the image, on a table at z = 0.
+        let frame = |thickness: f64, shift: f64| {
+            let depth = |pixel: usize| {
+                let ray = optics.deproject(DVec2::new((pixel % 80) as f64, (pixel / 80) as f64)).unwrap();
+                let direction = taken_from.rotation() * ray.extend(1.0);
+                let to = |z: f64| (z - taken_from.translation().z) / direction.z;
+                let on_plate = taken_from.translation() + direction * to(thickness);
+                let is_plate = thickness > 0.0 && on_plate.truncate().abs().max_element() < 0.13;
+                to(if is_plate { thickness } else { 0.0 }) as f32
+            };
+            let image = DepthImage::from_metres(80, 60, (0..80 * 60).map(depth).collect()).unwrap();
+            let pose = Pose::new(taken_from.rotation(), taken_from.translation() + shift * DVec3::Z).unwrap();
+            Frame::new(image, optics, pose, 4.0).unwrap()
+        };
+        let known = KnownTable::new(Plane::horizontal(0.0).unwrap());
+        for shift in [-0.004, 0.0, 0.005] {
+            let top = known.top_in(&frame(0.0, shift));
+            assert!((top.height(DVec3::ZERO) + shift + ON_TABLE).abs() < 1e-5, "{shift}");
+        }
+        for thickness in [0.007, 0.02] {
+            let frame = frame(thickness, 0.0);
+            let n_plate = frame.points().filter(|point| point.z > 0.5 * thickness).count();
+            assert!(2 * n_plate > frame.points().count(), "the plate fills most of the image");
+            let top = known.top_in(&frame);
+            assert!((top.height(DVec3::ZERO) + ON_TABLE).abs() < 1e-5, "{thickness}: {top:?}");
         }
     }
 
