@@ -6,8 +6,8 @@ use glam::{DMat2, DVec2, DVec3};
 /// Distance, metres, within which a point belongs to a plane: several times the noise of a depth camera that
 /// views a table nearby.
 const INLIER_DISTANCE: f64 = 0.005;
-/// The same for the last fit, as a share: it then includes fewer points of things on the table that would tilt
-/// it.
+/// The same for the last fit, as a share: it then includes fewer points of things on the table that would
+/// tilt it.
 const CLOSE_SHARE: f64 = 0.4;
 /// Points at most so far away from the plane are noise whose deviation is known, as a share of that distance:
 /// a normal distribution that is cut off at twice its deviation has 0.44, a uniform one, which is how far

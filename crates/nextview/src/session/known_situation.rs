@@ -38,6 +38,6 @@ pub(super) fn known_situation<'a>(
 
 /// What a moving camera has to keep away from.
 pub(super) fn surroundings(scene: &KnownScene) -> Surroundings {
-    let Place { bounds: object, table, .. } = scene.map.place();
+    let Place { bounds: object, table } = scene.map.place();
     Surroundings { object, floor: table.map(|table| table.floor()) }
 }

@@ -80,7 +80,7 @@ impl Locator {
         let bounds = bounds.map(|bounds| table.map_or(bounds, |table| table.clip(bounds)));
         let size = |object: Aabb| (0.5 * object.longest_side()).max(self.voxel_size);
         Ok(Location {
-            place: Place { bounds, table, n_earlier: self.n_earlier },
+            place: Place { bounds, table },
             object: object.map(|object| (object.center(), size(object))),
             may_grow: self.may_grow(frames.len()),
         })

@@ -173,7 +173,7 @@ impl Session {
         let joined = added.and_then(|added| Ok((added, self.join_earlier(&scene)?)));
         let (mut added, joined) = joined.inspect_err(|Cancelled| self.frames.forget(before))?;
         self.scene = scene;
-        let Place { bounds, table, .. } = self.scene.map.place();
+        let Place { bounds, table } = self.scene.map.place();
         self.seen.add(&self.frames.mapped[n_mapped..], bounds, table.map(|table| table.top));
         if let Some(joined) = joined {
             self.adopt(joined, &mut added);
@@ -289,8 +289,8 @@ impl Session {
         self.scene.map.place().table.map(|table| table.plane)
     }
 
-    /// The plane above which points of a frame are no longer the table's, as this frame shows it; none without
-    /// a table, or before it was found.
+    /// The plane above which points of a frame are no longer the table's, as this frame shows it; none
+    /// without a table, or before it was found.
     pub fn table_top_in(&self, frame: &Frame) -> Option<Plane> {
         self.scene.map.place().table.map(|table| table.top_in(frame))
     }
@@ -420,7 +420,7 @@ impl Session {
         self.earlier.as_mut().expect("a turn is found of one").turn = Some(turn);
         let Some((scene, frames, joined)) = known else { return };
         (self.scene, self.frames) = (scene, frames);
-        let Place { bounds, table, .. } = self.scene.map.place();
+        let Place { bounds, table } = self.scene.map.place();
         let earlier = &self.frames.mapped[..self.frames.n_earlier];
         self.seen.know(earlier, bounds, table.map(|table| table.top));
         added.moved = joined.moved.or(added.moved.take());
@@ -562,8 +562,8 @@ impl Session {
         let (config, frames) = (&self.config, &self.frames.mapped);
         let situation = known_situation(situation, config, &self.scene, frames, &self.visited, approaches);
         let mut plan = self.planner.plan(&situation)?;
-        // While nothing was seen of the box, as after a first image without depths, a planner may know no view
-        // that is worth it; one from elsewhere is.
+        // While nothing was seen of the box, as after a first image without depths, a planner may know no
+        // view that is worth it; one from elsewhere is.
         if plan.choice.is_none() && self.scene.map.is_finest() && snapshot.count(Occupancy::Occupied) == 0 {
             plan = EvenViews.plan(&situation)?;
         }
@@ -573,7 +573,7 @@ impl Session {
 
     fn report(&self, taken: Option<NextView>, voxel_size: f64, added: Added) -> StepReport {
         let number = self.frames.places.len() - 1;
-        let Place { bounds, table, .. } = self.scene.map.place();
+        let Place { bounds, table } = self.scene.map.place();
         StepReport {
             step: self.n_taken,
             view: taken.as_ref().and_then(|next| next.view),

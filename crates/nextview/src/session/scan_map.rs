@@ -20,8 +20,6 @@ pub(super) struct Place {
     /// The box around it; nothing is mapped before there is one.
     pub bounds: Option<Aabb>,
     pub table: Option<KnownTable>,
-    /// How many frames come first that are of the placement before, and do not show this table.
-    pub n_earlier: usize,
 }
 
 /// The map of a scan in the finest voxels and, while planning is done in coarser ones, the same frames mapped
@@ -45,8 +43,7 @@ struct BoxMap {
     /// None where the box is unknown or holds no voxel.
     block: Option<VoxelBlock>,
     integration: Integration,
-    place: Place,
-    n_frames: usize,
+    table: Option<KnownTable>,
 }
 
 impl ScanMap {
@@ -147,9 +144,10 @@ impl BoxMap {
         let map =
             OccupancyMap::new(lattice, rules.sensor_model).expect("the session checked the sensor model");
         let block = place.bounds.and_then(|bounds| lattice.block_inside(&bounds));
+        let ground = place.table.map(|table| table.top);
         let integration =
-            Integration { rays: rules.rays, background: rules.background, region: block, ground: None };
-        Self { map, block, integration, place, n_frames: 0 }
+            Integration { rays: rules.rays, background: rules.background, region: block, ground };
+        Self { map, block, integration, table: place.table }
     }
 
     fn of(
@@ -168,14 +166,10 @@ impl BoxMap {
 
     fn integrate(&mut self, frame: &Frame, cancel: &Cancel) -> Result<MapUpdate, Cancelled> {
         cancel.check()?;
-        let is_earlier = self.n_frames < self.place.n_earlier;
-        self.n_frames += 1;
-        if self.block.is_none() {
-            return Ok(MapUpdate::default());
+        match self.block {
+            Some(_) => self.map.integrate_unless(frame, &self.integration, cancel),
+            None => Ok(MapUpdate::default()),
         }
-        let top = |table: KnownTable| if is_earlier { table.top } else { table.top_in(frame) };
-        let integration = Integration { ground: self.place.table.map(top), ..self.integration };
-        self.map.integrate_unless(frame, &integration, cancel)
     }
 
     /// The known state of the box. Voxels inside the table, which no frame can show, count as free: there is
@@ -183,7 +177,7 @@ impl BoxMap {
     fn snapshot(&self, cancel: &Cancel) -> Result<Option<Snapshot>, Cancelled> {
         let Some(block) = self.block else { return Ok(None) };
         let snapshot = self.map.snapshot_unless(block, cancel)?;
-        let Some(table) = self.place.table else { return Ok(Some(snapshot)) };
+        let Some(table) = self.table else { return Ok(Some(snapshot)) };
         let lattice = self.map.lattice();
         let reach = 0.5 * lattice.voxel_size() * table.top.normal().abs().element_sum();
         let free = LogOdds::from_probability(self.map.model().clamp_min);
@@ -227,7 +221,6 @@ mod tests {
         Place {
             bounds: Some(Aabb::cube(DVec3::splat(0.013), half)),
             table: table.find(&[], &Cancel::default()).unwrap(),
-            n_earlier: 0,
         }
     }
 

@@ -10,7 +10,8 @@ use serde::{Deserialize, Serialize};
 ///
 /// Points on and below the table are not part of the object and make no voxel occupied; the space in front of
 /// them still counts as free. On the table are those up to 2 mm above it, or up to three times the deviation
-/// of its points, as frames show it, if that is more. The box ends at the table, and candidates below it are out of reach.
+/// of its points, as frames show it, if that is more. The box ends at the table, and candidates below it are
+/// out of reach.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "kebab-case", remote = "Self")]
@@ -56,8 +57,12 @@ const CLEARANCE: f64 = 0.02;
 /// centimetre and a half.
 const POSE_ERROR: f64 = 0.025;
 
+/// Noise of a depth camera, as a share of the distance, at most: points that scatter more are of no plane, as
+/// where a table is stated to cut through something.
+const LARGEST_NOISE: f64 = 0.01;
+
 /// How far beside the table its points are in a frame, metres, for them to be told from the object.
-const SHIFT: f64 = 0.01;
+const SHIFT: f64 = 0.005;
 
 /// A table that was found.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -166,7 +171,8 @@ impl TableSearch {
             let points = points();
             self.is_first = points.len() < LEAST_POINTS;
             self.found = match self.stated() {
-                Some((stated, distance)) => fit_ground_stated(stated, distance, &points, camera),
+                Some((stated, distance)) => fit_ground_stated(stated, distance, &points, camera)
+                    .filter(|found| self.pose_error.is_some() || is_flat(found, &points, camera)),
                 None => fit_ground_unless(&points, camera, cancel)?,
             };
         } else if let Some(found) = self.found.filter(|found| found.deviation > GOOD) {
@@ -201,6 +207,14 @@ impl TableSearch {
     }
 }
 
+/// Whether a plane's points scatter no more than the noise of a camera that stands here makes them.
+fn is_flat(fit: &PlaneFit, points: &[DVec3], camera: DVec3) -> bool {
+    let distance = fit.deviation.max(ON_TABLE);
+    let of_plane = points.iter().filter(|point| fit.plane.height(**point).abs() <= distance);
+    let (n, sum) = of_plane.fold((0, 0.0), |(n, sum), point| (n + 1, sum + point.distance(camera)));
+    n as f64 * fit.deviation <= LARGEST_NOISE * sum
+}
+
 impl KnownTable {
     /// One without noise.
     pub fn new(plane: Plane) -> Self {
@@ -223,7 +237,7 @@ impl KnownTable {
         // Nearer than for connections to the object: the top of a flat part is no table.
         let distance = SHIFT + self.top.offset() - self.plane.offset();
         let fit = fit_ground_stated(self.plane, distance, &points, camera);
-        fit.map_or(self.top, |fit| Self::fitted(fit).top)
+        fit.filter(|fit| is_flat(fit, &points, camera)).map_or(self.top, |fit| Self::fitted(fit).top)
     }
 
     /// The plane below which no camera can stand.
