@@ -85,7 +85,11 @@ pub(crate) fn word(text: &str) -> String {
     let mut worded = String::new();
     let mut parts = text.split('`');
     worded += parts.next().unwrap_or_default();
-    while let (Some(key), Some(rest)) = (parts.next(), parts.next()) {
+    while let Some(key) = parts.next() {
+        let Some(rest) = parts.next() else {
+            worded += &format!("`{key}");
+            break;
+        };
         match FLAGS.iter().find(|(known, _)| *known == key) {
             Some((_, flag)) => {
                 worded += flag;
@@ -116,5 +120,6 @@ mod tests {
         assert_eq!(word("`object_box.table` = fit finds it"), "--table fit finds it");
         assert_eq!(word("`registration.enabled` = true aligns"), "--register on aligns");
         assert_eq!(word("integer `7`, expected"), "integer `7`, expected");
+        assert_eq!(word("frame a`b"), "frame a`b");
     }
 }

@@ -107,6 +107,8 @@ pub(crate) fn uselessness(image: &DepthImage) -> Option<String> {
     }
     Some(match first {
         Depth::Surface(depth) => format!("every pixel has the depth {depth} m"),
-        _ => "no pixel has a depth".to_owned(),
+        // Only outside of masks are pixels free.
+        Depth::Beyond => "the mask covers no pixel with a depth".to_owned(),
+        Depth::Missing => "no pixel has a depth".to_owned(),
     })
 }

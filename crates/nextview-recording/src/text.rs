@@ -14,12 +14,18 @@ pub(crate) struct Line<'a> {
     pub text: &'a str,
 }
 
-/// Reads a file of UTF-8 text: one of bounded size, whose lines are bounded as well.
+const BYTE_ORDER_MARK: char = '\u{feff}';
+
+/// Reads a file of UTF-8 text: one of bounded size, whose lines are bounded as well. A byte order mark, which
+/// Windows programs write, is no part of it.
 pub(crate) fn read(path: &Path) -> Result<String, RecordingError> {
-    let text = String::from_utf8(limits::read(path, limits::MAX_TEXT)?).map_err(|error| {
+    let mut text = String::from_utf8(limits::read(path, limits::MAX_TEXT)?).map_err(|error| {
         let offset = error.utf8_error().valid_up_to();
         RecordingError::format(format!("byte {offset}"), "is no text (UTF-8)")
     })?;
+    if text.starts_with(BYTE_ORDER_MARK) {
+        text.remove(0);
+    }
     limits::check_lines(&text)?;
     limits::check_entries(lines(&text).count(), text.len() as u64)?;
     Ok(text)

@@ -29,6 +29,21 @@ fn a_part_that_is_its_model_has_no_defects_wherever_it_stood() {
     assert!(record["standard_error_median_mm"].as_f64().unwrap() < 0.1, "{record}");
     assert!(record["fitted_share"].as_f64().unwrap() > 0.95, "{record}");
     assert_eq!(folder.names("found"), ["deviation.ply", "inspection.json"]);
+    // Inside out, as after a mirroring.
+    let turned: Vec<String> = cad()
+        .lines()
+        .map(|line| match line.strip_prefix("f ") {
+            Some(face) => format!("f {}", face.split(' ').rev().collect::<Vec<_>>().join(" ")),
+            None => line.to_owned(),
+        })
+        .collect();
+    folder.write("turned.obj", turned.join("\n"));
+    let of_turned = ["inspect", "out", "--reference", "turned.obj", "--unit", "mm", "--out", "too", "--json"];
+    let run = folder.run(&of_turned);
+    assert!(run.stderr.contains("run clockwise seen from outside, and are turned over"), "{}", run.stderr);
+    let record: serde_json::Value = serde_json::from_str(&run.stdout).unwrap();
+    assert_eq!(record["defects"], serde_json::json!([]), "{record}");
+    assert!(record["within_share"].as_f64().unwrap() > 0.8, "{record}");
     let again = folder.run(&words);
     assert!(again.code == Some(1) && again.stderr.contains("replace them (--force)"), "{}", again.stderr);
 }

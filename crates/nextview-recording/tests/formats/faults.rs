@@ -175,7 +175,21 @@ fn masks_make_what_they_leave_out_free() {
         (0..40).for_each(|u| assert_eq!(masked.image().get(u, v), Depth::Beyond));
         (40..80).for_each(|u| assert_eq!(masked.image().get(u, v), plain.image().get(u, v)));
     }
+    folder.write("mask/001.png", mask(0));
+    let empty = folder.open().unwrap().skipped;
+    assert_eq!(empty[0].to_string(), "frame 1 is left out: the mask covers no pixel with a depth");
     folder.write("mask/001.png", png(80, 60, ColorType::Grayscale, BitDepth::Sixteen, &[1; 80 * 60 * 2]));
     let error = folder.open().unwrap_err().to_string();
     assert!(error.ends_with("mask/001.png: is a PNG image of 16 bits without colour, expected a mask: 8 bits a pixel without colour"), "{error}");
+}
+
+/// Notepad and spreadsheets put a byte order mark before the first line.
+#[test]
+fn a_byte_order_mark_is_no_part_of_a_text() {
+    let marked = changed("mark", |folder| {
+        for name in ["poses.csv", "intrinsics.txt"] {
+            folder.write(name, format!("\u{feff}{}", folder.text(name)));
+        }
+    });
+    assert_eq!(marked, Ok(Vec::new()));
 }

@@ -2,6 +2,7 @@ use super::placement;
 use super::step_line::verdict_phrase;
 use super::stop_phrase::stop_phrase;
 use crate::text::fixed;
+use glam::DVec3;
 use nextview_scan::{BoxRule, OtherBodyRecord, QualityMm, ScanConfig, ScanRecord, StepRecord, TableRule};
 
 /// The quantities of a scan, finished or under way, as label and value with unit, in the order to show them.
@@ -182,7 +183,7 @@ fn other_body(body: &OtherBodyRecord) -> Row {
     let center = format!("({:.3}, {:.3}, {:.3}) m", center[0], center[1], center[2]);
     // Rounded up, so that it is enough.
     let gap = (1e3 * body.gap_m).ceil();
-    ("other body", format!("{size} at {center}; object_box.max_gap_m from {} on joins it", gap / 1e3))
+    ("other body", format!("{size} at {center}; `object_box.max_gap_m` from {} on joins it", gap / 1e3))
 }
 
 /// The places of the object and its table, if the scan had to find them.
@@ -196,8 +197,9 @@ fn found(config: &ScanConfig, last: Option<&StepRecord>) -> Vec<Row> {
         rows.push(("box found", size.unwrap_or("none".to_owned())));
     }
     if config.object_box.table == TableRule::Fit {
-        let height =
-            table.zip(bounds).map(|(table, bounds)| -table.height(bounds.center().with_z(0.0)) * 1e3);
+        // Below the object, where one was found.
+        let place = bounds.map_or(DVec3::ZERO, |bounds| bounds.center().with_z(0.0));
+        let height = table.map(|table| -table.height(place) / table.normal().z * 1e3);
         let height = height.map_or("none".to_owned(), |mm| {
             // Rounded first, so that it does not read -0.0.
             format!("at z = {} mm", fixed((mm * 10.0).round() / 10.0, 1))

@@ -9,7 +9,7 @@ use glam::{DVec3, IVec3, Vec3};
 use made_up::{MadeUp, scan};
 use nextview::sensor::DepthImage;
 use nextview_report::{ViewPicture, live, summary, summary_text};
-use nextview_scan::{BoxRule, ScanRecord, TableRule};
+use nextview_scan::{BoxRule, OtherBodyRecord, ScanRecord, TableRule};
 use serde_json::Value;
 use std::collections::HashSet;
 use walls::{scene, walls};
@@ -218,6 +218,22 @@ fn the_summary_names_what_is_known() {
         ("mean coverage", "77.4 % over the views, 70.2 % over 60 s"),
         ("  F-score", "90.2 % at 1 mm, 96.1 % at 2 mm, 98.4 % at 5 mm; Chamfer distance 0.43 mm"),
         ("model aligned", "by 3.2 mm and 0.50 degrees to the true object, to measure it"),
+    ] {
+        assert!(rows.contains(&(label.to_owned(), value.to_owned())), "{label}: {rows:?}");
+    }
+    // A table is known before an object is, and a tilted one crosses the axis elsewhere.
+    let last = record.steps.last_mut().unwrap();
+    (last.box_min_m, last.box_max_m) = (None, None);
+    (last.table_normal, last.table_offset_m) = (Some([0.6, 0.0, 0.8]), Some(0.002));
+    record.other_bodies = vec![OtherBodyRecord { size_m: [0.1; 3], center_m: [0.2; 3], gap_m: 0.0521 }];
+    let rows = summary(&record, &config);
+    for (label, value) in [
+        ("box found", "none"),
+        ("table found", "at z = 2.5 mm"),
+        (
+            "other body",
+            "100 x 100 x 100 mm at (0.200, 0.200, 0.200) m; `object_box.max_gap_m` from 0.053 on joins it",
+        ),
     ] {
         assert!(rows.contains(&(label.to_owned(), value.to_owned())), "{label}: {rows:?}");
     }

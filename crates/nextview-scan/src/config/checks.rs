@@ -187,25 +187,26 @@ fn takes_second_looks(config: &ScanConfig, key: &str) -> Option<Fault> {
 /// Everything that does not fit this number of candidates.
 fn of_views(config: &ScanConfig, n_views: usize) -> Vec<Fault> {
     let mut faults = Vec::new();
+    // Recorded poses stay candidates wherever the table is.
+    let has_table = config.object_box.table != TableRule::None && config.recording.is_none();
+    let which = match (config.reach.is_default(), has_table) {
+        (true, false) => None,
+        (true, true) => Some("above the table"),
+        (false, false) => Some("within reach"),
+        (false, true) => Some("within reach and above the table"),
+    };
+    let with_which = |fault: Fault, rest: &str| match which {
+        Some(which) => fault.with_remedy(format!("only candidates {which} count{rest}")),
+        None => fault,
+    };
     if config.first_view >= n_views {
         let last = n_views.saturating_sub(1);
         let fault = Fault::of_value("first_view", config.first_view, format!("0 to {last}"));
-        let has_table = config.object_box.table != TableRule::None;
-        let which = match (config.reach.is_default(), has_table) {
-            (true, false) => None,
-            (true, true) => Some("above the table"),
-            (false, false) => Some("within reach"),
-            (false, true) => Some("within reach and above the table"),
-        };
-        faults.push(match which {
-            Some(which) => {
-                fault.with_remedy(format!("only candidates {which} count; they are numbered anew"))
-            }
-            None => fault,
-        });
+        faults.push(with_which(fault, "; they are numbered anew"));
     }
     if let Some(views) = config.views.filter(|views| *views == 0 || *views > n_views) {
-        faults.push(Fault::of_value("views", views, format!("1 to {n_views} (the candidates)")));
+        let fault = Fault::of_value("views", views, format!("1 to {n_views} (the candidates)"));
+        faults.push(if views == 0 { fault } else { with_which(fault, "") });
     }
     faults
 }
@@ -243,6 +244,8 @@ fn of_live(live: &LiveConfig, config: &ScanConfig) -> Vec<Fault> {
             live.min_depth_m,
             "0 or a positive number of metres",
         ));
+    } else if let Some(fault) = of_least_depth("live.min_depth_m", live.min_depth_m) {
+        faults.push(fault);
     } else if live.depth_range().check().is_err() {
         let expected = "a finite number of metres above `live.min_depth_m`";
         faults.push(Fault::of_value("live.max_depth_m", live.max_depth_m, expected));
@@ -252,6 +255,23 @@ fn of_live(live: &LiveConfig, config: &ScanConfig) -> Vec<Fault> {
     let given = simulated_keys(config).chain(has_unit.then_some("unit"));
     faults.extend(given.map(|key| only_simulated(key, "live")));
     faults
+}
+
+/// A box farther from the origin than a camera may stand, metres, is given in another unit.
+const FARTHEST_M: f64 = 100.0;
+
+/// So is the least depth of a camera, metres, if it is larger than this.
+const LEAST_DEPTH_M: f64 = 20.0;
+
+/// The fault of a least depth that no camera has.
+pub(super) fn of_least_depth(key: &str, min_depth_m: f64) -> Option<Fault> {
+    let fault = || Fault::of_value(key, min_depth_m, format!("at most {LEAST_DEPTH_M} m"));
+    (min_depth_m > LEAST_DEPTH_M).then(|| in_millimetres(fault()))
+}
+
+fn in_millimetres(mut fault: Fault) -> Fault {
+    fault.message += "; is it in millimetres?";
+    fault
 }
 
 /// All faults of a turntable, which requires a user's camera.
@@ -281,12 +301,14 @@ fn of_turntable(config: &ScanConfig) -> Vec<Fault> {
 /// What is wrong with the object's place, as this section of the configuration states it.
 fn of_place(section: &str, bounds: Option<Aabb>, table_z_m: Option<f64>, config: &ScanConfig) -> Vec<Fault> {
     let mut faults = Vec::new();
-    if let Some(Aabb { min, max }) = bounds
-        && !(min.is_finite() && max.is_finite() && min.cmplt(max).all())
-    {
-        let value = format!("{min} to {max}");
-        let key = format!("{section}.box_m");
-        faults.push(Fault::of_value(&key, value, "finite corners, the lowest first"));
+    if let Some(Aabb { min, max }) = bounds {
+        let (key, value) = (format!("{section}.box_m"), format!("{min} to {max}"));
+        if !(min.is_finite() && max.is_finite() && min.cmplt(max).all()) {
+            faults.push(Fault::of_value(&key, value, "finite corners, the lowest first"));
+        } else if min.abs().max(max.abs()).length() > FARTHEST_M {
+            let expected = format!("corners within {FARTHEST_M} m of the origin");
+            faults.push(in_millimetres(Fault::of_value(&key, value, expected)));
+        }
     }
     let key = format!("{section}.table_z_m");
     if let Some(z) = table_z_m.filter(|z| !z.is_finite()) {

@@ -1,3 +1,4 @@
+use super::checks::of_least_depth;
 use crate::Fault;
 use crate::names::named;
 use nextview::sensor::DepthRange;
@@ -68,6 +69,7 @@ impl NoiseConfig {
         ];
         let wrong = errors.into_iter().filter(|(_, value, limit)| !(0.0..=*limit).contains(value));
         let faults = wrong.map(|(key, value, limit)| Fault::of_value(key, value, format!("0 to {limit}")));
-        faults.chain(self.depth.check().err().map(Fault::from)).collect()
+        let least = of_least_depth("noise.depth.min_depth_m", self.depth.min_depth);
+        faults.chain(self.depth.check().err().map(Fault::from)).chain(least).collect()
     }
 }

@@ -74,10 +74,17 @@ mod known {
     use nextview_sim::mesh::{self, TriangleMesh};
 
     impl ReferenceConfig {
-        /// The CAD model, metres, and how the file's numbers became metres.
+        /// The CAD model, metres, and how the file's numbers became metres. A closed one that is inside out is
+        /// turned over, and the text says so.
         pub fn load(&self) -> Result<(TriangleMesh, String), Fault> {
             let (mesh, scaling) = mesh::load(&self.mesh)?.to_metres(self.unit.into())?;
-            Ok((mesh, scaling.to_string()))
+            Ok(match mesh.is_inside_out() {
+                true => {
+                    let note = "its triangles run clockwise seen from outside, and are turned over";
+                    (mesh.turned_over(), format!("{scaling}; {note}"))
+                }
+                false => (mesh, scaling.to_string()),
+            })
         }
 
         /// How its surfaces are to be seen.

@@ -127,6 +127,15 @@ fn wrong_values_are_named() {
         ("[greedy]\ntheta = -1\n", "`greedy.theta` is -1"),
         ("[noise]\npose_error_mm = -1\n", "`noise.pose_error_mm` is -1, expected 0 to 1000"),
         ("[noise.depth]\nedge_loss = 2\n", "edge_loss` is 2"),
+        (
+            "[noise.depth]\nmin_depth_m = 170\nmax_depth_m = 10000\n",
+            "`noise.depth.min_depth_m` is 170, expected at most 20 m; is it in millimetres?",
+        ),
+        (
+            "[recording]\nbox_m = [-100, -100, 0, 100, 100, 200]\n",
+            "`recording.box_m` is [-100, -100, 0] to [100, 100, 200], expected corners within 100 m of the origin; is it in \
+             millimetres?",
+        ),
         ("[motion]\nspeed_m_per_s = 0\n", "`motion.speed_m_per_s` is 0, expected 0.001 to 100"),
         ("[motion]\nacceleration_m_per_s2 = nan\n", "`motion.acceleration_m_per_s2` is nan"),
         ("[motion]\nclearance_m = -1\n", "`motion.clearance_m` is -1, expected 0 to 1e6"),

@@ -209,6 +209,14 @@ fn what_cannot_be_is_refused_with_its_reason() {
     check(|_, live| live.box_m = Some([0.0; 6]), "`live.box_m` is [0, 0, 0] to [0, 0, 0], expected finite");
     check(|_, live| live.box_m = None, "the pose of a view that shows some of it is needed");
     check(|_, live| live.max_depth_m = f64::NAN, "`live.max_depth_m` is NaN");
+    check(
+        |_, live| live.box_m = Some([-100.0, -100.0, 0.0, 100.0, 100.0, 200.0]),
+        "expected corners within 100 m of the origin; is it in millimetres?",
+    );
+    check(
+        |_, live| (live.min_depth_m, live.max_depth_m) = (170.0, 1000.0),
+        "`live.min_depth_m` is 170, expected at most 20 m; is it in millimetres?",
+    );
     check(|_, live| live.min_depth_m = -1.0, "`live.min_depth_m` is -1");
     check(
         |config, _| config.size_m = Some(0.1),

@@ -1,5 +1,6 @@
 use super::about::About;
 use crate::Limits;
+use crate::access::random_hex;
 use crate::json::json;
 use crate::limits::exceeded;
 use crate::refusal::Refusal;
@@ -10,8 +11,8 @@ use std::path::PathBuf;
 
 /// A scan that is asked for.
 pub(crate) struct NewScan {
-    /// Its name; none to make one.
-    pub id: Option<String>,
+    /// Its name, which is the object's as well where the request has none.
+    pub id: String,
     pub confirm_views: bool,
     pub config: ScanConfig,
 }
@@ -20,8 +21,9 @@ pub(crate) struct NewScan {
 const MAX_BYTES: usize = 1 << 20;
 
 impl NewScan {
-    /// From a JSON object with the keys of a configuration, an optional `id`, `confirm_views` and `after`, of
-    /// whose scan `finished` gives the folder: keys that are not given are those of that scan.
+    /// From a JSON object with the keys of a configuration, an optional `id`, which is made where it is
+    /// missing, `confirm_views` and `after`, of whose scan `finished` gives the folder: keys that are not given
+    /// are those of that scan.
     pub fn from_json(
         bytes: &[u8],
         limits: &Limits,
@@ -43,6 +45,7 @@ impl NewScan {
         if let Some(faults) = Faults::of(faults) {
             return Err(Refusal::content(faults));
         }
+        let id = id.map_or_else(|| Ok(format!("scan-{}", random_hex(6)?)), Ok::<_, Fault>)?;
         let mut table = table(keys)?;
         if let Some(dir) = after {
             let mut of_before = toml::Table::try_from(About::load(&dir)?.1).map_err(Fault::data)?;
@@ -50,7 +53,9 @@ impl NewScan {
             of_before.insert("after".to_owned(), dir.to_string_lossy().into_owned().into());
             table = of_before;
         }
-        let config = ScanConfig::from_table(table).map_err(Refusal::content)?;
+        table.entry("object").or_insert_with(|| id.clone().into());
+        let config = ScanConfig::from_table(table);
+        let config = config.map_err(|faults| Refusal::content(faults.map(without_files)))?;
         let faults = too_much(&config, limits);
         Faults::of(faults).map_or(Ok(()), |faults| Err(Refusal::content(faults)))?;
         Ok(Self { id, confirm_views: confirm_views.unwrap_or(false), config })
@@ -101,6 +106,12 @@ fn of_files(keys: &Map<String, Value>) -> Vec<Fault> {
     given.map(fault).collect()
 }
 
+/// The fault without the advice to name a file of the server's.
+fn without_files(fault: Fault) -> Fault {
+    let without = |text: String| text.replace(", or a .toml file", "");
+    Fault { message: without(fault.message), expected: fault.expected.map(without), ..fault }
+}
+
 /// The same keys as a configuration file has; those without a value are left out.
 fn table(keys: Map<String, Value>) -> Result<toml::Table, Refusal> {
     let mut value = Value::Object(keys);
@@ -143,4 +154,33 @@ fn too_much(config: &ScanConfig, limits: &Limits) -> Vec<Fault> {
         _ => exceeded(key, value, most),
     }));
     faults
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn new_scan(keys: Value) -> Result<NewScan, String> {
+        let mut body = serde_json::json!({ "live": { "box_m": [0, 0, 0, 0.1, 0.1, 0.1] } });
+        body.as_object_mut().unwrap().extend(keys.as_object().unwrap().clone());
+        let none = |_: &str| Err(Fault::request("no scan is finished"));
+        NewScan::from_json(body.to_string().as_bytes(), &Limits::default(), none)
+            .map_err(|refusal| format!("{refusal:?}"))
+    }
+
+    #[test]
+    fn an_object_without_a_name_has_that_of_the_scan() {
+        let object = |keys| new_scan(keys).map(|new| (new.id, new.config.object)).unwrap();
+        let (id, named) = object(serde_json::json!({ "id": "valve" }));
+        assert_eq!((id.as_str(), named.as_str()), ("valve", "valve"));
+        assert_eq!(object(serde_json::json!({ "id": "valve", "object": "pump" })).1, "pump");
+        let (id, named) = object(serde_json::json!({}));
+        assert!(id.starts_with("scan-") && id == named, "{id}, {named}");
+    }
+
+    #[test]
+    fn no_file_of_the_server_is_advised() {
+        let refused = new_scan(serde_json::json!({ "sensor": "d4" })).map(|new| new.id).unwrap_err();
+        assert!(refused.contains("`sensor` is d4, expected") && !refused.contains(".toml"), "{refused}");
+    }
 }

@@ -94,7 +94,6 @@ impl Scans {
     /// Begins a scan: on the disk when this returns. Takes a while.
     pub fn create(&self, new: NewScan) -> Result<Arc<Scan>, Refusal> {
         let NewScan { id, confirm_views, config } = new;
-        let id = id.map_or_else(|| Ok(format!("scan-{}", random_hex(6)?)), Ok::<_, Fault>)?;
         self.reserve(&id)?;
         let dir = self.dir.join(&id);
         let scan = self.begin(&id, &dir, config, confirm_views);

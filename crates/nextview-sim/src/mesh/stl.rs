@@ -20,6 +20,12 @@ pub(super) fn parse(bytes: &[u8]) -> Result<RawMesh, SimError> {
         Ok(parse_binary(&bytes[HEADER..]))
     } else if bytes.trim_ascii_start().starts_with(b"solid") {
         parse_text(bytes)
+    } else if bytes.len() < HEADER {
+        let problem = format!(
+            "has {} bytes, too short for an STL: binary ones have at least {HEADER}, texts begin with solid",
+            bytes.len()
+        );
+        Err(SimError::format("the file", problem))
     } else {
         let problem = format!(
             "states {n_stated} triangles, which take {expected} bytes, but the file has {}; it is truncated or no STL",
@@ -126,7 +132,11 @@ mod tests {
         assert!(error(&TEXT[..120]).contains("truncated"));
         assert!(error(b"solid a\nfacet normal 0 0 1\nvortex 1 2 3").starts_with("line 3: \"vortex\""));
         assert!(error(b"solid a\nvertex 1 2").starts_with("line 2: has 3 words"));
-        assert!(error(b"").contains("truncated"));
+        assert_eq!(
+            error(b"hello\n"),
+            "the file: has 6 bytes, too short for an STL: binary ones have at least 84, texts begin with solid"
+        );
+        assert!(error(b"").contains("has 0 bytes, too short"));
         let mut absurd = binary(b"x");
         absurd[80..84].fill(0xFF);
         assert!(error(&absurd).contains("4294967295 triangles"));

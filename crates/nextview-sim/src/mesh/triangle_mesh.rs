@@ -130,6 +130,27 @@ impl TriangleMesh {
         middle + weighted.sum::<DVec3>() / self.area
     }
 
+    /// Whether the surface is closed and its triangles run clockwise seen from outside: their normals point
+    /// inward.
+    pub fn is_inside_out(&self) -> bool {
+        // The areas of a closed surface cancel each other, and no volume depends on the origin then. Edges say
+        // less: files repeat vertices, and triangles without an area are gone.
+        let middle = self.bounds.center();
+        let (mut open_area, mut volume) = (DVec3::ZERO, 0.0);
+        for triangle in &self.triangles {
+            let [a, b, c] = corners(&self.vertices, triangle).map(|corner| corner - middle);
+            open_area += 0.5 * (b - a).cross(c - a);
+            volume += a.dot(b.cross(c)) / 6.0;
+        }
+        open_area.length() < CLOSED * self.area && volume < -FLAT * self.area * self.area.sqrt()
+    }
+
+    /// The mesh with the other side of every triangle outside, without its colours.
+    pub fn turned_over(self) -> Self {
+        let triangles = self.triangles.into_iter().map(|[a, b, c]| [a, c, b]).collect();
+        Self { triangles, appearance: None, ..self }
+    }
+
     /// The mesh grown by a factor about the origin. Fails if the factor is not a positive number, or so
     /// extreme that the mesh breaks the rules of [`new`](Self::new).
     pub fn scaled(&self, factor: f64) -> Result<Self, SimError> {
@@ -156,6 +177,12 @@ impl TriangleMesh {
         Ok(moved)
     }
 }
+
+/// Share of the surface that may be missing where it is closed: files have few digits.
+const CLOSED: f64 = 1e-3;
+
+/// What encloses less, as a share of the cube of the root of its area, is flat: it has no inside.
+const FLAT: f64 = 1e-6;
 
 /// The area of a triangle.
 pub(super) fn area([a, b, c]: [DVec3; 3]) -> f64 {
@@ -217,6 +244,21 @@ mod tests {
             let vertices = vec![DVec3::ZERO, DVec3::X * x, DVec3::Y];
             let error = TriangleMesh::new(vertices, vec![[0, 1, 2]]).unwrap_err();
             assert!(matches!(error, SimError::BadVertex { vertex: 1, .. }), "{error}");
+        }
+    }
+
+    #[test]
+    fn a_closed_surface_has_an_outside() {
+        let mut corners = right_angle();
+        corners[3] = DVec3::Z;
+        let tetrahedron = vec![[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]];
+        let mesh = TriangleMesh::new(corners.clone(), tetrahedron.clone()).unwrap();
+        let far = mesh.translated(DVec3::splat(100.0)).unwrap();
+        assert!(!mesh.is_inside_out() && !far.is_inside_out());
+        let turned = far.turned_over();
+        assert!(turned.is_inside_out() && !turned.turned_over().is_inside_out());
+        for open in [vec![[0, 1, 2], [0, 3, 1], [0, 2, 3]], vec![[0, 1, 2], [0, 2, 1]]] {
+            assert!(!TriangleMesh::new(corners.clone(), open).unwrap().is_inside_out(), "open or flat");
         }
     }
 

@@ -9,6 +9,9 @@ const QUATERNION: [&str; 4] = ["qx", "qy", "qz", "qw"];
 /// Bytes that no line has. Stops a file without line ends from filling the memory.
 const MAX_LINE: u64 = 1 << 16;
 
+/// What Windows programs put before the first line.
+const BYTE_ORDER_MARK: char = '\u{feff}';
+
 /// Where the numbers of a row stand.
 struct Columns {
     position: [usize; 3],
@@ -28,7 +31,8 @@ pub(super) fn read(reader: impl Read, target: DVec3) -> Result<Vec<Pose>, Error>
         if line.len() as u64 == MAX_LINE {
             return Err(problem(format!("{MAX_LINE} bytes or more, expected the numbers of a pose")));
         }
-        let row = str::from_utf8(&line).map_err(|_| problem("not text (UTF-8)".into()))?.trim();
+        let row = str::from_utf8(&line).map_err(|_| problem("not text (UTF-8)".into()))?;
+        let row = if number == 1 { row.trim_start_matches(BYTE_ORDER_MARK) } else { row }.trim();
         if row.is_empty() || row.starts_with('#') {
             continue;
         }
@@ -88,11 +92,27 @@ impl Columns {
         }
     }
 
+    /// Fails on a row that is too short, and names the numbers that it lacks.
+    fn check(&self, n_fields: usize) -> Result<(), String> {
+        let quaternion = self.quaternion.into_iter().flatten().zip(QUATERNION);
+        let columns = || self.position.into_iter().zip(POSITION).chain(quaternion.clone());
+        let n_needed = columns().map(|(column, _)| column + 1).max().unwrap_or(0);
+        let missing: Vec<&str> =
+            columns().filter(|(column, _)| *column >= n_fields).map(|(_, name)| name).collect();
+        match missing.as_slice() {
+            [] => Ok(()),
+            [one] => Err(format!("{n_fields} columns, expected at least {n_needed}: {one} is missing")),
+            several => {
+                let several = several.join(", ");
+                Err(format!("{n_fields} columns, expected at least {n_needed}: {several} are missing"))
+            }
+        }
+    }
+
     fn pose(&self, fields: &[&str], target: DVec3) -> Result<Pose, String> {
+        self.check(fields.len())?;
         let number = |column: usize| {
-            let text = fields
-                .get(column)
-                .ok_or_else(|| format!("{} columns, expected at least {}", fields.len(), column + 1))?;
+            let text = fields[column];
             let value: f64 =
                 text.parse().map_err(|_| format!("column {}: '{text}' is not a number", column + 1))?;
             value
@@ -139,6 +159,8 @@ mod tests {
         let views = read("# mine\nname,z_m,y_m,x_m\n\na, 3, 2, 1\n").unwrap();
         assert_eq!(views.pose(0).translation(), DVec3::new(1.0, 2.0, 3.0));
         assert_eq!(read("1,2,3\n4,5,6\n").unwrap().len(), 2);
+        // As spreadsheets write it.
+        assert_eq!(read("\u{feff}x_m,y_m,z_m\r\n1,2,3\r\n").unwrap().len(), 1);
         assert_eq!(read("1,2,3,0,0,0,1\n").unwrap().pose(0).rotation().w, 1.0);
     }
 
@@ -147,7 +169,8 @@ mod tests {
         let long = format!("1,2,3\n1,2,3{}\n", " ".repeat(70_000));
         for (text, expected) in [
             ("1,2,3\n1,x,3\n", "line 2: column 2: 'x' is not a number"),
-            ("1,2,3\n1,2\n", "line 2: 2 columns, expected at least 3"),
+            ("1,2,3\n1,2\n", "line 2: 2 columns, expected at least 3: z_m is missing"),
+            ("1,2,3,0,0,0,1\n1,2,3,0,0\n", "line 2: 5 columns, expected at least 7: qz, qw are missing"),
             ("1,2,3\n1,nan,3\n", "line 2: column 2: nan is not finite"),
             ("1,2\n", "line 1: 2 columns without a header"),
             ("x_m,y_m\n", "line 1: the header has no column z_m"),
