@@ -155,6 +155,9 @@ fn what_is_left_out_is_told() {
     let head = "rec: 3 recorded frames of 160 x 120 pixels\nskipped: the pose of frame 2 (poses.csv, line 4) is left out: ";
     assert!(text.starts_with(head), "{text}");
     assert!(text.contains("\nskipped                1 of the recording\n"), "{text}");
+    let run = folder.run(&scan(&["--views", "4"]));
+    let why = "error: --views is 4, expected 1 to 3 (the candidates)\nhint: the pose of frame 2 (poses.csv, line 4) is left out: ";
+    assert!(run.code == Some(2) && run.stderr.starts_with(why), "{}", run.stderr);
     let run = folder.run(&scan(&["--views", "2", "--json"]));
     assert!(run.code == Some(0) && run.stderr.starts_with("skipped: the pose of frame 2"), "{}", run.stderr);
     let result: Value = serde_json::from_str(&run.stdout).unwrap();
@@ -181,6 +184,10 @@ fn issue_18_poses_of_other_conventions_are_named_and_can_be_read() {
     let hits = |run: &str| curve(&serde_json::from_str(run).unwrap(), "hit_voxels");
     let right = folder.run(&scan(&options));
     assert_eq!((right.code, right.stderr.as_str()), (Some(0), ""));
+    let read_wrong = folder.run(&scan(&[&options[..], &["--camera-axes", "opengl"]].concat()));
+    let leave_out =
+        "warning: the poses look like those of cameras with OpenCV axes: leave out --camera-axes\n";
+    assert_eq!(read_wrong.stderr, leave_out);
     // In OpenGL, y and z of the camera point the other way.
     let opengl = |row: &str| {
         let cells = row.split(',').enumerate().map(|(i, cell)| match (i + 3) % 4 {
@@ -242,4 +249,21 @@ fn a_real_bunny_is_measured() {
     assert!(
         colors.iter().filter(|color| color.iter().all(|value| *value > 100)).count() > 9 * colors.len() / 10
     );
+}
+
+#[test]
+fn a_scan_that_finds_no_object_says_how_to_go_on() {
+    let folder = Folder::new("recorded-nothing");
+    write_recording(&folder, 4);
+    let run = folder.run(&scan(&["--table-z-m", "10"]));
+    assert_eq!(run.code, Some(1), "{}", run.stderr);
+    for part in [
+        "note: out holds what there is of this scan; --force replaces it\n",
+        "error: cloud and mesh: the first frame shows no object above the table",
+        "hint: --first-view begins with another frame; ",
+        "--table-z-m states where the table is",
+    ] {
+        assert!(run.stderr.contains(part), "{part:?} in {}", run.stderr);
+    }
+    assert!(!run.stderr.contains("live"), "{}", run.stderr);
 }

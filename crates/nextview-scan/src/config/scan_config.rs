@@ -44,7 +44,7 @@ pub struct ScanConfig {
     pub views: Option<usize>,
     /// Number of view candidates, where a rule makes them.
     pub candidates: usize,
-    /// Number of the view to begin with.
+    /// Number of the candidate to begin with, from 0: of recorded frames, the place among those in use.
     pub first_view: usize,
     /// Edge of a voxel; by default about a fortieth of the object's longest side.
     #[serde(skip_serializing_if = "Option::is_none")]

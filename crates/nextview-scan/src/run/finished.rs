@@ -1,10 +1,11 @@
+use super::stated::Stated;
 use crate::earlier_scan::EarlierScan;
 use crate::model::{Extent, is_above_top};
 use crate::{
     BoxRule, Fault, FinalModel, FrameSource, ModelConfig, ScanConfig, ScanJournal, ScanRecord, StepRecord,
     TurnRecord, ViewRule, memory, short_name,
 };
-use glam::DVec3;
+use glam::{DVec2, DVec3};
 use nextview::geometry::{Aabb, Plane};
 use nextview::motion::Trajectory;
 use nextview::sensor::{ColorImage, Depth, Frame};
@@ -22,6 +23,8 @@ pub struct FinishedScan<'a> {
     pub(crate) journal: Option<ScanJournal>,
     /// The scan before the object was turned.
     pub(crate) earlier: Option<EarlierScan>,
+    /// What the configuration states of the frames.
+    pub(crate) stated: Stated,
     /// The trajectory to each view, from the view before.
     pub trajectories: Vec<Trajectory>,
     /// By step, the motion of the robot to its view; none without a robot, and of frames that were not asked
@@ -63,6 +66,7 @@ impl FinishedScan<'_> {
             source: None,
             journal: None,
             earlier: None,
+            stated: Stated::default(),
             trajectories: Vec::new(),
             joint_trajectories: Vec::new(),
             steps: Vec::new(),
@@ -106,7 +110,7 @@ impl FinishedScan<'_> {
     /// image cannot be loaded, or if it is cancelled: reset the flag to make the model of a scan that was
     /// cancelled.
     pub fn model(&self, config: ModelConfig) -> Result<FinalModel, Fault> {
-        let bounds = self.model_bounds().ok_or_else(|| no_object(self.session.frames().first()))?;
+        let bounds = self.model_bounds().ok_or_else(|| self.no_object())?;
         let ModelFrames { frames, n_earlier } = self.model_frames()?;
         let color = |i: usize| self.model_color(i, n_earlier);
         let cancel = self.session.cancel();
@@ -253,6 +257,33 @@ impl FinishedScan<'_> {
         frames.iter().map(top).collect()
     }
 
+    /// The fault of a scan whose first frame shows no object.
+    fn no_object(&self) -> Fault {
+        let first = self.session.frames().first();
+        let key = |key: &str| self.stated.section.map(|section| format!("`{section}.{key}`"));
+        if let Some(height) = self.table().zip(first).and_then(|(table, frame)| middle_height(table, frame)) {
+            let message = format!(
+                "the first frame shows no object above the table, so there is nothing to plan for; in the middle of the \
+                 image, 95 % is at most {:.1} mm above it",
+                1e3 * height
+            );
+            let stated = key("table_z_m").map(|key| format!("; {key} states where the table is"));
+            let remedy = "`first_view` begins with another frame; a nearer view or a less noisy camera shows what is flat";
+            return Fault::data(message).with_remedy(format!("{remedy}{}", stated.unwrap_or_default()));
+        }
+        let depth = first.and_then(middle_depth).map_or_else(
+            || "it measured no depth".to_owned(),
+            |depth| format!("the median of its depths is {depth:.3} m"),
+        );
+        let stated = key("box_m").map(|key| format!(", {key} states where the object is"));
+        let message = format!("the first frame shows no object, so there is nothing to plan for; {depth}");
+        Fault::data(message).with_remedy(format!(
+            "`first_view` begins with another frame{}; if it is not as far away as that, state the unit of the depth \
+             images",
+            stated.unwrap_or_default()
+        ))
+    }
+
     /// The table that frames of the model show; none where they show nothing but the object.
     fn table(&self) -> Option<Plane> {
         self.session.table().filter(|_| self.session.earlier_frames().is_empty())
@@ -281,18 +312,6 @@ fn set_seeds(record: &mut ScanRecord, config: &ScanConfig) {
     }
 }
 
-/// The fault of a scan that begins with this frame and found no object.
-fn no_object(first: Option<&Frame>) -> Fault {
-    let depth = first.and_then(middle_depth).map_or_else(
-        || "it measured no depth".to_owned(),
-        |depth| format!("the median of its depths is {depth:.3} m"),
-    );
-    Fault::data(format!("the first frame shows no object, so there is nothing to plan for; {depth}")).with_remedy(
-        "`first_view` begins with another frame, `recording.box_m` or `live.box_m` states where the object is; \
-         if it is not as far away as that, state the unit of the depth images",
-    )
-}
-
 /// The median of the depths of a frame, metres; none if none was measured.
 fn middle_depth(frame: &Frame) -> Option<f32> {
     let image = frame.image();
@@ -301,6 +320,21 @@ fn middle_depth(frame: &Frame) -> Option<f32> {
     let mut depths: Vec<f32> = pixels.filter_map(surface).collect();
     let middle = depths.len() / 2;
     (!depths.is_empty()).then(|| *depths.select_nth_unstable_by(middle, f32::total_cmp).1)
+}
+
+/// The height above a table, metres, that 95 % of the points in the middle half of a frame do not exceed; none
+/// if nothing was measured there.
+fn middle_height(table: Plane, frame: &Frame) -> Option<f64> {
+    let camera_from_world = frame.world_from_camera().inverse();
+    let size = DVec2::new(frame.image().width().into(), frame.image().height().into());
+    let is_in_the_middle = |point: &DVec3| {
+        let pixel = frame.intrinsics().project(camera_from_world.transform_point(*point));
+        pixel.is_some_and(|pixel| (pixel / size - 0.5).abs().max_element() <= 0.25)
+    };
+    let mut heights: Vec<f64> =
+        frame.points().filter(is_in_the_middle).map(|point| table.height(point)).collect();
+    let rank = heights.len() * 95 / 100;
+    (!heights.is_empty()).then(|| *heights.select_nth_unstable_by(rank, f64::total_cmp).1)
 }
 
 fn is_above(table: Option<Plane>, point: DVec3) -> bool {
@@ -318,6 +352,42 @@ fn above(table: Option<Plane>, mesh: &SurfaceMesh) -> SurfaceMesh {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use nextview::planner::RandomViews;
+    use nextview::sensor::{DepthImage, Intrinsics};
+    use nextview::session::{ObjectBox, SessionConfig, Table};
+    use nextview::view::{ViewSpace, look_at};
+
+    /// A scan that has seen a flat table from above, 0.5 m away.
+    fn of_flat(table: Table, section: Option<&'static str>) -> Fault {
+        let (width, height) = (64, 48);
+        let camera = Intrinsics::pinhole(width, height, DVec2::splat(60.0), DVec2::new(31.5, 23.5)).unwrap();
+        let pose = look_at(DVec3::new(0.0, 0.0, 0.5), DVec3::ZERO).unwrap();
+        let image = DepthImage::from_metres(width, height, vec![0.499; camera.n_pixels()]).unwrap();
+        let config = SessionConfig {
+            object_box: ObjectBox::Growing,
+            table,
+            ..SessionConfig::new(0.005, Aabb::cube(DVec3::ZERO, 0.1))
+        };
+        let views = ViewSpace::new(vec![pose]).unwrap();
+        let mut session = Session::new(config, camera, views, Box::new(RandomViews { seed: 0 })).unwrap();
+        session.observe(&Frame::new(image, camera, pose, 1.0).unwrap()).unwrap();
+        let stated = Stated { section, ..Stated::default() };
+        let scan = FinishedScan { stated, ..FinishedScan::new(session) };
+        scan.model(ModelConfig::default()).map(drop).unwrap_err()
+    }
+
+    #[test]
+    fn a_scan_without_an_object_says_what_the_frame_shows() {
+        let fault = of_flat(Table::AtHeight(0.0), Some("recording"));
+        assert!(
+            fault.message.ends_with("in the middle of the image, 95 % is at most 1.0 mm above it"),
+            "{fault}"
+        );
+        let remedy = fault.remedy.unwrap();
+        assert!(remedy.ends_with("; `recording.table_z_m` states where the table is"), "{remedy}");
+        let remedy = of_flat(Table::AtHeight(0.0), None).remedy.unwrap();
+        assert!(!remedy.contains("table_z_m"), "a simulation cannot state it: {remedy}");
+    }
 
     #[test]
     fn the_table_is_no_part_of_the_model() {

@@ -4,6 +4,7 @@ mod arm;
 mod evaluator;
 mod finished;
 mod scan_run;
+mod stated;
 mod warning;
 
 pub use evaluator::Evaluator;

@@ -1,4 +1,5 @@
 use super::arm::{Arm, Way};
+use super::stated::Stated;
 use super::warning::warning;
 use super::{Evaluator, FinishedScan};
 use crate::earlier_scan::EarlierScan;
@@ -136,6 +137,7 @@ impl<'a> ScanRun<'a> {
         run.scan.earlier = earlier;
         run.time_limit = config.time_limit_s.map(Duration::try_from_secs_f64).and_then(Result::ok);
         run.scan.journal = begin.journal;
+        run.scan.stated = Stated::of(config);
         run.turntable = config.turntable;
         run.arm = config.robot.as_ref().map(Arm::of_config).transpose()?;
         Ok(run)
@@ -320,7 +322,7 @@ impl<'a> ScanRun<'a> {
     fn warning(&self) -> Option<String> {
         let suspicion =
             (self.scan.steps.len() < MOST_SUSPECTED).then(|| self.scan.session.suspicion()).flatten()?;
-        let warning = warning(&suspicion, self.scan.source.is_some());
+        let warning = warning(&suspicion, &self.scan.stated);
         self.scan.steps.iter().all(|step| step.warning.as_ref() != Some(&warning)).then_some(warning)
     }
 

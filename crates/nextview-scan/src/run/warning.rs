@@ -1,34 +1,135 @@
+use super::stated::Stated;
 use nextview::diagnosis::{Reading, Suspicion};
 use nextview::sensor::CameraAxes;
+use nextview_recording::{PoseDirection, ReadOptions};
 
 /// The suspicion and its remedy; where the frames are recorded, by keys of the configuration.
-pub(super) fn warning(suspicion: &Suspicion, is_recorded: bool) -> String {
+pub(super) fn warning(suspicion: &Suspicion, stated: &Stated) -> String {
     let remedy = match suspicion {
-        Suspicion::Misread(Reading::Axes(CameraAxes::OpenGl)) if is_recorded => {
-            "try `recording.read.camera_axes` = opengl"
+        Suspicion::Misread(reading) => match stated.read.as_ref().and_then(|read| of_key(*reading, read)) {
+            Some(Advice::Try(value)) => format!("try {value}"),
+            Some(Advice::LeaveOut(what, key)) => {
+                return format!("the poses look like {what}: leave out `{key}`");
+            }
+            None => right(*reading).to_owned(),
+        },
+        Suspicion::SamePose => "the poses must be those of the frames, in one world".to_owned(),
+        Suspicion::TooNear { .. } | Suspicion::TooFar { .. } => {
+            "choose views within the camera's range".to_owned()
         }
-        Suspicion::Misread(Reading::Axes(CameraAxes::Ros)) if is_recorded => {
-            "try `recording.read.camera_axes` = ros"
+        Suspicion::Apart { .. } => "`registration.enabled` = true aligns frames to each other".to_owned(),
+        Suspicion::Boundless if stated.has_table => {
+            "check the poses and where the table was found, or state the object's box".to_owned()
         }
-        Suspicion::Misread(Reading::Axes(_)) => "turn them to OpenCV axes: x right, y down, z forward",
-        Suspicion::Misread(Reading::Inverted) if is_recorded => {
-            "try `recording.read.poses` = camera-from-world"
-        }
-        Suspicion::Misread(Reading::Inverted) => "world_from_camera is expected",
-        Suspicion::Misread(Reading::WFirst) => "x, y, z, w is expected",
-        Suspicion::Misread(Reading::Positions(_)) => "metres are expected",
-        Suspicion::Misread(Reading::Depths(_)) => "state the unit of the depth images",
-        Suspicion::SamePose => "the poses must be those of the frames, in one world",
-        Suspicion::TooNear { .. } | Suspicion::TooFar { .. } => "choose views within the camera's range",
-        Suspicion::Apart { .. } => "`registration.enabled` = true aligns frames to each other",
         Suspicion::Boundless => {
             "with right poses, `object_box.table` = fit finds a table or floor; or state the object's box"
+                .to_owned()
         }
-        Suspicion::Elsewhere { .. } if is_recorded => {
-            "`recording.box_m` is in the coordinates of the poses, in metres"
+        Suspicion::Elsewhere { .. } if stated.read.is_some() => {
+            "`recording.box_m` is in the coordinates of the poses, in metres".to_owned()
         }
-        Suspicion::Elsewhere { .. } => "the box is in the coordinates of the poses, in metres",
+        Suspicion::Elsewhere { .. } => "the box is in the coordinates of the poses, in metres".to_owned(),
         _ => return suspicion.to_string(),
     };
     format!("{suspicion}; {remedy}")
+}
+
+/// What to do about the way in which recorded poses are read.
+enum Advice {
+    /// Set a key to a value.
+    Try(&'static str),
+    /// What the poses look like as they are in the files, and the key that made them something else.
+    LeaveOut(&'static str, &'static str),
+}
+
+/// The key that reads the poses right; none if no value of it does. The reading was found for poses that had
+/// been read as stated.
+fn of_key(reading: Reading, read: &ReadOptions) -> Option<Advice> {
+    const AXES: &str = "recording.read.camera_axes";
+    match (reading, read.camera_axes) {
+        (Reading::Axes(CameraAxes::OpenGl), CameraAxes::OpenCv) => {
+            Some(Advice::Try("`recording.read.camera_axes` = opengl"))
+        }
+        (Reading::Axes(CameraAxes::Ros), CameraAxes::OpenCv) => {
+            Some(Advice::Try("`recording.read.camera_axes` = ros"))
+        }
+        // Two half turns are none.
+        (Reading::Axes(CameraAxes::OpenGl), CameraAxes::OpenGl) => {
+            Some(Advice::LeaveOut("those of cameras with OpenCV axes", AXES))
+        }
+        (Reading::Inverted, CameraAxes::OpenCv) => Some(match read.poses {
+            PoseDirection::WorldFromCamera => Advice::Try("`recording.read.poses` = camera-from-world"),
+            PoseDirection::CameraFromWorld => Advice::LeaveOut("world_from_camera", "recording.read.poses"),
+        }),
+        _ => None,
+    }
+}
+
+/// What would be right.
+fn right(reading: Reading) -> &'static str {
+    match reading {
+        Reading::Axes(_) => "turn them to OpenCV axes: x right, y down, z forward",
+        Reading::Inverted => "world_from_camera is expected",
+        Reading::WFirst => "x, y, z, w is expected",
+        Reading::Positions(_) => "metres are expected",
+        Reading::Depths(_) => "state the unit of the depth images",
+        _ => "metres, OpenCV axes and world_from_camera are expected",
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn of(suspicion: Suspicion, read: Option<ReadOptions>, has_table: bool) -> String {
+        warning(&suspicion, &Stated { read, section: Some("recording"), has_table })
+    }
+
+    #[test]
+    fn what_was_stated_wrongly_is_to_be_left_out() {
+        let read = |camera_axes, poses| Some(ReadOptions { camera_axes, poses, ..ReadOptions::default() });
+        let axes = |axes| Suspicion::Misread(Reading::Axes(axes));
+        let (forward, back) = (PoseDirection::WorldFromCamera, PoseDirection::CameraFromWorld);
+        for (suspicion, read, expected) in [
+            (
+                axes(CameraAxes::OpenGl),
+                read(CameraAxes::OpenCv, back),
+                "; try `recording.read.camera_axes` = opengl",
+            ),
+            (
+                axes(CameraAxes::OpenGl),
+                read(CameraAxes::OpenGl, forward),
+                "the poses look like those of cameras with OpenCV axes: leave out `recording.read.camera_axes`",
+            ),
+            (
+                axes(CameraAxes::Ros),
+                read(CameraAxes::OpenGl, forward),
+                "; turn them to OpenCV axes: x right, y down, z forward",
+            ),
+            (
+                Suspicion::Misread(Reading::Inverted),
+                read(CameraAxes::OpenCv, forward),
+                "; try `recording.read.poses` = camera-from-world",
+            ),
+            (
+                Suspicion::Misread(Reading::Inverted),
+                read(CameraAxes::OpenCv, back),
+                "the poses look like world_from_camera: leave out `recording.read.poses`",
+            ),
+            (Suspicion::Misread(Reading::Inverted), None, "; world_from_camera is expected"),
+        ] {
+            let warning = of(suspicion, read, false);
+            assert!(warning.ends_with(expected), "{warning}, expected {expected}");
+        }
+    }
+
+    #[test]
+    fn a_table_that_is_looked_for_is_no_advice() {
+        assert!(of(Suspicion::Boundless, None, false).contains("`object_box.table` = fit"));
+        let warning = of(Suspicion::Boundless, None, true);
+        assert!(
+            !warning.contains("`object_box.table`") && warning.contains("state the object's box"),
+            "{warning}"
+        );
+    }
 }

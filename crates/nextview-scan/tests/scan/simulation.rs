@@ -252,3 +252,13 @@ fn right_poses_around_a_brick_agree_with_the_frames() {
     config.object = meshes.join("ycb/ycb_061_foam_brick.ply").display().to_string();
     assert_eq!(warnings_of(&config), Vec::<String>::new());
 }
+
+#[test]
+fn one_triangle_is_no_plural() {
+    let folder = Folder::new("one-triangle");
+    let path = folder.path("flat.obj");
+    std::fs::write(&path, "v 0 0 0\nv 0.08 0 0\nv 0 0.08 0\nf 1 2 3\n").unwrap();
+    let config = ScanConfig { object: path.display().to_string(), candidates: 9, ..config() };
+    let object = SimulatedObject::new(&config).unwrap();
+    assert_eq!(object.description(), "flat: 80 x 80 x 0 mm, 1 triangle");
+}

@@ -70,7 +70,8 @@ pub struct ScanArgs {
     /// Number of view candidates [default: 1000; profile paper: 5000]
     #[arg(long, value_name = "N", value_parser = values::count, allow_negative_numbers = true)]
     candidates: Option<usize>,
-    /// Number of the candidate, or recorded frame, to begin with [default: 0]
+    /// Number of the candidate to begin with, from 0; with --frames, its place among the frames that are not
+    /// left out, whatever numbers they have [default: 0]
     #[arg(long, value_name = "I", value_parser = values::count, allow_negative_numbers = true)]
     first_view: Option<usize>,
     /// Edge of a voxel in metres [default: about a fortieth of the object, 0.005 for recordings whose box

@@ -91,7 +91,7 @@ fn simulated(
     let object = SimulatedObject::new(&config)?;
     config.voxel_size_m = Some(object.voxel_size);
     config.views = Some(config.max_views(object.views.len()));
-    let notes = object.notes().into_iter().map(|note| format!("note: {note}"));
+    let notes = object.notes().into_iter().map(|note| word(&format!("note: {note}")));
     output.begin(&config, &object.description(), notes, object.views.len())?;
     let truth = config.needs_truth().then(|| {
         let progress = Progress::of_baselines(object.views.len());
@@ -109,7 +109,7 @@ fn recorded(
     let folder = output.folder(&config)?;
     let mut scan = RecordedScan::open(&mut config)?;
     let skipped = scan.skipped().into_iter().map(|skipped| format!("skipped: {skipped}"));
-    let notes = scan.notes().iter().map(|note| format!("note: {note}")).chain(skipped);
+    let notes = scan.notes().iter().map(|note| word(&format!("note: {note}"))).chain(skipped);
     output.begin(&config, &scan.description(&config), notes, scan.n_views())?;
     scan.look(&config, &Cancel::default())?;
     drive(&scan, &config, journal, folder, output)
@@ -141,20 +141,25 @@ fn drive(
     drop(progress);
     printed?;
     let mut scan = run.finish(Some(stop_reason));
-    if scan.bounds().is_none() {
+    let has_object = scan.bounds().is_some();
+    if !has_object {
         scan.forget_journal();
     }
     let Results { record, faults } = write_results(&mut folder, config, &scan);
     let page = page_of_scan(&scan, &record, config, &command_again(&output.dir), &text);
     folder.add("report.html", |w| Ok(w.write_all(page.as_bytes())?))?;
     folder.publish()?;
+    if faults.is_some() && !has_object {
+        eprintln!("note: {} holds what there is of this scan; --force replaces it", output.dir.display());
+    }
     faults.map_or(Ok(()), Err)?;
     scan.forget_journal();
     let printed = match output.json {
         true => serde_json::to_string(&record).map_err(Failure::data)? + "\n",
         false => {
             let dir = output.dir.display();
-            format!("\n{}\nresults in {dir} (open report.html there)\n", summary_text(&record, config))
+            let summary = word(&summary_text(&record, config));
+            format!("\n{summary}\nresults in {dir} (open report.html there)\n")
         }
     };
     Ok((printed, record))

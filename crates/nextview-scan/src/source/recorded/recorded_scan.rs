@@ -21,7 +21,7 @@ use nextview::session::{
 };
 use nextview::surface::SurfaceMesh;
 use nextview::view::ViewSpace;
-use nextview_recording::{RecordedFrame, Recording};
+use nextview_recording::{RecordedFrame, Recording, Skipped};
 use std::path::Path;
 
 /// A scan of recorded frames: their poses are the candidates, and the planner chooses among those not yet
@@ -214,13 +214,31 @@ impl Evaluator for RecordedEvaluator<'_> {
     }
 }
 
+/// Why there are fewer frames than were recorded; none if there are not.
+fn left_out(skipped: &[Skipped]) -> Option<String> {
+    let first = skipped.first()?;
+    Some(match skipped.len() {
+        1 => first.to_string(),
+        n => format!("{n} of the recording are left out; {first}"),
+    })
+}
+
 /// Writes into the configuration what the recording decides, and derives the session's.
 fn resolve(
     config: &mut ScanConfig,
     recording_config: &RecordingConfig,
     recording: &Recording,
 ) -> Result<SessionConfig, Faults> {
-    config.check_views(recording.frames.len())?;
+    config.check_views(recording.frames.len()).map_err(|faults| {
+        faults.map(|fault| match (left_out(&recording.skipped), &fault.remedy) {
+            (Some(why), Some(remedy)) => {
+                let remedy = format!("{remedy}; {why}");
+                fault.with_remedy(remedy)
+            }
+            (Some(why), None) => fault.with_remedy(why),
+            (None, _) => fault,
+        })
+    })?;
     config.camera = recording.intrinsics;
     let n_frames = recording.frames.len();
     config.views = Some(config.max_views(n_frames));

@@ -26,7 +26,8 @@ impl fmt::Display for Object {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let size = self.mesh.bounds().size() * 1e3;
         let n = self.mesh.triangles().len();
-        write!(f, "{}: {:.0} x {:.0} x {:.0} mm, {n} triangles", self.name, size.x, size.y, size.z)
+        let s = if n == 1 { "" } else { "s" };
+        write!(f, "{}: {:.0} x {:.0} x {:.0} mm, {n} triangle{s}", self.name, size.x, size.y, size.z)
     }
 }
 

@@ -1,0 +1,28 @@
+use crate::{ScanConfig, TableRule};
+use nextview_recording::ReadOptions;
+
+/// What a configuration states of the frames and of what they show: advice must not repeat it.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Stated {
+    /// How recorded frames are read; none of frames that are not recorded.
+    pub read: Option<ReadOptions>,
+    /// The section that can state where object and table are; none for a simulation.
+    pub section: Option<&'static str>,
+    /// Whether a table is stated, or is to be found.
+    pub has_table: bool,
+}
+
+impl Stated {
+    /// By this configuration.
+    pub fn of(config: &ScanConfig) -> Self {
+        let (recording, live) = (config.recording.as_ref(), config.live.as_ref());
+        let height = recording.and_then(|recording| recording.table_z_m);
+        let height = height.or(live.and_then(|live| live.table_z_m));
+        let is_on_table = config.object_box.table != TableRule::None || config.turntable.is_some();
+        Self {
+            read: recording.map(|recording| recording.read.clone()),
+            section: recording.map(|_| "recording").or(live.map(|_| "live")),
+            has_table: height.is_some() || is_on_table,
+        }
+    }
+}
