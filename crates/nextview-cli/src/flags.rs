@@ -86,10 +86,7 @@ pub(crate) fn word(text: &str) -> String {
     let mut parts = text.split('`');
     worded += parts.next().unwrap_or_default();
     while let Some(key) = parts.next() {
-        let Some(rest) = parts.next() else {
-            worded += &format!("`{key}");
-            break;
-        };
+        let Some(rest) = parts.next() else { return worded + "`" + key };
         match FLAGS.iter().find(|(known, _)| *known == key) {
             Some((_, flag)) => {
                 worded += flag;

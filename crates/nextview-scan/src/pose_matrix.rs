@@ -19,7 +19,8 @@ pub fn rows_of_pose(pose: &Pose) -> [[f64; 4]; 4] {
 }
 
 /// The pose of a matrix, by its rows; `name` is the value's name in messages. Fails unless the matrix is
-/// rigid, its rotation off by at most 1e-3, its last row 0 0 0 1, and its position within 100 m of the origin.
+/// rigid, its rotation off by at most 1e-3, its last row 0 0 0 1, and its position within 100 m of the
+/// origin.
 ///
 /// ```
 /// use nextview_scan::{pose_of_rows, rows_of_pose};

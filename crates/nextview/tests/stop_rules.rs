@@ -154,17 +154,6 @@ fn an_image_without_depths_does_not_end_a_scan() {
 }
 
 #[test]
-fn the_first_view_is_planned_if_there_are_frames() {
-    let views = generate::fibonacci_sphere(DVec3::ZERO, 0.5, 40).unwrap();
-    let first = views.pose(0);
-    let mut session =
-        Session::new(config(StopConfig::default()), camera(), views, Box::new(EvenViews)).unwrap();
-    session.observe(&Frame::new(image(0.49), camera(), first, 2.0).unwrap()).unwrap();
-    let Decision::Move(next) = session.decide().unwrap() else { panic!("stopped") };
-    assert_eq!(next.view, Some(OPPOSITE));
-}
-
-#[test]
 fn even_views_go_on_where_nothing_new_is_seen() {
     // A ball that fills the box looks the same from everywhere, and from the third view on nothing is new.
     let views = generate::fibonacci_sphere(DVec3::ZERO, 0.5, 40).unwrap();

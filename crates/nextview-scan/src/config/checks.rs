@@ -2,6 +2,7 @@
 
 #[cfg(feature = "simulated")]
 use super::ReferenceConfig;
+use super::noise::{in_millimetres, of_least_depth};
 use super::planner_name::no_reference;
 use super::{
     BoxRule, LiveConfig, PlannerName, RecordingConfig, RobotConfig, ScanConfig, TableRule, ViewRule,
@@ -259,20 +260,6 @@ fn of_live(live: &LiveConfig, config: &ScanConfig) -> Vec<Fault> {
 
 /// A box farther from the origin than a camera may stand, metres, is given in another unit.
 const FARTHEST_M: f64 = 100.0;
-
-/// So is the least depth of a camera, metres, if it is larger than this.
-const LEAST_DEPTH_M: f64 = 20.0;
-
-/// The fault of a least depth that no camera has.
-pub(super) fn of_least_depth(key: &str, min_depth_m: f64) -> Option<Fault> {
-    let fault = || Fault::of_value(key, min_depth_m, format!("at most {LEAST_DEPTH_M} m"));
-    (min_depth_m > LEAST_DEPTH_M).then(|| in_millimetres(fault()))
-}
-
-fn in_millimetres(mut fault: Fault) -> Fault {
-    fault.message += "; is it in millimetres?";
-    fault
-}
 
 /// All faults of a turntable, which requires a user's camera.
 fn of_turntable(config: &ScanConfig) -> Vec<Fault> {

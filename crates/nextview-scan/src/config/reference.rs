@@ -74,8 +74,8 @@ mod known {
     use nextview_sim::mesh::{self, TriangleMesh};
 
     impl ReferenceConfig {
-        /// The CAD model, metres, and how the file's numbers became metres. A closed one that is inside out is
-        /// turned over, and the text says so.
+        /// The CAD model, metres, and how the file's numbers became metres. A closed one that is inside out
+        /// is turned over, and the text says so.
         pub fn load(&self) -> Result<(TriangleMesh, String), Fault> {
             let (mesh, scaling) = mesh::load(&self.mesh)?.to_metres(self.unit.into())?;
             Ok(match mesh.is_inside_out() {

@@ -322,8 +322,8 @@ fn middle_depth(frame: &Frame) -> Option<f32> {
     (!depths.is_empty()).then(|| *depths.select_nth_unstable_by(middle, f32::total_cmp).1)
 }
 
-/// The height above a table, metres, that 95 % of the points in the middle half of a frame do not exceed; none
-/// if nothing was measured there.
+/// The height above a table, metres, that 95 % of the points in the middle half of a frame do not exceed;
+/// none if nothing was measured there.
 fn middle_height(table: Plane, frame: &Frame) -> Option<f64> {
     let camera_from_world = frame.world_from_camera().inverse();
     let size = DVec2::new(frame.image().width().into(), frame.image().height().into());

@@ -22,8 +22,8 @@ const MAX_BYTES: usize = 1 << 20;
 
 impl NewScan {
     /// From a JSON object with the keys of a configuration, an optional `id`, which is made where it is
-    /// missing, `confirm_views` and `after`, of whose scan `finished` gives the folder: keys that are not given
-    /// are those of that scan.
+    /// missing, `confirm_views` and `after`, of whose scan `finished` gives the folder: keys that are not
+    /// given are those of that scan.
     pub fn from_json(
         bytes: &[u8],
         limits: &Limits,

@@ -133,8 +133,8 @@ impl TriangleMesh {
     /// Whether the surface is closed and its triangles run clockwise seen from outside: their normals point
     /// inward.
     pub fn is_inside_out(&self) -> bool {
-        // The areas of a closed surface cancel each other, and no volume depends on the origin then. Edges say
-        // less: files repeat vertices, and triangles without an area are gone.
+        // The areas of a closed surface cancel each other, and no volume depends on the origin then. Edges
+        // say less: files repeat vertices, and triangles without an area are gone.
         let middle = self.bounds.center();
         let (mut open_area, mut volume) = (DVec3::ZERO, 0.0);
         for triangle in &self.triangles {

@@ -480,15 +480,15 @@ impl Session {
             && quality.and_then(|quality| quality.progress(n)).is_none_or(is_little)
     }
 
-    /// Number and pose of the first view, before there is a frame.
+    /// Number and pose of the first view, before it was taken.
     fn first_view(&self) -> Option<(Option<usize>, Pose)> {
         match &self.views {
-            _ if !self.frames.places.is_empty() => None,
-            Views::Fixed(views) => {
+            Views::Fixed(views) if self.n_taken == 0 => {
                 let view = self.first_candidate()?;
                 Some((Some(view), views.pose(view)))
             }
-            Views::Following { first, .. } => Some((None, *first)),
+            Views::Fixed(_) => None,
+            Views::Following { first, .. } => self.frames.places.is_empty().then_some((None, *first)),
         }
     }
 

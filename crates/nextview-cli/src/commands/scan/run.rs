@@ -141,15 +141,14 @@ fn drive(
     drop(progress);
     printed?;
     let mut scan = run.finish(Some(stop_reason));
-    let has_object = scan.bounds().is_some();
-    if !has_object {
+    if scan.bounds().is_none() {
         scan.forget_journal();
     }
     let Results { record, faults } = write_results(&mut folder, config, &scan);
     let page = page_of_scan(&scan, &record, config, &command_again(&output.dir), &text);
     folder.add("report.html", |w| Ok(w.write_all(page.as_bytes())?))?;
     folder.publish()?;
-    if faults.is_some() && !has_object {
+    if faults.is_some() && scan.bounds().is_none() {
         eprintln!("note: {} holds what there is of this scan; --force replaces it", output.dir.display());
     }
     faults.map_or(Ok(()), Err)?;
@@ -158,8 +157,7 @@ fn drive(
         true => serde_json::to_string(&record).map_err(Failure::data)? + "\n",
         false => {
             let dir = output.dir.display();
-            let summary = word(&summary_text(&record, config));
-            format!("\n{summary}\nresults in {dir} (open report.html there)\n")
+            format!("\n{}\nresults in {dir} (open report.html there)\n", word(&summary_text(&record, config)))
         }
     };
     Ok((printed, record))
