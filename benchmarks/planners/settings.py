@@ -38,7 +38,7 @@ def run(program, campaign, spec, meshes):
 
 def table(report, caption, columns):
     """By variant, the cells of these columns in the report's table below a caption."""
-    lines = [line for line in report[report.index(caption):].split("\n\n")[1].splitlines()]
+    lines = report[report.index(caption):].split("\n\n")[1].splitlines()
     head, _, *rows = [[cell.strip() for cell in re.split(r"(?<!\\)\|", line.strip("|"))] for line in lines]
     return {row[0]: [row[head.index(column)] for column in columns] for row in rows}
 

@@ -3,7 +3,7 @@
 use nextview_report::page_of_scan;
 use nextview_scan::files::{Overwrite, ResultFolder};
 use nextview_scan::{
-    Fault, FaultKind, Faults, FinishedScan, Results, ScanConfig, ScanRecord, begin_results, write_results,
+    Fault, Faults, FinishedScan, Results, ScanConfig, ScanRecord, begin_results, write_results,
 };
 use std::io::Write;
 use std::path::{Path, PathBuf};
@@ -16,19 +16,14 @@ pub fn begin(dir: &Path, force: bool, inputs: Vec<PathBuf>) -> Result<ResultFold
 }
 
 /// Writes everything that a scan leaves, with the page that shows it. All that could be made is written, and
-/// the faults of what could not are returned with the record. Fails, and writes nothing, if it is cancelled:
-/// what is missing then can be made.
+/// the faults of what could not are returned with the record.
 pub fn publish(
     mut folder: ResultFolder,
     config: &ScanConfig,
     scan: &FinishedScan<'_>,
     command: &str,
 ) -> Result<(ScanRecord, Option<Faults>), Faults> {
-    let Results { record, faults } = write_results(&mut folder, config, scan);
-    let is_cancelled = |faults: &Faults| faults.iter().any(|fault| fault.kind == FaultKind::Cancelled);
-    if let Some(faults) = faults.clone().filter(is_cancelled) {
-        return Err(faults);
-    }
+    let Results { record, faults } = write_results(&mut folder, config, scan)?;
     let text = toml::to_string(config).map_err(Fault::data)?;
     let page = page_of_scan(scan, &record, config, command, &text);
     folder.add("report.html", |w| Ok(w.write_all(page.as_bytes())?))?;

@@ -2,6 +2,12 @@
 
 from __future__ import annotations
 
+import os
+import signal
+import threading
+from collections.abc import Iterator
+from contextlib import contextmanager
+
 import numpy as np
 import pytest
 from numpy.typing import NDArray
@@ -16,6 +22,16 @@ BOX = [[-0.12, -0.12, -0.12], [0.12, 0.12, 0.12]]
 def mug() -> nextview.SimulatedScene:
     """The built-in mug before an exact camera."""
     return nextview.SimulatedScene("builtin:mug", voxel_size_m=0.01, candidates=40)
+
+
+@contextmanager
+def interrupted_after(seconds: float) -> Iterator[None]:
+    """What is done here is interrupted, as by Ctrl-C, and must end with a KeyboardInterrupt."""
+    timer = threading.Timer(seconds, os.kill, (os.getpid(), signal.SIGINT))
+    timer.start()
+    with pytest.raises(KeyboardInterrupt):
+        yield
+    timer.join()
 
 
 def ball(world_from_camera: NDArray[np.float64]) -> NDArray[np.float32]:

@@ -2,16 +2,13 @@
 
 from __future__ import annotations
 
-import os
-import signal
-import threading
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import own_planners
 import pytest
-from conftest import ball, begin, run
+from conftest import ball, begin, interrupted_after, run
 from own_planners import FromAbove, GainTold, OcclusionAware, Told, UnobservedVoxel
 
 import nextview
@@ -245,11 +242,8 @@ def test_ctrl_c_ends_a_gain_in_python_which_can_be_asked_again(mug: nextview.Sim
     view = scan.next_view()
     assert view is not None
     scan.observe(mug.capture(view), view)
-    timer = threading.Timer(0.2, os.kill, (os.getpid(), signal.SIGINT))
-    timer.start()
-    with pytest.raises(KeyboardInterrupt):
+    with interrupted_after(0.2):
         scan.next_view()
-    timer.join()
     assert scan.next_view() is not None
 
 

@@ -12,6 +12,7 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
+from conftest import interrupted_after
 
 import nextview
 
@@ -55,11 +56,8 @@ def test_after_ctrl_c_a_view_can_be_asked_for_again(mug: nextview.SimulatedScene
         return scan
 
     scan, undisturbed = begin(), begin()
-    timer = threading.Timer(0.1, os.kill, (os.getpid(), signal.SIGINT))
-    timer.start()
-    with pytest.raises(KeyboardInterrupt):
+    with interrupted_after(0.1):
         scan.next_view()
-    timer.join()
     view, expected = scan.next_view(), undisturbed.next_view()
     assert view is not None and expected is not None and view.number == expected.number
 
@@ -89,11 +87,8 @@ def test_ctrl_c_leaves_no_part_of_the_results(mug: nextview.SimulatedScene, tmp_
     scan = nextview.Scan(mug.camera, mug.box_m, voxel_size_m=0.002, candidates=40, views=2, out=tmp_path)
     while (view := scan.next_view()) is not None:
         scan.observe(mug.capture(view), view)
-    timer = threading.Timer(0.05, os.kill, (os.getpid(), signal.SIGINT))
-    timer.start()
-    with pytest.raises(KeyboardInterrupt):
+    with interrupted_after(0.05):
         scan.save()
-    timer.join()
     assert (tmp_path / "record.json").exists() == (tmp_path / "mesh.ply").exists()
     scan.save()
     assert (tmp_path / "mesh.ply").exists()

@@ -79,16 +79,21 @@ fn campaign(folder: &Folder, n_jobs: Option<usize>) -> (Store, Vec<CampaignEvent
     (store, events.into_inner().unwrap())
 }
 
-/// On a table about half of the candidates do not exist.
-#[test]
-fn drawn_first_views_are_above_the_table() {
-    let spec = SPEC.split("[[variant]]").next().unwrap().replace("[scan]", "first_views = 6\n[scan]");
-    let spec = format!("{spec}object_box.table = \"known\"\n[[variant]]\nscan.planner = \"random\"\n");
-    let spec = Spec::parse(&spec, Path::new("")).unwrap();
-    let folder = Folder::new("first-views");
+/// The runs on a table, where about half of the candidates do not exist, from these first views.
+fn runs_on_a_table(folder: &Folder, first_views: &str) -> Vec<RunRecord> {
+    let (head, _) = SPEC.split_once("[[variant]]").unwrap();
+    let spec =
+        head.replace("[scan]", &format!("first_views = {first_views}\n[scan]\nobject_box.table = 'known'"));
+    let spec = Spec::parse(&(spec + "[[variant]]\nscan.planner = 'random'\n"), Path::new("")).unwrap();
     let mut store = Store::open(&folder.0, &spec, Shard::WHOLE, true).unwrap();
     run_campaign(&mut store, None, None, &Cancel::default(), &|_| ()).unwrap();
-    let runs = finished(&store);
+    finished(&store)
+}
+
+#[test]
+fn drawn_first_views_are_above_the_table() {
+    let folder = Folder::new("first-views");
+    let runs = runs_on_a_table(&folder, "6");
     assert!(runs.iter().all(|run| run.failure().is_none()), "{:?}", runs.iter().find_map(RunRecord::failure));
     for object in ["mug", "bracket"] {
         let of_object = || runs.iter().filter(|run| run.object == object);
@@ -96,21 +101,13 @@ fn drawn_first_views_are_above_the_table() {
         assert_eq!(views.len(), 6);
         assert!(of_object().any(|run| run.config.first_view != run.first_view), "none had to be drawn again");
     }
-    drop(store);
-    let resumed = Store::open(&folder.0, &spec, Shard::WHOLE, true).unwrap();
-    assert_eq!(finished(&resumed), runs);
+    assert_eq!(runs_on_a_table(&folder, "6"), runs, "a finished campaign is resumed");
 }
 
 /// Their numbers are stated by somebody who should know.
 #[test]
 fn a_listed_first_view_below_the_table_is_a_failed_run() {
-    let spec = SPEC.split("[[variant]]").next().unwrap().replace("[scan]", "first_views = [19]\n[scan]");
-    let spec = format!("{spec}object_box.table = \"known\"\n[[variant]]\nscan.planner = \"random\"\n");
-    let spec = Spec::parse(&spec, Path::new("")).unwrap();
-    let folder = Folder::new("listed-first-view");
-    let mut store = Store::open(&folder.0, &spec, Shard::WHOLE, true).unwrap();
-    run_campaign(&mut store, None, None, &Cancel::default(), &|_| ()).unwrap();
-    for run in finished(&store) {
+    for run in runs_on_a_table(&Folder::new("listed-first-view"), "[19]") {
         let reason = run.failure().unwrap();
         assert!(reason.starts_with("`first_view` is 19, expected 0 to "), "{reason}");
         assert!(

@@ -31,5 +31,5 @@ pub use encode::{encode_color, encode_depth, encode_mask};
 pub use error::RecordingError;
 pub use frame::RecordedFrame;
 pub use recording::{PoseDirection, ReadOptions, Recording, Skipped};
-pub use rigid::read_transform;
+pub use rigid::{FARTHEST_POSITION, checked_position, read_transform};
 pub use write_folder::{NumberedFrame, intrinsics_text, write_folder};

@@ -11,8 +11,8 @@ use std::path::Path;
 /// 0.007.
 const TOLERANCE: f64 = 0.01;
 
-/// A camera that stands farther than this from the origin, metres, is probably given in millimetres.
-const FARTHEST: f64 = 100.0;
+/// What is farther than this from the origin, metres, is probably given in millimetres.
+pub const FARTHEST_POSITION: f64 = 100.0;
 
 /// Reads a rigid transform: 4 lines of 4 numbers, row by row, the last `0 0 0 1`; the translation in metres.
 pub fn read_transform(path: &Path) -> Result<Pose, RecordingError> {
@@ -48,7 +48,7 @@ pub(crate) struct Rigid {
 /// A pose from the first three rows of its matrix, with the nearest rotation; or a description of the fault.
 pub(crate) fn from_rows(m: [f64; 12]) -> Result<Rigid, String> {
     let rotation = DMat3::from_cols_array(&[m[0], m[4], m[8], m[1], m[5], m[9], m[2], m[6], m[10]]);
-    let translation = checked(DVec3::new(m[3], m[7], m[11]))?;
+    let translation = checked_position(DVec3::new(m[3], m[7], m[11]))?;
     if !rotation.is_finite() {
         return Err("the rotation has an entry that is not finite, expected numbers".into());
     }
@@ -76,19 +76,21 @@ fn nearest_rotation(matrix: DMat3) -> DMat3 {
 
 /// A pose from position and quaternion, or a description of the fault.
 pub(crate) fn from_quaternion(translation: DVec3, rotation: DQuat) -> Result<Pose, String> {
-    Pose::new(rotation, checked(translation)?).map_err(|error| error.to_string())
+    Pose::new(rotation, checked_position(translation)?).map_err(|error| error.to_string())
 }
 
-fn checked(translation: DVec3) -> Result<DVec3, String> {
-    let length = translation.length();
+/// The position of a camera, metres; or a description of the fault if it is not finite or farther from the
+/// origin than [`FARTHEST_POSITION`].
+pub fn checked_position(position: DVec3) -> Result<DVec3, String> {
+    let length = position.length();
     match () {
-        _ if !translation.is_finite() => {
-            Err(format!("the position is {translation}, expected finite numbers of metres"))
+        _ if !position.is_finite() => {
+            Err(format!("the position is {position}, expected finite numbers of metres"))
         }
-        _ if length > FARTHEST => Err(format!(
-            "the position is {length:.0} m from the origin, expected at most {FARTHEST} m; is it in millimetres?"
+        _ if length > FARTHEST_POSITION => Err(format!(
+            "the position is {length:.0} m from the origin, expected at most {FARTHEST_POSITION} m; is it in millimetres?"
         )),
-        _ => Ok(translation),
+        _ => Ok(position),
     }
 }
 

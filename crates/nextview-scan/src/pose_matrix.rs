@@ -3,13 +3,11 @@
 use crate::Fault;
 use glam::{DMat3, DQuat, DVec3};
 use nextview::geometry::Pose;
+use nextview_recording::checked_position;
 
 /// How far the product of a rotation with its transpose may be from the identity: matrices of 32-bit
 /// numbers are off by 1e-6, a calibration that was rounded to four digits by 1e-3.
 const TOLERANCE: f64 = 1e-3;
-
-/// A camera that stands farther than this from the origin, metres, is probably given in millimetres.
-const FARTHEST: f64 = 100.0;
 
 /// The rows of the matrix of a pose.
 pub fn rows_of_pose(pose: &Pose) -> [[f64; 4]; 4] {
@@ -59,12 +57,7 @@ pub fn pose_of_rows(name: &str, rows: &[[f64; 4]; 4]) -> Result<Pose, Fault> {
         return Err(fault(message.to_owned()));
     }
     let translation = DVec3::new(rows[0][3], rows[1][3], rows[2][3]);
-    if translation.length() > FARTHEST {
-        return Err(fault(format!(
-            "the position is {:.0} m from the origin, expected at most {FARTHEST} m; is it in millimetres?",
-            translation.length()
-        )));
-    }
+    let translation = checked_position(translation).map_err(fault)?;
     let pose = Pose::new(DQuat::from_mat3(&rotation).normalize(), translation);
     pose.map_err(|error| Fault::from(error).within(format!("`{name}`")))
 }

@@ -223,7 +223,7 @@ impl Worker {
         };
         let scan = self.under_way()?;
         let mut folder = begin_results(&directory, Overwrite::results())?;
-        let faults = scan.write_results(&mut folder).faults;
+        let faults = scan.write_results(&mut folder)?.faults;
         folder.publish()?;
         if scan.stop_reason().is_some() {
             scan.forget_journal();

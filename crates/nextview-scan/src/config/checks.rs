@@ -12,6 +12,7 @@ use nextview::gain::Apora;
 use nextview::geometry::Aabb;
 use nextview::planner::{Batch, Greedy, MaxFlow, MostSurface};
 use nextview::sensor::SurfaceError;
+use nextview_recording::FARTHEST_POSITION;
 #[cfg(feature = "simulated")]
 use nextview_sim::inspection::SurfaceDemand;
 
@@ -258,9 +259,6 @@ fn of_live(live: &LiveConfig, config: &ScanConfig) -> Vec<Fault> {
     faults
 }
 
-/// A box farther from the origin than a camera may stand, metres, is given in another unit.
-const FARTHEST_M: f64 = 100.0;
-
 /// All faults of a turntable, which requires a user's camera.
 fn of_turntable(config: &ScanConfig) -> Vec<Fault> {
     let Some(turntable) = &config.turntable else { return Vec::new() };
@@ -292,8 +290,8 @@ fn of_place(section: &str, bounds: Option<Aabb>, table_z_m: Option<f64>, config:
         let (key, value) = (format!("{section}.box_m"), format!("{min} to {max}"));
         if !(min.is_finite() && max.is_finite() && min.cmplt(max).all()) {
             faults.push(Fault::of_value(&key, value, "finite corners, the lowest first"));
-        } else if min.abs().max(max.abs()).length() > FARTHEST_M {
-            let expected = format!("corners within {FARTHEST_M} m of the origin");
+        } else if min.abs().max(max.abs()).length() > FARTHEST_POSITION {
+            let expected = format!("corners within {FARTHEST_POSITION} m of the origin");
             faults.push(in_millimetres(Fault::of_value(&key, value, expected)));
         }
     }

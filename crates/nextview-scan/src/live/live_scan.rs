@@ -271,7 +271,7 @@ impl LiveScan {
     }
 
     /// Adds the results of the scan as it stands; see [`write_results`].
-    pub fn write_results(&self, folder: &mut ResultFolder) -> Results {
+    pub fn write_results(&self, folder: &mut ResultFolder) -> Result<Results, Fault> {
         write_results(folder, &self.config, self.scan())
     }
 

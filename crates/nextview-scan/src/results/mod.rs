@@ -5,7 +5,7 @@ mod frames_folder;
 
 use crate::files::{Overwrite, ResultFolder, numbered};
 use crate::run::{FinishedScan, Measured};
-use crate::{Fault, Faults, ScanConfig, ScanJournal, ScanRecord, StepRecord, short_name};
+use crate::{Fault, FaultKind, Faults, ScanConfig, ScanJournal, ScanRecord, StepRecord, short_name};
 use nextview::geometry::Pose;
 use nextview::map::Octree;
 use nextview::motion::Waypoint;
@@ -63,7 +63,14 @@ pub struct Results {
 
 /// Adds everything that a scan leaves, but for pages that show it: configuration, record, poses, waypoints,
 /// map, model, frames. What fails is left out and reported; all else is added.
-pub fn write_results(folder: &mut ResultFolder, config: &ScanConfig, scan: &FinishedScan<'_>) -> Results {
+///
+/// # Errors
+/// If the scan is cancelled: what is missing then could be made, so the folder must not be published.
+pub fn write_results(
+    folder: &mut ResultFolder,
+    config: &ScanConfig,
+    scan: &FinishedScan<'_>,
+) -> Result<Results, Fault> {
     let mut faults = Vec::new();
     let model = scan.model(config.model).map_err(|fault| faults.push(fault.within("cloud and mesh"))).ok();
     let measured = model.as_ref().map_or(Measured::Nothing, Measured::Model);
@@ -87,7 +94,10 @@ pub fn write_results(folder: &mut ResultFolder, config: &ScanConfig, scan: &Fini
         add("mesh.ply", &|w| Ok(write_mesh(w, &model.vertices, model.is_filled(), model.triangles())?));
     }
     faults.extend(frames::add(folder, scan).err().map(|fault| fault.within(FRAMES_FOLDER)));
-    Results { record, faults: Faults::of(faults) }
+    match faults.iter().position(|fault| fault.kind == FaultKind::Cancelled) {
+        Some(cancelled) => Err(faults.swap_remove(cancelled)),
+        None => Ok(Results { record, faults: Faults::of(faults) }),
+    }
 }
 
 /// One of the [`RESULT_FILES`] of a scan as it stands, but `report.html`. The record is without measures of

@@ -66,7 +66,7 @@ fn issue_17_an_object_far_away_is_scanned_as_well_as_one_nearby() {
         let dir = folder.path(&format!("results-{far}"));
         let (record, faults) = scanned(&config, |scan| {
             let mut results = begin_results(&dir, Overwrite::nothing()).unwrap();
-            let Results { faults, .. } = write_results(&mut results, &config, scan);
+            let Results { faults, .. } = write_results(&mut results, &config, scan).unwrap();
             results.publish().unwrap();
             faults
         });

@@ -9,9 +9,9 @@ use nextview::sensor::{ColorImage, Depth, DepthImage, Frame};
 use nextview::session::StopReason;
 use nextview_scan::files::Overwrite;
 use nextview_scan::{
-    Begin, BoxRule, FinishedScan, LiveConfig, LiveFrame, LiveScan, ObjectBoxConfig, PlannerName, ScanConfig,
-    ScanJournal, ScanRecord, ScanRun, SimulatedObject, Simulation, TableRule, UnitName, begin_results,
-    write_results,
+    Begin, BoxRule, FaultKind, FinishedScan, LiveConfig, LiveFrame, LiveScan, ObjectBoxConfig, PlannerName,
+    ScanConfig, ScanJournal, ScanRecord, ScanRun, SimulatedObject, Simulation, TableRule, UnitName,
+    begin_results, write_results,
 };
 use nextview_sim::evaluator;
 use std::path::Path;
@@ -51,7 +51,7 @@ fn observe(scan: &mut LiveScan, object: &SimulatedObject, pose: &Pose) {
 
 fn files_of(dir: &Path, scan: &FinishedScan<'_>, config: &ScanConfig) -> ScanRecord {
     let mut folder = begin_results(dir, Overwrite::nothing()).unwrap();
-    let results = write_results(&mut folder, config, scan);
+    let results = write_results(&mut folder, config, scan).unwrap();
     assert_eq!(results.faults, None);
     folder.publish().unwrap();
     results.record
@@ -126,6 +126,24 @@ fn an_interrupted_scan_is_resumed_with_its_colours() {
     assert_eq!(names[..4], ["frame 0", "frame 1", "frame 2", "frame 3"]);
     scan.forget_journal();
     assert!(!ScanJournal::is_in(&dir));
+}
+
+#[test]
+fn cancelled_results_are_none() {
+    let folder = Folder::new("live-cancelled");
+    let config = config(PlannerName::MaxFlow);
+    let object = SimulatedObject::new(&config).unwrap();
+    let mut scan = LiveScan::begin(live(&config, &object), None, Cancel::default()).unwrap();
+    let view = scan.next().unwrap().unwrap();
+    observe(&mut scan, &object, &view.world_from_camera);
+    let results = |name: &str| {
+        let mut results = begin_results(&folder.path(name), Overwrite::nothing()).unwrap();
+        scan.write_results(&mut results).map(|written| written.faults)
+    };
+    scan.cancel().cancel();
+    assert_eq!(results("cancelled").unwrap_err().kind, FaultKind::Cancelled);
+    scan.cancel().reset();
+    assert_eq!(results("again").unwrap(), None);
 }
 
 #[test]

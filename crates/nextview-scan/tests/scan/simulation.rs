@@ -41,7 +41,7 @@ fn a_scan_is_measured_and_written() {
     let folder = Folder::new("simulation");
     let dir = folder.path("results");
     let mut results = begin_results(&dir, Overwrite::nothing()).unwrap();
-    let Results { record, faults } = write_results(&mut results, &config, &scan);
+    let Results { record, faults } = write_results(&mut results, &config, &scan).unwrap();
     assert_eq!(faults, None);
     assert_eq!((record.views, record.steps.len(), record.candidates), (4, 4, 20));
     assert_eq!(record.reachable_coverage, record.steps[3].reachable_coverage);
@@ -181,7 +181,7 @@ fn all_is_written_but_what_fails() {
     let folder = Folder::new("incomplete");
     let dir = folder.path("results");
     let mut results = begin_results(&dir, Overwrite::nothing()).unwrap();
-    let Results { record, faults } = write_results(&mut results, &config, &scan);
+    let Results { record, faults } = write_results(&mut results, &config, &scan).unwrap();
     results.publish().unwrap();
     let faults = faults.unwrap().to_string();
     assert_eq!(faults, "cloud and mesh: no colour of view Some(0)\nframes: no colour of view Some(0)");

@@ -114,7 +114,7 @@ impl Work {
         let (scan, _) = self.under_way()?;
         scan.end();
         let mut folder = begin_results(&dir, Overwrite::results())?;
-        let Results { record, faults } = scan.write_results(&mut folder);
+        let Results { record, faults } = scan.write_results(&mut folder)?;
         let text = toml::to_string(scan.config()).map_err(Fault::data)?;
         let page = page_of_scan(scan.scan(), &record, scan.config(), "nextview serve", &text);
         folder.add("report.html", |w| Ok(w.write_all(page.as_bytes())?))?;

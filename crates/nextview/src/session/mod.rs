@@ -289,10 +289,11 @@ impl Session {
         self.scene.map.place().table.map(|table| table.plane)
     }
 
-    /// The plane above which points of a frame are no longer the table's, as this frame shows it; none
-    /// without a table, or before it was found.
+    /// The plane above which points of a frame are no longer the table's, as this frame shows it beside the
+    /// object; none without a table, or before table and object were found.
     pub fn table_top_in(&self, frame: &Frame) -> Option<Plane> {
-        self.scene.map.place().table.map(|table| table.top_in(frame))
+        let Place { bounds, table } = self.scene.map.place();
+        table.zip(bounds).map(|(table, bounds)| table.top_in(frame, &bounds))
     }
 
     /// The bodies that the frames show at most a metre from an object whose box grows, nearest first; none

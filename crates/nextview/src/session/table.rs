@@ -61,9 +61,6 @@ const POSE_ERROR: f64 = 0.025;
 /// where a table is stated to cut through something.
 const LARGEST_NOISE: f64 = 0.01;
 
-/// How far beside the table its points are in a frame, metres, for them to be told from the object.
-const SHIFT: f64 = 0.005;
-
 /// A table that was found.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct KnownTable {
@@ -93,9 +90,8 @@ impl ShownTable {
         let Some(fit) = fit_ground_near(known.plane, POSE_ERROR, &points, camera) else {
             return Self { camera, tops: [known.top; 2], per_distance_sq: 0.0 };
         };
-        let distance = fit.deviation.max(ON_TABLE);
-        let of_table = points.iter().filter(|point| fit.plane.height(**point).abs() <= distance);
-        let (n, sum) = of_table.fold((0, 0.0), |(n, sum), p| (n + 1, sum + p.distance_squared(camera)));
+        let (n, sum) =
+            points_of(&fit, &points).fold((0, 0.0), |(n, sum), p| (n + 1, sum + p.distance_squared(camera)));
         let per_distance_sq = if n > 0 { DEVIATIONS_SHOWN * fit.deviation * n as f64 / sum } else { 0.0 };
         Self { camera, tops: [known.top, fit.plane.raised(ON_TABLE)], per_distance_sq }
     }
@@ -207,11 +203,15 @@ impl TableSearch {
     }
 }
 
+/// Most of a table's own points.
+fn points_of<'a>(fit: &PlaneFit, points: &'a [DVec3]) -> impl Iterator<Item = &'a DVec3> {
+    let PlaneFit { plane, deviation } = *fit;
+    points.iter().filter(move |point| plane.height(**point).abs() <= deviation.max(ON_TABLE))
+}
+
 /// Whether a plane's points scatter no more than the noise of a camera that stands here makes them.
 fn is_flat(fit: &PlaneFit, points: &[DVec3], camera: DVec3) -> bool {
-    let distance = fit.deviation.max(ON_TABLE);
-    let of_plane = points.iter().filter(|point| fit.plane.height(**point).abs() <= distance);
-    let (n, sum) = of_plane.fold((0, 0.0), |(n, sum), point| (n + 1, sum + point.distance(camera)));
+    let (n, sum) = points_of(fit, points).fold((0, 0.0), |(n, sum), p| (n + 1, sum + p.distance(camera)));
     n as f64 * fit.deviation <= LARGEST_NOISE * sum
 }
 
@@ -230,13 +230,14 @@ impl KnownTable {
     }
 
     /// The plane above which the points of this frame are no longer its own: where a pose is wrong, or depths
-    /// are noisier than in the frame that shows the table best, they are not where it is known to be.
-    pub fn top_in(&self, frame: &Frame) -> Plane {
+    /// are noisier than in the frame that shows the table best, they are not where it is known to be. Only
+    /// what the frame shows beside the box around the object counts, as the top of a flat part is no table.
+    pub fn top_in(&self, frame: &Frame, object: &Aabb) -> Plane {
+        let is_beside =
+            |p: &DVec3| p.x < object.min.x || p.x > object.max.x || p.y < object.min.y || p.y > object.max.y;
+        let points: Vec<DVec3> = frame.points().filter(is_beside).collect();
         let camera = frame.world_from_camera().translation();
-        let points: Vec<DVec3> = frame.points().collect();
-        // Nearer than for connections to the object: the top of a flat part is no table.
-        let distance = SHIFT + self.top.offset() - self.plane.offset();
-        let fit = fit_ground_stated(self.plane, distance, &points, camera);
+        let fit = fit_ground_stated(self.plane, POSE_ERROR, &points, camera);
         fit.filter(|fit| is_flat(fit, &points, camera)).map_or(self.top, |fit| Self::fitted(fit).top)
     }
 
@@ -348,16 +349,20 @@ mod tests {
             Frame::new(image, optics, pose, 4.0).unwrap()
         };
         let known = KnownTable::new(Plane::horizontal(0.0).unwrap());
-        for shift in [-0.004, 0.0, 0.005] {
-            let top = known.top_in(&frame(0.0, shift));
-            assert!((top.height(DVec3::ZERO) + shift + ON_TABLE).abs() < 1e-5, "{shift}");
+        let top = |frame: &Frame, half: f64| {
+            known.top_in(frame, &Aabb::cube(DVec3::ZERO, half)).height(DVec3::ZERO) + ON_TABLE
+        };
+        for shift in [-0.02, -0.004, 0.0, 0.005] {
+            assert!((top(&frame(0.0, shift), 0.05) + shift).abs() < 1e-5, "{shift}");
         }
-        for thickness in [0.007, 0.02] {
+        for thickness in [0.003, 0.007, 0.02] {
             let frame = frame(thickness, 0.0);
             let n_plate = frame.points().filter(|point| point.z > 0.5 * thickness).count();
             assert!(2 * n_plate > frame.points().count(), "the plate fills most of the image");
-            let top = known.top_in(&frame);
-            assert!((top.height(DVec3::ZERO) + ON_TABLE).abs() < 1e-5, "{thickness}: {top:?}");
+            // With table beside its box, and without.
+            for half in [0.14, 1.0] {
+                assert!(top(&frame, half).abs() < 1e-5, "{thickness}");
+            }
         }
     }
 

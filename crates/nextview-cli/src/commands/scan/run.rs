@@ -144,7 +144,7 @@ fn drive(
     if scan.bounds().is_none() {
         scan.forget_journal();
     }
-    let Results { record, faults } = write_results(&mut folder, config, &scan);
+    let Results { record, faults } = write_results(&mut folder, config, &scan)?;
     let page = page_of_scan(&scan, &record, config, &command_again(&output.dir), &text);
     folder.add("report.html", |w| Ok(w.write_all(page.as_bytes())?))?;
     folder.publish()?;
