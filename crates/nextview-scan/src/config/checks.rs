@@ -2,7 +2,7 @@
 
 #[cfg(feature = "simulated")]
 use super::ReferenceConfig;
-use super::noise::{in_millimetres, of_least_depth};
+use super::millimetres::{in_millimetres, of_least_depth};
 use super::planner_name::no_reference;
 use super::{
     BoxRule, LiveConfig, PlannerName, RecordingConfig, RobotConfig, ScanConfig, TableRule, ViewRule,

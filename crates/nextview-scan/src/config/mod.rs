@@ -4,6 +4,7 @@ mod checks;
 mod choices;
 mod live;
 mod load;
+mod millimetres;
 #[cfg(feature = "simulated")]
 mod noise;
 mod planner_choice;

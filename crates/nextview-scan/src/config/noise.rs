@@ -1,3 +1,4 @@
+use super::millimetres::of_least_depth;
 use crate::Fault;
 use crate::names::named;
 use nextview::sensor::DepthRange;
@@ -71,19 +72,4 @@ impl NoiseConfig {
         let least = of_least_depth("noise.depth.min_depth_m", self.depth.min_depth);
         faults.chain(self.depth.check().err().map(Fault::from)).chain(least).collect()
     }
-}
-
-/// The least depth of a camera, metres, is given in another unit if it is larger than this.
-const LEAST_DEPTH_M: f64 = 20.0;
-
-/// The fault of a least depth that no camera has.
-pub(super) fn of_least_depth(key: &str, min_depth_m: f64) -> Option<Fault> {
-    let fault = || Fault::of_value(key, min_depth_m, format!("at most {LEAST_DEPTH_M} m"));
-    (min_depth_m > LEAST_DEPTH_M).then(|| in_millimetres(fault()))
-}
-
-/// The fault of a length that is meant in millimetres.
-pub(super) fn in_millimetres(mut fault: Fault) -> Fault {
-    fault.message += "; is it in millimetres?";
-    fault
 }
