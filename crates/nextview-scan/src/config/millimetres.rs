@@ -1,0 +1,18 @@
+//! Lengths in metres that are so large that they were given in millimetres.
+
+use crate::Fault;
+
+/// The least depth of a camera, metres, is given in another unit if it is larger than this.
+const LEAST_DEPTH_M: f64 = 20.0;
+
+/// The fault of a least depth that no camera has.
+pub(super) fn of_least_depth(key: &str, min_depth_m: f64) -> Option<Fault> {
+    let fault = || Fault::of_value(key, min_depth_m, format!("at most {LEAST_DEPTH_M} m"));
+    (min_depth_m > LEAST_DEPTH_M).then(|| in_millimetres(fault()))
+}
+
+/// The fault of a length that is meant in millimetres.
+pub(super) fn in_millimetres(mut fault: Fault) -> Fault {
+    fault.message += "; is it in millimetres?";
+    fault
+}
