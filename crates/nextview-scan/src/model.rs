@@ -5,7 +5,7 @@ use glam::DVec3;
 use nextview::Cancel;
 use nextview::geometry::{Aabb, Lattice, Plane};
 use nextview::sensor::{ColorImage, Frame, SurfaceError};
-use nextview::session::ON_TABLE;
+use nextview::session::{ON_TABLE, TableTops};
 use nextview::surface::{
     CloudPoint, DistanceField, Floor, MeasuredCells, SurfaceMesh, WatertightMesh, downsample, fit_normals,
     frame_points, take_nearest,
@@ -32,6 +32,8 @@ pub(crate) struct Extent {
     pub bounds: Aabb,
     /// What the object stands on.
     pub table: Option<Plane>,
+    /// Where each frame shows that; none where they show nothing but the object.
+    pub tops: Option<TableTops>,
     /// Edge of the cells, metres.
     pub detail: f64,
     /// Of the camera.
@@ -39,18 +41,19 @@ pub(crate) struct Extent {
 }
 
 impl FinalModel {
-    /// Makes both from frames. The colour image of each is loaded by its number when it is needed; the
-    /// cloud has the points above its top of the table.
+    /// Makes both from frames, of what each shows above its top of the table. The colour image of each is
+    /// loaded by its number when it is needed.
     pub(crate) fn new(
         frames: &[Frame],
         color: impl Fn(usize) -> Result<Option<ColorImage>, Fault>,
-        tops: &[Option<Plane>],
         extent: Extent,
         config: ModelConfig,
         cancel: &Cancel,
     ) -> Result<Self, Fault> {
         let Extent { bounds, detail, .. } = extent;
-        let mut cloud = cloud(frames, color, tops, bounds, detail, cancel)?;
+        let top = |frame: &Frame| extent.tops.map(|tops| tops.in_frame(frame));
+        let tops: Vec<Option<Plane>> = frames.iter().map(top).collect();
+        let mut cloud = cloud(frames, color, &tops, bounds, detail, cancel)?;
         if extent.error != SurfaceError::default() {
             let mut measured = MeasuredCells::new(detail, extent.error)?;
             frames.iter().try_for_each(|frame| measured.add(frame, bounds, cancel))?;
@@ -58,7 +61,7 @@ impl FinalModel {
                 point.error = measured.error_at(point.position).map(|error| error as f32);
             }
         }
-        let field = field(frames, bounds, detail, cancel)?;
+        let field = field(frames, &tops, bounds, detail, cancel)?;
         let floor = extent.floor();
         let closed =
             config.watertight.then(|| field.watertight_surface(floor.as_ref(), cancel)).transpose()?;
@@ -135,10 +138,16 @@ fn cloud(
     Ok(cloud)
 }
 
-fn field(frames: &[Frame], bounds: Aabb, detail: f64, cancel: &Cancel) -> Result<DistanceField, Fault> {
+fn field(
+    frames: &[Frame],
+    tops: &[Option<Plane>],
+    bounds: Aabb,
+    detail: f64,
+    cancel: &Cancel,
+) -> Result<DistanceField, Fault> {
     let lattice = Lattice::new(detail)?;
     let block = lattice.block_inside(&bounds).expect("the box holds many cells of 1/128 of it");
     let mut field = DistanceField::new(lattice, block, truncation(detail))?;
-    frames.iter().try_for_each(|frame| field.integrate(frame, cancel))?;
+    frames.iter().zip(tops).try_for_each(|(frame, top)| field.integrate_above(frame, *top, cancel))?;
     Ok(field)
 }

@@ -221,6 +221,34 @@ fn masks_that_are_too_tight_do_not_carve_away_what_other_frames_measured() {
     assert!((area(&mesh) / expected - 1.0).abs() < 0.03, "{}", area(&mesh) / expected);
 }
 
+/// The ball, and a table that it stands on.
+fn ball_on_table(origin: DVec3, direction: DVec3) -> Option<f64> {
+    let table = (-RADIUS - origin.z) / direction.z;
+    ball(origin, direction).or((table > 0.0).then_some(table))
+}
+
+#[test]
+fn what_is_not_above_the_top_of_a_table_is_no_surface_but_ends_free_rays() {
+    let mesh_above = |top: Option<Plane>| {
+        let mut field = empty_field();
+        for direction in around(24).filter(|direction| direction.z > 0.2) {
+            let pose = look_at(0.4 * direction, DVec3::ZERO).unwrap();
+            let frame = render(ball_on_table, pinhole(), pose, f32::INFINITY);
+            field.integrate_above(&frame, top, &Cancel::default()).unwrap();
+        }
+        let beside = field.lattice().key(DVec3::new(0.07, 0.07, -0.03));
+        assert_eq!(field.distance(beside), Some(2.0 * VOXEL as f32), "free before the table");
+        field.surface(&Cancel::default()).unwrap()
+    };
+    let off_the_ball = |mesh: &SurfaceMesh| mean_and_max(mesh, |v| v.length() - RADIUS).1;
+    assert!(off_the_ball(&mesh_above(None)) > 5.0, "the table, voxels");
+    let top = Plane::horizontal(VOXEL - RADIUS).unwrap();
+    let mesh = mesh_above(Some(top));
+    assert!(off_the_ball(&mesh) < 0.3, "{} voxels", off_the_ball(&mesh));
+    let expected = 2.0 * std::f64::consts::PI * RADIUS * (RADIUS + 0.5 * RADIUS);
+    assert!(area(&mesh) > expected, "{} {expected}", area(&mesh));
+}
+
 #[test]
 fn missing_pixels_leave_holes_and_make_no_surface() {
     let mut field = empty_field();

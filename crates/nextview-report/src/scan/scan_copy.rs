@@ -2,6 +2,7 @@ use nextview::geometry::{Aabb, Plane};
 use nextview::map::Snapshot;
 use nextview::motion::Trajectory;
 use nextview::sensor::{ColorImage, DepthRange, Frame};
+use nextview::session::TableTops;
 use nextview::view::ViewSpace;
 use nextview_scan::{FinishedScan, ModelFrames};
 
@@ -33,6 +34,8 @@ pub(crate) struct ScanCopy {
     pub voxel_size: f64,
     pub depth_range: DepthRange,
     pub table: Option<Plane>,
+    /// Where the frames of the model show it; none where they show nothing but the object.
+    pub table_tops: Option<TableTops>,
 }
 
 impl ScanCopy {
@@ -57,6 +60,7 @@ impl ScanCopy {
             voxel_size: session.map().lattice().voxel_size(),
             depth_range: session.depth_range(),
             table: session.table(),
+            table_tops: scan.table_tops(),
         }
     }
 

@@ -9,7 +9,7 @@ use glam::{DVec2, DVec3};
 use nextview::geometry::{Aabb, Plane};
 use nextview::motion::Trajectory;
 use nextview::sensor::{ColorImage, Depth, Frame};
-use nextview::session::{BOX_MARGIN_FACTOR, BOX_MARGIN_VOXELS, ON_TABLE, Session, StopReason};
+use nextview::session::{BOX_MARGIN_FACTOR, BOX_MARGIN_VOXELS, ON_TABLE, Session, StopReason, TableTops};
 use nextview::surface::{CloudPoint, SurfaceMesh, WatertightMesh, downsample};
 use nextview_robot::path::JointTrajectory;
 use std::borrow::Cow;
@@ -115,9 +115,9 @@ impl FinishedScan<'_> {
         let color = |i: usize| self.model_color(i, n_earlier);
         let cancel = self.session.cancel();
         let (table, error) = (self.table(), self.session.surface_error());
-        let extent = Extent { bounds, table, detail: self.detail(bounds), error };
-        let tops = self.table_tops(&frames);
-        FinalModel::new(&frames, color, &tops, extent, config, cancel)
+        let tops = self.table_tops();
+        let extent = Extent { bounds, table, tops, detail: self.detail(bounds), error };
+        FinalModel::new(&frames, color, extent, config, cancel)
     }
 
     /// The frames that the model is made of; fails if it is cancelled.
@@ -137,6 +137,11 @@ impl FinishedScan<'_> {
             (None, Some(earlier)) => earlier.color(i),
             (None, None) => Ok(None),
         }
+    }
+
+    /// The top of the table in each frame of the model; none where they show nothing but the object.
+    pub fn table_tops(&self) -> Option<TableTops> {
+        self.session.table_tops().filter(|_| self.session.earlier_frames().is_empty())
     }
 
     /// The record. Fails if the cloud to be measured cannot be made, or if it is cancelled.
@@ -235,11 +240,11 @@ impl FinishedScan<'_> {
     fn plain_cloud(&self) -> Result<Vec<CloudPoint>, Fault> {
         let Some(bounds) = self.model_bounds() else { return Ok(Vec::new()) };
         let ModelFrames { frames, .. } = self.model_frames()?;
-        let tops = self.table_tops(&frames);
-        let points = frames
-            .iter()
-            .zip(tops)
-            .flat_map(|(frame, top)| frame.points_in(bounds).filter(move |point| is_above_top(top, *point)));
+        let tops = self.table_tops();
+        let points = frames.iter().flat_map(|frame| {
+            let top = tops.map(|tops| tops.in_frame(frame));
+            frame.points_in(bounds).filter(move |point| is_above_top(top, *point))
+        });
         Ok(downsample(points, self.detail(bounds))?)
     }
 
@@ -248,13 +253,6 @@ impl FinishedScan<'_> {
         let table = self.table();
         let positions = cloud.iter().map(|point| point.position);
         positions.filter(|point| is_above(table, *point)).collect()
-    }
-
-    /// For each frame of the model, the plane above which its points are the object's; none where there is no
-    /// table.
-    fn table_tops(&self, frames: &[Frame]) -> Vec<Option<Plane>> {
-        let top = |frame: &Frame| self.table().and_then(|_| self.session.table_top_in(frame));
-        frames.iter().map(top).collect()
     }
 
     /// The fault of a scan whose first frame shows no object.

@@ -38,7 +38,7 @@ pub use report::{MapReport, StepReport};
 pub use resolution::MultiResolutionConfig;
 pub use shown::shown_object;
 pub use stop::StopConfig;
-pub use table::{ON_TABLE, Table};
+pub use table::{ON_TABLE, Table, TableTops};
 pub use taken_frames::SetAside;
 pub use views::Views;
 
@@ -289,11 +289,10 @@ impl Session {
         self.scene.map.place().table.map(|table| table.plane)
     }
 
-    /// The plane above which points of a frame are no longer the table's, as this frame shows it beside the
-    /// object; none without a table, or before table and object were found.
-    pub fn table_top_in(&self, frame: &Frame) -> Option<Plane> {
+    /// The top of the table in each frame; none without a table, or before table and object were found.
+    pub fn table_tops(&self) -> Option<TableTops> {
         let Place { bounds, table } = self.scene.map.place();
-        table.zip(bounds).map(|(table, bounds)| table.top_in(frame, &bounds))
+        table.zip(bounds).map(|(table, object)| TableTops { table, object })
     }
 
     /// The bodies that the frames show at most a metre from an object whose box grows, nearest first; none

@@ -229,18 +229,6 @@ impl KnownTable {
         Self::with_tolerance(fit.plane, ON_TABLE.max(DEVIATIONS * fit.deviation))
     }
 
-    /// The plane above which the points of this frame are no longer its own: where a pose is wrong, or depths
-    /// are noisier than in the frame that shows the table best, they are not where it is known to be. Only
-    /// what the frame shows beside the box around the object counts, as the top of a flat part is no table.
-    pub fn top_in(&self, frame: &Frame, object: &Aabb) -> Plane {
-        let is_beside =
-            |p: &DVec3| p.x < object.min.x || p.x > object.max.x || p.y < object.min.y || p.y > object.max.y;
-        let points: Vec<DVec3> = frame.points().filter(is_beside).collect();
-        let camera = frame.world_from_camera().translation();
-        let fit = fit_ground_stated(self.plane, POSE_ERROR, &points, camera);
-        fit.filter(|fit| is_flat(fit, &points, camera)).map_or(self.top, |fit| Self::fitted(fit).top)
-    }
-
     /// The plane below which no camera can stand.
     pub fn floor(&self) -> Plane {
         self.top.raised(CLEARANCE)
@@ -260,6 +248,29 @@ impl KnownTable {
         let lowest = corners.map(height).into_iter().fold(f64::INFINITY, f64::min);
         let z = if lowest < bounds.max.z { lowest.max(bounds.min.z) } else { bounds.min.z };
         Aabb { min: min.extend(z), ..bounds }
+    }
+}
+
+/// The top of the table in each frame. Where a pose is wrong, or depths are noisier than in the frame that shows
+/// the table best, its points are not where it is known to be.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct TableTops {
+    pub(super) table: KnownTable,
+    /// The box around the object.
+    pub(super) object: Aabb,
+}
+
+impl TableTops {
+    /// The plane, in world coordinates, above which the points of a frame are no longer the table's. Only what
+    /// the frame shows beside the box around the object counts, as the top of a flat part is no table.
+    pub fn in_frame(&self, frame: &Frame) -> Plane {
+        let Self { table, object: Aabb { min, max } } = self;
+        let is_beside = |p: &DVec3| p.x < min.x || p.x > max.x || p.y < min.y || p.y > max.y;
+        let points: Vec<DVec3> = frame.points().filter(is_beside).collect();
+        let camera = frame.world_from_camera().translation();
+        let fit = fit_ground_stated(table.plane, POSE_ERROR, &points, camera);
+        let fit = fit.filter(|fit| is_flat(fit, &points, camera));
+        fit.map_or(table.top, |fit| KnownTable::fitted(fit).top)
     }
 }
 
@@ -350,7 +361,10 @@ mod tests {
         };
         let known = KnownTable::new(Plane::horizontal(0.0).unwrap());
         let top = |frame: &Frame, half: f64| {
-            known.top_in(frame, &Aabb::cube(DVec3::ZERO, half)).height(DVec3::ZERO) + ON_TABLE
+            TableTops { table: known, object: Aabb::cube(DVec3::ZERO, half) }
+                .in_frame(frame)
+                .height(DVec3::ZERO)
+                + ON_TABLE
         };
         for shift in [-0.02, -0.004, 0.0, 0.005] {
             assert!((top(&frame(0.0, shift), 0.05) + shift).abs() < 1e-5, "{shift}");

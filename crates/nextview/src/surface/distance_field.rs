@@ -2,7 +2,7 @@ use super::SurfaceMesh;
 use super::frame_surface::{Evidence, FrameSurface};
 use super::specks::without_specks;
 use super::surface_nets::surface_nets_unless;
-use crate::geometry::{Aabb, Lattice, Pose, VoxelBlock};
+use crate::geometry::{Aabb, Lattice, Plane, Pose, VoxelBlock};
 use crate::sensor::Frame;
 use crate::{Cancel, Cancelled, Error};
 use glam::{DVec3, IVec3};
@@ -105,10 +105,22 @@ impl DistanceField {
 
     /// Adds a frame. If cancelled, a part of it may be in the field, which is of no use then.
     pub fn integrate(&mut self, frame: &Frame, cancel: &Cancel) -> Result<(), Cancelled> {
+        self.integrate_above(frame, None, cancel)
+    }
+
+    /// The same for an object on a table: what the frame measured at or below `table_top`, in world
+    /// coordinates, only shows that the rays up to there are free. None without a table.
+    pub fn integrate_above(
+        &mut self,
+        frame: &Frame,
+        table_top: Option<Plane>,
+        cancel: &Cancel,
+    ) -> Result<(), Cancelled> {
         cancel.check()?;
         let camera_from_world = frame.world_from_camera().inverse();
         let Some(nearest) = self.nearest_depth(&camera_from_world) else { return Ok(()) };
-        let surface = FrameSurface::new(frame, self.truncation, self.lattice.voxel_size(), nearest, cancel)?;
+        let margin = self.lattice.voxel_size();
+        let surface = FrameSurface::new(frame, table_top, self.truncation, margin, nearest, cancel)?;
         let (rotation, translation) = (camera_from_world.rotation_matrix(), camera_from_world.translation());
         let (lattice, block) = (self.lattice, self.block);
         let row = block.dims().x as usize;

@@ -2,6 +2,7 @@
 
 use super::clear_depth::ClearDepth;
 use super::tangent_plane::TangentPlanes;
+use crate::geometry::Plane;
 use crate::sensor::{Depth, Frame, Intrinsics};
 use crate::{Cancel, Cancelled};
 use glam::{DVec2, DVec3};
@@ -44,6 +45,8 @@ pub(super) struct FrameSurface {
     /// By pixel, whether nothing came back.
     is_open: Vec<bool>,
     clear_depth: ClearDepth,
+    /// In the camera frame.
+    table_top: Option<Plane>,
     truncation: f64,
     margin: f64,
 }
@@ -51,8 +54,10 @@ pub(super) struct FrameSurface {
 impl FrameSurface {
     /// The frame with distances truncated at `truncation` metres. Points count as free only if there is no
     /// surface within `margin` metres beside them. No point may be queried at depths below `nearest` metres.
+    /// What is not above `table_top`, in world coordinates, ends rays and is no surface.
     pub(super) fn new(
         frame: &Frame,
+        table_top: Option<Plane>,
         truncation: f64,
         margin: f64,
         nearest: f64,
@@ -63,7 +68,8 @@ impl FrameSurface {
         let is_open = frame.image().pixels().map(|depth| depth == Depth::Beyond).collect();
         let half_width = margin_in_pixels(&intrinsics, margin, nearest);
         let clear_depth = ClearDepth::new(depth, width, half_width, cancel)?;
-        Ok(Self { intrinsics, planes, is_open, clear_depth, truncation, margin })
+        let table_top = table_top.map(|top| top.moved(&frame.world_from_camera().inverse()));
+        Ok(Self { intrinsics, planes, is_open, clear_depth, table_top, truncation, margin })
     }
 
     /// The frame's evidence about points of the camera frame; nothing outside the image, where nothing was
@@ -97,8 +103,9 @@ impl FrameSurface {
     }
 
     fn near_plane(&self, point: DVec3, pixel: usize) -> Option<Evidence> {
-        let along_ray = (point.z - self.planes.depth(pixel)? as f64).abs();
-        if along_ray > REACH * self.truncation {
+        let shown = self.planes.point(pixel)?.as_dvec3();
+        let is_table = || self.table_top.is_some_and(|top| top.height(shown) <= 0.0);
+        if (point.z - shown.z).abs() > REACH * self.truncation || is_table() {
             return None;
         }
         let plane = self.planes.at(pixel)?;
@@ -156,7 +163,7 @@ mod tests {
     fn the_distance_to_a_slanted_wall_is_exact() {
         // The plane x + 2 z = 1.
         let frame = frame(21, 17, |u, _| (1.0 / ((u as f64 - 10.0) / 50.0 + 2.0)) as f32);
-        let surface = FrameSurface::new(&frame, 0.05, 0.01, 0.4, &Cancel::default()).unwrap();
+        let surface = FrameSurface::new(&frame, None, 0.05, 0.01, 0.4, &Cancel::default()).unwrap();
         for point in
             [DVec3::new(0.013, 0.02, 0.5), DVec3::new(-0.05, -0.01, 0.54), DVec3::new(0.0, 0.0, 0.46)]
         {
@@ -178,7 +185,7 @@ mod tests {
     fn beside_a_silhouette_the_distance_is_the_one_to_it() {
         // A surface in the left half, nothing in the right.
         let frame = frame(21, 17, |u, _| if u < 10 { 0.5 } else { f32::INFINITY });
-        let surface = FrameSurface::new(&frame, 0.02, 0.04, 0.5, &Cancel::default()).unwrap();
+        let surface = FrameSurface::new(&frame, None, 0.02, 0.04, 0.5, &Cancel::default()).unwrap();
         let at = |x: f64| surface.evidence(&[DVec3::new(x, 0.0, 0.5)])[0];
         // A pixel is 1 cm wide there.
         for (x, expected) in [(0.0, 0.005), (0.01, 0.015), (0.02, 0.025)] {

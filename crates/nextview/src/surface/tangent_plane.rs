@@ -55,12 +55,8 @@ impl TangentPlanes {
         TangentPlane::new(point, along_v.cross(along_u))
     }
 
-    /// The depth at a pixel; none where nothing was measured.
-    pub(super) fn depth(&self, pixel: usize) -> Option<f32> {
-        Some(self.point(pixel)?.z)
-    }
-
-    fn point(&self, pixel: usize) -> Option<Vec3> {
+    /// The point at a pixel; none where nothing was measured.
+    pub(super) fn point(&self, pixel: usize) -> Option<Vec3> {
         self.points.get(pixel).copied().filter(|point| point.z > 0.0)
     }
 }

@@ -55,7 +55,8 @@ impl FusedFrames {
         }
         let field = self.field.as_mut()?;
         for frame in scan.model_frames.iter().skip(self.n_frames) {
-            field.integrate(frame, &Cancel::default()).ok()?;
+            let top = scan.table_tops.map(|tops| tops.in_frame(frame));
+            field.integrate_above(frame, top, &Cancel::default()).ok()?;
         }
         self.n_frames = scan.model_frames.len();
         Some(field)
