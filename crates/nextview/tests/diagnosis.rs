@@ -89,6 +89,7 @@ fn wrong_inputs(right: &[Frame]) -> Vec<(Vec<Frame>, Reading)> {
     vec![
         (with_poses(right, |pose| turned(pose, to_opengl)), Reading::Axes(CameraAxes::OpenGl)),
         (with_poses(right, |pose| turned(pose, to_ros)), Reading::Axes(CameraAxes::Ros)),
+        (with_poses(right, |pose| CameraAxes::Ros.to_opencv(pose)), Reading::TurnedFromRos),
         (with_poses(right, Pose::inverse), Reading::Inverted),
         (with_poses(right, w_first), Reading::WFirst),
         (with_poses(right, |pose| moved(pose, 1e3)), Reading::Positions(0.001)),

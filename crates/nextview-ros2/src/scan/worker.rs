@@ -2,6 +2,7 @@ use super::picture::outputs;
 use crate::camera::Taken;
 use crate::connections::Output;
 use crate::messages::TriggerResponse;
+use crate::notes::say;
 use crate::parameters::Parameters;
 use nextview::Cancel;
 use nextview::geometry::Pose;
@@ -179,7 +180,11 @@ impl Worker {
         if !ScanJournal::is_in(directory) {
             return Ok(false);
         }
-        self.scan = Some(LiveScan::resume(directory, Cancel::default())?);
+        let scan = LiveScan::resume(directory, Cancel::default())?;
+        if let Some(damage) = scan.damage() {
+            say(&directory.join(ScanJournal::FILE).display().to_string(), &damage.to_string());
+        }
+        self.scan = Some(scan);
         Ok(true)
     }
 

@@ -54,7 +54,8 @@ fn of_key(reading: Reading, read: &ReadOptions) -> Option<Advice> {
             Some(Advice::Try("`recording.read.camera_axes` = ros"))
         }
         // Two half turns are none.
-        (Reading::Axes(CameraAxes::OpenGl), CameraAxes::OpenGl) => {
+        (Reading::Axes(CameraAxes::OpenGl), CameraAxes::OpenGl)
+        | (Reading::TurnedFromRos, CameraAxes::Ros) => {
             Some(Advice::LeaveOut("those of cameras with OpenCV axes", AXES))
         }
         (Reading::Inverted, CameraAxes::OpenCv) => Some(match read.poses {
@@ -68,7 +69,7 @@ fn of_key(reading: Reading, read: &ReadOptions) -> Option<Advice> {
 /// What would be right.
 fn right(reading: Reading) -> &'static str {
     match reading {
-        Reading::Axes(_) => "turn them to OpenCV axes: x right, y down, z forward",
+        Reading::Axes(_) | Reading::TurnedFromRos => "turn them to OpenCV axes: x right, y down, z forward",
         Reading::Inverted => "world_from_camera is expected",
         Reading::WFirst => "x, y, z, w is expected",
         Reading::Positions(_) => "metres are expected",
@@ -99,6 +100,11 @@ mod tests {
             (
                 axes(CameraAxes::OpenGl),
                 read(CameraAxes::OpenGl, forward),
+                "the poses look like those of cameras with OpenCV axes: leave out `recording.read.camera_axes`",
+            ),
+            (
+                Suspicion::Misread(Reading::TurnedFromRos),
+                read(CameraAxes::Ros, forward),
                 "the poses look like those of cameras with OpenCV axes: leave out `recording.read.camera_axes`",
             ),
             (

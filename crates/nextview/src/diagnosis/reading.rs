@@ -9,6 +9,8 @@ use std::fmt;
 pub enum Reading {
     /// The poses are of cameras with these axes.
     Axes(CameraAxes),
+    /// The poses are of cameras with OpenCV axes, and were turned as if they had those of ROS.
+    TurnedFromRos,
     /// The poses are `camera_from_world`.
     Inverted,
     /// The quaternions hold w first.
@@ -21,9 +23,10 @@ pub enum Reading {
 
 impl Reading {
     /// All that are tried.
-    pub(super) const ALL: [Self; 15] = [
+    pub(super) const ALL: [Self; 16] = [
         Self::Axes(CameraAxes::OpenGl),
         Self::Axes(CameraAxes::Ros),
+        Self::TurnedFromRos,
         Self::Inverted,
         Self::WFirst,
         Self::Positions(0.001),
@@ -41,13 +44,17 @@ impl Reading {
 
     /// Whether it is about how poses are written, not about units.
     pub(super) fn is_convention(self) -> bool {
-        matches!(self, Self::Axes(_) | Self::Inverted | Self::WFirst)
+        matches!(self, Self::Axes(_) | Self::TurnedFromRos | Self::Inverted | Self::WFirst)
     }
 
     /// The pose that was meant.
     pub(super) fn pose(self, pose: &Pose) -> Pose {
         match self {
             Self::Axes(axes) => axes.to_opencv(pose),
+            Self::TurnedFromRos => {
+                let turn = CameraAxes::Ros.to_opencv(&Pose::IDENTITY).rotation();
+                Pose::from_unit((pose.rotation() * turn.inverse()).normalize(), pose.translation())
+            }
             Self::Inverted => pose.inverse(),
             Self::WFirst => {
                 let [w, x, y, z] = pose.rotation().to_array();
@@ -80,6 +87,9 @@ impl fmt::Display for Reading {
             Self::Axes(CameraAxes::Ros) => {
                 f.write_str("the poses look like those of cameras with ROS body axes (x forward, z up)")
             }
+            Self::TurnedFromRos => f.write_str(
+                "the poses look like those of cameras with OpenCV axes, turned as if they had ROS body axes",
+            ),
             Self::Inverted => f.write_str("the poses look inverted (camera_from_world)"),
             Self::WFirst => f.write_str("the quaternions look as if w came first"),
             Self::Positions(factor) => write!(f, "the positions look {}", times(*factor)),
