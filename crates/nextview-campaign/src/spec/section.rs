@@ -1,5 +1,5 @@
 use super::FaultList;
-use nextview_scan::Fault;
+use nextview_scan::{Fault, Faults, ScanConfig};
 use serde::de::DeserializeOwned;
 use toml::{Table, Value};
 
@@ -29,7 +29,9 @@ impl<'a> Section<'a> {
     pub fn take<T: DeserializeOwned>(&mut self, key: &'static str) -> Option<T> {
         self.known.push(key);
         let value = self.left.remove(key)?;
-        value.try_into().map_err(|e: toml::de::Error| self.fault(key, e.message())).ok()
+        let whole_key = format!("{}{key}", self.prefix);
+        let read = value.clone().try_into().map_err(|error| Fault::of_toml(&whole_key, &value, &error));
+        read.map_err(|fault| self.add(key, fault)).ok()
     }
 
     /// The same of a list of values, each of which may be wrong by itself.
@@ -50,9 +52,12 @@ impl<'a> Section<'a> {
 
     /// Keys that were not asked for are faults.
     pub fn end(mut self) {
-        for key in std::mem::take(&mut self.left).keys() {
-            let fault = Fault::unknown_key(&self.prefix, key, self.known.iter().copied());
-            self.add(key, fault);
+        for (key, value) in std::mem::take(&mut self.left) {
+            let fault = Fault::unknown_key(&self.prefix, &key, self.known.iter().copied());
+            let has_scan = self.known.contains(&"scan");
+            let is_of_scan = has_scan && is_of_scan(&key, value);
+            let remedy = format!("in a campaign, it is `{}scan.{key}`", self.prefix);
+            self.add(&key, if is_of_scan { fault.with_remedy(remedy) } else { fault });
         }
     }
 
@@ -60,4 +65,10 @@ impl<'a> Section<'a> {
         let fault = if self.name.is_empty() { fault } else { fault.within(&self.name) };
         self.faults.add(&format!("{}{key}", self.prefix), fault);
     }
+}
+
+/// Whether a configuration of a scan has this key.
+fn is_of_scan(key: &str, value: Value) -> bool {
+    let faults = ScanConfig::from_table(Table::from_iter([(key.to_owned(), value)])).err();
+    !faults.iter().flat_map(Faults::iter).any(|fault| fault.message.ends_with("is not a key"))
 }

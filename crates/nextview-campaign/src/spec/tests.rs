@@ -1,6 +1,7 @@
 use super::reading::Reading;
 use super::*;
 use crate::made_up;
+use nextview_scan::Fault;
 use std::fs;
 use std::path::Path;
 
@@ -8,7 +9,11 @@ use std::path::Path;
 fn faults(text: &str) -> Vec<String> {
     let reading = Reading::of(text, Some(Path::new("mine.toml")));
     let faults = reading.and_then(|reading| Spec::complete(reading, Path::new(""), &[])).unwrap_err();
-    faults.iter().map(ToString::to_string).collect()
+    let with_remedy = |fault: &Fault| match &fault.remedy {
+        Some(remedy) => format!("{fault}; {remedy}"),
+        None => fault.to_string(),
+    };
+    faults.iter().map(with_remedy).collect()
 }
 
 fn check(text: &str, expected: &[&str]) {
@@ -100,11 +105,15 @@ fn what_only_the_whole_shows_is_found_too() {
         "name = \"x\"\nvariant = [3]",
         &["line 2, column 1: variant 1: is of the type integer, expected a table"],
     );
-    check(
-        "seeds = \"x\"",
-        &["`name`: is missing", "line 1, column 1: `seeds`: invalid type: string \"x\", expected a sequence"],
-    );
+    check("seeds = \"x\"", &["`name`: is missing", "line 1, column 1: `seeds` is \"x\", expected a list"]);
     check("name = \"x", &["line 1, column "]);
+    check(
+        "name = \"x\"\nviews = 3\n[[variant]]\nnois.model = 3",
+        &[
+            "line 2, column 1: `views` is not a key; in a campaign, it is `scan.views`",
+            "line 4, column 1: variant 1: `variant.0.nois` is not a key; did you mean",
+        ],
+    );
     check("name = \"x\"\nobjects = []", &["line 2, column 1: objects is empty, expected at least one mesh"]);
     check(
         "name = \"x\"\n[scan]\nplanner = \"rse\"\nstop.completeness = 0.9",
@@ -124,10 +133,10 @@ fn first_views_and_sets_of_candidates_are_checked() {
     check(
         &of("first_views = \"all\""),
         &[
-            "line 2, column 1: `first_views`: is \"all\", expected a list of numbers of views, or how many to draw",
+            "line 2, column 1: `first_views` is \"all\", expected a list of numbers of views, or how many to draw",
         ],
     );
-    check(&of("first_views = [1, -1]"), &["line 2, column 1: `first_views`: is [1, -1], expected a list"]);
+    check(&of("first_views = [1, -1]"), &["line 2, column 1: `first_views` is [1, -1], expected a list"]);
     check(
         &of("first_views = 2\nscan.view_space = \"mine.csv\""),
         &["line 2, column 1: first_views is a number, but the candidates of"],

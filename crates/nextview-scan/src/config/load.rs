@@ -32,7 +32,9 @@ impl ScanConfig {
     /// the default one.
     pub fn from_table(table: Table) -> Result<Self, Faults> {
         let profile = match table.get("profile") {
-            Some(value) => value.clone().try_into::<Profile>().map_err(|e| of_key("profile", value, &e))?,
+            Some(value) => {
+                value.clone().try_into::<Profile>().map_err(|e| Fault::of_toml("profile", value, &e))?
+            }
             None => Profile::default(),
         };
         let base = Self::of_profile(profile);
@@ -51,7 +53,7 @@ impl ScanConfig {
 #[cfg(feature = "simulated")]
 fn with_sensor(mut base: ScanConfig, table: &Table) -> Result<ScanConfig, Faults> {
     if let Some(value) = table.get("sensor") {
-        let name = value.clone().try_into().map_err(|e| of_key("sensor", value, &e))?;
+        let name = value.clone().try_into().map_err(|e| Fault::of_toml("sensor", value, &e))?;
         base.set_sensor(name)?;
     }
     Ok(base)
@@ -70,7 +72,7 @@ fn isolated(base: &Table, table: &Table, error: &toml::de::Error) -> Faults {
             Err(error) if error.message().starts_with("missing field") => {
                 sections.extend(key.split('.').next().map(str::to_owned));
             }
-            Err(error) => faults.push(of_key(&key, value, &error)),
+            Err(error) => faults.push(Fault::of_toml(&key, value, &error)),
         }
     }
     for section in sections {
@@ -93,19 +95,6 @@ fn of_section(section: &str, error: &toml::de::Error) -> Fault {
     Fault { key: Some(section.to_owned()), ..Fault::data(format!("`{section}`: {}", error.message())) }
 }
 
-/// A value that does not fit its key, or an unknown key.
-fn of_key(key: &str, value: &Value, error: &toml::de::Error) -> Fault {
-    let message = error.message();
-    if let Some(known) = message.strip_prefix("unknown field `").and_then(|rest| rest.split_once('`')) {
-        return unknown(key, known.0, known.1);
-    }
-    let expected = message.rsplit_once(", expected ").map(|(_, expected)| expected);
-    match expected {
-        Some(expected) => Fault { kind: FaultKind::Data, ..Fault::of_value(key, value, in_words(expected)) },
-        None => Fault { key: Some(key.to_owned()), ..Fault::data(format!("`{key}`: {message}")) },
-    }
-}
-
 /// What a value should have been, where it is named by a type of Rust.
 fn in_words(expected: &str) -> String {
     match expected {
@@ -114,6 +103,8 @@ fn in_words(expected: &str) -> String {
         "u32" => format!("a whole number, 0 to {}", u32::MAX),
         "u64" | "usize" => "a whole number, at least 0".to_owned(),
         "f32" | "f64" => "a number".to_owned(),
+        "a sequence" => "a list".to_owned(),
+        "a map" => "a table".to_owned(),
         name if name.starts_with("struct ") => "a table".to_owned(),
         other => other.to_owned(),
     }
@@ -126,6 +117,21 @@ fn unknown(key: &str, word: &str, list: &str) -> Fault {
 }
 
 impl Fault {
+    /// A value that does not fit its key, or an unknown key.
+    pub fn of_toml(key: &str, value: &Value, error: &toml::de::Error) -> Self {
+        let message = error.message();
+        if let Some(known) = message.strip_prefix("unknown field `").and_then(|rest| rest.split_once('`')) {
+            return unknown(key, known.0, known.1);
+        }
+        let expected = message.rsplit_once(", expected ").map(|(_, expected)| expected);
+        match expected {
+            Some(expected) => {
+                Self { kind: FaultKind::Data, ..Self::of_value(key, value, in_words(expected)) }
+            }
+            None => Self { key: Some(key.to_owned()), ..Self::data(format!("`{key}`: {message}")) },
+        }
+    }
+
     /// An unknown key, with its nearest neighbour among the known ones. The prefix leads to both.
     pub fn unknown_key<'a>(prefix: &str, word: &str, known: impl Iterator<Item = &'a str>) -> Self {
         // A word is likelier to be cut short than misspelt: what both begin with counts for it.
