@@ -251,8 +251,8 @@ impl KnownTable {
     }
 }
 
-/// The top of the table in each frame. Where a pose is wrong, or depths are noisier than in the frame that shows
-/// the table best, its points are not where it is known to be.
+/// The top of the table in each frame. Where a pose is wrong, or depths are noisier than in the frame that
+/// shows the table best, its points are not where it is known to be.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TableTops {
     pub(super) table: KnownTable,
@@ -261,8 +261,8 @@ pub struct TableTops {
 }
 
 impl TableTops {
-    /// The plane, in world coordinates, above which the points of a frame are no longer the table's. Only what
-    /// the frame shows beside the box around the object counts, as the top of a flat part is no table.
+    /// The plane, in world coordinates, above which the points of a frame are no longer the table's. Only
+    /// what the frame shows beside the box around the object counts, as the top of a flat part is no table.
     pub fn in_frame(&self, frame: &Frame) -> Plane {
         let Self { table, object: Aabb { min, max } } = self;
         let is_beside = |p: &DVec3| p.x < min.x || p.x > max.x || p.y < min.y || p.y > max.y;
