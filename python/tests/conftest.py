@@ -28,10 +28,21 @@ def mug() -> nextview.SimulatedScene:
 def interrupted_after(seconds: float) -> Iterator[None]:
     """What is done here is interrupted, as by Ctrl-C, and must end with a KeyboardInterrupt."""
     timer = threading.Timer(seconds, os.kill, (os.getpid(), signal.SIGINT))
-    timer.start()
-    with pytest.raises(KeyboardInterrupt):
+    with heeding_ctrl_c():
+        timer.start()
+        with pytest.raises(KeyboardInterrupt):
+            yield
+        timer.join()
+
+
+@contextmanager
+def heeding_ctrl_c() -> Iterator[None]:
+    """A shell starts jobs in the background with Ctrl-C ignored, and Python then leaves it so."""
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
+    try:
         yield
-    timer.join()
+    finally:
+        signal.signal(signal.SIGINT, before)
 
 
 def ball(world_from_camera: NDArray[np.float64]) -> NDArray[np.float32]:

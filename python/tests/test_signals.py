@@ -12,7 +12,7 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
-from conftest import interrupted_after
+from conftest import heeding_ctrl_c, interrupted_after
 
 import nextview
 
@@ -21,10 +21,8 @@ BOX = [[-0.1, -0.1, -0.1], [0.1, 0.1, 0.1]]
 
 @pytest.fixture(autouse=True)
 def _heeds_ctrl_c() -> Iterator[None]:
-    """A shell starts jobs in the background with Ctrl-C ignored, and Python then leaves it so."""
-    before = signal.signal(signal.SIGINT, signal.default_int_handler)
-    yield
-    signal.signal(signal.SIGINT, before)
+    with heeding_ctrl_c():
+        yield
 
 
 def test_ctrl_c_works_within_100_ms() -> None:
