@@ -70,5 +70,6 @@ impl<'a> Section<'a> {
 /// Whether a configuration of a scan has this key.
 fn is_of_scan(key: &str, value: Value) -> bool {
     let faults = ScanConfig::from_table(Table::from_iter([(key.to_owned(), value)])).err();
-    !faults.iter().flat_map(Faults::iter).any(|fault| fault.message.ends_with("is not a key"))
+    let unknown = format!("`{key}` is not a key");
+    !faults.iter().flat_map(Faults::iter).any(|fault| fault.message == unknown)
 }

@@ -141,18 +141,9 @@ impl Work {
         self.scan = None;
     }
 
-    /// For who looks after the server; clients see how many frames there are.
-    fn tell_damage(&self, scan: &LiveScan) {
-        if let Some(damage) = scan.damage() {
-            eprintln!("note: {}: {damage}", self.dir.join(ScanJournal::FILE).display());
-        }
-    }
-
     fn resumed(&self) -> Result<LiveScan, Refusal> {
         let mut scan = match ScanJournal::is_in(&self.dir) {
-            true => {
-                LiveScan::resume(&self.dir, self.cancel.clone()).inspect(|scan| self.tell_damage(scan))?
-            }
+            true => LiveScan::resume(&self.dir, self.cancel.clone())?,
             // A scan that has no frames yet leaves no journal.
             false => LiveScan::begin(self.about.config()?, Some(&self.dir), self.cancel.clone())?,
         };
