@@ -7,8 +7,8 @@ use nextview::geometry::{Aabb, Lattice, Plane};
 use nextview::sensor::{ColorImage, Frame, SurfaceError};
 use nextview::session::{ON_TABLE, TableTops};
 use nextview::surface::{
-    CloudPoint, DistanceField, Floor, MeasuredCells, SurfaceMesh, WatertightMesh, downsample, fit_normals,
-    frame_points, take_nearest,
+    CloudPoint, DistanceField, Floor, MeasuredCells, SurfaceMesh, WatertightMesh, frame_points, fused_cloud,
+    take_nearest,
 };
 
 /// Cloud and mesh, from the frames in the poses in which they were mapped.
@@ -51,16 +51,10 @@ impl FinalModel {
         cancel: &Cancel,
     ) -> Result<Self, Fault> {
         let Extent { bounds, detail, .. } = extent;
-        let top = |frame: &Frame| extent.tops.map(|tops| tops.in_frame(frame));
-        let tops: Vec<Option<Plane>> = frames.iter().map(top).collect();
-        let mut cloud = cloud(frames, color, &tops, bounds, detail, cancel)?;
-        if extent.error != SurfaceError::default() {
-            let mut measured = MeasuredCells::new(detail, extent.error)?;
-            frames.iter().try_for_each(|frame| measured.add(frame, bounds, cancel))?;
-            for point in &mut cloud {
-                point.error = measured.error_at(point.position).map(|error| error as f32);
-            }
-        }
+        let tops = extent.tops_in(frames);
+        let measured = extent.measured(frames, cancel)?;
+        let cloud = cloud(frames, color, &tops, extent, measured.as_ref(), cancel)?;
+        drop(measured);
         let field = field(frames, &tops, bounds, detail, cancel)?;
         let floor = extent.floor();
         let closed =
@@ -100,6 +94,21 @@ impl FinalModel {
 }
 
 impl Extent {
+    /// The top of the table in each frame.
+    fn tops_in(&self, frames: &[Frame]) -> Vec<Option<Plane>> {
+        frames.iter().map(|frame| self.tops.map(|tops| tops.in_frame(frame))).collect()
+    }
+
+    /// How well the surface was measured; none where the camera's error is not known.
+    fn measured(&self, frames: &[Frame], cancel: &Cancel) -> Result<Option<MeasuredCells>, Fault> {
+        if self.error == SurfaceError::default() {
+            return Ok(None);
+        }
+        let mut measured = MeasuredCells::new(self.detail, self.error)?;
+        frames.iter().try_for_each(|frame| measured.add(frame, self.bounds, cancel))?;
+        Ok(Some(measured))
+    }
+
     /// The table; what is within the reach of its own measurements belongs to it.
     fn floor(&self) -> Option<Floor> {
         let clearance = ON_TABLE.max(truncation(self.detail));
@@ -107,9 +116,14 @@ impl Extent {
     }
 }
 
-/// Whether a point is above the top of a table, if there is one.
-pub(crate) fn is_above_top(top: Option<Plane>, point: DVec3) -> bool {
-    top.is_none_or(|top| top.height(point) > 0.0)
+/// The positions of the cloud of a model of which nothing else is wanted.
+pub(crate) fn cloud_positions(
+    frames: &[Frame],
+    extent: Extent,
+    cancel: &Cancel,
+) -> Result<Vec<DVec3>, Fault> {
+    let cloud = cloud(frames, |_| Ok(None), &extent.tops_in(frames), extent, None, cancel)?;
+    Ok(cloud.iter().map(|point| point.position).collect())
 }
 
 /// Distance up to which surfaces count in cells of this size, metres.
@@ -121,21 +135,21 @@ fn cloud(
     frames: &[Frame],
     color: impl Fn(usize) -> Result<Option<ColorImage>, Fault>,
     tops: &[Option<Plane>],
-    bounds: Aabb,
-    detail: f64,
+    extent: Extent,
+    measured: Option<&MeasuredCells>,
     cancel: &Cancel,
 ) -> Result<Vec<CloudPoint>, Fault> {
     let mut loaded = Ok(());
     let points = frames.iter().zip(tops).enumerate().map_while(|(i, (frame, top))| {
         let color = cancel.check().map_err(Fault::from).and_then(|()| color(i));
-        let points = color.and_then(|color| Ok(frame_points(frame, color, bounds)?));
-        let above = points.map(|points| points.filter(|point| is_above_top(*top, point.position)));
+        let points = color.and_then(|color| Ok(frame_points(frame, color, extent.bounds)?));
+        let is_above = |point: &CloudPoint| top.is_none_or(|top| top.height(point.position) > 0.0);
+        let above = points.map(|points| points.filter(is_above));
         above.map_err(|fault| loaded = Err(fault)).ok() // ends at the first fault
     });
-    let mut cloud = downsample(points.flatten(), detail)?;
+    let cloud = fused_cloud(points.flatten(), extent.detail, measured, cancel);
     loaded?;
-    fit_normals(&mut cloud, detail, cancel)?;
-    Ok(cloud)
+    Ok(cloud?)
 }
 
 fn field(

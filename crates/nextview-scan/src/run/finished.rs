@@ -1,6 +1,6 @@
 use super::stated::Stated;
 use crate::earlier_scan::EarlierScan;
-use crate::model::{Extent, is_above_top};
+use crate::model::{Extent, cloud_positions};
 use crate::{
     BoxRule, Fault, FinalModel, FrameSource, ModelConfig, ScanConfig, ScanJournal, ScanRecord, StepRecord,
     TurnRecord, ViewRule, memory, short_name,
@@ -10,7 +10,7 @@ use nextview::geometry::{Aabb, Plane};
 use nextview::motion::Trajectory;
 use nextview::sensor::{ColorImage, Depth, Frame};
 use nextview::session::{BOX_MARGIN_FACTOR, BOX_MARGIN_VOXELS, ON_TABLE, Session, StopReason, TableTops};
-use nextview::surface::{CloudPoint, SurfaceMesh, WatertightMesh, downsample};
+use nextview::surface::{SurfaceMesh, WatertightMesh};
 use nextview_robot::path::JointTrajectory;
 use std::borrow::Cow;
 
@@ -110,14 +110,17 @@ impl FinishedScan<'_> {
     /// image cannot be loaded, or if it is cancelled: reset the flag to make the model of a scan that was
     /// cancelled.
     pub fn model(&self, config: ModelConfig) -> Result<FinalModel, Fault> {
-        let bounds = self.model_bounds().ok_or_else(|| self.no_object())?;
+        let extent = self.extent().ok_or_else(|| self.no_object())?;
         let ModelFrames { frames, n_earlier } = self.model_frames()?;
         let color = |i: usize| self.model_color(i, n_earlier);
-        let cancel = self.session.cancel();
-        let (table, error) = (self.table(), self.session.surface_error());
-        let tops = self.table_tops();
-        let extent = Extent { bounds, table, tops, detail: self.detail(bounds), error };
-        FinalModel::new(&frames, color, extent, config, cancel)
+        FinalModel::new(&frames, color, extent, config, self.session.cancel())
+    }
+
+    /// Where the model is made, and how finely; none before an object was found.
+    fn extent(&self) -> Option<Extent> {
+        let bounds = self.model_bounds()?;
+        let (detail, error) = (self.detail(bounds), self.session.surface_error());
+        Some(Extent { bounds, table: self.table(), tops: self.table_tops(), detail, error })
     }
 
     /// The frames that the model is made of; fails if it is cancelled.
@@ -159,11 +162,12 @@ impl FinishedScan<'_> {
         match measured {
             Measured::Nothing => (),
             Measured::CloudOnly => {
-                source.measure_model(&self.of_object(&self.plain_cloud()?), None, &mut record);
+                source.measure_model(&self.of_object(self.cloud_positions()?), None, &mut record);
             }
             Measured::Model(model) => {
                 let mesh = above(self.table(), &model.mesh);
-                source.measure_model(&self.of_object(&model.cloud), Some(&mesh), &mut record);
+                let cloud = model.cloud.iter().map(|point| point.position);
+                source.measure_model(&self.of_object(cloud), Some(&mesh), &mut record);
             }
         }
         Ok(record)
@@ -236,23 +240,16 @@ impl FinishedScan<'_> {
         }
     }
 
-    /// The points of the final cloud without normals and colours.
-    fn plain_cloud(&self) -> Result<Vec<CloudPoint>, Fault> {
-        let Some(bounds) = self.model_bounds() else { return Ok(Vec::new()) };
-        let ModelFrames { frames, .. } = self.model_frames()?;
-        let tops = self.table_tops();
-        let points = frames.iter().flat_map(|frame| {
-            let top = tops.map(|tops| tops.in_frame(frame));
-            frame.points_in(bounds).filter(move |point| is_above_top(top, *point))
-        });
-        Ok(downsample(points, self.detail(bounds))?)
+    /// The positions of the final cloud.
+    fn cloud_positions(&self) -> Result<Vec<DVec3>, Fault> {
+        let Some(extent) = self.extent() else { return Ok(Vec::new()) };
+        cloud_positions(&self.model_frames()?.frames, extent, self.session.cancel())
     }
 
-    /// The points of a cloud that are not the table's.
-    fn of_object(&self, cloud: &[CloudPoint]) -> Vec<DVec3> {
+    /// The points that are not the table's.
+    fn of_object(&self, points: impl IntoIterator<Item = DVec3>) -> Vec<DVec3> {
         let table = self.table();
-        let positions = cloud.iter().map(|point| point.position);
-        positions.filter(|point| is_above(table, *point)).collect()
+        points.into_iter().filter(|point| is_above(table, *point)).collect()
     }
 
     /// The fault of a scan whose first frame shows no object.

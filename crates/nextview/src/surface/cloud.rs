@@ -23,6 +23,14 @@ pub fn downsample(
     points: impl IntoIterator<Item = impl Into<CloudPoint>>,
     cell: f64,
 ) -> Result<Vec<CloudPoint>, Error> {
+    Ok(thinned(points, cell)?.map(|(point, _)| point).collect())
+}
+
+/// The same with how many points each is the mean of.
+pub(super) fn thinned(
+    points: impl IntoIterator<Item = impl Into<CloudPoint>>,
+    cell: f64,
+) -> Result<impl Iterator<Item = (CloudPoint, usize)>, Error> {
     let lattice = Lattice::new(cell)?;
     let mut slots: FxHashMap<IVec3, usize> = FxHashMap::default();
     let mut pools: Vec<Pool> = Vec::new();
@@ -33,7 +41,7 @@ pub fn downsample(
         }
         pools[slot].add(&point);
     }
-    Ok(pools.iter().map(Pool::mean).collect())
+    Ok(pools.into_iter().map(|pool| (pool.mean(), pool.n)))
 }
 
 /// Sums over the points of a cube.

@@ -14,25 +14,27 @@ use rustc_hash::FxHashMap;
 pub struct MeasuredCells {
     lattice: Lattice,
     error: SurfaceError,
+    n_frames: u32,
     cells: FxHashMap<IVec3, Cell>,
 }
 
 /// Sums over the frames.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Debug, Default)]
 struct Cell {
     /// Number of points.
     n: f64,
     /// Sum over the frames of the squared number of points times the variance of their mean.
     weighted: f64,
     normal: DVec3,
+    looks: Vec<Look>,
 }
 
 /// Sums over the points of a cell in one frame.
-#[derive(Clone, Copy, Default)]
+#[derive(Clone, Copy, Debug, Default)]
 struct Look {
+    frame: u32,
     n: f64,
     variance: f64,
-    normal: DVec3,
 }
 
 /// Frames are checked for cancellation once in so many rows.
@@ -42,7 +44,7 @@ impl MeasuredCells {
     /// Nothing was measured yet, in cubes with edges of `cell` metres (at least 0.0001).
     pub fn new(cell: f64, error: SurfaceError) -> Result<Self, Error> {
         error.check()?;
-        Ok(Self { lattice: Lattice::new(cell)?, error, cells: FxHashMap::default() })
+        Ok(Self { lattice: Lattice::new(cell)?, error, n_frames: 0, cells: FxHashMap::default() })
     }
 
     /// Adds the points of a frame in a box (world coordinates, finite). If cancelled, nothing is added.
@@ -51,26 +53,28 @@ impl MeasuredCells {
         let planes = TangentPlanes::new(frame);
         let (width, rotation) = (frame.image().width(), frame.world_from_camera().rotation_matrix());
         let focal = frame.intrinsics().focal().x;
-        let mut looks: FxHashMap<IVec3, Look> = FxHashMap::default();
+        let mut looks: FxHashMap<IVec3, (Look, DVec3)> = FxHashMap::default();
         for v in 0..frame.image().height() {
             if v % ROWS == 0 {
                 cancel.check()?;
             }
             for (u, point) in frame.row_pixels_in(v, bounds) {
                 let Some(plane) = planes.at((v * width + u) as usize) else { continue };
-                let look = looks.entry(self.lattice.key(point)).or_default();
+                let (look, normal) = looks.entry(self.lattice.key(point)).or_default();
                 look.n += 1.0;
                 look.variance += self.error.of_pixel(plane.depth as f64, plane.cosine as f64, focal);
-                look.normal += rotation * plane.normal.as_dvec3();
+                *normal += rotation * plane.normal.as_dvec3();
             }
         }
         // The order of cells does not matter: each is met once.
-        for (key, look) in looks {
+        for (key, (look, normal)) in looks {
             let cell = self.cells.entry(key).or_default();
             cell.n += look.n;
             cell.weighted += look.n * look.n * self.error.of_look(look.variance / look.n, look.n);
-            cell.normal += look.normal;
+            cell.normal += normal;
+            cell.looks.push(Look { frame: self.n_frames, ..look });
         }
+        self.n_frames += 1;
         Ok(())
     }
 
@@ -78,6 +82,24 @@ impl MeasuredCells {
     /// where nothing was measured.
     pub fn error_at(&self, position: DVec3) -> Option<f64> {
         self.cells.get(&self.lattice.key(position)).map(Cell::error)
+    }
+
+    /// The same of the mean of all points in several cells that hold the same surface; none where nothing was
+    /// measured in any.
+    pub(super) fn error_of(&self, keys: &[IVec3]) -> Option<f64> {
+        let cells = keys.iter().filter_map(|key| self.cells.get(key));
+        let mut looks: Vec<Look> = cells.flat_map(|cell| &cell.looks).copied().collect();
+        looks.sort_by_key(|look| look.frame);
+        // What a frame shows in several cells is one look.
+        let looks = looks.chunk_by(|a, b| a.frame == b.frame).map(|parts| Look {
+            frame: parts[0].frame,
+            n: parts.iter().map(|look| look.n).sum(),
+            variance: parts.iter().map(|look| look.variance).sum(),
+        });
+        let variance =
+            |look: Look| look.n * look.n * self.error.of_whole_look(look.variance / look.n, look.n);
+        let (n, sum) = looks.fold((0.0, 0.0), |(n, sum), look| (n + look.n, sum + variance(look)));
+        (n > 0.0).then(|| f64::sqrt(sum) / n)
     }
 
     /// The same with the mean normal, of unit length, to the side that was seen; none where normals cancel
@@ -104,6 +126,7 @@ impl MeasuredCells {
     /// Forgets all frames.
     pub(crate) fn clear(&mut self) {
         self.cells.clear();
+        self.n_frames = 0;
     }
 }
 

@@ -2,11 +2,12 @@
 //!
 //! Start with [`DistanceField`]: it integrates the frames of a scan and gives a [`SurfaceMesh`], made by
 //! [`surface_nets`], which meshes any signed distance, or a [`WatertightMesh`], closed where nothing was
-//! measured. [`frame_points`] gives the measured points of a frame with normals and colours, [`downsample`]
-//! thins those of many frames, [`fit_normals`] smooths their normals, [`take_nearest`] transfers their
-//! colours to a mesh; [`write_mesh`], [`write_cloud`] and [`write_points`] write PLY. [`texture_mesh`] gives
-//! a mesh a texture from photos, which [`write_obj`] writes. [`MeasuredCells`] reports how accurate the
-//! surface is, [`SurfaceLooks`] how often it was seen; planning reads nothing else of this.
+//! measured. [`frame_points`] gives the measured points of a frame with normals and colours, [`fused_cloud`]
+//! makes one cloud of those of many frames, with [`downsample`], which thins them, and [`fit_normals`], which
+//! smooths their normals; [`take_nearest`] transfers their colours to a mesh; [`write_mesh`], [`write_cloud`]
+//! and [`write_points`] write PLY. [`texture_mesh`] gives a mesh a texture from photos, which [`write_obj`]
+//! writes. [`MeasuredCells`] reports how accurate the surface is, [`SurfaceLooks`] how often it was seen;
+//! planning reads nothing else of this.
 
 mod clear_depth;
 mod cloud;
@@ -15,6 +16,7 @@ mod cloud_point;
 mod diffusion;
 mod distance_field;
 mod frame_surface;
+mod fused_cloud;
 mod looks;
 mod measured_cells;
 mod nearest_point;
@@ -31,6 +33,7 @@ mod well_composed;
 pub use cloud::downsample;
 pub use cloud_point::{CloudPoint, frame_points};
 pub use distance_field::DistanceField;
+pub use fused_cloud::fused_cloud;
 pub use looks::{LooksGoal, SurfaceLooks};
 pub use measured_cells::MeasuredCells;
 pub use nearest_point::take_nearest;
