@@ -2,7 +2,6 @@ use super::DepthError;
 use crate::Error;
 use crate::checked::{check_range, checked_when_read};
 use serde::{Deserialize, Serialize};
-use std::f64::consts::PI;
 
 /// The random error of a measured surface, along its normal: what a camera's figures say of one pixel, and of
 /// many pixels of one image. By default there is none.
@@ -78,25 +77,17 @@ impl SurfaceError {
         of_pixel * (self.correlated_share + (1.0 - self.correlated_share) / n.max(1.0)) + rounding
     }
 
-    /// The same where the pixels of all layers count, as of a surface that lies in several cells: they are
-    /// rounded alike only as far as their own errors do not spread them over several units (dither).
-    pub fn of_whole_look(&self, of_pixel: f64, n: f64) -> f64 {
-        let own = of_pixel * (1.0 - self.correlated_share);
+    /// The same of a surface at this cosine: rounding, which is along the optical axis, counts by its part
+    /// along the normal.
+    pub fn of_look_at(&self, of_pixel: f64, n: f64, cosine: f64) -> f64 {
         let rounding = self.depth_unit.powi(2) / 12.0;
-        // The mean rounding error is a Fourier series in the true depth; normal errors damp its largest term
-        // by this.
-        let damped = match self.depth_unit {
-            0.0 => 1.0,
-            unit => (-4.0 * PI.powi(2) * own / unit.powi(2)).exp(),
-        };
-        of_pixel * self.correlated_share + rounding * damped + (own + rounding * (1.0 - damped)) / n.max(1.0)
+        self.of_look(of_pixel, n) - rounding * (1.0 - cosine.clamp(LEAST_COSINE, 1.0).powi(2))
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::geometry::random::Random;
 
     #[test]
     fn a_slope_shortens_the_depth_error_and_lets_the_lateral_one_in() {
@@ -108,25 +99,6 @@ mod tests {
         // At 45 degrees, 2 mm beside are 2 mm deeper, and 1.41 mm along the normal.
         let at_45 = lateral.of_pixel(1.0, 0.5_f64.sqrt(), 500.0).sqrt();
         assert!((at_45 - 0.002 * 0.5_f64.sqrt()).abs() < 1e-12, "{at_45}");
-    }
-
-    /// The slow twin: pixels with normal errors, rounded, at many depths.
-    #[test]
-    fn dither_averages_rounding() {
-        const N: usize = 40;
-        let mut random = Random::new(7, 0);
-        let mut normal = || (0..4).map(|_| random.in_cube().element_sum()).sum::<f64>() / 2.0;
-        for sigma in [0.05, 0.2, 0.3, 0.6] {
-            let mut squares = 0.0;
-            for i in 0..2000 {
-                let depth = i as f64 / 2000.0;
-                let mean = (0..N).map(|_| (depth + sigma * normal()).round()).sum::<f64>() / N as f64;
-                squares += (mean - depth).powi(2) / 2000.0;
-            }
-            let error = SurfaceError { depth_unit: 1.0, ..SurfaceError::default() };
-            let ratio = (squares / error.of_whole_look(sigma * sigma, N as f64)).sqrt();
-            assert!((0.8..1.1).contains(&ratio), "{sigma}: {ratio}");
-        }
     }
 
     #[test]

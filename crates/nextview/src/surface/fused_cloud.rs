@@ -9,15 +9,15 @@ use rustc_hash::FxHashMap;
 /// Surfaces in neighbouring cells are the same if the cosine between their normals is above this.
 const SAME_SURFACE: f64 = 0.7;
 
-/// The surface points that the points of all frames tell together, one a cell: [thinned](super::downsample)
-/// by cubes with edges of `cell` metres (at least 0.0001), with [fitted normals](fit_normals), and each in the
-/// middle of the surface.
+/// One cloud of the points of all frames: [thinned](super::downsample) by cubes with edges of `cell` metres
+/// (at least 0.0001), with [fitted normals](fit_normals), and each point in the middle of the surface.
 ///
 /// A noisy surface along the border of two cells leaves its outer points in one and its inner points in the
-/// other, and neither mean is of the surface. So each point moves along its normal to the mean of its cell and
-/// of the two cells before and behind it, on the axis nearest to the normal, where these hold the same
-/// surface: their normals differ by less than 45 degrees. The error of depth in a cloud of ten views of a
-/// D435i is a third less after this.
+/// other, and neither mean is on the surface. So each point moves along its normal to the mean of the points
+/// of its cell and of the two cells before and behind it, on the axis nearest to the normal, where these hold
+/// the same surface: their normals differ by less than 45 degrees. They count less the farther they are away
+/// sideways, squared, and nothing from one cell on, so that curved surface is not flattened. This takes two
+/// fifths of the error from a cloud of ten views of a D435i.
 ///
 /// With the measured cells of all frames, of the same size, points get the expected error of that mean.
 ///
@@ -28,8 +28,8 @@ const SAME_SURFACE: f64 = 0.7;
 ///
 /// // A wall at z = 1, the border of two layers of cells of a millimetre, measured 0.1 mm off to both sides.
 /// let off = |i: i32| if i % 2 == 0 { 1e-4 } else { -1e-4 };
-/// let at = |i: i32| DVec3::new(f64::from(i % 100) * 3e-4, f64::from(i / 100) * 3e-4, 1.0 + off(i));
-/// let point = |i: i32| CloudPoint { normal: Some(DVec3::Z), ..at(i).into() };
+/// let at = |u: i32, v: i32| DVec3::new(f64::from(u) * 2e-4, f64::from(v) * 2e-4, 1.0 + off(u + v));
+/// let point = |i: i32| CloudPoint { normal: Some(DVec3::Z), ..at(i % 100, i / 100).into() };
 /// let cloud = fused_cloud((0..10_000).map(point), 1e-3, None, &Cancel::default()).unwrap();
 /// let height = |point: &CloudPoint| (point.position.z - 1.0).abs();
 /// assert!(cloud.iter().map(height).sum::<f64>() < 2e-5 * cloud.len() as f64);
@@ -48,12 +48,12 @@ pub fn fused_cloud(
     cloud.par_iter_mut().try_for_each(|point| {
         cancel.check()?;
         let key = lattice.key(point.position);
-        let column = column(&means, key, point.normal);
-        let same: Vec<IVec3> = column.iter().map(|(key, _)| *key).collect();
-        if let Some(normal) = point.normal {
-            point.position += normal * mean_height(&column, point.position, normal);
-        }
-        point.error = measured.and_then(|measured| measured.error_of(&same)).map(|error| error as f32);
+        let Some(normal) = point.normal else { return Ok(()) };
+        let column = column(&means, key, point.position, normal, cell);
+        point.position += normal * mean_height(&column, point.position, normal);
+        let weights: Vec<(IVec3, f64)> = column.iter().map(|(key, _, weight)| (*key, *weight)).collect();
+        let error = measured.and_then(|measured| measured.error_of(&weights, point.position, normal));
+        point.error = error.map(|error| error as f32);
         Ok::<(), Cancelled>(())
     })?;
     Ok(cloud)
@@ -62,27 +62,40 @@ pub fn fused_cloud(
 /// The mean of a cell, and of how many points it is.
 type Mean = (CloudPoint, usize);
 
-/// The cells that hold the surface of a cell: itself, and those before and behind it that hold the same.
-fn column(means: &FxHashMap<IVec3, Mean>, key: IVec3, normal: Option<DVec3>) -> Vec<(IVec3, &Mean)> {
-    let axis = normal.map_or(IVec3::ZERO, |normal| {
-        let size = normal.abs();
-        let is_largest = size.cmpge(DVec3::splat(size.max_element()));
-        // Of several axes, the first.
-        let axis = is_largest.bitmask().trailing_zeros();
-        IVec3::AXES[axis as usize]
-    });
-    let is_same = |(point, _): &Mean| point.normal.zip(normal).is_some_and(|(a, b)| a.dot(b) > SAME_SURFACE);
-    let beside = [-axis, axis].map(|step| key.saturating_add(step));
-    let beside = beside.into_iter().filter_map(|key| means.get(&key).map(|mean| (key, mean)));
-    let own = means.get(&key).map(|mean| (key, mean));
-    own.into_iter().chain(beside.filter(|(other, mean)| *other != key && is_same(mean))).collect()
+/// The cells that hold the surface of a cell, each with its mean and how much a point of it counts: itself,
+/// and those before and behind it that hold the same, less the farther their mean is away sideways.
+fn column(
+    means: &FxHashMap<IVec3, Mean>,
+    key: IVec3,
+    position: DVec3,
+    normal: DVec3,
+    cell: f64,
+) -> Vec<(IVec3, &Mean, f64)> {
+    let size = normal.abs();
+    // Of several axes, the first.
+    let axis = size.cmpge(DVec3::splat(size.max_element())).bitmask().trailing_zeros();
+    let axis = IVec3::AXES[axis as usize];
+    let weight = |step: IVec3, (mean, _): &Mean| {
+        if step == IVec3::ZERO {
+            return 1.0;
+        }
+        let is_same = mean.normal.is_some_and(|other| other.dot(normal) > SAME_SURFACE);
+        let sideways = (mean.position - position).reject_from_normalized(normal);
+        if is_same { (1.0 - sideways.length_squared() / (cell * cell)).max(0.0) } else { 0.0 }
+    };
+    let member = |step: IVec3| {
+        let key = key.saturating_add(step);
+        let mean = means.get(&key)?;
+        Some((key, mean, weight(step, mean))).filter(|(_, _, weight)| *weight > 0.0)
+    };
+    [IVec3::ZERO, -axis, axis].into_iter().filter_map(member).collect()
 }
 
-/// The mean height of all points of these cells above a point, along a normal.
-fn mean_height(column: &[(IVec3, &Mean)], position: DVec3, normal: DVec3) -> f64 {
-    let (sum, n) = column.iter().fold((0.0, 0.0), |(sum, n), (_, (mean, count))| {
-        let count = *count as f64;
-        (sum + count * normal.dot(mean.position - position), n + count)
+/// The mean height of the points of these cells above a point, along a normal.
+fn mean_height(column: &[(IVec3, &Mean, f64)], position: DVec3, normal: DVec3) -> f64 {
+    let (sum, n) = column.iter().fold((0.0, 0.0), |(sum, n), (_, (mean, count), weight)| {
+        let n_here = *count as f64 * weight;
+        (sum + n_here * normal.dot(mean.position - position), n + n_here)
     });
     sum / n
 }

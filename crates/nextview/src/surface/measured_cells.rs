@@ -14,7 +14,8 @@ use rustc_hash::FxHashMap;
 pub struct MeasuredCells {
     lattice: Lattice,
     error: SurfaceError,
-    n_frames: u32,
+    /// Of each frame, the position and the focal length, pixels.
+    cameras: Vec<(DVec3, f64)>,
     cells: FxHashMap<IVec3, Cell>,
 }
 
@@ -29,13 +30,28 @@ struct Cell {
     looks: Vec<Look>,
 }
 
-/// Sums over the points of a cell in one frame.
-#[derive(Clone, Copy, Debug, Default)]
+/// What a frame shows of a cell.
+#[derive(Clone, Copy, Debug)]
 struct Look {
-    frame: u32,
+    frame: usize,
+    /// Number of points.
+    n: f64,
+    /// Sum of their depths.
+    depth: f64,
+}
+
+/// Sums over the points of a cell in one frame.
+#[derive(Clone, Copy, Default)]
+struct Sums {
     n: f64,
     variance: f64,
+    depth: f64,
+    normal: DVec3,
 }
+
+/// Steeper slopes than this cosine count as this one: few pixels show those, and lone points have normals
+/// that say so, or even face away from their camera, for noise alone.
+const LEAST_COSINE: f64 = 0.7;
 
 /// Frames are checked for cancellation once in so many rows.
 const ROWS: u32 = 64;
@@ -44,7 +60,7 @@ impl MeasuredCells {
     /// Nothing was measured yet, in cubes with edges of `cell` metres (at least 0.0001).
     pub fn new(cell: f64, error: SurfaceError) -> Result<Self, Error> {
         error.check()?;
-        Ok(Self { lattice: Lattice::new(cell)?, error, n_frames: 0, cells: FxHashMap::default() })
+        Ok(Self { lattice: Lattice::new(cell)?, error, cameras: Vec::new(), cells: FxHashMap::default() })
     }
 
     /// Adds the points of a frame in a box (world coordinates, finite). If cancelled, nothing is added.
@@ -53,28 +69,30 @@ impl MeasuredCells {
         let planes = TangentPlanes::new(frame);
         let (width, rotation) = (frame.image().width(), frame.world_from_camera().rotation_matrix());
         let focal = frame.intrinsics().focal().x;
-        let mut looks: FxHashMap<IVec3, (Look, DVec3)> = FxHashMap::default();
+        let mut looks: FxHashMap<IVec3, Sums> = FxHashMap::default();
         for v in 0..frame.image().height() {
             if v % ROWS == 0 {
                 cancel.check()?;
             }
             for (u, point) in frame.row_pixels_in(v, bounds) {
                 let Some(plane) = planes.at((v * width + u) as usize) else { continue };
-                let (look, normal) = looks.entry(self.lattice.key(point)).or_default();
+                let look = looks.entry(self.lattice.key(point)).or_default();
                 look.n += 1.0;
                 look.variance += self.error.of_pixel(plane.depth as f64, plane.cosine as f64, focal);
-                *normal += rotation * plane.normal.as_dvec3();
+                look.depth += plane.depth as f64;
+                look.normal += rotation * plane.normal.as_dvec3();
             }
         }
         // The order of cells does not matter: each is met once.
-        for (key, (look, normal)) in looks {
+        let frame_idx = self.cameras.len();
+        for (key, Sums { n, variance, depth, normal }) in looks {
             let cell = self.cells.entry(key).or_default();
-            cell.n += look.n;
-            cell.weighted += look.n * look.n * self.error.of_look(look.variance / look.n, look.n);
+            cell.n += n;
+            cell.weighted += n * n * self.error.of_look(variance / n, n);
             cell.normal += normal;
-            cell.looks.push(Look { frame: self.n_frames, ..look });
+            cell.looks.push(Look { frame: frame_idx, n, depth });
         }
-        self.n_frames += 1;
+        self.cameras.push((frame.world_from_camera().translation(), focal));
         Ok(())
     }
 
@@ -84,21 +102,29 @@ impl MeasuredCells {
         self.cells.get(&self.lattice.key(position)).map(Cell::error)
     }
 
-    /// The same of the mean of all points in several cells that hold the same surface; none where nothing was
-    /// measured in any.
-    pub(super) fn error_of(&self, keys: &[IVec3]) -> Option<f64> {
-        let cells = keys.iter().filter_map(|key| self.cells.get(key));
-        let mut looks: Vec<Look> = cells.flat_map(|cell| &cell.looks).copied().collect();
+    /// The same of the mean over several cells, each with a weight, that hold the same surface, with this
+    /// normal at this position; none where nothing was measured in any.
+    pub(super) fn error_of(&self, cells: &[(IVec3, f64)], position: DVec3, normal: DVec3) -> Option<f64> {
+        let cells = cells.iter().filter_map(|(key, weight)| Some((self.cells.get(key)?, weight)));
+        let looks = cells.flat_map(|(cell, weight)| {
+            cell.looks.iter().map(move |look| Look {
+                n: weight * look.n,
+                depth: weight * look.depth,
+                frame: look.frame,
+            })
+        });
+        let mut looks: Vec<Look> = looks.filter(|look| look.n > 0.0).collect();
         looks.sort_by_key(|look| look.frame);
         // What a frame shows in several cells is one look.
-        let looks = looks.chunk_by(|a, b| a.frame == b.frame).map(|parts| Look {
-            frame: parts[0].frame,
-            n: parts.iter().map(|look| look.n).sum(),
-            variance: parts.iter().map(|look| look.variance).sum(),
+        let looks = looks.chunk_by(|a, b| a.frame == b.frame);
+        let (n, sum) = looks.fold((0.0, 0.0), |(n_all, sum), parts| {
+            let n: f64 = parts.iter().map(|look| look.n).sum();
+            let depth: f64 = parts.iter().map(|look| look.depth).sum();
+            let (camera, focal) = self.cameras[parts[0].frame];
+            let cosine = normal.dot((camera - position).normalize_or_zero()).abs().max(LEAST_COSINE);
+            let of_pixel = self.error.of_pixel(depth / n, cosine, focal);
+            (n_all + n, sum + n * n * self.error.of_look_at(of_pixel, n, cosine))
         });
-        let variance =
-            |look: Look| look.n * look.n * self.error.of_whole_look(look.variance / look.n, look.n);
-        let (n, sum) = looks.fold((0.0, 0.0), |(n, sum), look| (n + look.n, sum + variance(look)));
         (n > 0.0).then(|| f64::sqrt(sum) / n)
     }
 
@@ -126,7 +152,7 @@ impl MeasuredCells {
     /// Forgets all frames.
     pub(crate) fn clear(&mut self) {
         self.cells.clear();
-        self.n_frames = 0;
+        self.cameras.clear();
     }
 }
 
