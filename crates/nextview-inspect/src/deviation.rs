@@ -17,8 +17,8 @@ pub(crate) struct Deviation {
 pub(crate) struct Deviations {
     /// Of each.
     pub of_points: Vec<Deviation>,
-    /// The part of all errors that neighbouring points have in common, metres: a depth camera's surface is
-    /// wavy, and averaging over a patch does not help.
+    /// The part of their errors that neighbouring points have in common, metres, median: a depth camera's
+    /// surface is wavy, and averaging over a patch does not help.
     pub correlated_error: f64,
 }
 
@@ -50,8 +50,12 @@ impl Deviation {
 }
 
 /// The deviation at each point, in the coordinates of the model.
+///
+/// Where waves are large depends on distance and slope. They are taken to be as large beside each other as
+/// the expected errors of the points are, in metres, or equally large if those are not known.
 pub(crate) fn deviations(
     points: &[SurfacePoint],
+    expected: &[Option<f64>],
     positions: &[DVec3],
     surface: &SurfaceDistance,
     patches: &Patches<'_>,
@@ -63,21 +67,24 @@ pub(crate) fn deviations(
         mean(&values.collect::<Vec<f64>>())
     };
     let mut of_points: Vec<Deviation> = points.par_iter().map(deviation).collect();
-    let correlated_error = correlated_error(&of_points);
-    of_points.iter_mut().for_each(|of| of.error = of.error.hypot(correlated_error));
-    Deviations { of_points, correlated_error }
+    let known = median(expected.iter().flatten().copied());
+    let usual = if known > 0.0 { known } else { 1.0 };
+    let sizes: Vec<f64> = expected.iter().map(|error| error.unwrap_or(usual)).collect();
+    let factor = correlated_factor(&of_points, &sizes);
+    of_points.iter_mut().zip(&sizes).for_each(|(of, size)| of.error = of.error.hypot(factor * size));
+    Deviations { of_points, correlated_error: factor * median(sizes.into_iter()) }
 }
 
 /// The standard deviation of a normal distribution over its median absolute deviation.
 const NORMAL: f64 = 1.4826;
 
-/// How much more deviations vary than their standard errors explain; of most points, so that defects do not
-/// count.
-fn correlated_error(deviations: &[Deviation]) -> f64 {
-    let known = || deviations.iter().filter(|deviation| deviation.error.is_finite());
-    let middle = median(known().map(|deviation| deviation.mean));
-    let spread = NORMAL * median(known().map(|deviation| (deviation.mean - middle).abs()));
-    let explained = median(known().map(|deviation| deviation.error));
+/// How much more deviations vary than their standard errors explain, in multiples of these sizes; of most
+/// points, so that defects do not count.
+fn correlated_factor(deviations: &[Deviation], sizes: &[f64]) -> f64 {
+    let known = || deviations.iter().zip(sizes).filter(|(deviation, _)| deviation.error.is_finite());
+    let middle = median(known().map(|(deviation, _)| deviation.mean));
+    let spread = NORMAL * median(known().map(|(deviation, size)| (deviation.mean - middle).abs() / size));
+    let explained = median(known().map(|(deviation, size)| deviation.error / size));
     (spread.powi(2) - explained.powi(2)).max(0.0).sqrt()
 }
 
@@ -104,12 +111,19 @@ mod tests {
 
     #[test]
     fn what_patches_do_not_explain_is_common_to_their_points() {
-        let waves = |amplitude: f64| -> Vec<Deviation> {
-            (0..1000).map(|i| Deviation { mean: amplitude * f64::from(i).sin(), error: 0.1 }).collect()
+        let waves = |amplitude: f64, size: fn(i32) -> f64| -> Vec<Deviation> {
+            let mean = |i: i32| amplitude * size(i) * f64::from(i).sin();
+            (0..1000).map(|i| Deviation { mean: mean(i), error: 0.1 * size(i) }).collect()
         };
-        assert_eq!(correlated_error(&waves(0.05)), 0.0);
-        assert!((correlated_error(&waves(2.0)) - 2.0).abs() < 0.2, "{}", correlated_error(&waves(2.0)));
-        assert_eq!(correlated_error(&[]), 0.0);
+        let even = |amplitude| correlated_factor(&waves(amplitude, |_| 1.0), &[1.0; 1000]);
+        assert_eq!(even(0.05), 0.0);
+        assert!((even(2.0) - 2.0).abs() < 0.2, "{}", even(2.0));
+        assert_eq!(correlated_factor(&[], &[]), 0.0);
+
+        let size: fn(i32) -> f64 = |i| 1.0 + f64::from(i / 500);
+        let sizes: Vec<f64> = (0..1000).map(size).collect();
+        let factor = correlated_factor(&waves(2.0, size), &sizes);
+        assert!((factor - even(2.0)).abs() < 1e-2, "as large as they are expected to be: {factor}");
     }
 
     #[test]

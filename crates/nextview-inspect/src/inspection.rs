@@ -87,9 +87,11 @@ pub fn inspect(
     let name = reference.mesh.display().to_string();
     let table = ScanRecord::read(results)?.table();
     let cloud = SavedModel::read(&results.join("cloud.ply"))?.above(table);
-    let with_normal =
-        |p: &nextview::surface::CloudPoint| Some(SurfacePoint { position: p.position, normal: p.normal? });
-    let in_world: Vec<SurfacePoint> = cloud.points.iter().filter_map(with_normal).collect();
+    let with_normal = |p: &nextview::surface::CloudPoint| {
+        Some((SurfacePoint { position: p.position, normal: p.normal? }, p.error.map(f64::from)))
+    };
+    let (in_world, expected): (Vec<SurfacePoint>, Vec<Option<f64>>) =
+        cloud.points.iter().filter_map(with_normal).unzip();
     if in_world.is_empty() {
         return Err(Fault::data("cloud.ply holds no point of the object with a normal")
             .in_file(results)
@@ -116,7 +118,7 @@ pub fn inspect(
     let radius = config.patch_mm.map_or_else(|| suitable_radius(&positions), |patch_mm| patch_mm / 1e3);
     let patches = Patches::new(&positions, radius);
     let Deviations { of_points: deviations, correlated_error } =
-        deviations(&points, &positions, part.surface(), &patches);
+        deviations(&points, &expected, &positions, part.surface(), &patches);
     let tolerance = config.tolerance_mm / 1e3;
     let share_of = |verdict: Verdict| {
         let n = deviations.iter().filter(|deviation| deviation.verdict(tolerance) == verdict).count();

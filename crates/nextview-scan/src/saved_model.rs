@@ -8,7 +8,7 @@ use nextview_sim::mesh::load_points;
 use std::path::Path;
 
 /// A model from a PLY file of a scan's results, also after another tool has saved it: points in
-/// metres with normals and colours, and triangles between them if there are any.
+/// metres with normals, colours and expected errors, and triangles between them if there are any.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct SavedModel {
     /// Those without a column in the file, or without a value, are none.
@@ -57,7 +57,7 @@ mod tests {
             position: DVec3::new(f64::from(i), 0.5, -0.25),
             normal: Some(DVec3::Z),
             color: Some([i, 100, 255]),
-            error: None,
+            error: (i > 0).then(|| f32::from(i) / 1e3),
         };
         (0..4).map(point).collect()
     }

@@ -40,8 +40,8 @@ pub fn load(path: &Path) -> Result<FileMesh, SimError> {
     Ok(FileMesh { path: path.to_owned(), mesh, n_dropped, color_fault, has_metres })
 }
 
-/// Reads the points of a PLY file, a mesh or a cloud, with their normals and colours, and its triangles, in
-/// the file's unit. Fails as [`load`] does.
+/// Reads the points of a PLY file, a mesh or a cloud, with their normals, colours and expected errors
+/// (column `error_m`), and its triangles, in the file's unit. Fails as [`load`] does.
 pub fn load_points(path: &Path) -> Result<(Vec<CloudPoint>, Vec<[u32; 3]>), SimError> {
     let files = Files { mesh: path, read: RefCell::default() };
     let parsed = files.read(path).and_then(|bytes| ply::parse_points(&bytes));

@@ -91,11 +91,15 @@ fn column(
     [IVec3::ZERO, -axis, axis].into_iter().filter_map(member).collect()
 }
 
-/// The mean height of the points of these cells above a point, along a normal.
+/// The mean height of the points of these cells above a point with this normal.
+///
+/// Heights are along the mean of both normals, which is perpendicular to the chord of an arc: on curved
+/// surface without noise they are zero.
 fn mean_height(column: &[(IVec3, &Mean, f64)], position: DVec3, normal: DVec3) -> f64 {
     let (sum, n) = column.iter().fold((0.0, 0.0), |(sum, n), (_, (mean, count), weight)| {
         let n_here = *count as f64 * weight;
-        (sum + n_here * normal.dot(mean.position - position), n + n_here)
+        let between = (normal + mean.normal.unwrap_or(normal)).normalize();
+        (sum + n_here * between.dot(mean.position - position), n + n_here)
     });
     sum / n
 }

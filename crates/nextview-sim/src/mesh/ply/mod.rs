@@ -1,5 +1,5 @@
 //! PLY in text form and both binary byte orders: positions and colours of vertices, faces, and of clouds
-//! normals, too; everything else is skipped.
+//! normals and expected errors, too; everything else is skipped.
 
 mod body;
 mod header;
@@ -32,20 +32,23 @@ pub(super) fn parse(bytes: &[u8]) -> Result<RawMesh, SimError> {
 const POSITION: [&str; 3] = ["x", "y", "z"];
 const NORMAL: [&str; 3] = ["nx", "ny", "nz"];
 const COLOR: [&str; 3] = ["red", "green", "blue"];
+const ERROR: [&str; 1] = ["error_m"];
 
-/// The points of a mesh or of a cloud, with normals and colours where all three columns are there, and the
-/// triangles if there are any.
+/// The points of a mesh or of a cloud, with normals and colours where all three columns are there, with
+/// expected errors, and the triangles if there are any.
 pub(super) fn parse_points(bytes: &[u8]) -> Result<(Vec<CloudPoint>, RawMesh), SimError> {
     let header = Header::parse(bytes)?;
-    let (normals, colors) = (all_of(&header, &NORMAL), all_of(&header, &COLOR));
-    let columns = [&POSITION[..], normals, colors].concat();
+    let [normals, colors, errors] = [&NORMAL[..], &COLOR, &ERROR].map(|columns| all_of(&header, columns));
+    let columns = [&POSITION[..], normals, colors, errors].concat();
     let mut points = Vec::new();
     let mut mesh = read(&header, bytes, &columns, |values| {
-        let (normal, of_color) = values[3..].split_at(normals.len());
+        let (normal, rest) = values[3..].split_at(normals.len());
+        let (of_color, error) = rest.split_at(colors.len());
         points.push(CloudPoint {
-            // PLY knows no missing values: a point without a normal has 0 0 0.
+            // PLY knows no missing values: a point without a normal has 0 0 0, one without an error 0.
             normal: (!normals.is_empty()).then(|| vector(normal)).and_then(DVec3::try_normalize),
             color: (!colors.is_empty()).then(|| color(of_color)),
+            error: error.first().map(|error| *error as f32).filter(|e| *e > 0.0 && e.is_finite()),
             ..vector(&values[..3]).into()
         });
     })?;
@@ -53,7 +56,7 @@ pub(super) fn parse_points(bytes: &[u8]) -> Result<(Vec<CloudPoint>, RawMesh), S
 }
 
 /// These columns if vertices have all of them, else none.
-fn all_of<'a>(header: &Header, columns: &'a [&'a str; 3]) -> &'a [&'a str] {
+fn all_of<'a>(header: &Header, columns: &'a [&'a str]) -> &'a [&'a str] {
     let properties = header.element("vertex").map_or(&[][..], |vertex| &vertex.properties);
     let is_there = |column: &&str| properties.iter().any(|property| property.name() == *column);
     if columns.iter().all(is_there) { columns } else { &[] }
@@ -244,8 +247,12 @@ mod tests {
             property float nx\nproperty float ny\nproperty float nz\nproperty float error_m\nproperty uchar red\n\
             property uchar green\nproperty uchar blue\nend_header\n1 2 3 0 0 2 0.1 9 8 7\n4 5 6 0 0 0 0 1 2 3\n";
         let (points, mesh) = parse_points(text.as_bytes()).unwrap();
-        let first =
-            CloudPoint { normal: Some(DVec3::Z), color: Some([9, 8, 7]), ..DVec3::new(1.0, 2.0, 3.0).into() };
+        let first = CloudPoint {
+            position: DVec3::new(1.0, 2.0, 3.0),
+            normal: Some(DVec3::Z),
+            color: Some([9, 8, 7]),
+            error: Some(0.1),
+        };
         let second = CloudPoint { normal: None, color: Some([1, 2, 3]), ..DVec3::new(4.0, 5.0, 6.0).into() };
         assert_eq!((points, mesh.triangles), (vec![first, second], Vec::new()));
         // Red alone is no colour.
