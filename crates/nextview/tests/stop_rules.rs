@@ -10,7 +10,7 @@ use nextview::planner::{
     Choice, EvenViews, InOrder, Itinerary, Leg, MinOverlap, Outlook, Plan, RandomViews, Situation,
     ViewPlanner,
 };
-use nextview::sensor::{DepthImage, Frame, Intrinsics};
+use nextview::sensor::{DepthError, DepthImage, Frame, Intrinsics, SurfaceError};
 use nextview::session::{
     Decision, MultiResolutionConfig, NextView, Session, SessionConfig, StepReport, StopConfig, StopReason,
 };
@@ -202,6 +202,27 @@ fn stops_when_the_next_view_is_expected_to_add_little() {
     let told = || Told([5.0, 0.11, 0.09, 5.0].map(|n_expected| outlook(n_expected, 100.0)).to_vec());
     check(told(), StopConfig::default(), 3, StopReason::LittleToGain);
     check(told(), StopConfig { progress: 0.0, ..StopConfig::default() }, 5, StopReason::NothingToGain);
+}
+
+#[test]
+fn a_goal_for_the_error_keeps_a_scan_going_only_while_surface_misses_it() {
+    let depth = DepthError { constant: 0.001, ..DepthError::default() };
+    let scan = |goal| {
+        let surface_error = SurfaceError { depth, ..SurfaceError::default() };
+        let config = SessionConfig { goal: Some(goal), surface_error, ..config(NO_PROGRESS_RULE) };
+        let stop = StopConfig { progress: 0.01, ..NO_PROGRESS_RULE };
+        let told = Told(vec![outlook(0.01, 100.0); 4]);
+        let mut session =
+            Session::new(SessionConfig { stop, ..config }, camera(), views(), Box::new(told)).unwrap();
+        let (steps, reason) = scan(&mut session);
+        (steps.last().unwrap().1.share_at_goal.unwrap(), steps.len(), reason)
+    };
+    assert_eq!(scan(0.002), (1.0, 1, StopReason::LittleToGain));
+    let (share, n_views, reason) = scan(0.0006);
+    assert!(
+        share < 0.99 && (n_views, reason) == (5, StopReason::NothingToGain),
+        "{share} {n_views} {reason:?}"
+    );
 }
 
 #[test]

@@ -97,6 +97,11 @@ impl Quality {
         share
     }
 
+    /// The share of measured cells that are at all goals, 0..=1, after the last step; 0 before the first.
+    pub fn share_at_goal(&self) -> f64 {
+        self.shares.last().copied().unwrap_or(0.0)
+    }
+
     /// How much the share at the goals rose over the last `n` steps; none if there were fewer.
     pub fn progress(&self, n: usize) -> Option<f64> {
         let (last, before) = self.shares.split_last()?;

@@ -523,7 +523,8 @@ impl Session {
             return Some(StopReason::Complete);
         }
         let choice = plan.choice.as_ref()?;
-        let little = self.config.stop.little_gain(self.scene.quality.is_some());
+        let share_at_goal = self.scene.quality.as_ref().map(goal::Quality::share_at_goal);
+        let little = self.config.stop.little_gain(share_at_goal);
         if outlook.is_some_and(|outlook| outlook.gain() < little) {
             return Some(StopReason::LittleToGain);
         }

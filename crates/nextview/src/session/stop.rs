@@ -20,7 +20,8 @@ pub struct StopConfig {
     pub completeness: Option<f64>,
     /// Stop when each of the next views is expected to add less than this share, 0..=1, to the surface seen
     /// so far. Default: a tenth of `progress`, because six views that add as little would be no progress
-    /// either; 0, which is off, where surface is to be measured with a stated error or seen several times.
+    /// either; 0, which is off, while more than `progress` of the surface is not yet measured with the stated
+    /// error, or seen as often as stated.
     /// It has no effect on planners without expectations.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub expected_gain: Option<f64>,
@@ -49,8 +50,10 @@ impl Default for StopConfig {
 
 impl StopConfig {
     /// The share of the surface seen below which an expected gain ends a scan.
-    pub(super) fn little_gain(&self, has_quality_goal: bool) -> f64 {
-        let default = if has_quality_goal { 0.0 } else { 0.1 * self.progress };
+    /// `share_at_goal` is that of the surface measured so far which is at the goals for it, if there are any.
+    pub(super) fn little_gain(&self, share_at_goal: Option<f64>) -> f64 {
+        let is_at_goal = share_at_goal.is_none_or(|share| share >= 1.0 - self.progress);
+        let default = if is_at_goal { 0.1 * self.progress } else { 0.0 };
         self.expected_gain.unwrap_or(default)
     }
 
