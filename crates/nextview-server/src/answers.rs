@@ -24,6 +24,9 @@ pub(crate) struct ScanAnswer {
     pub confirm_views: bool,
     /// The record so far; without the measures of a model while the scan is under way.
     pub record: ScanRecord,
+    /// What was damaged in its journal, and lost, when the scan was resumed; none if nothing was.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub damage: Option<String>,
 }
 
 /// A frame that was taken in.

@@ -80,9 +80,13 @@ async fn get(State(app): State<Arc<App>>, Path(id): Path<String>) -> Result<Json
 }
 
 async fn answer(scan: &Arc<Scan>) -> Result<ScanAnswer, Refusal> {
-    let (confirm_views, record) =
-        scan.with(|work| Ok((work.about.confirm_views, record_so_far(work)?))).await?;
-    Ok(ScanAnswer { summary: scan.summary(), confirm_views, record })
+    let (confirm_views, record, damage) = scan
+        .with(|work| {
+            let record = record_so_far(work)?; // resumes it
+            Ok((work.about.confirm_views, record, work.damage()))
+        })
+        .await?;
+    Ok(ScanAnswer { summary: scan.summary(), confirm_views, record, damage })
 }
 
 async fn record(State(app): State<Arc<App>>, Path(id): Path<String>) -> Result<Json<ScanRecord>, Refusal> {

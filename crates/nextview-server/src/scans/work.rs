@@ -73,6 +73,11 @@ impl Work {
         self.is_finished().then(steps)?.map(|steps| steps.lines().count())
     }
 
+    /// What was damaged in the journal of the scan in memory when it was resumed.
+    pub fn damage(&self) -> Option<String> {
+        self.scan.as_ref()?.damage().map(ToString::to_string)
+    }
+
     /// The scan to continue with, resumed if it is not in memory.
     pub fn under_way(&mut self) -> Result<(&mut LiveScan, &mut About), Refusal> {
         match self.phase {

@@ -39,6 +39,27 @@ fn a_scan_that_cannot_be_read_is_left_out() {
     assert_eq!(fs::read_to_string(&torn).unwrap(), text[..text.len() / 2]);
 }
 
+#[test]
+fn what_a_resumed_scan_has_lost_is_in_its_answer() {
+    let folder = Folder::new("lost");
+    let dir = folder.path("scans");
+    let robot = Robot::new(3, 160);
+    {
+        let server = Server::start(&dir);
+        let mut client = server.client();
+        assert!(client.post("/scans", &robot.body("mug")).expect(201).get("damage").is_none());
+        let rows = &next(&mut client)["view"]["world_from_camera"];
+        post_raw(&mut client, "mug", "1", rows, robot.frame(rows, true).image()).expect(200);
+    }
+    let journal = dir.join("mug/scan.journal");
+    let bytes = fs::read(&journal).unwrap();
+    fs::write(&journal, &bytes[..bytes.len() - 100]).unwrap();
+    let server = Server::start(&dir);
+    let answer = server.client().get("/scans/mug").expect(200);
+    let damage = answer["damage"].as_str().unwrap();
+    assert!(damage.contains("scan.journal.damaged-1") && answer["n_frames"] == 0, "{damage}");
+}
+
 /// Without room, nothing new is taken, and what there is goes on as soon as there is room again.
 #[test]
 fn a_server_without_room_takes_neither_scans_nor_frames() {
