@@ -3,13 +3,14 @@
 #
 #   benchmarks/peers.sh [OBJECT]
 #
-# OBJECT is a mesh file or the name of a built-in object; default: the Stanford bunny of NEXTVIEW_DATA, else the built-in
-# teapot. Needs g++ and the Debian packages liboctomap-dev, libembree-dev and liblemon-dev; a peer that cannot be built is
-# named and left out. Bonxai has no package: BONXAI names a folder with include/ and src/ of its sources, which need Eigen
-# (Debian package libeigen3-dev; EIGEN names another folder that holds Eigen/). WORKLOAD names a folder with a workload made
-# before. ROUNDS (default 2) is how often everything runs, CORE (default 0) where. PROGRAMS names a folder with our programs,
-# which are built otherwise. With QUICK=1 the workload is tiny, each of our stages runs once, and no target is judged: that
-# everything runs. Exits with 1 if a target is missed.
+# OBJECT is a mesh file or the name of a built-in object; default: the Stanford bunny of NEXTVIEW_DATA, else the built-
+# in teapot. Needs g++ and the Debian packages liboctomap-dev, libembree-dev and liblemon-dev; a peer that cannot be
+# built is named and left out. Bonxai has no package: BONXAI names a folder with include/ and src/ of its sources, which
+# need Eigen (Debian package libeigen3-dev; EIGEN names another folder that holds Eigen/). PYTHON (default python3)
+# names a Python with open3d, small_gicp and numpy. WORKLOAD names a folder with a workload made before. ROUNDS (default
+# 2) is how often everything runs, CORE (default 0) where. PROGRAMS names a folder with our programs, which are built
+# otherwise. With QUICK=1 the workload is tiny, each of our stages runs once, and no target is judged: that everything
+# runs. Exits with 1 if a target is missed.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 
@@ -20,6 +21,7 @@ programs=${PROGRAMS:-${CARGO_TARGET_DIR:-target}/release}
 peers=${CARGO_TARGET_DIR:-target}/peers
 workload=${WORKLOAD:-$peers/workload}
 eigen=${EIGEN:-/usr/include/eigen3}
+python=${PYTHON:-python3}
 mkdir -p "$peers"
 
 # Arguments: name of the peer, further arguments of the compiler.
@@ -60,6 +62,15 @@ else
     build bonxai -I "$BONXAI/include" -I "$eigen" "$BONXAI/src/probabilistic_map.cpp"
 fi
 
+packages=()
+for package in open3d small_gicp; do
+    if "$python" -c "import numpy, $package" 2>"$peers/$package.log"; then
+        packages+=("$package")
+    else
+        leave_out "$package" "$python cannot import it and numpy: see $peers/$package.log"
+    fi
+done
+
 if [ -z "${WORKLOAD:-}" ]; then
     rm -rf "$workload"
 fi
@@ -75,6 +86,9 @@ for round in $(seq "${ROUNDS:-2}"); do
         if [ -x "$peers/$peer" ]; then
             on_one_core "$peers/$peer" "$workload" >>"$results"
         fi
+    done
+    for package in "${packages[@]}"; do
+        on_one_core "$python" benchmarks/peers/packages.py "$workload" "$package" >>"$results"
     done
     "$programs/stages" wall "$workload" decision >>"$results"
     "$programs/stages" wall "$workload" scan >>"$results"

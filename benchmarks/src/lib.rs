@@ -8,6 +8,7 @@
 //! by what [purposes of scans need](needs). The program `authors_code` repairs the [program of the paper's
 //! authors](authors), slip by slip.
 
+pub mod alignment;
 pub mod authors;
 pub mod known_object;
 pub mod log_plot;

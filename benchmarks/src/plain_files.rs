@@ -5,10 +5,15 @@
 //! | `mesh{0,1,2}.bin` | number of vertices and triangles (i32), vertices (f32 x y z), triangles (i32 a b c) |
 //! | `poses.f64`, `views5000.f64` | 4 x 4 matrices `world_from_camera`, row by row |
 //! | `cloud{A,B}_{0..9}.f32` | points x y z, metres, world |
+//! | `depth_{0..9}.f32` | depths of the object alone, metres, row by row, 0 for none |
+//! | `depth.png`, `mesh2.ply` | the first of these images, and the finest mesh, as files of our program |
+//! | `known.f32`, `points.f32`, `motion.f64` | points x y z and normals x y z to [align](crate::alignment): where the surface is known, those of another image where they belong, and the motion that takes these off |
 //! | `network_{small,large}.bin` | see [`Network`](crate::network::Network) |
 
 use glam::{DMat3, DQuat, DVec3};
 use nextview::geometry::Pose;
+use nextview::registration::SurfacePoint;
+use nextview::sensor::{Depth, DepthImage};
 use nextview_sim::mesh::TriangleMesh;
 use std::error::Error;
 use std::path::Path;
@@ -64,6 +69,24 @@ pub fn read_mesh(path: &Path) -> Outcome<TriangleMesh> {
 pub fn write_cloud(path: &Path, points: &[DVec3]) -> Outcome<()> {
     let coordinates = points.iter().flat_map(|p| p.as_vec3().to_array());
     write(path, &coordinates.flat_map(f32::to_le_bytes).collect::<Vec<u8>>())
+}
+
+/// Writes points with normals.
+///
+/// # Errors
+/// If the file cannot be written.
+pub fn write_surface(path: &Path, points: &[SurfacePoint]) -> Outcome<()> {
+    let numbers = points.iter().flat_map(|p| [p.position, p.normal]).flat_map(|v| v.as_vec3().to_array());
+    write(path, &numbers.flat_map(f32::to_le_bytes).collect::<Vec<u8>>())
+}
+
+/// Writes a depth image.
+///
+/// # Errors
+/// If the file cannot be written.
+pub fn write_depth(path: &Path, image: &DepthImage) -> Outcome<()> {
+    let metres = |depth| if let Depth::Surface(metres) = depth { metres } else { 0.0 };
+    write(path, &image.pixels().map(metres).flat_map(f32::to_le_bytes).collect::<Vec<u8>>())
 }
 
 /// Reads a cloud.

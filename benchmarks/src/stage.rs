@@ -2,6 +2,7 @@
 
 mod files;
 mod insertion;
+mod model;
 mod planning;
 mod rendering;
 mod scan;
@@ -51,8 +52,14 @@ impl fmt::Display for Stage {
 
 /// All stages, in the order of the pipeline.
 pub fn stages() -> Vec<Stage> {
-    let groups =
-        [rendering::stages(), insertion::stages(), planning::stages(), files::stages(), scan::stages()];
+    let groups = [
+        rendering::stages(),
+        insertion::stages(),
+        planning::stages(),
+        model::stages(),
+        files::stages(),
+        scan::stages(),
+    ];
     groups.into_iter().flatten().collect()
 }
 

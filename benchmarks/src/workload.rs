@@ -1,12 +1,15 @@
 //! The input that all benchmarks share.
 
+use crate::alignment::Alignment;
 use crate::plain_files;
 use glam::{DVec2, DVec3};
 use nextview::geometry::{Aabb, Lattice};
 use nextview::geometry::{Pose, VoxelBlock};
 use nextview::map::{Integration, OccupancyMap, RayRule, SensorModel, Snapshot};
 use nextview::sensor::{Depth, Frame, Intrinsics};
+use nextview::surface::{CloudPoint, write_mesh};
 use nextview::view::{ViewSpace, generate};
+use nextview_recording::encode_depth;
 use nextview_sim::camera::{Background, SimulatedCamera};
 use nextview_sim::mesh::{self, TriangleMesh, Unit};
 use std::error::Error;
@@ -22,6 +25,9 @@ const CAMERA_DISTANCE: f64 = 0.5;
 
 /// Half the edge of the room around object and cameras in set B, metres.
 const ROOM_HALF_EDGE: f64 = 0.6;
+
+/// Length of a unit of depth in PNG files, metres.
+pub const DEPTH_UNIT: f64 = 1e-4;
 
 /// Number of depth images.
 pub const N_IMAGES: usize = 10;
@@ -119,7 +125,39 @@ impl Workload {
                 plain_files::write_cloud(&folder.join(format!("cloud{name}_{i}.f32")), cloud)?;
             }
         }
-        Ok(())
+        let frames = self.frames();
+        for (i, frame) in frames.iter().enumerate() {
+            plain_files::write_depth(&folder.join(format!("depth_{i}.f32")), frame.image())?;
+        }
+        plain_files::write(&folder.join("depth.png"), &encode_depth(frames[0].image(), DEPTH_UNIT))?;
+        plain_files::write(&folder.join("mesh2.ply"), &self.finest_ply()?)?;
+        for (name, points) in ["known", "points"].into_iter().zip(self.alignment().points()) {
+            plain_files::write_surface(&folder.join(format!("{name}.f32")), &points)?;
+        }
+        plain_files::write_poses(&folder.join("motion.f64"), &[Alignment::motion()])
+    }
+
+    /// The ten images of the object alone.
+    pub fn frames(&self) -> Vec<Frame> {
+        let camera = SimulatedCamera::new(self.meshes[0].clone(), intrinsics(), Background::None, 10.0);
+        let camera = camera.expect("a sound camera");
+        self.poses.iter().map(|pose| camera.capture(pose).expect("a camera outside of the object")).collect()
+    }
+
+    /// The last image beside the surface that the others show.
+    pub fn alignment(&self) -> Alignment {
+        Alignment::of(&self.frames(), bounds())
+    }
+
+    /// The finest mesh as the bytes of a PLY file.
+    ///
+    /// # Errors
+    /// If there is not enough memory.
+    pub fn finest_ply(&self) -> Result<Vec<u8>, Box<dyn Error>> {
+        let vertices: Vec<CloudPoint> = self.meshes[2].vertices().iter().map(|&v| v.into()).collect();
+        let mut bytes = Vec::new();
+        write_mesh(&mut bytes, &vertices, None, self.meshes[2].triangles())?;
+        Ok(bytes)
     }
 
     /// The ten clouds of a set.
@@ -163,11 +201,14 @@ pub fn empty_map(voxel_size: f64) -> OccupancyMap {
     OccupancyMap::new(lattice(voxel_size), SensorModel::default()).expect("the default model is sound")
 }
 
+/// The box around the object.
+pub fn bounds() -> Aabb {
+    Aabb::cube(DVec3::ZERO, 0.5 * BOX_EDGE)
+}
+
 /// The voxels of the box around the object.
 pub fn block(voxel_size: f64) -> VoxelBlock {
-    lattice(voxel_size)
-        .block_inside(&Aabb::cube(DVec3::ZERO, 0.5 * BOX_EDGE))
-        .expect("the box holds voxels of every size measured")
+    lattice(voxel_size).block_inside(&bounds()).expect("the box holds voxels of every size measured")
 }
 
 fn lattice(voxel_size: f64) -> Lattice {

@@ -64,7 +64,7 @@ fn main() -> Result<ExitCode, Box<dyn Error>> {
     );
     for (stage, case) in &order {
         let ours = time(stage, case, "nextview");
-        for peer in ["octomap", "bonxai", "embree", "lemon", "spfa"] {
+        for peer in ["octomap", "bonxai", "embree", "lemon", "spfa", "open3d", "small_gicp"] {
             let (Some(ours), Some(theirs)) = (ours, time(stage, case, peer)) else { continue };
             let target =
                 RATIOS.iter().find(|row| (row.0, row.1, row.2) == (stage, case, peer)).map(|row| row.3);

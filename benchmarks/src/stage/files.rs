@@ -1,10 +1,64 @@
 use super::Stage;
-use crate::workload::{N_IMAGES, Set, Workload};
+use crate::workload::{DEPTH_UNIT, N_IMAGES, Set, Workload, intrinsics};
 use nextview::map::Octree;
+use nextview::surface::{CloudPoint, write_mesh};
+use nextview_recording::{decode_depth, encode_depth};
+use nextview_sim::mesh;
 use std::hint::black_box;
+use std::path::PathBuf;
 
-/// Reading and writing the map in OctoMap's formats, to and from memory.
+/// Reading and writing maps in OctoMap's formats and depth images, to and from memory, and meshes.
 pub(super) fn stages() -> Vec<Stage> {
+    maps().into_iter().chain(images()).chain(meshes()).collect()
+}
+
+fn images() -> [Stage; 2] {
+    [
+        Stage::new("write depth PNG", "640 x 480", 1, |workload| {
+            let image = workload.frames()[0].image().clone();
+            Box::new(move || _ = black_box(encode_depth(&image, DEPTH_UNIT)))
+        }),
+        Stage::new("read depth PNG", "640 x 480", 1, |workload| {
+            let bytes = encode_depth(workload.frames()[0].image(), DEPTH_UNIT);
+            Box::new(move || _ = black_box(decode_depth(&bytes, None, &intrinsics(), DEPTH_UNIT)))
+        }),
+    ]
+}
+
+fn meshes() -> [Stage; 2] {
+    [
+        Stage::new("write PLY", "16x", 1, |workload| {
+            let vertices: Vec<CloudPoint> =
+                workload.meshes[2].vertices().iter().map(|&vertex| vertex.into()).collect();
+            let triangles = workload.meshes[2].triangles();
+            Box::new(move || _ = black_box(write_mesh(&mut Vec::new(), &vertices, None, triangles)))
+        }),
+        Stage::new("read PLY", "16x", 1, |workload| {
+            let bytes = workload.finest_ply().expect("a mesh that fits into memory");
+            let file = TemporaryFile::new(&bytes).expect("room for it on the disk");
+            Box::new(move || _ = black_box(mesh::load(&file.0)))
+        }),
+    ]
+}
+
+/// A file that is removed with this.
+struct TemporaryFile(PathBuf);
+
+impl TemporaryFile {
+    fn new(bytes: &[u8]) -> std::io::Result<Self> {
+        let path = std::env::temp_dir().join(format!("nextview-stage-{}.ply", std::process::id()));
+        std::fs::write(&path, bytes)?;
+        Ok(Self(path))
+    }
+}
+
+impl Drop for TemporaryFile {
+    fn drop(&mut self) {
+        _ = std::fs::remove_file(&self.0);
+    }
+}
+
+fn maps() -> Vec<Stage> {
     let octree = |workload: &Workload| -> Octree {
         workload.map(Set::A, 0.005, N_IMAGES).to_octree().expect("a map of few voxels").pruned()
     };
