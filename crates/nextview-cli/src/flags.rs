@@ -1,4 +1,7 @@
-//! The options of the command line that keys of the configuration have.
+//! The options of the command line that keys of the configuration have, and paths in commands.
+
+use std::borrow::Cow;
+use std::path::Path;
 
 /// Keys and their options.
 const FLAGS: [(&str, &str); 54] = [
@@ -102,6 +105,12 @@ pub(crate) fn word(text: &str) -> String {
         }
     }
     worded
+}
+
+/// A path as a shell takes it.
+pub(crate) fn quoted(path: &Path) -> String {
+    let path = path.display().to_string();
+    shlex::try_quote(&path).map(Cow::into_owned).unwrap_or(path)
 }
 
 #[cfg(test)]

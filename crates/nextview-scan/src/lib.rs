@@ -12,6 +12,7 @@
 //!   └──── ScanRun::next: Replay(frame) | Capture(view) | Stop(reason) ◀── Session::decide
 //! ```
 
+mod batch_record;
 mod config;
 mod earlier_scan;
 mod fault;
@@ -32,6 +33,7 @@ mod saved_map;
 mod saved_model;
 mod source;
 
+pub use batch_record::{BatchRecord, BatchViewRecord};
 pub use config::*;
 pub use fault::{Cause, Fault, FaultKind, Faults, Place};
 #[cfg(fuzzing)]

@@ -1,7 +1,7 @@
 use super::campaign::{check, counted};
 use super::values;
 use crate::progress::CampaignProgress;
-use crate::{Failure, stdout};
+use crate::{Failure, interrupt, stdout};
 use clap::Args;
 use indicatif::HumanDuration;
 use nextview::Cancel;
@@ -99,6 +99,7 @@ impl BenchArgs {
         }
         let truths = self.truth_cache.map(|dir| TruthCache::open(&dir, self.truth_cache_mb)).transpose()?;
         let mut store = Store::open(&dir, &spec, self.shard.unwrap_or(Shard::WHOLE), self.resume)?;
+        interrupt::resumable("nextview bench --resume --out", &dir, dir.clone());
         let n_runs = store.share().iter().map(Vec::len).sum();
         let progress = CampaignProgress::new(n_runs);
         let on_event = |event| on_event(event, &progress, &spec.name, &dir);

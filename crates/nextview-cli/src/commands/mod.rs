@@ -62,7 +62,7 @@ Examples:
 
 Conventions: metres, world frame right-handed with z up, camera frame x right, y down, z forward.
 Data goes to stdout, messages to stderr.
-Exit codes: 0 done, 1 bad data or a failing system, 2 bad usage.";
+Exit codes: 0 done, 1 bad data or a failing system, 2 bad usage, 130 interrupted.";
 
 #[derive(Debug, Subcommand)]
 enum Command {

@@ -1,11 +1,11 @@
-use super::batch::BatchAnswer;
+use super::batch;
 use super::values::{self, some_named};
 use crate::{Failure, stdout};
 use clap::Args;
 use nextview::geometry::Aabb;
 use nextview::planner::{BatchConfig, GreedyConfig, MaxFlowConfig, MostSurfaceConfig};
 use nextview::sensor::Intrinsics;
-use nextview_scan::{PlannerConfigs, PlannerName, SavedMap};
+use nextview_scan::{BatchRecord, PlannerConfigs, PlannerName, SavedMap};
 use serde::Serialize;
 use std::path::PathBuf;
 
@@ -89,8 +89,11 @@ impl PlanArgs {
     }
 
     fn batch(&self, map: &SavedMap) -> Result<String, Failure> {
-        let answer = BatchAnswer::new(&map.next_views(&self.configs())?, map.views());
-        if self.json { answer.to_json() } else { Ok(answer.to_text()) }
+        let batch = BatchRecord::new(&map.next_views(&self.configs())?, map.views());
+        if !self.json {
+            return Ok(batch::to_text(&batch));
+        }
+        Ok(serde_json::to_string(&batch).map_err(Failure::data)? + "\n")
     }
 
     fn next(&self, map: &SavedMap) -> Result<String, Failure> {

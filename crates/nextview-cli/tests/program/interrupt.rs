@@ -28,3 +28,30 @@ fn during_the_scan_leaves_its_frames() {
     let long = ["--candidates", "100", "--views", "100", "--baselines", "off"];
     interrupt_after(6, "interrupt-scan", &long, &["scan.journal"]);
 }
+
+/// A test may run where a shell has it ignore Ctrl-C, so `env` undoes that.
+#[cfg(target_os = "linux")]
+#[test]
+fn ctrl_c_says_how_to_go_on() {
+    let folder = Folder::new("ctrl-c");
+    let scan = "scan builtin:mug --voxel-size-m 0.004 --candidates 100 --views 100 --baselines off --out";
+    let bench = "bench paper-1 builtin:mug builtin:teapot --out";
+    for (command, out, resume) in [
+        (scan, "a mug", "nextview scan --resume 'a mug'"),
+        (bench, "runs", "nextview bench --resume --out runs"),
+    ] {
+        let mut program = Command::new("env");
+        program.args(["--default-signal=INT", env!("CARGO_BIN_EXE_nextview")]);
+        program.args(command.split(' ')).arg(out).current_dir(folder.path("."));
+        let mut child = program.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
+        let mut lines = BufReader::new(child.stdout.take().unwrap()).lines();
+        let n_lines = if command == scan { 6 } else { 1 };
+        (0..n_lines).for_each(|_| drop(lines.next().unwrap().unwrap()));
+        let kill = Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap();
+        assert!(kill.success());
+        let output = child.wait_with_output().unwrap();
+        let said = String::from_utf8(output.stderr).unwrap();
+        assert!(said.contains(&format!("note: interrupted; to resume: {resume}\n")), "{said}");
+        assert_eq!(output.status.code(), Some(130), "{said}");
+    }
+}

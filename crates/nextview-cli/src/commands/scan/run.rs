@@ -1,6 +1,6 @@
-use crate::flags::word;
+use crate::flags::{quoted, word};
 use crate::progress::Progress;
-use crate::{Failure, stdout};
+use crate::{Failure, interrupt, stdout};
 use nextview::Cancel;
 use nextview_report::{heading, page_of_scan, step_line, summary_text};
 use nextview_scan::files::{Overwrite, ResultFolder};
@@ -125,6 +125,7 @@ fn drive(
 ) -> Result<(String, ScanRecord), Failure> {
     let text = toml::to_string(config).map_err(Failure::data)?;
     let journal = journal.map_or_else(|| ScanJournal::begin(&output.dir, &text), Ok)?;
+    interrupt::resumable("nextview scan --resume", &output.dir, output.dir.join(ScanJournal::FILE));
     let mut run = ScanRun::begin(source, config, Begin { journal: Some(journal), ..Begin::default() })?;
     let progress = Progress::new("scanning", config.views.unwrap_or_default());
     let mut printed = Ok(());
@@ -166,12 +167,9 @@ fn drive(
 /// The command that runs a scan again whose results are in this folder. Names in a configuration are relative
 /// to the place where the program runs, and so is this folder's.
 fn command_again(dir: &Path) -> String {
-    let quoted = |path: String| match path.chars().all(|c| c.is_alphanumeric() || "/._-+:\\".contains(c)) {
-        true => path,
-        false => format!("'{}'", path.replace('\'', "'\\''")),
-    };
-    let config = quoted(dir.join("config.toml").display().to_string());
-    let again = quoted(format!("{}-again", dir.display()));
+    let mut again = dir.as_os_str().to_owned();
+    again.push("-again");
+    let [config, again] = [dir.join("config.toml"), again.into()].map(|path| quoted(&path));
     format!("# in the folder where the scan was run\nnextview scan --config {config} --out {again}")
 }
 
