@@ -93,8 +93,8 @@ fn column(
 
 /// The mean height of the points of these cells above a point with this normal.
 ///
-/// Heights are along the mean of both normals, which is perpendicular to the chord of an arc: on curved
-/// surface without noise they are zero.
+/// Heights are along the mean of both normals, which is perpendicular to the chord of an arc: on a ball
+/// without noise they are zero.
 fn mean_height(column: &[(IVec3, &Mean, f64)], position: DVec3, normal: DVec3) -> f64 {
     let (sum, n) = column.iter().fold((0.0, 0.0), |(sum, n), (_, (mean, count), weight)| {
         let n_here = *count as f64 * weight;
@@ -148,6 +148,27 @@ mod tests {
             let expected = rms(cloud.iter().map(|point| f64::from(point.error.unwrap())));
             assert!((0.7..1.4).contains(&(off / expected)), "{wall}: {off} {expected}");
         }
+    }
+
+    #[test]
+    fn curved_surface_without_noise_hardly_moves() {
+        let radius = 6.0 * CELL;
+        let views =
+            crate::view::generate::fibonacci_sphere(DVec3::splat(0.3 * CELL), radius, 40_000).unwrap();
+        let points: Vec<CloudPoint> = (0..views.len())
+            .map(|i| {
+                let position = views.pose(i).translation();
+                let normal = (position - DVec3::splat(0.3 * CELL)) / radius;
+                CloudPoint { normal: Some(normal), ..position.into() }
+            })
+            .collect();
+        let off = |cloud: &[CloudPoint]| {
+            rms(cloud.iter().map(|point| point.position.distance(DVec3::splat(0.3 * CELL)) - radius))
+        };
+        let plain = off(&crate::surface::downsample(points.clone(), CELL).unwrap());
+        let fused = off(&fused_cloud(points, CELL, None, &Cancel::default()).unwrap());
+        // With heights along the normals of the points, it would be twice as far off.
+        assert!(fused < 1.25 * plain, "{fused} {plain}");
     }
 
     #[test]
