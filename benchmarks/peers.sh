@@ -3,14 +3,14 @@
 #
 #   benchmarks/peers.sh [OBJECT]
 #
-# OBJECT is a mesh file or the name of a built-in object; default: the Stanford bunny of NEXTVIEW_DATA, else the built-
-# in teapot. Needs g++ and the Debian packages liboctomap-dev, libembree-dev and liblemon-dev; a peer that cannot be
-# built is named and left out. Bonxai has no package: BONXAI names a folder with include/ and src/ of its sources, which
-# need Eigen (Debian package libeigen3-dev; EIGEN names another folder that holds Eigen/). PYTHON (default python3)
-# names a Python with open3d, small_gicp and numpy. WORKLOAD names a folder with a workload made before. ROUNDS (default
-# 2) is how often everything runs, CORE (default 0) where. PROGRAMS names a folder with our programs, which are built
-# otherwise. With QUICK=1 the workload is tiny, each of our stages runs once, and no target is judged: that everything
-# runs. Exits with 1 if a target is missed.
+# OBJECT is a mesh file or the name of a built-in object; default: the Stanford bunny of NEXTVIEW_DATA, else the
+# built-in teapot. Needs g++ and the Debian packages liboctomap-dev, libembree-dev and liblemon-dev; a peer that cannot
+# be built is named and left out. Bonxai has no package: BONXAI names a folder with include/ and src/ of its sources,
+# which need Eigen (Debian package libeigen3-dev; EIGEN names another folder that holds Eigen/). PYTHON (default
+# python3) names a Python with open3d, small_gicp and numpy. WORKLOAD names a folder with a workload made before. ROUNDS
+# (default 2) is how often everything runs, CORE (default 0) where. PROGRAMS names a folder with our programs, which are
+# built otherwise. With QUICK=1 the workload is tiny, each of our stages runs once, and no target is judged: that
+# everything runs. Exits with 1 if a target is missed.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 

@@ -154,10 +154,14 @@ impl Workload {
     /// # Errors
     /// If there is not enough memory.
     pub fn finest_ply(&self) -> Result<Vec<u8>, Box<dyn Error>> {
-        let vertices: Vec<CloudPoint> = self.meshes[2].vertices().iter().map(|&v| v.into()).collect();
         let mut bytes = Vec::new();
-        write_mesh(&mut bytes, &vertices, None, self.meshes[2].triangles())?;
+        write_mesh(&mut bytes, &self.finest_vertices(), None, self.meshes[2].triangles())?;
         Ok(bytes)
+    }
+
+    /// The vertices of the finest mesh, as PLY files are written from.
+    pub fn finest_vertices(&self) -> Vec<CloudPoint> {
+        self.meshes[2].vertices().iter().map(|&vertex| vertex.into()).collect()
     }
 
     /// The ten clouds of a set.

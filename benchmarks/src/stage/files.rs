@@ -1,7 +1,7 @@
 use super::Stage;
 use crate::workload::{DEPTH_UNIT, N_IMAGES, Set, Workload, intrinsics};
 use nextview::map::Octree;
-use nextview::surface::{CloudPoint, write_mesh};
+use nextview::surface::write_mesh;
 use nextview_recording::{decode_depth, encode_depth};
 use nextview_sim::mesh;
 use std::hint::black_box;
@@ -28,9 +28,7 @@ fn images() -> [Stage; 2] {
 fn meshes() -> [Stage; 2] {
     [
         Stage::new("write PLY", "16x", 1, |workload| {
-            let vertices: Vec<CloudPoint> =
-                workload.meshes[2].vertices().iter().map(|&vertex| vertex.into()).collect();
-            let triangles = workload.meshes[2].triangles();
+            let (vertices, triangles) = (workload.finest_vertices(), workload.meshes[2].triangles());
             Box::new(move || _ = black_box(write_mesh(&mut Vec::new(), &vertices, None, triangles)))
         }),
         Stage::new("read PLY", "16x", 1, |workload| {

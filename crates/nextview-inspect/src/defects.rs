@@ -8,7 +8,7 @@ const FEWEST: usize = 12;
 
 /// The deviation of a defect is that which this share of its points stays below: the largest one would be
 /// that of noise.
-const QUANTILE: f64 = 0.95;
+const QUANTILE: f64 = 0.9;
 
 /// Groups of points that deviate to the same side, each within a patch of another one; the largest deviation
 /// first.

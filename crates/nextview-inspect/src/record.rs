@@ -49,7 +49,7 @@ pub struct DefectRecord {
     pub center_m: [f64; 3],
     /// Size of the box around it.
     pub size_m: [f64; 3],
-    /// By how much: positive where there is too much material. 95 % of its points deviate less.
+    /// By how much: positive where there is too much material. Nine tenths of its points deviate less.
     pub deviation_mm: f64,
     /// The standard error of that.
     pub standard_error_mm: f64,

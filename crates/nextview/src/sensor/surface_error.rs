@@ -79,7 +79,7 @@ impl SurfaceError {
 
     /// The same of a surface at this cosine: rounding, which is along the optical axis, counts by its part
     /// along the normal.
-    pub fn of_look_at(&self, of_pixel: f64, n: f64, cosine: f64) -> f64 {
+    pub(crate) fn of_look_at(&self, of_pixel: f64, n: f64, cosine: f64) -> f64 {
         let rounding = self.depth_unit.powi(2) / 12.0;
         self.of_look(of_pixel, n) - rounding * (1.0 - cosine.clamp(LEAST_COSINE, 1.0).powi(2))
     }
