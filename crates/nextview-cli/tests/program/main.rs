@@ -11,6 +11,8 @@ mod bombs;
 #[cfg(test)]
 mod campaigns;
 #[cfg(test)]
+mod commands;
+#[cfg(test)]
 mod common;
 #[cfg(test)]
 mod dataset;
@@ -18,6 +20,8 @@ mod dataset;
 mod determinism;
 #[cfg(test)]
 mod export;
+#[cfg(test)]
+mod first_scan;
 #[cfg(test)]
 mod help;
 #[cfg(test)]
@@ -30,6 +34,8 @@ mod interrupt;
 mod irregular;
 #[cfg(test)]
 mod map_and_views;
+#[cfg(test)]
+mod methods;
 #[cfg(test)]
 mod motion;
 #[cfg(test)]

@@ -3,9 +3,7 @@
 
 #![allow(clippy::unwrap_used, reason = "helpers of tests")]
 
-mod common;
-
-use common::data_folder;
+use crate::common::data_folder;
 use flate2::read::GzDecoder;
 use glam::IVec3;
 use nextview::Cancel;

@@ -39,13 +39,13 @@ fn shown(page: &str) -> &str {
 #[test]
 fn shows_what_the_first_command_prints() {
     let printed = printed("scan", "first-scan");
-    let page = include_str!("../../../docs/scan.md");
+    let page = include_str!("../../../../docs/scan.md");
     assert_eq!(lines(shown(page)), lines(&printed), "docs/scan.md shows another output");
 }
 
 #[test]
 fn the_start_shows_lines_that_its_command_prints() {
-    let page = include_str!("../../../docs/start.md");
+    let page = include_str!("../../../../docs/start.md");
     let command = page.lines().find_map(|line| line.strip_prefix("nextview scan builtin:mug ")).unwrap();
     let printed =
         printed(&format!("scan builtin:mug {}", command.strip_suffix(" --out mug").unwrap()), "start");

@@ -2,9 +2,7 @@
 
 #![allow(clippy::unwrap_used, reason = "clippy exempts the test functions, but not their helpers")]
 
-mod common;
-
-use common::{data_folder, skipped};
+use crate::common::{data_folder, skipped};
 use glam::{DVec3, IVec3};
 use nextview::geometry::Lattice;
 use nextview::map::octree::Octree;

@@ -6,7 +6,7 @@ use std::fs;
 use std::path::PathBuf;
 
 /// Held equal to what the program prints by a test of its own.
-const HELP: &str = include_str!("program/help/nextview-scan.txt");
+const HELP: &str = include_str!("help/nextview-scan.txt");
 
 fn workspace() -> PathBuf {
     PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../..")

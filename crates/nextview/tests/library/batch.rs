@@ -67,7 +67,7 @@ fn value_of(values: &[Vec<f64>], views: &[usize]) -> f64 {
 }
 
 fn path_length(views: &[usize]) -> f64 {
-    let (space, snapshot) = (crate::views(), half_seen_ball());
+    let (space, snapshot) = (self::views(), half_seen_ball());
     let ball = KeepOut::around(&snapshot.lattice().bounds(&snapshot.block()), 0.0).unwrap();
     let position = |&view: &usize| space.pose(view).translation();
     tour_length(Some(position(&VISITED[1])), views.iter().map(position), &ball)

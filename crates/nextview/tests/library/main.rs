@@ -1,0 +1,22 @@
+//! The library from outside: maps, gains, planners, sessions, models. One program, so that the library is linked once.
+
+#[path = "../common/mod.rs"]
+mod common;
+
+mod batch;
+mod checked;
+mod diagnosis;
+mod frontier_tour;
+mod gains;
+mod layers;
+mod max_flow_twin;
+mod nonsense;
+mod octomap_tools;
+mod octree_files;
+mod paper_weights;
+mod planner;
+mod receding_horizon;
+mod schema;
+mod sensors;
+mod stop_rules;
+mod surface_model;
