@@ -1,4 +1,4 @@
-//! The library from outside: maps, gains, planners, sessions, models. One program, so that the library is linked once.
+//! The library from outside: maps, gains, planners, sessions, models. One program, so that it is linked once.
 
 #[path = "../common/mod.rs"]
 mod common;
