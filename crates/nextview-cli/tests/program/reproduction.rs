@@ -87,17 +87,11 @@ fn rows<'a>(text: &'a str, head: &str) -> BTreeMap<&'a str, Vec<&'a str>> {
     lines.map(cells).map(|cells| (cells[1], cells[2..].to_vec())).collect()
 }
 
-/// docs/results.md has numbers of docs/planner.md, and that those of the campaigns' reports.
+/// The table of all planners in docs/planner.md is that of the campaigns' reports.
 #[test]
-fn the_default_planner_is_said_to_be_what_was_measured() {
+fn the_planners_are_said_to_be_what_was_measured() {
     let all = rows(include_str!("../../../../docs/planner.md"), "| | 5 mm | 1 cm | 5 mm, table |");
-    let readme = rows(include_str!("../../../../docs/results.md"), "| planner | voxels of 5 mm |");
-    assert!(all.len() == 17 && readme.len() == 5);
-    for (name, cells) in readme {
-        let name = name.replace(", as published", " as published");
-        let said = [0, 1, 2, 4].map(|setting| all[name.as_str()][setting].split(" (").next().unwrap());
-        assert_eq!(cells[..4], said, "{name}");
-    }
+    assert_eq!(all.len(), 17);
     let reports = [
         include_str!("../../../../docs/planner/5mm.md"),
         include_str!("../../../../docs/planner/1cm.md"),
@@ -120,23 +114,68 @@ fn the_default_planner_is_said_to_be_what_was_measured() {
     }
 }
 
-/// The numbers at the head of README.md are those of the pages that it names.
+/// The reports of the campaigns that README.md and docs/results.md begin with.
+const HEADLINE: [&str; 2] = [
+    include_str!("../../../../docs/planner/headline-5mm.md"),
+    include_str!("../../../../docs/planner/headline-5mm-table-noise.md"),
+];
+
+/// The mean in a report's cell.
+fn mean(cell: &str) -> &str {
+    match cell.trim_start_matches("≥ ").split(' ').next().unwrap() {
+        "-0.00" => "0.00",
+        mean => mean,
+    }
+}
+
+/// The mean in a report's cell and its interval.
+fn mean_and_interval(cell: &str) -> String {
+    let (_, interval) = cell.split_once(' ').unwrap();
+    format!("{} {})", mean(cell), interval.split(", median").next().unwrap())
+}
+
+/// The numbers at the head of README.md are those of the campaigns.
 #[test]
 fn the_readme_says_what_was_measured() {
-    let planner = include_str!("../../../../docs/planner.md");
     let reality = rows(include_str!("../../../../docs/reality.md"), "| | skill, mean | lowest |");
-    let views = rows(planner, "| | 95 % | 99 % | 95 %, table |");
-    let (_, noisy) = planner.split_once("with noise, 24 objects").unwrap();
-    let noisy = rows(noisy, "| | skill before |");
+    let views = rows(HEADLINE[0], "| variant | 90 % | 95 % | 99 % |");
+    let reached = HEADLINE.map(|report| rows(report, "| variant | objects | voxel coverage, % |"));
     let readme = rows(include_str!("../../../../README.md"), "| planner | views to 95 %, all around |");
     assert_eq!(readme.len(), 5);
     for (name, said) in readme {
         let said: Vec<_> = said.iter().map(|cell| cell.trim_matches('*')).collect();
         let name = name.trim_matches('*').split([':', ',']).next().unwrap();
-        let skill = noisy[name][1].split(" (").next().unwrap();
+        let [around, noisy] = [0, 1].map(|setting: usize| mean(reached[setting][name][3]));
         let share = reality.get(name).map(|row| 100.0 * row[2].parse::<f64>().unwrap());
         let share = share.map(|share| format!("{share:.1}")).unwrap_or_default();
-        assert_eq!(said[..4], [views[name][0], views[name][2], skill, &share], "{name}");
+        assert_eq!(said[..4], [mean(views[name][1]), around, noisy, &share], "{name}");
+    }
+}
+
+/// docs/results.md and docs/planner.md begin with what these campaigns measured, the lowest objects included.
+#[test]
+fn the_first_tables_are_those_of_the_campaigns() {
+    let results =
+        rows(include_str!("../../../../docs/results.md"), "| planner | 5 mm, all around | lowest |");
+    let (_, mut page) =
+        include_str!("../../../../docs/planner.md").split_once("## Beside other planners").unwrap();
+    for (setting, report) in HEADLINE.into_iter().enumerate() {
+        let reached = rows(report, "| variant | objects | voxel coverage, % |");
+        let (_, worst) = report.split_once("The worst object").unwrap();
+        let worst = rows(worst, "| variant | voxel coverage, % |");
+        let views = rows(report, "| variant | 90 % | 95 % | 99 % |");
+        let has = rows(report, "| variant | precision of the map, % |");
+        let said = rows(page, "| | skill | median | lowest |");
+        page = page.split_once("| | skill | median | lowest |").unwrap().1;
+        assert!(said.len() == 6 && results.len() == 6);
+        for (name, said) in said {
+            let skill = [mean_and_interval(reached[name][3]), worst[name][2].replace('\\', "")];
+            assert_eq!([said[0], said[2]], skill, "{name}, {setting}");
+            assert_eq!(results[name][2 * setting..][..2], skill, "{name}, {setting}");
+            let others = [views[name][0], views[name][1], views[name][2]].into_iter();
+            let others = others.chain([reached[name][2], has[name][2]]);
+            assert_eq!(said[3..8], others.map(mean).collect::<Vec<_>>(), "{name}, {setting}");
+        }
     }
 }
 
