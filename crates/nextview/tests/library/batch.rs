@@ -2,6 +2,7 @@
 
 #![allow(clippy::unwrap_used, reason = "helpers of tests")]
 
+use crate::half_seen_ball::half_seen_ball;
 use glam::{DVec3, IVec3, UVec3};
 use nextview::Cancel;
 use nextview::gain::ExpectedSurface;
@@ -16,21 +17,6 @@ use nextview::visibility::MeasuredParts;
 
 const N_VIEWS: usize = 14;
 const VISITED: [usize; 2] = [3, 9];
-
-/// A ball of which the +x side was measured, with free space around that side; the rest unknown.
-fn half_seen_ball() -> Snapshot {
-    let block = VoxelBlock::new(IVec3::splat(-8), UVec3::splat(16)).unwrap();
-    let lattice = Lattice::new(0.01).unwrap();
-    Snapshot::from_fn(lattice, block, |key| {
-        let center = lattice.center(key);
-        let radius = center.length();
-        match center.x > 0.0 {
-            true if (0.04..0.052).contains(&radius) => Some(LogOdds(0.85)),
-            true if radius >= 0.052 => Some(LogOdds(-0.4)),
-            _ => None,
-        }
-    })
-}
 
 fn views() -> ViewSpace {
     generate::shell(DVec3::ZERO, 0.08, N_VIEWS, 5).unwrap()

@@ -8,6 +8,7 @@ mod checked;
 mod diagnosis;
 mod frontier_tour;
 mod gains;
+mod half_seen_ball;
 mod layers;
 mod max_flow_twin;
 mod nonsense;

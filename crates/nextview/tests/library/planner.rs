@@ -3,6 +3,7 @@
 
 #![allow(clippy::unwrap_used, reason = "helpers of tests")]
 
+use crate::half_seen_ball::half_seen_ball;
 use glam::{DVec2, DVec3, IVec3, UVec3};
 use nextview::flow::{BestSets, fewest_sets};
 use nextview::gain::{
@@ -19,21 +20,6 @@ use nextview::sensor::{DepthImage, Frame, Intrinsics};
 use nextview::view::{ViewSpace, generate, look_at};
 use nextview::visibility::{FreeSpace, Ray, RayCaster, Sight, ViewRays};
 use nextview::{Cancel, Error};
-
-/// A box with a solid ball in it whose +x side was measured, free space around that side, the rest unknown.
-fn half_seen_ball() -> Snapshot {
-    let block = VoxelBlock::new(IVec3::splat(-8), UVec3::splat(16)).unwrap();
-    let lattice = Lattice::new(0.01).unwrap();
-    Snapshot::from_fn(lattice, block, |key| {
-        let center = lattice.center(key);
-        let radius = center.length();
-        match center.x > 0.0 {
-            true if (0.04..0.052).contains(&radius) => Some(LogOdds(0.85)),
-            true if radius >= 0.052 => Some(LogOdds(-0.4)),
-            _ => None,
-        }
-    })
-}
 
 /// An image of the ball from +x.
 fn frame_of_ball() -> Frame {

@@ -3,6 +3,7 @@
 
 #![allow(clippy::unwrap_used, reason = "helpers of tests")]
 
+use crate::half_seen_ball::half_seen_ball;
 use glam::{DVec3, IVec3, UVec3};
 use nextview::Cancel;
 use nextview::gain::UnobservedVoxel;
@@ -15,20 +16,6 @@ use nextview::sensor::Intrinsics;
 use nextview::view::{ViewSpace, generate};
 
 const SPACING: f64 = 2.0;
-
-/// A box that is known where x > 0: a ball's surface and free space.
-fn half_seen_ball() -> Snapshot {
-    let block = VoxelBlock::new(IVec3::splat(-8), UVec3::splat(16)).unwrap();
-    let lattice = Lattice::new(0.01).unwrap();
-    Snapshot::from_fn(lattice, block, |key| {
-        let center = lattice.center(key);
-        match center.x > 0.0 {
-            true if (0.04..0.052).contains(&center.length()) => Some(LogOdds(0.85)),
-            true if center.length() >= 0.052 => Some(LogOdds(-0.4)),
-            _ => None,
-        }
-    })
-}
 
 fn known() -> Snapshot {
     let block = VoxelBlock::new(IVec3::splat(-4), UVec3::splat(8)).unwrap();
