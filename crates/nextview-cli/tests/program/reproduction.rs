@@ -196,7 +196,6 @@ fn the_tables_with_exact_truth_are_those_of_the_reports() {
             let (reached, has) = (&reached[name], &has[name]);
             let skill = format!("{}, median {})", said[1].trim_end_matches(')'), said[2]);
             assert_eq!(skill, reached[3], "{name}, {place}");
-            let mean = |cell: &'static str| cell.split(' ').next().unwrap();
             let means = [reached[2], has[2], has[3], has[5], has[6]].map(mean);
             assert_eq!(said[4..9], means, "{name}, {place}");
         }
