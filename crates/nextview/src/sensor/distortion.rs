@@ -56,6 +56,27 @@ impl Distortion {
         }
     }
 
+    /// By how much the lens moves points apart at most: of two ideal points within `radius` of the optical axis
+    /// at z = 1, whose images are within it, too, the images are at most so many times as far apart. None if
+    /// the polynomial folds within that radius.
+    ///
+    /// D's derivative is symmetric. Without the tangential terms its eigenvalues are the radial polynomial and
+    /// the derivative of r times that.
+    pub(super) fn stretch(&self, radius: f64) -> Option<f64> {
+        let [k1, k2, p1, p2, k3] = self.coefficients();
+        let tangential = (p1.hypot(p2)) * (2.0 + 40.0_f64.sqrt()) * radius;
+        let s = radius * radius;
+        let (low_across, high_across) = range_of_cubic([1.0, k1, k2, k3], s);
+        let (low_along, high_along) = range_of_cubic([1.0, 3.0 * k1, 5.0 * k2, 7.0 * k3], s);
+        let low = low_across.min(low_along) - tangential;
+        let high = high_across.max(high_along) + tangential;
+        (low > 0.0).then_some(match self {
+            Self::None => 1.0,
+            Self::BrownConrady(_) => high,
+            Self::InverseBrownConrady(_) => 1.0 / low,
+        })
+    }
+
     /// The coefficients `k1, k2, p1, p2, k3`, all zero for the ideal pinhole.
     pub fn coefficients(&self) -> [f64; 5] {
         match *self {
@@ -81,6 +102,19 @@ pub(super) fn polynomial(k: &[f64; 5], p: DVec2) -> (DVec2, DMat2) {
         DVec2::new(mixed, radial + slope * y * y + 6.0 * p1 * y + 2.0 * p2 * x),
     );
     (value, derivative)
+}
+
+/// The least and the largest value of `c[0] + c[1] s + c[2] s^2 + c[3] s^3` in 0..=`end`.
+fn range_of_cubic(c: [f64; 4], end: f64) -> (f64, f64) {
+    let value = |s: f64| c[0] + s * (c[1] + s * (c[2] + s * c[3]));
+    // The slope is zero at the roots of c[1] + 2 c[2] s + 3 c[3] s^2.
+    let (a, b) = (3.0 * c[3], 2.0 * c[2]);
+    let root = (b * b - 4.0 * a * c[1]).sqrt();
+    let q = -0.5 * (b + root.copysign(b));
+    let turns = [q / a, c[1] / q].into_iter().filter(|s| *s > 0.0 && *s < end).map(value);
+    turns.fold((value(0.0).min(value(end)), value(0.0).max(value(end))), |(low, high), v| {
+        (low.min(v), high.max(v))
+    })
 }
 
 /// D where it keeps orientation; beyond its fold a second point would have the same image.
@@ -148,6 +182,36 @@ mod tests {
             prop_assert!(Distortion::BrownConrady(k).distort(p).is_some());
             prop_assert!(Distortion::InverseBrownConrady(k).undistort(p).is_some());
         }
+    }
+
+    proptest! {
+        #[test]
+        fn no_two_points_move_farther_apart_than_the_stretch(
+            points in prop::array::uniform4(-0.55..0.55), near in prop::bool::ANY,
+            radial in prop::array::uniform3(-0.4..0.4), tangential in prop::array::uniform2(-0.02..0.02),
+        ) {
+            let k = [radial[0], radial[1], tangential[0], tangential[1], radial[2]];
+            let a = DVec2::new(points[0], points[1]);
+            let b = if near { a + DVec2::new(points[2], points[3]) * 1e-3 } else { DVec2::new(points[2], points[3]) };
+            for model in [Distortion::None, Distortion::BrownConrady(k), Distortion::InverseBrownConrady(k)] {
+                let images = [a, b].map(|p| model.distort(p).filter(|image| image.length() <= 0.78));
+                if let (Some(stretch), [Some(at), Some(bt)]) = (model.stretch(0.78), images) {
+                    prop_assert!(at.distance(bt) <= stretch * a.distance(b) + 1e-12, "{model:?}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn the_stretch_is_no_larger_than_needed() {
+        assert_eq!(Distortion::None.stretch(0.7), Some(1.0));
+        let pincushion = Distortion::BrownConrady([0.2, 0.0, 0.0, 0.0, 0.0]);
+        assert!((pincushion.stretch(0.5).unwrap() - 1.15).abs() < 1e-12, "1 + 3 k1 r^2");
+        let barrel = Distortion::BrownConrady([-0.4, 0.0, 0.0, 0.0, 0.0]);
+        assert_eq!(barrel.stretch(0.5), Some(1.0), "in the middle");
+        assert_eq!(barrel.stretch(1.0), None, "it folds at 0.91");
+        let dip = Distortion::InverseBrownConrady([-0.6, 1.0, 0.0, 0.0, 0.0]);
+        assert!((1.0 / dip.stretch(0.7).unwrap() - 0.838).abs() < 1e-9, "1 - 1.8 s + 5 s^2 is least at 0.18");
     }
 
     #[test]

@@ -120,11 +120,28 @@ impl Intrinsics {
         self.distortion.undistort((pixel - self.center) / self.focal)
     }
 
+    /// How far the lens moves points apart at most; none if it folds within the image or just beside it.
+    pub(crate) fn stretch(&self) -> Option<Stretch> {
+        let last = DVec2::new(self.width as f64, self.height as f64) - 0.5;
+        let farthest = (last - self.center).max(self.center + 0.5);
+        // A little more than the image, whose corners a lens may move outwards.
+        let radius = 1.1 * (farthest / self.focal).length();
+        self.distortion.stretch(radius).map(|factor| Stretch { radius, factor })
+    }
+
     /// Whether a pixel coordinate lies in the image.
     pub fn contains(&self, pixel: DVec2) -> bool {
         let size = DVec2::new(self.width as f64, self.height as f64);
         pixel.cmpge(DVec2::splat(-0.5)).all() && pixel.cmplt(size - 0.5).all()
     }
+}
+
+/// Of two points of the plane z = 1 within this radius of the optical axis that are shown by the image, the
+/// images on that plane are at most `factor` times as far apart as the points.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Stretch {
+    pub radius: f64,
+    pub factor: f64,
 }
 
 /// The optics of a camera, in pixels. A pixel's centre has integer coordinates.

@@ -25,6 +25,7 @@ pub use depth_range::DepthRange;
 pub use distortion::Distortion;
 pub use frame::Frame;
 pub use intrinsics::Intrinsics;
+pub(crate) use intrinsics::Stretch;
 pub(crate) use lens_lanes::Points;
 pub use preset::{Principle, Sensor};
 pub use surface_error::SurfaceError;

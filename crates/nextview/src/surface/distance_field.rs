@@ -5,11 +5,14 @@ use super::surface_nets::surface_nets_unless;
 use crate::geometry::{Aabb, Lattice, Plane, Pose, VoxelBlock};
 use crate::sensor::Frame;
 use crate::{Cancel, Cancelled, Error};
-use glam::{DVec3, IVec3};
+use glam::{DVec3, IVec3, UVec3};
 use rayon::prelude::*;
 
 /// Voxels of a row that a frame is asked about at a time.
 const LANES: usize = 8;
+
+/// Voxels that a frame is asked about as a whole first: most are all free, or all hidden.
+const BRICK: UVec3 = UVec3::new(LANES as u32, 4, 4);
 
 /// Maximum memory of a field, MB.
 const MEMORY_LIMIT_MB: u64 = 4096;
@@ -123,16 +126,38 @@ impl DistanceField {
         let surface = FrameSurface::new(frame, table_top, self.truncation, margin, nearest, cancel)?;
         let (rotation, translation) = (camera_from_world.rotation_matrix(), camera_from_world.translation());
         let (lattice, block) = (self.lattice, self.block);
-        let row = block.dims().x as usize;
-        self.cells.par_chunks_mut(row).enumerate().try_for_each(|(i, cells)| {
-            cancel.check()?;
-            let first = block.key(i * row);
-            for (x, cells) in (0..).step_by(LANES).zip(cells.chunks_mut(LANES)) {
-                // The last ones may lie beyond the block: the results for those are dropped.
-                let center = |i: usize| lattice.center(first + IVec3::new(x + i as i32, 0, 0));
-                let points: [DVec3; LANES] = std::array::from_fn(|i| rotation * center(i) + translation);
-                let evidence = surface.evidence(&points);
-                cells.iter_mut().zip(evidence).for_each(|(cell, e)| e.into_iter().for_each(|e| cell.add(e)));
+        let in_camera = |voxel: DVec3| rotation * ((voxel + 0.5) * lattice.voxel_size()) + translation;
+        let dims = block.dims();
+        let (row, layer) = (dims.x as usize, (dims.x * dims.y) as usize);
+        self.cells.par_chunks_mut(BRICK.z as usize * layer).enumerate().try_for_each(|(i, slab)| {
+            let z = i as u32 * BRICK.z;
+            for y in (0..dims.y).step_by(BRICK.y as usize) {
+                cancel.check()?;
+                for x in (0..dims.x).step_by(BRICK.x as usize) {
+                    let first = UVec3::new(x, y, z);
+                    let size = BRICK.min(dims - first);
+                    let reach = (size - 1).as_dvec3() / 2.0;
+                    let center = in_camera((block.min() + first.as_ivec3()).as_dvec3() + reach);
+                    // A little more, for what is lost by rounding.
+                    let radius = reach.length() * lattice.voxel_size() * (1.0 + 1e-9);
+                    let of_all = surface.evidence_of_ball(center, radius);
+                    for (dz, dy) in (0..size.z).flat_map(|dz| (0..size.y).map(move |dy| (dz, dy))) {
+                        let start = dz as usize * layer + (y + dy) as usize * row + x as usize;
+                        let cells = &mut slab[start..start + size.x as usize];
+                        if let Some(evidence) = of_all {
+                            cells.iter_mut().for_each(|cell| cell.add(evidence));
+                            continue;
+                        }
+                        let first = (block.min() + (first + UVec3::new(0, dy, dz)).as_ivec3()).as_dvec3();
+                        // The last ones may lie beyond the block: the results for those are dropped.
+                        let points = std::array::from_fn(|i| in_camera(first + DVec3::X * i as f64));
+                        let evidence = surface.evidence::<LANES>(&points);
+                        cells
+                            .iter_mut()
+                            .zip(evidence)
+                            .for_each(|(cell, e)| e.into_iter().for_each(|e| cell.add(e)));
+                    }
+                }
             }
             Ok(())
         })

@@ -1,9 +1,10 @@
 //! The evidence of one frame about the distance of a point to the surface.
 
 use super::clear_depth::ClearDepth;
+use super::depth_tiles::DepthTiles;
 use super::tangent_plane::TangentPlanes;
 use crate::geometry::Plane;
-use crate::sensor::{Depth, Frame, Intrinsics};
+use crate::sensor::{Depth, Frame, Intrinsics, Stretch};
 use crate::{Cancel, Cancelled};
 use glam::{DVec2, DVec3};
 
@@ -45,6 +46,9 @@ pub(super) struct FrameSurface {
     /// By pixel, whether nothing came back.
     is_open: Vec<bool>,
     clear_depth: ClearDepth,
+    tiles: DepthTiles,
+    /// How far the lens moves points apart at most; none if that has no bound.
+    stretch: Option<Stretch>,
     /// In the camera frame.
     table_top: Option<Plane>,
     truncation: f64,
@@ -65,11 +69,13 @@ impl FrameSurface {
     ) -> Result<Self, Cancelled> {
         let (intrinsics, planes) = (*frame.intrinsics(), TangentPlanes::new(frame));
         let (depth, width) = (free_depth(frame), intrinsics.width() as usize);
-        let is_open = frame.image().pixels().map(|depth| depth == Depth::Beyond).collect();
+        let is_open: Vec<bool> = frame.image().pixels().map(|depth| depth == Depth::Beyond).collect();
+        let tiles = DepthTiles::new(&depth, &is_open, width);
+        let stretch = intrinsics.stretch();
         let half_width = margin_in_pixels(&intrinsics, margin, nearest);
         let clear_depth = ClearDepth::new(depth, width, half_width, cancel)?;
         let table_top = table_top.map(|top| top.moved(&frame.world_from_camera().inverse()));
-        Ok(Self { intrinsics, planes, is_open, clear_depth, table_top, truncation, margin })
+        Ok(Self { intrinsics, planes, is_open, clear_depth, tiles, stretch, table_top, truncation, margin })
     }
 
     /// The frame's evidence about points of the camera frame; nothing outside the image, where nothing was
@@ -77,6 +83,40 @@ impl FrameSurface {
     pub(super) fn evidence<const N: usize>(&self, points: &[DVec3; N]) -> [Option<Evidence>; N] {
         let pixels = self.intrinsics.project_lanes(points);
         std::array::from_fn(|i| self.evidence_at(points[i], pixels[i]?))
+    }
+
+    /// The evidence about all points of a ball of the camera frame, where the pixels that may show it tell
+    /// the same of each; none where they may not.
+    pub(super) fn evidence_of_ball(&self, center: DVec3, radius: f64) -> Option<Evidence> {
+        let (nearest, farthest) = (center.z - radius, center.z + radius);
+        if nearest <= 0.0 {
+            return None;
+        }
+        let ideal = center.truncate() / center.z;
+        // |x / z - x_c / z_c| = |(x - x_c) z_c - x_c (z - z_c)| / (z z_c)
+        let spread = radius * (1.0 + ideal.length()) / nearest;
+        let stretch = self.stretch.filter(|stretch| ideal.length() + spread <= stretch.radius)?;
+        let shown = self.intrinsics.project(center)?;
+        // One more, since points are looked up at the nearest pixel.
+        let half_width = spread * stretch.factor * self.intrinsics.focal().max_element() + 1.0;
+        let (low, high) = (shown - half_width, shown + half_width);
+        if !(self.intrinsics.contains(low) && self.intrinsics.contains(high)) {
+            return None;
+        }
+        let margin = margin_in_pixels(&self.intrinsics, self.margin, nearest);
+        let range = |low: f64, high: f64| {
+            (low.max(0.0) as usize).saturating_sub(margin)..=high.max(0.0) as usize + margin
+        };
+        let extent = self.tiles.extent(range(low.x, high.x), range(low.y, high.y));
+        if farthest + self.truncation < extent.least as f64 {
+            return match (extent.all_open, extent.any_open) {
+                (true, _) => Some(Evidence::Open),
+                (_, false) => Some(Evidence::Free),
+                _ => None,
+            };
+        }
+        let is_hidden = extent.least > 0.0 && nearest > extent.most as f64 + REACH * self.truncation;
+        is_hidden.then_some(Evidence::Hidden)
     }
 
     /// The evidence of the pixel nearest to `shown`, the image of the point.
@@ -157,6 +197,8 @@ fn free_depth(frame: &Frame) -> Vec<f32> {
 mod tests {
     use super::*;
 
+    use crate::geometry::{Pose, random::Random};
+    use crate::sensor::Distortion;
     use crate::sensor::made_up::of_depth as frame;
 
     #[test]
@@ -193,5 +235,44 @@ mod tests {
             assert!((distance - expected).abs() < 1e-6, "{x}: {distance}");
         }
         assert_eq!(at(0.06), Some(Evidence::Open));
+    }
+
+    /// The slow twin: every point by itself.
+    #[test]
+    fn what_holds_for_a_ball_holds_for_all_of_its_points() {
+        let mut random = Random::new(5, 0);
+        let mut n_found = [0; 3];
+        let none = Distortion::None;
+        let barrel = Distortion::BrownConrady([-0.15, 0.02, 0.001, -0.002, 0.0]);
+        let folded = Distortion::BrownConrady([-2.0, 0.0, 0.0, 0.0, 0.0]);
+        for lens in [none, barrel, Intrinsics::d435i().distortion(), folded] {
+            // A slanted surface with a step, a hole in it, and nothing beside it.
+            let depth = |u: u32, v: u32| match (u, v) {
+                (60.., _) => f32::INFINITY,
+                (20..24, 30..33) => 0.0,
+                (30.., _) => 0.5 + v as f32 * 1e-3,
+                _ => 0.6 - v as f32 * 1e-3,
+            };
+            let plain = frame(96, 64, depth);
+            let camera = Intrinsics::pinhole(96, 64, DVec2::splat(100.0), DVec2::new(47.5, 31.5)).unwrap();
+            let camera = camera.with_distortion(lens).unwrap();
+            let frame = Frame::new(plain.image().clone(), camera, Pose::IDENTITY, plain.range()).unwrap();
+            let surface = FrameSurface::new(&frame, None, 0.02, 0.01, 0.1, &Cancel::default()).unwrap();
+            for _ in 0..10_000 {
+                let center = random.in_cube() * DVec3::new(0.7, 0.5, 0.35) + DVec3::new(0.0, 0.0, 0.5);
+                let radius = 0.02 * random.unit();
+                let Some(of_all) = surface.evidence_of_ball(center, radius) else { continue };
+                n_found[match of_all {
+                    Evidence::Free => 0,
+                    Evidence::Open => 1,
+                    Evidence::Hidden => 2,
+                    _ => panic!("{of_all:?}"),
+                }] += 1;
+                let points: [DVec3; 16] =
+                    std::array::from_fn(|_| center + random.in_cube().normalize_or_zero() * radius);
+                assert_eq!(surface.evidence(&points), [Some(of_all); 16], "{center} {radius} {lens:?}");
+            }
+        }
+        assert!(n_found.iter().all(|n| *n > 100), "{n_found:?}");
     }
 }

@@ -13,6 +13,7 @@ mod clear_depth;
 mod cloud;
 mod cloud_point;
 
+mod depth_tiles;
 mod diffusion;
 mod distance_field;
 mod frame_surface;

@@ -2,9 +2,9 @@
 
 #![allow(clippy::unwrap_used, reason = "helpers of a test")]
 
-use glam::{DVec2, DVec3};
+use glam::{DVec2, DVec3, UVec3};
 use nextview::Cancel;
-use nextview::geometry::{Aabb, Lattice, Plane, Pose, sphere};
+use nextview::geometry::{Aabb, Lattice, Plane, Pose, VoxelBlock, sphere};
 use nextview::sensor::{DepthImage, Distortion, Frame, Intrinsics};
 use nextview::surface::{DistanceField, Floor, SurfaceMesh, WatertightMesh};
 use nextview::view::look_at;
@@ -119,6 +119,30 @@ fn mean_and_max(mesh: &SurfaceMesh, distance: impl Fn(DVec3) -> f64) -> (f64, f6
     assert!(distances.iter().all(|d| d.is_finite()));
     let max = distances.iter().copied().fold(0.0, f64::max);
     (distances.iter().sum::<f64>() / distances.len() as f64, max)
+}
+
+/// The slow twin: a field for every voxel.
+#[test]
+fn voxels_together_are_as_many_fields_of_one() {
+    let lattice = Lattice::new(VOXEL).unwrap();
+    let block =
+        lattice.block_inside(&Aabb { min: -DVec3::new(0.07, 0.05, 0.03), max: DVec3::splat(0.075) }).unwrap();
+    let lens = Distortion::BrownConrady([-0.1, 0.02, 0.001, -0.002, 0.0]);
+    for (camera, beside) in [(pinhole(), f32::INFINITY), (pinhole().with_distortion(lens).unwrap(), 1.0)] {
+        let pose = |direction| look_at(0.3 * direction, DVec3::ZERO).unwrap();
+        let frames: Vec<Frame> =
+            around(3).map(|direction| render(cube, camera, pose(direction), beside)).collect();
+        let field = |block| {
+            let mut field = DistanceField::new(lattice, block, 2.0 * VOXEL).unwrap();
+            frames.iter().for_each(|frame| field.integrate(frame, &Cancel::default()).unwrap());
+            field
+        };
+        let whole = field(block);
+        for voxel in (0..block.n_voxels()).step_by(97).map(|i| block.key(i)) {
+            let alone = field(VoxelBlock::new(voxel, UVec3::ONE).unwrap());
+            assert_eq!(whole.distance(voxel), alone.distance(voxel), "{voxel}");
+        }
+    }
 }
 
 #[test]
