@@ -448,7 +448,7 @@ fn refuses_what_is_no_field() {
     for truncation in [0.0, VOXEL, -1.0, f64::NAN, f64::INFINITY] {
         assert!(DistanceField::new(lattice, block, truncation).is_err(), "{truncation}");
     }
-    let huge = nextview::geometry::VoxelBlock::new(glam::IVec3::ZERO, glam::UVec3::splat(812)).unwrap();
+    let huge = VoxelBlock::new(glam::IVec3::ZERO, UVec3::splat(812)).unwrap();
     let error = DistanceField::new(lattice, huge, 2.0 * VOXEL).unwrap_err().to_string();
     assert!(error.contains("more than the limit of 4096 MB"), "{error}");
 }
