@@ -56,12 +56,12 @@ impl Distortion {
         }
     }
 
-    /// By how much the lens moves points apart at most: of two ideal points within `radius` of the optical axis
-    /// at z = 1, whose images are within it, too, the images are at most so many times as far apart. None if
-    /// the polynomial folds within that radius.
+    /// By how much the lens moves points apart at most: of two ideal points within `radius` of the optical
+    /// axis at z = 1, whose images are within it, too, the images are at most so many times as far apart.
+    /// None if the polynomial folds within that radius.
     ///
-    /// D's derivative is symmetric. Without the tangential terms its eigenvalues are the radial polynomial and
-    /// the derivative of r times that.
+    /// D's derivative is symmetric. Without the tangential terms its eigenvalues are the radial polynomial
+    /// and the derivative of r times that.
     pub(super) fn stretch(&self, radius: f64) -> Option<f64> {
         let [k1, k2, p1, p2, k3] = self.coefficients();
         let tangential = (p1.hypot(p2)) * (2.0 + 40.0_f64.sqrt()) * radius;

@@ -53,8 +53,8 @@ impl DepthTiles {
         tiles
     }
 
-    /// What is known about the pixels in these columns and rows, which may reach beyond the image: that of all
-    /// tiles that they touch.
+    /// What is known about the pixels in these columns and rows, which may reach beyond the image: that of
+    /// all tiles that they touch.
     pub(super) fn extent(&self, columns: RangeInclusive<usize>, rows: RangeInclusive<usize>) -> Extent {
         let tiles =
             |range: RangeInclusive<usize>, n: usize| range.start() / SIDE..=(*range.end()).min(n - 1) / SIDE;
