@@ -2,7 +2,7 @@
 """Our planners under the protocols of others: ObjView-Bench (arXiv 2605.10707) and PB-NBV (arXiv 2501.10663).
 
     benchmarks/protocols/protocols.py target/release/nextview OUT objview MESH...                     # resumes what was begun
-    benchmarks/protocols/protocols.py target/release/nextview OUT pb-nbv --reach half hemisphere MESH...
+    benchmarks/protocols/protocols.py target/release/nextview OUT pb-nbv MESH... --reach half hemisphere
 
 Runs the built-in specification of that name, with the candidates that are within each reach, and writes OUT/PROTOCOL.md.
 """

@@ -82,3 +82,21 @@ fn differences_by_map_rule_are_those_of_the_report() {
         }
     }
 }
+
+/// Every planner in the paper's protocol with exact truth.
+#[test]
+fn table_1_with_exact_truth_is_that_of_its_report() {
+    let report = include_str!("../../../docs/reproduction/short-paper-1.md");
+    let reached = table(report, "| variant | objects | voxel coverage, % |");
+    let has = table(report, "| variant | precision of the map, % |");
+    let said = table(PAGE, "| | coverage before, % | coverage, % | skill |");
+    assert_eq!((said.len(), reached.len()), (27, 27));
+    let mean = |cell: &str| cell.split(' ').next().unwrap().to_owned();
+    for ((said, reached), has) in said[1..].iter().zip(&reached[1..]).zip(&has[1..]) {
+        assert_eq!((said[0], said[0]), (reached[0], has[0]));
+        let skill = format!("{}, median {})", said[3].trim_end_matches(')'), said[4]);
+        assert_eq!(skill, reached[4], "{}", said[0]);
+        let means = [reached[2], reached[3], has[3], has[5], has[7]].map(mean);
+        assert_eq!([said[2], said[5], said[6], said[7], said[8]], means, "{}", said[0]);
+    }
+}
