@@ -11,6 +11,7 @@ import argparse
 import csv
 import io
 import pathlib
+import random
 import re
 import statistics
 import subprocess
@@ -31,6 +32,7 @@ RULES = {"objview": ("tammes", 360), "pb-nbv": ("rings", 800)}
 UNIT_M = 0.1
 MOVES = (5, 10, 30)
 FAR = 100.0
+N_RESAMPLES = 10_000
 
 
 def is_within(reach, position):
@@ -85,27 +87,31 @@ def by_object(runs_of_object, value):
     return {name: statistics.mean(value(name, steps) for steps in runs.values()) for name, runs in runs_of_object.items()}
 
 
-def cell(values):
-    """Mean and lowest."""
-    return f"{100 * statistics.mean(values):.1f} ({100 * min(values):.1f})"
+def cells(shares):
+    """Mean over objects with its 95 % interval by a bootstrap, and the lowest object, in %."""
+    values = [100 * share for share in shares.values()]
+    draw = random.Random(0)
+    means = sorted(statistics.fmean(draw.choices(values, k=len(values))) for _ in range(N_RESAMPLES))
+    low, high = means[N_RESAMPLES // 40], means[-N_RESAMPLES // 40 - 1]
+    lowest = min(shares, key=shares.get)
+    return f"{statistics.fmean(values):.1f} ({low:.1f} to {high:.1f}) | {100 * shares[lowest]:.1f} ({lowest})"
 
 
 def objview(campaign):
     """SC and NSC at tolerances of 0.01 and 0.02 of the radius, and the path in radii."""
     found = steps_of(campaign)
     all_views = {name: next(iter(runs.values()))[-1] for name, runs in found.pop("all views").items()}
-    lines = ["| planner | " + " | ".join(f"NSC@.02 after {n} moves" for n in MOVES)
-             + f" | NSC@.01 after {MOVES[-1]} | SC@.02 after {MOVES[-1]} | path after {MOVES[1]}, radii |",
-             "|---|" + "---:|" * (len(MOVES) + 3)]
+    columns = [*(f"NSC@.02 after {n} moves" for n in MOVES), f"NSC@.01 after {MOVES[-1]}", f"SC@.02 after {MOVES[-1]}"]
+    lines = ["| planner | " + "".join(f"{column}, % | lowest | " for column in columns) + f"path after {MOVES[1]}, radii |",
+             "|---|" + "---:|---|" * len(columns) + "---:|"]
     for variant, objects in found.items():
         def normalised(n_moves, key):
-            share = lambda name, steps: after(steps, n_moves + 1, key) / float(all_views[name][key])
-            return list(by_object(objects, share).values())
-        cells = [cell(normalised(n, "surface_coverage_2mm")) for n in MOVES]
-        cells.append(cell(normalised(MOVES[-1], "surface_coverage_1mm")))
-        cells.append(cell(list(by_object(objects, lambda _, steps: after(steps, MOVES[-1] + 1, "surface_coverage_2mm")).values())))
+            return by_object(objects, lambda name, steps: after(steps, n_moves + 1, key) / float(all_views[name][key]))
+        shares = [normalised(n, "surface_coverage_2mm") for n in MOVES]
+        shares.append(normalised(MOVES[-1], "surface_coverage_1mm"))
+        shares.append(by_object(objects, lambda _, steps: after(steps, MOVES[-1] + 1, "surface_coverage_2mm")))
         path = by_object(objects, lambda _, steps: after(steps, MOVES[1] + 1, "trajectory_length_m") / UNIT_M)
-        lines.append(f"| {variant} | " + " | ".join(cells) + f" | {statistics.mean(path.values()):.1f} |")
+        lines.append(f"| {variant} | " + " | ".join(map(cells, shares)) + f" | {statistics.mean(path.values()):.1f} |")
     return lines
 
 
@@ -115,10 +121,10 @@ def pb_nbv(campaign):
     for row in rows(campaign / "times.csv"):
         if row["step"] not in ("", "1"):
             times.setdefault(row["variant"], []).append(float(row["plan_time_ms"]))
-    lines = ["| planner | surface within 5 mm after 10 views, % (lowest) | median time of a decision, ms |", "|---|---:|---:|"]
+    lines = ["| planner | surface within 5 mm after 10 views, % | lowest | median time of a decision, ms |", "|---|---:|---|---:|"]
     for variant, objects in steps_of(campaign).items():
         share = by_object(objects, lambda _, steps: after(steps, 10, "surface_coverage_5mm"))
-        lines.append(f"| {variant} | {cell(list(share.values()))} | {statistics.median(times[variant]):.0f} |")
+        lines.append(f"| {variant} | {cells(share)} | {statistics.median(times[variant]):.0f} |")
     return lines
 
 
@@ -131,7 +137,10 @@ def main():
     parser.add_argument("--reach", nargs="+", default=["whole"], choices=list(REACHES))
     options = parser.parse_args()
     options.out.mkdir(parents=True, exist_ok=True)
-    lines = [f"# {options.protocol}", ""]
+    names = ", ".join(pathlib.Path(mesh).stem for mesh in options.meshes)
+    lines = [f"# Protocol {options.protocol}", "",
+             "Written by `benchmarks/protocols/protocols.py`; explained in [protocols](../protocols.md). Means over objects with 95 %",
+             f"intervals, which with few objects are too narrow. Objects: {names}.", ""]
     for reach in options.reach:
         campaign = options.out / f"{options.protocol}-{reach}"
         if campaign.exists():
@@ -143,7 +152,7 @@ def main():
         if subprocess.run([options.program, *command]).returncode != 0:
             sys.exit(f"{campaign}: the campaign did not run, or some of its runs failed")
         table = objview(campaign) if options.protocol == "objview" else pb_nbv(campaign)
-        lines += [f"## {reach}, {len(options.meshes)} objects", "", *table, ""]
+        lines += [f"## {reach}", "", *table, ""]
     page = options.out / f"{options.protocol}.md"
     page.write_text("\n".join(lines), encoding="utf-8")
     print(page)

@@ -100,3 +100,28 @@ fn table_1_with_exact_truth_is_that_of_its_report() {
         assert_eq!([said[2], said[5], said[6], said[7], said[8]], means, "{}", said[0]);
     }
 }
+
+const PROTOCOLS: &str = include_str!("../../../docs/protocols.md");
+const PB_NBV: &str = include_str!("../../../docs/reproduction/pb-nbv.md");
+
+/// By planner, the mean with its interval in this space.
+fn pb_nbv(space: &str) -> BTreeMap<&'static str, &'static str> {
+    let (_, report) = PB_NBV.split_once(&format!("\n## {space}\n")).unwrap();
+    table(report, "| planner |")[1..].iter().map(|row| (row[0], row[1])).collect()
+}
+
+/// All planners under the protocol of PB-NBV, and beside what that publishes.
+#[test]
+fn the_protocol_of_pb_nbv_is_that_of_its_report() {
+    let spaces = ["whole", "hemisphere", "half"].map(pb_nbv);
+    let all = table(PROTOCOLS, "| | all around | upper hemisphere | half |");
+    assert_eq!(all.len(), 27);
+    for row in &all[1..] {
+        assert_eq!(row[1..], spaces.each_ref().map(|space| space[row[0]]), "{}", row[0]);
+    }
+    for row in &table(PROTOCOLS, "| % of the surface after ten views |")[1..] {
+        let space = all[0][1..].iter().position(|space| row[3].starts_with(space));
+        let name = if row[0].starts_with("max-flow") { row[0].to_owned() } else { row[0].to_lowercase() };
+        assert_eq!(row[2], space.map_or("-", |space| spaces[space][&*name]), "{row:?}");
+    }
+}

@@ -78,6 +78,26 @@ fn reproduces_the_skill_of_the_default_planner() {
     assert_eq!(rows(SETTINGS, "| object | 5mm |")[object][0].split(' ').next(), Some(&*skill));
 }
 
+/// The planner of PB-NBV under its own protocol, on the object that it covers least of.
+#[test]
+fn reproduces_the_lowest_object_of_pb_nbv() {
+    let report = include_str!("../../../../docs/reproduction/pb-nbv.md");
+    let said = rows(report, "| planner |")["pb-nbv"][1];
+    let (coverage, object) = said.trim_end_matches(')').split_once(" (").unwrap();
+    let test = "reproduces_the_lowest_object_of_pb_nbv";
+    let Some(mesh) = data(test, &format!("meshes/lm/{object}.ply")) else { return };
+    let folder = Folder::new("reproduction-pb-nbv");
+    let spec = include_str!("../../../nextview-campaign/src/spec/specs/pb-nbv.toml");
+    let (head, _) = spec.split_once("[[variant]]").unwrap();
+    folder.write("spec.toml", format!("{head}[[variant]]\nscan.planner = 'pb-nbv'\n"));
+    folder.ok(&["bench", "spec.toml", mesh.to_str().unwrap(), "--out", "out"]);
+    let steps = folder.text("out/steps.csv");
+    let mut steps = steps.lines().map(|line| line.split(',').collect::<Vec<_>>());
+    let column = steps.next().unwrap().iter().position(|name| *name == "surface_coverage_5mm").unwrap();
+    let found: f64 = steps.next_back().unwrap()[column].parse().unwrap();
+    assert_eq!(format!("{:.1}", 100.0 * found), coverage);
+}
+
 /// The cells of the first table of this head, by the name in the first cell.
 fn rows<'a>(text: &'a str, head: &str) -> BTreeMap<&'a str, Vec<&'a str>> {
     let (_, table) = text.split_once(head).unwrap_or_else(|| panic!("no table {head}"));
