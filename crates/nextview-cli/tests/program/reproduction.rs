@@ -1,24 +1,31 @@
 //! The tables in docs/reproduction are what this program finds: a few of their runs, done again.
 
-use crate::common::{Folder, curve, data};
+use crate::common::{Folder, data};
 use std::collections::BTreeMap;
 
-/// Columns of the table of objects in the report of table I, and the configuration that each stands for, over
-/// the paper's protocol.
-const COLUMNS: [(&str, &str); 4] = [
-    ("max-flow", ""),
-    ("apora", "planner = 'apora'\n"),
-    ("rse", "planner = 'rse'\n"),
-    (
-        "max-flow (default profile)",
-        "map.background = 'carve'\nmax_flow = { free_space = 'clear', ray_spacing = 2 }\n",
-    ),
-];
+/// Variants of table I with exact truth that are run again.
+const VARIANTS: &str = "
+name = 'table-1'
+
+[scan]
+profile = 'paper'
+size_m = 0.2
+voxel_size_m = 0.01
+candidates = 1000
+views = 10
+baselines = false
+stop.entropy_share = 0
+
+[[variant]]
+sweep.planner = ['max-flow', 'apora', 'rse']
+
+[[variant]]
+label = 'max-flow (default profile)'
+scan.map.background = 'carve'
+scan.max_flow = { free_space = 'clear', ray_spacing = 2 }
+";
 
 const TABLE_1: &str = include_str!("../../../../docs/reproduction/short-paper-1.md");
-
-const PROTOCOL: &str =
-    "profile = 'paper'\nsize_m = 0.2\ncandidates = 1000\nbaselines = false\nstop.entropy_share = 0\n";
 
 /// Final voxel coverage, %, as the report's table of objects has it.
 fn reported(report: &str, object: &str, column: &str) -> String {
@@ -33,31 +40,31 @@ fn reported(report: &str, object: &str, column: &str) -> String {
     row[position].clone()
 }
 
-fn check(object: &str, file: &str) {
-    let test = format!("reproduces_the_reported_coverage of {object}");
-    let Some(mesh) = data(&test, file) else { return };
-    let folder = Folder::new(&format!("reproduction-{object}"));
-    for (column, config) in COLUMNS {
-        folder.write("config.toml", format!("{PROTOCOL}{config}"));
-        let args = ["--config=config.toml", "--out=out", "--force", "--json"];
-        let scan = folder.json(&[&["scan", mesh.to_str().unwrap()], &args[..]].concat());
-        let coverage = *curve(&scan, "voxel_coverage").last().unwrap();
-        assert_eq!(
-            format!("{:.1}", 100.0 * coverage),
-            reported(TABLE_1, object, column),
-            "{object}, {column}"
-        );
+/// The last value of this column in each run of a campaign, by object and variant.
+fn last_values(folder: &Folder, column: &str) -> BTreeMap<(String, String), f64> {
+    let steps = folder.text("out/steps.csv");
+    let mut rows = steps.lines().map(|line| line.split(',').collect::<Vec<_>>());
+    let head = rows.next().unwrap();
+    let at = |name: &str| head.iter().position(|cell| *cell == name).unwrap();
+    let (object, variant, column) = (at("object"), at("variant"), at(column));
+    let key = |row: &[&str]| (row[object].to_owned(), row[variant].to_owned());
+    rows.map(|row| (key(&row), row[column].parse().unwrap())).collect()
+}
+
+#[test]
+fn reproduces_the_reported_coverage_of_a_part_and_a_bowl() {
+    let test = "reproduces_the_reported_coverage_of_a_part_and_a_bowl";
+    let files = ["tless/tless_06", "ycb/ycb_024_bowl"].map(|name| data(test, &format!("meshes/{name}.ply")));
+    let [Some(part), Some(bowl)] = files else { return };
+    let folder = Folder::new("reproduction-table-1");
+    folder.write("spec.toml", VARIANTS);
+    folder.ok(&["bench", "spec.toml", part.to_str().unwrap(), bowl.to_str().unwrap(), "--out", "out"]);
+    let found = last_values(&folder, "voxel_coverage");
+    assert_eq!(found.len(), 8);
+    for ((object, variant), coverage) in found {
+        let coverage = format!("{:.1}", 100.0 * coverage);
+        assert_eq!(coverage, reported(TABLE_1, &object, &variant), "{object}, {variant}");
     }
-}
-
-#[test]
-fn reproduces_the_reported_coverage_of_a_part() {
-    check("tless_06", "meshes/tless/tless_06.ply");
-}
-
-#[test]
-fn reproduces_the_reported_coverage_of_a_bowl() {
-    check("ycb_024_bowl", "meshes/ycb/ycb_024_bowl.ply");
 }
 
 /// A hollow test object, at 5 mm.
@@ -91,10 +98,7 @@ fn reproduces_the_lowest_object_of_pb_nbv() {
     let (head, _) = spec.split_once("[[variant]]").unwrap();
     folder.write("spec.toml", format!("{head}[[variant]]\nscan.planner = 'pb-nbv'\n"));
     folder.ok(&["bench", "spec.toml", mesh.to_str().unwrap(), "--out", "out"]);
-    let steps = folder.text("out/steps.csv");
-    let mut steps = steps.lines().map(|line| line.split(',').collect::<Vec<_>>());
-    let column = steps.next().unwrap().iter().position(|name| *name == "surface_coverage_5mm").unwrap();
-    let found: f64 = steps.next_back().unwrap()[column].parse().unwrap();
+    let found = last_values(&folder, "surface_coverage_5mm").into_values().next().unwrap();
     assert_eq!(format!("{:.1}", 100.0 * found), coverage);
 }
 
