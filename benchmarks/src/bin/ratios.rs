@@ -3,8 +3,8 @@
 //!
 //!     ratios < results.csv
 //!
-//! Limits of our own times are milliseconds or multiples of a stage of the same run. Exits with 1 if a target is
-//! missed, unless the variable QUICK is set.
+//! Limits of our own times are milliseconds, or multiples of a stage of the same run. Exits with 1 if a
+//! target is missed, unless the variable QUICK is set.
 
 use nextview_benchmarks::is_quick;
 use std::collections::BTreeMap;

@@ -125,3 +125,21 @@ fn the_protocol_of_pb_nbv_is_that_of_its_report() {
         assert_eq!(row[2], space.map_or("-", |space| spaces[space][&*name]), "{row:?}");
     }
 }
+
+/// All planners under the protocol of ObjView-Bench.
+#[test]
+fn the_protocol_of_objview_is_that_of_its_report() {
+    let report = include_str!("../../../docs/reproduction/objview.md");
+    let report = table(report, "| planner |");
+    let first = |cell: &'static str| cell.split(' ').next().unwrap();
+    let measured = report[1..].iter().map(|row| {
+        let share = |column: usize| format!("{} ({})", first(row[column]), first(row[column + 1]));
+        (row[0], [share(1), share(3), share(5), row[11].to_owned()])
+    });
+    let measured: BTreeMap<_, _> = measured.collect();
+    let said = table(PROTOCOLS, "| | NSC@.02 after 5 moves, % |");
+    assert_eq!((said.len(), measured.len()), (27, 26));
+    for row in &said[1..] {
+        assert_eq!(row[1..], measured[row[0]], "{}", row[0]);
+    }
+}
