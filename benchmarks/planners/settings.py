@@ -43,6 +43,11 @@ def table(report, caption, columns):
     return {row[0]: [row[head.index(column)] for column in columns] for row in rows}
 
 
+def with_interval(cell):
+    """A cell of the report without its median."""
+    return cell.split(", median")[0] + ")"
+
+
 def measures(report):
     """By variant, the cells of a setting's table."""
     reached = table(report, "What was reached with the last view", ["skill", "reachable coverage, %"])
@@ -50,7 +55,6 @@ def measures(report):
     views = table(report, "Views until this share", ["95 %"])
     model = table(report, "What the map and the cloud have", ["F-score of the cloud at 2 mm, %", "Chamfer distance of the cloud, mm"])
     mean = lambda cell: cell.removeprefix("≥ ").split(" ")[0]
-    with_interval = lambda cell: cell.split(", median")[0] + ")"
     return {
         name: [with_interval(skill), *lowest[name], mean(*views[name]), mean(coverage), *map(mean, model[name])]
         for name, (skill, coverage) in reached.items()

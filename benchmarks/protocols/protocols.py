@@ -11,13 +11,15 @@ import argparse
 import csv
 import io
 import pathlib
-import random
 import re
 import statistics
 import subprocess
 import sys
 
 HERE = pathlib.Path(__file__).resolve().parent
+sys.path.insert(0, str(HERE.parent / "planners"))
+import settings
+
 SPECS = HERE / "../../crates/nextview-campaign/src/spec/specs"
 # Lowest coordinates of the candidates within reach: the object is in the middle of the world.
 REACHES = {
@@ -32,7 +34,6 @@ RULES = {"objview": ("tammes", 360), "pb-nbv": ("rings", 800)}
 UNIT_M = 0.1
 MOVES = (5, 10, 30)
 FAR = 100.0
-N_RESAMPLES = 10_000
 
 
 def is_within(reach, position):
@@ -63,7 +64,7 @@ def specification(program, protocol, reach):
     return text.replace("scan.views = 360", f"scan.views = {len(left)}")
 
 
-def rows(path):
+def rows_of(path):
     """The rows of a CSV table."""
     return list(csv.DictReader(open(path, encoding="utf-8")))
 
@@ -71,7 +72,7 @@ def rows(path):
 def steps_of(campaign):
     """By variant and object, the steps of each run in order."""
     found = {}
-    for row in rows(campaign / "steps.csv"):
+    for row in rows_of(campaign / "steps.csv"):
         run = (row["seed"], row["view_seed"], row["first_view"])
         found.setdefault(row["variant"], {}).setdefault(row["object"], {}).setdefault(run, []).append(row)
     return found
@@ -87,23 +88,19 @@ def by_object(runs_of_object, value):
     return {name: statistics.mean(value(name, steps) for steps in runs.values()) for name, runs in runs_of_object.items()}
 
 
-def cells(shares):
-    """Mean over objects with its 95 % interval by a bootstrap, and the lowest object, in %."""
-    values = [100 * share for share in shares.values()]
-    draw = random.Random(0)
-    means = sorted(statistics.fmean(draw.choices(values, k=len(values))) for _ in range(N_RESAMPLES))
-    low, high = means[N_RESAMPLES // 40], means[-N_RESAMPLES // 40 - 1]
-    lowest = min(shares, key=shares.get)
-    return f"{statistics.fmean(values):.1f} ({low:.1f} to {high:.1f}) | {100 * shares[lowest]:.1f} ({lowest})"
+def lowest(share):
+    """The lowest object, in %."""
+    name = min(share, key=share.get)
+    return f"{100 * share[name]:.1f} ({name})"
 
 
-def objview(campaign):
-    """SC and NSC at tolerances of 0.01 and 0.02 of the radius, and the path in radii."""
+def objview(campaign, _):
+    """Mean and lowest object of SC and NSC at tolerances of 0.01 and 0.02 of the radius, and the path in radii."""
     found = steps_of(campaign)
     all_views = {name: next(iter(runs.values()))[-1] for name, runs in found.pop("all views").items()}
     columns = [*(f"NSC@.02 after {n} moves" for n in MOVES), f"NSC@.01 after {MOVES[-1]}", f"SC@.02 after {MOVES[-1]}"]
-    lines = ["| planner | " + "".join(f"{column}, % | lowest | " for column in columns) + f"path after {MOVES[1]}, radii |",
-             "|---|" + "---:|---|" * len(columns) + "---:|"]
+    head = ["planner", *(name for column in columns for name in (f"{column}, %", "lowest")), f"path after {MOVES[1]}, radii"]
+    body = []
     for variant, objects in found.items():
         def normalised(n_moves, key):
             return by_object(objects, lambda name, steps: after(steps, n_moves + 1, key) / float(all_views[name][key]))
@@ -111,21 +108,33 @@ def objview(campaign):
         shares.append(normalised(MOVES[-1], "surface_coverage_1mm"))
         shares.append(by_object(objects, lambda _, steps: after(steps, MOVES[-1] + 1, "surface_coverage_2mm")))
         path = by_object(objects, lambda _, steps: after(steps, MOVES[1] + 1, "trajectory_length_m") / UNIT_M)
-        lines.append(f"| {variant} | " + " | ".join(map(cells, shares)) + f" | {statistics.mean(path.values()):.1f} |")
-    return lines
+        cells = [variant]
+        for share in shares:
+            cells += [f"{100 * statistics.mean(share.values()):.1f}", lowest(share)]
+        body.append([*cells, f"{statistics.mean(path.values()):.1f}"])
+    return settings.rows(head, body)
 
 
-def pb_nbv(campaign):
-    """The share of the surface with a point within 5 mm, and the time of a decision."""
+def pb_nbv(campaign, report):
+    """The share of the surface with a point within 5 mm, the time of a decision, and the share of each object."""
     times = {}
-    for row in rows(campaign / "times.csv"):
+    for row in rows_of(campaign / "times.csv"):
         if row["step"] not in ("", "1"):
             times.setdefault(row["variant"], []).append(float(row["plan_time_ms"]))
-    lines = ["| planner | surface within 5 mm after 10 views, % | lowest | median time of a decision, ms |", "|---|---:|---|---:|"]
-    for variant, objects in steps_of(campaign).items():
-        share = by_object(objects, lambda _, steps: after(steps, 10, "surface_coverage_5mm"))
-        lines.append(f"| {variant} | {cells(share)} | {statistics.median(times[variant]):.0f} |")
-    return lines
+    reached = settings.table(report, "What was reached with the last view", ["surface coverage within 5 mm, %"])
+    head = ["planner", "surface within 5 mm after 10 views, %", "lowest", "median time of a decision, ms"]
+    found = steps_of(campaign)
+    last = {variant: by_object(objects, lambda _, steps: float(steps[-1]["surface_coverage_5mm"])) for variant, objects in found.items()}
+    return [
+        *settings.rows(head, [
+            [variant, settings.with_interval(*reached[variant]), lowest(last[variant]), f"{statistics.median(times[variant]):.0f}"]
+            for variant in found
+        ]),
+        "", "The same by object, %:", "",
+        *settings.rows(["object", *found], [
+            [name, *(f"{100 * last[variant][name]:.1f}" for variant in found)] for name in next(iter(last.values()))
+        ]),
+    ]
 
 
 def main():
@@ -137,22 +146,14 @@ def main():
     parser.add_argument("--reach", nargs="+", default=["whole"], choices=list(REACHES))
     options = parser.parse_args()
     options.out.mkdir(parents=True, exist_ok=True)
-    names = ", ".join(pathlib.Path(mesh).stem for mesh in options.meshes)
     lines = [f"# Protocol {options.protocol}", "",
-             "Written by `benchmarks/protocols/protocols.py`; explained in [protocols](../protocols.md). Means over objects with 95 %",
-             f"intervals, which with few objects are too narrow. Objects: {names}.", ""]
+             "Written by `benchmarks/protocols/protocols.py`; explained in [protocols](../protocols.md).", ""]
     for reach in options.reach:
         campaign = options.out / f"{options.protocol}-{reach}"
-        if campaign.exists():
-            command = ["bench", "--resume", "--out", campaign]
-        else:
-            spec = options.out / f"{options.protocol}-{reach}.toml"
-            spec.write_text(specification(options.program, options.protocol, reach), encoding="utf-8")
-            command = ["bench", spec, *options.meshes, "--out", campaign]
-        if subprocess.run([options.program, *command]).returncode != 0:
-            sys.exit(f"{campaign}: the campaign did not run, or some of its runs failed")
-        table = objview(campaign) if options.protocol == "objview" else pb_nbv(campaign)
-        lines += [f"## {reach}", "", *table, ""]
+        spec = options.out / f"{options.protocol}-{reach}.toml"
+        spec.write_text(specification(options.program, options.protocol, reach), encoding="utf-8")
+        report = settings.run(options.program, campaign, spec, options.meshes)
+        lines += [f"## {reach}", "", *(objview if options.protocol == "objview" else pb_nbv)(campaign, report), ""]
     page = options.out / f"{options.protocol}.md"
     page.write_text("\n".join(lines), encoding="utf-8")
     print(page)
