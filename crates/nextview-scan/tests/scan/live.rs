@@ -319,8 +319,8 @@ fn a_camera_in_a_hand_is_tracked_guided_and_found_again() {
             assert!(fault.message.starts_with("the camera is lost: "), "{fault:?}");
             assert_eq!(scan.scan().steps.len(), 1);
         }
-        for i in 1..=40 {
-            let on_the_way = between(&place, &wanted, i as f64 / 40.0, object.scene.center());
+        for i in 1..=20 {
+            let on_the_way = between(&place, &wanted, i as f64 / 20.0, object.scene.center());
             let found = scan.locate(&image(&on_the_way)).unwrap();
             let apart = apart(&object, &found, &on_the_way);
             assert!(apart < 0.008, "view {n_taken}, step {i}: {apart}");
@@ -328,7 +328,7 @@ fn a_camera_in_a_hand_is_tracked_guided_and_found_again() {
                 place = on_the_way;
                 break;
             }
-            assert!(i < 40, "the view is not reached");
+            assert!(i < 20, "the view is not reached");
         }
         let step = scan.observe(unposed(image(&place))).unwrap();
         assert!(apart(&object, &step.world_from_camera().unwrap(), &place) < 0.008);

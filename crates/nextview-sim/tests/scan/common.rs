@@ -1,6 +1,7 @@
 //! The loop of a simulated scan.
 
-use nextview::sensor::Frame;
+use glam::DVec2;
+use nextview::sensor::{Frame, Intrinsics};
 use nextview::session::{Decision, Session, StepReport, StopReason};
 use nextview_sim::evaluator::{Evaluator, Measures, ScanCamera};
 use nextview_sim::scene::Scene;
@@ -12,6 +13,11 @@ pub struct Step {
     /// With the pose in which it was mapped.
     pub frame: Frame,
     pub measures: Measures,
+}
+
+/// A camera of a quarter of the D435i's pixels, for tests that do not need them all.
+pub fn small_camera() -> Intrinsics {
+    Intrinsics::pinhole(320, 240, DVec2::splat(305.0), DVec2::new(159.5, 119.5)).unwrap()
 }
 
 /// Scans until the session stops.

@@ -1,10 +1,10 @@
 //! Scans of parts whose CAD model is known, view by view.
 
-use crate::common::{Step, scan};
+use crate::common::{Step, scan, small_camera};
 use fixedbitset::FixedBitSet;
 use glam::{DQuat, DVec3};
 use nextview::geometry::{Lattice, Pose};
-use nextview::sensor::{DepthRange, Intrinsics};
+use nextview::sensor::DepthRange;
 use nextview::session::{Decision, Session, SessionConfig, StopReason};
 use nextview::view::{ViewSpace, generate};
 use nextview_sim::builtin;
@@ -31,7 +31,7 @@ impl Setup {
         let turn = DQuat::from_rotation_z(2.0) * DQuat::from_rotation_x(0.4);
         let world_from_reference = Pose::new(turn, DVec3::new(0.05, -0.1, 0.3)).unwrap();
         let part = model.transformed(&world_from_reference).unwrap();
-        let scene = Scene::new(part, Intrinsics::d435i()).unwrap();
+        let scene = Scene::new(part, small_camera()).unwrap();
         let views = generate::shell(scene.center(), scene.size(), 60, 1).unwrap();
         let max_angle = max_angle_deg.to_radians();
         let demand = SurfaceDemand { name: "all".to_owned(), bounds: None, max_angle, min_density: 0.0 };
@@ -44,7 +44,7 @@ impl Setup {
         let planner = InspectionViews::new(model, demands, place).unwrap();
         let bounds = self.scene.planning_box(VOXEL_SIZE);
         let config = SessionConfig { max_views, ..SessionConfig::new(VOXEL_SIZE, bounds) };
-        Session::new(config, Intrinsics::d435i(), self.views.clone(), Box::new(planner)).unwrap()
+        Session::new(config, small_camera(), self.views.clone(), Box::new(planner)).unwrap()
     }
 
     fn scan(&self, place: Option<Pose>, max_views: usize) -> (Vec<Step>, StopReason) {
@@ -55,7 +55,7 @@ impl Setup {
     }
 
     fn placed(&self) -> PlacedPart<'_> {
-        let camera = (Intrinsics::d435i(), DepthRange { min: 0.0, max: 10.0 });
+        let camera = (small_camera(), DepthRange { min: 0.0, max: 10.0 });
         PlacedPart::new(&self.model, &self.demands, &self.world_from_reference, camera).unwrap()
     }
 

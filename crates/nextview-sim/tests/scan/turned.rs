@@ -1,10 +1,11 @@
 //! Objects that were turned between two scans: is it found how, and refused where it cannot be known?
 
+use crate::common::small_camera;
 use glam::{DQuat, DVec3};
 use nextview::Cancel;
 use nextview::geometry::{Aabb, Plane, Pose};
 use nextview::placement::{ShownObject, Turn, TurnRefusal, find_turn};
-use nextview::sensor::{Frame, Intrinsics};
+use nextview::sensor::Frame;
 use nextview::session::shown_object;
 use nextview::view::generate;
 use nextview_sim::builtin;
@@ -34,7 +35,7 @@ fn brick() -> TriangleMesh {
 
 /// What eight views from above show of an object on its table.
 fn shown(mesh: &TriangleMesh, seed: u64) -> ShownObject {
-    let scene = Scene::new(mesh.clone(), Intrinsics::d435i()).unwrap().with_table().unwrap();
+    let scene = Scene::new(mesh.clone(), small_camera()).unwrap().with_table().unwrap();
     let scene =
         scene.with_noise(Noise { seed, depth: Some(DepthNoise::d435i()), ..Noise::default() }).unwrap();
     let views = generate::fibonacci_sphere(scene.center(), 0.35, 16).unwrap();

@@ -1,7 +1,7 @@
 //! Whole scans of objects of which planning is told less, or that it plans in coarser voxels: the box that
 //! grows, the table below, and multi-resolution.
 
-use crate::common::{Step, scan};
+use crate::common::{Step, scan, small_camera};
 use glam::DVec3;
 use nextview::geometry::{Aabb, Lattice, Pose};
 use nextview::planner::{MaxFlow, MaxFlowConfig};
@@ -27,7 +27,11 @@ struct Setup {
 
 impl Setup {
     fn new(name: &str, table: bool) -> Self {
-        let scene = Scene::new(builtin::by_name(name).unwrap(), Intrinsics::d435i()).unwrap();
+        Self::seen_by(small_camera(), name, table)
+    }
+
+    fn seen_by(camera: Intrinsics, name: &str, table: bool) -> Self {
+        let scene = Scene::new(builtin::by_name(name).unwrap(), camera).unwrap();
         let scene = if table { scene.with_table().unwrap() } else { scene };
         let all = generate::shell(scene.center(), scene.size(), 300, 1).unwrap();
         let lowest = if table { scene.room().min.z + 0.03 } else { f64::NEG_INFINITY };
@@ -50,7 +54,8 @@ impl Setup {
 
     fn session(&self, config: SessionConfig, views: Views) -> Session {
         let planner = MaxFlow::new(MaxFlowConfig::default()).unwrap();
-        Session::new(config, Intrinsics::d435i(), views, Box::new(planner)).unwrap()
+        let camera = self.scene.camera().intrinsics().clone();
+        Session::new(config, camera, views, Box::new(planner)).unwrap()
     }
 
     /// Candidates that move along, from this first view on.
@@ -154,7 +159,7 @@ fn coarse_voxels_come_first_and_no_measurement_is_lost() {
 
 #[test]
 fn the_finest_voxels_decide_when_a_scan_has_converged() {
-    let setup = Setup::new("mug", false);
+    let setup = Setup::seen_by(Intrinsics::d435i(), "mug", false);
     let rule = MultiResolutionConfig { enabled: true, coarsest_voxel_size: Some(0.02), q_thresh: 0.8 };
     let stop = StopConfig { entropy_share: Some(0.8), ..StopConfig::default() };
     let config = SessionConfig { max_views: 30, multi_resolution: rule, stop, ..setup.known() };
@@ -179,8 +184,8 @@ fn threads_do_not_show() {
 }
 
 fn empty_frame(pose: Pose) -> Frame {
-    let optics = Intrinsics::d435i();
-    let image = DepthImage::from_metres(640, 480, vec![f32::INFINITY; optics.n_pixels()]).unwrap();
+    let optics = small_camera();
+    let image = DepthImage::from_metres(320, 240, vec![f32::INFINITY; optics.n_pixels()]).unwrap();
     Frame::new(image, optics, pose, 1.0).unwrap()
 }
 
@@ -217,7 +222,7 @@ fn values_out_of_range_are_named() {
     let error = |config: SessionConfig| {
         let planner = MaxFlow::new(MaxFlowConfig::default()).unwrap();
         let views = setup.views.clone();
-        let session = Session::new(config, Intrinsics::d435i(), views, Box::new(planner));
+        let session = Session::new(config, small_camera(), views, Box::new(planner));
         session.err().unwrap().to_string()
     };
     let multi_resolution = |coarsest_voxel_size, q_thresh| {
@@ -256,7 +261,7 @@ fn wrong_poses_do_not_make_the_table_a_part_of_the_object() {
 /// Seen from just above it, a table is far away for the most part, and noisy.
 #[test]
 fn a_table_that_the_first_frame_shows_badly_is_found_by_a_later_one() {
-    let mut setup = Setup::new("mug", true);
+    let mut setup = Setup::seen_by(Intrinsics::d435i(), "mug", true);
     let noise = Noise { seed: 2, depth: Some(DepthNoise::d435i()), ..Noise::default() };
     setup.scene = setup.scene.with_noise(noise).unwrap();
     let floor = setup.scene.room().min.z;
