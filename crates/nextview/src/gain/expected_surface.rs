@@ -16,12 +16,22 @@ use glam::{DVec3, Vec3};
 #[derive(Debug)]
 pub struct ExpectedSurface<'a> {
     estimate: &'a SurfaceEstimate,
-    measured: &'a MeasuredParts,
     caster: ValueCaster<'a>,
-    /// The middle of each voxel of the estimate, metres from `origin`.
-    centers: Vec<Vec3>,
+    /// The voxels of the estimate.
+    items: Vec<Item>,
     /// A place near the block, metres, so that single precision is enough; the world's origin where it is.
     origin: DVec3,
+}
+
+/// What a survey asks about a voxel, in one cache line.
+#[derive(Debug)]
+#[repr(align(32))]
+struct Item {
+    /// The middle of the voxel, metres from [`ExpectedSurface::origin`].
+    center: Vec3,
+    /// As [`SurfaceEstimate::normal`].
+    normal: Vec3,
+    is_measured: bool,
 }
 
 /// The visibility behind an occupied voxel of which it is not known where in it surface was measured: the
@@ -62,10 +72,14 @@ impl<'a> ExpectedSurface<'a> {
         estimate.voxels().iter().for_each(|&voxel| is_item[voxel as usize] = 1.0);
         let (lattice, block) = (snapshot.lattice(), snapshot.block());
         let (local, origin) = (block.localized(), block.local_origin().as_dvec3() * lattice.voxel_size());
-        let center = |&voxel: &u32| lattice.center(local.key(voxel as usize)).as_vec3();
-        let centers = estimate.voxels().iter().map(center).collect();
+        let item = |(i, &voxel): (usize, &u32)| Item {
+            center: lattice.center(local.key(voxel as usize)).as_vec3(),
+            normal: estimate.normal(i),
+            is_measured: measured.is_measured(voxel as usize),
+        };
+        let items = estimate.voxels().iter().enumerate().map(item).collect();
         let caster = ValueCaster::new(caster, snapshot, &is_item);
-        Ok(Self { estimate, measured, caster, centers, origin })
+        Ok(Self { estimate, caster, items, origin })
     }
 
     /// An evaluator of view candidates, one after the other.
@@ -75,6 +89,7 @@ impl<'a> ExpectedSurface<'a> {
             paths: self.caster.paths(),
             visibility: vec![0.0; self.estimate.len()],
             seen: Vec::new(),
+            classes: Vec::new(),
         }
     }
 }
@@ -88,13 +103,15 @@ pub struct ViewEvaluator<'a> {
     visibility: Vec<f32>,
     /// The voxels that rays of the view reach.
     seen: Vec<u32>,
+    /// Voxels with the class of the view for each; empty between views.
+    classes: Vec<(u32, ViewingClass)>,
 }
 
 impl ViewEvaluator<'_> {
     /// Visits all voxels of the estimate that rays of the view reach, by their place in the estimate, with
     /// the class of the view for that voxel; each once, in a fixed order.
     pub fn survey(&mut self, world_from_camera: &Pose, mut visit: impl FnMut(usize, ViewingClass)) {
-        let Self { gain, paths, visibility, seen } = self;
+        let Self { gain, paths, visibility, seen, .. } = self;
         gain.caster.cast(world_from_camera, paths, |item, value| {
             let (best, value) = (&mut visibility[item], value as f32);
             if value > *best {
@@ -106,18 +123,31 @@ impl ViewEvaluator<'_> {
         });
         let camera = (world_from_camera.translation() - gain.origin).as_vec3();
         for item in seen.drain(..).map(|item| item as usize) {
-            let facing = (camera - gain.centers[item]).normalize().dot(gain.estimate.normal(item));
+            let Item { center, normal, is_measured } = gain.items[item];
+            let facing = (camera - center).normalize().dot(normal);
             let visibility = std::mem::take(&mut visibility[item]);
-            if !gain.measured.is_measured(gain.estimate.voxels()[item] as usize) {
+            if !is_measured {
                 visit(item, ViewingClass::new(visibility, facing));
             }
         }
     }
 
+    /// Visits the same voxels in the same order, with the probability that the view shows new surface in each.
+    pub fn shown(&mut self, world_from_camera: &Pose, mut visit: impl FnMut(usize, f32)) {
+        let mut classes = std::mem::take(&mut self.classes);
+        self.survey(world_from_camera, |item, class| classes.push((item as u32, class)));
+        // In a loop of its own, so that the CPU fetches many entries of the table, which is larger than its
+        // caches, at a time.
+        for (item, class) in classes.drain(..) {
+            visit(item as usize, self.gain.estimate.shows(item as usize, class));
+        }
+        self.classes = classes;
+    }
+
     /// The number of voxels of new surface that the view is expected to show.
     pub fn gain(&mut self, world_from_camera: &Pose) -> f64 {
-        let (mut sum, estimate) = (0.0, self.gain.estimate);
-        self.survey(world_from_camera, |item, class| sum += estimate.shows(item, class) as f64);
+        let mut sum = 0.0;
+        self.shown(world_from_camera, |_, p| sum += p as f64);
         sum
     }
 }

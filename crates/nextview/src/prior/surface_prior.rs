@@ -38,6 +38,8 @@ pub struct SurfaceEstimate {
     voxels: Vec<u32>,
     normals: Vec<Vec3>,
     stops: Vec<f32>,
+    /// Of all voxels for one class after the other: voxels that a view reaches one after the other are
+    /// neighbours of the same class, and then share cache lines.
     shows: Vec<f32>,
 }
 
@@ -104,7 +106,7 @@ impl SurfacePrior {
         let VoxelFeatures { voxels, rows, normals } = VoxelFeatures::new(snapshot, cancel)?;
         let stops = self.stops.probabilities(&rows, cancel)?;
         let shows = self.shows.probabilities(&rows, cancel)?;
-        Ok(SurfaceEstimate { voxels, normals, stops, shows })
+        Ok(SurfaceEstimate { voxels, normals, stops, shows: by_class(shows.as_chunks().0) })
     }
 }
 
@@ -123,7 +125,7 @@ impl SurfaceEstimate {
     ) -> Self {
         let n = voxels.len();
         assert_eq!((normals.len(), stops.len(), shows.len()), (n, n, n), "as many of each as voxels");
-        Self { voxels, normals, stops, shows: shows.into_flattened() }
+        Self { voxels, normals, stops, shows: by_class(&shows) }
     }
 
     /// Number of voxels that may hold unseen surface.
@@ -153,13 +155,24 @@ impl SurfaceEstimate {
 
     /// Multiplies the probabilities that a view shows surface in the `i`-th voxel by this factor, 0..=1.
     pub(crate) fn scale(&mut self, i: usize, factor: f32) {
-        self.shows[i * ViewingClass::N..][..ViewingClass::N].iter_mut().for_each(|p| *p *= factor);
+        let n = self.len();
+        self.shows[i..].iter_mut().step_by(n).for_each(|p| *p *= factor);
     }
 
     /// The probability, 0..=1, that a view shows surface in the `i`-th voxel that was not seen before.
     pub fn shows(&self, i: usize, class: ViewingClass) -> f32 {
-        self.shows[i * ViewingClass::N + class.index()]
+        self.shows[class.index() * self.len() + i]
     }
+}
+
+/// The numbers of the first class of all voxels, then those of the next.
+fn by_class(of_voxels: &[[f32; ViewingClass::N]]) -> Vec<f32> {
+    let n = of_voxels.len();
+    let mut by_class = vec![0.0; n * ViewingClass::N];
+    for (i, of_voxel) in of_voxels.iter().enumerate() {
+        by_class[i..].iter_mut().step_by(n).zip(of_voxel).for_each(|(to, from)| *to = *from);
+    }
+    by_class
 }
 
 #[cfg(test)]

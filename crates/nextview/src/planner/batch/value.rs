@@ -35,9 +35,7 @@ pub(super) fn values_of_views(
         |evaluator, &view| {
             cancel.check()?;
             let mut row = Vec::new();
-            evaluator.survey(&situation.views().pose(view), |item, class| {
-                row.push((item as u32, estimate.shows(item, class)));
-            });
+            evaluator.shown(&situation.views().pose(view), |item, p| row.push((item as u32, p)));
             row.sort_unstable_by_key(|(item, _)| *item);
             Ok(tidied(row, estimate.len()))
         },

@@ -31,7 +31,7 @@ impl Scene<'_> {
             || (nothing(), gain.evaluator()),
             |(mut survey, mut evaluator), &view| {
                 self.situation.cancel().check()?;
-                survey.add(view, self.estimate, &mut evaluator, self.situation);
+                survey.add(view, &mut evaluator, self.situation);
                 Ok((survey, evaluator))
             },
         );
@@ -47,9 +47,7 @@ impl Scene<'_> {
         let look = |evaluator: &mut ViewEvaluator<'_>, &view: &usize| {
             self.situation.cancel().check()?;
             let mut shown = Vec::new();
-            evaluator.survey(&self.situation.views().pose(view), |item, class| {
-                shown.push((item as u32, self.estimate.shows(item, class)));
-            });
+            evaluator.shown(&self.situation.views().pose(view), |item, p| shown.push((item as u32, p)));
             Ok(shown)
         };
         views.par_iter().map_init(|| gain.evaluator(), look).collect()
@@ -65,16 +63,9 @@ impl Scene<'_> {
 }
 
 impl Survey {
-    fn add(
-        &mut self,
-        view: usize,
-        estimate: &SurfaceEstimate,
-        evaluator: &mut ViewEvaluator<'_>,
-        situation: &Situation<'_>,
-    ) {
+    fn add(&mut self, view: usize, evaluator: &mut ViewEvaluator<'_>, situation: &Situation<'_>) {
         let mut gain = 0.0;
-        evaluator.survey(&situation.views().pose(view), |item, class| {
-            let p = estimate.shows(item, class);
+        evaluator.shown(&situation.views().pose(view), |item, p| {
             self.shown[item] = self.shown[item].max(p);
             gain += p as f64;
         });
