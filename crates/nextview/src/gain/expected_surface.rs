@@ -132,7 +132,7 @@ impl ViewEvaluator<'_> {
         }
     }
 
-    /// Visits the same voxels in the same order, with the probability that the view shows new surface in each.
+    /// Visits the same voxels in the same order, with the probability that the view shows new surface there.
     pub fn shown(&mut self, world_from_camera: &Pose, mut visit: impl FnMut(usize, f32)) {
         let mut classes = std::mem::take(&mut self.classes);
         self.survey(world_from_camera, |item, class| classes.push((item as u32, class)));
