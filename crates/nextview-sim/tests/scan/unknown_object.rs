@@ -54,7 +54,7 @@ impl Setup {
 
     fn session(&self, config: SessionConfig, views: Views) -> Session {
         let planner = MaxFlow::new(MaxFlowConfig::default()).unwrap();
-        let camera = self.scene.camera().intrinsics().clone();
+        let camera = *self.scene.camera().intrinsics();
         Session::new(config, camera, views, Box::new(planner)).unwrap()
     }
 
