@@ -15,9 +15,10 @@ pub struct Step {
     pub measures: Measures,
 }
 
-/// A camera of a quarter of the D435i's pixels, for tests that do not need them all.
+/// A camera with the lens of the D435i and a quarter of its pixels, for tests that do not need them all.
 pub fn small_camera() -> Intrinsics {
-    Intrinsics::pinhole(320, 240, DVec2::splat(305.0), DVec2::new(159.5, 119.5)).unwrap()
+    let pinhole = Intrinsics::pinhole(320, 240, DVec2::splat(305.0), DVec2::new(159.5, 119.5)).unwrap();
+    pinhole.with_distortion(Intrinsics::d435i().distortion()).unwrap()
 }
 
 /// Scans until the session stops.

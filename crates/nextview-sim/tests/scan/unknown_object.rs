@@ -185,7 +185,9 @@ fn threads_do_not_show() {
 
 fn empty_frame(pose: Pose) -> Frame {
     let optics = small_camera();
-    let image = DepthImage::from_metres(320, 240, vec![f32::INFINITY; optics.n_pixels()]).unwrap();
+    let image =
+        DepthImage::from_metres(optics.width(), optics.height(), vec![f32::INFINITY; optics.n_pixels()])
+            .unwrap();
     Frame::new(image, optics, pose, 1.0).unwrap()
 }
 

@@ -38,8 +38,8 @@ pub struct SurfaceEstimate {
     voxels: Vec<u32>,
     normals: Vec<Vec3>,
     stops: Vec<f32>,
-    /// Of all voxels for one class after the other: voxels that a view reaches one after the other are
-    /// neighbours of the same class, and then share cache lines.
+    /// Class by class, each with all voxels: a view reaches neighbours one after the other, most of them in the
+    /// same class, and these share cache lines.
     shows: Vec<f32>,
 }
 
@@ -165,7 +165,7 @@ impl SurfaceEstimate {
     }
 }
 
-/// The numbers of the first class of all voxels, then those of the next.
+/// The probabilities class by class, each with all voxels.
 fn by_class(of_voxels: &[[f32; ViewingClass::N]]) -> Vec<f32> {
     let n = of_voxels.len();
     let mut by_class = vec![0.0; n * ViewingClass::N];
