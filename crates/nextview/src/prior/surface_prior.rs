@@ -38,8 +38,8 @@ pub struct SurfaceEstimate {
     voxels: Vec<u32>,
     normals: Vec<Vec3>,
     stops: Vec<f32>,
-    /// Class by class, each with all voxels: a view reaches neighbours one after the other, most of them in the
-    /// same class, and these share cache lines.
+    /// Class by class, each with all voxels: a view reaches neighbours one after the other, most of them in
+    /// the same class, and these share cache lines.
     shows: Vec<f32>,
 }
 
