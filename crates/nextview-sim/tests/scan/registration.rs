@@ -1,7 +1,7 @@
 //! Frames of simulated objects in wrong poses: are the right ones found, and are those refused that cannot
 //! be?
 
-use crate::common::{Step, small_camera};
+use crate::common::Step;
 use glam::{DQuat, DVec2, DVec3};
 use nextview::Cancel;
 use nextview::geometry::random::Random;
@@ -46,7 +46,7 @@ fn error(pose: &Pose, truth: &Pose, at: DVec3) -> (f64, f64) {
 fn scene(seed: u64, depth: Option<DepthNoise>) -> Scene {
     let mesh = random_object(seed);
     let mesh = mesh.scaled(0.2 / mesh.bounds().longest_side()).unwrap();
-    let scene = Scene::new(mesh, small_camera()).unwrap();
+    let scene = Scene::new(mesh, Intrinsics::d435i()).unwrap();
     scene.with_noise(Noise { seed, depth, ..Noise::default() }).unwrap()
 }
 
@@ -427,7 +427,7 @@ fn ring(seed: u64) -> (Session, Vec<Frame>) {
     };
     let views = generate::fibonacci_sphere(scene.center(), 4.0 * scene.size(), 10).unwrap();
     let planner = Box::new(RandomViews { seed: 1 });
-    (Session::new(config, small_camera(), views, planner).unwrap(), frames.collect())
+    (Session::new(config, Intrinsics::d435i(), views, planner).unwrap(), frames.collect())
 }
 
 #[test]
