@@ -135,6 +135,22 @@ fn the_planners_are_said_to_be_what_was_measured() {
     }
 }
 
+/// The default planner with five first views is said to be what its page has for each setting.
+#[test]
+fn the_default_planner_is_said_to_be_what_was_measured() {
+    const DEFAULT: &str = include_str!("../../../../docs/planner/default.md");
+    let page = include_str!("../../../../docs/planner.md");
+    let said = rows(page, "| most-surface | skill | lowest | views to 95 % |");
+    assert_eq!(said.len(), 6);
+    for (setting, said) in said {
+        let heading = setting.replace(" mm", "mm").replace(" cm", "cm").replace(", ", "-");
+        let (_, table) = DEFAULT.split_once(&format!("\n## {heading}\n")).unwrap();
+        let measured = rows(table, "|  | skill | lowest |").remove("most-surface").unwrap();
+        let measured: Vec<String> = measured.iter().map(|cell| cell.replace('\\', "")).collect();
+        assert_eq!(said[..4], measured[..4], "{setting}");
+    }
+}
+
 /// The reports of the campaigns that README.md and docs/results.md begin with.
 const HEADLINE: [&str; 2] = [
     include_str!("../../../../docs/planner/headline-5mm.md"),
