@@ -51,16 +51,17 @@ on_one_core() {
 if [ -z "${PROGRAMS:-}" ]; then
     cargo build --release --locked -p nextview-benchmarks
 fi
-build octomap -loctomap -loctomath
-build embree -lembree3
-build flow
+build octomap -loctomap -loctomath &
+build embree -lembree3 &
+build flow &
 if [ -z "${BONXAI:-}" ]; then
     leave_out bonxai "BONXAI names no sources"
 elif [ ! -d "$eigen/Eigen" ]; then
     leave_out bonxai "it needs Eigen, which is not in $eigen: install libeigen3-dev, or name its folder as EIGEN"
 else
-    build bonxai -I "$BONXAI/include" -I "$eigen" "$BONXAI/src/probabilistic_map.cpp"
+    build bonxai -I "$BONXAI/include" -I "$eigen" "$BONXAI/src/probabilistic_map.cpp" &
 fi
+wait
 
 packages=()
 for package in open3d small_gicp; do
