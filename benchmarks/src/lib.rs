@@ -1,8 +1,9 @@
 //! Benchmarks of the stages of `nextview`.
 //!
 //! One list of [`stages`](stage::stages) on one [`Workload`](workload::Workload) serves four programs:
-//! `cargo bench` (wall time), the program `stages` (CPU time, beside the peers in `peers/`), the program
-//! `kernels` (instruction counts) and, over sizes, the program `growth`. The results are in `BENCHMARK.md`.
+//! `cargo bench -p nextview-benchmarks` (wall time), the program `stages` (CPU time, beside the peers in
+//! `peers/`), the program `kernels` (instruction counts) and, over sizes, the program `growth`. The results
+//! are in `BENCHMARK.md`.
 //! The programs `questions`, `ceiling` and `seconds` compare planners on [objects whose truth is
 //! known](known_object), the program `color` textures on [painted] objects, the program `purposes` planners
 //! by what [purposes of scans need](needs). The program `authors_code` repairs the [program of the paper's

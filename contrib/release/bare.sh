@@ -1,10 +1,10 @@
 #!/usr/bin/env bash
 # Runs a command of README where there is nothing but Rust and a linker: no shell, no git, no Python, no pkg-config, no
 # network. Packages are fetched before. Prints what the command prints, and how long it took.
-# Usage, as root on Linux: bare.sh [COMMAND...]; by default `cargo run --release --bin nextview -- scan`.
+# Usage, as root on Linux: bare.sh [COMMAND...]; by default `cargo run --release -- scan`.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/../.."
-[ $# -gt 0 ] || set -- cargo run --release --bin nextview -- scan
+[ $# -gt 0 ] || set -- cargo run --release -- scan
 root=$(mktemp -d)
 trap 'rm -rf --one-file-system "$root"' EXIT
 

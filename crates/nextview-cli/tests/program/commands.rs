@@ -64,8 +64,10 @@ fn fault(command: &[String]) -> Option<clap::Error> {
         [program, ..] if program == "nextview" => command,
         [cargo, run, rest @ ..] if cargo == "cargo" && run == "run" => {
             let place = rest.iter().position(|word| word == "--")?;
-            let (options, _) = rest.split_at(place);
-            options.iter().any(|word| word == "nextview").then_some(&rest[place..])?
+            // What runs where nothing is named is the program.
+            let names = ["-p", "--package", "--bin", "--example", "--manifest-path"];
+            let is_program = !rest[..place].iter().any(|word| names.contains(&word.as_str()));
+            is_program.then_some(&rest[place..])?
         }
         _ => return None,
     };
@@ -122,7 +124,8 @@ fn a_misspelt_option_is_a_fault() {
     let fault = |line| fault(&commands(line)[0]);
     assert!(fault("nextview scan part.stl --unit mm").is_none());
     assert!(is_unknown(fault("nextview scan part.stl --units mm").unwrap().kind()));
-    assert!(fault("cargo run --release --bin nextview -- scan --view 3").is_some());
+    assert!(fault("cargo run --release -- scan --view 3").is_some());
+    assert!(fault("cargo run -p nextview-training -- --view 3").is_none(), "another program");
     assert!(fault("cargo install --locked").is_none());
     assert_eq!(missing_files(&commands("benchmarks/no.sh x")[0]), ["benchmarks/no.sh"]);
 }
