@@ -1,8 +1,9 @@
-//! The crates are layers, and no crate has import cycles between its files.
+//! The crates are layers, no crate has import cycles between its files, and all lock files agree.
 
 #![allow(clippy::unwrap_used, reason = "helpers of tests")]
 
 use nextview_checks::{check_public_items, import_cycles, upward_dependencies};
+use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
 use std::path::Path;
 
@@ -52,4 +53,32 @@ fn public_items_are_listed() {
         let name = format!("nextview-{name}");
         check_public_items(&workspace().join("crates").join(&name).to_string_lossy(), &name);
     }
+}
+
+/// The versions of each package that the lock file of a folder names.
+fn locked(folder: &str) -> BTreeMap<String, BTreeSet<String>> {
+    let text = fs::read_to_string(workspace().join(folder).join("Cargo.lock")).unwrap();
+    let lock: toml::Table = text.parse().unwrap();
+    let mut versions = BTreeMap::<String, BTreeSet<String>>::new();
+    for package in lock["package"].as_array().unwrap() {
+        let text = |key: &str| package[key].as_str().unwrap().to_owned();
+        versions.entry(text("name")).or_default().insert(text("version"));
+    }
+    versions
+}
+
+/// What is fuzzed, and what Python runs, is what the tests have tested.
+#[test]
+fn workspaces_beside_this_one_lock_the_same_versions() {
+    let ours = locked(".");
+    let mut faults = Vec::new();
+    for folder in ["examples/own_camera", "fuzz", "python"] {
+        for (name, versions) in locked(folder) {
+            if let Some(ours) = ours.get(&name).filter(|ours| !versions.is_subset(ours)) {
+                faults.push(format!("{folder}: {name} {versions:?}, in the workspace {ours:?}"));
+            }
+        }
+    }
+    let help = "in that folder: cargo update -p NAME --precise VERSION";
+    assert!(faults.is_empty(), "{}\n{help}", faults.join("\n"));
 }
