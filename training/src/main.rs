@@ -32,8 +32,8 @@ const N_ROUNDS: usize = 3;
 /// How often each sample is drawn.
 const N_EPOCHS: usize = 4;
 
-/// Number of random objects on which the loss is reported; they are never learned from.
-const N_HELD_OUT: usize = 20;
+/// The loss is reported on one more random object for so many; those are never learned from.
+const N_PER_HELD_OUT: usize = 12;
 
 fn main() -> Result<(), Box<dyn Error>> {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
@@ -47,7 +47,8 @@ fn main() -> Result<(), Box<dyn Error>> {
         kaba::compare(&policy);
         return Ok(std::fs::write(n_random, policy.to_json())?);
     }
-    let mut sources = random_objects(seeds::PRIOR, n_random.parse()?)?;
+    let n_random: usize = n_random.parse()?;
+    let mut sources = random_objects(seeds::PRIOR, n_random)?;
     let mut n_varied = None;
     for argument in meshes {
         if let Ok(n) = argument.parse() {
@@ -59,7 +60,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         let mesh = Arc::new(mesh);
         sources.extend((0..n_varied).map(|seed| Source { mesh: Some(mesh.clone()), seed }));
     }
-    let held_out = random_objects(seeds::PRIOR_HELD_OUT, N_HELD_OUT)?;
+    let held_out = random_objects(seeds::PRIOR_HELD_OUT, n_random.div_ceil(N_PER_HELD_OUT))?;
 
     let stops = train(&samples(&sources, Target::Stops, N_STOPS), 1, N_EPOCHS, 1);
     report("stops", &stops, 1, &samples(&held_out, Target::Stops, N_STOPS));

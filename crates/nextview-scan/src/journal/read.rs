@@ -77,7 +77,7 @@ fn next(bytes: &[u8], at: usize, number: u64) -> Result<&[u8], String> {
     }
 }
 
-/// Of the number as well: an entry in another's place is damage, too.
+/// Includes the number, so that entries that swapped places are damage, too.
 fn checksum(number: u64, payload: &[u8]) -> u32 {
     let mut hasher = crc32fast::Hasher::new();
     hasher.update(&number.to_le_bytes());
