@@ -5,6 +5,7 @@ from __future__ import annotations
 import gc
 import resource
 from pathlib import Path
+from statistics import median
 from typing import Any
 
 import hypothesis.extra.numpy as hnp
@@ -212,7 +213,7 @@ def begun(wrong: Input) -> None:
 
 
 def test_no_wrong_input_aborts_or_leaks() -> None:
-    """10,000 calls. What hypothesis itself keeps of its examples is none of the package's memory."""
+    """10,000 calls in ten passes. What hypothesis keeps of its examples is none of the package's memory."""
     scan = nextview.Scan(SMALL, BOX, candidates=5, voxel_size_m=0.02)
     inputs: list[Input] = []
     every = list(HealthCheck)
@@ -224,17 +225,18 @@ def test_no_wrong_input_aborts_or_leaks() -> None:
         inputs.append(wrong)
 
     call()
-    for wrong in inputs[:100]:
-        begun(wrong)
-    gc.collect()
+    # The allocator may keep the memory of a large scan, in one pass or another; what leaks is lost in each.
+    growths_mb: list[float] = []
     before = resident_mb()
-    for i in range(10_000):
-        wrong = inputs[i % len(inputs)]
-        if i % 20 == 0:
-            begun(wrong)
-        else:
-            observed(scan, wrong)
-    gc.collect()
-    growth = resident_mb() - before
-    print(f"memory after 10,000 calls: {growth:+.1f} MB")
-    assert growth < 5.0
+    for _ in range(10):
+        for i, wrong in enumerate(inputs):
+            if i % 20 == 0:
+                begun(wrong)
+            else:
+                observed(scan, wrong)
+        gc.collect()
+        after = resident_mb()
+        growths_mb.append(after - before)
+        before = after
+    print("memory after each pass:", ", ".join(f"{growth:+.1f} MB" for growth in growths_mb))
+    assert 10 * median(growths_mb) < 5.0
