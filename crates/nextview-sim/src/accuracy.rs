@@ -83,7 +83,7 @@ impl SurfaceDistance {
 
     /// The distance of a finite point from the nearest point of the surface, metres.
     pub fn at(&self, point: DVec3) -> f64 {
-        self.nearest(point).dist_sq.sqrt()
+        self.nearest(point, f64::INFINITY).dist_sq.sqrt()
     }
 
     /// The same with a sign: negative inside, where the triangles' corners run counter-clockwise seen from
@@ -118,13 +118,26 @@ impl SurfaceDistance {
     /// The point of the surface that is nearest to a finite point, and the normal of its triangle, which is
     /// zero for a triangle without size.
     pub fn foot(&self, point: DVec3) -> (DVec3, DVec3) {
-        let triangle = self.triangles[self.nearest(point).triangle];
+        self.foot_on(self.nearest(point, f64::INFINITY).triangle, point)
+    }
+
+    /// The same, if it is no farther than this, metres: much faster where it is farther.
+    pub fn foot_within(&self, point: DVec3, reach: f64) -> Option<(DVec3, DVec3)> {
+        let limit = reach * reach;
+        // The search leaves out what is as far as its limit.
+        let nearest = self.nearest(point, limit.next_up());
+        (nearest.dist_sq <= limit).then(|| self.foot_on(nearest.triangle, point))
+    }
+
+    fn foot_on(&self, triangle: usize, point: DVec3) -> (DVec3, DVec3) {
+        let triangle = self.triangles[triangle];
         let [a, b, c] = triangle;
         (nearest_point(triangle, point), (b - a).cross(c - a).normalize_or_zero())
     }
 
-    fn nearest(&self, point: DVec3) -> Nearest {
-        let mut nearest = Nearest { dist_sq: f64::INFINITY, triangle: 0 };
+    /// The nearest triangle, if its squared distance is below the limit; else the limit and any triangle.
+    fn nearest(&self, point: DVec3, limit: f64) -> Nearest {
+        let mut nearest = Nearest { dist_sq: limit, triangle: 0 };
         self.search(&self.root, point, &mut nearest);
         nearest
     }
@@ -212,6 +225,8 @@ mod tests {
             assert!((distance.at(point) - expected).abs() < 1e-12, "{point}");
             let (foot, normal) = distance.foot(point);
             assert!((foot.distance(point) - expected).abs() < 1e-12 && normal.is_normalized(), "{point}");
+            assert_eq!(distance.foot_within(point, 1.01 * expected), Some((foot, normal)), "{point}");
+            assert_eq!(distance.foot_within(point, 0.99 * expected), None, "{point}");
         }
     }
 

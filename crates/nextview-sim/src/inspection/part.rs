@@ -148,9 +148,8 @@ fn aligned(start: Pose, points: &[SurfacePoint], surface: &SurfaceDistance, reac
 /// A point in a pose and the nearest one of the model, if it is near and faces the same way.
 fn pair(pose: &Pose, point: &SurfacePoint, surface: &SurfaceDistance, reach: f64) -> Option<Pair> {
     let (position, normal) = (pose.transform_point(point.position), pose.rotation() * point.normal);
-    let (known, known_normal) = surface.foot(position);
-    let is_pair = position.distance(known) <= reach && normal.dot(known_normal) >= AGREEMENT;
-    is_pair.then_some(Pair { point: position, known, normal: known_normal })
+    let (known, known_normal) = surface.foot_within(position, reach)?;
+    (normal.dot(known_normal) >= AGREEMENT).then_some(Pair { point: position, known, normal: known_normal })
 }
 
 fn share_near(pose: &Pose, points: &[SurfacePoint], surface: &SurfaceDistance, near: f64) -> f64 {

@@ -26,9 +26,8 @@ pub fn align(points: &[DVec3], surface: &SurfaceDistance) -> Pose {
     let pairs = |pose: &Pose, reach: f64| {
         let pair = |point: &DVec3| {
             let point = pose.transform_point(*point);
-            let (known, normal) = surface.foot(point);
-            let is_pair = point.distance_squared(known) <= reach * reach && normal != DVec3::ZERO;
-            is_pair.then_some(Pair { point, known, normal })
+            let (known, normal) = surface.foot_within(point, reach)?;
+            (normal != DVec3::ZERO).then_some(Pair { point, known, normal })
         };
         Ok(points.par_iter().map(pair).collect::<Vec<_>>().into_iter().flatten().collect())
     };

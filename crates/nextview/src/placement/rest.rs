@@ -60,7 +60,8 @@ pub fn rests(points: &[DVec3], center_of_mass: DVec3) -> Vec<Rest> {
     let directions: Vec<DVec3> = (0..N_DIRECTIONS).map(|i| sphere::fibonacci(i, N_DIRECTIONS)).collect();
     let heights: Vec<f64> = directions.iter().map(|down| height(*down)).collect();
     let n_lower = |of: DVec3, reach: f64, lowest: f64| {
-        let is_lower = |j: &usize| heights[*j] < lowest && directions[*j].dot(of) >= reach.cos();
+        let least_dot = reach.cos();
+        let is_lower = |j: &usize| heights[*j] < lowest && directions[*j].dot(of) >= least_dot;
         (0..N_DIRECTIONS).filter(is_lower).count()
     };
     // In a narrow valley between two directions, the lowest one may have lower ones beside it.
