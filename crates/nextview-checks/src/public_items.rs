@@ -24,7 +24,7 @@ pub fn check_public_items(manifest_dir: &str, name: &str) {
     assert!(
         found == listed,
         "the public items of {name} differ from public-items.txt; if that is meant, run\n    \
-         {WRITE}=1 cargo test -p {name} --test public_items\n{missing}{stale}"
+         {WRITE}=1 cargo test -p {name} -p nextview-checks public_items_are_listed\n{missing}{stale}"
     );
 }
 

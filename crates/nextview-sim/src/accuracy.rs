@@ -122,7 +122,7 @@ impl SurfaceDistance {
     }
 
     /// The same, if it is no farther than this, metres: much faster where it is farther.
-    pub fn foot_within(&self, point: DVec3, reach: f64) -> Option<(DVec3, DVec3)> {
+    pub(crate) fn foot_within(&self, point: DVec3, reach: f64) -> Option<(DVec3, DVec3)> {
         let limit = reach * reach;
         // The search leaves out what is as far as its limit.
         let nearest = self.nearest(point, limit.next_up());
