@@ -24,7 +24,8 @@ pub fn check_public_items(manifest_dir: &str, name: &str) {
     assert!(
         found == listed,
         "the public items of {name} differ from public-items.txt; if that is meant, run\n    \
-         {WRITE}=1 cargo test -p {name} -p nextview-checks public_items_are_listed\n{missing}{stale}"
+         {WRITE}=1 cargo test -p {name} -p {} public_items_are_listed\n{missing}{stale}",
+        env!("CARGO_PKG_NAME")
     );
 }
 
