@@ -32,7 +32,7 @@ const N_ROUNDS: usize = 3;
 /// How often each sample is drawn.
 const N_EPOCHS: usize = 4;
 
-/// The loss is reported on one more random object for so many; those are never learned from.
+/// The loss is reported on one held-out random object for each so many that are learned from.
 const N_PER_HELD_OUT: usize = 12;
 
 fn main() -> Result<(), Box<dyn Error>> {
