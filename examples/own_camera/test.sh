@@ -1,12 +1,16 @@
 #!/usr/bin/env bash
 # Kills the program with SIGKILL after each of its views in turn, and checks that no view is asked for twice and that the
-# views are those of a scan that nobody disturbed.
+# views are those of a scan that nobody disturbed. Builds the program unless it is given.
 set -euo pipefail
-cd "$(dirname "${BASH_SOURCE[0]}")"
-# Built as the tests of the workspace are, in their folder: what they have in common is compiled once.
-export CARGO_TARGET_DIR=$PWD/../../target
-cargo build --quiet --locked
-program=$CARGO_TARGET_DIR/debug/own_camera
+here=$(dirname "$(realpath "${BASH_SOURCE[0]}")")
+program=${1:-}
+if [ -z "$program" ]; then
+    # Built as the tests of the workspace are, in their folder: what they have in common is compiled once.
+    export CARGO_TARGET_DIR=$here/../../target
+    cargo build --quiet --locked --manifest-path "$here/Cargo.toml"
+    program=$CARGO_TARGET_DIR/debug/own_camera
+fi
+program=$(realpath "$program")
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 cd "$work"

@@ -49,7 +49,8 @@ fn main() -> Result<(), Box<dyn Error>> {
             }
             Next::Stop(reason) => {
                 println!("stopped: {reason:?} after {} views", run.steps().len());
-                break Ok(run.finish(Some(reason)).forget_journal());
+                run.finish(Some(reason)).forget_journal();
+                return Ok(());
             }
         }
     }

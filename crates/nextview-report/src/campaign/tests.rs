@@ -314,8 +314,8 @@ fn the_page_of_many_runs_is_as_small_as_that_of_few() {
         campaign_report(&campaign).map(|text| text.len())
     };
     let of_few = size(3, 1);
-    // Of 2400 runs, and of 3600 objects.
-    for of_many in [size(200, 1), size(1, 600)] {
+    // Of 24,000 runs, and of 12,000 objects.
+    for of_many in [size(2000, 1), size(1, 2000)] {
         for (few, many) in of_few.into_iter().zip(of_many) {
             assert!(many < few + 20_000, "{many} bytes, {few} of a few runs");
         }

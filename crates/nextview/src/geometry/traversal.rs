@@ -86,18 +86,25 @@ impl Axis {
     /// number.
     fn skip_to(&mut self, t: f64, also_at: bool, most: i32) -> i32 {
         let crossed = |axis: &Self, n: f64| axis.crossing(n) < t || (also_at && axis.crossing(n) == t);
-        // A guess that rounding may put one off; NaN, where the walk is parallel to the borders, becomes 0.
+        // A guess that rounding puts one off at most, unless the numbers are nonsense; NaN, where the walk is
+        // parallel to the borders, becomes 0.
         let guess = ((t - self.t_first) * self.speed) as u32;
         let most = self.n_end.min(most.into());
-        let mut n = (guess as f64 + 1.0).min(most);
-        while n > 0.0 && !crossed(self, n - 1.0) {
-            n -= 1.0;
+        // All steps before `low` are among them, and the one after `high` is not.
+        let mut low = (guess as f64 + 1.0).min(most);
+        let (mut high, mut gap) = (low, 1.0);
+        while low > 0.0 && !crossed(self, low - 1.0) {
+            (low, high, gap) = ((low - gap).max(0.0), low - 1.0, 2.0 * gap);
         }
-        while n < most && crossed(self, n) {
-            n += 1.0;
+        while high < most && crossed(self, high) {
+            (low, high, gap) = (high + 1.0, (high + gap).min(most), 2.0 * gap);
         }
-        self.n = n;
-        n as i32
+        while low < high {
+            let middle = ((low + high) / 2.0).floor();
+            (low, high) = if crossed(self, middle) { (middle + 1.0, high) } else { (low, middle) };
+        }
+        self.n = low;
+        low as i32
     }
 
     /// Ends the walk after `room` more steps, unless the axis is done before.

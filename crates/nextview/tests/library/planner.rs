@@ -85,11 +85,12 @@ fn by_the_equations(
     }
     let mut local = vec![0.0; views.len()];
     edges.iter().for_each(|&(view, _, quality)| local[view] += quality);
+    edges.sort_by_key(|edge| edge.1);
     let mut best = BestSets::new(snapshot.block().n_voxels(), views.len());
-    for voxel in 0..snapshot.block().n_voxels() {
-        let offers = edges.iter().filter(|edge| edge.1 == voxel);
-        let largest = offers.clone().map(|edge| edge.2).fold(0.0, f64::max);
-        offers.filter(|edge| edge.2 == largest).for_each(|edge| best.offer(voxel, edge.0 as u32, edge.2));
+    for offers in edges.chunk_by(|a, b| a.1 == b.1) {
+        let largest = offers.iter().map(|edge| edge.2).fold(0.0, f64::max);
+        let best_offers = offers.iter().filter(|edge| edge.2 == largest);
+        best_offers.for_each(|&(view, voxel, quality)| best.offer(voxel, view as u32, quality));
     }
     let optimal = fewest_sets(best.candidates(), cancel).unwrap();
     let mut flow = vec![0.0; views.len()];
