@@ -1,5 +1,6 @@
 use crate::geometry::sphere;
 use glam::DVec3;
+use rayon::prelude::*;
 use std::f64::consts::TAU;
 
 /// Number of directions that are tried at first, and their distance from the next ones, radians.
@@ -58,16 +59,17 @@ pub fn rests(points: &[DVec3], center_of_mass: DVec3) -> Vec<Rest> {
     let points = outermost(points, center_of_mass);
     let height = |down: DVec3| points.iter().map(|point| point.dot(down)).fold(f64::NEG_INFINITY, f64::max);
     let directions: Vec<DVec3> = (0..N_DIRECTIONS).map(|i| sphere::fibonacci(i, N_DIRECTIONS)).collect();
-    let heights: Vec<f64> = directions.iter().map(|down| height(*down)).collect();
+    let heights: Vec<f64> = directions.par_iter().map(|down| height(*down)).collect();
     let n_lower = |of: DVec3, reach: f64, lowest: f64| {
         let least_dot = reach.cos();
         let is_lower = |j: &usize| heights[*j] < lowest && directions[*j].dot(of) >= least_dot;
         (0..N_DIRECTIONS).filter(is_lower).count()
     };
     // In a narrow valley between two directions, the lowest one may have lower ones beside it.
-    let starts = (0..N_DIRECTIONS).filter(|&i| n_lower(directions[i], SPACING, heights[i]) <= MOST_LOWER);
+    let is_start = |i: &usize| n_lower(directions[*i], SPACING, heights[*i]) <= MOST_LOWER;
+    let starts = (0..N_DIRECTIONS).into_par_iter().filter(is_start);
     let minima = starts.filter_map(|i| on_three(lowest_near(directions[i], height), &points, height));
-    let minima = minima.filter(|rest| n_lower(rest.down, TIP, rest.height) == 0);
+    let minima: Vec<Rest> = minima.filter(|rest| n_lower(rest.down, TIP, rest.height) == 0).collect();
     let mut found: Vec<Rest> = Vec::new();
     for rest in minima {
         match found.iter_mut().find(|other| other.down.dot(rest.down) >= TIP.cos()) {
@@ -110,8 +112,9 @@ fn on_three(near: DVec3, points: &[DVec3], height: impl Fn(DVec3) -> f64) -> Opt
                 let down = normal * normal.dot(near).signum();
                 let is_nearest = best.is_none_or(|best| near.dot(down) > near.dot(best.down));
                 let rest = Rest { down, height: a.dot(down) };
-                let is_lowest = height(down) <= rest.height * (1.0 + TOLERANCE);
-                if down.dot(near) >= (2.0 * TIP).cos() && is_nearest && is_lowest && rest.is_on([a, b, c]) {
+                // Last, since it looks at all points.
+                let is_lowest = || height(down) <= rest.height * (1.0 + TOLERANCE);
+                if down.dot(near) >= (2.0 * TIP).cos() && is_nearest && rest.is_on([a, b, c]) && is_lowest() {
                     best = Some(rest);
                 }
             }
@@ -137,10 +140,10 @@ fn outermost(points: &[DVec3], center_of_mass: DVec3) -> Vec<DVec3> {
     let points: Vec<DVec3> = points.iter().map(|point| *point - center_of_mass).collect();
     let farthest = |i: usize| {
         let direction = sphere::fibonacci(i, N_DIRECTIONS);
-        let along = |j: &usize| points[*j].dot(direction);
-        (0..points.len()).max_by(|a, b| along(a).total_cmp(&along(b)))
+        let along = points.iter().map(|point| point.dot(direction)).enumerate();
+        along.max_by(|a, b| a.1.total_cmp(&b.1)).map(|(i, _)| i)
     };
-    let mut outermost: Vec<usize> = (0..N_DIRECTIONS).filter_map(farthest).collect();
+    let mut outermost: Vec<usize> = (0..N_DIRECTIONS).into_par_iter().filter_map(farthest).collect();
     outermost.sort_unstable();
     outermost.dedup();
     outermost.into_iter().map(|i| points[i]).collect()
