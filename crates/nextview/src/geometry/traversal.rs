@@ -86,11 +86,11 @@ impl Axis {
     /// number.
     fn skip_to(&mut self, t: f64, also_at: bool, most: i32) -> i32 {
         let crossed = |axis: &Self, n: f64| axis.crossing(n) < t || (also_at && axis.crossing(n) == t);
-        // A guess that rounding puts one off at most, unless the numbers are nonsense; NaN, where the walk is
+        // Rounding puts this guess at most one off, unless the numbers are nonsense; NaN, where the walk is
         // parallel to the borders, becomes 0.
         let guess = ((t - self.t_first) * self.speed) as u32;
         let most = self.n_end.min(most.into());
-        // All steps before `low` are among them, and the one after `high` is not.
+        // The first two loops move `low` and `high` apart until the number is between them.
         let mut low = (guess as f64 + 1.0).min(most);
         let (mut high, mut gap) = (low, 1.0);
         while low > 0.0 && !crossed(self, low - 1.0) {
