@@ -13,9 +13,8 @@ use super::draw_list::{Cluster, DrawList};
 use super::pixel_box::PixelBox;
 use super::projection::{Projected, ProjectedCluster, ToCamera, project};
 use super::samples::Samples;
-use glam::DVec2;
 use nextview::geometry::Pose;
-use pulp::{Arch, Simd, WithSimd};
+use pulp::{Arch, Scalar, Simd, WithSimd};
 use std::ops::Range;
 
 /// 1 / depth of the nearest surface at every sample; 0 where there is none, infinite where there is no
@@ -37,13 +36,13 @@ impl WithSimd for Raster<'_> {
     type Output = Vec<Chunk>;
 
     #[inline(always)]
-    fn with_simd<S: Simd>(self, _: S) -> Vec<Chunk> {
+    fn with_simd<S: Simd>(self, simd: S) -> Vec<Chunk> {
         let mut buffer = DepthBuffer::new(self.samples);
         let mut projected = ProjectedCluster::new();
         for cluster in self.front_to_back() {
             projected.project(self.list, cluster, self.to_camera, self.samples.locator());
             if projected.farthest > 0.0 {
-                self.draw_in_front(&mut buffer, cluster, &projected);
+                self.draw_in_front(simd, &mut buffer, cluster, &projected);
             } else if projected.nearest > 0.0 {
                 self.draw_around(&mut buffer, cluster, &projected);
             }
@@ -62,7 +61,13 @@ impl Raster<'_> {
 
     /// Draws a cluster that lies in front of the camera.
     #[inline(always)]
-    fn draw_in_front(&self, buffer: &mut DepthBuffer, cluster: &Cluster, projected: &ProjectedCluster) {
+    fn draw_in_front<S: Simd>(
+        &self,
+        simd: S,
+        buffer: &mut DepthBuffer,
+        cluster: &Cluster,
+        projected: &ProjectedCluster,
+    ) {
         // A mean of the corners' depths may be rounded up.
         let nearest = projected.nearest * (1.0 + 1e-12);
         if projected.bounds.is_empty() || buffer.hides(projected.bounds, nearest) {
@@ -78,19 +83,20 @@ impl Raster<'_> {
             n += !pixels.is_empty() as usize;
         }
         for &(pixels, triangle) in &with_samples[..n] {
-            draw(self.samples, buffer.nearest(), pixels, projected.corners(triangle));
+            draw(simd, self.samples, buffer.nearest(), pixels, projected.corners(triangle));
         }
         buffer.update_bounds(projected.bounds);
     }
 
-    /// Draws a cluster that lies on both sides of the smallest depth.
+    /// Draws a cluster that lies on both sides of the smallest depth. It has few triangles, for which no vector
+    /// instructions are compiled.
     #[inline(never)]
     fn draw_around(&self, buffer: &mut DepthBuffer, cluster: &Cluster, projected: &ProjectedCluster) {
         let locator = self.samples.locator();
         for &triangle in &self.list.triangles[cluster.triangles.clone()] {
             let corners = projected.corners(triangle);
             if corners.iter().all(|corner| corner.inverse_depth > 0.0) {
-                draw(self.samples, buffer.nearest(), projected.pixels(triangle), corners);
+                draw(Scalar, self.samples, buffer.nearest(), projected.pixels(triangle), corners);
                 continue;
             }
             let vertex = |i: u16| self.to_camera.point(self.list.vertex(cluster, i));
@@ -103,7 +109,8 @@ impl Raster<'_> {
             let boxes = locator.boxes_of(&x, &y, margin);
             for i in 2..n {
                 let pixels = boxes[0].join(boxes[i - 1]).join(boxes[i]);
-                draw(self.samples, buffer.nearest(), pixels, [polygon[0], polygon[i - 1], polygon[i]]);
+                let corners = [polygon[0], polygon[i - 1], polygon[i]];
+                draw(Scalar, self.samples, buffer.nearest(), pixels, corners);
             }
         }
     }
@@ -111,7 +118,13 @@ impl Raster<'_> {
 
 /// Draws a triangle of which every corner lies in front of the camera.
 #[inline(always)]
-fn draw(samples: &Samples, nearest: &mut [Chunk], pixels: PixelBox, corners: [Projected; 3]) {
+fn draw<S: Simd>(
+    simd: S,
+    samples: &Samples,
+    nearest: &mut [Chunk],
+    pixels: PixelBox,
+    corners: [Projected; 3],
+) {
     if pixels.is_empty() {
         return;
     }
@@ -122,38 +135,104 @@ fn draw(samples: &Samples, nearest: &mut [Chunk], pixels: PixelBox, corners: [Pr
         let range = first + chunks.start..first + chunks.end;
         let (x, y) = (&samples.x()[range.clone()], &samples.y()[range.clone()]);
         for (i, nearest) in nearest[range].iter_mut().enumerate() {
-            let first_column = ((chunks.start + i) * LANES) as i64;
-            let lanes = columns.start as i64 - first_column..columns.end as i64 - first_column;
-            draw_chunk(&x[i], &y[i], nearest, lanes, &corners);
+            let first_column = ((chunks.start + i) * LANES) as f64;
+            let lanes = columns.start as f64 - first_column..columns.end as f64 - first_column;
+            draw_chunk(simd, &x[i], &y[i], nearest, lanes, &corners);
         }
     }
 }
 
 /// Draws a triangle at some of the samples of a chunk. The others are left out because rounding may put them
 /// into a triangle seen edge-on that ends before them.
+///
+/// The vector instructions are written out: the compiler makes them of a loop over numbers with some levels of
+/// optimisation only, and images take three times as long without them. There are no closures, since those
+/// would not be compiled for them.
 #[inline(always)]
-fn draw_chunk(x: &Chunk, y: &Chunk, nearest: &mut Chunk, lanes: Range<i64>, [a, b, c]: &[Projected; 3]) {
-    for i in 0..LANES {
-        let sample = DVec2::new(x[i], y[i]);
-        let (to_a, to_b, to_c) = (a.ideal - sample, b.ideal - sample, c.ideal - sample);
-        let (at_a, at_b, at_c) = (to_b.perp_dot(to_c), to_c.perp_dot(to_a), to_a.perp_dot(to_b));
-        let is_left = (at_a >= 0.0) & (at_b >= 0.0) & (at_c >= 0.0);
-        let is_right = (at_a <= 0.0) & (at_b <= 0.0) & (at_c <= 0.0);
-        let sum = at_a + at_b + at_c;
+fn draw_chunk<S: Simd>(
+    simd: S,
+    x: &Chunk,
+    y: &Chunk,
+    nearest: &mut Chunk,
+    lanes: Range<f64>,
+    [a, b, c]: &[Projected; 3],
+) {
+    const NUMBERS: Chunk = [0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0];
+    let (x, y, numbers) = (S::as_simd_f64s(x).0, S::as_simd_f64s(y).0, S::as_simd_f64s(&NUMBERS).0);
+    let (a, b, c) = (Corner::new(simd, a), Corner::new(simd, b), Corner::new(simd, c));
+    let (first, end) = (simd.splat_f64s(lanes.start), simd.splat_f64s(lanes.end));
+    let zero = simd.splat_f64s(0.0);
+    for (i, nearest) in S::as_mut_simd_f64s(nearest).0.iter_mut().enumerate() {
+        let (to_a, to_b, to_c) =
+            (a.seen_from(simd, x[i], y[i]), b.seen_from(simd, x[i], y[i]), c.seen_from(simd, x[i], y[i]));
+        let at_a = perp_dot(simd, to_b, to_c);
+        let at_b = perp_dot(simd, to_c, to_a);
+        let at_c = perp_dot(simd, to_a, to_b);
+        let is_left = all(
+            simd,
+            simd.less_than_or_equal_f64s(zero, at_a),
+            simd.less_than_or_equal_f64s(zero, at_b),
+            simd.less_than_or_equal_f64s(zero, at_c),
+        );
+        let is_right = all(
+            simd,
+            simd.less_than_or_equal_f64s(at_a, zero),
+            simd.less_than_or_equal_f64s(at_b, zero),
+            simd.less_than_or_equal_f64s(at_c, zero),
+        );
+        let sum = simd.add_f64s(simd.add_f64s(at_a, at_b), at_c);
         // A triangle seen edge-on has no inside: its sum is 0.
-        let is_drawn = (lanes.start <= i as i64) & ((i as i64) < lanes.end);
-        let is_inside = (is_left | is_right) & (sum != 0.0) & is_drawn;
-        let weighted = at_a * a.inverse_depth + at_b * b.inverse_depth + at_c * c.inverse_depth;
-        let inverse_depth = weighted / sum;
-        nearest[i] = if is_inside & (inverse_depth > nearest[i]) { inverse_depth } else { nearest[i] };
+        let has_inside = simd.not_m64s(simd.equal_f64s(sum, zero));
+        let is_drawn = simd
+            .and_m64s(simd.less_than_or_equal_f64s(first, numbers[i]), simd.less_than_f64s(numbers[i], end));
+        let is_inside = all(simd, simd.or_m64s(is_left, is_right), has_inside, is_drawn);
+        let weighted = simd.add_f64s(
+            simd.add_f64s(simd.mul_f64s(at_a, a.inverse_depth), simd.mul_f64s(at_b, b.inverse_depth)),
+            simd.mul_f64s(at_c, c.inverse_depth),
+        );
+        let inverse_depth = simd.div_f64s(weighted, sum);
+        let is_nearer = simd.less_than_f64s(*nearest, inverse_depth);
+        *nearest = simd.select_f64s(simd.and_m64s(is_inside, is_nearer), inverse_depth, *nearest);
     }
+}
+
+/// A corner of a triangle, in all lanes.
+struct Corner<S: Simd> {
+    x: S::f64s,
+    y: S::f64s,
+    inverse_depth: S::f64s,
+}
+
+impl<S: Simd> Corner<S> {
+    #[inline(always)]
+    fn new(simd: S, corner: &Projected) -> Self {
+        let (x, y) = (simd.splat_f64s(corner.ideal.x), simd.splat_f64s(corner.ideal.y));
+        Self { x, y, inverse_depth: simd.splat_f64s(corner.inverse_depth) }
+    }
+
+    /// The vectors from samples to the corner.
+    #[inline(always)]
+    fn seen_from(&self, simd: S, x: S::f64s, y: S::f64s) -> [S::f64s; 2] {
+        [simd.sub_f64s(self.x, x), simd.sub_f64s(self.y, y)]
+    }
+}
+
+/// The length of the cross product of vectors in the plane, with its sign.
+#[inline(always)]
+fn perp_dot<S: Simd>(simd: S, a: [S::f64s; 2], b: [S::f64s; 2]) -> S::f64s {
+    simd.sub_f64s(simd.mul_f64s(a[0], b[1]), simd.mul_f64s(a[1], b[0]))
+}
+
+#[inline(always)]
+fn all<S: Simd>(simd: S, a: S::m64s, b: S::m64s, c: S::m64s) -> S::m64s {
+    simd.and_m64s(simd.and_m64s(a, b), c)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::mesh::TriangleMesh;
-    use glam::{DQuat, DVec3};
+    use glam::{DQuat, DVec2, DVec3};
     use nextview::geometry::random::Random;
     use nextview::sensor::{Distortion, Intrinsics};
 
