@@ -140,8 +140,8 @@ def test_planners_of_ones_own_appear_in_the_tables_of_a_campaign(tmp_path: Path)
     again = nextview.bench(SPEC, out=tmp_path / "study", resume=True)
     assert again.runs["variant"] == done.runs["variant"]
     spec = tmp_path / "spec.toml"
-    spec.write_text('name = "x"\nobjects = ["builtin:mug"]\n[scan]\nviews = 2\nvoxel_size_m = 0.02\n'
-                    'planner = "python:own_planners:FromAbove"\n')  # fmt: skip
+    spec.write_text('name = "x"\nobjects = ["builtin:mug"]\n[scan]\nviews = 2\ncandidates = 30\n'
+                    'voxel_size_m = 0.02\nplanner = "python:own_planners:FromAbove"\n')  # fmt: skip
     assert nextview.bench(spec).runs["variant"] == ["python:own_planners:FromAbove"]
 
 

@@ -10,13 +10,13 @@ use std::process::{Child, Command, Stdio};
 use std::thread;
 use std::time::{Duration, Instant};
 
-/// Fifteen views by a planner that a map decides, with noise that a seed decides.
+/// Views by a planner that a map decides, with noise that a seed decides.
 const SCAN: [&str; 6] = ["scan", "builtin:bracket", "--config", "small.toml", "--out", "out"];
 
 const CONFIG: &str = "\
 views = 15
 candidates = 40
-voxel_size_m = 0.01
+voxel_size_m = 0.014
 baselines = false
 noise = { model = \"d435i\", pose_error_mm = 1 }
 camera = { width = 160, height = 120, fx = 150, fy = 150, cx = 79.5, cy = 59.5 }
