@@ -26,11 +26,10 @@ def scan(scene: nextview.SimulatedScene, out: Path, **options: object) -> nextvi
 
 def test_a_scan_goes_on_after_its_object_was_turned(tmp_path: Path) -> None:
     on_table = {"voxel_size_m": 0.006, "object_box": {"table": "known"}, "candidates": 100}
-    before = scan(nextview.SimulatedScene("builtin:bracket", **on_table), tmp_path / "before")
-    assert before.record["next_placement"]["down"][2] > 0.5
+    before = scan(nextview.SimulatedScene("builtin:mug", **on_table), tmp_path / "before")
+    assert before.record["next_placement"]["down"][2] > 0.9
     after = str(tmp_path / "before")
-    turned = nextview.SimulatedScene("builtin:bracket", after=after, **on_table)
-    now = scan(turned, tmp_path / "now", after=after)
+    now = scan(nextview.SimulatedScene("builtin:mug", after=after, **on_table), tmp_path / "now", after=after)
     turn = now.record["turn"]
     assert "refusal" not in turn and turn["overlap"] > 0.5, turn
     assert len(now.cloud().points) > 1.1 * len(before.cloud().points)

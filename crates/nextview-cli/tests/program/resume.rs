@@ -10,7 +10,7 @@ use std::process::{Child, Command, Stdio};
 use std::thread;
 use std::time::{Duration, Instant};
 
-/// Views by a planner that a map decides, with noise that a seed decides.
+/// The planner decides by the map, and the noise follows from a seed. It takes nine views.
 const SCAN: [&str; 6] = ["scan", "builtin:bracket", "--config", "small.toml", "--out", "out"];
 
 const CONFIG: &str = "\

@@ -1,5 +1,5 @@
-/// Number of values processed at once, by one vector instruction. The compiler turns a loop over all of them
-/// into vector instructions if each is computed without a branch.
+/// Number of values processed at once, by one vector instruction. The compiler may turn a loop over all of
+/// them into vector instructions if each is computed without a branch.
 pub(super) const LANES: usize = 8;
 
 /// A number for each of [`LANES`] neighbours.

@@ -88,8 +88,8 @@ impl Raster<'_> {
         buffer.update_bounds(projected.bounds);
     }
 
-    /// Draws a cluster that lies on both sides of the smallest depth. There are few of those: no vector
-    /// instructions are compiled for them.
+    /// Draws a cluster that lies on both sides of the smallest depth. Such clusters are rare, so this is
+    /// compiled without vector instructions.
     #[inline(never)]
     fn draw_around(&self, buffer: &mut DepthBuffer, cluster: &Cluster, projected: &ProjectedCluster) {
         let locator = self.samples.locator();
@@ -145,9 +145,9 @@ fn draw<S: Simd>(
 /// Draws a triangle at some of the samples of a chunk. The others are left out because rounding may put them
 /// into a triangle seen edge-on that ends before them.
 ///
-/// The vector instructions are written out: the compiler makes them of a loop over numbers with some levels
-/// of optimisation only, and images take three times as long without them. There are no closures, since
-/// those would not be compiled for them.
+/// Written in vector instructions: the compiler vectorises a plain loop only at some levels of optimisation,
+/// and otherwise an image takes three times as long. It uses no closures, since they are compiled without
+/// these instructions.
 #[inline(always)]
 fn draw_chunk<S: Simd>(
     simd: S,
