@@ -18,7 +18,9 @@ cd "$work"
 "$program" >undisturbed.txt
 for n_views in 1 2 3 5 8; do
     rm -rf own-scan
-    "$program" >disturbed.txt &
+    # Emptied before the process starts: lines of the last round would be counted as its own.
+    : >disturbed.txt
+    "$program" >>disturbed.txt &
     pid=$!
     until [ "$(grep -c asked disturbed.txt)" -ge "$n_views" ]; do
         sleep 0.01
