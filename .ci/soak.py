@@ -69,11 +69,17 @@ class Row:
         self.kills = self.done = self.acknowledged = self.lost = self.differing = 0
 
 
+def is_cut_end(path):
+    """Whether resuming moved bytes there that are one entry of a journal, cut off by a kill during its write."""
+    if not path.match("scan.journal.damaged-*"):
+        return False
+    entry = path.read_bytes()
+    return len(entry) < 8 or len(entry) < 8 + struct.unpack_from("<I", entry)[0]
+
+
 def files(folder):
     """The content of all files without times, by their paths."""
-    # A kill may cut an entry of the journal that is being written; resuming moves these bytes to a file of their own.
-    cut = "scan.journal.damaged-*"
-    paths = (path for path in folder.rglob("*") if path.is_file() and path.name not in TIMED and not path.match(cut))
+    paths = (path for path in folder.rglob("*") if path.is_file() and path.name not in TIMED and not is_cut_end(path))
     return {str(path.relative_to(folder)): path.read_bytes() for path in paths}
 
 
