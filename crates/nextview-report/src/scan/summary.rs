@@ -52,8 +52,8 @@ fn percent(share: f64) -> String {
     format!("{} %", fixed(100.0 * share, 1))
 }
 
-/// Coverage beside that of random views and of the planner that knows the object: at their end, or while the
-/// scan is under way with as many views.
+/// Coverage beside that of random views and of the planner that knows the object, with the same number of
+/// views.
 fn coverage(record: &ScanRecord) -> Vec<Row> {
     let (Some(last), Some(random), Some(clairvoyant)) =
         (record.steps.last(), &record.random_curve, &record.clairvoyant_curve)
@@ -61,10 +61,7 @@ fn coverage(record: &ScanRecord) -> Vec<Row> {
         return Vec::new();
     };
     let Some(reached) = last.reachable_coverage else { return Vec::new() };
-    let at = |curve: &[f64]| match record.stop_reason {
-        Some(_) => curve.last().copied(),
-        None => curve.get(record.steps.len() - 1).or(curve.last()).copied(),
-    };
+    let at = |curve: &[f64]| curve.get(record.steps.len() - 1).or(curve.last()).copied();
     vec![
         ("reachable coverage", percent(reached)),
         ("  random views", percent(at(random).unwrap_or_default())),
