@@ -169,6 +169,18 @@ fn a_huge_cloud_stays_below_3_mb() {
 }
 
 #[test]
+fn a_scan_that_stops_early_is_compared_with_as_many_views() {
+    let MadeUp { mut record, config, .. } = scan(4, 64);
+    assert!(record.stop_reason.is_some());
+    record.random_curve = Some(vec![0.1, 0.2, 0.3, 0.4, 0.5]);
+    record.clairvoyant_curve = Some(vec![0.5, 0.6, 0.7, 0.8, 0.9]);
+    let rows = summary(&record, &config);
+    for (label, value) in [("  random views", "40.0 %"), ("  clairvoyant", "80.0 %")] {
+        assert!(rows.contains(&(label.to_owned(), value.to_owned())), "{label}: {rows:?}");
+    }
+}
+
+#[test]
 fn the_summary_names_what_is_known() {
     let MadeUp { mut record, mut config, .. } = scan(4, 64);
     let text = summary_text(&record, &config);
