@@ -65,6 +65,16 @@ impl Aabb {
         point.cmpge(self.min).all() && point.cmple(self.max).all()
     }
 
+    /// Squared distance of a point from the box, 0 inside.
+    pub(crate) fn distance_squared(&self, point: DVec3) -> f64 {
+        (self.min - point).max(point - self.max).max(DVec3::ZERO).length_squared()
+    }
+
+    /// How far the box reaches along a direction, times the direction's length.
+    pub(crate) fn most_along(&self, direction: DVec3) -> f64 {
+        (self.min * direction).max(self.max * direction).element_sum()
+    }
+
     /// The eight corners, x varying fastest.
     pub fn corners(&self) -> [DVec3; 8] {
         std::array::from_fn(|i| {

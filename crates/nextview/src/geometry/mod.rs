@@ -5,6 +5,7 @@
 
 mod aabb;
 mod box_count;
+mod box_tree;
 mod eigen;
 pub(crate) mod lanes;
 mod lattice;
@@ -21,6 +22,7 @@ mod traversal;
 
 pub use aabb::Aabb;
 pub(crate) use box_count::BoxCount;
+pub(crate) use box_tree::{BoxTree, Search};
 pub(crate) use eigen::Eigen;
 pub(crate) use lattice::local_origin;
 pub use lattice::{Lattice, VoxelBlock, VoxelKey};

@@ -5,6 +5,7 @@
 //! shown; [`find_turn`] finds how the object was turned before the next one; [`next_placement`] plans that.
 //! The formulas are in `docs/methods/placement.md`.
 
+mod farthest;
 mod rest;
 mod shown_object;
 mod turn;

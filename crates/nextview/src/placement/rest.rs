@@ -1,3 +1,4 @@
+use super::farthest::Farthest;
 use crate::geometry::sphere;
 use glam::DVec3;
 use rayon::prelude::*;
@@ -57,7 +58,8 @@ pub fn rests(points: &[DVec3], center_of_mass: DVec3) -> Vec<Rest> {
         return Vec::new();
     }
     let points = outermost(points, center_of_mass);
-    let height = |down: DVec3| points.iter().map(|point| point.dot(down)).fold(f64::NEG_INFINITY, f64::max);
+    let farthest = Farthest::new(points.iter().copied());
+    let height = |down: DVec3| farthest.along(down).expect("there are points").0;
     let directions: Vec<DVec3> = (0..N_DIRECTIONS).map(|i| sphere::fibonacci(i, N_DIRECTIONS)).collect();
     let heights: Vec<f64> = directions.par_iter().map(|down| height(*down)).collect();
     let n_lower = |of: DVec3, reach: f64, lowest: f64| {
@@ -138,11 +140,8 @@ impl Rest {
 /// plane. Those between two of the directions are left out; the height is off by less than a thousandth.
 fn outermost(points: &[DVec3], center_of_mass: DVec3) -> Vec<DVec3> {
     let points: Vec<DVec3> = points.iter().map(|point| *point - center_of_mass).collect();
-    let farthest = |i: usize| {
-        let direction = sphere::fibonacci(i, N_DIRECTIONS);
-        let along = points.iter().map(|point| point.dot(direction)).enumerate();
-        along.max_by(|a, b| a.1.total_cmp(&b.1)).map(|(i, _)| i)
-    };
+    let tree = Farthest::new(points.iter().copied());
+    let farthest = |i: usize| tree.along(sphere::fibonacci(i, N_DIRECTIONS)).map(|(_, number)| number);
     let mut outermost: Vec<usize> = (0..N_DIRECTIONS).into_par_iter().filter_map(farthest).collect();
     outermost.sort_unstable();
     outermost.dedup();

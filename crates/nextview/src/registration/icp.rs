@@ -7,9 +7,6 @@ use crate::{Cancel, Cancelled};
 use glam::DQuat;
 use rayon::prelude::*;
 
-/// Minimum cosine between the normals of a pair: 45 degrees. The other side of a thin wall does not match.
-const LEAST_AGREEMENT: f64 = 0.7;
-
 /// The weight of a pair falls to a quarter where the residual is this share of the reach, as in KISS-ICP
 /// (Vizzo et al. 2023).
 const SCALE: f64 = 1.0 / 3.0;
@@ -100,12 +97,12 @@ pub(super) fn pairs(
     cancel: &Cancel,
 ) -> Result<Vec<Pair>, Cancelled> {
     let pair = |point: &SurfacePoint| {
-        let SurfacePoint { position, normal } = point.moved(pose);
-        let nearest = known.nearest(position, reach, |known| known.normal.dot(normal) >= LEAST_AGREEMENT)?;
+        let point = point.moved(pose);
+        let nearest = known.nearest(&point, reach)?;
         // On a curved surface, the line between both points is at right angles to the mean of both normals
         // and not to either normal (Rusinkiewicz 2019).
-        let normal = (normal + nearest.normal).normalize();
-        Some(Pair { point: position, known: nearest.position, normal })
+        let normal = (point.normal + nearest.normal).normalize();
+        Some(Pair { point: point.position, known: nearest.position, normal })
     };
     let found = points.par_iter().map(|point| cancel.check().map(|()| pair(point)));
     Ok(found.collect::<Result<Vec<_>, _>>()?.into_iter().flatten().collect())

@@ -17,9 +17,6 @@ use rayon::prelude::*;
 /// Points of a frame that look for partners in each other frame, at most: evenly chosen ones.
 const MOST_POINTS: usize = 400;
 
-/// Minimum cosine between the normals of a pair, as for a single frame.
-const LEAST_AGREEMENT: f64 = 0.7;
-
 /// The weight of a pair falls to a quarter where the residual is this share of the reach.
 const SCALE: f64 = 1.0 / 3.0;
 
@@ -100,11 +97,11 @@ impl View {
     fn pairs(&self, other: &View, reach: f64) -> Vec<Pair> {
         let here_from_other = self.pose.inverse() * other.pose;
         let pair = |point: &SurfacePoint| {
-            let SurfacePoint { position, normal } = point.moved(&here_from_other);
-            let nearest = self.tree.nearest(position, reach, |p| p.normal.dot(normal) >= LEAST_AGREEMENT)?;
-            let normal = (normal + nearest.normal).normalize();
+            let point = point.moved(&here_from_other);
+            let nearest = self.tree.nearest(&point, reach)?;
+            let normal = (point.normal + nearest.normal).normalize();
             Some(Pair {
-                point: self.pose.transform_point(position),
+                point: self.pose.transform_point(point.position),
                 known: self.pose.transform_point(nearest.position),
                 normal: self.pose.rotation() * normal,
             })

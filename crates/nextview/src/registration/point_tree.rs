@@ -1,92 +1,64 @@
 use super::surface_points::SurfacePoint;
+use crate::geometry::{Aabb, BoxTree, Search};
 use crate::{Cancel, Cancelled};
 use glam::DVec3;
 
-/// Nearest-neighbour search among points: a k-d tree (Bentley 1975).
-#[derive(Clone, Debug, Default)]
-pub(super) struct PointTree {
-    /// The middle of every range is its root; those before it have a lower or the same coordinate on the
-    /// root's axis, those behind it a higher or the same.
-    nodes: Vec<Node>,
-}
+/// Minimum cosine between the normals of two points that face the same way: 45 degrees. The other side of a
+/// thin wall does not.
+pub(super) const LEAST_AGREEMENT: f64 = 0.7;
 
-#[derive(Clone, Copy, Debug)]
-struct Node {
-    point: SurfacePoint,
-    /// Number of the point; ties go to the lowest.
-    number: usize,
-    axis: usize,
-}
+/// Nearest-neighbour search among points of surfaces.
+#[derive(Clone, Debug, Default)]
+pub(super) struct PointTree(BoxTree<2>);
 
 /// The nearest so far.
 struct Best<'a> {
+    to: &'a SurfacePoint,
     dist_sq: f64,
-    node: Option<&'a Node>,
+    /// With its number.
+    nearest: Option<(SurfacePoint, usize)>,
 }
 
 impl PointTree {
     /// A tree of these points, unless cancelled.
     pub fn new(points: &[SurfacePoint], cancel: &Cancel) -> Result<Self, Cancelled> {
-        let node = |(number, &point): (usize, &SurfacePoint)| Node { point, number, axis: 0 };
-        let mut nodes: Vec<Node> = points.iter().enumerate().map(node).collect();
-        arrange(&mut nodes, cancel)?;
-        Ok(Self { nodes })
+        let items = points.iter().map(|point| [point.position, point.normal]);
+        Ok(Self(BoxTree::new(items, cancel)?))
     }
 
-    /// The nearest of the points that are at most `reach` metres away and fit; the first on ties.
-    pub fn nearest(
-        &self,
-        to: DVec3,
-        reach: f64,
-        fits: impl Fn(&SurfacePoint) -> bool,
-    ) -> Option<&SurfacePoint> {
-        let mut best = Best { dist_sq: reach * reach, node: None };
-        search(&self.nodes, to, &fits, &mut best);
-        best.node.map(|node| &node.point)
+    /// The nearest of the points that are at most `reach` metres away and face the same way; the first on
+    /// ties.
+    pub fn nearest(&self, to: &SurfacePoint, reach: f64) -> Option<SurfacePoint> {
+        self.numbered(to, reach).map(|(point, _)| point)
+    }
+
+    fn numbered(&self, to: &SurfacePoint, reach: f64) -> Option<(SurfacePoint, usize)> {
+        let mut best = Best { to, dist_sq: reach * reach, nearest: None };
+        self.0.search(&mut best);
+        best.nearest
     }
 }
 
-/// Halves the points along the longest side of the box around them, and so on.
-fn arrange(nodes: &mut [Node], cancel: &Cancel) -> Result<(), Cancelled> {
-    if nodes.len() < 2 {
-        return Ok(());
+/// Boxes are judged as points are, with roundings that keep the order: no point of a box is nearer or agrees
+/// better.
+impl Search<2> for Best<'_> {
+    fn rank(&self, [positions, normals]: &[Aabb; 2]) -> f64 {
+        match normals.most_along(self.to.normal) >= LEAST_AGREEMENT {
+            true => positions.distance_squared(self.to.position),
+            false => f64::INFINITY,
+        }
     }
-    cancel.check()?;
-    let axis = longest_axis(nodes);
-    let coordinate = |node: &Node| node.point.position[axis];
-    let order = |a: &Node, b: &Node| coordinate(a).total_cmp(&coordinate(b)).then(a.number.cmp(&b.number));
-    let (before, root, behind) = nodes.select_nth_unstable_by(nodes.len() / 2, order);
-    root.axis = axis;
-    arrange(before, cancel)?;
-    arrange(behind, cancel)
-}
 
-fn longest_axis(nodes: &[Node]) -> usize {
-    let positions = || nodes.iter().map(|node| node.point.position);
-    let size =
-        positions().fold(DVec3::NEG_INFINITY, DVec3::max) - positions().fold(DVec3::INFINITY, DVec3::min);
-    size.max_position()
-}
-
-fn search<'a>(nodes: &'a [Node], to: DVec3, fits: &impl Fn(&SurfacePoint) -> bool, best: &mut Best<'a>) {
-    let middle = nodes.len() / 2;
-    let Some(root) = nodes.get(middle) else { return };
-    best.offer(root, to, fits);
-    let beyond = to[root.axis] - root.point.position[root.axis];
-    let (before, behind) = (&nodes[..middle], &nodes[middle + 1..]);
-    let (near, far) = if beyond < 0.0 { (before, behind) } else { (behind, before) };
-    search(near, to, fits, best);
-    if beyond * beyond <= best.dist_sq {
-        search(far, to, fits, best);
+    fn limit(&self) -> f64 {
+        self.dist_sq
     }
-}
 
-impl<'a> Best<'a> {
-    fn offer(&mut self, node: &'a Node, to: DVec3, fits: &impl Fn(&SurfacePoint) -> bool) {
-        let dist_sq = node.point.position.distance_squared(to);
-        let is_first = || self.node.is_none_or(|best| node.number < best.number);
-        if (dist_sq < self.dist_sq || dist_sq == self.dist_sq && is_first()) && fits(&node.point) {
-            (self.dist_sq, self.node) = (dist_sq, Some(node));
+    fn offer(&mut self, &[position, normal]: &[DVec3; 2], number: usize) {
+        let dist_sq = position.distance_squared(self.to.position);
+        let is_first = || self.nearest.is_none_or(|(_, first)| number < first);
+        let is_nearer = dist_sq < self.dist_sq || dist_sq == self.dist_sq && is_first();
+        if is_nearer && normal.dot(self.to.normal) >= LEAST_AGREEMENT {
+            (self.dist_sq, self.nearest) = (dist_sq, Some((SurfacePoint { position, normal }, number)));
         }
     }
 }
@@ -102,25 +74,25 @@ mod tests {
         prop_oneof![tied, prop::array::uniform3(-3.0..3.0)].prop_map(DVec3::from_array)
     }
 
+    fn point() -> impl Strategy<Value = SurfacePoint> {
+        let normal = vector().prop_map(|normal| normal.try_normalize().unwrap_or(DVec3::Z));
+        (vector(), normal).prop_map(|(position, normal)| SurfacePoint { position, normal })
+    }
+
     proptest! {
         /// The slow twin: all points.
         #[test]
-        fn finds_the_first_of_the_nearest_that_fit(
-            positions in prop::collection::vec(vector(), 0..200), to in vector(), reach in 0..8, every in 1_usize..4,
+        fn finds_the_first_of_the_nearest_that_face_the_same_way(
+            points in prop::collection::vec(point(), 0..200), to in point(), reach in 0..8,
         ) {
-            let up = |up: bool| if up { DVec3::Z } else { DVec3::NEG_Z };
-            let point = |(i, &position): (usize, &DVec3)| SurfacePoint { position, normal: up(i % every == 0) };
-            let points: Vec<SurfacePoint> = positions.iter().enumerate().map(point).collect();
-            let fits = |point: &SurfacePoint| point.normal.z > 0.0;
-            let dist_sq = |point: &SurfacePoint| point.position.distance_squared(to);
-            let within = points.iter().filter(|point| fits(point) && dist_sq(point) <= (reach * reach) as f64);
-            let expected = within.min_by(|a, b| dist_sq(a).total_cmp(&dist_sq(b)));
+            let dist_sq = |point: &SurfacePoint| point.position.distance_squared(to.position);
+            let is_pair = |point: &SurfacePoint| {
+                point.normal.dot(to.normal) >= LEAST_AGREEMENT && dist_sq(point) <= (reach * reach) as f64
+            };
+            let pairs = points.iter().copied().zip(0..).filter(|(point, _)| is_pair(point));
+            let expected = pairs.min_by(|(a, _), (b, _)| dist_sq(a).total_cmp(&dist_sq(b)));
             let tree = PointTree::new(&points, &Cancel::default()).unwrap();
-            let found = tree.nearest(to, reach as f64, fits);
-            prop_assert_eq!(found, expected);
-            let number = |found: &SurfacePoint| tree.nodes.iter().find(|node| std::ptr::eq(&node.point, found)).unwrap().number;
-            let first = points.iter().position(|point| fits(point) && expected.is_some_and(|e| dist_sq(e) == dist_sq(point)));
-            prop_assert_eq!(found.map(number), first);
+            prop_assert_eq!(tree.numbered(&to, reach as f64), expected);
         }
     }
 }
