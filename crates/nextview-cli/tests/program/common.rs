@@ -36,9 +36,9 @@ pub struct Run {
 }
 
 impl Folder {
-    /// The name must differ from those of all other tests.
+    /// The name must differ from those of all other tests of this crate.
     pub fn new(name: &str) -> Self {
-        let path = Path::new(env!("CARGO_TARGET_TMPDIR")).join(name);
+        let path = Path::new(env!("CARGO_TARGET_TMPDIR")).join(env!("CARGO_PKG_NAME")).join(name);
         let _ = fs::remove_dir_all(&path);
         fs::create_dir_all(&path).unwrap();
         Self(path)

@@ -13,9 +13,9 @@ use std::path::{Path, PathBuf};
 pub struct Folder(pub PathBuf);
 
 impl Folder {
-    /// The name must differ from those of all other tests.
+    /// The name must differ from those of all other tests of this crate.
     pub fn new(name: &str) -> Self {
-        let path = Path::new(env!("CARGO_TARGET_TMPDIR")).join(name);
+        let path = Path::new(env!("CARGO_TARGET_TMPDIR")).join(env!("CARGO_PKG_NAME")).join(name);
         let _ = fs::remove_dir_all(&path);
         ["depth", "color", "rgb"].iter().for_each(|images| fs::create_dir_all(path.join(images)).unwrap());
         Self(path)
