@@ -5,7 +5,7 @@ use glam::DVec3;
 
 /// Minimum cosine between the normals of two points that face the same way: 45 degrees. The other side of a
 /// thin wall does not.
-pub(super) const LEAST_AGREEMENT: f64 = 0.7;
+const LEAST_AGREEMENT: f64 = 0.7;
 
 /// Nearest-neighbour search among points of surfaces.
 #[derive(Clone, Debug, Default)]
