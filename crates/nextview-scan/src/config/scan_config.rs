@@ -10,7 +10,7 @@ use nextview::motion::MotionConfig;
 use nextview::planner::{
     BatchConfig, GreedyConfig, MaxFlowConfig, MinOverlap, MostSurfaceConfig, ViewPlanner,
 };
-use nextview::registration::RegistrationConfig;
+use nextview::registration::{RegistrationConfig, RegistrationMode};
 use nextview::sensor::{Intrinsics, SurfaceError};
 use nextview::session::{MultiResolutionConfig, StopConfig};
 use nextview::surface::LooksGoal;
@@ -377,16 +377,22 @@ impl ScanConfig {
             reference: self.reference.clone(),
         };
         let planner = self.planner.build(configs, self.seed, clairvoyant)?;
-        match self.least_overlap() {
-            Some(share) => Ok(Box::new(MinOverlap::new(share, planner)?)),
-            None => Ok(planner),
-        }
+        let is_aligned = self.registration_mode() != RegistrationMode::Off;
+        Ok(match self.min_overlap {
+            Some(share) => Box::new(MinOverlap::new(share, planner)?),
+            None if is_aligned && self.planner != PlannerName::InOrder => {
+                Box::new(MinOverlap::to_align(OVERLAP_TO_ALIGN, planner)?)
+            }
+            None => planner,
+        })
     }
 
-    /// The overlap that views must have; none if they need none.
-    fn least_overlap(&self) -> Option<f64> {
-        let is_wanted = self.registration.enabled && self.planner != PlannerName::InOrder;
-        self.min_overlap.or(is_wanted.then_some(OVERLAP_TO_ALIGN))
+    /// When frames are aligned: those of a camera or a recording as soon as their poses disagree, and others
+    /// not at all, unless something else is stated.
+    pub(crate) fn registration_mode(&self) -> RegistrationMode {
+        let is_given = self.recording.is_some() || self.live.is_some();
+        let usual = if is_given { RegistrationMode::Auto } else { RegistrationMode::Off };
+        self.registration.enabled.unwrap_or(usual)
     }
 
     /// The random error of the camera, as far as the configuration states it.

@@ -4,7 +4,7 @@ use super::whereabouts::Whereabouts;
 use super::{Guidance, LiveScan};
 use crate::Fault;
 use nextview::geometry::Pose;
-use nextview::registration::{GivenPoses, Registration, Verdict};
+use nextview::registration::{GivenPoses, Registration, RegistrationMode, Verdict};
 use nextview::sensor::DepthImage;
 
 /// Where depth cameras mostly look from, metres: as long as it is not known where the object is.
@@ -28,7 +28,7 @@ impl LiveScan {
     /// the image fits nowhere near there, or the surface does not hold it in place.
     pub fn locate(&mut self, depth: &DepthImage) -> Result<Pose, Fault> {
         let registration = self.config().registration;
-        if !registration.enabled || registration.given_poses != GivenPoses::Tracked {
+        if registration.mode() != RegistrationMode::On || registration.given_poses != GivenPoses::Tracked {
             let fault = Fault::request("a frame without a pose cannot be placed");
             let remedy = "state its pose, or set `registration.enabled` = true and \
                           `registration.given_poses` = tracked";

@@ -186,7 +186,7 @@ impl FinishedScan<'_> {
             voxel_size_m: self.session.map().lattice().voxel_size(),
             candidates: self.session.views().len(),
             views: self.steps.len(),
-            frames_set_aside: config.registration.enabled.then(|| self.session.set_aside().len()),
+            frames_set_aside: self.session.aligns_frames().then(|| self.session.set_aside().len()),
             box_min_m: bounds.map(|bounds| bounds.min.to_array()),
             box_max_m: bounds.map(|bounds| bounds.max.to_array()),
             path_length_m: last.map_or(0.0, |step| step.path_length_m),

@@ -1,6 +1,6 @@
 use super::arm::{Arm, Way};
 use super::stated::Stated;
-use super::warning::warning;
+use super::warning::{poses_are_wrong, warning};
 use super::{Evaluator, FinishedScan};
 use crate::earlier_scan::EarlierScan;
 use crate::journal::{JournalEntry, KeptFrame, SkippedView};
@@ -241,7 +241,7 @@ impl<'a> ScanRun<'a> {
         record.plan_time_ms = milliseconds(plan_time.unwrap_or_default());
         record.map_time_ms = milliseconds(map_time);
         record.capture_time_ms = milliseconds(capture_time);
-        record.warning = self.warning();
+        record.warning = self.warning().or(report.apart.map(poses_are_wrong));
         if let Some(arm) = &mut self.arm {
             arm.arrive(joints.as_ref(), &claimed);
             record.joint_values = arm.values().map(<[f64]>::to_vec);

@@ -42,12 +42,14 @@ pub(super) fn session_config(
 
 /// If a right first pose is simulated, it is known to be right.
 fn registration(config: &ScanConfig) -> RegistrationConfig {
+    let registration =
+        RegistrationConfig { enabled: Some(config.registration_mode()), ..config.registration };
     #[cfg(feature = "simulated")]
     if config.noise.first_pose_is_right {
         use nextview::registration::GivenPoses::FirstIsRight;
-        return RegistrationConfig { given_poses: FirstIsRight, ..config.registration };
+        return RegistrationConfig { given_poses: FirstIsRight, ..registration };
     }
-    config.registration
+    registration
 }
 
 /// The voxels to plan in, if they are not too many.

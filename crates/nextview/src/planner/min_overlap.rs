@@ -16,7 +16,9 @@ use rayon::prelude::*;
 /// Each of the first two views whose frames wait outside the map, since they could not be aligned, halves
 /// what the next one may lack of full overlap, so that it links them.
 ///
-/// Where the given poses have [proved right](Situation::with_right_poses), no view needs overlap.
+/// Where the given poses have [proved right](Situation::with_right_poses), no view needs overlap, nor where
+/// overlap serves [the alignment alone](Self::to_align) and frames are [not
+/// aligned](Situation::with_aligned_frames).
 ///
 /// The other planner's [`Outlook`](super::Outlook) then counts only the remaining views.
 ///
@@ -28,6 +30,7 @@ use rayon::prelude::*;
 /// ```
 pub struct MinOverlap {
     share: f64,
+    serves_alignment_alone: bool,
     planner: Box<dyn ViewPlanner>,
 }
 
@@ -46,15 +49,22 @@ impl MinOverlap {
     /// A planner that keeps views of at least this overlap, 0..=1, for another one to choose from.
     pub fn new(share: f64, planner: Box<dyn ViewPlanner>) -> Result<Self, Error> {
         if (0.0..=1.0).contains(&share) {
-            return Ok(Self { share, planner });
+            return Ok(Self { share, serves_alignment_alone: false, planner });
         }
         Err(Error::invalid("min_overlap", share, "a number in 0..=1"))
+    }
+
+    /// A planner that keeps views of at least this overlap, 0..=1, while frames are aligned, for another one to
+    /// choose from.
+    pub fn to_align(share: f64, planner: Box<dyn ViewPlanner>) -> Result<Self, Error> {
+        Ok(Self { serves_alignment_alone: true, ..Self::new(share, planner)? })
     }
 }
 
 impl ViewPlanner for MinOverlap {
     fn plan(&mut self, situation: &Situation<'_>) -> Result<Plan, Error> {
-        if situation.are_poses_right() {
+        let is_idle = self.serves_alignment_alone && !situation.are_frames_aligned();
+        if situation.are_poses_right() || is_idle {
             return self.planner.plan(situation);
         }
         let n_waiting = situation.visited().len().saturating_sub(situation.frames().len());

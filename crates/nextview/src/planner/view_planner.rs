@@ -63,6 +63,7 @@ pub struct Situation<'a> {
     depth_range: DepthRange,
     surface_error: SurfaceError,
     are_poses_right: bool,
+    are_frames_aligned: bool,
     measured: Option<(&'a MeasuredCells, f64)>,
     looks: Option<&'a SurfaceLooks>,
     /// Numbers of candidates.
@@ -102,6 +103,7 @@ impl<'a> Situation<'a> {
             depth_range: DepthRange::default(),
             surface_error: SurfaceError::default(),
             are_poses_right: false,
+            are_frames_aligned: false,
             measured: None,
             looks: None,
             visited: &[],
@@ -130,6 +132,12 @@ impl<'a> Situation<'a> {
     /// no overlap to be placed.
     pub fn with_right_poses(self, are_poses_right: bool) -> Self {
         Self { are_poses_right, ..self }
+    }
+
+    /// Sets whether frames are [aligned](crate::registration) to the known surface, with which they then must
+    /// overlap. Default: no.
+    pub fn with_aligned_frames(self, are_frames_aligned: bool) -> Self {
+        Self { are_frames_aligned, ..self }
     }
 
     /// The same where measured surface is to be this accurate: how well it was measured, and the goal, a
@@ -240,6 +248,11 @@ impl<'a> Situation<'a> {
     /// Whether the given poses have proved right.
     pub fn are_poses_right(&self) -> bool {
         self.are_poses_right
+    }
+
+    /// Whether frames are aligned to the known surface.
+    pub fn are_frames_aligned(&self) -> bool {
+        self.are_frames_aligned
     }
 
     /// How well surface was measured, and how accurate it is to be, metres; none without a goal.

@@ -1,3 +1,4 @@
+use super::RegistrationMode;
 use crate::Error;
 use crate::checked::{check_range, checked_when_read};
 use crate::degrees;
@@ -10,8 +11,11 @@ use std::f64::consts::PI;
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(default, deny_unknown_fields, remote = "Self")]
 pub struct RegistrationConfig {
-    /// Whether a session aligns frames. Default: no; poses are used as given.
-    pub enabled: bool,
+    /// Whether a session aligns frames: `true`, `false`, or `"auto"`, as soon as the frames show that the given
+    /// poses are wrong. By default, frames of a camera or a recording are aligned as with `"auto"`, and others
+    /// are not.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub enabled: Option<RegistrationMode>,
     /// Edge of the cells in which points are pooled, metres, at least 0.0001. By default, a session takes its
     /// voxel size, but at most 0.005: some thousand points for an object, each the mean of several pixels.
     #[serde(rename = "spacing_m", skip_serializing_if = "Option::is_none")]
@@ -55,7 +59,7 @@ checked_when_read!(RegistrationConfig);
 impl Default for RegistrationConfig {
     fn default() -> Self {
         Self {
-            enabled: false,
+            enabled: None,
             spacing: None,
             position_uncertainty: 0.05,
             rotation_uncertainty: 10_f64.to_radians(),
@@ -70,9 +74,14 @@ impl RegistrationConfig {
     /// Edge of the cells in which points are pooled where nothing states or limits it, metres.
     pub const DEFAULT_SPACING: f64 = 0.005;
 
-    /// The defaults, enabled.
+    /// The defaults, with all frames aligned.
     pub fn enabled() -> Self {
-        Self { enabled: true, ..Self::default() }
+        Self { enabled: Some(RegistrationMode::On), ..Self::default() }
+    }
+
+    /// When frames are aligned; never if nothing is stated.
+    pub fn mode(&self) -> RegistrationMode {
+        self.enabled.unwrap_or(RegistrationMode::Off)
     }
 
     /// Fails on the first value out of range, whether enabled or not.

@@ -1,13 +1,19 @@
+use super::agreement::distance_if_wrong;
 use crate::geometry::{Aabb, Pose};
-use crate::registration::{GivenPoses, KnownSurface, Registration, RegistrationConfig};
+use crate::registration::{GivenPoses, KnownSurface, Registration, RegistrationConfig, RegistrationMode};
 use crate::sensor::Frame;
 use crate::{Cancel, Cancelled, Error};
 
-/// Aligns each frame to the surface shown by those before it, if the session is configured to.
+/// Aligns each frame to the surface shown by those before it, if the session is configured to: from the first
+/// frame on, or once the given poses disagree.
 #[derive(Clone, Debug)]
 pub(super) struct Alignment {
     /// None without registration.
     known: Option<KnownSurface>,
+    /// Whether frames are aligned, rather than compared until the given poses prove wrong.
+    is_active: bool,
+    /// Edge of the cells in which points are pooled, metres.
+    spacing: f64,
     given: PoseErrors,
     /// Whether given poses were found elsewhere than by alignment to the known surface.
     is_proof: bool,
@@ -32,15 +38,35 @@ impl Alignment {
     pub fn new(config: RegistrationConfig, voxel_size: f64) -> Result<Self, Error> {
         let spacing = config.spacing.unwrap_or(RegistrationConfig::DEFAULT_SPACING.min(voxel_size));
         let config = RegistrationConfig { spacing: Some(spacing), ..config };
-        let known = config.enabled.then(|| KnownSurface::new(config)).transpose()?;
+        let mode = config.mode();
+        let known = (mode != RegistrationMode::Off).then(|| KnownSurface::new(config)).transpose()?;
         // Half a cell of pooled points: an alignment itself is off by half a millimetre in cells of 5 mm.
         let given = PoseErrors { tolerance: 0.5 * spacing, n: 0, sum_sq: 0.0 };
-        Ok(Self { known, given, is_proof: config.given_poses != GivenPoses::Tracked })
+        let is_proof = config.given_poses != GivenPoses::Tracked;
+        Ok(Self { known, is_active: mode == RegistrationMode::On, spacing, given, is_proof })
     }
 
     /// The same before the first frame, but for what is known of the given poses.
     pub fn without_surface(&self) -> Self {
         Self { known: self.known.as_ref().map(KnownSurface::without_points), ..*self }
+    }
+
+    /// Whether frames are aligned.
+    pub fn is_active(&self) -> bool {
+        self.is_active
+    }
+
+    /// Compares a new frame in its given pose with those before it, as long as frames are not aligned. Returns
+    /// how far the same surface is apart in them, metres, once that shows that given poses are wrong.
+    pub fn compare(
+        &self,
+        frame: &Frame,
+        bounds: Option<Aabb>,
+        cancel: &Cancel,
+    ) -> Result<Option<f64>, Cancelled> {
+        let known = self.known.as_ref().filter(|known| !self.is_active && known.n_points() > 0);
+        let Some((known, bounds)) = known.zip(bounds) else { return Ok(None) };
+        Ok(distance_if_wrong(&known.compare(frame, bounds, cancel)?, self.spacing))
     }
 
     /// Aligns a frame; none while there is no known surface to align it to.
@@ -50,7 +76,7 @@ impl Alignment {
         bounds: Option<Aabb>,
         cancel: &Cancel,
     ) -> Result<Option<Registration>, Cancelled> {
-        let known = self.known.as_ref().filter(|known| known.n_points() > 0);
+        let known = self.known.as_ref().filter(|known| self.is_active && known.n_points() > 0);
         known.zip(bounds).map(|(known, bounds)| known.register(frame, bounds, cancel)).transpose()
     }
 
@@ -80,7 +106,7 @@ impl Alignment {
     /// they stay. Frames from before there was a box were not.
     pub fn realign(&mut self, cancel: &Cancel) -> Result<Option<Vec<Pose>>, Cancelled> {
         match &mut self.known {
-            Some(known) if !self.given.are_right() => known.realign(cancel),
+            Some(known) if self.is_active && !self.given.are_right() => known.realign(cancel),
             _ => Ok(None),
         }
     }

@@ -7,7 +7,7 @@ use super::report::MapReport;
 use super::scan_map::{MapRules, Place, ScanMap};
 use super::taken_frames::{SetAside, TakenFrames};
 use crate::map::MapUpdate;
-use crate::registration::Registration;
+use crate::registration::{Registration, RegistrationConfig, RegistrationMode};
 use crate::sensor::Frame;
 use crate::{Cancel, Cancelled, Error};
 
@@ -38,6 +38,9 @@ pub(super) struct Added {
     pub share_at_goal: Option<f64>,
     /// The numbers of frames that had been set aside and are in the map now.
     pub recovered: Vec<usize>,
+    /// How far the same surface is apart in the given poses, metres, if this frame is the one that shows it: all
+    /// frames have been aligned.
+    pub apart: Option<f64>,
 }
 
 impl KnownScene {
@@ -68,10 +71,15 @@ impl KnownScene {
         frames: &mut TakenFrames,
         cancel: &Cancel,
     ) -> Result<Added, Cancelled> {
+        let apart = self.alignment.compare(frame, self.map.place().bounds, cancel)?;
+        let moved = match apart {
+            Some(_) => self.align_all(config, frames, cancel)?,
+            None => None,
+        };
         let number = frames.places.len();
         frames.places.push(frame.world_from_camera());
         let registration = self.register(frame, cancel)?;
-        let mut added = Added { registration, ..Added::default() };
+        let mut added = Added { registration, moved, apart, ..Added::default() };
         if self.is_reliable(registration) {
             self.add((number, frame.clone(), registration), config, frames, &mut added, cancel)?;
             self.try_again(config, frames, &mut added, cancel)?;
@@ -87,6 +95,31 @@ impl KnownScene {
         let snapshot = self.map.finest_snapshot(cancel)?;
         let report = snapshot.map(|snapshot| MapReport::unless(&snapshot, cancel)).transpose()?;
         Ok(Added { report: report.unwrap_or_default(), ..added })
+    }
+
+    /// Begins again with frames that are aligned, those of this placement that were taken before.
+    fn align_all(
+        &mut self,
+        config: &SessionConfig,
+        frames: &mut TakenFrames,
+        cancel: &Cancel,
+    ) -> Result<Option<Location>, Cancelled> {
+        let registration = RegistrationConfig { enabled: Some(RegistrationMode::On), ..config.registration };
+        let config = SessionConfig { registration, ..*config };
+        let TakenFrames { mapped: mut earlier, n_earlier, .. } = std::mem::take(frames);
+        let given = earlier.split_off(n_earlier);
+        let (mut scene, mut moved) = Self::new(&config).expect("the configuration was checked");
+        if n_earlier > 0 {
+            *frames = TakenFrames { mapped: earlier, n_earlier, ..TakenFrames::default() };
+            let (joined, added) = scene.anew(&config, frames, cancel)?;
+            (scene, moved) = (joined, added.moved);
+        }
+        *self = scene;
+        for frame in given {
+            let added = self.take_in(&config, &frame, frames, cancel)?;
+            moved = added.moved.or(moved);
+        }
+        Ok(moved)
     }
 
     /// The same scene, rebuilt from these frames, some of which may be of the placement before, and what that

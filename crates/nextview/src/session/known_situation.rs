@@ -22,6 +22,7 @@ pub(super) fn known_situation<'a>(
         .with_max_views(config.max_views)
         .with_table(scene.map.place().table.map(|table| table.plane))
         .with_right_poses(scene.alignment.trusts_given_poses())
+        .with_aligned_frames(scene.alignment.is_active())
         .with_visited(visited)
         .and_then(|situation| situation.with_finest_voxel_size(config.voxel_size))
         .and_then(|situation| situation.with_motion(config.motion, surroundings(scene)))

@@ -7,6 +7,7 @@ use super::planning_box::{as_deep_as_wide, growing_box};
 use super::scan_map::Place;
 use super::table::{ShownTable, TableSearch};
 use crate::geometry::Aabb;
+use crate::registration::RegistrationMode;
 use crate::sensor::Frame;
 use crate::{Cancel, Cancelled};
 
@@ -26,7 +27,8 @@ impl Locator {
     /// For a checked configuration.
     pub fn new(config: &SessionConfig) -> Self {
         let &SessionConfig { object_box, table, registration, voxel_size, max_gap, .. } = config;
-        let pose_error = registration.enabled.then_some(registration.position_uncertainty);
+        let is_aligned = registration.mode() == RegistrationMode::On;
+        let pose_error = is_aligned.then_some(registration.position_uncertainty);
         let (table, points) = (TableSearch::new(table, pose_error), ObjectPoints::new(voxel_size, max_gap));
         Self { object_box, table, voxel_size, points, n_earlier: 0 }
     }

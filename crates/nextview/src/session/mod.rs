@@ -48,7 +48,7 @@ use crate::map::{Occupancy, OccupancyMap, Snapshot};
 use crate::motion::Trajectory;
 use crate::placement::{NextPlacement, ShownObject, Turn, TurnRefusal, next_placement};
 use crate::planner::{Batch, BatchConfig, BatchView, EvenViews, Leg, Plan, Situation, ViewPlanner};
-use crate::registration::Registration;
+use crate::registration::{Registration, RegistrationMode};
 use crate::sensor::{DepthRange, Frame, Intrinsics, SurfaceError};
 use crate::view::ViewSpace;
 use crate::{Cancel, Cancelled, Error};
@@ -167,14 +167,17 @@ impl Session {
     /// A [cancelled](Self::with_cancel) observation changes nothing: the frame can be observed again.
     pub fn observe(&mut self, frame: &Frame) -> Result<StepReport, Cancelled> {
         let planned_in = self.planning_voxel_size();
-        let (n_mapped, before) = (self.frames.mapped.len(), self.frames.state());
-        let mut scene = self.scene.clone();
-        let added = scene.take_in(&self.config, frame, &mut self.frames, &self.cancel);
-        let joined = added.and_then(|added| Ok((added, self.join_earlier(&scene)?)));
-        let (mut added, joined) = joined.inspect_err(|Cancelled| self.frames.forget(before))?;
-        self.scene = scene;
+        let (mut scene, mut frames) = (self.scene.clone(), self.frames.clone());
+        let mut added = scene.take_in(&self.config, frame, &mut frames, &self.cancel)?;
+        let joined = self.join_earlier(&scene, &frames)?;
+        let n_mapped = self.frames.mapped.len();
+        (self.scene, self.frames) = (scene, frames);
         let Place { bounds, table } = self.scene.map.place();
-        self.seen.add(&self.frames.mapped[n_mapped..], bounds, table.map(|table| table.top));
+        let top = table.map(|table| table.top);
+        match added.apart {
+            Some(_) => self.seen = self.frames.seen_anew(SeenCells::new(self.config.voxel_size), bounds, top),
+            None => self.seen.add(&self.frames.mapped[n_mapped..], bounds, top),
+        }
         if let Some(joined) = joined {
             self.adopt(joined, &mut added);
         }
@@ -318,7 +321,7 @@ impl Session {
         };
         // Frames that are aligned need not agree as given.
         let apart = || match self.bounds() {
-            Some(bounds) if !self.config.registration.enabled => {
+            Some(bounds) if self.config.registration.mode() == RegistrationMode::Off => {
                 let voxel_size = self.config.voxel_size;
                 let distance = agreement::apart(frames, bounds, voxel_size, &self.cancel).ok()??;
                 Some(Suspicion::Apart { distance })
@@ -326,6 +329,12 @@ impl Session {
             _ => None,
         };
         suspect(frames, known, self.config.depth_range).or_else(poses).or(boundless).or_else(apart)
+    }
+
+    /// Whether frames are aligned to the surface measured before: with
+    /// [`RegistrationMode::Auto`](crate::registration::RegistrationMode::Auto), once the given poses disagree.
+    pub fn aligns_frames(&self) -> bool {
+        self.scene.alignment.is_active()
     }
 
     /// The depths that the camera measures, metres.
@@ -371,7 +380,7 @@ impl Session {
     /// the object may be behind it. None unless the [turn](Self::turn) is known.
     pub fn frames_of_object(&self) -> Result<Option<Vec<Frame>>, Cancelled> {
         let earlier = self.earlier_frames();
-        let now = if earlier.is_empty() { None } else { self.shown_in(&self.scene)? };
+        let now = if earlier.is_empty() { None } else { self.shown_in(&self.scene, &self.frames)? };
         Ok(now.map(|now| earlier.iter().chain(now.frames()).cloned().collect()))
     }
 
@@ -404,11 +413,12 @@ impl Session {
     }
 
     /// How the object was turned, by this scene of all frames, if more is known of it than before.
-    fn join_earlier(&self, scene: &KnownScene) -> Result<Option<Joined>, Cancelled> {
-        let (Some(earlier), Some(now)) = (&self.earlier, self.shown_in(scene)?) else { return Ok(None) };
+    fn join_earlier(&self, scene: &KnownScene, frames: &TakenFrames) -> Result<Option<Joined>, Cancelled> {
+        let Some(earlier) = &self.earlier else { return Ok(None) };
+        let Some(now) = self.shown_in(scene, frames)? else { return Ok(None) };
         let Some(turn) = earlier.find(&now, &self.cancel)? else { return Ok(None) };
         let join = |turn: Turn| {
-            let frames = self.frames.after(earlier.frames(&turn.now_from_before));
+            let frames = frames.after(earlier.frames(&turn.now_from_before));
             let (scene, added) = scene.anew(&self.config, &frames, &self.cancel)?;
             Ok((scene, frames, added))
         };
@@ -429,9 +439,9 @@ impl Session {
 
     /// What the frames of this placement have shown of the object, by a scene of them; none before it was
     /// found, and without a table.
-    fn shown_in(&self, scene: &KnownScene) -> Result<Option<ShownObject>, Cancelled> {
+    fn shown_in(&self, scene: &KnownScene, frames: &TakenFrames) -> Result<Option<ShownObject>, Cancelled> {
         let (snapshot, table) = (scene.map.finest_snapshot(&self.cancel)?, scene.map.place().table);
-        let shown = |(snapshot, table)| shown_on(self.frames.of_now(), snapshot, table, &self.cancel);
+        let shown = |(snapshot, table)| shown_on(frames.of_now(), snapshot, table, &self.cancel);
         snapshot.zip(table).map(shown).transpose()
     }
 
@@ -580,6 +590,7 @@ impl Session {
             view: taken.as_ref().and_then(|next| next.view),
             world_from_camera: self.frames.places[number],
             registration: added.registration,
+            apart: added.apart,
             is_set_aside: self.frames.set_aside.iter().any(|waiting| waiting.number == number),
             recovered: added.recovered,
             outlook: taken.as_ref().and_then(|next| next.outlook.clone()),

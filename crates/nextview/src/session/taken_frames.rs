@@ -1,4 +1,5 @@
-use crate::geometry::Pose;
+use super::seen_cells::SeenCells;
+use crate::geometry::{Aabb, Plane, Pose};
 use crate::registration::Registration;
 use crate::sensor::Frame;
 
@@ -27,13 +28,6 @@ pub(super) struct TakenFrames {
     pub set_aside: Vec<SetAside>,
     /// Where the frames were taken, by number: as mapped or, of those set aside, as given.
     pub places: Vec<Pose>,
-}
-
-/// The frames before another one came.
-pub(super) struct State {
-    poses: Vec<Pose>,
-    set_aside: Vec<SetAside>,
-    places: Vec<Pose>,
 }
 
 impl TakenFrames {
@@ -68,17 +62,18 @@ impl TakenFrames {
         }
     }
 
-    /// What [`forget`](Self::forget) needs to undo what the next frame changes.
-    pub fn state(&self) -> State {
-        let poses = self.mapped.iter().map(Frame::world_from_camera).collect();
-        State { poses, set_aside: self.set_aside.clone(), places: self.places.clone() }
-    }
-
-    /// Forgets a frame, the last one, and all that it changed.
-    pub fn forget(&mut self, before: State) {
-        self.mapped.truncate(before.poses.len());
-        self.numbers.truncate(before.poses.len() - self.n_earlier);
-        self.mapped.iter_mut().zip(before.poses).for_each(|(frame, pose)| frame.move_to(pose));
-        (self.places, self.set_aside) = (before.places, before.set_aside);
+    /// The cells that the frames of each step show, in their present poses, given that none were seen before.
+    pub fn seen_anew(
+        &self,
+        mut seen: SeenCells,
+        bounds: Option<Aabb>,
+        table_top: Option<Plane>,
+    ) -> SeenCells {
+        for number in 0..self.places.len() {
+            let mapped = self.numbers.iter().position(|mapped| *mapped == number);
+            let frame = mapped.map(|i| &self.of_now()[i..=i]);
+            seen.add(frame.unwrap_or_default(), bounds, table_top);
+        }
+        seen
     }
 }

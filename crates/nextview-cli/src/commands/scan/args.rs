@@ -3,6 +3,7 @@ use crate::Failure;
 use crate::commands::values::{self, named};
 use clap::{Args, ValueEnum};
 use glam::DVec3;
+use nextview::registration::RegistrationMode;
 use nextview::sensor::CameraAxes;
 use nextview_recording::{PoseDirection, ReadOptions};
 use nextview_scan::files::Overwrite;
@@ -106,9 +107,10 @@ pub struct ScanArgs {
     /// Standard deviation of the rotation that each image claims, about each axis, in degrees [default: 0]
     #[arg(long, value_name = "DEG", value_parser = values::not_negative, allow_negative_numbers = true)]
     pose_error_deg: Option<f64>,
-    /// Whether each image is aligned to what was measured before, which corrects wrong poses [default: off]
-    #[arg(long, value_enum, value_name = "on|off", hide_possible_values = true)]
-    register: Option<Switch>,
+    /// Whether each image is aligned to what was measured before, which corrects wrong poses; with auto, as
+    /// soon as the poses disagree [default: auto with --frames, else off]
+    #[arg(long, value_enum, value_name = "on|off|auto", hide_possible_values = true)]
+    register: Option<Register>,
     /// Least share, 0 to 1, of known surface in what the next view shows, so that its image can be aligned
     /// [default: 0.5 with registration, else 0]
     #[arg(long, value_name = "SHARE", value_parser = values::share, allow_negative_numbers = true)]
@@ -232,6 +234,24 @@ The folder holds config.toml (everything that decides the scan), record.json (al
 steps.jsonl (a line per view), views.csv (poses), waypoints.csv (trajectories between them), map.ot
 and map.bt (OctoMap), cloud.ply, mesh.ply and report.html.";
 
+/// When images are aligned.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+enum Register {
+    On,
+    Off,
+    Auto,
+}
+
+impl Register {
+    fn mode(self) -> RegistrationMode {
+        match self {
+            Self::On => RegistrationMode::On,
+            Self::Off => RegistrationMode::Off,
+            Self::Auto => RegistrationMode::Auto,
+        }
+    }
+}
+
 /// On or off.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 enum Switch {
@@ -286,7 +306,7 @@ impl ScanArgs {
         set(&mut config.noise.model, self.noise);
         set(&mut config.noise.pose_error_mm, self.pose_error_mm);
         set(&mut config.noise.pose_error_deg, self.pose_error_deg);
-        set(&mut config.registration.enabled, self.register.map(|switch| switch == Switch::On));
+        config.registration.enabled = self.register.map(Register::mode).or(config.registration.enabled);
         set(&mut config.model.watertight, self.watertight.map(|switch| switch == Switch::On));
         config.min_overlap = self.min_overlap.or(config.min_overlap);
         config.goal_mm = self.goal_mm.or(config.goal_mm);
