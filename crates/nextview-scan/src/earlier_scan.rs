@@ -85,8 +85,7 @@ fn check_there(dir: &Path) -> Result<(), Fault> {
     if dir.exists() {
         return Ok(());
     }
-    let name = dir.file_name().unwrap_or_default().display();
-    let fault = Fault::data(format!("is not there, so no scan can go on after `{name}`")).in_file(dir);
+    let fault = Fault::data("holds no results of a scan to go on after: it is not there").in_file(dir);
     Err(fault.with_remedy("put that folder back, or start where its path leads to it"))
 }
 
@@ -133,6 +132,9 @@ mod tests {
         assert_eq!(after("scans/mug").found_from(&moved.join("turned")), after("scans/mug"));
         fs::remove_dir_all(&folder).unwrap();
         let fault = found.check_earlier().unwrap_err().to_string();
-        assert!(fault.ends_with("mug: is not there, so no scan can go on after `mug`"), "{fault}");
+        assert!(
+            fault.ends_with("mug: holds no results of a scan to go on after: it is not there"),
+            "{fault}"
+        );
     }
 }

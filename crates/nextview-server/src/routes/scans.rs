@@ -104,12 +104,12 @@ pub(super) fn record_so_far(work: &mut Work) -> Result<ScanRecord, Refusal> {
 async fn delete(State(app): State<Arc<App>>, Path(id): Path<String>) -> Result<Json<Deleted>, Refusal> {
     let leaving = app.scans.leave(&id)?;
     let scan = leaving.scan.clone();
-    let deleting = move |work: &mut Work| {
+    scan.with(move |work| {
         work.delete()?;
         leaving.gone();
         Ok(())
-    };
-    scan.with(deleting).await?;
+    })
+    .await?;
     scan.events.tell("deleted", &serde_json::json!({}));
     Ok(Json(Deleted { deleted: id }))
 }

@@ -1,4 +1,3 @@
-use super::about::About;
 use crate::Limits;
 use crate::access::random_hex;
 use crate::json::json;
