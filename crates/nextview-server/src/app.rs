@@ -1,7 +1,7 @@
 use crate::Limits;
 use crate::access::Access;
-use crate::body::BodyRoom;
 use crate::refusal::Refusal;
+use crate::room::BodyRoom;
 use crate::scans::Scans;
 use axum::http::StatusCode;
 use nextview_scan::{Fault, memory};

@@ -3,7 +3,7 @@
 use crate::Limits;
 use crate::access::{Access, Hosts, Token};
 use crate::app::App;
-use crate::body::BodyRoom;
+use crate::room::BodyRoom;
 use crate::routes;
 use crate::scans::{NewScan, Scans, ScansFolder};
 use axum::Router;

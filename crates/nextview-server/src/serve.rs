@@ -1,7 +1,7 @@
 use crate::access::{Access, Hosts, Token};
 use crate::app::App;
-use crate::body::BodyRoom;
 use crate::connections;
+use crate::room::BodyRoom;
 use crate::scans::{Scans, ScansFolder};
 use crate::{Limits, routes};
 use nextview_scan::{Fault, Faults};

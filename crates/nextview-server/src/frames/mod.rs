@@ -10,8 +10,9 @@ pub(crate) use posted::PostedFrame;
 pub(crate) use query::FrameQuery;
 
 use crate::app::App;
-use crate::body::{Received, Share, is_kind, receive, wrong_kind};
+use crate::body::{Received, is_kind, receive, wrong_kind};
 use crate::refusal::Refusal;
+use crate::room::Share;
 use axum::body::Body;
 use axum::http::{HeaderMap, header};
 use posted::DepthBytes;

@@ -337,7 +337,7 @@ fn a_scan_goes_on_after_its_object_was_turned() {
     );
     // The folder of all scans is moved, and served from another place: both are there, and need each other.
     let rows = client.get("/scans/turned/next").expect(200)["view"]["world_from_camera"].clone();
-    post_raw(&mut client, "turned", "1", &rows, turned.frame(&rows, true).image()).expect(200);
+    post_raw(&mut client, "turned", "0", &rows, turned.frame(&rows, true).image()).expect(200);
     assert!(server.end());
     let moved = folder.path("moved");
     fs::rename(&dir, &moved).unwrap();

@@ -1,13 +1,10 @@
 //! Bodies of requests, of bounded size and time.
 
-mod room;
-
-pub(crate) use room::{BodyRoom, Share};
-
 use crate::app::App;
 use crate::json::json;
 use crate::limits::exceeded;
 use crate::refusal::Refusal;
+use crate::room::Share;
 use axum::body::Body;
 use axum::http::{HeaderMap, StatusCode, header};
 use futures_util::StreamExt;
