@@ -89,15 +89,15 @@ fn a_request_passes_beside_idle_and_slow_clients() {
         (0..n).map(client).collect()
     };
     let _announced = opened(announced.as_bytes(), 300);
-    post("announced bodies");
+    post("announced-bodies");
     let _idle = opened(b"", 300);
     post("idle");
     let _half = opened(b"GET /scans HTT", 300);
-    post("half heads");
+    post("half-heads");
     let started = [announced.as_bytes(), &vec![0; (64 << 20) - 1]].concat();
     std::thread::scope(|scope| {
         let bodies: Vec<_> = (0..6).map(|_| scope.spawn(|| opened(&started, 1))).collect();
-        bodies.into_iter().for_each(|body| drop(body.join().map(|held| (post("bodies that stop"), held))));
+        bodies.into_iter().for_each(|body| drop(body.join().map(|held| (post("bodies-that-stop"), held))));
     });
 }
 
