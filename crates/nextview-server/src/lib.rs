@@ -17,6 +17,7 @@ mod json;
 mod limits;
 mod openapi;
 mod refusal;
+mod room;
 mod routes;
 mod scans;
 mod serve;

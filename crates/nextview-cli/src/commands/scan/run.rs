@@ -123,7 +123,7 @@ fn drive(
     mut folder: ResultFolder,
     output: &Output,
 ) -> Result<(String, ScanRecord), Failure> {
-    let text = toml::to_string(config).map_err(Failure::data)?;
+    let text = toml::to_string(&config.kept_in(&output.dir)).map_err(Failure::data)?;
     let journal = journal.map_or_else(|| ScanJournal::begin(&output.dir, &text), Ok)?;
     interrupt::resumable("nextview scan --resume", &output.dir, output.dir.join(ScanJournal::FILE));
     let mut run = ScanRun::begin(source, config, Begin { journal: Some(journal), ..Begin::default() })?;
