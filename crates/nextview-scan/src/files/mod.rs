@@ -3,12 +3,15 @@
 
 mod keep;
 mod numbered;
+mod place;
 mod read;
 mod results;
 mod write;
 
 pub use keep::Overwrite;
 pub use numbered::numbered;
+pub(crate) use place::{Whereabouts, create_folder, name_new, sync_folder, whereabouts};
 pub use read::{open, read, read_text};
 pub use results::{ResultFolder, remove_unfinished};
+pub(crate) use write::unfinished;
 pub use write::{NewFile, write};
