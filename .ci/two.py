@@ -30,8 +30,8 @@ import soak
 
 # What the second of two may say, and nothing else.
 REFUSALS = re.compile(
-    r"is being scanned right now|holds an interrupted scan|holds no interrupted scan|holds results already"
-    r"|frames of this scan come from a user's camera|is in use|holds a scan of simulated or recorded frames"
+    r"is being scanned right now|it is open already|holds an interrupted scan|holds no interrupted scan|holds results already"
+    r"|frames of this scan come from a user's camera|is served by another server already|holds a scan of simulated or recorded frames"
 )
 
 

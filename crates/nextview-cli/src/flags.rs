@@ -4,7 +4,7 @@ use std::borrow::Cow;
 use std::path::Path;
 
 /// Keys and their options.
-const FLAGS: [(&str, &str); 54] = [
+const FLAGS: [(&str, &str); 55] = [
     ("planner", "--planner"),
     ("most_surface.per_second", "--per-second"),
     ("views", "--views"),
@@ -59,6 +59,7 @@ const FLAGS: [(&str, &str); 54] = [
     ("listen", "--listen"),
     ("token_file", "--token-file"),
     ("host", "--host"),
+    ("dir", "--dir"),
 ];
 
 /// Keys that a message may name and only a configuration file can hold.

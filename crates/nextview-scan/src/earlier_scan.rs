@@ -1,5 +1,5 @@
 use crate::results::FRAMES_FOLDER;
-use crate::{Fault, ScanRecord};
+use crate::{Fault, ScanConfig, ScanRecord};
 use glam::DVec3;
 use nextview::Cancel;
 use nextview::geometry::Aabb;
@@ -7,7 +7,7 @@ use nextview::placement::ShownObject;
 use nextview::sensor::{ColorImage, Frame};
 use nextview::session::shown_object;
 use nextview_recording::{ReadOptions, RecordedFrame, Recording};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 const RESTORE: &str = "put the files of that scan back, or scan the object again";
 
@@ -21,6 +21,7 @@ pub(crate) struct EarlierScan {
 impl EarlierScan {
     /// Reads the results in a folder; fails if they are not those of one placement on a table.
     pub fn open(dir: &Path, cancel: &Cancel) -> Result<Self, Fault> {
+        check_there(dir)?;
         let record = ScanRecord::read(dir)?;
         let fault = |problem: &str, remedy: &str| Fault::data(problem).in_file(dir).with_remedy(remedy);
         if record.turn.is_some() {
@@ -61,5 +62,92 @@ impl EarlierScan {
     /// The colours of a frame, by its index.
     pub fn color(&self, i: usize) -> Result<Option<ColorImage>, Fault> {
         Ok(self.frames[i].load_color()?)
+    }
+}
+
+impl ScanConfig {
+    /// The configuration as it is kept in a file of this folder, which [`found_from`](Self::found_from) reads
+    /// again. The results of the earlier scan are named from there where both folders are in one folder, so
+    /// that it can be moved as a whole; else from the root, so that it does not matter where a program runs.
+    pub fn kept_in(&self, dir: &Path) -> Self {
+        let after = self.after.as_deref().map(|after| named_from(dir, after));
+        Self { after, ..self.clone() }
+    }
+
+    /// The configuration of a file in this folder: what begins with `..` is looked for from there, and all
+    /// else, or what is not there, from where the program runs.
+    pub fn found_from(mut self, dir: &Path) -> Self {
+        let beside = self.after.as_ref().and_then(|after| {
+            let rest = after.strip_prefix("..").ok()?;
+            let beside = std::path::absolute(dir).ok()?.parent()?.join(rest);
+            (holds_results(&beside) || !holds_results(after)).then_some(beside)
+        });
+        self.after = beside.or(self.after);
+        self
+    }
+
+    /// Fails if the results of the earlier scan, which this one goes on after, are not where they were.
+    pub fn check_earlier(&self) -> Result<(), Fault> {
+        self.after.as_deref().map_or(Ok(()), check_there)
+    }
+}
+
+fn holds_results(dir: &Path) -> bool {
+    dir.join("record.json").is_file()
+}
+
+fn check_there(dir: &Path) -> Result<(), Fault> {
+    if dir.exists() {
+        return Ok(());
+    }
+    let name = dir.file_name().unwrap_or_default().display();
+    let fault = Fault::data(format!("is not there, so no scan can go on after `{name}`")).in_file(dir);
+    Err(fault.with_remedy("put that folder back, or start where its path leads to it"))
+}
+
+fn named_from(dir: &Path, after: &Path) -> PathBuf {
+    let real = |path: &Path| path.canonicalize().or_else(|_| std::path::absolute(path));
+    let Ok(after) = real(after) else { return after.to_owned() };
+    let dir = std::path::absolute(dir).ok();
+    let around = dir.as_deref().and_then(Path::parent).and_then(|around| real(around).ok());
+    match around.and_then(|around| after.strip_prefix(around).ok().map(Path::to_owned)) {
+        Some(rest) => Path::new("..").join(rest),
+        None => after,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::fs;
+
+    fn after(path: impl Into<PathBuf>) -> ScanConfig {
+        ScanConfig { after: Some(path.into()), ..ScanConfig::default() }
+    }
+
+    #[test]
+    fn an_earlier_scan_is_found_after_both_were_moved() {
+        let folder = std::env::temp_dir().join(format!("nextview-earlier-{}", std::process::id()));
+        let scans = folder.join("scans");
+        for name in ["mug", "turned"] {
+            fs::create_dir_all(scans.join(name)).unwrap();
+        }
+        fs::write(scans.join("mug/record.json"), "").unwrap();
+        let kept = after(scans.join("turned/../mug")).kept_in(&scans.join("turned"));
+        assert_eq!(kept.after, Some(PathBuf::from("../mug")));
+        let moved = folder.join("moved");
+        fs::rename(&scans, &moved).unwrap();
+        let found = kept.clone().found_from(&moved.join("turned"));
+        assert_eq!(found.after, Some(moved.join("mug")));
+        found.check_earlier().unwrap();
+        // Of a folder elsewhere, the whole path.
+        let elsewhere = after(moved.join("mug")).kept_in(&folder.join("other/turned"));
+        assert_eq!(elsewhere.after, Some(moved.join("mug").canonicalize().unwrap()));
+        assert_eq!(elsewhere.clone().found_from(&folder), elsewhere);
+        // As it was kept before: from where the program runs.
+        assert_eq!(after("scans/mug").found_from(&moved.join("turned")), after("scans/mug"));
+        fs::remove_dir_all(&folder).unwrap();
+        let fault = found.check_earlier().unwrap_err().to_string();
+        assert!(fault.ends_with("mug: is not there, so no scan can go on after `mug`"), "{fault}");
     }
 }

@@ -1,5 +1,6 @@
 use crate::Limits;
 use crate::access::Access;
+use crate::body::BodyRoom;
 use crate::refusal::Refusal;
 use crate::scans::Scans;
 use axum::http::StatusCode;
@@ -11,9 +12,9 @@ use tokio::sync::{Semaphore, watch};
 pub(crate) struct App {
     pub limits: Limits,
     pub access: Access,
-    pub scans: Scans,
-    /// Kilobytes of bodies that may still be received.
-    pub bodies: Arc<Semaphore>,
+    pub scans: Arc<Scans>,
+    /// Room for bodies.
+    pub bodies: Arc<BodyRoom>,
     /// Event streams that may still begin.
     pub streams: Arc<Semaphore>,
     /// Whether the server is about to end.

@@ -3,13 +3,13 @@
 use crate::Limits;
 use crate::access::{Access, Hosts, Token};
 use crate::app::App;
+use crate::body::BodyRoom;
 use crate::routes;
-use crate::scans::{NewScan, Scans};
+use crate::scans::{NewScan, Scans, ScansFolder};
 use axum::Router;
 use hyper::server::conn::http1;
 use hyper_util::rt::TokioIo;
 use hyper_util::service::TowerToHyperService;
-use nextview_scan::Fault;
 use std::net::SocketAddr;
 use std::path::Path;
 use std::sync::Arc;
@@ -20,7 +20,7 @@ use tokio::sync::{Semaphore, watch};
 
 /// Reads the description of a scan.
 pub fn new_scan(bytes: &[u8]) {
-    let _ = NewScan::from_json(bytes, &Limits::default(), |_| Err(Fault::request("no scan is finished")));
+    let _ = NewScan::from_json(bytes).and_then(|new| new.config(None, &Limits::default()));
 }
 
 /// A server that takes small scans.
@@ -48,6 +48,7 @@ impl Server {
             free_disk_mb: 0,
             ..Limits::default()
         };
+        let folder = ScansFolder::take(dir).expect("the folder can be written");
         let (close, is_closing) = watch::channel(false);
         let app = Arc::new(App {
             limits,
@@ -56,8 +57,8 @@ impl Server {
                 page: Token::random().expect("the system has random numbers"),
                 clients: None,
             },
-            scans: Scans::open(dir, limits).expect("the folder can be written").0,
-            bodies: Arc::new(Semaphore::new(limits.all_bodies_bytes / 1024)),
+            scans: Arc::new(Scans::open(folder, limits).expect("the folder can be read").0),
+            bodies: Arc::new(BodyRoom::new(limits.all_bodies_bytes)),
             streams: Arc::new(Semaphore::new(limits.event_streams)),
             is_closing,
         });

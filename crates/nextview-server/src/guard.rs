@@ -30,8 +30,10 @@ pub(crate) async fn guard(State(app): State<Arc<App>>, request: Request, next: N
 fn check(app: &App, request: &Request) -> Result<(), Refusal> {
     let headers = request.headers();
     let host = text(headers, header::HOST)?.unwrap_or_default();
-    if !app.access.hosts.has(host) {
-        let fault = Fault::of_value("host", host, app.access.hosts.expected());
+    // A request line may name a host, too.
+    let stated = request.uri().authority().map(|authority| authority.as_str());
+    if let Some(other) = [Some(host), stated].into_iter().flatten().find(|host| !app.access.hosts.has(host)) {
+        let fault = Fault::of_value("host", other, app.access.hosts.expected());
         let fault = fault.with_remedy("a server behind another name is started with that name as `host`");
         return Err(Refusal::new(StatusCode::FORBIDDEN, fault));
     }
@@ -63,9 +65,19 @@ fn check_origin(headers: &HeaderMap, host: &str) -> Result<(), Refusal> {
     Err(Refusal::new(StatusCode::FORBIDDEN, fault.with_remedy("ask from the page of this server")))
 }
 
-/// Browsers name where a request came from.
+/// Whether a page may be behind a request, be it no more than an image that it shows: even a question may
+/// decide the next view. Browsers name where a request came from; those that do not, as old ones or over
+/// plain HTTP, send their name and their user's languages, which a page cannot take away.
 fn is_browser(headers: &HeaderMap) -> bool {
-    headers.contains_key(header::ORIGIN) || headers.contains_key("sec-fetch-site")
+    let names_page = [header::ORIGIN, header::REFERER, HeaderName::from_static("sec-fetch-site")];
+    let begins = |name, start: &[u8]| {
+        headers.get(name).is_some_and(|value: &HeaderValue| value.as_bytes().starts_with(start))
+    };
+    // Programs that set languages accept any.
+    let has_languages = headers.get(header::ACCEPT_LANGUAGE).is_some_and(|languages| languages != "*");
+    names_page.iter().any(|name| headers.contains_key(name))
+        || begins(header::USER_AGENT, b"Mozilla/")
+        || has_languages
 }
 
 /// What is the same for all clients.

@@ -1,7 +1,8 @@
 use crate::access::{Access, Hosts, Token};
 use crate::app::App;
+use crate::body::BodyRoom;
 use crate::connections;
-use crate::scans::Scans;
+use crate::scans::{Scans, ScansFolder};
 use crate::{Limits, routes};
 use nextview_scan::{Fault, Faults};
 use std::net::SocketAddr;
@@ -63,8 +64,8 @@ pub struct Started {
 /// ```
 ///
 /// # Errors
-/// If it cannot listen there, or the folder cannot be read and written; if another address than a loopback
-/// one is asked for without a token.
+/// If it cannot listen there, or the folder cannot be read and written; if another server serves the folder,
+/// or it is in that of a scan; if another address than a loopback one is asked for without a token.
 pub fn serve(config: ServerConfig, on_started: impl FnOnce(&Started)) -> Result<(), Faults> {
     let ServerConfig { listen, hosts, dir, token, limits } = config;
     let clients = token.map(|token| Token::chosen(&token)).transpose()?;
@@ -75,13 +76,17 @@ pub fn serve(config: ServerConfig, on_started: impl FnOnce(&Started)) -> Result<
         return Err(fault.with_remedy(remedy).into());
     }
     let page = Token::random()?;
-    let (scans, left_out) = Scans::open(&dir, limits)?;
+    // Both before anything in the folder is touched: it may be another server's.
+    let listener = std::net::TcpListener::bind(listen).map_err(|error| {
+        Fault::data(format!("cannot listen on {listen}: {error}"))
+            .with_remedy("`listen` names another address")
+    })?;
+    listener.set_nonblocking(true)?;
+    let folder = ScansFolder::take(&dir)?;
+    let (scans, left_out) = Scans::open(folder, limits)?;
     let runtime = tokio::runtime::Builder::new_multi_thread().enable_all().build()?;
     runtime.block_on(async {
-        let listener = TcpListener::bind(listen).await.map_err(|error| {
-            Fault::data(format!("cannot listen on {listen}: {error}"))
-                .with_remedy("`listen` names another address")
-        })?;
+        let listener = TcpListener::from_std(listener)?;
         let address = listener.local_addr()?;
         let n_resumed = scans.n_interrupted();
         let started = Started { address, page: page_address(address, &page), n_resumed, left_out };
@@ -89,8 +94,8 @@ pub fn serve(config: ServerConfig, on_started: impl FnOnce(&Started)) -> Result<
         let app = Arc::new(App {
             limits,
             access: Access { hosts: Hosts::new(address, hosts), page, clients },
-            scans,
-            bodies: Arc::new(Semaphore::new(limits.all_bodies_bytes / 1024)),
+            scans: Arc::new(scans),
+            bodies: Arc::new(BodyRoom::new(limits.all_bodies_bytes)),
             streams: Arc::new(Semaphore::new(limits.event_streams)),
             is_closing,
         });

@@ -1,6 +1,6 @@
-use crate::{Failure, stdout};
+use crate::{Failure, flags, stdout};
 use clap::Args;
-use nextview_scan::{Fault, files};
+use nextview_scan::{Fault, Faults, files};
 use nextview_server::{Limits, ServerConfig, Started, serve};
 use std::net::SocketAddr;
 use std::path::PathBuf;
@@ -104,8 +104,9 @@ impl ServeArgs {
 }
 
 fn tell(started: &Started) -> Result<(), Failure> {
-    for faults in &started.left_out {
-        eprintln!("warning: a scan is left out: {faults}");
+    for fault in started.left_out.iter().flat_map(Faults::iter) {
+        eprintln!("warning: a scan is left out: {fault}");
+        fault.remedy.iter().for_each(|remedy| eprintln!("hint: {}", flags::word(remedy)));
     }
     let resumed = match started.n_resumed {
         0 => String::new(),

@@ -25,7 +25,12 @@ impl ScanConfig {
         if let Some(profile) = profile {
             table.insert("profile".to_owned(), Value::String(profile.to_string()));
         }
-        Self::from_table(table).map_err(|faults| faults.map(|fault| positions.place(fault, "")))
+        let config = Self::from_table(table);
+        let config = config.map_err(|faults| faults.map(|fault| positions.place(fault, "")))?;
+        Ok(match file.and_then(Path::parent) {
+            Some(folder) => config.found_from(folder),
+            None => config,
+        })
     }
 
     /// The values of a table over those of its sensor, if it names one, over those of its profile, or else of

@@ -14,6 +14,7 @@ mod reach;
 mod reachable;
 mod recording;
 mod reference;
+mod requests;
 mod robot;
 mod scan_config;
 #[cfg(feature = "simulated")]

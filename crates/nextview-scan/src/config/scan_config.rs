@@ -95,7 +95,7 @@ pub struct ScanConfig {
     pub time_limit_s: Option<f64>,
     /// The results of a scan of the same object, which has been turned since: as soon as it is known how, the
     /// frames of that scan come into map and model. There are no baselines then: other planners would not
-    /// know what that scan has shown.
+    /// know what that scan has shown. In a file, a path that begins with `..` starts at the file's folder.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub after: Option<PathBuf>,
     /// How frames are written into the map.

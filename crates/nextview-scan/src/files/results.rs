@@ -35,6 +35,11 @@ impl ResultFolder {
         Ok(Self { target: target.to_owned(), names, rule, staging, files: Vec::new() })
     }
 
+    /// Where it is shown when it is published.
+    pub fn target(&self) -> &Path {
+        &self.target
+    }
+
     /// Adds a file, which must be one of those the folder was begun with, or lie in such a folder:
     /// `frames/poses.csv`.
     pub fn add(

@@ -53,8 +53,11 @@ impl LiveScan {
     /// [published](Self::forget_journal). Fails if the folder holds an interrupted scan.
     pub fn begin(mut config: ScanConfig, dir: Option<&Path>, cancel: Cancel) -> Result<Self, Faults> {
         let camera = OwnCamera::open(&mut config)?;
-        let text = toml::to_string(&config).map_err(Fault::data)?;
-        let journal = dir.map(|dir| ScanJournal::begin(dir, &text)).transpose()?;
+        let begin = |dir: &Path| {
+            let text = toml::to_string(&config.kept_in(dir)).map_err(Fault::data)?;
+            ScanJournal::begin(dir, &text)
+        };
+        let journal = dir.map(begin).transpose()?;
         Self::with_journal(camera, config, journal, cancel)
     }
 

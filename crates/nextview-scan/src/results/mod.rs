@@ -84,10 +84,11 @@ pub fn write_results(
         faults.push(fault.within("bodies beside the object"));
         scan.bare_record(config)
     });
+    let kept = config.kept_in(folder.target());
     let mut add = |name: &'static str, content: &dyn Fn(&mut Vec<u8>) -> Result<(), Fault>| {
         faults.extend(folder.add(name, content).err().map(|fault| fault.within(name)));
     };
-    add("config.toml", &|w| Ok(w.write_all(toml::to_string(config).map_err(Fault::data)?.as_bytes())?));
+    add("config.toml", &|w| Ok(w.write_all(toml::to_string(&kept).map_err(Fault::data)?.as_bytes())?));
     add("record.json", &|w| write_json(w, &record));
     add("steps.jsonl", &|w| record.steps.iter().try_for_each(|step| write_json(w, step)));
     add("views.csv", &|w| write_views(w, &record.steps));

@@ -1,6 +1,8 @@
-//! Connections: as many as there may be, none of which waits for ever.
+//! Connections: as many as there may be, none of which waits for ever or keeps others out.
 
 mod patient;
+mod places;
+mod watched;
 
 use crate::Limits;
 use crate::refusal::Refusal;
@@ -15,6 +17,7 @@ use hyper_util::rt::{TokioIo, TokioTimer};
 use hyper_util::server::graceful::GracefulShutdown;
 use nextview_scan::Fault;
 use patient::Patient;
+use places::{Place, Places, Turn};
 use std::convert::Infallible;
 use std::future::Future;
 use std::panic::AssertUnwindSafe;
@@ -22,7 +25,8 @@ use std::sync::Arc;
 use std::time::Duration;
 use tokio::io::AsyncWriteExt;
 use tokio::net::{TcpListener, TcpStream};
-use tokio::sync::{Semaphore, watch};
+use tokio::sync::watch;
+use watched::Watched;
 
 /// The answer to connections when there is no room.
 const FULL: &str = "{\"faults\":[{\"kind\":\"request\",\"message\":\"as many clients are connected as the server has \
@@ -36,37 +40,41 @@ pub(crate) async fn accept(
     end: impl Future<Output = ()>,
     close: watch::Sender<bool>,
 ) {
-    let places = Arc::new(Semaphore::new(limits.connections));
+    let places = Places::new(limits.connections);
     let graceful = GracefulShutdown::new();
     let mut end = std::pin::pin!(end);
     loop {
         let stream = tokio::select! {
             accepted = listener.accept() => match accepted {
                 Ok((stream, _)) => stream,
-                // No file handle is left, for example: it may be better in a moment.
+                // No file handle is left, for example: it is better in a moment.
                 Err(_) => {
+                    places.give_way();
                     tokio::time::sleep(Duration::from_millis(50)).await;
                     continue;
                 }
             },
             () = &mut end => break,
         };
-        let Ok(place) = places.clone().try_acquire_owned() else {
+        let Some(place) = places.take() else {
             tokio::spawn(refuse(stream));
             continue;
         };
         // An answer is not held back until there is more of it.
         let _ = stream.set_nodelay(true);
         let router = router.clone();
-        let service = service_fn(move |request| answer(router.clone(), request));
-        let io = TokioIo::new(Patient::new(stream, limits.body_time));
+        let io = TokioIo::new(Patient::new(stream, limits.body_time, place.clone()));
+        let served = place.clone();
+        let service = service_fn(move |request| answer(router.clone(), request, served.clone()));
         let mut http = http1::Builder::new();
         http.timer(TokioTimer::new()).header_read_timeout(limits.head_time).max_headers(64);
         let connection = graceful.watch(http.serve_connection(io, service));
         tokio::spawn(async move {
-            let _place = place;
-            // What is wrong with a connection is the client's to know.
-            let _ = connection.await;
+            tokio::select! {
+                // What is wrong with a connection is the client's to know.
+                _ = connection => (),
+                () = place.gives_way() => (),
+            }
         });
     }
     drop(listener);
@@ -78,18 +86,23 @@ pub(crate) async fn accept(
 async fn answer(
     router: Router,
     request: hyper::Request<hyper::body::Incoming>,
+    place: Arc<Place>,
 ) -> Result<Response<Body>, Infallible> {
+    place.turn(Turn::Server);
+    let request = request.map(|body| Body::new(Watched::request(body, place.clone())));
     use hyper::service::Service;
     let service = hyper_util::service::TowerToHyperService::new(router);
     let answered = AssertUnwindSafe(service.call(request)).catch_unwind().await;
-    Ok(match answered {
+    let response = match answered {
         Ok(Ok(response)) => response,
         Err(_) => {
             let fault = Fault::data("the server failed by a fault of its own")
                 .with_remedy("report it, with what was asked");
             Refusal::new(StatusCode::INTERNAL_SERVER_ERROR, fault).into_response()
         }
-    })
+    };
+    place.turn(Turn::Server);
+    Ok(response.map(|body| Body::new(Watched::answer(body, place))))
 }
 
 async fn refuse(mut stream: TcpStream) {

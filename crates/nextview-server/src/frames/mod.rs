@@ -10,12 +10,11 @@ pub(crate) use posted::PostedFrame;
 pub(crate) use query::FrameQuery;
 
 use crate::app::App;
-use crate::body::{Received, is_kind, receive, wrong_kind};
+use crate::body::{Received, Share, is_kind, receive, wrong_kind};
 use crate::refusal::Refusal;
 use axum::body::Body;
 use axum::http::{HeaderMap, header};
 use posted::DepthBytes;
-use tokio::sync::OwnedSemaphorePermit;
 
 /// Receives a frame, whose content type says how it comes, with its share of the memory for bodies.
 pub(crate) async fn receive_frame(
@@ -23,7 +22,7 @@ pub(crate) async fn receive_frame(
     headers: &HeaderMap,
     query: FrameQuery,
     body: Body,
-) -> Result<(PostedFrame, OwnedSemaphorePermit), Refusal> {
+) -> Result<(PostedFrame, Share), Refusal> {
     let kind = headers.get(header::CONTENT_TYPE).map(|kind| kind.as_bytes());
     let is = |expected| kind.is_some_and(|kind| is_kind(kind, expected));
     if is("multipart/form-data") {

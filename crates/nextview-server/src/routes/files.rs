@@ -42,8 +42,10 @@ async fn get(
                 fault.with_remedy("finish it first: `POST …/finish`"),
             ));
         }
+        let dir = work.dir().to_owned();
         let (scan, _) = work.under_way()?;
-        let made = result_file(name, scan.config(), scan.scan());
+        let config = scan.config().kept_in(&dir);
+        let made = result_file(name, &config, scan.scan());
         made.map_err(|fault| Refusal::new(StatusCode::CONFLICT, fault.within(name)))
     });
     let kind = match name.rsplit_once('.').map_or("", |(_, kind)| kind) {

@@ -65,10 +65,8 @@ async fn post(
     let received = receive(&app, &headers, body).await?;
     let creating = app.clone();
     // To its end, even if nobody waits for it: half a scan is none.
-    let created = tokio::task::spawn_blocking(move || {
-        let new = NewScan::from_json(&received.bytes, &creating.limits, |id| creating.scans.results(id))?;
-        creating.scans.create(new)
-    });
+    let created =
+        tokio::task::spawn_blocking(move || creating.scans.create(NewScan::from_json(&received.bytes)?));
     let failed =
         |_| Refusal::new(StatusCode::INTERNAL_SERVER_ERROR, Fault::data("the scan cannot be created"));
     let scan = created.await.map_err(failed)??;
@@ -104,18 +102,14 @@ pub(super) fn record_so_far(work: &mut Work) -> Result<ScanRecord, Refusal> {
 }
 
 async fn delete(State(app): State<Arc<App>>, Path(id): Path<String>) -> Result<Json<Deleted>, Refusal> {
-    let scan = app.scans.find(&id)?;
-    app.scans.check_not_needed(&id)?;
-    scan.cancel();
-    let deleting = app.clone();
-    let name = id.clone();
-    scan.with(move |work| {
+    let leaving = app.scans.leave(&id)?;
+    let scan = leaving.scan.clone();
+    let deleting = move |work: &mut Work| {
         work.delete()?;
-        deleting.scans.remove(&name);
+        leaving.gone();
         Ok(())
-    })
-    .await
-    .inspect_err(|_| scan.go_on())?;
+    };
+    scan.with(deleting).await?;
     scan.events.tell("deleted", &serde_json::json!({}));
     Ok(Json(Deleted { deleted: id }))
 }

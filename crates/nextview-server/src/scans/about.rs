@@ -19,7 +19,7 @@ pub(crate) struct About {
     /// Number of frames after which a view was asked for: the next frame is that view's, also after a kill.
     #[serde(default)]
     pub asked_after: Option<usize>,
-    /// The configuration as it was given, as TOML.
+    /// The configuration as it was given, as TOML; `after` as it is [kept](ScanConfig::kept_in) in the folder.
     pub config: String,
 }
 
@@ -35,7 +35,7 @@ impl About {
         let path = dir.join(Self::FILE);
         let text = files::read_text(&path, Self::MAX_BYTES)?;
         let about: Self = serde_json::from_str(&text).map_err(|error| Fault::data(error).in_file(&path))?;
-        let config = about.config().map_err(|faults| faults.in_file(&path))?;
+        let config = about.config(dir).map_err(|faults| faults.in_file(&path))?;
         Ok((about, config))
     }
 
@@ -47,8 +47,8 @@ impl About {
         })
     }
 
-    /// The configuration.
-    pub fn config(&self) -> Result<ScanConfig, Faults> {
-        ScanConfig::parse(&self.config, None, None)
+    /// The configuration, of the scan in this folder.
+    pub fn config(&self, dir: &Path) -> Result<ScanConfig, Faults> {
+        Ok(ScanConfig::parse(&self.config, None, None)?.found_from(dir))
     }
 }

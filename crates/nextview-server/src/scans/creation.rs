@@ -7,14 +7,17 @@ use crate::refusal::Refusal;
 use axum::http::StatusCode;
 use nextview_scan::{Fault, Faults, ScanConfig};
 use serde_json::{Map, Value};
-use std::path::PathBuf;
 
 /// A scan that is asked for.
+#[derive(Debug)]
 pub(crate) struct NewScan {
     /// Its name, which is the object's as well where the request has none.
     pub id: String,
     pub confirm_views: bool,
-    pub config: ScanConfig,
+    /// The id of the scan that it continues.
+    pub after: Option<String>,
+    /// Of its configuration, those that were given.
+    keys: toml::Table,
 }
 
 /// Largest configuration, bytes, as of a file.
@@ -22,13 +25,8 @@ const MAX_BYTES: usize = 1 << 20;
 
 impl NewScan {
     /// From a JSON object with the keys of a configuration, an optional `id`, which is made where it is
-    /// missing, `confirm_views` and `after`, of whose scan `finished` gives the folder: keys that are not
-    /// given are those of that scan.
-    pub fn from_json(
-        bytes: &[u8],
-        limits: &Limits,
-        finished: impl Fn(&str) -> Result<PathBuf, Fault>,
-    ) -> Result<Self, Refusal> {
+    /// missing, `confirm_views` and `after`.
+    pub fn from_json(bytes: &[u8]) -> Result<Self, Refusal> {
         if bytes.len() > MAX_BYTES {
             let fault = exceeded("content-length", bytes.len(), format!("{MAX_BYTES} bytes"));
             return Err(Refusal::new(StatusCode::PAYLOAD_TOO_LARGE, fault));
@@ -40,25 +38,22 @@ impl NewScan {
         });
         let confirm_views = take(&mut keys, "confirm_views", &mut faults, Value::as_bool);
         let after = take(&mut keys, "after", &mut faults, |value| value.as_str().map(str::to_owned));
-        let after = after.and_then(|id| finished(&id).map_err(|fault| faults.push(fault)).ok());
-        faults.extend(of_files(&keys));
-        if let Some(faults) = Faults::of(faults) {
-            return Err(Refusal::content(faults));
-        }
-        let id = id.map_or_else(|| Ok(format!("scan-{}", random_hex(6)?)), Ok::<_, Fault>)?;
-        let mut table = table(keys)?;
-        if let Some(dir) = after {
-            let mut of_before = toml::Table::try_from(About::load(&dir)?.1).map_err(Fault::data)?;
-            of_before.extend(table);
-            of_before.insert("after".to_owned(), dir.to_string_lossy().into_owned().into());
-            table = of_before;
-        }
-        table.entry("object").or_insert_with(|| id.clone().into());
-        let config = ScanConfig::from_table(table);
-        let config = config.map_err(|faults| Refusal::content(faults.map(without_files)))?;
-        let faults = too_much(&config, limits);
+        let keys = table(keys)?;
+        faults.extend(ScanConfig::faults_of_request(&keys));
         Faults::of(faults).map_or(Ok(()), |faults| Err(Refusal::content(faults)))?;
-        Ok(Self { id, confirm_views: confirm_views.unwrap_or(false), config })
+        let id = id.map_or_else(|| Ok(format!("scan-{}", random_hex(6)?)), Ok::<_, Fault>)?;
+        Ok(Self { id, confirm_views: confirm_views.unwrap_or(false), after, keys })
+    }
+
+    /// Its configuration: where it continues a scan, keys that were not given are those of that scan's.
+    pub fn config(&self, before: Option<ScanConfig>, limits: &Limits) -> Result<ScanConfig, Refusal> {
+        let before = before.map(toml::Table::try_from).transpose().map_err(Fault::data)?;
+        let mut table = before.unwrap_or_default();
+        table.extend(self.keys.clone());
+        table.entry("object").or_insert_with(|| self.id.clone().into());
+        let config = ScanConfig::from_table(table).map_err(Refusal::content)?;
+        let faults = too_much(&config, limits);
+        Faults::of(faults).map_or(Ok(config), |faults| Err(Refusal::content(faults)))
     }
 }
 
@@ -88,28 +83,6 @@ fn take<T>(
         faults.push(Fault::of_value(key, value, expected));
     }
     read
-}
-
-/// Keys with which a scan would read files of the server's.
-fn of_files(keys: &Map<String, Value>) -> Vec<Fault> {
-    let weights = keys.get("nbv_net").and_then(|section| section.get("weights"));
-    let sensor = keys.get("sensor").and_then(Value::as_str);
-    let given = keys.contains_key("recording").then_some("recording").into_iter();
-    let given = given.chain(sensor.is_some_and(|name| name.ends_with(".toml")).then_some("sensor"));
-    let given = given.chain(weights.is_some().then_some("nbv_net.weights"));
-    let given = given.chain(keys.contains_key("reference").then_some("reference"));
-    let fault = |key: &str| {
-        let fault =
-            Fault::request(format!("`{key}` is not for a server, which reads no files for its clients"));
-        Fault { key: Some(key.to_owned()), ..fault.with_remedy("leave it out") }
-    };
-    given.map(fault).collect()
-}
-
-/// The fault without the advice to name a file of the server's.
-fn without_files(fault: Fault) -> Fault {
-    let without = |text: String| text.replace(", or a .toml file", "");
-    Fault { message: without(fault.message), expected: fault.expected.map(without), ..fault }
 }
 
 /// The same keys as a configuration file has; those without a value are left out.
@@ -160,17 +133,17 @@ fn too_much(config: &ScanConfig, limits: &Limits) -> Vec<Fault> {
 mod tests {
     use super::*;
 
-    fn new_scan(keys: Value) -> Result<NewScan, String> {
+    fn new_scan(keys: Value) -> Result<(String, ScanConfig), String> {
         let mut body = serde_json::json!({ "live": { "box_m": [0, 0, 0, 0.1, 0.1, 0.1] } });
         body.as_object_mut().unwrap().extend(keys.as_object().unwrap().clone());
-        let none = |_: &str| Err(Fault::request("no scan is finished"));
-        NewScan::from_json(body.to_string().as_bytes(), &Limits::default(), none)
-            .map_err(|refusal| format!("{refusal:?}"))
+        let new = NewScan::from_json(body.to_string().as_bytes());
+        let made = new.and_then(|new| Ok((new.id.clone(), new.config(None, &Limits::default())?)));
+        made.map_err(|refusal| format!("{refusal:?}"))
     }
 
     #[test]
     fn an_object_without_a_name_has_that_of_the_scan() {
-        let object = |keys| new_scan(keys).map(|new| (new.id, new.config.object)).unwrap();
+        let object = |keys| new_scan(keys).map(|(id, config)| (id, config.object)).unwrap();
         let (id, named) = object(serde_json::json!({ "id": "valve" }));
         assert_eq!((id.as_str(), named.as_str()), ("valve", "valve"));
         assert_eq!(object(serde_json::json!({ "id": "valve", "object": "pump" })).1, "pump");
@@ -180,7 +153,8 @@ mod tests {
 
     #[test]
     fn no_file_of_the_server_is_advised() {
-        let refused = new_scan(serde_json::json!({ "sensor": "d4" })).map(|new| new.id).unwrap_err();
-        assert!(refused.contains("`sensor` is d4, expected") && !refused.contains(".toml"), "{refused}");
+        let refused = new_scan(serde_json::json!({ "sensor": "d4" })).unwrap_err();
+        let expected = "`sensor` is d4, expected one of d405";
+        assert!(refused.contains(expected) && !refused.contains(".toml"), "{refused}");
     }
 }

@@ -3,6 +3,7 @@
 mod about;
 mod creation;
 mod events;
+mod folder;
 pub(crate) mod kept_page;
 mod registry;
 mod scan;
@@ -11,6 +12,7 @@ mod work;
 
 pub(crate) use creation::NewScan;
 pub(crate) use events::{EventStream, Told};
+pub(crate) use folder::ScansFolder;
 pub(crate) use kept_page::Picture;
 pub(crate) use registry::Scans;
 pub(crate) use scan::{Scan, Shown};

@@ -1,5 +1,6 @@
 use super::about::About;
 use super::creation::NewScan;
+use super::folder::ScansFolder;
 use super::scan::{Cores, Scan};
 use super::summary::{ScanState, ScanSummary};
 use super::work::{DELETED, Work};
@@ -10,8 +11,10 @@ use crate::refusal::Refusal;
 use axum::http::StatusCode;
 use chrono::{DateTime, SecondsFormat, Utc};
 use nextview::Cancel;
-use nextview_scan::{Fault, Faults, LiveScan};
+use nextview_scan::{Fault, Faults, LiveScan, ScanConfig, files};
 use std::collections::BTreeMap;
+use std::fs;
+use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::SystemTime;
@@ -21,51 +24,135 @@ use tokio::sync::Semaphore;
 fn is_stillborn(dir: &Path) -> bool {
     let prefix = format!(".{}.", About::FILE);
     let is_remnant = |name: &str| name.starts_with(&prefix) && name.ends_with(".partial");
-    let Ok(entries) = std::fs::read_dir(dir) else { return false };
+    if dir.is_symlink() {
+        return false;
+    }
+    let Ok(entries) = fs::read_dir(dir) else { return false };
     let mut names = entries.map(|entry| entry.map(|entry| entry.file_name().to_string_lossy().into_owned()));
     names.all(|name| name.is_ok_and(|name| is_remnant(&name)))
 }
 
 /// All scans of a server, each in a folder of its own.
 pub(crate) struct Scans {
-    dir: PathBuf,
+    folder: ScansFolder,
     limits: Limits,
     /// Tells what happens in this process from what happened in one before.
     run: String,
     cores: Cores,
-    /// None where a scan of this id is being created.
-    scans: Mutex<BTreeMap<String, Option<Arc<Scan>>>>,
+    scans: Mutex<BTreeMap<String, Entry>>,
+}
+
+/// What is known of an id.
+struct Entry {
+    /// None while it is being created.
+    scan: Option<Arc<Scan>>,
+    /// The id of the scan that it continues, which it needs until it is finished.
+    after: Option<String>,
+    /// Whether it is being deleted: nothing may begin that needs it.
+    is_leaving: bool,
+}
+
+impl Entry {
+    fn is_finished(&self) -> bool {
+        self.scan.as_ref().is_some_and(|scan| scan.summary().state == ScanState::Finished)
+    }
+
+    /// Whether the files of this scan are needed.
+    fn needs(&self, id: &str) -> bool {
+        self.after.as_deref() == Some(id) && !self.is_finished()
+    }
+}
+
+/// An id that is taken for a scan that is being created, and with it the scan that it continues.
+struct Place<'a> {
+    scans: &'a Scans,
+    id: &'a str,
+}
+
+impl Place<'_> {
+    fn fill(self, scan: &Arc<Scan>) {
+        if let Some(entry) = self.scans.lock().get_mut(self.id) {
+            entry.scan = Some(scan.clone());
+        }
+    }
+}
+
+impl Drop for Place<'_> {
+    /// Given back if no scan was created, also after a panic.
+    fn drop(&mut self) {
+        let mut scans = self.scans.lock();
+        if scans.get(self.id).is_some_and(|entry| entry.scan.is_none()) {
+            scans.remove(self.id);
+        }
+    }
+}
+
+/// A scan that is being deleted. Unless it is [gone](Self::gone), it goes on when this is dropped.
+pub(crate) struct Leaving {
+    scans: Arc<Scans>,
+    id: String,
+    pub scan: Arc<Scan>,
+}
+
+impl Leaving {
+    /// It is no more on the disk.
+    pub fn gone(self) {
+        self.scans.lock().remove(&self.id);
+    }
+}
+
+impl Drop for Leaving {
+    fn drop(&mut self) {
+        if let Some(entry) = self.scans.lock().get_mut(&self.id).filter(|entry| entry.is_leaving) {
+            entry.is_leaving = false;
+        }
+        self.scan.go_on();
+    }
 }
 
 impl Scans {
-    /// Those in the folder, which is made where it is missing, and what is wrong with scans that cannot be
-    /// read: these are left out. Their folders, and folders of something else, stay as they are.
-    pub fn open(dir: &Path, limits: Limits) -> Result<(Self, Vec<Faults>), Faults> {
-        std::fs::create_dir_all(dir).map_err(|e| Fault::from(e).while_writing(dir))?;
+    /// Those in the folder, and what is wrong with scans that cannot be read: these are left out. Their
+    /// folders, and folders of something else, stay as they are.
+    pub fn open(folder: ScansFolder, limits: Limits) -> Result<(Self, Vec<Faults>), Faults> {
         let n_cores = std::thread::available_parallelism().map_or(1, usize::from);
         let [requests, scenes] = [n_cores, 1].map(|n| Arc::new(Semaphore::new(n)));
-        let cores = Cores { requests, scenes };
-        let run = random_hex(4)?;
-        let (mut scans, mut left_out) = (BTreeMap::new(), Vec::new());
-        for entry in std::fs::read_dir(dir).map_err(|e| Fault::from(e).in_file(dir))? {
+        let (scans, cores, run) = (Mutex::default(), Cores { requests, scenes }, random_hex(4)?);
+        let all = Self { folder, limits, run, cores, scans };
+        let mut left_out = Vec::new();
+        for entry in fs::read_dir(all.dir()).map_err(|e| Fault::from(e).in_file(all.dir()))? {
             let dir = entry?.path();
             let id = dir.file_name().unwrap_or_default().to_string_lossy().into_owned();
             if id.starts_with('.') && id.ends_with(DELETED) {
-                std::fs::remove_dir_all(&dir).map_err(|e| Fault::from(e).while_writing(&dir))?;
+                fs::remove_dir_all(&dir).map_err(|e| Fault::from(e).while_writing(&dir))?;
             } else if dir.join(About::FILE).is_file() {
-                let (about, config) = match About::load(&dir) {
-                    Ok(known) => known,
-                    Err(faults) => {
-                        left_out.push(faults);
-                        continue;
-                    }
-                };
-                let work = Work::kept(dir, about);
-                let scan = Scan::new(id.clone(), run.clone(), work, &config, (cores.clone(), &limits));
-                scans.insert(id, Some(Arc::new(scan)));
+                match all.kept(&id, dir) {
+                    Ok(entry) => _ = all.lock().insert(id, entry),
+                    Err(faults) => left_out.push(faults),
+                }
             }
         }
-        Ok((Self { dir: dir.to_owned(), limits, run, cores, scans: Mutex::new(scans) }, left_out))
+        Ok((all, left_out))
+    }
+
+    /// The scan that is kept in a folder. Fails if it cannot be resumed, because the one that it continues is
+    /// not there.
+    fn kept(&self, id: &str, dir: PathBuf) -> Result<Entry, Faults> {
+        let (about, config) = About::load(&dir)?;
+        let work = Work::kept(dir, about);
+        if !work.is_finished() {
+            config.check_earlier()?;
+        }
+        let after = config.after.as_deref().and_then(|after| self.id_of(after));
+        let shared = (self.cores.clone(), &self.limits);
+        let scan = Scan::new(id.to_owned(), self.run.clone(), work, &config, shared);
+        Ok(Entry { scan: Some(Arc::new(scan)), after, is_leaving: false })
+    }
+
+    /// The id of the scan in a folder, if it is one of these, whatever its path is.
+    fn id_of(&self, dir: &Path) -> Option<String> {
+        let dir = dir.canonicalize().ok()?;
+        let is_one = dir.parent() == Some(self.dir());
+        is_one.then(|| dir.file_name().unwrap_or_default().to_string_lossy().into_owned())
     }
 
     /// All, by id.
@@ -74,57 +161,41 @@ impl Scans {
     }
 
     pub fn find(&self, id: &str) -> Result<Arc<Scan>, Refusal> {
-        self.lock().get(id).cloned().flatten().ok_or_else(|| {
-            let fault = Fault::of_value("id", id.chars().take(80).collect::<String>(), "the id of a scan");
-            Refusal::new(StatusCode::NOT_FOUND, fault.with_remedy("`GET /scans` lists all"))
-        })
-    }
-
-    /// The folder with the results of a finished scan.
-    pub fn results(&self, id: &str) -> Result<PathBuf, Fault> {
-        let is_finished = |scan: &Arc<Scan>| scan.summary().state == ScanState::Finished;
-        let scan = self.lock().get(id).cloned().flatten().filter(is_finished);
-        let id: String = id.chars().take(80).collect();
-        match scan {
-            Some(_) => Ok(self.dir.join(id)),
-            None => Err(Fault::of_value("after", id, "the id of a finished scan")),
-        }
+        self.lock().get(id).and_then(|entry| entry.scan.clone()).ok_or_else(|| unknown(id))
     }
 
     /// Begins a scan: on the disk when this returns. Takes a while.
     pub fn create(&self, new: NewScan) -> Result<Arc<Scan>, Refusal> {
-        let NewScan { id, confirm_views, config } = new;
-        self.reserve(&id)?;
-        let dir = self.dir.join(&id);
-        let scan = self.begin(&id, &dir, config, confirm_views);
+        self.folder.check_in_place()?;
+        let place = self.reserve(&new.id, new.after.as_deref())?;
+        let before = new.after.as_ref().map(|id| -> Result<ScanConfig, Faults> {
+            let dir = self.dir().join(id);
+            Ok(ScanConfig { after: Some(dir.clone()), ..About::load(&dir)?.1 })
+        });
+        let config = new.config(before.transpose()?, &self.limits)?;
+        let scan = self.begin(&new.id, config, new.confirm_views)?;
+        place.fill(&scan);
+        Ok(scan)
+    }
+
+    /// Takes a scan out of the others' reach, to delete it, and stops what is being computed for it. Fails if
+    /// an unfinished scan continues it, or one that is being created.
+    pub fn leave(self: &Arc<Self>, id: &str) -> Result<Leaving, Refusal> {
+        self.folder.check_in_place()?;
         let mut scans = self.lock();
-        match scan {
-            Ok(scan) => {
-                scans.insert(id, Some(scan.clone()));
-                Ok(scan)
-            }
-            Err(refusal) => {
-                scans.remove(&id);
-                Err(refusal)
-            }
+        let found = scans.get(id).and_then(|entry| Some((entry.scan.clone()?, entry.is_leaving)));
+        let (scan, is_leaving) = found.ok_or_else(|| unknown(id))?;
+        if is_leaving {
+            return Err(Refusal::of(StatusCode::CONFLICT, "the scan is being deleted"));
         }
-    }
-
-    /// Fails if an unfinished scan continues this one.
-    pub fn check_not_needed(&self, id: &str) -> Result<(), Refusal> {
-        let dir = self.dir.join(id);
-        let scans = self.lock();
-        let needs = |scan: &Arc<Scan>| scan.needs(&dir);
-        let Some((by, _)) = scans.iter().find(|(_, scan)| scan.as_ref().is_some_and(needs)) else {
-            return Ok(());
-        };
-        let fault = Fault::of_value("id", id, "a scan that no unfinished scan continues");
-        Err(Refusal::new(StatusCode::CONFLICT, fault.with_remedy(format!("finish or delete `{by}` first"))))
-    }
-
-    /// Removes a scan from the list, once it is no more on the disk.
-    pub fn remove(&self, id: &str) {
-        self.lock().remove(id);
+        if let Some((by, _)) = scans.iter().find(|(_, entry)| entry.needs(id)) {
+            let fault = Fault::of_value("id", id, "a scan that no unfinished scan continues");
+            let fault = fault.with_remedy(format!("finish or delete `{by}` first"));
+            return Err(Refusal::new(StatusCode::CONFLICT, fault));
+        }
+        scans.entry(id.to_owned()).and_modify(|entry| entry.is_leaving = true);
+        scan.cancel();
+        Ok(Leaving { scans: self.clone(), id: id.to_owned(), scan })
     }
 
     /// Number of scans that are not finished.
@@ -145,48 +216,43 @@ impl Scans {
     /// Free space of the disk; none where it is not known.
     pub fn free_disk_mb(&self) -> Option<u64> {
         #[cfg(unix)]
-        return rustix::fs::statvfs(&self.dir).ok().map(|disk| (disk.f_bavail * disk.f_frsize) >> 20);
+        return rustix::fs::statvfs(self.dir()).ok().map(|disk| (disk.f_bavail * disk.f_frsize) >> 20);
         #[cfg(not(unix))]
         None
     }
 
-    /// Takes an id, so that no two scans are created in one folder.
-    fn reserve(&self, id: &str) -> Result<(), Refusal> {
+    /// Takes an id, so that no two scans are created in one folder, and keeps the scan that is to be continued
+    /// from being deleted.
+    fn reserve<'a>(&'a self, id: &'a str, after: Option<&str>) -> Result<Place<'a>, Refusal> {
         let mut scans = self.lock();
-        let is_open = |scan: &&Option<Arc<Scan>>| {
-            scan.as_ref().is_none_or(|scan| scan.summary().state != ScanState::Finished)
-        };
-        let n_open = scans.values().filter(is_open).count();
+        let n_open = scans.values().filter(|entry| !entry.is_finished()).count();
         if scans.contains_key(id) || self.is_taken(id) {
-            let fault = Fault::of_value("id", id, "an id that no other scan has");
-            return Err(Refusal::new(
-                StatusCode::CONFLICT,
-                fault.with_remedy("choose another, or leave it out"),
-            ));
+            return Err(taken(id));
         }
         if n_open >= self.limits.scans {
             let fault = exceeded("scans", n_open + 1, format!("{} scans under way", self.limits.scans));
             let fault = fault.with_remedy("finish or delete one");
             return Err(Refusal::new(StatusCode::SERVICE_UNAVAILABLE, fault));
         }
-        scans.insert(id.to_owned(), None);
-        Ok(())
+        let is_there = |id: &str| scans.get(id).is_some_and(|entry| entry.is_finished() && !entry.is_leaving);
+        if let Some(before) = after.filter(|id| !is_there(id)) {
+            let before: String = before.chars().take(80).collect();
+            return Err(Refusal::content(Fault::of_value("after", before, "the id of a finished scan")));
+        }
+        let after = after.map(str::to_owned);
+        scans.insert(id.to_owned(), Entry { scan: None, after, is_leaving: false });
+        Ok(Place { scans: self, id })
     }
 
-    /// Whether there is something else under this name.
+    /// Whether there is something else under this name, be it a link that leads nowhere.
     fn is_taken(&self, id: &str) -> bool {
-        let dir = self.dir.join(id);
-        dir.exists() && !is_stillborn(&dir)
+        let dir = self.dir().join(id);
+        dir.symlink_metadata().is_ok() && !is_stillborn(&dir)
     }
 
-    fn begin(
-        &self,
-        id: &str,
-        dir: &Path,
-        config: nextview_scan::ScanConfig,
-        confirm_views: bool,
-    ) -> Result<Arc<Scan>, Refusal> {
-        let text = toml::to_string(&config).map_err(Fault::data)?;
+    fn begin(&self, id: &str, config: ScanConfig, confirm_views: bool) -> Result<Arc<Scan>, Refusal> {
+        let dir = self.dir().join(id);
+        let text = toml::to_string(&config.kept_in(&dir)).map_err(Fault::data)?;
         let about = About {
             created: DateTime::<Utc>::from(SystemTime::now()).to_rfc3339_opts(SecondsFormat::Secs, true),
             confirm_views,
@@ -196,23 +262,56 @@ impl Scans {
             config: text,
         };
         let summary_config = config.clone();
-        std::fs::create_dir_all(dir).map_err(|e| Fault::from(e).while_writing(dir))?;
+        self.make_folder(id, &dir)?;
         // First what says that the folder is a scan's: a kill then leaves one that goes on.
-        let begun = about.save(dir).map_err(Refusal::from).and_then(|()| {
+        let begun = about.save(&dir).map_err(Refusal::from).and_then(|()| {
             let cancel = Cancel::default();
-            LiveScan::begin(config, Some(dir), cancel).map_err(Refusal::content)
+            LiveScan::begin(config, Some(&dir), cancel).map_err(Refusal::content)
         });
-        let scan = begun.inspect_err(|_| _ = std::fs::remove_dir_all(dir))?;
-        let work = Work::begun(dir.to_owned(), about, scan);
+        // Nothing else is removed: another program may have begun a scan there, too.
+        let scan = begun.inspect_err(|_| {
+            let _ = fs::remove_file(dir.join(About::FILE));
+            let _ = fs::remove_dir(&dir);
+        })?;
+        let work = Work::begun(dir, about, scan);
         let shared = (self.cores.clone(), &self.limits);
         Ok(Arc::new(Scan::new(id.to_owned(), self.run.clone(), work, &summary_config, shared)))
     }
 
-    fn all(&self) -> Vec<Arc<Scan>> {
-        self.lock().values().flatten().cloned().collect()
+    /// Makes the folder of a scan; fails if another program has made it in the meantime.
+    fn make_folder(&self, id: &str, dir: &Path) -> Result<(), Refusal> {
+        match fs::create_dir(dir) {
+            Err(error) if error.kind() == ErrorKind::AlreadyExists && is_stillborn(dir) => {
+                files::remove_unfinished(dir, &[About::FILE])
+            }
+            Err(error) if error.kind() == ErrorKind::AlreadyExists => return Err(taken(id)),
+            // The frames in it are on the disk only if it is.
+            Ok(()) if cfg!(unix) => fs::File::open(self.dir()).and_then(|folder| folder.sync_all()),
+            result => result,
+        }
+        .map_err(|e| Fault::from(e).while_writing(dir).into())
     }
 
-    fn lock(&self) -> MutexGuard<'_, BTreeMap<String, Option<Arc<Scan>>>> {
+    /// The folder of all scans.
+    fn dir(&self) -> &Path {
+        self.folder.path()
+    }
+
+    fn all(&self) -> Vec<Arc<Scan>> {
+        self.lock().values().filter_map(|entry| entry.scan.clone()).collect()
+    }
+
+    fn lock(&self) -> MutexGuard<'_, BTreeMap<String, Entry>> {
         self.scans.lock().unwrap_or_else(PoisonError::into_inner)
     }
+}
+
+fn unknown(id: &str) -> Refusal {
+    let fault = Fault::of_value("id", id.chars().take(80).collect::<String>(), "the id of a scan");
+    Refusal::new(StatusCode::NOT_FOUND, fault.with_remedy("`GET /scans` lists all"))
+}
+
+fn taken(id: &str) -> Refusal {
+    let fault = Fault::of_value("id", id, "an id that no other scan has");
+    Refusal::new(StatusCode::CONFLICT, fault.with_remedy("choose another, or leave it out"))
 }

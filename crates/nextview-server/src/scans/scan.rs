@@ -1,5 +1,5 @@
 use super::events::Events;
-use super::summary::{ScanState, ScanSummary};
+use super::summary::ScanSummary;
 use super::work::Work;
 use crate::Limits;
 use crate::refusal::Refusal;
@@ -8,7 +8,6 @@ use nextview::Cancel;
 use nextview_report::live::{LiveScene, SceneSource};
 use nextview_scan::{Fault, ScanConfig};
 use std::panic::{AssertUnwindSafe, catch_unwind};
-use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Duration;
 use tokio::sync::{Mutex as AsyncMutex, Semaphore};
@@ -33,8 +32,6 @@ pub(crate) enum Shown {
 /// A scan of the server. Requests to it are worked on one after the other, in the order in which they came.
 pub(crate) struct Scan {
     pub events: Events,
-    /// The folder of the scan that this one continues after the object was turned.
-    after: Option<PathBuf>,
     work: Arc<AsyncMutex<Work>>,
     queue: Arc<Semaphore>,
     /// What the page shows, which is made beside the other requests.
@@ -58,7 +55,6 @@ impl Scan {
         let (cores, limits) = shared;
         Self {
             events: Events::new(run),
-            after: config.after.clone(),
             cancel: work.cancel.clone(),
             work: Arc::new(AsyncMutex::new(work)),
             scene: Arc::default(),
@@ -67,11 +63,6 @@ impl Scan {
             answer_time: limits.answer_time,
             summary: Mutex::new(summary),
         }
-    }
-
-    /// Whether it reads the results in this folder when it is resumed.
-    pub fn needs(&self, results: &Path) -> bool {
-        self.after.as_deref() == Some(results) && self.summary().state != ScanState::Finished
     }
 
     /// The scan as of the last request that was done.
@@ -184,7 +175,7 @@ mod tests {
         };
         let one = || Arc::new(Semaphore::new(1));
         let cores = Cores { requests: one(), scenes: one() };
-        let work = Work::kept(PathBuf::from("no-such-folder"), about);
+        let work = Work::kept("no-such-folder".into(), about);
         let shared = (cores, &Limits::default());
         let scan = Arc::new(Scan::new("mug".into(), "run".into(), work, &ScanConfig::default(), shared));
         let runtime = tokio::runtime::Builder::new_multi_thread().enable_all().build().unwrap();

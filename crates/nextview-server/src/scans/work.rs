@@ -1,6 +1,7 @@
 use super::about::About;
 use super::kept_page;
 use super::summary::ScanState;
+use crate::access::random_hex;
 use crate::refusal::Refusal;
 use axum::http::StatusCode;
 use nextview::Cancel;
@@ -8,7 +9,7 @@ use nextview::session::NextView;
 use nextview_report::page_of_scan;
 use nextview_scan::files::Overwrite;
 use nextview_scan::{Fault, Faults, LiveScan, Results, ScanJournal, begin_results};
-use std::io::Write;
+use std::io::{ErrorKind, Write};
 use std::path::{Path, PathBuf};
 
 /// The end of the name of a folder whose files are being removed.
@@ -120,7 +121,7 @@ impl Work {
         scan.end();
         let mut folder = begin_results(&dir, Overwrite::results())?;
         let Results { record, faults } = scan.write_results(&mut folder)?;
-        let text = toml::to_string(scan.config()).map_err(Fault::data)?;
+        let text = toml::to_string(&scan.config().kept_in(&dir)).map_err(Fault::data)?;
         let page = page_of_scan(scan.scan(), &record, scan.config(), "nextview serve", &text);
         folder.add("report.html", |w| Ok(w.write_all(page.as_bytes())?))?;
         kept_page::keep(scan, &dir)?;
@@ -132,13 +133,23 @@ impl Work {
 
     /// Removes everything of it.
     pub fn delete(&mut self) -> Result<(), Refusal> {
+        if self.phase == Phase::Deleted {
+            return Err(deleted());
+        }
         self.scan = None;
-        self.phase = Phase::Deleted;
-        // At once for whoever looks, even if the server is killed while it removes the files.
+        // At once for whoever looks, even if the server is killed while it removes the files. The name is new:
+        // of a scan of the same id that was deleted before, something may be left.
         let name = self.dir.file_name().unwrap_or_default().to_string_lossy();
-        let aside = self.dir.with_file_name(format!(".{name}{DELETED}"));
-        let removed = std::fs::rename(&self.dir, &aside).and_then(|()| std::fs::remove_dir_all(&aside));
-        Ok(removed.map_err(|e| Fault::from(e).while_writing(&self.dir))?)
+        let aside = self.dir.with_file_name(format!(".{name}.{}{DELETED}", random_hex(4)?));
+        match std::fs::rename(&self.dir, &aside) {
+            Err(error) if error.kind() != ErrorKind::NotFound => {
+                return Err(Fault::from(error).while_writing(&self.dir).into());
+            }
+            _ => self.phase = Phase::Deleted,
+        }
+        // What cannot be removed now is removed when the server starts again.
+        let _ = std::fs::remove_dir_all(&aside);
+        Ok(())
     }
 
     /// It is resumed from the disk when it is needed again: after a panic, what is in memory may be anything.
@@ -150,7 +161,7 @@ impl Work {
         let mut scan = match ScanJournal::is_in(&self.dir) {
             true => LiveScan::resume(&self.dir, self.cancel.clone())?,
             // A scan that has no frames yet leaves no journal.
-            false => LiveScan::begin(self.about.config()?, Some(&self.dir), self.cancel.clone())?,
+            false => LiveScan::begin(self.about.config(&self.dir)?, Some(&self.dir), self.cancel.clone())?,
         };
         if self.about.asked_after == Some(scan.scan().steps.len()) {
             scan.next()?;

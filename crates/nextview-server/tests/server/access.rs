@@ -25,6 +25,17 @@ fn pages_of_others_may_ask_for_nothing() {
     assert_eq!(of(&format!("origin: null\r\n{token}")), 403);
     assert_eq!(of("authorization: Bearer 0123456789abcdef\r\n"), 401);
     assert_eq!(of("authorization: Basic YTpi\r\n"), 401);
+    // Browsers that do not say where a request came from, and programs that are none.
+    assert_eq!(of("referer: http://evil.example/\r\n"), 401);
+    assert_eq!(of("user-agent: Mozilla/5.0 (X11; Linux x86_64) Gecko/20100101 Firefox/89.0\r\n"), 401);
+    assert_eq!(of("user-agent: AppleCoreMedia/1.0\r\naccept-language: en-us\r\n"), 401);
+    assert_eq!(of("user-agent: curl/8.5.0\r\naccept: */*\r\n"), 200);
+    assert_eq!(of("user-agent: node\r\naccept-language: *\r\nsec-fetch-mode: cors\r\n"), 200);
+    let line = |uri: &str| format!("GET {uri} HTTP/1.1\r\nhost: {}\r\n\r\n", server.address);
+    let own_line = format!("http://{}/scans", server.address);
+    for (uri, status) in [("http://evil.example/scans", 403), (own_line.as_str(), 200)] {
+        assert_eq!(server.client().raw(line(uri).as_bytes()).unwrap().status, status, "{uri}");
+    }
     let mut client = server.client();
     let other = client.raw(b"GET /scans HTTP/1.1\r\nhost: evil.example\r\n\r\n").unwrap();
     assert_eq!((other.status, other.message().contains("evil.example")), (403, true));

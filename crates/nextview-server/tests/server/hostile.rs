@@ -197,10 +197,12 @@ const KINDS: &[Kind] = &[
         m.scan_with(|c| (c["camera"]["width"], c["camera"]["height"]) = (json!(65_535), json!(65_535)))
     }),
     ("files of the server", |m, n| {
-        m.scan_with(|c| match n % 4 {
+        m.scan_with(|c| match n % 6 {
             0 => c["sensor"] = json!("/etc/passwd.toml"),
             1 => c["nbv_net"] = json!({ "weights": "/etc/passwd" }),
             2 => c["reference"] = json!({ "mesh": "/etc/passwd" }),
+            3 => c["robot"] = json!({ "arm": "/etc/passwd" }),
+            4 => c["view_space"] = json!("/etc/passwd"),
             _ => c["recording"] = json!({ "truth": "/etc/passwd" }),
         })
     }),

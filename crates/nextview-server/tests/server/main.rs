@@ -6,6 +6,8 @@ mod access;
 #[cfg(test)]
 mod client;
 #[cfg(test)]
+mod contention;
+#[cfg(test)]
 mod hostile;
 #[cfg(test)]
 mod in_a_hand;

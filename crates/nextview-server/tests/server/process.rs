@@ -40,7 +40,10 @@ fn is_a_server() {
     let listen = SocketAddr::from(([127, 0, 0, 1], 0));
     let token = std::env::var(TOKEN).ok();
     let config = ServerConfig { listen, dir: dir.into(), limits, token, ..ServerConfig::default() };
-    serve(config, |started| println!("\nADDRESS {}\nTOKEN {}", started.address, started.page)).unwrap();
+    let served = serve(config, |started| println!("\nADDRESS {}\nTOKEN {}", started.address, started.page));
+    if let Err(faults) = served {
+        println!("\nREFUSED {faults}");
+    }
 }
 
 /// A running server, killed at the end.
@@ -72,20 +75,32 @@ impl Server {
     }
 
     fn with(dir: &Path, environment: &[(&str, &str)]) -> Self {
+        Self::spawned(dir, environment).unwrap_or_else(|said| panic!("the server does not start: {said}"))
+    }
+
+    /// One that cannot start: what it says.
+    pub fn refused(dir: &Path) -> String {
+        Self::spawned(dir, &[]).map(drop).unwrap_err()
+    }
+
+    fn spawned(dir: &Path, environment: &[(&str, &str)]) -> Result<Self, String> {
         let mut command = Command::new(std::env::current_exe().unwrap());
         command.args(["--exact", "process::is_a_server", "--nocapture"]).env(DIR, dir);
         command.envs(environment.iter().copied()).stdout(Stdio::piped());
         let mut child = command.spawn().unwrap();
         let mut lines = BufReader::new(child.stdout.take().unwrap()).lines().map_while(Result::ok);
         let mut value = |name: &str| {
-            let found = lines.find_map(|line| line.strip_prefix(name).map(str::to_owned));
-            found.unwrap_or_else(|| panic!("the server said no{name}"))
+            let said = lines.find_map(|line| {
+                let refused = line.strip_prefix("REFUSED ").map(|why| Err(why.to_owned()));
+                refused.or_else(|| line.strip_prefix(name).map(|value| Ok(value.to_owned())))
+            });
+            said.unwrap_or_else(|| panic!("the server said no {name}"))
         };
-        let address = value("ADDRESS ").parse().unwrap();
-        let token = value("TOKEN ").rsplit_once("#token=").unwrap().1.to_owned();
+        let address = value("ADDRESS ")?.parse().unwrap();
+        let token = value("TOKEN ")?.rsplit_once("#token=").unwrap().1.to_owned();
         // It has nothing more to say; a pipe that is closed would be an error to it.
         std::thread::spawn(move || lines.for_each(drop));
-        Self { child, address, token }
+        Ok(Self { child, address, token })
     }
 
     pub fn client(&self) -> Client {

@@ -208,7 +208,8 @@ fn a_scan_from_its_creation_to_its_files() {
     assert_eq!(next(&mut client)["stop_reason"], "view-limit");
     client.delete("/scans/mug").expect(200);
     assert_eq!(client.get("/scans").expect(200), json!([]));
-    assert_eq!(fs::read_dir(folder.path("scans")).unwrap().count(), 0);
+    let left = fs::read_dir(folder.path("scans")).unwrap().map(|entry| entry.unwrap().file_name());
+    assert_eq!(left.collect::<Vec<_>>(), [".nextview-serve.lock"]);
 }
 
 /// A batch is the next view and those that would follow it; asking for it changes nothing.
@@ -334,11 +335,21 @@ fn a_scan_goes_on_after_its_object_was_turned() {
         refused["faults"][0]["remedy"], "finish or delete `turned` first",
         "it reads the frames of mug"
     );
+    // The folder of all scans is moved, and served from another place: both are there, and need each other.
+    let rows = client.get("/scans/turned/next").expect(200)["view"]["world_from_camera"].clone();
+    post_raw(&mut client, "turned", "1", &rows, turned.frame(&rows, true).image()).expect(200);
+    assert!(server.end());
+    let moved = folder.path("moved");
+    fs::rename(&dir, &moved).unwrap();
+    let server = Server::start(&moved);
+    let mut client = server.client();
+    assert_eq!(client.get("/scans/turned").expect(200)["n_frames"], 1);
+    assert_eq!(client.delete("/scans/mug").status, 409);
     let now = scan_through(&mut client, &turned, "turned");
     let turn = &now["turn"];
     assert!(turn["refusal"].is_null() && turn["overlap"].as_f64().unwrap() > 0.3, "{turn}");
     // The configuration is that of before where none was given.
-    let config = fs::read_to_string(dir.join("turned/config.toml")).unwrap();
-    assert!(config.contains("voxel_size_m = 0.006") && config.contains("after = "), "{config}");
+    let config = fs::read_to_string(moved.join("turned/config.toml")).unwrap();
+    assert!(config.contains("voxel_size_m = 0.006") && config.contains("after = \"../mug\""), "{config}");
     client.delete("/scans/mug").expect(200);
 }

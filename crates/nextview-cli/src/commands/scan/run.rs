@@ -187,9 +187,9 @@ impl Output {
     /// Takes the folder before the work begins. If the user did not name it, and another scan has taken it
     /// since its name was chosen, takes the next one.
     fn take(mut self, config: &ScanConfig, journal: Option<ScanJournal>) -> Result<Taken, Failure> {
-        let text = toml::to_string(config).map_err(Failure::data)?;
+        let text = |dir: &Path| toml::to_string(&config.kept_in(dir)).map_err(Failure::data);
         let begin = |output: &Self| -> Result<(ScanJournal, ResultFolder), Failure> {
-            let journal = ScanJournal::begin(&output.dir, &text)?;
+            let journal = ScanJournal::begin(&output.dir, &text(&output.dir)?)?;
             // Results may have appeared before.
             Ok((journal, output.folder(config)?))
         };
@@ -208,7 +208,7 @@ impl Output {
             },
         };
         interrupt::resumable("nextview scan --resume", &self.dir, self.dir.join(ScanJournal::FILE));
-        Ok(Taken { output: self, text, journal, folder })
+        Ok(Taken { text: text(&self.dir)?, output: self, journal, folder })
     }
 
     /// Begins the folder; fails if it cannot take the results.

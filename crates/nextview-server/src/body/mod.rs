@@ -1,5 +1,9 @@
 //! Bodies of requests, of bounded size and time.
 
+mod room;
+
+pub(crate) use room::{BodyRoom, Share};
+
 use crate::app::App;
 use crate::json::json;
 use crate::limits::exceeded;
@@ -9,48 +13,58 @@ use axum::http::{HeaderMap, StatusCode, header};
 use futures_util::StreamExt;
 use nextview_scan::Fault;
 use serde::de::DeserializeOwned;
-use tokio::sync::OwnedSemaphorePermit;
 
 /// A body, with its share of the memory for bodies, to be held as long as the bytes are.
 pub(crate) struct Received {
     pub bytes: Vec<u8>,
-    pub share: OwnedSemaphorePermit,
+    pub share: Share,
 }
 
 /// Receives a body as a whole.
 pub(crate) async fn receive(app: &App, headers: &HeaderMap, body: Body) -> Result<Received, Refusal> {
     let most = app.limits.body_bytes;
     let stated = headers.get(header::CONTENT_LENGTH).and_then(|length| length.to_str().ok()?.parse().ok());
-    let stated: usize = stated.unwrap_or(most);
-    if stated > most {
+    if let Some(stated) = stated.filter(|stated| *stated > most) {
         return Err(too_large(stated, most));
     }
-    let kilobytes = stated.div_ceil(1024) as u32;
-    let share = app.bodies.clone().try_acquire_many_owned(kilobytes).map_err(|_| {
-        let fault = Fault::request("the server receives as many large bodies as it has room for");
-        Refusal::busy(StatusCode::SERVICE_UNAVAILABLE, fault)
-    })?;
-    let bytes = tokio::time::timeout(app.limits.body_time, collect(body, most)).await;
-    let bytes = bytes.map_err(|_| {
+    let (share, gives_way) = app.bodies.begin();
+    let received = async {
+        tokio::select! {
+            received = collect(body, share, most) => received,
+            _ = gives_way => Err(no_room()),
+        }
+    };
+    tokio::time::timeout(app.limits.body_time, received).await.map_err(|_| {
         let seconds = app.limits.body_time.as_secs();
         Refusal::of(StatusCode::REQUEST_TIMEOUT, format!("the body did not come within {seconds} s"))
-    })??;
-    Ok(Received { bytes, share })
+    })?
 }
 
-async fn collect(body: Body, most: usize) -> Result<Vec<u8>, Refusal> {
+/// Room is taken as the bytes come, not as they are announced.
+async fn collect(body: Body, mut share: Share, most: usize) -> Result<Received, Refusal> {
     let mut bytes = Vec::new();
     let mut parts = body.into_data_stream();
     while let Some(part) = parts.next().await {
         let part = part.map_err(|error| {
             Refusal::of(StatusCode::BAD_REQUEST, format!("the body ended early or is broken: {error}"))
         })?;
-        bytes.extend_from_slice(&part);
-        if bytes.len() > most {
-            return Err(too_large(bytes.len(), most));
+        if bytes.len() + part.len() > most {
+            return Err(too_large(bytes.len() + part.len(), most));
         }
+        if !share.grow(part.len()) {
+            return Err(no_room());
+        }
+        bytes.extend_from_slice(&part);
     }
-    Ok(bytes)
+    match share.complete() {
+        true => Ok(Received { bytes, share }),
+        false => Err(no_room()),
+    }
+}
+
+fn no_room() -> Refusal {
+    let fault = Fault::request("the server receives as many large bodies as it has room for");
+    Refusal::busy(StatusCode::SERVICE_UNAVAILABLE, fault)
 }
 
 fn too_large(value: usize, most: usize) -> Refusal {

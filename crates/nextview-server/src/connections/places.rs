@@ -1,0 +1,160 @@
+use std::collections::BTreeMap;
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::time::Instant;
+use tokio::sync::Notify;
+
+/// The places for connections. Where all are taken, one on which the server waits for its client gives way:
+/// clients that do nothing, or do it slowly, keep nobody out.
+pub(super) struct Places {
+    most: usize,
+    taken: Mutex<Taken>,
+}
+
+#[derive(Default)]
+struct Taken {
+    n_begun: u64,
+    places: BTreeMap<u64, Arc<State>>,
+}
+
+/// What is going on at a place.
+struct State {
+    now: Mutex<Now>,
+    gives_way: Notify,
+}
+
+#[derive(Clone, Copy)]
+struct Now {
+    turn: Turn,
+    /// When the turn began.
+    since: Instant,
+    /// Since when the client takes nothing of an answer; none while it does.
+    stuck_since: Option<Instant>,
+}
+
+/// Whose turn it is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub(super) enum Turn {
+    /// The client's, to send a head.
+    Head,
+    /// The client's, to send a body.
+    Body,
+    /// The server's.
+    Server,
+}
+
+/// The place of a connection, given back when this is dropped.
+pub(super) struct Place {
+    all: Arc<Places>,
+    number: u64,
+    state: Arc<State>,
+}
+
+impl Places {
+    pub fn new(most: usize) -> Arc<Self> {
+        Arc::new(Self { most, taken: Mutex::default() })
+    }
+
+    /// A place; none if all connections wait for the server.
+    pub fn take(self: &Arc<Self>) -> Option<Arc<Place>> {
+        let mut taken = self.lock();
+        if taken.places.len() >= self.most && !taken.give_way() {
+            return None;
+        }
+        let number = taken.n_begun;
+        taken.n_begun += 1;
+        let now = Now { turn: Turn::Head, since: Instant::now(), stuck_since: None };
+        let state = Arc::new(State { now: Mutex::new(now), gives_way: Notify::new() });
+        taken.places.insert(number, state.clone());
+        Some(Arc::new(Place { all: self.clone(), number, state }))
+    }
+
+    /// Frees a place, if there is one on which the server waits for its client.
+    pub fn give_way(&self) {
+        self.lock().give_way();
+    }
+
+    fn lock(&self) -> MutexGuard<'_, Taken> {
+        self.taken.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+impl Taken {
+    /// Frees the place that waits longest for a head, or else for a body or to get rid of an answer.
+    fn give_way(&mut self) -> bool {
+        let waiting = self.places.iter().filter_map(|(number, state)| Some((state.waits()?, *number)));
+        let Some((_, number)) = waiting.min() else { return false };
+        if let Some(state) = self.places.remove(&number) {
+            state.gives_way.notify_one();
+        }
+        true
+    }
+}
+
+impl State {
+    /// For what the server waits, and since when; none if it does not wait.
+    fn waits(&self) -> Option<(Turn, Instant)> {
+        let Now { turn, since, stuck_since } = *self.lock();
+        match (turn, stuck_since) {
+            (_, Some(since)) => Some((Turn::Body, since)),
+            (Turn::Server, None) => None,
+            (turn, None) => Some((turn, since)),
+        }
+    }
+
+    fn lock(&self) -> MutexGuard<'_, Now> {
+        self.now.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+impl Place {
+    /// From now on it is this one's turn, if it was not before.
+    pub fn turn(&self, turn: Turn) {
+        let mut now = self.state.lock();
+        if now.turn != turn {
+            (now.turn, now.since) = (turn, Instant::now());
+        }
+    }
+
+    /// Whether the client takes what it is sent.
+    pub fn is_stuck(&self, is_stuck: bool) {
+        let mut now = self.state.lock();
+        now.stuck_since = is_stuck.then(|| now.stuck_since.unwrap_or_else(Instant::now));
+    }
+
+    /// Returns when the connection has to end.
+    pub async fn gives_way(&self) {
+        self.state.gives_way.notified().await;
+    }
+}
+
+impl Drop for Place {
+    fn drop(&mut self) {
+        self.all.lock().places.remove(&self.number);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use futures_util::FutureExt;
+
+    #[test]
+    fn those_that_wait_longest_give_way_and_nobody_who_is_served() {
+        let places = Places::new(3);
+        let taken: Vec<_> = (0..3).map(|_| places.take().unwrap()).collect();
+        let gone = |i: usize| taken[i].gives_way().now_or_never().is_some();
+        taken[0].turn(Turn::Server);
+        taken[1].turn(Turn::Body);
+        let new = places.take().unwrap();
+        assert!(gone(2) && !gone(0) && !gone(1), "a head is waited for");
+        new.turn(Turn::Server);
+        let newest = places.take().unwrap();
+        assert!(gone(1) && !gone(0));
+        newest.turn(Turn::Server);
+        assert!(places.take().is_none(), "all are served");
+        taken[0].is_stuck(true);
+        assert!(places.take().is_some() && gone(0), "it takes nothing of its answer");
+        drop((new, newest, taken));
+        assert!(places.lock().places.is_empty());
+    }
+}

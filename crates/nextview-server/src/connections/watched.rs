@@ -1,0 +1,57 @@
+use super::places::{Place, Turn};
+use hyper::body::{Body, Frame, SizeHint};
+use std::pin::Pin;
+use std::sync::Arc;
+use std::task::{Context, Poll};
+
+/// A body that says whose turn it is: while more of a request's body is awaited, it is the client's, and from
+/// the end of an answer's body on as well.
+pub(super) struct Watched<B> {
+    inner: B,
+    place: Arc<Place>,
+    /// Whose turn it is while it is awaited, and after its end.
+    turns: (Turn, Turn),
+}
+
+impl<B> Watched<B> {
+    pub fn request(inner: B, place: Arc<Place>) -> Self {
+        Self { inner, place, turns: (Turn::Body, Turn::Server) }
+    }
+
+    pub fn answer(inner: B, place: Arc<Place>) -> Self {
+        Self { inner, place, turns: (Turn::Server, Turn::Head) }
+    }
+}
+
+impl<B: Body + Unpin> Body for Watched<B> {
+    type Data = B::Data;
+    type Error = B::Error;
+
+    fn poll_frame(
+        mut self: Pin<&mut Self>,
+        context: &mut Context<'_>,
+    ) -> Poll<Option<Result<Frame<B::Data>, B::Error>>> {
+        let polled = Pin::new(&mut self.inner).poll_frame(context);
+        match polled {
+            Poll::Pending => self.place.turn(self.turns.0),
+            Poll::Ready(None) => self.place.turn(self.turns.1),
+            Poll::Ready(Some(_)) => (),
+        }
+        polled
+    }
+
+    fn is_end_stream(&self) -> bool {
+        self.inner.is_end_stream()
+    }
+
+    fn size_hint(&self) -> SizeHint {
+        self.inner.size_hint()
+    }
+}
+
+impl<B> Drop for Watched<B> {
+    /// It is of no more interest, as that of a request that is refused.
+    fn drop(&mut self) {
+        self.place.turn(self.turns.1);
+    }
+}

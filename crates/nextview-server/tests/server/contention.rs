@@ -1,0 +1,123 @@
+//! Clients, servers and programs that are in each other's way.
+
+use crate::client::Client;
+use crate::process::{Folder, Server};
+use crate::robot::{Robot, post_raw};
+use nextview_scan::ScanJournal;
+use serde_json::json;
+use std::fs;
+use std::time::{Duration, Instant};
+
+#[test]
+fn a_folder_has_one_server() {
+    let folder = Folder::new("one-server");
+    let dir = folder.path("scans");
+    let remnant = dir.join(".gone.deleted");
+    let robot = Robot::new(3, 80);
+    let server = Server::start(&dir);
+    server.client().post("/scans", &robot.body("mug")).expect(201);
+    fs::create_dir(&remnant).unwrap();
+    let linked = folder.path("linked");
+    #[cfg(unix)]
+    std::os::unix::fs::symlink(&dir, &linked).unwrap();
+    for same in [&dir, &linked, &folder.path("scans/../scans")] {
+        let said = Server::refused(same);
+        assert!(said.contains("is served by another server already"), "{said}");
+    }
+    assert!(remnant.exists(), "only the server of a folder cleans it up");
+    let said = Server::refused(&dir.join("mug"));
+    assert!(said.contains("is in the folder of a scan"), "{said}");
+    drop(server);
+    Server::start(&linked).client().get("/scans/mug").expect(200);
+    assert!(!remnant.exists());
+}
+
+/// Another program scans into the folder, or somebody replaces it.
+#[test]
+fn what_is_not_the_servers_stays_as_it_is() {
+    let folder = Folder::new("not-its-own");
+    let dir = folder.path("scans");
+    let robot = Robot::new(3, 80);
+    let server = Server::start(&dir);
+    let mut client = server.client();
+    let journal = ScanJournal::begin(&dir.join("mug"), "another program's").unwrap();
+    assert_eq!(client.post("/scans", &robot.body("mug")).status, 409);
+    assert!(ScanJournal::is_in(&dir.join("mug")));
+    drop(journal);
+    #[cfg(unix)]
+    {
+        std::os::unix::fs::symlink("nowhere", dir.join("link")).unwrap();
+        assert_eq!(client.post("/scans", &robot.body("link")).status, 409);
+        fs::rename(&dir, folder.path("moved")).unwrap();
+        fs::create_dir(&dir).unwrap();
+        let answer = client.post("/scans", &robot.body("lost"));
+        assert!(
+            answer.status == 500 && answer.message().contains("moved, removed or replaced"),
+            "{answer:?}"
+        );
+        assert_eq!(fs::read_dir(&dir).unwrap().count(), 0);
+    }
+}
+
+/// Where all connections and all room for bodies are taken by clients that do nothing more.
+#[test]
+fn a_request_passes_beside_idle_and_slow_clients() {
+    let folder = Folder::new("slow");
+    let server = Server::start(&folder.path("scans"));
+    let robot = Robot::new(3, 80);
+    let mut client = server.client();
+    client.post("/scans", &robot.body("mug")).expect(201);
+    let rows = client.get("/scans/mug/next").expect(200)["view"]["world_from_camera"].clone();
+    let frame = robot.frame(&rows, true);
+    let post = |id: &str| {
+        let start = Instant::now();
+        let mut client = server.client();
+        post_raw(&mut client, "mug", id, &rows, frame.image()).expect(200);
+        assert!(start.elapsed() < Duration::from_secs(2), "{id}: {:?}", start.elapsed());
+    };
+    let host = server.address;
+    let announced = format!(
+        "POST /scans/mug/frames?id=x HTTP/1.1\r\nhost: {host}\r\ncontent-type: image/png\r\ncontent-length: 67108864\r\n\r\n"
+    );
+    let opened = |bytes: &[u8], n: usize| -> Vec<Client> {
+        let client = |_| {
+            let mut client = Client::new(host);
+            // The server may have closed it already.
+            let _ = client.write(bytes);
+            client
+        };
+        (0..n).map(client).collect()
+    };
+    let _announced = opened(announced.as_bytes(), 300);
+    post("announced bodies");
+    let _idle = opened(b"", 300);
+    post("idle");
+    let _half = opened(b"GET /scans HTT", 300);
+    post("half heads");
+    let started = [announced.as_bytes(), &vec![0; (64 << 20) - 1]].concat();
+    std::thread::scope(|scope| {
+        let bodies: Vec<_> = (0..6).map(|_| scope.spawn(|| opened(&started, 1))).collect();
+        bodies.into_iter().for_each(|body| drop(body.join().map(|held| (post("bodies that stop"), held))));
+    });
+}
+
+/// Somebody deletes a scan twice, and it is created anew in between.
+#[test]
+fn a_scan_that_others_need_or_that_is_new_is_not_deleted() {
+    let folder = Folder::new("deleted-twice");
+    let server = Server::start(&folder.path("scans"));
+    let robot = Robot::new(3, 80);
+    for _ in 0..20 {
+        let mut client = server.client();
+        client.post("/scans", &robot.body("mug")).expect(201);
+        let delete = || server.client().delete("/scans/mug").status;
+        let both = std::thread::scope(|scope| {
+            [scope.spawn(delete), scope.spawn(delete)].map(|deleting| deleting.join().unwrap())
+        });
+        assert!(
+            both.contains(&200) && both.iter().all(|status| [200, 404, 409].contains(status)),
+            "{both:?}"
+        );
+        assert_eq!(client.get("/scans").expect(200), json!([]));
+    }
+}
