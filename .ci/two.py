@@ -321,7 +321,7 @@ except nextview.DataError as error:
 while (view := scan.next_view()) is not None:
     pose = view.world_from_camera
     depth = np.frombuffer(soak.depth_of(pose.tolist()), "<f4").reshape(soak.HEIGHT, soak.WIDTH)
-    scan.observe(depth, world_from_camera=view)
+    scan.observe(depth, world_from_camera=pose)  # as a client of the server states it, to the bit
     print(len(scan.steps), flush=True)
 """
 
