@@ -13,6 +13,7 @@ mod parameters;
 mod scan;
 mod status;
 
+use nextview_scan::files;
 use parameters::{Parameters, RosArguments};
 use std::process::ExitCode;
 
@@ -29,7 +30,8 @@ fn main() -> ExitCode {
             return ExitCode::from(2);
         }
     };
-    match node::run(&arguments.names, parameters) {
+    let limited = files::limit_is_an_error().map_err(|error| error.to_string());
+    match limited.and_then(|()| node::run(&arguments.names, parameters)) {
         Ok(()) => ExitCode::SUCCESS,
         Err(problem) => {
             eprintln!("{problem}");

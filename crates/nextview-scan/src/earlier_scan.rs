@@ -9,6 +9,8 @@ use nextview::session::shown_object;
 use nextview_recording::{ReadOptions, RecordedFrame, Recording};
 use std::path::{Path, PathBuf};
 
+const RESTORE: &str = "put the files of that scan back, or scan the object again";
+
 /// A finished scan of an object that has been turned since.
 pub(crate) struct EarlierScan {
     /// The object as that scan showed it.
@@ -28,6 +30,20 @@ impl EarlierScan {
                 "`after` names the results of a scan that was the first of its object",
             ));
         }
+        let Recording { frames, skipped, .. } =
+            Recording::open(&dir.join(FRAMES_FOLDER), &ReadOptions::default())?;
+        // All that a scan leaves fits together; what was changed since would give another object.
+        if let Some(skipped) = skipped.first() {
+            let fault =
+                Fault::data(format!("a frame cannot be read: {skipped}")).in_file(&dir.join(FRAMES_FOLDER));
+            return Err(fault.with_remedy(RESTORE));
+        }
+        if frames.len() > record.steps.len() {
+            let (n, n_steps) = (frames.len(), record.steps.len());
+            let problem =
+                format!("holds {n} frames, but record.json is of {n_steps}: they are not of one scan");
+            return Err(fault(&problem, RESTORE));
+        }
         let Some(table) = record.table() else {
             return Err(fault(
                 "holds a scan without a table, so the side on which the object stood is unknown",
@@ -38,7 +54,6 @@ impl EarlierScan {
             return Err(fault("holds a scan that found no object", "scan the object again"));
         };
         let bounds = Aabb { min: DVec3::from_array(min), max: DVec3::from_array(max) };
-        let Recording { frames, .. } = Recording::open(&dir.join(FRAMES_FOLDER), &ReadOptions::default())?;
         let loaded: Vec<Frame> = frames.iter().map(RecordedFrame::load).collect::<Result<_, _>>()?;
         let shown = shown_object(&loaded, bounds, table, record.voxel_size_m, cancel)?;
         Ok(Self { shown, frames })

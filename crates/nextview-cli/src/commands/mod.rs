@@ -21,6 +21,7 @@ mod views;
 
 use crate::Failure;
 use clap::{CommandFactory, Parser, Subcommand};
+use nextview_scan::files;
 
 /// Decides where a depth camera should look next, so that an unknown object is scanned completely in as few
 /// views as possible.
@@ -87,6 +88,7 @@ enum Command {
 impl Cli {
     /// Does what was asked for.
     pub fn run(self) -> Result<(), Failure> {
+        files::limit_is_an_error()?;
         if let Some(threads) = self.threads {
             let pool = rayon::ThreadPoolBuilder::new().num_threads(threads as usize);
             pool.build_global().map_err(Failure::data)?;

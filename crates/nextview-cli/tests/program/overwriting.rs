@@ -2,6 +2,8 @@
 
 use crate::common::{Folder, RESULT_FILES};
 use crate::recording::write_recording;
+use nextview_scan::ScanJournal;
+use std::process::Stdio;
 use std::time::{Duration, Instant};
 
 const TETRAHEDRON: &str =
@@ -112,6 +114,36 @@ fn the_same_command_works_again() {
     folder.write("scan-mug-most-surface-4/scan.journal", "frames");
     let parts = ["scan-mug-most-surface-4: holds an interrupted scan", "--resume scan-mug-most-surface-4"];
     refused(&folder, &scan, "scan-mug-most-surface-4", &parts);
+}
+
+/// Who follows advice to remove a journal there would destroy a scan under way.
+#[test]
+fn a_folder_that_is_being_scanned_is_not_taken() {
+    let folder = Folder::new("keep-busy");
+    let busy =
+        ["out", "scan-mug-most-surface"].map(|name| ScanJournal::begin(&folder.path(name), "").unwrap());
+    let run = folder.run(&scan(&["builtin:mug"], &["--out=out", "--force"]));
+    let told = "error: out: is being scanned right now, here or in another process\nhint: choose another \
+                folder (--out), or wait until that scan is finished\n";
+    assert_eq!((run.code, run.stdout.as_str(), run.stderr.as_str()), (Some(1), "", told));
+    let run = folder.run(&["scan", "--resume", "out"]);
+    assert_eq!((run.code, run.stderr.as_str()), (Some(1), told));
+    folder.ok(&scan(&["builtin:mug"], &[]));
+    assert_eq!(folder.names("scan-mug-most-surface-2"), RESULT_FILES);
+    drop(busy);
+}
+
+#[test]
+fn two_commands_at_once_take_two_folders() {
+    let folder = Folder::new("keep-two");
+    let begin = || folder.command(&scan(&["builtin:mug"], &[])).stdout(Stdio::null()).spawn().unwrap();
+    for mut process in [begin(), begin()] {
+        assert!(process.wait().unwrap().success());
+    }
+    assert_eq!(folder.names("."), ["scan-mug-most-surface-2/", "scan-mug-most-surface/"]);
+    for name in ["scan-mug-most-surface", "scan-mug-most-surface-2"] {
+        assert_eq!(folder.names(name), RESULT_FILES);
+    }
 }
 
 #[test]

@@ -63,6 +63,13 @@ fn a_turn_shows_the_underside_and_makes_one_model() {
     let third = folder.run(&[&BRACKET[..], &["--after=out", "--out=third"]].concat());
     assert_eq!(third.code, Some(1));
     assert!(third.stderr.contains("nothing can go on after both"), "{}", third.stderr);
+
+    // Without one of its frames, the first placement would be another object.
+    let frame = folder.names("out-placement-1/frames/depth").remove(0);
+    std::fs::remove_file(folder.path(&format!("out-placement-1/frames/depth/{frame}"))).unwrap();
+    let gone = folder.run(&[&BRACKET[..], &["--after=out-placement-1", "--out=gone"]].concat());
+    assert_eq!(gone.code, Some(1));
+    assert!(gone.stderr.contains("out-placement-1/frames: a frame cannot be read: "), "{}", gone.stderr);
 }
 
 #[test]

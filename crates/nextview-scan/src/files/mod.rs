@@ -2,13 +2,20 @@
 //! written, and replace nothing that must stay.
 
 mod keep;
+#[cfg(feature = "process")]
+mod limit;
 mod numbered;
+mod place;
 mod read;
 mod results;
 mod write;
 
 pub use keep::Overwrite;
+#[cfg(feature = "process")]
+pub use limit::limit_is_an_error;
 pub use numbered::numbered;
+pub(crate) use place::{Whereabouts, create_folder, name_new, sync_folder, whereabouts};
 pub use read::{open, read, read_text};
 pub use results::{ResultFolder, remove_unfinished};
+pub(crate) use write::unfinished;
 pub use write::{NewFile, write};

@@ -1,6 +1,8 @@
 use super::Overwrite;
 use super::write::{unfinished, written_name};
+use super::{create_folder, sync_folder};
 use crate::{Fault, Faults};
+use std::collections::BTreeSet;
 use std::fs::{self, File};
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
@@ -54,7 +56,7 @@ impl ResultFolder {
         Ok(())
     }
 
-    /// Shows the finished folder under its name. Fails if files of its names have appeared there that the
+    /// Shows the finished folder under its name: on the disk when this returns. Fails if files of its names have appeared there that the
     /// rule does not allow to replace.
     pub fn publish(self) -> Result<(), Faults> {
         self.rule.check_folder(&self.target, self.names)?;
@@ -78,14 +80,22 @@ impl ResultFolder {
             });
             written.map_err(|e| Fault::from(e).while_writing(&self.target.join(name)))?;
         }
-        Ok(())
+        self.sync().map_err(|e| Fault::from(e).while_writing(&self.target))
+    }
+
+    /// Makes sure that the folders know of all files.
+    fn sync(&self) -> io::Result<()> {
+        let folders = self.files.iter().flat_map(|(name, _)| Path::new(name).ancestors().skip(1));
+        let folders: BTreeSet<&Path> = folders.collect();
+        folders.into_iter().try_for_each(|folder| sync_folder(&self.staging.join(folder).join("any")))
     }
 
     fn move_folder(&self) -> io::Result<()> {
         if let Some(parent) = self.target.parent() {
-            fs::create_dir_all(parent)?;
+            create_folder(parent)?;
         }
-        fs::rename(&self.staging, &self.target)
+        fs::rename(&self.staging, &self.target)?;
+        sync_folder(&self.target)
     }
 
     fn move_entries(&self) -> io::Result<()> {
@@ -97,6 +107,7 @@ impl ResultFolder {
                 (true, false) => fs::rename(new, old)?,
             }
         }
+        sync_folder(&self.target.join("any"))?;
         fs::remove_dir(&self.staging)
     }
 }

@@ -1,7 +1,8 @@
-use super::Overwrite;
+use super::{Overwrite, sync_folder};
 use crate::Fault;
 use std::borrow::Cow;
 use std::fs::{self, File};
+use std::hash::{BuildHasher, Hasher, RandomState};
 use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
 
@@ -67,7 +68,8 @@ impl NewFile {
         self.writer.flush()?;
         // On the disk before it takes the old one's place.
         self.writer.get_ref().sync_all()?;
-        fs::rename(&self.beside, &self.path)
+        fs::rename(&self.beside, &self.path)?;
+        sync_folder(&self.path)
     }
 }
 
@@ -94,15 +96,17 @@ fn fill(file: File, content: impl FnOnce(&mut BufWriter<File>) -> Result<(), Fau
     Ok(writer.flush()?)
 }
 
-/// The name under which something is written until it is whole.
-pub(super) fn unfinished(path: &Path) -> String {
-    format!(".{}.{}.partial", name_of(path), std::process::id())
+/// A name under which something can be written until it is whole: another one each time, since processes of
+/// different machines, or of different times, may have the same number.
+pub(crate) fn unfinished(path: &Path) -> String {
+    let number = RandomState::new().build_hasher().finish() as u32;
+    format!(".{}.{number}.partial", name_of(path))
 }
 
 /// The name of the file that one of an [`unfinished`] name was to become.
 pub(super) fn written_name(unfinished: &str) -> Option<&str> {
-    let (name, process) = unfinished.strip_prefix('.')?.strip_suffix(".partial")?.rsplit_once('.')?;
-    process.parse::<u32>().is_ok().then_some(name)
+    let (name, number) = unfinished.strip_prefix('.')?.strip_suffix(".partial")?.rsplit_once('.')?;
+    number.parse::<u32>().is_ok().then_some(name)
 }
 
 fn name_of(path: &Path) -> Cow<'_, str> {

@@ -10,4 +10,5 @@ mod scan_journal;
 
 pub use file::{Damage, Journal, Kept};
 pub use kept::{JournalEntry, KeptFrame, SkippedView};
+pub(crate) use scan_journal::Occupant;
 pub use scan_journal::{Interrupted, ScanJournal};

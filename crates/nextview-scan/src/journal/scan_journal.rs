@@ -1,7 +1,9 @@
 use super::file::{Damage, Journal, Kept};
 use super::kept::{JournalEntry, KeptFrame, SkippedView};
-use crate::{Fault, Faults, files};
+use crate::files::{self, Whereabouts};
+use crate::{Fault, Faults};
 use std::collections::VecDeque;
+use std::io;
 use std::path::{Path, PathBuf};
 
 /// The journal in the folder of a scan's results, from the first frame until the results are on the disk.
@@ -14,6 +16,16 @@ pub struct ScanJournal {
     replays: VecDeque<JournalEntry>,
     /// Number of frames that would be lost with the journal.
     n_needed: usize,
+}
+
+/// Who has a folder of results.
+pub(crate) enum Occupant {
+    /// Nobody: the journal of a scan that was killed before its first frame is of no use.
+    Nobody,
+    /// A scan under way, in this process or another one.
+    Scan,
+    /// A scan that was interrupted, with its frames.
+    Interrupted,
 }
 
 /// A scan that was interrupted.
@@ -37,25 +49,58 @@ impl ScanJournal {
         dir.join(Self::FILE).exists()
     }
 
-    /// Begins the journal of a scan; fails if the folder holds an interrupted one, which would be lost.
+    /// Begins the journal of a scan. Fails if the folder holds an interrupted one, which would be lost, or if
+    /// it is being scanned: until the journal is dropped, no other scan can begin there.
     pub fn begin(dir: &Path, heading: &str) -> Result<Self, Fault> {
         Self::check_free(dir)?;
-        let created = dir.ancestors().take_while(|dir| !dir.exists()).last().map(Path::to_owned);
-        std::fs::create_dir_all(dir).map_err(|e| Fault::from(e).while_writing(dir))?;
-        let journal = Journal::create(&dir.join(Self::FILE), heading)?;
+        let path = dir.join(Self::FILE);
+        Self::remove_bare(&path);
+        let writing = |error: io::Error| Fault::from(error).while_writing(dir);
+        let place = std::path::absolute(&path).map_err(writing)?;
+        let created = files::create_folder(place.parent().unwrap_or(&place)).map_err(writing)?;
+        // Another scan may have begun there in between.
+        let journal =
+            Journal::create(&path, heading).map_err(|fault| Self::check_free(dir).err().unwrap_or(fault))?;
+        files::remove_unfinished(dir, &[Self::FILE]).map_err(writing)?;
         Ok(Self { dir: dir.to_owned(), created, journal, replays: VecDeque::new(), n_needed: 0 })
     }
 
-    /// Fails if the folder holds an interrupted scan.
-    pub fn check_free(dir: &Path) -> Result<(), Fault> {
-        if !Self::is_in(dir) {
-            return Ok(());
+    /// Removes the journal of a scan that was killed before its first frame.
+    fn remove_bare(path: &Path) {
+        if !Journal::is_bare(path) {
+            return;
         }
+        // Once it is open here, nobody else can write to it. If that fails, it is somebody's.
+        if let Ok((_journal, kept)) = Journal::open(path)
+            && kept.entries.is_empty()
+        {
+            _ = std::fs::remove_file(path);
+        }
+    }
+
+    /// Fails if the folder holds an interrupted scan, or is being scanned.
+    pub fn check_free(dir: &Path) -> Result<(), Fault> {
+        match Self::occupant(dir) {
+            Occupant::Nobody => Ok(()),
+            Occupant::Scan => Err(being_scanned(dir)),
+            Occupant::Interrupted => {
+                let (name, path) = (dir.display(), dir.join(Self::FILE));
+                let other = format!("choose another folder (`out`), or remove {}", path.display());
+                let fault = Fault::data("holds an interrupted scan").in_file(dir);
+                Err(fault.with_remedy(format!("`resume` = {name} resumes it; {other}")))
+            }
+        }
+    }
+
+    /// Who has the folder.
+    pub(crate) fn occupant(dir: &Path) -> Occupant {
         let path = dir.join(Self::FILE);
-        let (dir_name, path) = (dir.display(), path.display());
-        let remedy =
-            format!("`resume` = {dir_name} resumes it; choose another folder (`out`), or remove {path}");
-        Err(Fault::data("holds an interrupted scan").in_file(dir).with_remedy(remedy))
+        match () {
+            () if !path.exists() => Occupant::Nobody,
+            () if Journal::is_open(&path) => Occupant::Scan,
+            () if Journal::is_bare(&path) => Occupant::Nobody,
+            () => Occupant::Interrupted,
+        }
     }
 
     /// Opens the journal of an interrupted scan.
@@ -65,9 +110,13 @@ impl ScanJournal {
                            when it is finished";
             return Err(Fault::data(message).in_file(dir).into());
         }
-        let (journal, Kept { heading, entries, damage }) = Journal::open(&dir.join(Self::FILE))?;
+        let (journal, Kept { heading, entries, damage }) =
+            Journal::open(&dir.join(Self::FILE)).map_err(|fault| match Self::occupant(dir) {
+                Occupant::Scan => being_scanned(dir),
+                _ => fault,
+            })?;
         let name = dir.file_name().unwrap_or_default().to_string_lossy();
-        files::remove_unfinished(dir, &[&name]).map_err(|e| Fault::from(e).while_writing(dir))?;
+        files::remove_unfinished(dir, &[&name, Self::FILE]).map_err(|e| Fault::from(e).while_writing(dir))?;
         let n_frames = entries.iter().filter(|entry| matches!(entry, JournalEntry::Frame(_))).count();
         let journal =
             Self { dir: dir.to_owned(), created: None, journal, replays: entries.into(), n_needed: n_frames };
@@ -101,6 +150,20 @@ impl ScanJournal {
         self.journal.skip(skipped).map_err(|fault| self.not_kept(fault))
     }
 
+    /// Fails if the frames that were kept cannot be found any more where they should be.
+    pub(crate) fn check(&self) -> Result<(), Fault> {
+        self.journal.check()
+    }
+
+    /// Fails if the folder is another scan's by now, or elsewhere. Where the journal is gone, the results are
+    /// all that is left of the scan, and may be written.
+    pub(crate) fn check_results(&self) -> Result<(), Fault> {
+        match self.journal.whereabouts() {
+            Ok(Whereabouts::Removed) => Ok(()),
+            _ => self.journal.check(),
+        }
+    }
+
     /// The path of the file.
     pub(crate) fn path(&self) -> PathBuf {
         self.dir.join(Self::FILE)
@@ -112,24 +175,34 @@ impl ScanJournal {
     }
 
     fn not_kept(&self, fault: Fault) -> Fault {
-        let dir = self.dir.display();
+        if !matches!(self.journal.whereabouts(), Ok(Whereabouts::There)) {
+            return fault;
+        }
+        let (dir, remedy) = (self.dir.display(), fault.remedy.clone().unwrap_or_default());
         fault.with_remedy(match self.n_needed {
-            0 => "is the disk full?".to_owned(),
-            1 => format!("is the disk full? `resume` = {dir} resumes the scan after 1 frame"),
-            n => format!("is the disk full? `resume` = {dir} resumes the scan after {n} frames"),
+            0 => remedy,
+            1 => format!("{remedy} `resume` = {dir} resumes the scan after 1 frame"),
+            n => format!("{remedy} `resume` = {dir} resumes the scan after {n} frames"),
         })
     }
 }
 
 impl Drop for ScanJournal {
-    /// Without frames the journal is of no use, nor is a folder that holds nothing else.
+    /// Without frames the journal is of no use, nor is a folder that holds nothing else. One that is not this
+    /// scan's stays.
     fn drop(&mut self) {
-        if self.n_needed > 0 {
+        if self.n_needed > 0 || self.journal.check().is_err() {
             return;
         }
-        let _ = std::fs::remove_file(self.path());
+        let place = self.journal.place();
+        let _ = std::fs::remove_file(place);
         let Some(topmost) = &self.created else { return };
-        let empty = self.dir.ancestors().take_while(|dir| dir.starts_with(topmost));
+        let empty = place.ancestors().skip(1).take_while(|dir| dir.starts_with(topmost));
         empty.for_each(|dir| _ = std::fs::remove_dir(dir));
     }
+}
+
+fn being_scanned(dir: &Path) -> Fault {
+    let fault = Fault::data("is being scanned right now, here or in another process").in_file(dir);
+    fault.with_remedy("choose another folder (`out`), or wait until that scan is finished")
 }

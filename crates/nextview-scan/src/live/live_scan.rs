@@ -141,12 +141,13 @@ impl LiveScan {
     /// The step of a frame that was taken in before, recognised by its name; none of a new one, or of one
     /// without a name. So a frame that is sent again, because its answer was lost, counts once.
     ///
-    /// Fails if the frame of that name had another content.
+    /// Fails if the frame of that name had another content, or cannot be found on the disk any more.
     pub fn known(&self, frame: &LiveFrame) -> Result<Option<&StepRecord>, Fault> {
         let named = |step: &&StepRecord| frame.name.is_some() && step.frame == frame.name;
         let Some(step) = self.scan().steps.iter().find(named) else { return Ok(None) };
         let given = self.fingerprint(frame.world_from_camera.as_ref(), &frame.depth, frame.color.as_ref());
         if self.fingerprints[step.step - 1] == given {
+            self.scan().journal.as_ref().map_or(Ok(()), ScanJournal::check)?;
             return Ok(Some(step));
         }
         let name = frame.name.as_deref().unwrap_or_default();

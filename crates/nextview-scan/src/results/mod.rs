@@ -4,6 +4,7 @@ mod frames;
 mod frames_folder;
 
 use crate::files::{Overwrite, ResultFolder, numbered};
+use crate::journal::Occupant;
 use crate::run::{FinishedScan, Measured};
 use crate::{Fault, FaultKind, Faults, ScanConfig, ScanJournal, ScanRecord, StepRecord, short_name};
 use nextview::geometry::Pose;
@@ -45,11 +46,15 @@ pub fn begin_results(dir: &Path, rule: Overwrite) -> Result<ResultFolder, Faults
 }
 
 /// The folder for the results of a scan where none is named: `scan-OBJECT-PLANNER`, followed by -2, -3, ...
-/// where that one holds results that the rule does not allow to replace. One that holds an interrupted scan
-/// is not skipped, because that scan must be resumed or removed first.
+/// where that one is being scanned, or holds results that the rule does not allow to replace. One that holds
+/// an interrupted scan is not skipped, because that scan must be resumed or removed first.
 pub fn result_folder(config: &ScanConfig, rule: &Overwrite) -> PathBuf {
     let is_refused = |dir: &Path| dir.is_file() || rule.check_folder(dir, ENTRIES).is_err();
-    let is_taken = |dir: &Path| !ScanJournal::is_in(dir) && is_refused(dir);
+    let is_taken = |dir: &Path| match ScanJournal::occupant(dir) {
+        Occupant::Scan => true,
+        Occupant::Interrupted => false,
+        Occupant::Nobody => is_refused(dir),
+    };
     numbered(&format!("scan-{}-{}", short_name(&config.object), config.planner), is_taken).1
 }
 
@@ -65,7 +70,8 @@ pub struct Results {
 /// map, model, frames. What fails is left out and reported; all else is added.
 ///
 /// # Errors
-/// If the scan is cancelled: what is missing then could be made, so the folder must not be published.
+/// If the scan is cancelled: what is missing then could be made, so the folder must not be published. If the
+/// folder of the scan was moved, or holds the journal of another scan by now.
 pub fn write_results(
     folder: &mut ResultFolder,
     config: &ScanConfig,
@@ -95,6 +101,7 @@ pub fn write_results(
         add("mesh.ply", &|w| Ok(write_mesh(w, &model.vertices, model.is_filled(), model.triangles())?));
     }
     faults.extend(frames::add(folder, scan).err().map(|fault| fault.within(FRAMES_FOLDER)));
+    scan.journal.as_ref().map_or(Ok(()), ScanJournal::check_results)?;
     match faults.iter().position(|fault| fault.kind == FaultKind::Cancelled) {
         Some(cancelled) => Err(faults.swap_remove(cancelled)),
         None => Ok(Results { record, faults: Faults::of(faults) }),

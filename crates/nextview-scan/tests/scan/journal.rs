@@ -191,3 +191,55 @@ fn one_process_at_a_time_and_none_is_replaced() {
     let error = Journal::open(&path).unwrap_err().to_string();
     assert!(error.contains("is no journal of a scan"), "{error}");
 }
+
+/// What is written to a file that nobody finds is lost.
+#[cfg(unix)]
+#[test]
+fn no_frame_is_kept_where_it_would_not_be_found() {
+    let folder = Folder::new("journal-elsewhere");
+    let (dir, moved) = (folder.path("a"), folder.path("b"));
+    fs::create_dir(&dir).unwrap();
+    let path = dir.join("a.journal");
+    let mut journal = Journal::create(&path, HEADING).unwrap();
+    journal.keep(&kept(Some(0), 0)).unwrap();
+    let whole = fs::read(&path).unwrap();
+    let refused = |journal: &mut Journal, now: &str, part: &str| {
+        let fault = journal.keep(&kept(None, 1)).unwrap_err();
+        assert!(fault.to_string().contains(part) && fault.remedy.is_some(), "{fault}");
+        let fault = journal.skip(&skipped()).unwrap_err();
+        assert!(fault.to_string().contains(part), "{fault}");
+        if !now.is_empty() {
+            assert_eq!(fs::read(folder.path(now)).unwrap(), whole, "as it was before");
+        }
+    };
+    fs::rename(&dir, &moved).unwrap();
+    refused(
+        &mut journal,
+        "b/a.journal",
+        "a/a.journal: it was moved, or its folder was, while the scan was under way",
+    );
+    fs::create_dir(&dir).unwrap();
+    fs::copy(moved.join("a.journal"), &path).unwrap();
+    refused(&mut journal, "b/a.journal", "a/a.journal: it was replaced by another file");
+    assert_eq!(fs::read(&path).unwrap(), fs::read(moved.join("a.journal")).unwrap());
+    fs::remove_dir_all(&dir).unwrap();
+    fs::rename(&moved, &dir).unwrap();
+    journal.keep(&kept(None, 1)).unwrap(); // it is back
+    fs::remove_file(&path).unwrap();
+    refused(&mut journal, "", "a/a.journal: it was removed, with all frames in it");
+}
+
+#[test]
+fn of_many_who_begin_a_journal_one_does() {
+    let folder = Folder::new("journal-race");
+    for round in 0..20 {
+        let path = folder.path(&format!("{round}.journal"));
+        let begin = || Journal::create(&path, HEADING).ok();
+        let begun: Vec<Option<Journal>> = std::thread::scope(|scope| {
+            let threads: Vec<_> = (0..4).map(|_| scope.spawn(begin)).collect();
+            threads.into_iter().map(|thread| thread.join().unwrap()).collect()
+        });
+        assert_eq!(begun.iter().flatten().count(), 1);
+    }
+    assert_eq!(fs::read_dir(folder.path(".")).unwrap().count(), 20, "nothing else is left");
+}

@@ -1,7 +1,7 @@
 //! After an interruption the journal answers before any capture is asked for.
 
 use crate::common::{Folder, image, image_from, session};
-use nextview_scan::{Interrupted, Next, ScanJournal, ScanRun, StepRecord};
+use nextview_scan::{Interrupted, Journal, Next, ScanJournal, ScanRun, StepRecord};
 
 /// What is done with the views of a scan, one after the other; the answer says what was captured.
 fn act(run: &mut ScanRun<'_>, n_steps: usize, captured: &mut Vec<usize>) {
@@ -113,4 +113,37 @@ fn a_folder_with_an_interrupted_scan_is_not_taken() {
     drop(run);
     let fault = ScanJournal::begin(&dir, "").map(drop).unwrap_err();
     assert!(fault.to_string().ends_with("scan: holds an interrupted scan"), "{fault}");
+}
+
+#[test]
+fn a_folder_that_is_being_scanned_is_said_to_be() {
+    let folder = Folder::new("resume-busy");
+    let dir = folder.path("scan");
+    let first = ScanJournal::begin(&dir, "").unwrap();
+    let begun = ScanJournal::begin(&dir, "").map(drop).unwrap_err();
+    let resumed = ScanJournal::resume(&dir).map(drop).unwrap_err();
+    for fault in [&begun, resumed.iter().next().unwrap()] {
+        assert!(fault.to_string().ends_with("scan: is being scanned right now, here or in another process"));
+        assert!(!fault.remedy.as_ref().unwrap().contains("remove"), "{fault:?}");
+    }
+    // Of a scan that was killed before its first frame nothing is left that could be lost.
+    drop(first);
+    std::fs::create_dir(&dir).unwrap();
+    drop(Journal::create(&dir.join(ScanJournal::FILE), "killed").unwrap());
+    drop(ScanJournal::begin(&dir, "").unwrap());
+    assert!(!ScanJournal::is_in(&dir));
+}
+
+#[cfg(unix)]
+#[test]
+fn a_scan_leaves_the_journal_of_another_alone() {
+    let folder = Folder::new("resume-others");
+    let dir = folder.path("scan");
+    let first = ScanJournal::begin(&dir, "first").unwrap();
+    std::fs::remove_file(dir.join(ScanJournal::FILE)).unwrap();
+    let second = ScanJournal::begin(&dir, "second").unwrap();
+    drop(first);
+    assert!(ScanJournal::is_in(&dir));
+    drop(second);
+    assert!(!ScanJournal::is_in(&dir));
 }

@@ -272,7 +272,7 @@ impl ScanArgs {
                 }
                 // The folder was the scan's when it began.
                 let rule = Overwrite::results();
-                resume(Output { dir: dir.clone(), rule, config: None, json: self.json })
+                resume(Output { dir: dir.clone(), is_named: true, rule, config: None, json: self.json })
             }
         }
     }
@@ -321,8 +321,9 @@ impl ScanArgs {
         config.after = self.after.map(PathBuf::from).or(config.after);
         config.check()?;
         let rule = Overwrite::forced(self.force);
+        let is_named = self.out.is_some();
         let dir = self.out.unwrap_or_else(|| result_folder(&config, &rule));
-        let output = Output { dir, rule, config: self.config, json: self.json };
+        let output = Output { dir, is_named, rule, config: self.config, json: self.json };
         match self.flips {
             Some(1) => begin_and_turn(config, output),
             _ => begin(config, output),

@@ -6,7 +6,7 @@ use nextview_report::{heading, page_of_scan, step_line, summary_text};
 use nextview_scan::files::{Overwrite, ResultFolder};
 use nextview_scan::{
     Begin, Fault, FrameSource, Interrupted, RecordedScan, Results, ScanConfig, ScanJournal, ScanRecord,
-    ScanRun, SimulatedObject, Simulation, Truth, begin_results, write_results,
+    ScanRun, SimulatedObject, Simulation, Truth, begin_results, result_folder, write_results,
 };
 use std::io::Write;
 use std::path::{Path, PathBuf};
@@ -16,6 +16,8 @@ use std::path::{Path, PathBuf};
 pub(super) struct Output {
     /// The folder.
     pub dir: PathBuf,
+    /// Whether the user named it.
+    pub is_named: bool,
     /// Which files in it may be replaced, besides those that the scan reads.
     pub rule: Overwrite,
     /// The configuration file that the scan was begun with.
@@ -27,26 +29,27 @@ pub(super) struct Output {
 /// Scans the configured object and writes the results.
 pub(super) fn begin(config: ScanConfig, output: Output) -> Result<(), Failure> {
     ScanJournal::check_free(&output.dir)?;
-    stdout::print(scan(config, None, &output)?.0)
+    stdout::print(scan(config, None, output)?.0)
 }
 
 /// Scans the object, turns it as the results ask for, and scans it on. Only the results of both are printed
 /// where stdout is JSON.
 pub(super) fn begin_and_turn(config: ScanConfig, output: Output) -> Result<(), Failure> {
-    let first = Output { dir: config.first_placement(&output.dir)?, ..output.clone() };
+    let first = Output { dir: config.first_placement(&output.dir)?, is_named: true, ..output.clone() };
     ScanJournal::check_free(&first.dir)?;
     ScanJournal::check_free(&output.dir)?;
     output.folder(&config)?;
-    let (text, record) = scan(config.clone(), None, &first)?;
+    let first_dir = first.dir.clone();
+    let (text, record) = scan(config.clone(), None, first)?;
     if record.next_placement.is_none() {
-        let dir = first.dir.display();
+        let dir = first_dir.display();
         eprintln!("note: in no other placement could much more be seen: the results in {dir} are all");
         return stdout::print(text);
     }
     if !output.json {
         stdout::print(text + "\n")?;
     }
-    begin(config.going_on_after(first.dir), output)
+    begin(config.going_on_after(first_dir), output)
 }
 
 /// Resumes the scan in a folder, and writes its results as if it had not been interrupted.
@@ -58,14 +61,14 @@ pub(super) fn resume(output: Output) -> Result<(), Failure> {
         eprintln!("note: {}: {damage}", path.display());
     }
     eprintln!("note: resumes after {n_frames} frame{}", if n_frames == 1 { "" } else { "s" });
-    stdout::print(scan(config, Some(journal), &output)?.0)
+    stdout::print(scan(config, Some(journal), output)?.0)
 }
 
 /// Scans and writes the results; returns what to print at the end, and the record.
 fn scan(
     config: ScanConfig,
     journal: Option<ScanJournal>,
-    output: &Output,
+    output: Output,
 ) -> Result<(String, ScanRecord), Failure> {
     if config.live.is_some() {
         Err(own_camera().into())
@@ -85,47 +88,45 @@ fn own_camera() -> Fault {
 fn simulated(
     mut config: ScanConfig,
     journal: Option<ScanJournal>,
-    output: &Output,
+    output: Output,
 ) -> Result<(String, ScanRecord), Failure> {
-    let folder = output.folder(&config)?;
+    output.folder(&config)?;
     let object = SimulatedObject::new(&config)?;
     config.voxel_size_m = Some(object.voxel_size);
     config.views = Some(config.max_views(object.views.len()));
     let notes = object.notes().into_iter().map(|note| word(&format!("note: {note}")));
     output.begin(&config, &object.description(), notes, object.views.len())?;
+    let taken = output.take(&config, journal)?;
     let truth = config.needs_truth().then(|| {
         let progress = Progress::of_baselines(object.views.len());
         Truth::new(&object, &Cancel::default(), || progress.step())
     });
     let truth = truth.transpose()?;
-    drive(&Simulation::new(&object, &config, truth.as_ref()), &config, journal, folder, output)
+    drive(&Simulation::new(&object, &config, truth.as_ref()), &config, taken)
 }
 
 fn recorded(
     mut config: ScanConfig,
     journal: Option<ScanJournal>,
-    output: &Output,
+    output: Output,
 ) -> Result<(String, ScanRecord), Failure> {
-    let folder = output.folder(&config)?;
+    output.folder(&config)?;
     let mut scan = RecordedScan::open(&mut config)?;
     let skipped = scan.skipped().into_iter().map(|skipped| format!("skipped: {skipped}"));
     let notes = scan.notes().iter().map(|note| word(&format!("note: {note}"))).chain(skipped);
     output.begin(&config, &scan.description(&config), notes, scan.n_views())?;
+    let taken = output.take(&config, journal)?;
     scan.look(&config, &Cancel::default())?;
-    drive(&scan, &config, journal, folder, output)
+    drive(&scan, &config, taken)
 }
 
 /// Runs the scan to its end, and writes and prints the results.
 fn drive(
     source: &dyn FrameSource,
     config: &ScanConfig,
-    journal: Option<ScanJournal>,
-    mut folder: ResultFolder,
-    output: &Output,
+    taken: Taken,
 ) -> Result<(String, ScanRecord), Failure> {
-    let text = toml::to_string(&config.kept_in(&output.dir)).map_err(Failure::data)?;
-    let journal = journal.map_or_else(|| ScanJournal::begin(&output.dir, &text), Ok)?;
-    interrupt::resumable("nextview scan --resume", &output.dir, output.dir.join(ScanJournal::FILE));
+    let Taken { output, text, journal, mut folder } = taken;
     let mut run = ScanRun::begin(source, config, Begin { journal: Some(journal), ..Begin::default() })?;
     let progress = Progress::new("scanning", config.views.unwrap_or_default());
     let mut printed = Ok(());
@@ -173,7 +174,43 @@ fn command_again(dir: &Path) -> String {
     format!("# in the folder where the scan was run\nnextview scan --config {config} --out {again}")
 }
 
+/// A folder that is this scan's alone.
+struct Taken {
+    output: Output,
+    /// The configuration.
+    text: String,
+    journal: ScanJournal,
+    folder: ResultFolder,
+}
+
 impl Output {
+    /// Takes the folder before the work begins. If the user did not name it, and another scan has taken it
+    /// since its name was chosen, takes the next one.
+    fn take(mut self, config: &ScanConfig, journal: Option<ScanJournal>) -> Result<Taken, Failure> {
+        let text = |dir: &Path| toml::to_string(&config.kept_in(dir)).map_err(Failure::data);
+        let begin = |output: &Self| -> Result<(ScanJournal, ResultFolder), Failure> {
+            let journal = ScanJournal::begin(&output.dir, &text(&output.dir)?)?;
+            // Results may have appeared before.
+            Ok((journal, output.folder(config)?))
+        };
+        let (journal, folder) = match journal {
+            Some(journal) => (journal, self.folder(config)?),
+            None => loop {
+                let begun = begin(&self);
+                if begun.is_err() && !self.is_named {
+                    let next = result_folder(config, &self.rule);
+                    if next != self.dir {
+                        self.dir = next;
+                        continue;
+                    }
+                }
+                break begun?;
+            },
+        };
+        interrupt::resumable("nextview scan --resume", &self.dir, self.dir.join(ScanJournal::FILE));
+        Ok(Taken { text: text(&self.dir)?, output: self, journal, folder })
+    }
+
     /// Begins the folder; fails if it cannot take the results.
     fn folder(&self, config: &ScanConfig) -> Result<ResultFolder, Failure> {
         let inputs = config.inputs().into_iter().chain(self.config.clone()).collect();
