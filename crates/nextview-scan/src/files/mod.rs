@@ -7,8 +7,8 @@ mod read;
 mod results;
 mod write;
 
-pub use keep::Overwrite;
+pub use keep::{Overwrite, check_name, is_within};
 pub use numbered::numbered;
 pub use read::{open, read, read_text};
 pub use results::{ResultFolder, remove_unfinished};
-pub use write::{NewFile, write};
+pub use write::{NewFile, unfinished, write};
