@@ -113,7 +113,7 @@ fn check_name(name: &str) -> Result<(), Fault> {
     {
         return Ok(());
     }
-    let expected = "up to 200 letters, digits, '-', '_' and '.', since it names a folder";
+    let expected = "letters, digits, '-', '_' and '.', up to 200 bytes, since it names a folder";
     Err(Fault::data(format!("name is {name:?}, expected {expected}")))
 }
 

@@ -111,7 +111,7 @@ fn what_only_the_whole_shows_is_found_too() {
         "name = \"x\"\nviews = 3\n[[variant]]\nnois.model = 3",
         &[
             "line 2, column 1: `views` is not a key; in a campaign, it is `scan.views`",
-            "line 4, column 1: variant 1: `variant.0.nois` is not a key; did you mean",
+            "line 4, column 1: variant 1: `variant.0.nois` is not a key; the keys of `variant.0` are label, ",
         ],
     );
     check("name = \"x\"\nobjects = []", &["line 2, column 1: objects is empty, expected at least one mesh"]);
@@ -144,7 +144,7 @@ fn what_multiplies_to_too_many_runs_is_refused_before_any_is_made() {
         &["100000000 runs (1 objects x 1 variants x up to 10000 seeds x 10000 view_seeds x 1 first_views)"],
     );
     let name = format!("name = \"{}\"", "a".repeat(201));
-    check(&name, &["expected up to 200 letters, digits"]);
+    check(&name, &["up to 200 bytes, since it names a folder"]);
 }
 
 #[test]
