@@ -5,7 +5,7 @@
 ...     nextview.Camera(640, 480, fx=-1.0, fy=600.0, cx=320.0, cy=240.0)
 ... except nextview.InputError as error:
 ...     print(error)
-focal length (fx, fy) is [-1, 600], expected positive numbers of pixels
+fx is -1.0, expected a positive number of pixels, at least 1/250 of the image, at most 1e6
 """
 
 from __future__ import annotations

@@ -81,10 +81,10 @@ impl Spec {
 
 impl Runs {
     fn new(spec: &Spec, variants: Vec<Variant>) -> Self {
-        let mut n_of_object = 0;
+        let mut n_of_object: usize = 0;
         let firsts = variants.iter().map(|variant| {
             let first = n_of_object;
-            n_of_object += n_runs(variant);
+            n_of_object = n_of_object.saturating_add(n_runs(variant));
             first
         });
         Self {
@@ -100,7 +100,7 @@ impl Runs {
 
     /// Number of runs.
     pub fn len(&self) -> usize {
-        self.objects.len() * self.n_of_object
+        self.objects.len().saturating_mul(self.n_of_object)
     }
 
     /// Whether there are none.
@@ -157,12 +157,20 @@ impl Runs {
 
 /// Number of runs of a variant on an object.
 fn n_runs(variant: &Variant) -> usize {
-    variant.seeds.len() * variant.view_seeds.len() * variant.first_views.len()
+    let n_seeds = variant.seeds.len().saturating_mul(variant.view_seeds.len());
+    n_seeds.saturating_mul(variant.first_views.len())
 }
+
+/// Most runs of a campaign: their places in its file are held in memory, 24 bytes each.
+const MAX_RUNS: usize = 10_000_000;
+
+/// Most variants of a campaign, those of sweeps included: each is a whole configuration.
+const MAX_VARIANTS: usize = 10_000;
 
 /// The variants as far as they can be configured; `faults` gets what is wrong with them and the objects.
 pub(crate) fn check(spec: &Spec, faults: &mut FaultList) -> Vec<Variant> {
     let variants = variants(spec, faults);
+    check_number(spec, &variants, faults);
     check_objects(&spec.objects, faults);
     variants
 }
@@ -185,10 +193,29 @@ fn seeded(config: ScanConfig, variant: &Variant, repetition: Repetition<'_>) -> 
     config
 }
 
+/// Fails if there are more runs than a campaign can hold, which is told before anything is made for each.
+fn check_number(spec: &Spec, variants: &[Variant], faults: &mut FaultList) {
+    let n_of_object = variants.iter().fold(0, |n: usize, variant| n.saturating_add(n_runs(variant)));
+    let n_objects = spec.objects.len();
+    let n = n_of_object.saturating_mul(n_objects);
+    if n <= MAX_RUNS {
+        return;
+    }
+    let most = |number: fn(&Variant) -> usize| variants.iter().map(number).max().unwrap_or_default();
+    let (seeds, sets) = (most(|of| of.seeds.len()), most(|of| of.view_seeds.len()));
+    let (n_variants, first_views) = (variants.len(), most(|of| of.first_views.len()));
+    let message = format!(
+        "{n} runs ({n_objects} objects x {n_variants} variants x up to {seeds} seeds x {sets} view_seeds x \
+         {first_views} first_views), expected at most {MAX_RUNS}"
+    );
+    faults.add_without_key(Fault::data(message).with_remedy("make several campaigns of it"));
+}
+
 fn variants(spec: &Spec, faults: &mut FaultList) -> Vec<Variant> {
     let mut variants: Vec<(usize, Variant)> = Vec::new();
     for (variant, i) in spec.variant.iter().zip(0..) {
-        variants.extend(expand(variant, i, spec, faults).into_iter().map(|variant| (i, variant)));
+        let most = MAX_VARIANTS - variants.len();
+        variants.extend(expand(variant, i, spec, most, faults).into_iter().map(|variant| (i, variant)));
     }
     // Labels that could not be read would seem to be equal.
     if faults.is_empty()

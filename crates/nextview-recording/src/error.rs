@@ -30,6 +30,14 @@ pub enum RecordingError {
     /// It is broken, or does not fit the rest, as a whole.
     #[error("{0}")]
     Content(String),
+    /// An option of [`ReadOptions`](crate::ReadOptions) does not fit the recording, or one is needed.
+    #[error("{problem} as `{key}`")]
+    Option {
+        /// The option.
+        key: &'static str,
+        /// What there is, and what to choose.
+        problem: String,
+    },
     /// A value is out of the library's range.
     #[error(transparent)]
     Value(#[from] nextview::Error),

@@ -146,7 +146,7 @@ impl Columns {
     fn new(header: &Line<'_>, options: &ReadOptions) -> Result<Self, RecordingError> {
         let names = header.fields();
         let find = |name: &str| names.iter().position(|field| *field == name);
-        let prefix = pose_prefix(&names, options).map_err(|problem| header.error(problem))?;
+        let prefix = pose_prefix(header, &names, options)?;
         let column = |entry: &str| {
             let name = format!("{prefix}{entry}");
             find(&name).ok_or_else(|| header.error(format!("there is no column {name}")))
@@ -178,7 +178,7 @@ impl Columns {
 }
 
 /// Prefix of the pose columns: the requested one, or ours, or else the only choice.
-fn pose_prefix(names: &[&str], options: &ReadOptions) -> Result<String, String> {
+fn pose_prefix(header: &Line<'_>, names: &[&str], options: &ReadOptions) -> Result<String, RecordingError> {
     let complete =
         |prefix: &&str| ENTRIES.iter().all(|entry| names.contains(&format!("{prefix}{entry}").as_str()));
     let prefixes: Vec<&str> =
@@ -187,13 +187,18 @@ fn pose_prefix(names: &[&str], options: &ReadOptions) -> Result<String, String> 
     match (wanted.or_else(|| prefixes.contains(&POSE).then_some(POSE)), prefixes.as_slice()) {
         (Some(prefix), _) if prefixes.contains(&prefix) => Ok(prefix.to_owned()),
         (None, [prefix]) => Ok((*prefix).to_owned()),
-        (_, []) => Err(format!("there are no pose columns, expected {POSE}_00 to {POSE}_23, row by row")),
-        (Some(prefix), others) => {
-            Err(format!("there are no pose columns {prefix}_00 to {prefix}_23, but {}", others.join(", ")))
+        (_, []) => {
+            Err(header
+                .error(format!("there are no pose columns, expected {POSE}_00 to {POSE}_23, row by row")))
         }
+        (Some(prefix), others) => Err(header.error(format!(
+            "there are no pose columns {prefix}_00 to {prefix}_23, but {}",
+            others.join(", ")
+        ))),
         (None, several) => {
-            let names = several.join(", ");
-            Err(format!("there are several sets of pose columns, {names}: choose one as `pose_columns`"))
+            let (place, names) = (header.place(), several.join(", "));
+            let problem = format!("{place}: there are several sets of pose columns, {names}: choose one");
+            Err(RecordingError::Option { key: "pose_columns", problem })
         }
     }
 }

@@ -150,18 +150,16 @@ impl ReadOptions {
     /// Fails on the first value out of range.
     pub fn check(&self) -> Result<(), RecordingError> {
         if let (Some(topic), Some(frame)) = (&self.pose_topic, &self.world_frame) {
-            return Err(RecordingError::Content(format!(
-                "`pose_topic` is {topic} and `world_frame` is {frame}, expected one of both: poses come from a topic or from \
-                 transforms"
-            )));
+            let problem =
+                format!("poses come from the topic {topic} or from transforms, expected no frame {frame}");
+            return Err(RecordingError::Option { key: "world_frame", problem });
         }
         let tolerance = self.pose_tolerance_s;
         if tolerance >= 0.0 && tolerance.is_finite() {
             return Ok(());
         }
-        Err(RecordingError::Content(format!(
-            "`pose_tolerance_s` is {tolerance}, expected a number of seconds, at least 0"
-        )))
+        let problem = format!("{tolerance} is out of range, expected a number of seconds, at least 0,");
+        Err(RecordingError::Option { key: "pose_tolerance_s", problem })
     }
 }
 

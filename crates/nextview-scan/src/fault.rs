@@ -3,6 +3,7 @@
 use nextview_recording::RecordingError;
 use serde::Serialize;
 use std::fmt;
+use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -112,11 +113,16 @@ impl Fault {
         self
     }
 
-    /// The same while this file or folder was written.
+    /// The same while this file or folder was written. A remedy stays.
     pub fn while_writing(mut self, file: &Path) -> Self {
         self.message = format!("cannot be written: {}", self.message);
-        self.in_file(file)
-            .with_remedy("does its folder exist, is it writable, and is there space on the disk?")
+        let fault = self.in_file(file);
+        match fault.remedy {
+            Some(_) => fault,
+            None => {
+                fault.with_remedy("does its folder exist, is it writable, and is there space on the disk?")
+            }
+        }
     }
 
     /// The same in a named part of a file.
@@ -186,19 +192,34 @@ impl From<nextview_sim::SimError> for Fault {
 
 impl From<RecordingError> for Fault {
     fn from(error: RecordingError) -> Self {
-        // The options of that library are keys of `recording.read` here.
-        let keys =
-            ["pose_columns", "depth_topic", "pose_topic", "world_frame", "color_topic", "pose_tolerance_s"];
-        let message = keys.iter().fold(error.to_string(), |message, key| {
-            message.replace(&format!("`{key}`"), &format!("`recording.read.{key}`"))
-        });
-        Self::data(message)
+        match error {
+            RecordingError::InFile { path, error } => Self::from(*error).within(path.display()),
+            // The options of that library are keys of `recording.read` here.
+            RecordingError::Option { key, problem } => {
+                let key = format!("recording.read.{key}");
+                Self { key: Some(key.clone()), ..Self::data(format!("{problem} as `{key}`")) }
+            }
+            error => Self::data(error),
+        }
     }
 }
 
+/// The number of the error EMFILE on Unix.
+#[cfg(unix)]
+const TOO_MANY_FILES: i32 = 24;
+
 impl From<std::io::Error> for Fault {
     fn from(error: std::io::Error) -> Self {
-        Self::data(error)
+        let remedy = match (error.kind(), error.raw_os_error()) {
+            (ErrorKind::InvalidFilename, _) => Some("a name has at most 255 bytes"),
+            (ErrorKind::StorageFull | ErrorKind::QuotaExceeded, _) => Some("free some space on the disk"),
+            (ErrorKind::FileTooLarge, _) => Some("the system limits the size of files (ulimit -f)"),
+            (ErrorKind::OutOfMemory, _) => Some("the system limits the memory (ulimit -v)"),
+            #[cfg(unix)]
+            (_, Some(TOO_MANY_FILES)) => Some("the system limits the number of open files (ulimit -n)"),
+            _ => None,
+        };
+        Self { remedy: remedy.map(str::to_owned), ..Self::data(error) }
     }
 }
 

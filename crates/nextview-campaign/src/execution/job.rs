@@ -22,8 +22,15 @@ pub fn execute<W: WorkSource + ?Sized>(
     let queue = Queue::new(&take);
     let job = || job(work, &queue, &host, (n_jobs == 1, truths), cancel).inspect_err(|_| queue.stop());
     std::thread::scope(|scope| {
-        let jobs: Vec<_> = (0..n_jobs).map(|_| scope.spawn(job)).collect();
-        let ends = jobs.into_iter().map(|job| job.join().expect("panics are caught in the job"));
+        let spawn = |_| {
+            std::thread::Builder::new().spawn_scoped(scope, job).map_err(|error| {
+                queue.stop();
+                Fault::data(format!("a thread cannot be started: {error}"))
+                    .with_remedy("take fewer jobs (`jobs`)")
+            })
+        };
+        let jobs: Vec<_> = (0..n_jobs).map(spawn).collect();
+        let ends = jobs.into_iter().map(|job| job?.join().expect("panics are caught in the job"));
         // All are awaited before the first fault is returned.
         ends.fold(Ok(()), Result::and)
     })

@@ -30,7 +30,7 @@ use nextview_scan::{Fault, TruthCache};
 use tally::Tally;
 
 /// Does all open runs of a campaign, or of the store's shard of it, `n_jobs` beside each other, by default
-/// one per thread. Truths of objects come from the cache, if there is one.
+/// one per thread, and no more than that. Truths of objects come from the cache, if there is one.
 ///
 /// A run that fails is recorded with its reason and does not stop the others. If this is cancelled, runs that
 /// are finished are kept, and all others stay open.
@@ -43,6 +43,8 @@ pub fn run_campaign(
 ) -> Result<(), Fault> {
     let tally = Tally::new(store);
     tally.beginning(store).into_iter().for_each(listener);
-    let n_jobs = n_jobs.unwrap_or_else(rayon::current_num_threads).clamp(1, tally.n_left().max(1));
+    let n_threads = rayon::current_num_threads();
+    // A job needs a thread, and holds an object with its frames.
+    let n_jobs = n_jobs.unwrap_or(n_threads).min(n_threads).clamp(1, tally.n_left().max(1));
     execute(&OpenRuns::new(store, listener), n_jobs, truths, cancel)
 }

@@ -31,16 +31,21 @@ const VIEW_SEED: &str = "view_seed";
 
 /// All combinations of the values that a variant, which has this index, sweeps; the last key changes fastest.
 /// Keys, seeds, sets of candidates and first views are the specification's where the variant has none of its
-/// own.
+/// own. Only so many combinations may be made.
 pub(crate) fn expand(
     variant: &VariantSpec,
     index: usize,
     spec: &Spec,
+    most: usize,
     faults: &mut FaultList,
 ) -> Vec<Variant> {
     let mut expansion = Expansion { variant, index, spec, sweeps: Vec::new(), faults };
     expansion.check_lists();
     expansion.sweeps = expansion.sweeps();
+    if sweep::n_combinations(&expansion.sweeps) > most {
+        expansion.refuse_combinations(most);
+        return Vec::new();
+    }
     let tables = sweep::combined(merged(spec.scan.clone(), variant.scan.clone()), &expansion.sweeps);
     tables.into_iter().filter_map(|table| expansion.variant(table)).collect()
 }
@@ -65,6 +70,15 @@ impl Expansion<'_> {
 
     fn first_views(&self) -> &FirstViews {
         self.variant.first_views.as_ref().unwrap_or(&self.spec.first_views)
+    }
+
+    fn refuse_combinations(&mut self, most: usize) {
+        let (n, factors) = (sweep::n_combinations(&self.sweeps), sweep::factors(&self.sweeps));
+        let n = if n == usize::MAX { "more than can be counted".to_owned() } else { n.to_string() };
+        let message =
+            format!("sweep multiplies to {n} variants ({factors}), expected at most {most} more variants");
+        let fault = Fault::data(message).with_remedy("sweep fewer values, or make several campaigns");
+        self.add("sweep", fault);
     }
 
     fn check_lists(&mut self) {
@@ -125,8 +139,12 @@ impl Expansion<'_> {
     /// specification.
     fn add_of_config(&mut self, fault: &Fault) {
         let key = fault.key.as_deref().unwrap_or_default();
-        if self.sweeps.iter().any(|sweep| sweep.key == key) {
-            self.add(&format!("sweep.{key}"), fault.clone());
+        let is_part = |sweep: &&Sweep| {
+            key.strip_prefix(&sweep.key).is_some_and(|rest| rest.is_empty() || rest.starts_with('.'))
+        };
+        if let Some(sweep) = self.sweeps.iter().find(is_part) {
+            let key = format!("sweep.{}", sweep.key);
+            self.add(&key, fault.clone());
         } else if sets(&self.variant.scan, key) {
             self.add(&format!("scan.{key}"), fault.clone());
         } else if sets(&self.spec.scan, key) {

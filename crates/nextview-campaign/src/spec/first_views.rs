@@ -1,12 +1,13 @@
 use super::values::check_distinct;
 use crate::seeds::FirstViewDraw;
 use nextview_scan::{Fault, ScanConfig};
-use serde::{Deserialize, Serialize};
+use serde::de::{Error, Unexpected};
+use serde::{Deserialize, Deserializer, Serialize};
 use toml::Value;
 
 /// The views that the scans of an object begin with, one for each.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(untagged, try_from = "Value")]
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+#[serde(untagged)]
 pub enum FirstViews {
     /// These, by their numbers among the candidates.
     List(Vec<usize>),
@@ -57,16 +58,15 @@ impl Default for FirstViews {
     }
 }
 
-impl TryFrom<Value> for FirstViews {
-    type Error = String;
-
-    fn try_from(value: Value) -> Result<Self, String> {
-        let expected = "expected a list of numbers of views, or how many to draw";
+impl<'de> Deserialize<'de> for FirstViews {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
         let number = |value: &Value| value.as_integer().and_then(|number| usize::try_from(number).ok());
+        let value = Value::deserialize(deserializer)?;
         let views = match &value {
             Value::Array(views) => views.iter().map(number).collect::<Option<Vec<usize>>>().map(Self::List),
             value => number(value).map(Self::Count),
         };
-        views.ok_or_else(|| format!("is {value}, {expected}"))
+        let expected = "a list of numbers of views, or how many to draw";
+        views.ok_or_else(|| D::Error::invalid_value(Unexpected::Other(value.type_str()), &expected))
     }
 }

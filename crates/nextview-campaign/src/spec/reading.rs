@@ -100,12 +100,20 @@ fn spec(table: Table, faults: &mut FaultList) -> Spec {
     Spec { name, seed, seeds, view_seeds, first_views, objects, scan, variant }
 }
 
+/// Longest name of a campaign: of the 255 bytes of a folder's name, `bench-` and the number of a shard need
+/// some.
+const MAX_NAME_BYTES: usize = 200;
+
 fn check_name(name: &str) -> Result<(), Fault> {
     let is_plain = |c: char| c.is_alphanumeric() || "-_.".contains(c);
-    if !name.is_empty() && !name.starts_with('.') && name.chars().all(is_plain) {
+    if !name.is_empty()
+        && name.len() <= MAX_NAME_BYTES
+        && !name.starts_with('.')
+        && name.chars().all(is_plain)
+    {
         return Ok(());
     }
-    let expected = "letters, digits, '-', '_' and '.', since it names a folder";
+    let expected = "letters, digits, '-', '_' and '.', up to 200 bytes, since it names a folder";
     Err(Fault::data(format!("name is {name:?}, expected {expected}")))
 }
 

@@ -1,5 +1,5 @@
 use super::FaultList;
-use nextview_scan::{Fault, Faults, ScanConfig};
+use nextview_scan::{Fault, ScanConfig, read_value};
 use serde::de::DeserializeOwned;
 use toml::{Table, Value};
 
@@ -30,8 +30,7 @@ impl<'a> Section<'a> {
         self.known.push(key);
         let value = self.left.remove(key)?;
         let whole_key = format!("{}{key}", self.prefix);
-        let read = value.clone().try_into().map_err(|error| Fault::of_toml(&whole_key, &value, &error));
-        read.map_err(|fault| self.add(key, fault)).ok()
+        read_value(&whole_key, &value).map_err(|fault| self.add_at(fault)).ok()
     }
 
     /// The same of a list of values, each of which may be wrong by itself.
@@ -52,24 +51,23 @@ impl<'a> Section<'a> {
 
     /// Keys that were not asked for are faults.
     pub fn end(mut self) {
-        for (key, value) in std::mem::take(&mut self.left) {
+        for (key, _) in std::mem::take(&mut self.left) {
             let fault = Fault::unknown_key(&self.prefix, &key, self.known.iter().copied());
             let has_scan = self.known.contains(&"scan");
-            let is_of_scan = has_scan && is_of_scan(&key, value);
+            let is_of_scan = has_scan && ScanConfig::has_key(&key);
             let remedy = format!("in a campaign, it is `{}scan.{key}`", self.prefix);
             self.add(&key, if is_of_scan { fault.with_remedy(remedy) } else { fault });
         }
     }
 
     fn add(&mut self, key: &str, fault: Fault) {
-        let fault = if self.name.is_empty() { fault } else { fault.within(&self.name) };
-        self.faults.add(&format!("{}{key}", self.prefix), fault);
+        self.add_at(Fault { key: Some(format!("{}{key}", self.prefix)), ..fault });
     }
-}
 
-/// Whether a configuration of a scan has this key.
-fn is_of_scan(key: &str, value: Value) -> bool {
-    let faults = ScanConfig::from_table(Table::from_iter([(key.to_owned(), value)])).err();
-    let unknown = format!("`{key}` is not a key");
-    !faults.iter().flat_map(Faults::iter).any(|fault| fault.message == unknown)
+    /// Adds a fault that has its key.
+    fn add_at(&mut self, fault: Fault) {
+        let key = fault.key.clone().unwrap_or_default();
+        let fault = if self.name.is_empty() { fault } else { fault.within(&self.name) };
+        self.faults.add(&key, fault);
+    }
 }

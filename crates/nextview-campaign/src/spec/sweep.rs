@@ -34,6 +34,17 @@ fn collect(prefix: &str, table: &Table, sweeps: &mut Vec<Sweep>, faults: &mut Ve
     }
 }
 
+/// How many combinations of the swept values there are; more than can be counted are [`usize::MAX`].
+pub(super) fn n_combinations(sweeps: &[Sweep]) -> usize {
+    sweeps.iter().fold(1, |n, sweep| n.saturating_mul(sweep.values.len()))
+}
+
+/// The factors of that number, such as `max_flow.gamma 3 x candidates 2`.
+pub(super) fn factors(sweeps: &[Sweep]) -> String {
+    let factors = sweeps.iter().map(|Sweep { key, values }| format!("{key} {}", values.len()));
+    factors.collect::<Vec<_>>().join(" x ")
+}
+
 /// The table with every combination of the swept values, the last key changing fastest.
 pub(super) fn combined(table: Table, sweeps: &[Sweep]) -> Vec<Table> {
     sweeps.iter().fold(vec![table], |tables, Sweep { key, values }| {

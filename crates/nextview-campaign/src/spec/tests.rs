@@ -111,7 +111,7 @@ fn what_only_the_whole_shows_is_found_too() {
         "name = \"x\"\nviews = 3\n[[variant]]\nnois.model = 3",
         &[
             "line 2, column 1: `views` is not a key; in a campaign, it is `scan.views`",
-            "line 4, column 1: variant 1: `variant.0.nois` is not a key; did you mean",
+            "line 4, column 1: variant 1: `variant.0.nois` is not a key; the keys of `variant.0` are label, ",
         ],
     );
     check("name = \"x\"\nobjects = []", &["line 2, column 1: objects is empty, expected at least one mesh"]);
@@ -119,6 +119,32 @@ fn what_only_the_whole_shows_is_found_too() {
         "name = \"x\"\n[scan]\nplanner = \"rse\"\nstop.completeness = 0.9",
         &["the planner rse cannot stop by completeness"],
     );
+}
+
+#[test]
+fn what_multiplies_to_too_many_runs_is_refused_before_any_is_made() {
+    let list = |n: usize| (0..n).map(|i| i.to_string()).collect::<Vec<_>>().join(", ");
+    let swept = format!(
+        "name = \"x\"\n[[variant]]\n[variant.sweep]\ncandidates = [{0}]\nseed = [{0}]\n\"map.rays\" = [{0}]",
+        list(1000)
+    );
+    check(
+        &swept,
+        &[
+            "line 3, column 10: variant 1: sweep multiplies to 1000000000 variants (candidates 1000 x map.rays 1000 x seed \
+           1000), expected at most 10000 more variants; sweep fewer values",
+        ],
+    );
+    let seeds = format!(
+        "name = \"x\"\nobjects = [\"builtin:mug\"]\nseeds = [{0}]\nview_seeds = [{0}]\n",
+        list(10_000)
+    );
+    check(
+        &seeds,
+        &["100000000 runs (1 objects x 1 variants x up to 10000 seeds x 10000 view_seeds x 1 first_views)"],
+    );
+    let name = format!("name = \"{}\"", "a".repeat(201));
+    check(&name, &["up to 200 bytes, since it names a folder"]);
 }
 
 #[test]

@@ -34,6 +34,11 @@ pub struct Merged {
 /// build, every run of the campaign is there, and repeated ones are equal. The result appears as a whole or
 /// not at all, and replaces nothing; the folders stay as they are.
 pub fn merge(dirs: &[PathBuf], out: &Path) -> Result<Merged, Faults> {
+    let inside = dirs.iter().filter(|dir| files::is_within(out, dir)).map(|dir| {
+        let fault = Fault::data(format!("is within {}, which is read", dir.display())).in_file(out);
+        fault.with_remedy("choose another folder (`out`)")
+    });
+    Faults::of(inside.collect()).map_or(Ok(()), Err)?;
     let staging = Staging::begin(out)?;
     let mut merging = Merging::begin(dirs)?;
     for (number, dir) in (0..).zip(dirs) {

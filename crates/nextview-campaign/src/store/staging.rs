@@ -1,4 +1,4 @@
-use nextview_scan::Fault;
+use nextview_scan::{Fault, files};
 use std::fs;
 use std::path::{Path, PathBuf};
 
@@ -13,6 +13,7 @@ pub(super) struct Staging {
 impl Staging {
     /// Fails if something is there already, or nothing can be written there.
     pub fn begin(target: &Path) -> Result<Self, Fault> {
+        files::check_name(target)?;
         let is_free = match fs::read_dir(target) {
             Ok(mut entries) => entries.next().is_none(),
             Err(_) => !target.exists(),
@@ -21,8 +22,7 @@ impl Staging {
             let fault = Fault::data("is not empty, and nothing is replaced").in_file(target);
             return Err(fault.with_remedy("choose another folder (`out`)"));
         }
-        let name = target.file_name().unwrap_or_default().to_string_lossy();
-        let path = target.with_file_name(format!(".{name}.{}.partial", std::process::id()));
+        let path = target.with_file_name(files::unfinished(target));
         fs::create_dir_all(&path).map_err(|error| Fault::from(error).while_writing(target))?;
         Ok(Self { target: target.to_owned(), path })
     }

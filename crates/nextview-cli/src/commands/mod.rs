@@ -22,6 +22,8 @@ mod views;
 use crate::Failure;
 use clap::{CommandFactory, Parser, Subcommand};
 use nextview_scan::files;
+use std::num::NonZero;
+use std::thread::available_parallelism;
 
 /// Decides where a depth camera should look next, so that an unknown object is scanned completely in as few
 /// views as possible.
@@ -37,7 +39,7 @@ use nextview_scan::files;
 #[derive(Debug, Parser)]
 #[command(name = "nextview", version, long_version = version::long(), max_term_width = 100, after_help = EXAMPLES)]
 pub struct Cli {
-    /// Number of threads [default: all cores]; results do not depend on it
+    /// Number of threads [default: all cores], at most four for each core; results do not depend on it
     #[arg(long, global = true, display_order = 100, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
     threads: Option<u16>,
     #[command(subcommand)]
@@ -85,14 +87,29 @@ enum Command {
     Man(man::ManArgs),
 }
 
+/// Most threads for each core: with more, they spend their time looking for work with each other.
+const MOST_PER_CORE: usize = 4;
+
+/// Starts the threads of all computations at once, so that a system that allows no more of them is told before
+/// there is any work to lose.
+fn start_threads(wanted: Option<usize>) -> Result<(), Failure> {
+    let most = MOST_PER_CORE * available_parallelism().map_or(1, NonZero::get);
+    let n = wanted.map(|wanted| wanted.min(most));
+    if let Some(wanted) = wanted.filter(|wanted| *wanted > most) {
+        eprintln!("note: {most} threads in place of {wanted}: more do not help here");
+    }
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(n.unwrap_or(0));
+    pool.build_global().map_err(|error| {
+        let failure = Failure::data(format!("the threads cannot be started: {error}"));
+        failure.with_hint("take fewer (--threads), or allow more processes or memory (ulimit -u, ulimit -v)")
+    })
+}
+
 impl Cli {
     /// Does what was asked for.
     pub fn run(self) -> Result<(), Failure> {
         files::limit_is_an_error()?;
-        if let Some(threads) = self.threads {
-            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads as usize);
-            pool.build_global().map_err(Failure::data)?;
-        }
+        start_threads(self.threads.map(usize::from))?;
         match self.command {
             Command::Scan(args) => args.run(),
             Command::Export(args) => args.run(),

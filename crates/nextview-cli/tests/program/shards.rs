@@ -163,6 +163,9 @@ fn a_merge_replaces_nothing_and_leaves_out_torn_lines() {
     for out in ["shard-2", "mine", "tiny.toml"] {
         refused(&folder, &all, out, &["is not empty, and nothing is replaced", "(--out)"]);
     }
+    for out in ["shard-2/whole", "mine/../shard-2/new/whole"] {
+        refused(&folder, &all, out, &["whole: is within shard-2, which is read", "(--out)"]);
+    }
     refused(
         &folder,
         &["tiny.toml"],

@@ -20,16 +20,19 @@ impl Poses {
         camera: &str,
         world: Option<&str>,
     ) -> Result<Self, RecordingError> {
-        let refused = |problem: String| {
-            RecordingError::Content(format!("the pose of '{camera}', the frame of the images: {problem}"))
-        };
+        let of_camera =
+            |problem: String| format!("the pose of '{camera}', the frame of the images: {problem}");
         let world = match world {
             Some(world) => world.to_owned(),
-            None => tree.root_of(camera).map_err(|error| refused(error.to_string()))?.to_owned(),
+            None => tree
+                .root_of(camera)
+                .map_err(|error| RecordingError::Content(of_camera(error.to_string())))?
+                .to_owned(),
         };
         // At any time: what can be found only at some times is another fault, of single images.
         if let Err(error) = tree.check_connected(&world, camera) {
-            return Err(refused(format!("{error}; `world_frame` chooses the frame of the world")));
+            let problem = of_camera(format!("{error}; choose the frame of the world"));
+            return Err(RecordingError::Option { key: "world_frame", problem });
         }
         Ok(Self::Transforms { tree, world, camera: camera.to_owned() })
     }

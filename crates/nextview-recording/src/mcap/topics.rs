@@ -80,9 +80,8 @@ fn poses_of(
         return Poses::of_transforms(transforms.tree, camera, world);
     }
     if let Some(world) = world {
-        let problem =
-            format!("`world_frame` is {world}, but there are no transforms, expected /tf and /tf_static");
-        return Err(RecordingError::Content(problem));
+        let problem = format!("there are no transforms, expected /tf and /tf_static with the frame {world}");
+        return Err(RecordingError::Option { key: "world_frame", problem });
     }
     let topic = chosen("PoseStamped", &topics, "pose_topic", options.pose_topic.as_deref())?;
     let poses = Stamped::sorted(topics.remove(&topic).unwrap_or_default())?;
@@ -187,22 +186,23 @@ impl Topics {
 fn chosen<T>(
     what: &str,
     topics: &BTreeMap<String, T>,
-    option: &str,
+    option: &'static str,
     wanted: Option<&str>,
 ) -> Result<String, RecordingError> {
     let names: Vec<&str> = topics.keys().map(String::as_str).collect();
     let problem = match (wanted, names.as_slice()) {
         (Some(wanted), _) if topics.contains_key(wanted) => return Ok(wanted.to_owned()),
         (None, [only]) => return Ok((*only).to_owned()),
-        (_, []) => format!("there is no {what} topic, expected ROS 2 messages in CDR"),
+        (_, []) => {
+            let problem = format!("there is no {what} topic, expected ROS 2 messages in CDR");
+            return Err(RecordingError::Content(problem));
+        }
         (Some(wanted), _) => {
-            format!("`{option}` is {wanted}, but there are the {what} topics {}", names.join(", "))
+            format!("there are the {what} topics {}, but no {wanted}", names.join(", "))
         }
-        (None, _) => {
-            format!("there are several {what} topics, {}: choose one as `{option}`", names.join(", "))
-        }
+        (None, _) => format!("there are several {what} topics, {}: choose one", names.join(", ")),
     };
-    Err(RecordingError::Content(problem))
+    Err(RecordingError::Option { key: option, problem })
 }
 
 /// The optics of a depth topic: those beside it, or else the only ones. A compressed topic is one level below

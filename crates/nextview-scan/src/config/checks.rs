@@ -19,16 +19,28 @@ use nextview_sim::inspection::SurfaceDemand;
 impl ScanConfig {
     /// Everything that is out of its range or contradicts something else.
     pub fn check(&self) -> Result<(), Faults> {
-        Faults::of(faults(self)).map_or(Ok(()), Err)
+        let faults = self.out_of_range().into_iter().chain(self.contradictions());
+        Faults::of(faults.collect()).map_or(Ok(()), Err)
     }
 
     /// Fails if the configuration does not fit this number of candidates.
     pub fn check_views(&self, n_views: usize) -> Result<(), Faults> {
         Faults::of(of_views(self, n_views)).map_or(Ok(()), Err)
     }
+
+    /// All single values that are out of their range. Of a part of the library, the first one: without it,
+    /// another may come up.
+    pub(super) fn out_of_range(&self) -> Vec<Fault> {
+        out_of_range(self)
+    }
+
+    /// Everything that contradicts something else.
+    pub(super) fn contradictions(&self) -> Vec<Fault> {
+        contradictions(self)
+    }
 }
 
-fn faults(config: &ScanConfig) -> Vec<Fault> {
+fn out_of_range(config: &ScanConfig) -> Vec<Fault> {
     let mut faults = Vec::new();
     let lengths = [
         ("voxel_size_m", config.voxel_size_m),
@@ -62,8 +74,18 @@ fn faults(config: &ScanConfig) -> Vec<Fault> {
         ("greedy", Greedy::<Apora>::new(config.greedy).map(drop)),
         ("most_surface", MostSurface::new(config.most_surface).map(drop)),
         ("batch", Batch::new(config.batch).map(drop)),
+        ("looks", config.looks.map_or(Ok(()), |looks| looks.check())),
     ];
     faults.extend(parts.into_iter().filter_map(|(section, result)| Some(of_part(section, result.err()?))));
+    #[cfg(feature = "simulated")]
+    faults.extend(config.noise.faults());
+    let read = config.recording.iter().filter_map(|recording| recording.read.check().err());
+    faults.extend(read.map(Fault::from));
+    faults
+}
+
+fn contradictions(config: &ScanConfig) -> Vec<Fault> {
+    let mut faults = Vec::new();
     faults.extend(config.planner.check().err());
     let knows_no_part = config.planner == PlannerName::Inspection && config.reference.is_none();
     faults.extend(knows_no_part.then(no_reference));
@@ -74,7 +96,7 @@ fn faults(config: &ScanConfig) -> Vec<Fault> {
     faults.extend(config.reach.faults());
     faults.extend(config.robot.iter().flat_map(RobotConfig::faults));
     #[cfg(feature = "simulated")]
-    faults.extend(config.noise.faults().into_iter().chain(config.of_sensor()));
+    faults.extend(config.of_sensor());
     faults.extend(config.recording.iter().flat_map(|recording| of_recording(recording, config)));
     faults.extend(config.live.iter().flat_map(|live| of_live(live, config)));
     faults.extend(of_turntable(config));
@@ -96,7 +118,7 @@ fn of_reference(reference: &ReferenceConfig) -> impl Iterator<Item = Fault> + '_
 }
 
 /// A library's fault under the key that the value has in the configuration.
-fn of_part(section: &str, error: nextview::Error) -> Fault {
+pub(super) fn of_part(section: &str, error: nextview::Error) -> Fault {
     match error {
         nextview::Error::InvalidParameter { name, value, expected } => {
             Fault::of_value(&format!("{section}.{name}"), value, expected)
@@ -173,8 +195,7 @@ fn of_goal(config: &ScanConfig) -> Option<Fault> {
 
 /// Looks need a planner that takes second ones.
 fn of_looks(config: &ScanConfig) -> Option<Fault> {
-    let fault = config.looks?.check().err().map(|error| of_part("looks", error));
-    fault.or_else(|| takes_second_looks(config, "looks"))
+    config.looks.and_then(|_| takes_second_looks(config, "looks"))
 }
 
 /// The fault of a goal with a planner that takes no second looks.

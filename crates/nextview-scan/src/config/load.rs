@@ -1,8 +1,13 @@
 //! From a text or a table to a configuration, with everything that is wrong in it at once.
 
+use super::checks::of_part;
+use super::value::{self, Problem, What, read_value};
 use super::{Positions, Profile, ScanConfig};
 use crate::{Fault, FaultKind, Faults, Place, files};
-use std::collections::BTreeSet;
+use glam::DVec2;
+use nextview::sensor::Intrinsics;
+use serde::Deserialize;
+use serde::de::DeserializeOwned;
 use std::path::Path;
 use toml::{Table, Value};
 
@@ -35,121 +40,157 @@ impl ScanConfig {
 
     /// The values of a table over those of its sensor, if it names one, over those of its profile, or else of
     /// the default one.
-    pub fn from_table(table: Table) -> Result<Self, Faults> {
-        let profile = match table.get("profile") {
-            Some(value) => {
-                value.clone().try_into::<Profile>().map_err(|e| Fault::of_toml("profile", value, &e))?
-            }
-            None => Profile::default(),
-        };
+    pub fn from_table(mut table: Table) -> Result<Self, Faults> {
+        let mut faults = Vec::new();
+        let profile = take_wrong(&mut table, "profile", &mut faults).unwrap_or_default();
         let base = Self::of_profile(profile);
         #[cfg(feature = "simulated")]
-        let base = with_sensor(base, &table)?;
+        let base = with_sensor(base, &mut table, &mut faults);
+        // What a misspelt profile or sensor would have decided is not known.
+        let knows_defaults = faults.is_empty();
         let base = Table::try_from(base).map_err(Fault::data)?;
-        let whole: Result<Self, _> = merged(base.clone(), table.clone()).try_into();
-        match whole {
-            Ok(config) => config.check().map(|()| config),
-            Err(error) => Err(isolated(&base, &table, &error)),
+        let config: Option<Self> = read_over(&base, &mut table, Self::out_of_range, &mut faults);
+        if let Some(config) = config.as_ref().filter(|_| knows_defaults) {
+            faults.extend(config.contradictions());
+        }
+        match config {
+            Some(config) if faults.is_empty() => Ok(config),
+            _ => Err(Faults::of(faults).expect("without a configuration, there is a fault")),
         }
     }
+
+    /// Whether a configuration has this key at its top.
+    pub fn has_key(key: &str) -> bool {
+        let table = Table::from_iter([(key.to_owned(), Value::Table(Table::new()))]);
+        let problem = value::read::<Self>(&Value::Table(table)).err();
+        !problem.is_some_and(|problem| matches!(problem.what, What::Unknown(_)) && problem.key() == key)
+    }
+}
+
+/// The value of a key, if there is one; one that cannot be is taken out of the table.
+fn take_wrong<T: DeserializeOwned>(table: &mut Table, key: &str, faults: &mut Vec<Fault>) -> Option<T> {
+    let read = read_value(key, table.get(key)?);
+    read.map_err(|fault| {
+        table.remove(key);
+        faults.push(fault);
+    })
+    .ok()
 }
 
 /// The values with those of the sensor that a table names.
 #[cfg(feature = "simulated")]
-fn with_sensor(mut base: ScanConfig, table: &Table) -> Result<ScanConfig, Faults> {
-    if let Some(value) = table.get("sensor") {
-        let name = value.clone().try_into().map_err(|e| Fault::of_toml("sensor", value, &e))?;
-        base.set_sensor(name)?;
+fn with_sensor(base: ScanConfig, table: &mut Table, faults: &mut Vec<Fault>) -> ScanConfig {
+    let Some(name) = take_wrong(table, "sensor", faults) else { return base };
+    let mut with = base.clone();
+    match with.set_sensor(name) {
+        Ok(()) => with,
+        Err(wrong) => {
+            table.remove("sensor");
+            faults.extend(wrong.iter().cloned());
+            base
+        }
     }
-    Ok(base)
 }
 
-/// The faults of each value by itself, and those of all others together.
-fn isolated(base: &Table, table: &Table, error: &toml::de::Error) -> Faults {
-    let mut faults: Vec<Fault> = Vec::new();
-    let mut sound = base.clone();
-    // Sections without defaults, whose keys are nothing by themselves.
-    let mut sections = BTreeSet::new();
-    for (key, value) in leaves(table) {
-        let with = merged(sound.clone(), nested(&key, value.clone()));
-        match with.clone().try_into::<ScanConfig>() {
-            Ok(_) => sound = with,
-            Err(error) if error.message().starts_with("missing field") => {
-                sections.extend(key.split('.').next().map(str::to_owned));
+/// From so many faults on, the rest of a table is not read: a table of nothing else would take minutes.
+const MOST_FAULTS: usize = 100;
+
+/// A table over its defaults, checked by `out_of_range`. A value that is wrong is taken out of the table and
+/// the rest is read again, until all that is left is right. None if something is wrong that is no value of
+/// the table.
+pub(super) fn read_over<T: DeserializeOwned>(
+    base: &Table,
+    table: &mut Table,
+    out_of_range: impl Fn(&T) -> Vec<Fault>,
+    faults: &mut Vec<Fault>,
+) -> Option<T> {
+    loop {
+        let whole = Value::Table(merged(base.clone(), table.clone()));
+        let found = match value::read(&whole) {
+            Ok(read) => {
+                let found = out_of_range(&read);
+                if found.is_empty() {
+                    return Some(read);
+                }
+                found
             }
-            Err(error) => faults.push(Fault::of_toml(&key, value, &error)),
+            Err(problem) => {
+                let found = of_camera(&problem, &whole).unwrap_or_else(|| vec![problem.fault()]);
+                // Of a table that had to lose what was wrong, a key may be missing.
+                let table_of_key = problem.parent();
+                if matches!(problem.what, What::Missing)
+                    && is_within(faults, &table_of_key)
+                    && remove(table, &table_of_key)
+                {
+                    continue;
+                }
+                found
+            }
+        };
+        let mut goes_on = false;
+        for fault in found {
+            goes_on |= fault.key.as_ref().is_some_and(|key| remove(table, key));
+            faults.push(fault);
+        }
+        if !goes_on || faults.len() >= MOST_FAULTS {
+            return None;
         }
     }
-    for section in sections {
-        let is_of = |fault: &Fault| fault.key.as_ref().is_some_and(|key| key.starts_with(&section));
-        let value = table.get(&section).filter(|_| !faults.iter().any(is_of));
-        let with = merged(sound.clone(), value.iter().map(|v| (section.clone(), (*v).clone())).collect());
-        match with.clone().try_into::<ScanConfig>() {
-            Ok(_) => sound = with,
-            Err(error) => faults.push(of_section(&section, &error)),
-        }
-    }
-    if let Ok(config) = sound.try_into::<ScanConfig>() {
-        faults.extend(config.check().err().iter().flat_map(Faults::iter).cloned());
-    }
-    Faults::of(faults).unwrap_or_else(|| Fault::data(error.message()).into())
 }
 
-/// What is wrong in a section.
-fn of_section(section: &str, error: &toml::de::Error) -> Fault {
-    Fault { key: Some(section.to_owned()), ..Fault::data(format!("`{section}`: {}", error.message())) }
+/// Whether one of the faults is about something in a table.
+fn is_within(faults: &[Fault], table: &str) -> bool {
+    let rest = |key: &String| key.strip_prefix(table).is_some_and(|rest| rest.starts_with('.'));
+    faults.iter().filter_map(|fault| fault.key.as_ref()).any(rest)
 }
 
-/// What a value should have been, where it is named by a type of Rust.
-fn in_words(expected: &str) -> String {
-    match expected {
-        "u8" => format!("a whole number, 0 to {}", u8::MAX),
-        "u16" => format!("a whole number, 0 to {}", u16::MAX),
-        "u32" => format!("a whole number, 0 to {}", u32::MAX),
-        "u64" | "usize" => "a whole number, at least 0".to_owned(),
-        "f32" | "f64" => "a number".to_owned(),
-        "a sequence" => "a list".to_owned(),
-        "a map" => "a table".to_owned(),
-        name if name.starts_with("struct ") => "a table".to_owned(),
-        other => other.to_owned(),
+/// All that is wrong in the optics of a camera, which fail as a whole.
+fn of_camera(problem: &Problem, whole: &Value) -> Option<Vec<Fault>> {
+    #[derive(Deserialize)]
+    struct Optics {
+        width: u32,
+        height: u32,
+        fx: f64,
+        fy: f64,
+        cx: f64,
+        cy: f64,
     }
-}
-
-/// An unknown key, with its nearest neighbour among those of the list, which are in backticks.
-fn unknown(key: &str, word: &str, list: &str) -> Fault {
-    let prefix = key.find(word).map_or("", |at| &key[..at]);
-    Fault::unknown_key(prefix, word, list.split('`').skip(1).step_by(2))
+    if !matches!(problem.what, What::Other(_)) || problem.key() != "camera" {
+        return None;
+    }
+    let Optics { width, height, fx, fy, cx, cy } = value::read(whole.get("camera")?).ok()?;
+    let wrong = Intrinsics::check(width, height, DVec2::new(fx, fy), DVec2::new(cx, cy));
+    let faults: Vec<Fault> = wrong.into_iter().map(|error| of_part("camera", error)).collect();
+    (!faults.is_empty()).then_some(faults)
 }
 
 impl Fault {
-    /// A value that does not fit its key, or an unknown key.
-    pub fn of_toml(key: &str, value: &Value, error: &toml::de::Error) -> Self {
-        let message = error.message();
-        if let Some(known) = message.strip_prefix("unknown field `").and_then(|rest| rest.split_once('`')) {
-            return unknown(key, known.0, known.1);
-        }
-        let expected = message.rsplit_once(", expected ").map(|(_, expected)| expected);
-        match expected {
-            Some(expected) => {
-                Self { kind: FaultKind::Data, ..Self::of_value(key, value, in_words(expected)) }
-            }
-            None => Self { key: Some(key.to_owned()), ..Self::data(format!("`{key}`: {message}")) },
-        }
-    }
-
-    /// An unknown key, with its nearest neighbour among the known ones. The prefix leads to both.
-    pub fn unknown_key<'a>(prefix: &str, word: &str, known: impl Iterator<Item = &'a str>) -> Self {
+    /// An unknown key, with its nearest neighbour among the known ones, or else all of few. The prefix leads
+    /// to all of them.
+    pub fn unknown_key<'a>(prefix: &str, word: &str, known: impl Iterator<Item = &'a str> + Clone) -> Self {
         // A word is likelier to be cut short than misspelt: what both begin with counts for it.
         let alike = |known: &&str| word.chars().zip(known.chars()).take_while(|(a, b)| a == b).count();
-        let nearest = known.min_by_key(|known| distance(word, known) as i64 - alike(known) as i64);
+        let farness = |known: &&str| distance(word, known) as i64 - alike(known) as i64;
+        let nearest = known.clone().min_by_key(farness).filter(|nearest| farness(nearest) <= FARTHEST);
         let key = format!("{prefix}{word}");
         let fault = Self { key: Some(key.clone()), ..Self::data(format!("`{key}` is not a key")) };
+        let names: Vec<&str> = known.collect();
         match nearest {
             Some(nearest) => fault.with_remedy(format!("did you mean `{prefix}{nearest}`?")),
+            None if (1..=MOST_LISTED).contains(&names.len()) => {
+                let table = prefix.strip_suffix('.').unwrap_or(prefix);
+                fault.with_remedy(format!("the keys of `{table}` are {}", names.join(", ")))
+            }
             None => fault,
         }
     }
 }
+
+/// A known key is what was meant if it is no farther away than this.
+const FARTHEST: i64 = 3;
+
+/// Most known keys that a remedy lists.
+const MOST_LISTED: usize = 20;
 
 /// Levenshtein's distance between two words.
 fn distance(a: &str, b: &str) -> usize {
@@ -165,22 +206,21 @@ fn distance(a: &str, b: &str) -> usize {
     row.last().copied().unwrap_or_default()
 }
 
-/// The values by their dotted keys. What takes the place of a whole sum type is one value.
-fn leaves(table: &Table) -> Vec<(String, &Value)> {
-    let mut found = Vec::new();
-    collect("", table, &mut found);
-    found
-}
-
-fn collect<'a>(prefix: &str, table: &'a Table, found: &mut Vec<(String, &'a Value)>) {
-    for (key, value) in table {
-        match value {
-            Value::Table(inner) if key != SUM_TYPE && !inner.is_empty() => {
-                collect(&format!("{prefix}{key}."), inner, found);
-            }
-            value => found.push((format!("{prefix}{key}"), value)),
-        }
+/// Takes what a key leads to out of a table: of the tables that it leads through, the innermost loses its
+/// part of the key. False if there is nothing to lose.
+fn remove(table: &mut Table, key: &str) -> bool {
+    let (first, rest) = key.split_once('.').unwrap_or((key, ""));
+    // A key may have a dot of its own.
+    if table.remove(key).is_some() {
+        return true;
     }
+    if first != SUM_TYPE
+        && let Some(Value::Table(inner)) = table.get_mut(first)
+        && remove(inner, rest)
+    {
+        return true;
+    }
+    table.remove(first).is_some()
 }
 
 /// The table in which the dotted key leads to the value.

@@ -22,6 +22,7 @@ mod sensor;
 #[cfg(feature = "simulated")]
 mod sensor_name;
 mod turntable;
+mod value;
 
 pub use choices::{BoxRule, Profile, SizeOf, TableRule, UnitName, ViewRule, ViewSpaceName};
 pub use live::LiveConfig;
@@ -39,3 +40,4 @@ pub use scan_config::{MapConfig, ModelConfig, ObjectBoxConfig, ScanConfig};
 #[cfg(feature = "simulated")]
 pub use sensor_name::SensorName;
 pub use turntable::TurntableConfig;
+pub use value::read_value;

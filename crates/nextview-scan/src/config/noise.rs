@@ -1,3 +1,4 @@
+use super::checks::of_part;
 use super::millimetres::of_least_depth;
 use crate::Fault;
 use crate::names::named;
@@ -23,6 +24,7 @@ pub struct NoiseConfig {
     #[serde(skip_serializing_if = "std::ops::Not::not")]
     pub first_pose_is_right: bool,
     /// Of the model, unless it is none. Defaults are those of the sensor, where one is named.
+    #[serde(deserialize_with = "DepthNoise::deserialize")]
     pub depth: DepthNoise,
 }
 
@@ -70,6 +72,9 @@ impl NoiseConfig {
         let wrong = errors.into_iter().filter(|(_, value, limit)| !(0.0..=*limit).contains(value));
         let faults = wrong.map(|(key, value, limit)| Fault::of_value(key, value, format!("0 to {limit}")));
         let least = of_least_depth("noise.depth.min_depth_m", self.depth.min_depth);
-        faults.chain(self.depth.check().err().map(Fault::from)).chain(least).collect()
+        faults
+            .chain(self.depth.check().err().map(|error| of_part("noise.depth", error)))
+            .chain(least)
+            .collect()
     }
 }

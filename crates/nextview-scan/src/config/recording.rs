@@ -22,6 +22,7 @@ pub struct RecordingConfig {
     #[serde(skip_serializing_if = "Option::is_none")]
     pub truth_from_world: Option<String>,
     /// How the files are read.
+    #[serde(deserialize_with = "ReadOptions::deserialize")]
     pub read: ReadOptions,
 }
 

@@ -15,7 +15,7 @@ use nextview::sensor::{Intrinsics, SurfaceError};
 use nextview::session::{MultiResolutionConfig, StopConfig};
 use nextview::surface::LooksGoal;
 use nextview::visibility::FreeSpace;
-use serde::{Deserialize, Serialize};
+use serde::{Deserialize, Deserializer, Serialize};
 use std::path::{Path, PathBuf};
 
 /// Maximum number of views, where none is stated.
@@ -28,6 +28,8 @@ const OVERLAP_TO_ALIGN: f64 = 0.5;
 /// Everything that decides a scan: what a configuration file holds, and `config.toml` in the results.
 ///
 /// Numbers are in SI units, and their keys say so. A file is read by [`ScanConfig::parse`].
+// The types of the library would check themselves when they are read, and fail without saying which key is wrong:
+// `check` does that for all of them.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(default, deny_unknown_fields)]
@@ -83,7 +85,7 @@ pub struct ScanConfig {
     pub goal_mm: Option<f64>,
     /// Required number of looks at each part of the surface; the planner most-surface spends views on it. By
     /// default, no second looks.
-    #[serde(skip_serializing_if = "Option::is_none")]
+    #[serde(skip_serializing_if = "Option::is_none", deserialize_with = "looks")]
     pub looks: Option<LooksGoal>,
     /// Whether to compute the random and clairvoyant curves.
     pub baselines: bool,
@@ -101,6 +103,7 @@ pub struct ScanConfig {
     /// How frames are written into the map.
     pub map: MapConfig,
     /// Whether planning goes from coarse voxels to fine ones.
+    #[serde(deserialize_with = "MultiResolutionConfig::deserialize")]
     pub multi_resolution: MultiResolutionConfig,
     /// What planning knows of the object's place.
     pub object_box: ObjectBoxConfig,
@@ -114,17 +117,23 @@ pub struct ScanConfig {
     #[serde(skip_serializing_if = "Option::is_none")]
     pub robot: Option<RobotConfig>,
     /// How a robot would move the camera, where no arm is stated.
+    #[serde(deserialize_with = "MotionConfig::deserialize")]
     pub motion: MotionConfig,
     /// Whether frames are aligned to what was measured before, and how.
+    #[serde(deserialize_with = "RegistrationConfig::deserialize")]
     pub registration: RegistrationConfig,
     /// Of the planner most-surface.
+    #[serde(deserialize_with = "MostSurfaceConfig::deserialize")]
     pub most_surface: MostSurfaceConfig,
     /// Of the planners max-flow and local.
+    #[serde(deserialize_with = "MaxFlowConfig::deserialize")]
     pub max_flow: MaxFlowConfig,
     /// Of all planners that are named after a gain, and of gains that are written in Python; the ray spacing
     /// also of frontier-tour and receding-horizon.
+    #[serde(deserialize_with = "GreedyConfig::deserialize")]
     pub greedy: GreedyConfig,
     /// Of the planner batch.
+    #[serde(deserialize_with = "BatchConfig::deserialize")]
     pub batch: BatchConfig,
     /// Of the planner nbv-net.
     pub nbv_net: NbvNetConfig,
@@ -132,6 +141,7 @@ pub struct ScanConfig {
     #[serde(skip_serializing_if = "Option::is_none")]
     pub reference: Option<ReferenceConfig>,
     /// When the scan stops before its last view.
+    #[serde(deserialize_with = "StopConfig::deserialize")]
     pub stop: StopConfig,
     /// Depth camera: it decides the defaults of `camera` and `noise`. Without one, those are the optics of
     /// the D435i, and no noise. Of recorded and live frames, `noise.depth` is not simulated but is the known
@@ -165,6 +175,7 @@ pub struct MapConfig {
     /// What rays past the object do.
     pub background: Background,
     /// How measurements change voxels.
+    #[serde(deserialize_with = "SensorModel::deserialize")]
     pub sensor_model: SensorModel,
 }
 
@@ -196,6 +207,13 @@ impl ModelConfig {
     fn is_default(&self) -> bool {
         *self == Self::default()
     }
+}
+
+/// Looks whose ranges the configuration checks.
+fn looks<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Option<LooksGoal>, D::Error> {
+    #[derive(Deserialize)]
+    struct Unchecked(#[serde(deserialize_with = "LooksGoal::deserialize")] LooksGoal);
+    Ok(Option::<Unchecked>::deserialize(deserializer)?.map(|Unchecked(looks)| looks))
 }
 
 fn is_zero(number: &f64) -> bool {

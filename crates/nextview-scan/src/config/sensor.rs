@@ -1,10 +1,13 @@
 //! The part of a configuration that a sensor decides.
 
-use super::{NoiseConfig, NoiseModel, ScanConfig, SensorName, merged};
+use super::checks::of_part;
+use super::load::read_over;
+use super::{NoiseConfig, NoiseModel, Positions, ScanConfig, SensorName, read_value};
 use crate::{Fault, Faults, files};
 use nextview::sensor::{Intrinsics, Sensor};
 use nextview_sim::noise::DepthNoise;
 use serde::{Deserialize, Serialize};
+use std::path::Path;
 use toml::Table;
 
 /// Largest file of a sensor, bytes: a hundred times that of one with all its keys.
@@ -58,15 +61,15 @@ struct Camera {
 
 impl Camera {
     /// Fails if there is no such sensor, or the file is none of a sensor.
-    fn load(name: &SensorName) -> Result<Self, Fault> {
+    fn load(name: &SensorName) -> Result<Self, Faults> {
         match name.file() {
             Some(file) => {
                 let text = files::read_text(file, MAX_BYTES)?;
-                of_text(&text).map_err(|fault| fault.in_file(file))
+                of_text(&text, file)
             }
             None => name.0.parse().map(Self::of).map_err(|error| match error {
                 nextview::Error::InvalidParameter { value, expected, .. } => {
-                    Fault::of_value("sensor", value, format!("{expected}, or a .toml file"))
+                    Fault::of_value("sensor", value, format!("{expected}, or a .toml file")).into()
                 }
                 error => error.into(),
             }),
@@ -90,19 +93,39 @@ struct SensorFile {
 #[derive(Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct Noise {
+    #[serde(deserialize_with = "DepthNoise::deserialize")]
     depth: DepthNoise,
 }
 
-fn of_text(text: &str) -> Result<Camera, Fault> {
-    let table: Table = text.parse().map_err(|error: toml::de::Error| Fault::data(error.message()))?;
-    let like = table.get("like").and_then(|like| like.as_str());
-    let like =
-        like.ok_or_else(|| Fault::data("`like` is missing, the name of the sensor that it is like"))?;
-    let sensor: Sensor = like.parse().map_err(|error| Fault::from(error).within("`like`"))?;
+fn of_text(text: &str, file: &Path) -> Result<Camera, Faults> {
+    let (positions, mut table) = Positions::read(text, Some(file))?;
+    let placed = |fault| positions.place(fault, "");
+    let like = table.get("like").ok_or_else(|| {
+        let message = "`like` is missing, the name of the sensor that it is like";
+        Fault { key: Some("like".to_owned()), ..Fault::data(message) }
+    });
+    let like: String = like.and_then(|like| read_value("like", like)).map_err(placed)?;
+    let sensor: Sensor = like.parse().map_err(|error| placed(of_like(error)))?;
     let Camera { intrinsics, depth } = Camera::of(sensor);
-    let base = SensorFile { like: like.to_owned(), camera: intrinsics, noise: Noise { depth } };
+    let base = SensorFile { like, camera: intrinsics, noise: Noise { depth } };
     let base = Table::try_from(base).map_err(Fault::data)?;
-    let file: SensorFile =
-        merged(base, table).try_into().map_err(|error: toml::de::Error| Fault::data(error.message()))?;
-    Ok(Camera { intrinsics: file.camera, depth: file.noise.depth })
+    let mut faults = Vec::new();
+    let out_of_range = |file: &SensorFile| {
+        file.noise.depth.check().err().map(|e| of_part("noise.depth", e)).into_iter().collect()
+    };
+    let read = read_over(&base, &mut table, out_of_range, &mut faults);
+    match read {
+        Some(SensorFile { camera, noise, .. }) if faults.is_empty() => {
+            Ok(Camera { intrinsics: camera, depth: noise.depth })
+        }
+        _ => Err(Faults::of(faults.into_iter().map(placed).collect()).expect("what is not read is at fault")),
+    }
+}
+
+/// The fault of the name of a sensor that there is not.
+fn of_like(error: nextview::Error) -> Fault {
+    match error {
+        nextview::Error::InvalidParameter { value, expected, .. } => Fault::of_value("like", value, expected),
+        error => error.into(),
+    }
 }

@@ -1,5 +1,6 @@
 use crate::{Fault, Faults};
 use std::fs;
+use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 
 /// Files that may be overwritten: never a file that is read, and other files only on request.
@@ -48,6 +49,7 @@ impl Overwrite {
 
     /// Fails if a file must not be written here.
     pub fn check_file(&self, file: &Path) -> Result<(), Fault> {
+        check_name(file)?;
         if self.is_input(file) {
             return Err(input(file).with_remedy("choose another file"));
         }
@@ -60,6 +62,7 @@ impl Overwrite {
 
     /// Fails if files of these names must not be written into this folder.
     pub fn check_folder(&self, folder: &Path, names: &[&str]) -> Result<(), Faults> {
+        check_name(folder)?;
         let inputs = names.iter().map(|name| folder.join(name)).filter(|file| self.is_input(file));
         let faults = inputs.map(|file| input(&file).with_remedy("choose another folder (`out`)"));
         if let Some(faults) = Faults::of(faults.collect()) {
@@ -75,6 +78,25 @@ impl Overwrite {
 
     fn is_input(&self, file: &Path) -> bool {
         self.inputs.iter().any(|input| is_same(input, file))
+    }
+}
+
+/// Fails if the system takes no file or folder of this name, so that nothing could be written there later.
+pub fn check_name(path: &Path) -> Result<(), Fault> {
+    match path.symlink_metadata() {
+        Err(error) if error.kind() == ErrorKind::InvalidFilename => {
+            Err(Fault::from(error).while_writing(path))
+        }
+        _ => Ok(()),
+    }
+}
+
+/// Whether a path is a folder or leads into it; nothing need be at the path yet.
+pub fn is_within(path: &Path, folder: &Path) -> bool {
+    let above = path.ancestors().find(|path| path.exists()).unwrap_or(Path::new("."));
+    match (fs::canonicalize(above), fs::canonicalize(folder)) {
+        (Ok(above), Ok(folder)) => above.starts_with(folder),
+        _ => false,
     }
 }
 

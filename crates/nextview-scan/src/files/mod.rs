@@ -10,12 +10,11 @@ mod read;
 mod results;
 mod write;
 
-pub use keep::Overwrite;
+pub use keep::{Overwrite, check_name, is_within};
 #[cfg(feature = "process")]
 pub use limit::limit_is_an_error;
 pub use numbered::numbered;
 pub(crate) use place::{Whereabouts, create_folder, name_new, sync_folder, whereabouts};
 pub use read::{open, read, read_text};
 pub use results::{ResultFolder, remove_unfinished};
-pub(crate) use write::unfinished;
-pub use write::{NewFile, write};
+pub use write::{NewFile, unfinished, write};

@@ -2,7 +2,7 @@ use super::{Overwrite, sync_folder};
 use crate::Fault;
 use std::borrow::Cow;
 use std::fs::{self, File};
-use std::hash::{BuildHasher, Hasher, RandomState};
+use std::hash::{BuildHasher, DefaultHasher, Hash, Hasher, RandomState};
 use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
 
@@ -96,12 +96,21 @@ fn fill(file: File, content: impl FnOnce(&mut BufWriter<File>) -> Result<(), Fau
     Ok(writer.flush()?)
 }
 
-/// A name under which something can be written until it is whole: another one each time, since processes of
-/// different machines, or of different times, may have the same number.
-pub(crate) fn unfinished(path: &Path) -> String {
-    let number = RandomState::new().build_hasher().finish() as u32;
-    format!(".{}.{number}.partial", name_of(path))
+/// A name under which something can be written until it is whole, as short as file systems require: another one
+/// each time, since processes of different machines, or of different times, may have the same number.
+pub fn unfinished(path: &Path) -> String {
+    let (name, number) = (name_of(path), RandomState::new().build_hasher().finish() as u32);
+    if name.len() <= MOST_BYTES {
+        return format!(".{name}.{number}.partial");
+    }
+    let mut hasher = DefaultHasher::new();
+    name.hash(&mut hasher);
+    let start = (0..=MOST_BYTES).rev().find(|&at| name.is_char_boundary(at)).unwrap_or_default();
+    format!(".{}-{:x}.{number}.partial", &name[..start], hasher.finish())
 }
+
+/// Longest part of a name, bytes, that the name of an unfinished file begins with.
+const MOST_BYTES: usize = 200;
 
 /// The name of the file that one of an [`unfinished`] name was to become.
 pub(super) fn written_name(unfinished: &str) -> Option<&str> {
@@ -137,6 +146,27 @@ mod tests {
         assert!(fault.to_string().ends_with("a.txt: exists already"), "{fault}");
         assert_eq!(fs::read(&path).unwrap(), b"old");
         assert_eq!(fs::read_dir(&folder).unwrap().count(), 1);
+        fs::remove_dir_all(&folder).unwrap();
+    }
+
+    #[cfg(target_os = "linux")]
+    #[test]
+    fn a_name_may_be_as_long_as_the_file_system_allows() {
+        let folder = test_folder("long");
+        for name in ["a".repeat(255), "ä".repeat(127)] {
+            write(&folder.join(&name), &Overwrite::nothing(), |w| Ok(w.write_all(b"x")?)).unwrap();
+            assert_eq!(fs::read(folder.join(name)).unwrap(), b"x");
+        }
+        let too_long = folder.join("a".repeat(256));
+        let rule = Overwrite::nothing();
+        for fault in [
+            rule.check_file(&too_long).err(),
+            rule.check_folder(&too_long, &["x"]).err().map(|faults| faults.iter().next().unwrap().clone()),
+        ] {
+            let fault = fault.unwrap();
+            assert!(fault.to_string().contains("too long"), "{fault}");
+            assert_eq!(fault.remedy.as_deref(), Some("a name has at most 255 bytes"));
+        }
         fs::remove_dir_all(&folder).unwrap();
     }
 

@@ -137,14 +137,17 @@ fn wrong_values_are_named() {
              millimetres?",
         ),
         ("[motion]\nspeed_m_per_s = 0\n", "`motion.speed_m_per_s` is 0, expected 0.001 to 100"),
-        ("[motion]\nacceleration_m_per_s2 = nan\n", "`motion.acceleration_m_per_s2` is nan"),
+        ("[motion]\nacceleration_m_per_s2 = nan\n", "`motion.acceleration_m_per_s2` is NaN"),
         ("[motion]\nclearance_m = -1\n", "`motion.clearance_m` is -1, expected 0 to 1e6"),
         ("[motion]\nsensing_time_s = inf\n", "`motion.sensing_time_s` is inf"),
         ("[reach]\nmax_radius_m = 1\n", "`reach.base_m` and `reach.max_radius_m` need each other"),
         ("[reach]\nmin_radius_m = 1\n", "`reach.min_radius_m` needs `reach.base_m`"),
         ("[reach]\nbase_m = [0, 0, 0]\nmax_radius_m = -1\n", "reach: reach is 0 to -1 m, expected"),
         ("[reach]\nallowed_boxes_m = [[0, 0, 0, 1, 1, -1]]\n", "the lowest first"),
-        ("[reach]\nforbidden_boxes_m = [[0, 0]]\n", "`reach.forbidden_boxes_m` is [[0, 0]], expected"),
+        (
+            "[reach]\nforbidden_boxes_m = [[0, 0]]\n",
+            "`reach.forbidden_boxes_m.0` is [0, 0], expected a list of 6",
+        ),
         ("min_overlap = 2\n", "`min_overlap` is 2"),
         ("[registration]\nspacing_m = 0\n", "`registration.spacing_m` is 0"),
         ("[registration]\nposition_uncertainty_m = -1\n", "`registration.position_uncertainty_m` is -1"),
@@ -158,7 +161,7 @@ fn wrong_values_are_named() {
         ("[nbv_net]\nweights = 'no-such-file'\n", "no-such-file: cannot be read"),
         ("[max_flow]\nray_spacing = 1e-4\n", "`max_flow.ray_spacing` is 0.0001, expected a number of voxels"),
         ("[greedy]\nray_spacing = 0.05\n", "`greedy.ray_spacing` is 0.05"),
-        ("[batch]\nray_spacing = nan\n", "`batch.ray_spacing` is nan"),
+        ("[batch]\nray_spacing = nan\n", "`batch.ray_spacing` is NaN"),
         (
             "[object_box]\nmax_gap_m = -1\n",
             "`object_box.max_gap_m` is -1, expected a number of metres, 0 to 1000",
@@ -181,10 +184,10 @@ fn a_section_without_defaults_is_read_as_a_whole() {
     };
     assert_eq!(
         faults(&turntable(0.99)),
-        ["1:2 `turntable`: length of the quaternion is 0.99, expected 1 (within 1e-6)"]
+        ["3:12 `turntable.table_from_camera`: length of the quaternion is 0.99, expected 1 (within 1e-6)"]
     );
     let missing = faults("[live]\n[turntable]\nplate_radius_m = 0.1\n");
-    assert_eq!(missing, ["2:2 `turntable`: missing field `table_from_camera`"]);
+    assert_eq!(missing, ["2:2 `turntable.table_from_camera` is missing"]);
 }
 
 #[test]
@@ -197,6 +200,86 @@ fn an_unknown_key_names_its_nearest_neighbour() {
         faults("[motoin]\nspeed_m_per_s = 1\n"),
         ["1:2 `motoin` is not a key (did you mean `motion`?)"]
     );
+}
+
+#[test]
+fn what_is_wrong_is_named_by_key_and_line_however_it_is_written() {
+    for (text, expected) in [
+        (
+            "[max_flow]\na = 1\n",
+            &["2:1 `max_flow.a` is not a key (the keys of `max_flow` are gamma, uses_history, "][..],
+        ),
+        ("[noise]\nnoise = 1\n", &["2:1 `noise.noise` is not a key (the keys of `noise` are model, "]),
+        ("[noise.depth]\ndepth = 1\n", &["2:1 `noise.depth.depth` is not a key"]),
+        ("max_flow.gamma.x = 1\n", &["1:10 `max_flow.gamma` is { x = 1 }, expected a number"]),
+        ("[[max_flow]]\ngamma = 1\n", &["1:3 `max_flow` is [{ gamma = 1 }], expected a table"]),
+        (
+            "max_flow = { gamma = 2, theta = -1, tetha = 0 }\nqq = 1\nmap = 7\n",
+            &[
+                "1:14 `max_flow.gamma` is 2, expected a number in 0..=1",
+                "1:25 `max_flow.theta` is -1, expected a number in 0..=1",
+                "1:37 `max_flow.tetha` is not a key (did you mean `max_flow.theta`?)",
+                "2:1 `qq` is not a key",
+                "3:1 `map` is 7, expected a table",
+            ],
+        ),
+        (
+            "profile = \"papr\"\nsensor = \"d4\"\nviews = true\n",
+            &[
+                "1:1 `profile` is \"papr\", expected paper or default",
+                "2:1 `sensor` is d4, ",
+                "3:1 `views` is true, ",
+            ],
+        ),
+        (
+            "[live]\nposes = [{ translation_m = [0, 0] }]\n",
+            &["2:12 `live.poses.0.translation_m` is [0, 0], "],
+        ),
+        ("planner = 2020-01-01\n", &["1:1 `planner` is 2020-01-01, expected a string"]),
+        (
+            "[camera.distortion]\nbrown-conrady = [0, 0, 0, 0]\n",
+            &["2:1 `camera.distortion.brown-conrady` is "],
+        ),
+        (
+            "[camera]\nfx = 1e300\ncy = -1e9\n",
+            &[
+                "2:1 `camera.fx` is 1e300, expected a positive",
+                "3:1 `camera.cy` is -1000000000.0, expected a pixel",
+            ],
+        ),
+        (
+            "[looks]\nn = 0\nangle_deg = 90\n",
+            &["2:1 `looks.n` is 0, expected", "3:1 `looks.angle_deg` is 90, "],
+        ),
+        (
+            "[recording.read]\npose_tolerance_s = -1\n",
+            &[
+                "2:1 -1 is out of range, expected a number of seconds, at least 0, as `recording.read.pose_tolerance_s`",
+            ],
+        ),
+        ("[[reference]]\nmesh = 'a'\n", &["1:3 `reference` is [{ mesh = \"a\" }], expected a table"]),
+        ("[reference]\nunit = 'mm'\n", &["1:2 `reference.mesh` is missing"]),
+        (
+            "[reference]\nmesh = 'a'\nangle_deg = 'x'\n",
+            &["3:1 `reference.angle_deg` is \"x\", expected a number"],
+        ),
+    ] {
+        let mut found = faults(text);
+        found.sort();
+        assert_eq!(found.len(), expected.len(), "{text}: {found:#?}");
+        for (found, expected) in found.iter().zip(expected) {
+            assert!(found.starts_with(expected), "{text}: {found}, expected {expected}");
+        }
+    }
+}
+
+/// A long value is cut, and of very many faults the first are told.
+#[test]
+fn messages_stay_short() {
+    let found = faults(&format!("object = [{}]\n", "1234567, ".repeat(1000)));
+    assert!(found.len() == 1 && found[0].chars().count() < 150 && found[0].contains('…'), "{found:?}");
+    let many: String = (0..5000).map(|i| format!("k{i} = 1\n")).collect();
+    assert_eq!(faults(&many).len(), 100);
 }
 
 #[test]
@@ -247,9 +330,12 @@ fn a_sensor_of_ones_own_differs_from_one_that_there_is() {
     assert!(own.inputs().contains(&file));
     for (text, expected) in [
         ("[camera]\nwidth = 512\n", "`like` is missing"),
-        ("like = \"mine\"\n", "`like`: sensor is mine, expected d405, "),
-        ("like = \"l515\"\nwidth = 3\n", "unknown field `width`"),
-        ("like = \"l515\"\n[noise.depth]\nedge_loss = 2\n", "edge_loss is 2, expected a probability"),
+        ("like = \"mine\"\n", "`like` is mine, expected d405, "),
+        ("like = \"l515\"\nwidth = 3\n", "line 2, column 1: `width` is not a key"),
+        (
+            "like = \"l515\"\n[noise.depth]\nedge_loss = 2\n",
+            "line 3, column 1: `noise.depth.edge_loss` is 2, expected a probability",
+        ),
         ("like = ", "mine.toml: "),
     ] {
         let message = read(text).unwrap_err().to_string();

@@ -27,24 +27,47 @@ pub struct Intrinsics {
     distortion: Distortion,
 }
 
+/// Largest width and height, pixels.
+const MAX_SIZE: u32 = 1 << 15;
+
+/// Least focal length in widths or heights of the image: beyond, a field of view has over 179 degrees.
+const LEAST_FOCAL: f64 = 1.0 / 250.0;
+
+/// Largest focal length, pixels: a pixel of a longer one is below a ten thousandth of a degree.
+const MAX_FOCAL: f64 = 1e6;
+
 impl Intrinsics {
-    /// An ideal pinhole camera: image size in pixels, focal lengths `fx, fy` (positive) and principal point
-    /// `cx, cy` in pixels.
+    /// An ideal pinhole camera: image size in pixels, focal lengths `fx, fy` and principal point `cx, cy` in
+    /// pixels. Fails on the first value of which [`check`](Self::check) says that no camera has it.
     pub fn pinhole(width: u32, height: u32, focal: DVec2, center: DVec2) -> Result<Self, Error> {
-        if width == 0 || height == 0 || width.max(height) > 1 << 15 {
-            return Err(Error::invalid(
-                "image size",
-                format!("{width} x {height}"),
-                "1 to 32768 pixels a side",
-            ));
+        match Self::check(width, height, focal, center).into_iter().next() {
+            Some(error) => Err(error),
+            None => Ok(Self { width, height, focal, center, distortion: Distortion::None }),
         }
-        if !(focal.is_finite() && focal.min_element() > 0.0) {
-            return Err(Error::invalid("focal length (fx, fy)", focal, "positive numbers of pixels"));
-        }
-        if !center.is_finite() {
-            return Err(Error::invalid("principal point (cx, cy)", center, "finite numbers of pixels"));
-        }
-        Ok(Self { width, height, focal, center, distortion: Distortion::None })
+    }
+
+    /// Everything that is wrong with the values of a pinhole camera, each under its name in a file.
+    pub fn check(width: u32, height: u32, focal: DVec2, center: DVec2) -> Vec<Error> {
+        let sizes = [("width", width), ("height", height)].into_iter();
+        let sizes = sizes.filter(|(_, size)| !(1..=MAX_SIZE).contains(size));
+        let sizes = sizes.map(|(name, size)| Error::invalid(name, size, "1 to 32768 pixels"));
+        let focals = [("fx", focal.x, width), ("fy", focal.y, height)].into_iter();
+        let has_view = |focal: f64, size: u32| focal >= LEAST_FOCAL * f64::from(size) && focal <= MAX_FOCAL;
+        let focals = focals.filter(|(_, focal, size)| !(*focal > 0.0 && has_view(*focal, *size)));
+        let focals = focals.map(|(name, focal, _)| {
+            Error::invalid(
+                name,
+                format!("{focal:?}"),
+                "a positive number of pixels, at least 1/250 of the image, at most 1e6",
+            )
+        });
+        let centers = [("cx", center.x, width), ("cy", center.y, height)].into_iter();
+        let most = f64::from(MAX_SIZE);
+        let centers = centers.filter(|(_, at, size)| !(-most..=most + f64::from(*size)).contains(at));
+        let centers = centers.map(|(name, at, _)| {
+            Error::invalid(name, format!("{at:?}"), "a pixel, at most 32768 beside the image")
+        });
+        sizes.chain(focals).chain(centers).collect()
     }
 
     /// The same camera with a lens distortion; its coefficients must be finite.
@@ -153,13 +176,13 @@ struct Fields {
     width: u32,
     /// Rows of pixels, 1 to 32768.
     height: u32,
-    /// Focal length along a row, pixels, positive.
+    /// Focal length along a row, pixels, 1/250 of the width to 1e6.
     fx: f64,
-    /// Focal length along a column, pixels, positive.
+    /// Focal length along a column, pixels, 1/250 of the height to 1e6.
     fy: f64,
-    /// Column of the principal point, pixels.
+    /// Column of the principal point, pixels, at most 32768 beside the image.
     cx: f64,
-    /// Row of the principal point, pixels.
+    /// Row of the principal point, pixels, at most 32768 beside the image.
     cy: f64,
     /// The distortion of the lens. Default: none.
     #[serde(default)]
@@ -210,7 +233,13 @@ mod tests {
         let center = DVec2::splat(10.0);
         assert!(Intrinsics::pinhole(0, 480, DVec2::ONE, center).is_err());
         assert!(Intrinsics::pinhole(640, 480, DVec2::new(600.0, 0.0), center).is_err());
-        assert!(Intrinsics::pinhole(640, 480, DVec2::ONE, DVec2::NAN).is_err());
+        assert!(Intrinsics::pinhole(640, 480, DVec2::splat(600.0), DVec2::NAN).is_err());
+        let wrong = Intrinsics::check(640, 0, DVec2::new(1e300, 1e-9), DVec2::new(1e300, -1e5));
+        let names = ["height is 0,", "fx is 1e300,", "fy is 1e-9,", "cx is 1e300,", "cy is -100000.0,"];
+        assert!(wrong.iter().map(Error::to_string).zip(names).all(|(error, name)| error.starts_with(name)));
+        assert_eq!(wrong.len(), names.len(), "{wrong:?}");
+        // A crop of the corner of a large image.
+        assert!(Intrinsics::pinhole(1, 1, DVec2::splat(3e4), DVec2::splat(-16384.0)).is_ok());
         let bad = Distortion::BrownConrady([f64::NAN, 0.0, 0.0, 0.0, 0.0]);
         assert!(Intrinsics::d435i().with_distortion(bad).is_err());
     }

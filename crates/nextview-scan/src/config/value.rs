@@ -1,0 +1,276 @@
+//! From a TOML value to a type, with what does not fit as data: where it is, and what was expected there.
+
+use crate::{Fault, FaultKind};
+use serde::de::value::MapAccessDeserializer;
+use serde::de::{
+    self, DeserializeOwned, DeserializeSeed, Deserializer, Expected, IntoDeserializer, MapAccess, SeqAccess,
+    Unexpected, Visitor,
+};
+use std::fmt;
+use std::iter::Enumerate;
+use std::marker::PhantomData;
+use std::slice;
+use toml::Value;
+use toml::map::Iter;
+
+/// Reads the value of a key.
+pub fn read_value<T: DeserializeOwned>(key: &str, value: &Value) -> Result<T, Fault> {
+    read(value).map_err(|problem| problem.under(key).fault())
+}
+
+/// Reads a value.
+pub(super) fn read<T: DeserializeOwned>(value: &Value) -> Result<T, Problem> {
+    read_by(PhantomData, value)
+}
+
+fn read_by<'de, T: DeserializeSeed<'de>>(seed: T, value: &Value) -> Result<T::Value, Problem> {
+    seed.deserialize(Node(value)).map_err(|problem| problem.of(value))
+}
+
+/// The first thing that does not fit.
+#[derive(Clone, Debug)]
+pub(super) struct Problem {
+    /// Keys and places in lists that lead to it, the innermost first.
+    path: Vec<String>,
+    pub what: What,
+}
+
+#[derive(Clone, Debug)]
+pub(super) enum What {
+    /// The last part of the path is no key; these are.
+    Unknown(&'static [&'static str]),
+    /// The last part of the path is a key that must be there.
+    Missing,
+    /// A value is of another kind or out of range.
+    Unfit { value: Option<String>, expected: String },
+    /// A type says by itself what is wrong.
+    Other(String),
+}
+
+impl Problem {
+    fn new(what: What) -> Self {
+        Self { path: Vec::new(), what }
+    }
+
+    fn unfit(expected: impl Into<String>) -> Self {
+        Self::new(What::Unfit { value: None, expected: expected.into() })
+    }
+
+    /// The same one level up.
+    fn under(mut self, key: impl Into<String>) -> Self {
+        self.path.push(key.into());
+        self
+    }
+
+    /// The same with the value that does not fit, unless it has one from further down.
+    fn of(mut self, unfit: &Value) -> Self {
+        if let What::Unfit { value: value @ None, .. } = &mut self.what
+            && self.path.is_empty()
+        {
+            *value = Some(shown(unfit));
+        }
+        self
+    }
+
+    /// The path as a dotted key.
+    pub fn key(&self) -> String {
+        self.path.iter().rev().map(String::as_str).collect::<Vec<_>>().join(".")
+    }
+
+    /// The dotted key of the table that it is in.
+    pub fn parent(&self) -> String {
+        let parts: Vec<&str> = self.path.iter().skip(1).rev().map(String::as_str).collect();
+        parts.join(".")
+    }
+
+    /// The problem in words, with the nearest known key for one that is unknown.
+    pub fn fault(&self) -> Fault {
+        let key = self.key();
+        match &self.what {
+            What::Unknown(known) => {
+                let word = self.path.first().map_or("", String::as_str);
+                let prefix = key.strip_suffix(word).unwrap_or_default();
+                Fault::unknown_key(prefix, word, known.iter().copied())
+            }
+            What::Missing => Fault { key: Some(key.clone()), ..Fault::data(format!("`{key}` is missing")) },
+            What::Unfit { value, expected } => {
+                let value = value.as_deref().unwrap_or("something else");
+                Fault { kind: FaultKind::Data, ..Fault::of_value(&key, value, expected) }
+            }
+            What::Other(message) => {
+                Fault { key: Some(key.clone()), ..Fault::data(format!("`{key}`: {message}")) }
+            }
+        }
+    }
+}
+
+impl fmt::Display for Problem {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        self.fault().fmt(f)
+    }
+}
+
+impl std::error::Error for Problem {}
+
+impl de::Error for Problem {
+    fn custom<T: fmt::Display>(message: T) -> Self {
+        Self::new(What::Other(message.to_string()))
+    }
+
+    fn invalid_type(_: Unexpected<'_>, expected: &dyn Expected) -> Self {
+        Self::unfit(in_words(expected))
+    }
+
+    fn invalid_value(_: Unexpected<'_>, expected: &dyn Expected) -> Self {
+        Self::unfit(in_words(expected))
+    }
+
+    fn invalid_length(_: usize, expected: &dyn Expected) -> Self {
+        Self::unfit(in_words(expected))
+    }
+
+    fn unknown_variant(_: &str, expected: &'static [&'static str]) -> Self {
+        Self::unfit(match expected {
+            [only] => (*only).to_owned(),
+            [one, other] => format!("{one} or {other}"),
+            names => format!("one of {}", names.join(", ")),
+        })
+    }
+
+    fn unknown_field(field: &str, expected: &'static [&'static str]) -> Self {
+        Self::new(What::Unknown(expected)).under(field)
+    }
+
+    fn missing_field(field: &'static str) -> Self {
+        Self::new(What::Missing).under(field)
+    }
+}
+
+/// What a value should have been, where serde names a type of Rust.
+fn in_words(expected: &dyn Expected) -> String {
+    let expected = expected.to_string();
+    match expected.as_str() {
+        "u8" => format!("a whole number, 0 to {}", u8::MAX),
+        "u16" => format!("a whole number, 0 to {}", u16::MAX),
+        "u32" => format!("a whole number, 0 to {}", u32::MAX),
+        "u64" | "usize" => "a whole number, at least 0".to_owned(),
+        "f32" | "f64" => "a number".to_owned(),
+        "a boolean" => "true or false".to_owned(),
+        "a sequence" => "a list".to_owned(),
+        "a map" => "a table".to_owned(),
+        "path string" => "a path".to_owned(),
+        "unit" | "unit variant" => "the name alone".to_owned(),
+        name if name.ends_with(" variant") => "a table with the name as its key".to_owned(),
+        name if name.starts_with("struct ") => "a table".to_owned(),
+        name if name.starts_with("tuple struct ") => "a list of numbers".to_owned(),
+        name => match name.strip_prefix("an array of length ") {
+            Some(n) => format!("a list of {n}"),
+            None => expected,
+        },
+    }
+}
+
+/// Longest text of a value in a message, characters.
+const MOST_SHOWN: usize = 80;
+
+/// A value as a message shows it: the beginning of one that is long.
+fn shown(value: &Value) -> String {
+    let text = value.to_string();
+    match text.char_indices().nth(MOST_SHOWN) {
+        Some((end, _)) => format!("{}…", &text[..end]),
+        None => text,
+    }
+}
+
+/// A value that is read.
+struct Node<'a>(&'a Value);
+
+impl<'de> Deserializer<'de> for Node<'_> {
+    type Error = Problem;
+
+    fn deserialize_any<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, Problem> {
+        match self.0 {
+            Value::String(text) => visitor.visit_str(text),
+            Value::Integer(number) => visitor.visit_i64(*number),
+            Value::Float(number) => visitor.visit_f64(*number),
+            Value::Boolean(truth) => visitor.visit_bool(*truth),
+            Value::Datetime(_) => Err(de::Error::invalid_type(Unexpected::Other("date"), &visitor)),
+            Value::Array(values) => {
+                let mut list = List(values.iter().enumerate());
+                visitor.visit_seq(&mut list).and_then(|read| match list.0.len() {
+                    0 => Ok(read),
+                    left => Err(Problem::unfit(format!("a list of {}", values.len() - left))),
+                })
+            }
+            Value::Table(table) => visitor.visit_map(Keys { entries: table.iter(), open: None }),
+        }
+    }
+
+    fn deserialize_option<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, Problem> {
+        visitor.visit_some(self)
+    }
+
+    fn deserialize_newtype_struct<V: Visitor<'de>>(
+        self,
+        _: &'static str,
+        visitor: V,
+    ) -> Result<V::Value, Problem> {
+        visitor.visit_newtype_struct(self)
+    }
+
+    fn deserialize_enum<V: Visitor<'de>>(
+        self,
+        _: &'static str,
+        names: &'static [&'static str],
+        visitor: V,
+    ) -> Result<V::Value, Problem> {
+        match self.0 {
+            Value::String(name) => visitor.visit_enum(name.as_str().into_deserializer()),
+            Value::Table(table) if table.len() == 1 => {
+                let keys = Keys { entries: table.iter(), open: None };
+                visitor.visit_enum(MapAccessDeserializer::new(keys))
+            }
+            _ => Err(de::Error::unknown_variant("", names)),
+        }
+    }
+
+    serde::forward_to_deserialize_any! {
+        bool i8 i16 i32 i64 i128 u8 u16 u32 u64 u128 f32 f64 char str string bytes byte_buf unit unit_struct
+        seq tuple tuple_struct map struct identifier ignored_any
+    }
+}
+
+struct List<'a>(Enumerate<slice::Iter<'a, Value>>);
+
+impl<'de> SeqAccess<'de> for &mut List<'_> {
+    type Error = Problem;
+
+    fn next_element_seed<T: DeserializeSeed<'de>>(&mut self, seed: T) -> Result<Option<T::Value>, Problem> {
+        let Some((place, value)) = self.0.next() else { return Ok(None) };
+        read_by(seed, value).map(Some).map_err(|problem| problem.under(place.to_string()))
+    }
+
+    fn size_hint(&self) -> Option<usize> {
+        Some(self.0.len())
+    }
+}
+
+struct Keys<'a> {
+    entries: Iter<'a, String, Value>,
+    /// The key that was read last, and its value.
+    open: Option<(&'a String, &'a Value)>,
+}
+
+impl<'de> MapAccess<'de> for Keys<'_> {
+    type Error = Problem;
+
+    fn next_key_seed<K: DeserializeSeed<'de>>(&mut self, seed: K) -> Result<Option<K::Value>, Problem> {
+        self.open = self.entries.next();
+        self.open.map(|(key, _)| seed.deserialize(key.as_str().into_deserializer())).transpose()
+    }
+
+    fn next_value_seed<V: DeserializeSeed<'de>>(&mut self, seed: V) -> Result<V::Value, Problem> {
+        let (key, value) = self.open.take().expect("a key comes before its value");
+        read_by(seed, value).map_err(|problem| problem.under(key))
+    }
+}
