@@ -72,7 +72,8 @@ class ViewPlanning(gymnasium.Env[Observation, np.int64]):
             if not 2 <= value <= most:
                 raise InputError(f"`{name}` is {value}, expected 2 to {most}")
         if isinstance(objects, str):
-            raise InputError(f"`objects` is {objects!r}, expected a list, such as [{objects!r}]")
+            shown = reprlib.repr(objects)
+            raise InputError(f"`objects` is {shown}, expected a list, such as [{shown}]")
         self._objects = listed("objects", objects)
         if not self._objects:
             raise InputError("`objects` is empty, expected at least one object")

@@ -133,9 +133,8 @@ def planned(answer: Any, score: Any = 1.0) -> None:
     """What a planner in Python answers."""
     for given in (answer, (answer, score)):
         Answering.answer = given
-        nextview.Scan(camera(), BOX, poses=[pose(), pose()], planner=Answering, voxel_size_m=0.02).next_view()
         scan = nextview.Scan(camera(), BOX, planner=Answering, **FEW)
-        scan.observe(frame(), pose())
+        scan.observe(frame(), scan.next_view())
         scan.next_view()
 
 
