@@ -14,10 +14,14 @@ MOST = 100_000
 
 def listed(name: str, values: Iterable[Any]) -> list[Any]:
     """The entries of an argument, which may be an iterator that never ends."""
+    problem = f"`{name}` is of type {type(values).__name__}, expected a list"
+    # A text has entries, too, but nobody means its characters.
+    if isinstance(values, str | bytes):
+        raise InputError(problem)
     try:
         entries = iter(values)
     except TypeError as error:
-        raise InputError(f"`{name}` is of type {type(values).__name__}, expected a list") from error
+        raise InputError(problem) from error
     found = list(islice(entries, MOST + 1))
     if len(found) > MOST:
         raise InputError(f"`{name}` has more than {MOST} entries, expected a list of fewer")

@@ -36,7 +36,7 @@ pub fn of_request(py: Python<'_>, faults: Faults) -> PyErr {
 
 /// The table of a dict; entries that are None count as left out.
 pub fn table(dict: &Bound<'_, PyDict>) -> PyResult<Table> {
-    Conversion::default().table(dict, 0)
+    Conversion::default().table("", dict, 0)
 }
 
 /// The numbers of a list, or of lists of equal length, or of a numpy array, of a shape that fits.
@@ -132,7 +132,7 @@ impl Conversion {
         Ok(())
     }
 
-    fn table(&mut self, dict: &Bound<'_, PyDict>, depth: usize) -> PyResult<Table> {
+    fn table(&mut self, section: &str, dict: &Bound<'_, PyDict>, depth: usize) -> PyResult<Table> {
         let mut table = Table::new();
         // What is called for a value may change the dict: its entries are those of now.
         for entry in dict.items() {
@@ -144,9 +144,9 @@ impl Conversion {
                 let problem = format!("a key of the configuration is {}, expected a text", shown(&key));
                 input_error(dict.py(), problem)
             })?;
-            let name = self.text("a key", name)?;
-            let value = self.value(&name, &value, depth)?;
-            table.insert(name, value);
+            let key = self.text("a key", name)?;
+            let name = if section.is_empty() { key.clone() } else { format!("{section}.{key}") };
+            table.insert(key, self.value(&name, &value, depth)?);
         }
         Ok(table)
     }
@@ -181,7 +181,7 @@ impl Conversion {
             return Ok(Value::String(self.text(name, text)?));
         }
         if let Ok(dict) = value.cast::<PyDict>() {
-            return Ok(Value::Table(self.table(dict, depth + 1)?));
+            return Ok(Value::Table(self.table(name, dict, depth + 1)?));
         }
         let is_matrix = value.cast::<PyUntypedArray>().is_ok_and(|array| array.ndim() == 2);
         if is_matrix || value.is_instance_of::<View>() {
@@ -192,7 +192,7 @@ impl Conversion {
             let items = value.try_iter()?.map(|item| self.value(name, &item?, depth + 1));
             return Ok(Value::Array(items.collect::<PyResult<_>>()?));
         }
-        if name == "planner"
+        if is_planner(name)
             && let Ok(class) = value.cast::<PyType>()
         {
             return Ok(Value::String(planner::name_of(class)?));
@@ -216,14 +216,22 @@ impl Conversion {
             return Ok(Value::String(self.text(name, path.cast::<PyString>()?)?));
         }
         let kind = type_of(value);
-        if name == "planner" {
+        if let Ok(array) = value.cast::<PyUntypedArray>() {
+            let problem = format!("`{name}` is an array of the shape {:?}", array.shape());
+            return Err(input_error(py, format!("{problem}, expected a list: pass its `tolist()`")));
+        }
+        if is_planner(name) {
             let expected = "expected a name, or a class: a subclass of nextview.Planner or nextview.Gain";
-            let problem = format!("`planner` is of type {kind}, {expected}; pass the class itself");
+            let problem = format!("`{name}` is of type {kind}, {expected}; pass the class itself");
             return Err(input_error(py, problem));
         }
         let expected = "expected a text, a truth value, a number of 64 bits, a list or a dict";
         Err(input_error(py, format!("`{name}` is of type {kind}, or out of range: {expected}")))
     }
+}
+
+fn is_planner(name: &str) -> bool {
+    name.rsplit('.').next() == Some("planner")
 }
 
 /// The number, if the value is one that fits; another exception than that is the caller's.

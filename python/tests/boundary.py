@@ -35,14 +35,18 @@ from hostile_values import SHAPE, VALUES
 
 import nextview
 
-MODULES = ("nextview", "nextview.errors", "nextview.gym", "nextview.ray", "nextview.rerun")
-"""The public modules; one that needs a package which is not installed is left out."""
+MODULES = ("nextview", "nextview.errors", "nextview.gym")
+"""The public modules. Without `nextview.ray` and `nextview.rerun`, whose packages start threads or processes
+when they are used; one that needs a package which is not installed is left out."""
 
 ADDRESS_SPACE = 3 << 30
 """Memory that a call may ask for, bytes beside that of the parent: no argument is worth more."""
 
 CPU_S, WALL_S = 30, 120
 """Time that a call may take."""
+
+MOST_TEXT = 4_000_000
+"""Characters of a message: the name of a file is in it as it was given."""
 
 NO_RESULT = 10
 """Exit status of a process whose call ended with what is no exception of Python's."""
@@ -390,8 +394,8 @@ def call(argument: Argument, value: str, folder: Path) -> None:
         traceback.print_exc()
         status = NO_RESULT
     except Exception as error:
-        # Its text can be shown, and is of a length to be read.
-        if isinstance(error, nextview.NextviewError) and len(str(error)) > 100_000:
+        # Its text can be shown, and is at most a few times that of the longest value.
+        if isinstance(error, nextview.NextviewError) and len(str(error)) > MOST_TEXT:
             print(f"a message of {len(str(error))} characters")
             status = NO_RESULT
     except BaseException:

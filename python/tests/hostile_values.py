@@ -154,7 +154,7 @@ def cyclic_dict() -> dict[str, Any]:
 
 def nested(wrap: Callable[[Any], Any], n: int) -> Any:
     """A value wrapped so often."""
-    value: Any = wrap(None)
+    value: Any = wrap(0)
     for _ in range(n):
         value = wrap(value)
     return value

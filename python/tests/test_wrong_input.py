@@ -115,12 +115,13 @@ WRONG_SCANS: list[tuple[dict[str, Any], str]] = [
     ({"poses": [np.eye(4), np.eye(3)]}, r"`poses\[1\]` has the shape"),
     ({"options": {1: 2}}, "a key of the configuration is 1"),
     ({"seed": object()}, "`seed` is of type object"),
-    ({"stop": cyclic_dict()}, "`a` is nested too deeply, expected at most 40 .*; does it hold itself"),
-    ({"stop": nested(lambda value: {"a": value}, 10_000)}, "`a` is nested too deeply"),
+    ({"stop": cyclic_dict()}, "`stop.a.* is nested too deeply, expected at most 40 .*; does it hold itself"),
+    ({"stop": nested(lambda value: {"a": value}, 10_000)}, r"`stop.a.a.* is nested too deeply"),
     ({"stop": nested(lambda value: (value,), 10_000)}, "`stop` is nested too deeply"),
     ({"stop": nested(lambda value: [value, value], 30)}, "`stop` is too large for a configuration"),
     ({"stop": cyclic_list(2)}, "`stop` is nested too deeply"),
     ({"stop": EndlessList([1.0])}, "`stop` is too large for a configuration, expected at most 1048576 bytes"),
+    ({"reach": {"base_m": np.zeros(3)}}, r"`reach.base_m` is an array of the shape \[3\], .* `tolist"),
     ({"seed": huge(1.0)}, r"`seed` has the shape \[1048576, 1048576\], expected a 4 x 4"),
     ({"box": huge(1.0)}, r"`box` has the shape \[1048576, 1048576\], expected its lowest"),
     ({"poses": itertools.repeat(np.eye(4))}, "`poses` has more than 100000 entries"),
@@ -202,6 +203,8 @@ def test_an_empty_list_of_objects_is_refused() -> None:
     for given, objects in [({"name": "x", "objects": []}, None), ("paper-1", [])]:
         with pytest.raises(nextview.InputError, match="objects`? is empty, expected at least one"):
             nextview.bench(given, objects)  # type: ignore[arg-type]
+    with pytest.raises(nextview.InputError, match="`objects` is of type str, expected a list"):
+        nextview.bench("paper-1", "builtin:mug")
 
 
 def test_files_that_are_not_there_are_data_errors(tmp_path: Path) -> None:
