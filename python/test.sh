@@ -25,6 +25,9 @@ trap 'rm -rf "$work"' EXIT
 cp -r tests examples pyproject.toml "$work"
 cd "$work"
 "$venv/bin/python" -m pytest -q -rs tests
+# Hostile values for every argument: a sample of the calls, or more than 10,000 of them.
+[ "${1:-}" = --full ] && every=9 || every=499
+"$venv/bin/python" tests/boundary.py "$here/../crates/nextview-scan/schema/scan_config.json" --every $every
 "$venv/bin/python" -m mypy --strict examples/*.py
 "$venv/bin/python" -m mypy --strict "$here/nextview"
 "$venv/bin/python" -m mypy.stubtest nextview._native

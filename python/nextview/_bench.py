@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from nextview import _native
+from nextview._lists import listed
 from nextview.errors import InputError
 
 Columns = dict[str, Any]
@@ -61,7 +62,7 @@ def bench(
     ['random', 'max-flow']
     """
     listed = names_of(objects)
-    given = dict(spec) if isinstance(spec, Mapping) else os.fspath(spec)
+    given = spec_of(spec)
     if out is not None:
         return Bench(**_native.bench(given, listed, os.fspath(out), resume, jobs, on_event))
     with tempfile.TemporaryDirectory(prefix="nextview-") as folder:
@@ -70,7 +71,15 @@ def bench(
 
 def names_of(objects: Sequence[str | os.PathLike[str]] | None) -> list[str]:
     """The names of objects that take the place of those of a specification; empty for None."""
+    if objects is None:
+        return []
+    names = [os.fspath(each) for each in listed("objects", objects)]
     # A search for files that found none is no wish for those of the specification.
-    if objects is not None and len(objects) == 0:
+    if not names:
         raise InputError("`objects` is empty, expected at least one, or None for those of the specification")
-    return [os.fspath(each) for each in objects or ()]
+    return names
+
+
+def spec_of(spec: str | os.PathLike[str] | Mapping[str, Any]) -> dict[str, Any] | str:
+    """A specification: its values, or its name or file."""
+    return dict(listed("spec", spec.items())) if isinstance(spec, Mapping) else os.fspath(spec)

@@ -40,11 +40,11 @@ class Camera(_native.Camera):
         cy: float,
         distortion: Sequence[float] = (),
         distortion_model: str = "brown-conrady",
-        depth_range_m: tuple[float, float] = (0.0, 10.0),
+        depth_range_m: Sequence[float] = (0.0, 10.0),
     ) -> Self:
         """A camera with these optics."""
         return super().__new__(
-            cls, width, height, fx, fy, cx, cy, list(distortion), distortion_model, depth_range_m
+            cls, width, height, fx, fy, cx, cy, distortion, distortion_model, depth_range_m
         )
 
     @classmethod

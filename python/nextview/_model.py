@@ -77,7 +77,7 @@ class Map:
         Raises `InputError` if the grid is no part of an OctoMap: `origin_m` must be a multiple of the voxel
         size, and probabilities of measured voxels between 0 and 1.
         """
-        grid = (self.occupancy, self.probability, self.origin_m.tolist(), self.voxel_size_m)
+        grid = (self.occupancy, self.probability, self.origin_m, self.voxel_size_m)
         _native.write_map(os.fspath(path), *grid, force)
 
     @classmethod

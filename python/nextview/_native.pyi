@@ -45,9 +45,9 @@ class Camera:
         fy: float,
         cx: float,
         cy: float,
-        distortion: list[float],
+        distortion: object,
         distortion_model: str,
-        depth_range_m: tuple[float, float],
+        depth_range_m: object,
     ) -> Self: ...
     @staticmethod
     def of_sensor(name: str) -> _Numbers: ...
@@ -95,6 +95,7 @@ class LiveScan:
         cls,
         config: dict[str, Any],
         camera: Camera,
+        bounds: object | None,
         first_pose: object | None,
         poses: list[Any] | None,
         out: _Path | None,
@@ -191,7 +192,7 @@ def write_map(
     path: _Path,
     occupancy: NDArray[np.uint8],
     probability: NDArray[np.float32],
-    origin_m: list[float],
+    origin_m: object,
     voxel_size_m: float,
     force: bool,
 ) -> None: ...

@@ -18,7 +18,7 @@ class Page:
     def _repr_html_(self) -> str:
         # A document within a document keeps its styles and its script to itself.
         source = html.escape(self.html, quote=True)
-        style = f"width: 100%; height: {self.height_px}px; border: 0"
+        style = f"width: 100%; height: {self.height_px:d}px; border: 0"
         return f'<iframe srcdoc="{source}" style="{style}"></iframe>'
 
     def __repr__(self) -> str:

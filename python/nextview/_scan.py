@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from nextview import _native
 from nextview._camera import Camera
+from nextview._lists import listed
 from nextview._model import Cloud, Map, Mesh, cloud_of, map_of, mesh_of
 from nextview._page import Page
 from nextview._planner import Gain, Planner
@@ -93,11 +94,12 @@ class Scan:
         for key, instead in _ARGUMENTS.items():
             if options.get(key) is not None:
                 raise InputError(f"`{key}` is no option of a scan by your own camera, use {instead}")
-        live: dict[str, Any] = {"box_m": None if box is None else _corners(box)}
+        live: dict[str, Any] = {}
         given_box = options.pop("object_box", None)
         if not isinstance(given_box, dict | None):
             raise InputError(f"`object_box` is of type {type(given_box).__name__}, expected a dict")
-        object_box = dict(given_box or {})
+        # Its own entries, whatever a subclass has.
+        object_box = {} if given_box is None else dict(dict.items(given_box))
         if object_box.get("table") is not None:
             raise InputError("`object_box.table` is no option of a scan by your own camera, use `table`")
         if isinstance(table, str):
@@ -106,10 +108,11 @@ class Scan:
             live["table_z_m"] = table
         given = {"planner": planner, "views": views, "voxel_size_m": voxel_size_m, "object": name}
         config = {**options, **given, "live": live, "object_box": object_box}
-        listed = None if poses is None else list(poses)
+        candidates = None if poses is None else listed("poses", poses)
         # A program may change its folder while it scans.
         path = None if out is None else os.path.abspath(out)
-        self._begin(_native.LiveScan(config, camera, first_pose, listed, path, force), path, force)
+        engine = _native.LiveScan(config, camera, box, first_pose, candidates, path, force)
+        self._begin(engine, path, force)
 
     def _begin(self, scan: _native.LiveScan, out: str | None, force: bool) -> None:
         self._engine, self._out, self._force = scan, out, force
@@ -289,16 +292,3 @@ def resume(out: str | os.PathLike[str]) -> Scan:
 
 _ARGUMENTS = {"object": "`name`", "live": "`box`, `table`, `first_pose` and `poses`"}
 """Keys of the configuration that arguments make, and those arguments."""
-
-
-def _corners(box: Sequence[Sequence[float]] | NDArray[np.float64]) -> list[float]:
-    expected = "expected its lowest and its highest corner, 2 x 3 numbers"
-    try:
-        corners = np.asarray(box)
-    except (TypeError, ValueError) as error:
-        raise InputError(f"`box` is {box!r}, {expected}") from error
-    if corners.dtype.kind not in "iuf":
-        raise InputError(f"`box` is {box!r}, {expected}")
-    if corners.shape not in [(2, 3), (6,)]:
-        raise InputError(f"`box` has the shape {corners.shape}, {expected}")
-    return [float(number) for number in corners.ravel()]

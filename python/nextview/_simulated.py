@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from nextview import _native
 from nextview._camera import Camera
+from nextview._lists import listed
 from nextview._model import Cloud, Map, Mesh, cloud_of, map_of, mesh_of
 from nextview._page import Page
 from nextview._scan import Pose
@@ -81,7 +82,7 @@ class SimulatedScene:
         >>> float(sim.reachable_coverage(range(10))[-1])
         1.0
         """
-        return self._engine.coverage_curve(list(views))
+        return self._engine.coverage_curve(listed("views", views))
 
     @property
     def box_m(self) -> tuple[list[float], list[float]]:

@@ -27,7 +27,7 @@ class NextviewError(Exception):
         self.faults = [] if faults is None else faults
 
     @classmethod
-    def of_faults(cls, faults: list[dict[str, Any]]) -> NextviewError:
+    def _of_faults(cls, faults: list[dict[str, Any]]) -> NextviewError:
         """The exception of these faults, one a line, each with its remedy."""
         return cls("\n".join(_text(fault) for fault in faults), faults)
 

@@ -12,6 +12,7 @@ True
 
 from __future__ import annotations
 
+import reprlib
 from collections.abc import Sequence
 from typing import Any
 
@@ -19,6 +20,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from nextview._camera import Camera
+from nextview._lists import listed
 from nextview._scan import Scan
 from nextview._simulated import SimulatedScene
 from nextview.errors import InputError
@@ -62,16 +64,22 @@ class ViewPlanning(gymnasium.Env[Observation, np.int64]):
         camera: Camera | None = None,
     ) -> None:
         """Nothing is loaded before the first episode. Raises `InputError` on numbers out of range."""
-        for name, value in [("n_candidates", n_candidates), ("views", views), ("cells", cells)]:
-            if value < 2:
-                raise InputError(f"`{name}` is {value}, expected at least 2")
+        for name, value, most in [
+            ("n_candidates", n_candidates, 10_000),
+            ("views", views, 10_000),
+            ("cells", cells, 256),
+        ]:
+            if not 2 <= value <= most:
+                raise InputError(f"`{name}` is {value}, expected 2 to {most}")
         if isinstance(objects, str):
-            raise InputError(f"`objects` is {objects!r}, expected a list, such as [{objects!r}]")
-        if not objects:
+            shown = reprlib.repr(objects)
+            raise InputError(f"`objects` is {shown}, expected a list, such as [{shown}]")
+        self._objects = listed("objects", objects)
+        if not self._objects:
             raise InputError("`objects` is empty, expected at least one object")
-        self._objects = list(objects)
         self._n_candidates, self._views, self._cells = n_candidates, views, cells
-        self._camera = camera or Camera(160, 120, fx=152.0, fy=152.0, cx=79.5, cy=59.5)
+        default = Camera(160, 120, fx=152.0, fy=152.0, cx=79.5, cy=59.5)
+        self._camera = default if camera is None else camera
         self._scenes: dict[str, SimulatedScene] = {}
         self.observation_space = spaces.Dict(
             {
@@ -118,7 +126,7 @@ class ViewPlanning(gymnasium.Env[Observation, np.int64]):
         """Takes the view of this number: the observation, the coverage gained, and whether that was the last
         view."""
         if not self.action_space.contains(action):
-            raise InputError(f"`action` is {action!r}, expected 0 to {self._n_candidates - 1}")
+            raise InputError(f"`action` is {reprlib.repr(action)}, expected 0 to {self._n_candidates - 1}")
         before = self._coverage
         self._take(int(action))
         is_last = len(self._taken) >= self._views

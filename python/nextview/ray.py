@@ -20,7 +20,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from typing import Any
 
 from nextview import _native
-from nextview._bench import names_of
+from nextview._bench import names_of, spec_of
 from nextview.errors import DataError, InputError, NextviewError
 
 try:
@@ -66,8 +66,7 @@ def bench(
     for name, value, least in [("cpus", cpus, 1), ("retries", retries, -1), ("workers", workers, 1), ("truth_cache_mb", truth_cache_mb, 0)]:
         if value is not None and value < least:
             raise InputError(f"`{name}` is {value}, expected at least {least}")
-    given = dict(spec) if isinstance(spec, Mapping) else os.fspath(spec)
-    campaign = _native.Campaign(given, names_of(objects), out)
+    campaign = _native.Campaign(spec_of(spec), names_of(objects), os.fspath(out))
     tell = on_event or (lambda event: None)
     for event in campaign.beginning():
         tell(event)

@@ -1,7 +1,8 @@
 //! Images as numpy arrays.
 
 use crate::errors::{exception, input_error};
-use nextview::sensor::{ColorImage, Depth, DepthImage};
+use crate::values::type_of;
+use nextview::sensor::{ColorImage, Depth, DepthImage, Intrinsics};
 use nextview_scan::Fault;
 use numpy::ndarray::Dimension;
 use numpy::{
@@ -11,9 +12,10 @@ use pyo3::prelude::*;
 
 const DEPTH: &str = "expected an array of height x width, float32 in metres, or uint16 with `depth_scale_m`";
 
-/// A depth image: float32 in metres, or uint16 in units of `scale` metres. Pixels of the mask are missing.
-/// Arrays of any layout are read row by row; a frame is kept, so that its depths are copied once.
+/// A depth image of this camera: float32 in metres, or uint16 in units of `scale` metres. Pixels of the mask
+/// are missing. Arrays of any layout are read row by row; a frame is kept, so that its depths are copied once.
 pub fn depth_image(
+    camera: &Intrinsics,
     depth: &Bound<'_, PyAny>,
     scale: Option<f64>,
     mask: Option<&Bound<'_, PyAny>>,
@@ -23,6 +25,7 @@ pub fn depth_image(
     let &[height, width] = array.shape() else {
         return Err(input_error(py, format!("`depth` has the shape {:?}, {DEPTH}", array.shape())));
     };
+    check_size(py, "depth", [height, width], camera)?;
     if depth.is_instance(&py.import("numpy.ma")?.getattr("MaskedArray")?)? {
         let problem = "`depth` is a masked array, expected a plain one: pass np.ma.getdata(depth), and \
                        `mask`=np.ma.getmaskarray(depth)";
@@ -31,16 +34,28 @@ pub fn depth_image(
     let mut metres = metres(depth, array, scale)?;
     if let Some(mask) = mask {
         let mask = of_kind::<bool, _>("mask", mask, [height, width], "a bool array of the depth's shape")?;
-        let masked = metres.iter_mut().zip(mask.as_array()).filter(|(_, is_masked)| **is_masked);
+        // In numpy, a byte of a bool may be any; in Rust, it must be 0 or 1.
+        let bytes = py.get_type::<PyUntypedArray>().call_method1("view", (mask, "uint8"))?;
+        let mask = readonly("mask", bytes.cast::<PyArray2<u8>>()?)?;
+        let masked = metres.iter_mut().zip(mask.as_array()).filter(|(_, is_masked)| **is_masked != 0);
         masked.for_each(|(depth, _)| *depth = f32::NAN);
     }
-    let size = |n: usize| u32::try_from(n).unwrap_or(u32::MAX);
-    DepthImage::from_metres(size(width), size(height), metres)
+    DepthImage::from_metres(camera.width(), camera.height(), metres)
         .map_err(|error| exception(py, Fault::from(error)))
 }
 
-/// A colour image: height x width x 3, uint8, red first.
-pub fn color_image(color: &Bound<'_, PyAny>) -> PyResult<ColorImage> {
+/// What is in an array of another size is not looked at: it may be of any length without taking any memory.
+fn check_size(py: Python<'_>, name: &str, [height, width]: [usize; 2], camera: &Intrinsics) -> PyResult<()> {
+    let expected = [camera.height() as usize, camera.width() as usize];
+    if [height, width] == expected {
+        return Ok(());
+    }
+    let expected = format!("{} x {} pixels, as the camera has", expected[1], expected[0]);
+    Err(exception(py, Fault::of_value(name, format!("{width} x {height}"), expected)))
+}
+
+/// A colour image of this camera: height x width x 3, uint8, red first.
+pub fn color_image(camera: &Intrinsics, color: &Bound<'_, PyAny>) -> PyResult<ColorImage> {
     let py = color.py();
     let expected = "a uint8 array of height x width x 3";
     let array = untyped("color", color, &format!("expected {expected}"))?;
@@ -50,12 +65,12 @@ pub fn color_image(color: &Bound<'_, PyAny>) -> PyResult<ColorImage> {
             format!("`color` has the shape {:?}, expected {expected}", array.shape()),
         ));
     };
-    let color = of_kind::<u8, _>("color", color, [height, width, 3], expected)?;
+    check_size(py, "color", [height, width], camera)?;
+    let color = readonly("color", of_kind::<u8, _>("color", color, [height, width, 3], expected)?)?;
     let view = color.as_array();
     let pixel = |v: usize, u: usize| [view[[v, u, 0]], view[[v, u, 1]], view[[v, u, 2]]];
     let pixels = (0..height).flat_map(|v| (0..width).map(move |u| (v, u))).map(|(v, u)| pixel(v, u));
-    let size = |n: usize| u32::try_from(n).unwrap_or(u32::MAX);
-    ColorImage::new(size(width), size(height), pixels.collect())
+    ColorImage::new(camera.width(), camera.height(), pixels.collect())
         .map_err(|error| exception(py, Fault::from(error)))
 }
 
@@ -99,19 +114,18 @@ fn untyped<'a, 'py>(
     value: &'a Bound<'py, PyAny>,
     expected: &str,
 ) -> PyResult<&'a Bound<'py, PyUntypedArray>> {
-    value.cast::<PyUntypedArray>().map_err(|_| {
-        let kind = value.get_type().name().map_or_else(|_| "?".to_owned(), |name| name.to_string());
-        input_error(value.py(), format!("`{name}` is of type {kind}, {expected}"))
-    })
+    value
+        .cast::<PyUntypedArray>()
+        .map_err(|_| input_error(value.py(), format!("`{name}` is of type {}, {expected}", type_of(value))))
 }
 
 /// The array, if it is of this type and shape.
-fn of_kind<'py, T: Element, const N: usize>(
+fn of_kind<'a, 'py, T: Element, const N: usize>(
     name: &str,
-    value: &Bound<'py, PyAny>,
+    value: &'a Bound<'py, PyAny>,
     shape: [usize; N],
     expected: &str,
-) -> PyResult<PyReadonlyArray<'py, T, numpy::ndarray::Dim<[usize; N]>>>
+) -> PyResult<&'a Bound<'py, PyArray<T, numpy::ndarray::Dim<[usize; N]>>>>
 where
     numpy::ndarray::Dim<[usize; N]>: Dimension,
 {
@@ -121,10 +135,9 @@ where
         let problem = format!("`{name}` has the shape {:?}, expected {shape:?}, {expected}", array.shape());
         return Err(input_error(py, problem));
     }
-    match value.cast::<PyArray<T, numpy::ndarray::Dim<[usize; N]>>>() {
-        Ok(array) => readonly(name, array),
-        Err(_) => Err(input_error(py, format!("`{name}` is of {}, expected {expected}", array.dtype()))),
-    }
+    value
+        .cast()
+        .map_err(|_| input_error(py, format!("`{name}` is of {}, expected {expected}", array.dtype())))
 }
 
 /// The array, to be read in place.
@@ -133,8 +146,9 @@ pub fn readonly<'py, T: Element, D: Dimension>(
     array: &Bound<'py, PyArray<T, D>>,
 ) -> PyResult<PyReadonlyArray<'py, T, D>> {
     let py = array.py();
-    // No reference may point to a number that is not.
-    if !array.as_any().getattr("flags")?.getattr("aligned")?.extract::<bool>()? {
+    // No reference may point to a number that is not; a subclass may have other flags than its array.
+    let flags = py.get_type::<PyUntypedArray>().getattr("flags")?.call_method1("__get__", (array,))?;
+    if !flags.getattr("aligned")?.extract::<bool>()? {
         let remedy = format!("pass np.require({name}, requirements='A')");
         return Err(input_error(py, format!("`{name}` is not aligned in memory: {remedy}")));
     }

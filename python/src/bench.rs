@@ -1,8 +1,8 @@
 //! Campaigns: many scans by one specification.
 
 use crate::errors::input_error;
-use crate::values::{of_request, table, to_python};
-use crate::watch::compute;
+use crate::values::{of_request, table, to_python, type_of};
+use crate::watch::{compute, guarded};
 use nextview::Cancel;
 use nextview_campaign::execution::{CampaignEvent, run_campaign};
 use nextview_campaign::store::Store;
@@ -77,14 +77,15 @@ pub fn read_spec(spec: &Bound<'_, PyAny>, objects: &[String]) -> PyResult<Spec> 
             return Err(input_error(py, "`objects` is for specifications by name; a dict has its own"));
         }
         let text = toml::to_string(&table(dict)?).map_err(|error| input_error(py, error))?;
-        Spec::parse(&text, Path::new(""))
+        guarded(py, || Spec::parse(&text, Path::new("")))
     } else if let Ok(name) = spec.cast::<PyString>() {
-        Spec::load(name.to_str()?, objects)
+        let name = name.to_str()?;
+        guarded(py, || Spec::load(name, objects))
     } else {
-        let kind = spec.get_type().name()?;
+        let kind = type_of(spec);
         return Err(input_error(py, format!("`spec` is of type {kind}, expected a name, a file or a dict")));
     };
-    spec.map_err(|faults| of_request(py, faults))
+    spec?.map_err(|faults| of_request(py, faults))
 }
 
 fn done(

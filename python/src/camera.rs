@@ -1,6 +1,7 @@
 //! Optics and range of a depth camera.
 
 use crate::errors::exception;
+use crate::values::numbers;
 use glam::DVec2;
 use nextview::sensor::{DepthRange, Distortion, Intrinsics, Sensor};
 use nextview_scan::Fault;
@@ -28,14 +29,18 @@ impl Camera {
         fy: f64,
         cx: f64,
         cy: f64,
-        distortion: Vec<f64>,
+        distortion: &Bound<'_, PyAny>,
         distortion_model: &str,
-        depth_range_m: (f64, f64),
+        depth_range_m: &Bound<'_, PyAny>,
     ) -> PyResult<Self> {
+        let coefficients = "at most 5 numbers, k1, k2, p1, p2, k3";
+        let distortion = numbers("distortion", distortion, |shape| matches!(shape, [0..=5]), coefficients)?;
+        let range = "the least and the largest depth, metres";
+        let depth_range = numbers("depth_range_m", depth_range_m, |shape| shape == [2], range)?;
         let make = || -> Result<Self, Fault> {
             let distortion = distortion_of(&distortion, distortion_model)?;
             let pinhole = Intrinsics::pinhole(width, height, DVec2::new(fx, fy), DVec2::new(cx, cy))?;
-            let depth_range = DepthRange { min: depth_range_m.0, max: depth_range_m.1 };
+            let depth_range = DepthRange { min: depth_range[0], max: depth_range[1] };
             depth_range.check().map_err(|error| Fault::from(error).within("`depth_range_m`"))?;
             Ok(Self { intrinsics: pinhole.with_distortion(distortion)?, depth_range })
         };
@@ -47,12 +52,12 @@ impl Camera {
     fn of_sensor(py: Python<'_>, name: &str) -> PyResult<Numbers> {
         let sensor: Sensor =
             name.parse().map_err(|error: nextview::Error| exception(py, Fault::from(error)))?;
-        Ok(numbers(&sensor.intrinsics(), sensor.depth_range()))
+        Ok(numbers_of(&sensor.intrinsics(), sensor.depth_range()))
     }
 
     /// The numbers of this camera, in the order of the constructor.
     fn numbers(&self) -> Numbers {
-        numbers(&self.intrinsics, self.depth_range)
+        numbers_of(&self.intrinsics, self.depth_range)
     }
 }
 
@@ -60,7 +65,7 @@ impl Camera {
 type Numbers = (u32, u32, f64, f64, f64, f64, Vec<f64>, &'static str, (f64, f64));
 
 /// The numbers of optics and range.
-pub fn numbers(intrinsics: &Intrinsics, range: DepthRange) -> Numbers {
+pub fn numbers_of(intrinsics: &Intrinsics, range: DepthRange) -> Numbers {
     let (focal, center) = (intrinsics.focal(), intrinsics.center());
     let (coefficients, model) = match intrinsics.distortion() {
         Distortion::None => (Vec::new(), "none"),
@@ -73,10 +78,6 @@ pub fn numbers(intrinsics: &Intrinsics, range: DepthRange) -> Numbers {
 }
 
 fn distortion_of(coefficients: &[f64], model: &str) -> Result<Distortion, Fault> {
-    if coefficients.len() > 5 {
-        let expected = "at most 5, k1, k2, p1, p2, k3";
-        return Err(Fault::of_value("distortion", format!("{} numbers", coefficients.len()), expected));
-    }
     let mut k = [0.0; 5];
     k[..coefficients.len()].copy_from_slice(coefficients);
     match model {

@@ -1,7 +1,7 @@
 //! Campaigns whose runs are done by other processes.
 
 use crate::bench::read_spec;
-use crate::errors::{exception, internal_error};
+use crate::errors::internal_error;
 use crate::values::to_python;
 use crate::watch::compute;
 use nextview::Cancel;
@@ -23,35 +23,34 @@ impl Campaign {
     #[new]
     fn new(py: Python<'_>, spec: &Bound<'_, PyAny>, objects: Vec<String>, out: PathBuf) -> PyResult<Self> {
         let spec = read_spec(spec, &objects)?;
-        let opened = py.detach(|| Store::open(&out, &spec, Shard::WHOLE, true));
-        opened.map(|store| Self(Mutex::new(Dispatch::new(store)))).map_err(|faults| exception(py, faults))
+        let store = compute(py, &Cancel::default(), || Store::open(&out, &spec, Shard::WHOLE, true))?;
+        Ok(Self(Mutex::new(Dispatch::new(store))))
     }
 
     /// The events before the first batch.
     fn beginning<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
-        to_python(py, &self.lock().beginning())
+        to_python(py, &compute(py, &Cancel::default(), || Ok(self.lock().beginning()))?)
     }
 
     /// The next batch for so many workers, by its name and as text; none if all runs were handed out.
     fn take(&self, py: Python<'_>, n_workers: usize) -> PyResult<Option<(String, String)>> {
-        let batch = self.lock().take(n_workers);
         let taken = |batch: execution::Batch| Ok((batch.to_string(), batch.to_json()?));
-        batch.map(taken).transpose().map_err(|fault: Fault| exception(py, fault))
+        compute(py, &Cancel::default(), || self.lock().take(n_workers).map(taken).transpose())
     }
 
     /// Keeps the record of a run; the events of that.
     fn keep<'py>(&self, py: Python<'py>, record: &str) -> PyResult<Bound<'py, PyAny>> {
-        let kept = py.detach(|| {
+        let kept = compute(py, &Cancel::default(), || {
             let unreadable = |error| Fault::data(format!("the record of a run cannot be read: {error}"));
             let record: RunRecord = serde_json::from_str(record).map_err(unreadable)?;
-            self.lock().keep(&record)
+            Ok(self.lock().keep(&record)?)
         });
-        to_python(py, &kept.map_err(|fault| exception(py, fault))?)
+        to_python(py, &kept?)
     }
 
     /// Writes the tables; the runs that failed by object and reason.
     fn finish(&self, py: Python<'_>) -> PyResult<Vec<(String, String, usize)>> {
-        let failed = py.detach(|| self.lock().finish()).map_err(|faults| exception(py, faults))?;
+        let failed = compute(py, &Cancel::default(), || self.lock().finish())?;
         Ok(failed.into_iter().map(|failed| (failed.object, failed.reason, failed.n_runs)).collect())
     }
 }
@@ -79,10 +78,11 @@ impl BatchRuns {
         truth_cache: Option<PathBuf>,
         truth_cache_mb: u64,
     ) -> PyResult<Self> {
-        let batch = execution::Batch::from_json(text).map_err(|fault| exception(py, fault))?;
-        let truths = truth_cache.map(|dir| TruthCache::open(&dir, truth_cache_mb)).transpose();
-        let truths = truths.map_err(|fault| exception(py, fault))?;
-        let runs = batch.begin(n_threads, truths).map_err(|faults| exception(py, faults))?;
+        let runs = compute(py, &Cancel::default(), || {
+            let batch = execution::Batch::from_json(text)?;
+            let truths = truth_cache.map(|dir| TruthCache::open(&dir, truth_cache_mb)).transpose()?;
+            batch.begin(n_threads, truths)
+        })?;
         Ok(Self(Mutex::new(runs)))
     }
 

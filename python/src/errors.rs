@@ -40,7 +40,7 @@ pub fn internal_error(py: Python<'_>, message: &str) -> PyErr {
 
 fn raised(py: Python<'_>, class: &str, faults: &Faults) -> PyResult<PyErr> {
     let class = py.import("nextview.errors")?.getattr(class)?;
-    let instance = class.call_method1("of_faults", (to_python(py, faults)?,))?;
+    let instance = class.call_method1("_of_faults", (to_python(py, faults)?,))?;
     Ok(PyErr::from_value(instance))
 }
 

@@ -1,7 +1,8 @@
 //! Results in the formats of other tools.
 
-use crate::errors::exception;
 use crate::values::of_request;
+use crate::watch::compute;
+use nextview::Cancel;
 use nextview_export::Format;
 use nextview_scan::Named;
 use nextview_scan::files::Overwrite;
@@ -18,7 +19,7 @@ pub fn export(
     force: bool,
 ) -> PyResult<(usize, Vec<String>)> {
     let format = Format::of_key("to", to).map_err(|fault| of_request(py, fault.into()))?;
-    let exported = py.detach(|| nextview_export::export(&results, format, &out, Overwrite::forced(force)));
-    let exported = exported.map_err(|faults| exception(py, faults))?;
+    let export = || nextview_export::export(&results, format, &out, Overwrite::forced(force));
+    let exported = compute(py, &Cancel::default(), export)?;
     Ok((exported.n_views, exported.notes))
 }

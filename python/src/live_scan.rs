@@ -1,7 +1,7 @@
 //! A scan by a camera of one's own.
 
 use crate::arrays::{color_image, depth_image};
-use crate::camera::{Camera, numbers};
+use crate::camera::{Camera, numbers_of};
 use crate::errors::exception;
 use crate::pictures::{self, MomentArrays, Taken};
 use crate::pose::{matrix, pose_of};
@@ -10,6 +10,7 @@ use crate::view::{View, poses};
 use crate::watch::compute;
 use crate::{model, planner, results};
 use nextview::Cancel;
+use nextview::sensor::Intrinsics;
 use nextview::session::StopReason;
 use nextview_scan::{Fault, Faults, LiveConfig, LiveFrame, Measured};
 use numpy::{PyArray2, PyArray3};
@@ -23,6 +24,7 @@ use std::sync::{Mutex, TryLockError};
 #[pyclass(frozen, module = "nextview._native")]
 pub struct LiveScan {
     scan: Mutex<nextview_scan::LiveScan>,
+    camera: Intrinsics,
     cancel: Cancel,
     /// Whether its own folder holds its results: it may replace them.
     is_saved: AtomicBool,
@@ -31,11 +33,13 @@ pub struct LiveScan {
 #[pymethods]
 impl LiveScan {
     #[new]
-    #[pyo3(signature = (config, camera, first_pose, poses, out, force))]
+    #[pyo3(signature = (config, camera, bounds, first_pose, poses, out, force))]
+    #[expect(clippy::too_many_arguments, reason = "what is no value of a configuration")]
     fn new(
         py: Python<'_>,
         config: &Bound<'_, PyDict>,
         camera: &Camera,
+        bounds: Option<&Bound<'_, PyAny>>,
         first_pose: Option<&Bound<'_, PyAny>>,
         poses: Option<Vec<Bound<'_, PyAny>>>,
         out: Option<PathBuf>,
@@ -45,6 +49,7 @@ impl LiveScan {
         config.camera = camera.intrinsics;
         let live = config.live.get_or_insert_with(LiveConfig::default);
         (live.min_depth_m, live.max_depth_m) = (camera.depth_range.min, camera.depth_range.max);
+        live.box_m = bounds.map(box_of).transpose()?;
         live.first_pose = first_pose.map(|pose| pose_of("first_pose", pose)).transpose()?;
         if poses.as_ref().is_some_and(Vec::is_empty) {
             let fault = Fault::of_value("poses", "empty", "at least one pose");
@@ -93,8 +98,8 @@ impl LiveScan {
     ) -> PyResult<Bound<'py, PyAny>> {
         let world_from_camera =
             world_from_camera.map(|pose| pose_of("world_from_camera", pose)).transpose()?;
-        let image = depth_image(depth, depth_scale_m, mask)?;
-        let color = color.map(color_image).transpose()?;
+        let image = depth_image(&self.camera, depth, depth_scale_m, mask)?;
+        let color = color.map(|color| color_image(&self.camera, color)).transpose()?;
         let taken = LiveFrame { depth: image, world_from_camera, color, name: None };
         let step = self.with(py, |scan| Ok(scan.observe(taken)?.clone()))?;
         to_python(py, &step)
@@ -108,7 +113,7 @@ impl LiveScan {
         depth_scale_m: Option<f64>,
         mask: Option<&Bound<'py, PyAny>>,
     ) -> PyResult<Bound<'py, PyArray2<f64>>> {
-        let image = depth_image(depth, depth_scale_m, mask)?;
+        let image = depth_image(&self.camera, depth, depth_scale_m, mask)?;
         let pose = self.with(py, |scan| Ok(scan.locate(&image)?))?;
         Ok(matrix(py, &pose))
     }
@@ -152,7 +157,7 @@ impl LiveScan {
     fn camera<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         let (intrinsics, live) =
             self.with(py, |scan| Ok((scan.config().camera, scan.config().live.clone())))?;
-        Ok(numbers(&intrinsics, live.unwrap_or_default().depth_range()).into_pyobject(py)?.into_any())
+        Ok(numbers_of(&intrinsics, live.unwrap_or_default().depth_range()).into_pyobject(py)?.into_any())
     }
 
     /// Cloud and mesh.
@@ -214,6 +219,13 @@ impl LiveScan {
     }
 }
 
+/// Lowest and highest corner.
+fn box_of(value: &Bound<'_, PyAny>) -> PyResult<[f64; 6]> {
+    let expected = "its lowest and its highest corner, 2 x 3 numbers";
+    let corners = values::numbers("box", value, |shape| matches!(shape, [2, 3] | [6]), expected)?;
+    Ok(std::array::from_fn(|i| corners[i]))
+}
+
 impl LiveScan {
     fn opened(
         py: Python<'_>,
@@ -221,7 +233,8 @@ impl LiveScan {
     ) -> PyResult<Self> {
         let cancel = Cancel::default();
         let scan = compute(py, &cancel, || open(cancel.clone()))?;
-        Ok(Self { scan: Mutex::new(scan), cancel, is_saved: AtomicBool::new(false) })
+        let camera = scan.config().camera;
+        Ok(Self { scan: Mutex::new(scan), camera, cancel, is_saved: AtomicBool::new(false) })
     }
 
     /// Does this with the scan, without the interpreter's lock.

@@ -3,6 +3,7 @@
 use crate::arrays::readonly;
 use crate::errors::{exception, input_error};
 use crate::model;
+use crate::values::numbers;
 use crate::watch::compute;
 use glam::{DVec3, IVec3, UVec3};
 use nextview::Cancel;
@@ -10,12 +11,12 @@ use nextview::geometry::{Lattice, VoxelBlock};
 use nextview::map::{LogOdds, OccupancyMap, Octree, SensorModel, Snapshot};
 use nextview_scan::files::{self, Overwrite};
 use nextview_scan::{Fault, Faults, SavedMap};
-use numpy::{Element, PyArray3, PyReadonlyArray3, PyUntypedArrayMethods};
+use numpy::{Element, PyArray3, PyUntypedArrayMethods};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use std::path::{Path, PathBuf};
 
-/// Maximum number of voxels of a grid that is read: 320 MB of states and probabilities.
+/// Maximum number of voxels of a grid: 320 MB of states and probabilities.
 const MAX_VOXELS: usize = 1 << 26;
 
 /// Reads the known part of an OctoMap file.
@@ -58,18 +59,21 @@ pub fn write_map(
     path: PathBuf,
     occupancy: &Bound<'_, PyAny>,
     probability: &Bound<'_, PyAny>,
-    origin_m: [f64; 3],
+    origin_m: &Bound<'_, PyAny>,
     voxel_size_m: f64,
     force: bool,
 ) -> PyResult<()> {
-    let occupancy = grid::<u8>("occupancy", occupancy, "uint8")?;
-    let probability = grid::<f32>("probability", probability, "float32")?;
-    if occupancy.shape() != probability.shape() {
-        let shapes = format!("{:?} and {:?}", occupancy.shape(), probability.shape());
+    let (occupancy, shape) = grid::<u8>("occupancy", occupancy, "uint8")?;
+    let (probability, other) = grid::<f32>("probability", probability, "float32")?;
+    if shape != other {
+        let shapes = format!("{shape:?} and {other:?}");
         return Err(input_error(py, format!("`occupancy` and `probability` have the shapes {shapes}")));
     }
-    let origin = key_of(origin_m.into(), voxel_size_m).map_err(|fault| exception(py, fault))?;
-    let states = occupancy.as_array();
+    let corner = numbers("origin_m", origin_m, |shape| shape == [3], "3 numbers, metres")?;
+    let origin = key_of(DVec3::from_slice(&corner), voxel_size_m).map_err(|fault| exception(py, fault))?;
+    // One after the other: the same memory may be behind both.
+    let states = readonly("occupancy", occupancy)?.as_array().to_owned();
+    let probability = readonly("probability", probability)?;
     let measured = states.indexed_iter().zip(probability.as_array()).filter(|((_, state), _)| **state != 0);
     let voxels: Vec<(IVec3, f32)> = measured
         .map(|(((x, y, z), _), p)| (origin + UVec3::new(x as u32, y as u32, z as u32).as_ivec3(), *p))
@@ -77,15 +81,22 @@ pub fn write_map(
     compute(py, &Cancel::default(), || write(&path, voxels, voxel_size_m, force))
 }
 
-fn grid<'py, T: Element>(
+/// The array and its shape, if it is no larger than a map that is read.
+fn grid<'a, 'py, T: Element>(
     name: &str,
-    value: &Bound<'py, PyAny>,
+    value: &'a Bound<'py, PyAny>,
     kind: &str,
-) -> PyResult<PyReadonlyArray3<'py, T>> {
-    match value.cast::<PyArray3<T>>() {
-        Ok(array) => readonly(name, array),
-        Err(_) => Err(input_error(value.py(), format!("`{name}`: expected a grid of X x Y x Z of {kind}"))),
+) -> PyResult<(&'a Bound<'py, PyArray3<T>>, &'a [usize])> {
+    let py = value.py();
+    let Ok(array) = value.cast::<PyArray3<T>>() else {
+        return Err(input_error(py, format!("`{name}`: expected a grid of X x Y x Z of {kind}")));
+    };
+    let n_voxels = array.shape().iter().try_fold(1_usize, |n, length| n.checked_mul(*length));
+    if n_voxels.is_none_or(|n| n > MAX_VOXELS) {
+        let expected = format!("expected at most {MAX_VOXELS} voxels in all");
+        return Err(input_error(py, format!("`{name}` has the shape {:?}, {expected}", array.shape())));
     }
+    Ok((array, array.shape()))
 }
 
 /// The voxel whose lowest corner this is.

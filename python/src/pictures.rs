@@ -1,10 +1,10 @@
 //! What pictures of a scan show beside its record.
 
 use crate::arrays::depths;
-use crate::errors::exception;
 use crate::pose::matrix;
 use crate::view::poses;
 use crate::watch::compute;
+use nextview::Cancel;
 use nextview::gain::UnobservedVoxel;
 use nextview::map::{Occupancy, Snapshot};
 use nextview::planner::{Greedy, GreedyConfig, Situation};
@@ -48,7 +48,7 @@ impl Finished {
     }
 
     fn frame<'py>(&self, py: Python<'py>, step_idx: usize) -> PyResult<Taken<'py>> {
-        let frame = py.detach(|| frame(&self.scan(), step_idx)).map_err(|fault| exception(py, fault))?;
+        let frame = compute(py, &Cancel::default(), || Ok(frame(&self.scan(), step_idx)?))?;
         arrays_of(py, &frame)
     }
 
@@ -77,7 +77,9 @@ pub fn frame(scan: &FinishedScan<'_>, step_idx: usize) -> Result<Frame, Fault> {
     let aside = session.set_aside().iter().map(|aside| (aside.number, &aside.frame));
     let mut frames = mapped.chain(aside);
     let found = frames.find(|(number, _)| *number == step_idx).map(|(_, frame)| frame.clone());
-    found.ok_or_else(|| Fault::of_value("step_idx", step_idx, format!("0 to {}", scan.steps.len() - 1)))
+    found.ok_or_else(|| {
+        Fault::of_value("step_idx", step_idx, format!("below {}, the number of steps", scan.steps.len()))
+    })
 }
 
 /// Depths and pose of a frame.

@@ -1,6 +1,6 @@
 //! What planners and gains in Python are given.
 
-use crate::camera::numbers;
+use crate::camera::numbers_of;
 use crate::model;
 use crate::view::poses;
 use nextview::map::Snapshot;
@@ -12,16 +12,15 @@ use pyo3::prelude::*;
 /// The `nextview.Situation` of a plan.
 pub fn situation<'py>(py: Python<'py>, situation: &Situation<'_>, seed: u64) -> PyResult<Bound<'py, PyAny>> {
     let module = py.import("nextview._planner")?;
-    let numbers_of =
-        |views: &[usize]| PyArray1::from_vec(py, views.iter().map(|&view| view as i64).collect());
+    let array_of = |views: &[usize]| PyArray1::from_vec(py, views.iter().map(|&view| view as i64).collect());
     let frames = situation.frames().iter().map(|frame| frame.world_from_camera());
     module.getattr("situation_of")?.call1((
         model::map(py, situation.snapshot())?,
         poses(py, situation.views().poses().iter().copied())?,
-        numbers_of(&situation.open_views()),
-        numbers_of(situation.visited()),
+        array_of(&situation.open_views()),
+        array_of(situation.visited()),
         poses(py, frames)?,
-        numbers(situation.intrinsics(), situation.depth_range()),
+        numbers_of(situation.intrinsics(), situation.depth_range()),
         seed,
     ))
 }

@@ -2,6 +2,7 @@
 
 use crate::errors::{Failure, input_error};
 use crate::plan_input::{self, Grid};
+use crate::values::{shown, type_of};
 use nextview::Error;
 use nextview::planner::{Choice, GreedyByView, GreedyConfig, Plan, Situation, ViewGain, ViewPlanner};
 use nextview::visibility::{FreeSpace, Sight, ViewRays};
@@ -167,9 +168,7 @@ impl Instance {
     }
 
     fn wrong(&self, method: &str, answer: &Bound<'_, PyAny>, expected: &str) -> Failure {
-        let kind = answer.get_type().name().map_or_else(|_| "?".to_owned(), |name| name.to_string());
-        let shown = answer.repr().map_or_else(|_| "?".to_owned(), |text| text.to_string());
-        let shown: String = shown.chars().take(80).collect();
+        let (shown, kind) = (shown(answer), type_of(answer));
         Failure::new(format!("{}.{method} returned {shown}, of type {kind}, expected {expected}", self.name))
     }
 

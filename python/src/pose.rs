@@ -2,6 +2,7 @@
 
 use crate::arrays::readonly;
 use crate::errors::{exception, input_error};
+use crate::values::type_of;
 use crate::view::View;
 use nextview::geometry::Pose;
 use nextview_scan::{pose_of_rows, rows_of_pose};
@@ -33,7 +34,7 @@ fn rows(name: &str, value: &Bound<'_, PyAny>) -> PyResult<[[f64; 4]; 4]> {
     let py = value.py();
     let expected = "expected a 4 x 4 array of float64, or a View";
     let Ok(array) = value.cast::<PyUntypedArray>() else {
-        let kind = value.get_type().name()?;
+        let kind = type_of(value);
         return Err(input_error(py, format!("`{name}` is of type {kind}, {expected}")));
     };
     if array.shape() != [4, 4] {

@@ -1,7 +1,7 @@
 //! A simulated object before a simulated camera.
 
 use crate::arrays::depths;
-use crate::camera::{Camera, numbers};
+use crate::camera::{Camera, numbers_of};
 use crate::errors::exception;
 use crate::pose::{matrix, pose_of};
 use crate::values;
@@ -61,7 +61,7 @@ impl Scene {
     fn camera<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         let mut range = self.config.noise.depth_range();
         range.max = range.max.min(nextview_sim::scene::CAMERA_RANGE);
-        Ok(numbers(&self.config.camera, range).into_pyobject(py)?.into_any())
+        Ok(numbers_of(&self.config.camera, range).into_pyobject(py)?.into_any())
     }
 
     fn candidates<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray3<f64>>> {

@@ -4,9 +4,12 @@ use crate::errors::{exception, input_error, internal_error};
 use crate::planner;
 use crate::pose::pose_of;
 use crate::view::View;
+use crate::watch::{compute, guarded};
+use nextview::Cancel;
 use nextview::sensor::Sensor;
 use nextview_scan::{Fault, FaultKind, Faults, Named, PlannerName, ScanConfig, files};
 use numpy::{PyUntypedArray, PyUntypedArrayMethods};
+use pyo3::exceptions::{PyOverflowError, PyTypeError};
 use pyo3::prelude::*;
 use pyo3::types::{PyBool, PyDict, PyFloat, PyInt, PyList, PyString, PyTuple, PyType};
 use serde::Serialize;
@@ -21,7 +24,8 @@ pub fn to_python<'py>(py: Python<'py>, record: &impl Serialize) -> PyResult<Boun
 
 /// The configuration of a dict.
 pub fn config(dict: &Bound<'_, PyDict>) -> PyResult<ScanConfig> {
-    ScanConfig::from_table(table(dict)?).map_err(|faults| of_request(dict.py(), faults))
+    let (py, table) = (dict.py(), table(dict)?);
+    guarded(py, || ScanConfig::from_table(table))?.map_err(|faults| of_request(py, faults))
 }
 
 /// The exception of faults in values: those that are in no file are the caller's.
@@ -32,88 +36,222 @@ pub fn of_request(py: Python<'_>, faults: Faults) -> PyErr {
 
 /// The table of a dict; entries that are None count as left out.
 pub fn table(dict: &Bound<'_, PyDict>) -> PyResult<Table> {
-    let mut table = Table::new();
-    for (key, value) in dict.iter().filter(|(_, value)| !value.is_none()) {
-        let name = key.cast::<PyString>().map_err(|_| {
-            input_error(dict.py(), format!("a key of the configuration is {key}, expected a text"))
-        })?;
-        let name = name.to_str()?.to_owned();
-        let value = value_of(&name, &value, 0)?;
-        table.insert(name, value);
-    }
-    Ok(table)
+    Conversion::default().table("", dict, 0)
 }
+
+/// The numbers of a list, or of lists of equal length, or of a numpy array, of a shape that fits.
+pub fn numbers(
+    name: &str,
+    value: &Bound<'_, PyAny>,
+    fits: impl Fn(&[usize]) -> bool,
+    expected: &str,
+) -> PyResult<Vec<f64>> {
+    let py = value.py();
+    let check = |shape: &[usize]| match fits(shape) {
+        true => Ok(()),
+        false => Err(input_error(py, format!("`{name}` has the shape {shape:?}, expected {expected}"))),
+    };
+    let wrong = || input_error(py, format!("`{name}` is {}, expected {expected}", shown(value)));
+    let listed = match value.cast::<PyUntypedArray>() {
+        Ok(array) => {
+            check(array.shape())?;
+            // By numpy's own method, whatever a subclass has.
+            py.get_type::<PyUntypedArray>().call_method1("tolist", (array,))?
+        }
+        Err(_) if value.is_instance_of::<PyList>() || value.is_instance_of::<PyTuple>() => value.clone(),
+        Err(_) => return Err(wrong()),
+    };
+    let mut numbers = Vec::new();
+    let values = Conversion::default().value(name, &listed, 0)?;
+    check(&flattened(&values, &mut numbers).ok_or_else(wrong)?)?;
+    Ok(numbers)
+}
+
+/// The shape of nested lists of numbers, which are appended in order.
+fn flattened(value: &Value, numbers: &mut Vec<f64>) -> Option<Vec<usize>> {
+    let items = match value {
+        Value::Array(items) => items,
+        Value::Integer(_) | Value::Float(_) => {
+            numbers.push(value.as_float().or(value.as_integer().map(|number| number as f64))?);
+            return Some(Vec::new());
+        }
+        _ => return None,
+    };
+    let mut shapes = items.iter().map(|item| flattened(item, numbers));
+    let first = shapes.next().unwrap_or_else(|| Some(Vec::new()))?;
+    let are_equal = shapes.all(|shape| shape.as_ref() == Some(&first));
+    are_equal.then(|| [vec![items.len()], first].concat())
+}
+
+/// The beginning of the `repr` of a value, however large it is.
+pub fn shown(value: &Bound<'_, PyAny>) -> String {
+    let repr = || value.py().import("reprlib")?.call_method1("repr", (value,))?.extract::<String>();
+    let text = repr().unwrap_or_else(|_: PyErr| "?".to_owned());
+    match text.char_indices().nth(MOST_SHOWN) {
+        Some((end, _)) => format!("{}…", &text[..end]),
+        None => text,
+    }
+}
+
+/// The type of a value.
+pub fn type_of(value: &Bound<'_, PyAny>) -> String {
+    value.get_type().name().map_or_else(|_| "?".to_owned(), |name| name.to_string_lossy().into_owned())
+}
+
+/// Characters of a value that a message shows.
+const MOST_SHOWN: usize = 80;
 
 /// Depth of values within values that a configuration may have: ten times what it needs.
 const MOST_NESTED: usize = 40;
 
-fn value_of(name: &str, value: &Bound<'_, PyAny>, depth: usize) -> PyResult<Value> {
-    let py = value.py();
-    if depth > MOST_NESTED {
-        return Err(input_error(py, format!("`{name}` is nested too deeply")));
-    }
-    if let Ok(value) = value.cast::<PyBool>() {
-        return Ok(Value::Boolean(value.is_true()));
-    }
-    if let Ok(text) = value.cast::<PyString>() {
-        return Ok(Value::String(text.to_str()?.to_owned()));
-    }
-    if let Ok(dict) = value.cast::<PyDict>() {
-        return Ok(Value::Table(table(dict)?));
-    }
-    let is_matrix = value.cast::<PyUntypedArray>().is_ok_and(|array| array.ndim() == 2);
-    if is_matrix || value.is_instance_of::<View>() {
-        let pose = pose_of(name, value)?;
-        return Value::try_from(pose).map_err(|error| internal_error(py, &error.to_string()));
-    }
-    if value.is_instance_of::<PyList>() || value.is_instance_of::<PyTuple>() {
-        let items = value.try_iter()?.map(|item| value_of(name, &item?, depth + 1));
-        return Ok(Value::Array(items.collect::<PyResult<_>>()?));
-    }
-    if name == "planner"
-        && let Ok(class) = value.cast::<PyType>()
-    {
-        return Ok(Value::String(planner::name_of(class)?));
-    }
-    number(name, value)
+/// Size of a text that a configuration may have: that of the longest path.
+const MOST_TEXT_BYTES: usize = 4096;
+
+/// Cost of a value in a configuration, bytes of text.
+const VALUE_BYTES: u64 = 8;
+
+/// The one way of Python's values into a configuration. It ends whatever it is given: containers that hold
+/// themselves, share their parts or never end take no more than a file of the largest size.
+struct Conversion {
+    bytes_left: u64,
 }
 
-/// A number of Python or numpy, or a path.
-fn number(name: &str, value: &Bound<'_, PyAny>) -> PyResult<Value> {
-    let py = value.py();
-    let is_int = value.is_instance_of::<PyInt>() || value.hasattr("__index__")?;
-    if is_int && let Ok(int) = value.extract::<i64>() {
-        return Ok(Value::Integer(int));
+impl Default for Conversion {
+    fn default() -> Self {
+        Self { bytes_left: MAX_CONFIG_BYTES }
     }
-    let is_float = value.is_instance_of::<PyFloat>() || (value.hasattr("__float__")? && !is_int);
-    if is_float && let Ok(float) = value.extract::<f64>() {
-        return Ok(Value::Float(float));
+}
+
+impl Conversion {
+    fn charge(&mut self, py: Python<'_>, name: &str, bytes: usize) -> PyResult<()> {
+        let left = self.bytes_left.checked_sub(bytes as u64 + VALUE_BYTES);
+        self.bytes_left = left.ok_or_else(|| {
+            let most = format!("expected at most {MAX_CONFIG_BYTES} bytes in all");
+            input_error(py, format!("`{name}` is too large for a configuration, {most}"))
+        })?;
+        Ok(())
     }
-    if value.hasattr("__fspath__")? {
-        let text: String = value.call_method0("__fspath__")?.extract()?;
-        return Ok(Value::String(text));
+
+    fn table(&mut self, section: &str, dict: &Bound<'_, PyDict>, depth: usize) -> PyResult<Table> {
+        let mut table = Table::new();
+        // What is called for a value may change the dict: its entries are those of now.
+        for entry in dict.items() {
+            let (key, value): (Bound<'_, PyAny>, Bound<'_, PyAny>) = entry.extract()?;
+            if value.is_none() {
+                continue;
+            }
+            let name = key.cast::<PyString>().map_err(|_| {
+                let problem = format!("a key of the configuration is {}, expected a text", shown(&key));
+                input_error(dict.py(), problem)
+            })?;
+            let key = self.text("a key", name)?;
+            let name = if section.is_empty() { key.clone() } else { format!("{section}.{key}") };
+            table.insert(key, self.value(&name, &value, depth)?);
+        }
+        Ok(table)
     }
-    let kind = value.get_type().name()?;
-    if name == "planner" {
-        let expected = "expected a name, or a class: a subclass of nextview.Planner or nextview.Gain";
-        return Err(input_error(
-            py,
-            format!("`planner` is of type {kind}, {expected}; pass the class itself"),
-        ));
+
+    fn text(&mut self, name: &str, text: &Bound<'_, PyString>) -> PyResult<String> {
+        let py = text.py();
+        let text = text.to_str().map_err(|_| {
+            input_error(py, format!("`{name}` is {}, expected characters of Unicode", shown(text)))
+        })?;
+        if text.len() > MOST_TEXT_BYTES {
+            let problem = format!("`{name}` is a text of {} bytes", text.len());
+            return Err(input_error(py, format!("{problem}, expected at most {MOST_TEXT_BYTES}")));
+        }
+        self.charge(py, name, text.len())?;
+        Ok(text.to_owned())
     }
-    let expected = "expected a text, a truth value, a number of 64 bits, a list or a dict";
-    Err(input_error(py, format!("`{name}` is of type {kind}, or out of range: {expected}")))
+
+    fn value(&mut self, name: &str, value: &Bound<'_, PyAny>, depth: usize) -> PyResult<Value> {
+        let py = value.py();
+        self.charge(py, name, 0)?;
+        if depth > MOST_NESTED {
+            let most = format!("expected at most {MOST_NESTED} values in each other");
+            return Err(input_error(
+                py,
+                format!("`{name}` is nested too deeply, {most}; does it hold itself?"),
+            ));
+        }
+        if let Ok(value) = value.cast::<PyBool>() {
+            return Ok(Value::Boolean(value.is_true()));
+        }
+        if let Ok(text) = value.cast::<PyString>() {
+            return Ok(Value::String(self.text(name, text)?));
+        }
+        if let Ok(dict) = value.cast::<PyDict>() {
+            return Ok(Value::Table(self.table(name, dict, depth + 1)?));
+        }
+        let is_matrix = value.cast::<PyUntypedArray>().is_ok_and(|array| array.ndim() == 2);
+        if is_matrix || value.is_instance_of::<View>() {
+            let pose = pose_of(name, value)?;
+            return Value::try_from(pose).map_err(|error| internal_error(py, &error.to_string()));
+        }
+        if value.is_instance_of::<PyList>() || value.is_instance_of::<PyTuple>() {
+            let items = value.try_iter()?.map(|item| self.value(name, &item?, depth + 1));
+            return Ok(Value::Array(items.collect::<PyResult<_>>()?));
+        }
+        if is_planner(name)
+            && let Ok(class) = value.cast::<PyType>()
+        {
+            return Ok(Value::String(planner::name_of(class)?));
+        }
+        self.number(name, value)
+    }
+
+    /// A number of Python or numpy, or a path.
+    fn number(&mut self, name: &str, value: &Bound<'_, PyAny>) -> PyResult<Value> {
+        let py = value.py();
+        let is_int = value.is_instance_of::<PyInt>() || value.hasattr("__index__")?;
+        if is_int && let Some(int) = fitting(value.extract::<i64>(), py)? {
+            return Ok(Value::Integer(int));
+        }
+        let is_float = value.is_instance_of::<PyFloat>() || (value.hasattr("__float__")? && !is_int);
+        if is_float && let Some(float) = fitting(value.extract::<f64>(), py)? {
+            return Ok(Value::Float(float));
+        }
+        if value.hasattr("__fspath__")? {
+            let path = value.call_method0("__fspath__")?;
+            return Ok(Value::String(self.text(name, path.cast::<PyString>()?)?));
+        }
+        let kind = type_of(value);
+        if let Ok(array) = value.cast::<PyUntypedArray>() {
+            let problem = format!("`{name}` is an array of the shape {:?}", array.shape());
+            return Err(input_error(py, format!("{problem}, expected a list: pass its `tolist()`")));
+        }
+        if is_planner(name) {
+            let expected = "expected a name, or a class: a subclass of nextview.Planner or nextview.Gain";
+            let problem = format!("`{name}` is of type {kind}, {expected}; pass the class itself");
+            return Err(input_error(py, problem));
+        }
+        let expected = "expected a text, a truth value, a number of 64 bits, a list or a dict";
+        Err(input_error(py, format!("`{name}` is of type {kind}, or out of range: {expected}")))
+    }
+}
+
+fn is_planner(name: &str) -> bool {
+    name.rsplit('.').next() == Some("planner")
+}
+
+/// The number, if the value is one that fits; another exception than that is the caller's.
+fn fitting<T>(number: PyResult<T>, py: Python<'_>) -> PyResult<Option<T>> {
+    match number {
+        Ok(number) => Ok(Some(number)),
+        Err(error) if error.is_instance_of::<PyTypeError>(py) => Ok(None),
+        Err(error) if error.is_instance_of::<PyOverflowError>(py) => Ok(None),
+        Err(error) => Err(error),
+    }
 }
 
 /// The configuration in a file.
 #[pyfunction]
 pub fn read_config(py: Python<'_>, path: PathBuf) -> PyResult<Bound<'_, PyAny>> {
-    let text = files::read_text(&path, MAX_CONFIG_BYTES).map_err(|fault| exception(py, fault))?;
-    let config = ScanConfig::parse(&text, Some(&path), None).map_err(|faults| exception(py, faults))?;
-    to_python(py, &config)
+    let read = || ScanConfig::parse(&files::read_text(&path, MAX_CONFIG_BYTES)?, Some(&path), None);
+    to_python(py, &compute(py, &Cancel::default(), read)?)
 }
 
-/// Size of a file beyond which it is no configuration.
+/// Size of a file, or of values, beyond which they are no configuration.
 const MAX_CONFIG_BYTES: u64 = 1 << 20;
 
 /// Names of the planners with a line about each.

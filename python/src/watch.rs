@@ -4,6 +4,7 @@ use crate::errors::{exception, internal_error};
 use nextview::Cancel;
 use nextview_scan::{Fault, Faults};
 use pyo3::prelude::*;
+use std::any::Any;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::OnceLock;
 use std::sync::mpsc::{RecvTimeoutError, channel};
@@ -33,7 +34,11 @@ pub fn compute<T: Send>(
     let (done, result) = channel();
     let outcome = py.detach(move || {
         thread::scope(|scope| {
-            scope.spawn(move || _ = done.send(catch_unwind(AssertUnwindSafe(work))));
+            let job = move || _ = done.send(catch_unwind(AssertUnwindSafe(work)));
+            if let Err(error) = thread::Builder::new().spawn_scoped(scope, job) {
+                let fault = Fault::data(format!("no thread can be started to compute in: {error}"));
+                return Ok(Some(Ok(Err(fault.into()))));
+            }
             loop {
                 match result.recv_timeout(PERIOD) {
                     Ok(outcome) => return Ok::<_, PyErr>(Some(outcome)),
@@ -51,11 +56,18 @@ pub fn compute<T: Send>(
     })?;
     match outcome {
         Some(Ok(result)) => result.map_err(|faults| exception(py, faults)),
-        Some(Err(panic)) => {
-            let text = panic.downcast_ref::<String>().map(String::as_str);
-            let text = text.or_else(|| panic.downcast_ref::<&str>().copied());
-            Err(internal_error(py, text.unwrap_or("no message")))
-        }
+        Some(Err(panic)) => Err(of_panic(py, &*panic)),
         None => Err(internal_error(py, "a computation ended without a result")),
     }
+}
+
+/// Does short work on this thread; a panic is an exception like any other.
+pub fn guarded<T>(py: Python<'_>, work: impl FnOnce() -> T) -> PyResult<T> {
+    catch_unwind(AssertUnwindSafe(work)).map_err(|panic| of_panic(py, &*panic))
+}
+
+fn of_panic(py: Python<'_>, panic: &(dyn Any + Send)) -> PyErr {
+    let text = panic.downcast_ref::<String>().map(String::as_str);
+    let text = text.or_else(|| panic.downcast_ref::<&str>().copied());
+    internal_error(py, text.unwrap_or("no message"))
 }

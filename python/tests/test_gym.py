@@ -50,7 +50,7 @@ def test_a_view_taken_before_adds_nothing() -> None:
 
 def test_a_wrong_environment_is_refused() -> None:
     for name in ("n_candidates", "views", "cells"):
-        with pytest.raises(nextview.InputError, match=f"`{name}` is 1, expected at least"):
+        with pytest.raises(nextview.InputError, match=f"`{name}` is 1, expected 2 to"):
             gym.ViewPlanning(**{name: 1})
     with pytest.raises(nextview.InputError, match="`objects` is empty"):
         gym.ViewPlanning([])

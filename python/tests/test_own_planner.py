@@ -221,7 +221,7 @@ def test_a_planner_may_be_done() -> None:
         ("python:own_planners", "expected python:module:Class"),
         (dict, "dict is neither planner nor gain"),
         (FromAbove(), "of type FromAbove, expected a name, or a class: .*; pass the class itself"),
-        (own_planners.no_class, "`planner` is of type function, expected a name, or a class"),
+        (own_planners.no_class, "planner` is of type function, expected a name, or a class"),
         ("fastest", "expected one of `most-surface`"),
     ],
 )

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import ctypes
 import gc
+import itertools
 import resource
 from pathlib import Path
 from typing import Any
@@ -16,11 +17,14 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 import nextview
+from hostile_values import EndlessList, cyclic_dict, cyclic_list, nested
 
 NOTHING = np.full((60, 80), np.inf, dtype=np.float32)
 FLIPPED = np.diag([1.0, 1.0, -1.0, 1.0])
 SHIFTED = np.eye(4)
 SHIFTED[:3, 3] = [np.nan, 0, 0]
+POSE = np.diag([1.0, -1.0, -1.0, 1.0])
+POSE[2, 3] = 0.4
 BOTTOM = np.eye(4)
 BOTTOM[3, 0] = 0.5
 
@@ -33,6 +37,11 @@ def unaligned(array: np.ndarray[Any, Any]) -> np.ndarray[Any, Any]:
 
 UNALIGNED = unaligned(NOTHING)
 PACKED = np.zeros((60, 80), [("flag", np.uint8), ("depth", np.float32), ("units", np.uint16)])
+
+def huge(value: Any, *more: int) -> Any:
+    """An array of 2^40 elements, which takes the memory of one."""
+    return np.broadcast_to(value, (2**20, 2**20, *more))
+
 
 WRONG_FRAMES: list[tuple[dict[str, Any], str]] = [
     ({"depth": NOTHING.astype(np.float64)}, "`depth` is of float64, expected an array of height x"),
@@ -60,6 +69,11 @@ WRONG_FRAMES: list[tuple[dict[str, Any], str]] = [
     ({"depth": PACKED["units"], "depth_scale_m": 0.001}, "`depth` is not aligned in memory"),
     ({"world_from_camera": unaligned(np.eye(4))}, "`world_from_camera` is not aligned in memory"),
     ({"depth": np.ma.MaskedArray(NOTHING, mask=True)}, "is a masked array, .*`mask`=np.ma.getmaskarray"),
+    ({"depth": huge(np.float32(1))}, "`depth` is 1048576 x 1048576, expected 80 x 60 pixels, as the camera"),
+    ({"depth": huge(np.uint16(1)), "depth_scale_m": 0.001}, "`depth` is 1048576 x 1048576, expected 80 x 60"),
+    ({"color": huge(np.uint8(1), 3)}, "`color` is 1048576 x 1048576, expected 80 x 60 pixels"),
+    ({"mask": huge(np.bool_(True))}, r"`mask` has the shape \[1048576, 1048576\], expected \[60, 80\]"),
+    ({"world_from_camera": huge(1.0)}, r"has the shape \[1048576, 1048576\], expected a 4 x 4"),
     ({"mask": np.zeros((80, 60), bool)}, r"`mask` has the shape \[80, 60\], expected \[60, 80\]"),
 ]
 
@@ -79,8 +93,8 @@ WRONG_SCANS: list[tuple[dict[str, Any], str]] = [
     ({"voxel_size_m": 1e-5}, "voxel"),
     ({"views": 0}, "`views` is 0, expected 1 to 40"),
     ({"views": 1 << 70}, "`views` is of type int, or out of range"),
-    ({"box": [0, 1]}, r"`box` has the shape \(2,\), expected its lowest and its highest corner"),
-    ({"box": np.transpose(BOX)}, r"`box` has the shape \(3, 2\), expected its lowest and its highest"),
+    ({"box": [0, 1]}, r"`box` has the shape \[2\], expected its lowest and its highest corner"),
+    ({"box": np.transpose(BOX)}, r"`box` has the shape \[3, 2\], expected its lowest and its highest"),
     ({"poses": []}, "`poses` is empty, expected at least one pose .hint: without `poses`, candidates"),
     ({"object": "builtin:mug"}, "`object` is no option of a scan by your own camera, use `name`"),
     ({"live": {"table_z_m": 0.0}}, "`live` is no option of a scan by your own camera, use `box`, `table`"),
@@ -101,6 +115,18 @@ WRONG_SCANS: list[tuple[dict[str, Any], str]] = [
     ({"poses": [np.eye(4), np.eye(3)]}, r"`poses\[1\]` has the shape"),
     ({"options": {1: 2}}, "a key of the configuration is 1"),
     ({"seed": object()}, "`seed` is of type object"),
+    ({"stop": cyclic_dict()}, "`stop.a.* is nested too deeply, expected at most 40 .*; does it hold itself"),
+    ({"stop": nested(lambda value: {"a": value}, 10_000)}, r"`stop.a.a.* is nested too deeply"),
+    ({"stop": nested(lambda value: (value,), 10_000)}, "`stop` is nested too deeply"),
+    ({"stop": nested(lambda value: [value, value], 30)}, "`stop` is too large for a configuration"),
+    ({"stop": cyclic_list(2)}, "`stop` is nested too deeply"),
+    ({"stop": EndlessList([1.0])}, "`stop` is too large for a configuration, expected at most 1048576 bytes"),
+    ({"reach": {"base_m": np.zeros(3)}}, r"`reach.base_m` is an array of the shape \[3\], .* `tolist"),
+    ({"seed": huge(1.0)}, r"`seed` has the shape \[1048576, 1048576\], expected a 4 x 4"),
+    ({"box": huge(1.0)}, r"`box` has the shape \[1048576, 1048576\], expected its lowest"),
+    ({"poses": itertools.repeat(np.eye(4))}, "`poses` has more than 100000 entries"),
+    ({"unit": "\ud800"}, "`unit` is '.ud800', expected characters of Unicode"),
+    ({"unit": "m" * 5000}, "`unit` is a text of 5000 bytes, expected at most 4096"),
 ]
 
 
@@ -137,17 +163,48 @@ def test_wrong_maps_are_refused(tmp_path: Path) -> None:
         ({"probability": unaligned(p)}, "`probability` is not aligned in memory"),
         ({"probability": p.astype(np.float64)}, "`probability`: expected a grid of X x Y x Z of float32"),
         ({"occupancy": state[0]}, "`occupancy`: expected a grid of X x Y x Z of uint8"),
+        ({"occupancy": huge(np.uint8(2), 2)}, "`occupancy` has the shape .*, expected at most 67108864"),
+        ({"origin_m": [0.0, 0.0]}, r"`origin_m` has the shape \[2\], expected 3 numbers, metres"),
     ]:
-        given: dict[str, Any] = {"occupancy": state, "probability": p, **wrong}
-        grid = nextview.Map(origin_m=np.zeros(3), voxel_size_m=0.01, **given)
+        sound = {"occupancy": state, "probability": p, "origin_m": np.zeros(3), "voxel_size_m": 0.01}
+        grid = nextview.Map(**{**sound, **wrong})  # type: ignore[arg-type]
         with pytest.raises(nextview.InputError, match=expected):
             grid.save(tmp_path / "map.ot")
+
+
+def test_states_and_probabilities_may_be_in_the_same_memory(tmp_path: Path) -> None:
+    """Of zero strides, which tell nothing about where they meet."""
+    memory = np.frombuffer(np.float32(0.9).tobytes(), np.uint8)
+    state = np.broadcast_to(memory[:1], (2, 2, 2))
+    p = np.broadcast_to(memory.view(np.float32), (2, 2, 2))
+    nextview.Map(state, p, np.zeros(3), 0.01).save(tmp_path / "map.ot")
+    assert (nextview.Map.load(tmp_path / "map.ot").occupancy == nextview.Map.OCCUPIED).all()
+
+
+def test_a_mask_is_true_where_its_bytes_are_not_0() -> None:
+    scan, plain = begin(), begin()
+    near = np.full((60, 80), 0.3, np.float32)
+    scan.observe(near, POSE, mask=np.full((60, 80), 6, np.uint8).view(bool))
+    plain.observe(near, POSE, mask=np.ones((60, 80), bool))
+    assert scan.map is not None and plain.map is not None
+    np.testing.assert_array_equal(scan.map.probability, plain.map.probability)
+
+
+def test_what_a_value_raises_itself_is_passed_on() -> None:
+    class Number:
+        def __float__(self) -> float:
+            raise RuntimeError("no number today")
+
+    with pytest.raises(RuntimeError, match="no number today"):
+        begin(voxel_size_m=Number())
 
 
 def test_an_empty_list_of_objects_is_refused() -> None:
     for given, objects in [({"name": "x", "objects": []}, None), ("paper-1", [])]:
         with pytest.raises(nextview.InputError, match="objects`? is empty, expected at least one"):
             nextview.bench(given, objects)  # type: ignore[arg-type]
+    with pytest.raises(nextview.InputError, match="`objects` is of type str, expected a list"):
+        nextview.bench("paper-1", "builtin:mug")
 
 
 def test_files_that_are_not_there_are_data_errors(tmp_path: Path) -> None:
