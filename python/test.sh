@@ -44,7 +44,7 @@ echo "--- docs/start.md"
 awk '/^```python$/ { on = 1; next } /^```$/ { on = 0 } on' "$here/../docs/start.md" >start.py
 "$venv/bin/python" start.py
 if [ -z "${NEXTVIEW_PROGRAM:-}" ]; then
-    echo "09_server.py: SKIPPED, needs the program in NEXTVIEW_PROGRAM"
+    "$here/../.ci/skipped" 09_server.py nextview "needs the program in NEXTVIEW_PROGRAM"
     exit
 fi
 "$NEXTVIEW_PROGRAM" serve --listen 127.0.0.1:0 --dir scans >printed &

@@ -7,20 +7,11 @@ use nextview_benchmarks::authors::map::Knowledge;
 use nextview_benchmarks::authors::recording::{N_SCANS, Recording};
 use nextview_benchmarks::authors::reference::{CURVES, FIRST_PLAN, FIXED_ORDER, ORDER_LIKE_FIXED};
 use nextview_benchmarks::authors::run::{Choice, Scene, Step};
-use std::io::Write;
-use std::path::PathBuf;
+use nextview_checks::data;
 
-/// The recorded run; none, with a word on stderr, if the test data is not there.
+/// The recorded run; none if the reference data is not there.
 fn scene(test: &str) -> Option<Scene> {
-    let default = || concat!(env!("CARGO_MANIFEST_DIR"), "/../../shared/data").into();
-    let folder: PathBuf = std::env::var_os("NEXTVIEW_DATA").map_or_else(default, PathBuf::from);
-    let folder = folder.join("authors");
-    if !folder.is_dir() {
-        // Not with `eprintln`, whose output the test runner shows only for failed tests.
-        let why = "no data, NEXTVIEW_DATA should name a folder with authors/";
-        writeln!(std::io::stderr(), "SKIPPED {test}: {why}").expect("stderr is open");
-        return None;
-    }
+    let folder = data(test, "authors")?;
     Some(Scene::new(Recording::read(&folder).unwrap()).unwrap())
 }
 

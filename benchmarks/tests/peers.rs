@@ -4,7 +4,7 @@
 #![allow(clippy::unwrap_used, reason = "helpers of tests")]
 
 use nextview_benchmarks::stage::stages;
-use std::io::Write;
+use nextview_checks::skipped;
 use std::path::Path;
 use std::process::Command;
 
@@ -18,10 +18,7 @@ fn the_script_runs_and_fills_its_tables() {
     script.env("PROGRAMS", programs).env("CARGO_TARGET_DIR", &scratch).env_remove("WORKLOAD");
     let output = match script.output() {
         Err(error) => {
-            // Not with `eprintln`, whose output the test runner shows only for failed tests.
-            writeln!(std::io::stderr(), "SKIPPED the_script_runs_and_fills_its_tables: bash: {error}")
-                .unwrap();
-            return;
+            return skipped("the_script_runs_and_fills_its_tables", "bash", error);
         }
         Ok(output) => output,
     };
@@ -39,7 +36,7 @@ fn the_script_runs_and_fills_its_tables() {
     ] {
         let reason = notes.lines().find_map(|line| line.strip_prefix(&format!("left out: {peer}, ")));
         match reason {
-            Some(reason) => writeln!(std::io::stderr(), "SKIPPED the peer {peer}: {reason}").unwrap(),
+            Some(reason) => skipped("the_script_runs_and_fills_its_tables", peer, reason),
             None => {
                 let compared = |line: &&str| line.starts_with(row) && line.contains(&format!(" | {peer} | "));
                 assert!(tables.lines().any(|line| compared(&line)), "{peer}: {tables}");

@@ -21,7 +21,8 @@ try:
     import ray
     from ray.cluster_utils import Cluster
 except ImportError:
-    sys.exit("SKIPPED ray: needs the package ray")
+    skipped = Path(__file__).parents[2] / ".ci/skipped"
+    sys.exit(subprocess.run([skipped, "ray", "ray", "needs the package ray"]).returncode)
 import nextview
 
 TABLES = ["runs.csv", "runs.parquet", "steps.csv", "steps.parquet"]

@@ -5,8 +5,7 @@ set -euo pipefail
 program=$(realpath "$1")
 here=$(cd "$(dirname "${BASH_SOURCE[0]}")" && pwd)
 if ! command -v slurmctld slurmd munged >/dev/null || [ "$(id -u)" -ne 0 ]; then
-    echo "SKIPPED slurm: needs root and slurm-wlm"
-    exit
+    exec "$here/../../.ci/skipped" slurm slurm-wlm "needs root and slurm-wlm"
 fi
 work=$(mktemp -d)
 chmod 755 "$work"

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import re
 import signal
 import threading
 from collections.abc import Iterator
@@ -16,6 +17,20 @@ import nextview
 
 CAMERA = nextview.Camera(80, 60, fx=75.0, fy=75.0, cx=39.5, cy=29.5, depth_range_m=(0.0, 2.0))
 BOX = [[-0.12, -0.12, -0.12], [0.12, 0.12, 0.12]]
+
+
+def pytest_sessionfinish(session: pytest.Session) -> None:
+    """Lists skipped tests as `.ci/skipped` does, and fails if what they need is required."""
+    required = os.environ.get("NEXTVIEW_REQUIRE_ALL", "").split(",")
+    for report in session.config.pluginmanager.get_plugin("terminalreporter").stats.get("skipped", []):
+        why = str(report.longrepr[2])
+        missing = re.search(r"could not import '([^'.]+)", why)
+        needs = missing[1] if missing else "nextview"
+        if path := os.environ.get("NEXTVIEW_SKIPPED"):
+            with open(path, "a") as file:
+                file.write(f"{needs}\tpython: {report.nodeid}\t{why}\n")
+        if {"1", needs} & set(required):
+            session.exitstatus = pytest.ExitCode.TESTS_FAILED
 
 
 @pytest.fixture(scope="session")

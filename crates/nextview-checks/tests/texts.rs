@@ -45,6 +45,39 @@ fn code(text: &str) -> Vec<(usize, &str)> {
     lines.enumerate().filter(|(_, line)| is_code(line)).map(|(i, line)| (i + 1, line)).collect()
 }
 
+/// Sources that read texts in a way of their own: those of the system, and what this program alone writes.
+const OWN_TEXTS: [&str; 6] = [
+    "nextview/src/text.rs",
+    "nextview-campaign/src/host.rs",
+    "nextview-checks/src/",
+    "nextview-scan/src/journal/entry.rs",
+    "nextview-scan/src/memory.rs",
+    "nextview-server/src/scans/work.rs",
+];
+
+/// Byte order marks, line ends and other encodings are the matter of one place.
+#[test]
+fn texts_are_read_in_one_way() {
+    let mut sources = Vec::new();
+    files(&workspace().join("crates"), "rs", &mut sources);
+    let is_shared = |path: &Path| {
+        let path = path.to_string_lossy();
+        path.contains("/src/")
+            && !OWN_TEXTS.iter().any(|own| path.contains(own))
+            && !path.ends_with("tests.rs")
+    };
+    let mut faults = Vec::new();
+    for path in sources.iter().filter(|path| is_shared(path)) {
+        let text = fs::read_to_string(path).unwrap();
+        for (number, line) in code(&text) {
+            if ["read_to_string", "String::from_utf8("].iter().any(|word| line.contains(word)) {
+                faults.push(format!("{}:{number}: {}", path.display(), line.trim()));
+            }
+        }
+    }
+    assert!(faults.is_empty(), "expected nextview::text\n{}", faults.join("\n"));
+}
+
 #[test]
 fn libraries_print_nothing_end_no_process_and_name_no_option() {
     let words = ["println!", "print!", "process::exit", "process::abort", "dbg!", "io::stdout", "io::stderr"];

@@ -55,6 +55,21 @@ fn public_items_are_listed() {
     }
 }
 
+/// `cargo test` runs packages in the order of their names, and the last one prints what was skipped.
+#[test]
+fn the_summary_of_skipped_tests_comes_last() {
+    let text = fs::read_to_string(workspace().join("Cargo.toml")).unwrap();
+    let manifest: toml::Table = text.parse().unwrap();
+    let members = manifest["workspace"]["members"].as_array().unwrap();
+    let name = |member: &toml::Value| {
+        let path = workspace().join(member.as_str().unwrap()).join("Cargo.toml");
+        let package: toml::Table = fs::read_to_string(path).unwrap().parse().unwrap();
+        package["package"]["name"].as_str().unwrap().to_owned()
+    };
+    assert_eq!(members.iter().map(name).max().as_deref(), Some("nextview-training"));
+    assert!(workspace().join("training/tests/skipped.rs").exists());
+}
+
 /// The versions of each package that the lock file of a folder names.
 fn locked(folder: &str) -> BTreeMap<String, BTreeSet<String>> {
     let text = fs::read_to_string(workspace().join(folder).join("Cargo.lock")).unwrap();

@@ -145,7 +145,7 @@ struct Columns {
 impl Columns {
     fn new(header: &Line<'_>, options: &ReadOptions) -> Result<Self, RecordingError> {
         let names = header.fields();
-        let find = |name: &str| names.iter().position(|field| *field == name);
+        let find = |name: &str| names.iter().position(|field| field.eq_ignore_ascii_case(name));
         let prefix = pose_prefix(header, &names, options)?;
         let column = |entry: &str| {
             let name = format!("{prefix}{entry}");

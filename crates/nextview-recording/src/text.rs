@@ -14,18 +14,9 @@ pub(crate) struct Line<'a> {
     pub text: &'a str,
 }
 
-const BYTE_ORDER_MARK: char = '\u{feff}';
-
-/// Reads a file of UTF-8 text: one of bounded size, whose lines are bounded as well. A byte order mark, which
-/// Windows programs write, is no part of it.
+/// Reads a file of UTF-8 text: one of bounded size, whose lines are bounded as well.
 pub(crate) fn read(path: &Path) -> Result<String, RecordingError> {
-    let mut text = String::from_utf8(limits::read(path, limits::MAX_TEXT)?).map_err(|error| {
-        let offset = error.utf8_error().valid_up_to();
-        RecordingError::format(format!("byte {offset}"), "is no text (UTF-8)")
-    })?;
-    if text.starts_with(BYTE_ORDER_MARK) {
-        text.remove(0);
-    }
+    let text = nextview::text::utf8(limits::read(path, limits::MAX_TEXT)?)?;
     limits::check_lines(&text)?;
     limits::check_entries(lines(&text).count(), text.len() as u64)?;
     Ok(text)

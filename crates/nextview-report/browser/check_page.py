@@ -101,16 +101,19 @@ def wheel_is_caught(page) -> bool:
     return page.evaluate("scrollY") == 0
 
 
+def skipped(name: str, needs: str, why: str) -> int:
+    """Reports that a check is skipped; returns the exit code."""
+    return subprocess.run([Path(__file__).parents[3] / ".ci/skipped", name, needs, why]).returncode
+
+
 def main() -> int:
     chromium = os.environ.get("CHROMIUM") or shutil.which("chromium") or shutil.which("chromium-browser")
     if not chromium:
-        print("SKIPPED: there is no chromium here")
-        return 0
+        return skipped("pages in a browser", "chromium", "there is no chromium")
     try:
         from playwright.sync_api import sync_playwright
     except ImportError:
-        print("SKIPPED: playwright is not installed")
-        return 0
+        return skipped("pages in a browser", "playwright", "playwright is not installed")
     axe = axe_source()
     with sync_playwright() as playwright:
         browser = playwright.chromium.launch(executable_path=chromium, args=FLAGS)

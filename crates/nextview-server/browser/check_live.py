@@ -15,7 +15,7 @@ from pathlib import Path
 
 from live_scan import BOX_M, Robot, Server, start_browser
 
-from check_page import FILLED, SIZES, VIOLATIONS, axe_source
+from check_page import FILLED, SIZES, VIOLATIONS, axe_source, skipped
 
 N_FRAMES = 5
 FILES = ["cloud.ply", "mesh.ply", "map.ot", "record.json", "report.html"]
@@ -238,14 +238,12 @@ def main() -> int:
     try:
         from playwright.sync_api import sync_playwright
     except ImportError:
-        print("SKIPPED: playwright is not installed")
-        return 0
+        return skipped("the live page in a browser", "playwright", "playwright is not installed")
     program, take_frame, *folder = sys.argv[1:]
     with sync_playwright() as playwright:
         browser = start_browser(playwright)
         if not browser:
-            print("SKIPPED: there is no chromium here")
-            return 0
+            return skipped("the live page in a browser", "chromium", "there is no chromium")
         wrong = check_all(browser, program, take_frame, Path(folder[0]) if folder else None)
         browser.close()
     print("\n".join(wrong) or f"a scan of {N_FRAMES} frames on the live page, nothing wrong")

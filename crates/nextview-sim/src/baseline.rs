@@ -130,6 +130,7 @@ pub fn skill(curve: &[f64], random: &[f64], clairvoyant: &[f64]) -> Option<f64> 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use fixedbitset::FixedBitSet;
 
     #[test]
     fn skill_is_zero_for_random_and_one_for_clairvoyant() {
@@ -138,6 +139,56 @@ mod tests {
         assert_eq!(skill(&clairvoyant, &random, &clairvoyant), Some(1.0));
         assert_eq!(skill(&random, &random, &random), None);
         assert!(skill(&[0.2, 0.3, 0.4], &random, &clairvoyant).unwrap() < 0.0);
+    }
+
+    /// Areas 1.25, 2 and 1.75 by hand. The curve ends where the clairvoyant one does, and begins where all
+    /// do: every view counts.
+    #[test]
+    fn skill_is_of_the_area_under_the_whole_curve() {
+        let (random, clairvoyant) = ([0.25, 0.5, 0.5], [0.25, 0.75, 1.0]);
+        assert_eq!(skill(&[0.25, 0.5, 1.0], &random, &clairvoyant), Some(0.5 / 0.75));
+        assert_eq!(skill(&[0.25, 0.25, 0.75], &random, &clairvoyant), Some(0.0));
+        assert_eq!(skill(&[0.25, 1.0, 1.0], &random, &clairvoyant), Some(1.0 / 0.75));
+        assert_eq!(skill(&[0.25, 0.25, 0.25], &random, &clairvoyant), Some(-0.5 / 0.75));
+    }
+
+    /// Four views of eight voxels.
+    fn truth() -> TrueVisibility {
+        let seen = |voxels: &[usize]| voxels.iter().copied().collect::<FixedBitSet>();
+        let views = [seen(&[0, 1]), seen(&[2]), seen(&[0, 1, 2, 3, 4]), seen(&[2, 3, 5, 6, 7])];
+        TrueVisibility::of_seen(
+            views
+                .into_iter()
+                .map(|mut set| {
+                    set.grow(8);
+                    set
+                })
+                .collect(),
+        )
+        .unwrap()
+    }
+
+    /// By hand: from view 0, view 3 adds five voxels and view 2 three; then view 2 adds the last one.
+    #[test]
+    fn the_clairvoyant_curve_is_greedy_and_stays_where_nothing_is_left() {
+        let truth = truth();
+        assert_eq!(clairvoyant_curve(&truth, 0, 5), [0.25, 0.875, 1.0, 1.0, 1.0]);
+        // Views 2 and 3 then add four voxels each, and the first of them is taken.
+        assert_eq!(clairvoyant_curve(&truth, 1, 3), [0.125, 0.625, 1.0]);
+        assert_eq!(next_clairvoyant(&truth, &[0], |view| view != 3), Some((2, 3)));
+        assert_eq!(next_clairvoyant(&truth, &[2, 3], |_| true), None);
+    }
+
+    /// After view 0, the second view is 1, 2 or 3, whose curves go to 3, 5 or 7 of eight voxels, and the last
+    /// one shows what is left.
+    #[test]
+    fn the_random_curve_is_the_mean_and_has_the_quantiles_of_all_sequences() {
+        let RandomCurve { mean, low, high } = RandomCurve::new(&truth(), 0, 5, 0);
+        assert_eq!([low[1], high[1]], [0.375, 0.875]);
+        assert!((mean[1] - 5.0 / 8.0).abs() < 0.04, "{mean:?}: a standard deviation of 0.014 was expected");
+        assert_eq!([mean[0], low[0], high[0]], [0.25; 3]);
+        assert_eq!([mean[3], low[3], high[3]], [1.0; 3], "all views were taken");
+        assert_eq!((mean.len(), low.len(), high.len()), (5, 5, 5));
     }
 
     #[test]

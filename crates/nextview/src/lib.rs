@@ -92,6 +92,7 @@ pub mod registration;
 pub mod sensor;
 pub mod session;
 pub mod surface;
+pub mod text;
 pub mod view;
 pub mod visibility;
 

@@ -191,6 +191,20 @@ mod tests {
     }
 
     #[test]
+    fn views_to_a_share_are_those_of_the_first_view_that_reaches_it() {
+        let mut runs = campaign(&["a"], 1);
+        let curve = [0.2, 0.6, 0.9, 0.7, 0.96];
+        let steps = steps_mut(&mut runs[0]);
+        steps.truncate(curve.len());
+        steps.iter_mut().zip(curve).for_each(|(step, share)| step.reachable_coverage = Some(share));
+        let study = Study::new(&runs);
+        let run = study.variants[0].measured().next().unwrap();
+        let views = [0.1, 0.2, 0.5, 0.9, 0.95, 0.97].map(|share| run.views_to(share).unwrap());
+        assert_eq!(views, [1.0, 1.0, 2.0, 3.0, 5.0, 11.0]);
+        assert!(run.reaches(0.96) && !run.reaches(0.97));
+    }
+
+    #[test]
     fn a_run_that_stopped_early_keeps_its_last_value() {
         let mut runs = campaign(&["a"], 1);
         steps_mut(&mut runs[0]).truncate(2);

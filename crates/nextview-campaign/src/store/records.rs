@@ -129,6 +129,14 @@ impl<R: BufRead> Records<R> {
         let mut line = Vec::new();
         let read = self.reader.by_ref().take(MAX_LINE).read_until(b'\n', &mut line);
         let n_bytes = read.map_err(|error| Fault::from(error).in_file(&self.path))? as u64;
+        // A file that an editor saved in another form must not pass for one with a torn line, which is cut.
+        if !is_as_written(&line) {
+            let fault = Fault::data(
+                "has a byte order mark or a carriage return, expected UTF-8 and line feeds alone",
+            );
+            let fault = fault.with_remedy("save the file as it was written");
+            return Err(in_line(fault, self.n_lines + 1, &self.path));
+        }
         if line.pop_if(|last| *last == b'\n').is_none() {
             if n_bytes == MAX_LINE {
                 let fault =
@@ -160,6 +168,11 @@ impl<R: BufRead> Iterator for Records<R> {
         }
         self.ready.pop_front()
     }
+}
+
+/// Whether a line has neither a byte order mark nor a carriage return other than one at its end.
+fn is_as_written(line: &[u8]) -> bool {
+    !line.starts_with("\u{feff}".as_bytes()) && !line.strip_suffix(b"\r\n").unwrap_or(line).contains(&b'\r')
 }
 
 /// The record in this line of a file.

@@ -128,6 +128,15 @@ fn a_malformed_line_is_named_wherever_it_is() {
         ),
         (format!("{}\n", good.replace('}', "")), "runs.jsonl, line 1, column "),
         (format!("{good}\n"), "runs.jsonl, line 2, column 1: EOF while parsing a value"),
+        // What an editor may have done to it is no torn line, which would be cut.
+        (
+            good.replace('\n', "\r"),
+            "runs.jsonl, line 1, column 1: has a byte order mark or a carriage return",
+        ),
+        (
+            format!("\u{feff}{good}"),
+            "runs.jsonl, line 1, column 1: has a byte order mark or a carriage return",
+        ),
     ] {
         let folder = Folder::new("malformed").with(&text);
         for fault in folder.faults() {

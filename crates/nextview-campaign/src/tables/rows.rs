@@ -69,3 +69,17 @@ fn views_to(scan: &ScanRecord, share: f64) -> Option<usize> {
     let is_reached = |step: &StepRecord| step.reachable_coverage.is_some_and(|coverage| coverage >= share);
     scan.steps.iter().position(is_reached).map(|i| i + 1)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn views_to_a_share_are_those_of_the_first_view_that_reaches_it() {
+        let step = |reachable_coverage| StepRecord { reachable_coverage, ..StepRecord::default() };
+        let steps = [Some(0.2), None, Some(0.9), Some(0.7), Some(0.96)].map(step).to_vec();
+        let scan = ScanRecord { steps, ..ScanRecord::default() };
+        let views = [0.1, 0.5, 0.9, 0.95, 0.97].map(|share| views_to(&scan, share));
+        assert_eq!(views, [Some(1), Some(3), Some(3), Some(5), None]);
+    }
+}

@@ -486,8 +486,8 @@ fn a_full_disk_leaves_nothing_behind() {
         command.output()
     };
     if !in_namespace("true").is_ok_and(|output| output.status.success()) {
-        eprintln!("SKIPPED a_full_disk_leaves_nothing_behind: a tmpfs cannot be mounted");
-        return;
+        let test = "a_full_disk_leaves_nothing_behind";
+        return nextview_checks::skipped(test, "tmpfs", "a tmpfs cannot be mounted");
     }
     for out in ["disk", "disk/new/results"] {
         let args = [&small(&["--views", "1", "--baselines", "off", "--json", "--out"])[..], &[out]].concat();

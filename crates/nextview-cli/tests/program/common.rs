@@ -1,5 +1,6 @@
 //! A folder to work in, and the program in it.
 
+pub use nextview_checks::data;
 use serde_json::Value;
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -137,15 +138,4 @@ pub fn timeless(mut record: Value) -> Value {
 pub fn curve(record: &Value, key: &str) -> Vec<f64> {
     let steps = record["steps"].as_array().unwrap();
     steps.iter().map(|step| step[key].as_f64().unwrap_or(f64::NAN)).collect()
-}
-
-/// A file of the reference data; none, and a word about it, where there is no such data.
-pub fn data(test: &str, name: &str) -> Option<PathBuf> {
-    let default = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared/data");
-    let path = std::env::var_os("NEXTVIEW_DATA").map_or(default, PathBuf::from).join(name);
-    let path = fs::canonicalize(&path).ok();
-    if path.is_none() {
-        eprintln!("SKIPPED {test}: no {name} in the folder NEXTVIEW_DATA");
-    }
-    path
 }

@@ -57,4 +57,7 @@ mod scan;
 mod shards;
 #[cfg(test)]
 mod shell;
+#[cfg(test)]
+mod text_files;
+#[cfg(test)]
 mod turned;

@@ -242,6 +242,10 @@ fn a_real_bunny_is_measured() {
     assert!(run.stderr.starts_with("note: the rotations in poses.csv have scale or shear"), "{}", run.stderr);
     let result: Value = serde_json::from_str(&run.stdout).unwrap();
     let coverage = curve(&result, "surface_coverage_2mm");
+    println!(
+        "{coverage:?} {} {}",
+        result["steps"][3]["accuracy_median_mm"], result["cloud_accuracy_median_mm"]
+    );
     assert!(coverage[3] > 0.4, "{coverage:?}");
     assert!(result["steps"][3]["accuracy_median_mm"].as_f64().unwrap() < 1.2, "{}", result["steps"][3]);
     assert!(result["cloud_accuracy_median_mm"].as_f64().unwrap() < 1.5, "{result}");

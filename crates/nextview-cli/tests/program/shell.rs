@@ -1,11 +1,12 @@
 use crate::common::{Folder, Run};
+use nextview_checks::skipped;
 use std::process::{Command, Stdio};
 
-/// Whether this machine has the program; says so where it has not.
-fn has(program: &str) -> bool {
+/// Whether this machine has the program; reports the test as skipped if not.
+fn has(test: &str, program: &str) -> bool {
     let is_there = Command::new(program).arg("--version").stdout(Stdio::null()).status().is_ok();
     if !is_there {
-        eprintln!("SKIPPED checks by {program}: it is not installed");
+        skipped(test, program, format!("{program} is not installed"));
     }
     is_there
 }
@@ -27,7 +28,7 @@ fn every_shell_completes_every_command() {
 
 #[test]
 fn bash_completes_commands_options_and_values() {
-    if !has("bash") {
+    if !has("bash_completes_commands_options_and_values", "bash") {
         return;
     }
     let folder = Folder::new("completions-bash");
@@ -66,7 +67,7 @@ fn every_command_has_a_manual_page() {
             assert!(text.contains(section), "{page} has no {section}");
         }
     }
-    if has("groff") {
+    if has("every_command_has_a_manual_page", "groff") {
         for page in &pages {
             let mut groff = Command::new("groff");
             groff.args(["-man", "-ww", "-z"]).arg(folder.path("man/man1").join(page));

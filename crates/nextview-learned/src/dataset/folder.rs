@@ -2,6 +2,7 @@ use super::error::DatasetError;
 use super::npy;
 use super::sample::Sample;
 use super::{DatasetConfig, NetworkName};
+use nextview::text;
 use std::fs::{self, File};
 use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
@@ -49,7 +50,7 @@ fn check_same(path: &Path, config: &DatasetConfig, resume: bool) -> Result<(), D
     }
     // A pipe may never end.
     let read = || match path.is_file() {
-        true => fs::read_to_string(path),
+        true => fs::read(path).and_then(|bytes| text::utf8(bytes).map_err(io::Error::other)),
         false => Err(io::Error::other("it is not a regular file")),
     };
     let text = read().map_err(|error| failed(path, error))?;

@@ -67,6 +67,11 @@ mod tests {
         samples(&DatasetConfig { network, objects: objects.end, seed }, objects, || ()).unwrap()
     }
 
+    /// Of a hundred inputs. Random objects depend on the machine's sine and cosine, which differ in the last
+    /// bit of few values; where more than a tenth of the inputs come out otherwise, it is the inputs that
+    /// have changed.
+    const LEAST_COMPARED: usize = 90;
+
     /// A grid's network beside the training framework, which wrote for the first hundred grids of seed 0 a
     /// checksum and `N` outputs in a `reference` file; the largest difference must be below `tolerance`.
     fn check<const N: usize>(
@@ -80,21 +85,17 @@ mod tests {
         let (mut n_compared, mut largest) = (0, 0.0_f32);
         for (record, sample) in records.zip(&samples) {
             let (numbers, _) = record.as_chunks::<4>();
-            // Random objects depend on the machine's sine and cosine.
             if u32::from_le_bytes(numbers[0]) == input_sum(&sample.input) {
                 n_compared += 1;
                 let errors = outputs(&sample.input).into_iter().zip(&numbers[1..]);
                 largest = errors.map(|(a, b)| (a - f32::from_le_bytes(*b)).abs()).fold(largest, f32::max);
             }
         }
+        println!("{network:?}: {n_compared} of 100 inputs compared, outputs differ by up to {largest}");
         assert!(
-            n_compared > 0 && largest < tolerance,
-            "{n_compared} compared, outputs differ by up to {largest}"
+            n_compared >= LEAST_COMPARED && largest < tolerance,
+            "{n_compared} of 100 inputs compared, expected at least {LEAST_COMPARED}; outputs differ by up to {largest}"
         );
-        if n_compared < 100 {
-            let n = 100 - n_compared;
-            eprintln!("SKIPPED {network:?}: {n} of 100 inputs come out otherwise on this machine");
-        }
     }
 
     /// The sum of all bytes, each times its number from 1 on.

@@ -6,6 +6,7 @@
 use super::chunk;
 use super::cursor::Cursor;
 use crate::{RecordingError, limits};
+use crc32fast::Hasher;
 use std::fs::File;
 use std::io::{BufReader, ErrorKind, Read, Seek, SeekFrom};
 use std::path::Path;
@@ -21,6 +22,8 @@ pub(crate) struct Place {
     in_chunk: Option<usize>,
     /// Size of the record, or of the chunk's records.
     pub(crate) n_bytes: usize,
+    /// Check sum of the message: the file may change until it is read again.
+    crc: u32,
 }
 
 /// The records that concern messages.
@@ -37,6 +40,8 @@ struct Records {
     /// Where the next record begins, and the size of the file.
     byte: u64,
     size: u64,
+    /// Check sum of what was read from some record on.
+    crc: Hasher,
 }
 
 /// Values of a record's first byte.
@@ -45,42 +50,107 @@ mod opcode {
     pub const CHANNEL: u8 = 0x04;
     pub const MESSAGE: u8 = 0x05;
     pub const CHUNK: u8 = 0x06;
+    pub const FOOTER: u8 = 0x02;
+    pub const STATISTICS: u8 = 0x0b;
     pub const DATA_END: u8 = 0x0f;
 }
 
-/// Visits every schema, channel and message, in the order of the file, until the end of its data.
+/// Visits every schema, channel and message, in the order of the file, until the end of its data. Fails in
+/// the end, too, if the data is not what its check sum or the file's summary says.
 pub(super) fn walk(
     path: &Path,
     mut visit: impl FnMut(Place, Record<'_>) -> Result<(), RecordingError>,
 ) -> Result<(), RecordingError> {
     let mut records = Records::open(path)?;
-    let mut n_plain = 0;
+    let (mut n_plain, mut n_messages) = (0, 0);
+    let mut show = |place, opcode, content: &[u8]| {
+        n_messages += u64::from(opcode == opcode::MESSAGE);
+        parse(opcode, content)?.map_or(Ok(()), |record| visit(place, record))
+    };
     loop {
         let byte = records.byte;
+        let crc = records.crc.clone();
         let (opcode, content) = records.next()?;
         let in_record = |error| at(byte, error);
         match opcode {
-            opcode::DATA_END => return Ok(()),
+            opcode::DATA_END => {
+                let stated = Cursor::new(&content).array().map(u32::from_le_bytes).map_err(in_record)?;
+                check_sum("the file's data", stated, crc).map_err(in_record)?;
+                return check_summary(&mut records, n_messages);
+            }
             opcode::CHUNK => {
                 let plain = chunk::records(&content).map_err(in_record)?;
                 n_plain += plain.len() as u64;
                 limits::check_chunks(n_plain, records.size).map_err(in_record)?;
                 let mut cursor = Cursor::new(&plain);
                 while !cursor.rest().is_empty() {
-                    let place = Place { byte, in_chunk: Some(cursor.at()), n_bytes: plain.len() };
+                    let in_chunk = Some(cursor.at());
                     let (opcode, content) = next_in_chunk(&mut cursor).map_err(in_record)?;
-                    show(place, opcode, content, &mut visit).map_err(in_record)?;
+                    let place = Place { byte, in_chunk, n_bytes: plain.len(), crc: crc32fast::hash(content) };
+                    show(place, opcode, content).map_err(in_record)?;
                 }
             }
             opcode => {
-                let place = Place { byte, in_chunk: None, n_bytes: content.len() };
-                show(place, opcode, &content, &mut visit).map_err(in_record)?;
+                let crc = crc32fast::hash(&content);
+                let place = Place { byte, in_chunk: None, n_bytes: content.len(), crc };
+                show(place, opcode, &content).map_err(in_record)?;
             }
         }
     }
 }
 
-/// The data of the message that [`walk`] found there.
+/// Fails if these bytes, of which this is the sum, have another one in the file; 0 stands for none.
+fn check_sum(what: &str, stated: u32, of_bytes: Hasher) -> Result<(), RecordingError> {
+    let found = of_bytes.finalize();
+    if stated == 0 || stated == found {
+        return Ok(());
+    }
+    let problem = format!("{what} is damaged: its check sum is {found:08x}, expected {stated:08x}");
+    Err(RecordingError::Content(problem))
+}
+
+/// Reads what follows the data. A file without a whole summary may have whole data, and is taken.
+fn check_summary(records: &mut Records, n_messages: u64) -> Result<(), RecordingError> {
+    let start = records.byte;
+    records.crc = Hasher::new();
+    let mut counted = None;
+    loop {
+        let byte = records.byte;
+        let mut crc = records.crc.clone();
+        let (opcode, content) = match records.next() {
+            Err(error @ RecordingError::Io(_)) => return Err(error),
+            Err(_) => return Ok(()),
+            Ok(record) => record,
+        };
+        match opcode {
+            opcode::STATISTICS => counted = content.first_chunk().map(|count| u64::from_le_bytes(*count)),
+            opcode::FOOTER => {
+                let mut cursor = Cursor::new(&content);
+                let mut number = || cursor.array().map(u64::from_le_bytes);
+                let (Ok(summary_start), Ok(_)) = (number(), number()) else { return Ok(()) };
+                let Ok(stated) = cursor.array().map(u32::from_le_bytes) else { return Ok(()) };
+                if summary_start != start {
+                    return Ok(());
+                }
+                crc.update(&[opcode]);
+                crc.update(&(content.len() as u64).to_le_bytes());
+                crc.update(&content[..cursor.at() - 4]);
+                check_sum("the file's summary", stated, crc).map_err(|error| at(byte, error))?;
+                break;
+            }
+            _ => {}
+        }
+    }
+    match counted {
+        Some(counted) if counted != n_messages => Err(RecordingError::Content(format!(
+            "the file is damaged: it holds {n_messages} messages, but its summary counts {counted}; `mcap recover` keeps \
+             what is whole"
+        ))),
+        _ => Ok(()),
+    }
+}
+
+/// The data of the message that [`walk`] found there. Fails if it is another one by now.
 pub(super) fn message(path: &Path, place: Place) -> Result<Vec<u8>, RecordingError> {
     let mut records = Records::open(path)?;
     records.byte = place.byte;
@@ -92,27 +162,18 @@ pub(super) fn message(path: &Path, place: Place) -> Result<Vec<u8>, RecordingErr
             let mut cursor = Cursor::new(&plain);
             cursor.take(offset)?;
             let (opcode, content) = next_in_chunk(&mut cursor)?;
-            data(opcode, content)
+            data(opcode, content, place.crc)
         }
-        (opcode, _) => data(opcode, &content),
+        (opcode, _) => data(opcode, &content, place.crc),
     };
     read().map_err(|error| at(place.byte, error))
 }
 
-fn data(opcode: u8, content: &[u8]) -> Result<Vec<u8>, RecordingError> {
+fn data(opcode: u8, content: &[u8], crc: u32) -> Result<Vec<u8>, RecordingError> {
     match parse(opcode, content)? {
-        Some(Record::Message { data, .. }) => Ok(data.to_vec()),
-        _ => Err(RecordingError::Content("there is no message any more".into())),
+        Some(Record::Message { data, .. }) if crc32fast::hash(content) == crc => Ok(data.to_vec()),
+        _ => Err(RecordingError::Content("the file has changed since it was opened".into())),
     }
-}
-
-fn show(
-    place: Place,
-    opcode: u8,
-    content: &[u8],
-    visit: &mut impl FnMut(Place, Record<'_>) -> Result<(), RecordingError>,
-) -> Result<(), RecordingError> {
-    parse(opcode, content)?.map_or(Ok(()), |record| visit(place, record))
 }
 
 /// A record; none if its kind is not needed here.
@@ -149,7 +210,9 @@ impl Records {
     fn open(path: &Path) -> Result<Self, RecordingError> {
         let file = limits::open(path)?;
         let size = file.metadata()?.len();
-        let mut records = Self { file: BufReader::new(file), byte: MAGIC.len() as u64, size };
+        let (file, byte) = (BufReader::new(file), MAGIC.len() as u64);
+        let mut records =
+            Self { file, byte, size, crc: Hasher::new_with_initial_len(crc32fast::hash(&MAGIC), byte) };
         let mut magic = [0; MAGIC.len()];
         match records.file.read_exact(&mut magic) {
             Ok(()) if magic == MAGIC => Ok(records),
@@ -175,6 +238,8 @@ impl Records {
         // No more than the file holds, whatever the record states.
         let mut content = vec![0; length as usize];
         self.file.read_exact(&mut content)?;
+        self.crc.update(&head);
+        self.crc.update(&content);
         self.byte += HEAD + length;
         Ok((opcode, content))
     }

@@ -2,21 +2,10 @@
 
 use nextview::geometry::Aabb;
 use nextview::sensor::Depth;
+use nextview_checks::data;
 use nextview_recording::{ReadOptions, Recording, read_transform};
 use nextview_sim::mesh::{self, Unit};
 use nextview_sim::surface::SurfaceCoverage;
-use std::path::{Path, PathBuf};
-
-/// A file of the reference data; none, and a word about it, where there is no such data.
-fn data(test: &str, name: &str) -> Option<PathBuf> {
-    let default = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared/data");
-    let path = std::env::var_os("NEXTVIEW_DATA").map_or(default, PathBuf::from).join(name);
-    if !path.exists() {
-        eprintln!("SKIPPED {test}: no {name} in the folder NEXTVIEW_DATA");
-        return None;
-    }
-    Some(path)
-}
 
 #[test]
 fn a_primesense_looks_at_the_bunny() {

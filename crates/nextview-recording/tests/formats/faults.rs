@@ -137,8 +137,12 @@ fn files_that_are_missing_cut_or_strange() {
         &["first.png: is no number of a frame"],
     );
     assert_error(
-        changed("binary", |folder| folder.write("poses.csv", [0xff, 0xfe])),
-        &["poses.csv: byte 0: is no text"],
+        changed("binary", |folder| folder.write("poses.csv", [0x61, 0x0a, 0xff])),
+        &["poses.csv: byte 2 in line 2: is no text"],
+    );
+    assert_error(
+        changed("utf-16", |folder| folder.write("poses.csv", [0xff, 0xfe])),
+        &["poses.csv: byte 0: is text in UTF-16, expected UTF-8"],
     );
     assert_error(
         changed_tum("no-truth", |folder| remove(folder, "groundtruth.txt")),

@@ -1,7 +1,12 @@
 //! Recordings as ROS 2 writes them: a small writer of MCAP files with messages in CDR.
 
 use crate::made_up::{Folder, MadeUp};
+use glam::DVec2;
+use nextview::sensor::Intrinsics;
 use nextview_recording::{ReadOptions, Recording};
+
+/// Bytes behind the data in these files: statistics, footer and mark.
+const BEHIND_DATA: usize = (9 + 46) + (9 + 20) + 8;
 
 /// How a file may be written.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -178,8 +183,16 @@ pub fn file(form: Form, messages: &[(u16, Vec<u8>)]) -> Vec<u8> {
             }
         }
     }
-    file.extend(record(15, &[0; 4]));
-    file.extend(record(2, &[0; 20]));
+    // Recorders leave the sum of the data out where chunks have sums of their own.
+    let crc = if form.compression.is_none() { crc32fast::hash(&file) } else { 0 };
+    file.extend(record(15, &crc.to_le_bytes()));
+    let summary_start = file.len();
+    let n_messages = messages.len() as u64;
+    let statistics = [&n_messages.to_le_bytes()[..], &[0; 2 + 4 + 4 + 4 + 4 + 8 + 8 + 4]].concat();
+    file.extend(record(11, &statistics));
+    let head = [&[2][..], &20_u64.to_le_bytes(), &(summary_start as u64).to_le_bytes(), &[0; 8]].concat();
+    file.extend(head);
+    file.extend(crc32fast::hash(&file[summary_start..]).to_le_bytes());
     file.extend(b"\x89MCAP0\r\n");
     file
 }
@@ -230,8 +243,8 @@ fn files_that_are_cut_or_changed_are_refused() {
     let folder = Folder::new("mcap-cut");
     for form in Form::ALL {
         let whole = bytes(&MadeUp::new(2), form);
-        // The last 37 bytes are behind the data and say nothing.
-        for length in (0..whole.len() - 37 - 13).step_by(whole.len() / 40) {
+        // What follows the data is not needed.
+        for length in (0..whole.len() - BEHIND_DATA).step_by(whole.len() / 40) {
             let error = open(&folder, &whole[..length], &ReadOptions::default()).unwrap_err();
             let parts = if length < 8 {
                 ["bag.mcap: ", "is no MCAP file"]
@@ -253,6 +266,89 @@ fn files_that_are_cut_or_changed_are_refused() {
     let error = open(&folder, &damaged, &ReadOptions::default()).unwrap_err();
     assert_parts(&error, &["bag.mcap: record at byte ", "a chunk is damaged"]);
     assert_parts(&open(&folder, b"ply\nformat", &ReadOptions::default()).unwrap_err(), &["is no MCAP file"]);
+}
+
+/// What is read from a file: optics, poses, times and images.
+fn content(folder: &Folder, bytes: &[u8]) -> Result<String, String> {
+    let Recording { intrinsics, frames, skipped, notes } = open(folder, bytes, &ReadOptions::default())?;
+    let mut content = format!("{intrinsics:?} {skipped:?} {notes:?}");
+    for frame in &frames {
+        let loaded = frame.load().map_err(|error| error.to_string())?;
+        content += &format!("{} {:?} {:?}", frame.name, frame.timestamp_s, loaded);
+    }
+    Ok(content)
+}
+
+/// Two frames of a few pixels.
+fn tiny() -> MadeUp {
+    let camera = Intrinsics::pinhole(8, 6, DVec2::splat(7.5), DVec2::new(3.5, 2.5)).unwrap();
+    let poses = MadeUp::new(2).poses;
+    MadeUp { camera, poses, images: vec![(300..348).collect(), (310..358).collect()] }
+}
+
+#[test]
+fn a_changed_byte_is_noticed_or_changes_nothing() {
+    let folder = Folder::new("mcap-changed-byte");
+    for form in Form::ALL {
+        let whole = bytes(&tiny(), form);
+        let expected = content(&folder, &whole).unwrap();
+        let mut n_refused = 0;
+        // Chunks guard each other's bytes alike, so that a share of them will do.
+        let step = if form.compression.is_some() { 11 } else { 1 };
+        for at in (0..whole.len()).step_by(step) {
+            let mut changed = whole.clone();
+            changed[at] ^= 1 << (at % 8);
+            match content(&folder, &changed) {
+                Ok(found) => assert_eq!(found, expected, "byte {at} of {} in {form:?}", whole.len()),
+                Err(_) => n_refused += 1,
+            }
+        }
+        // The others are behind the data, or times and names that nobody needs.
+        assert!(n_refused * step > whole.len() * 3 / 4, "{n_refused} of {} in {form:?}", whole.len());
+    }
+}
+
+#[test]
+fn check_sums_and_counts_of_the_file_are_compared() {
+    let folder = Folder::new("mcap-check-sums");
+    let whole = bytes(&tiny(), Form::PLAIN);
+    let error = |bytes: &[u8]| open(&folder, bytes, &ReadOptions::default()).unwrap_err();
+    // The last byte of the last image but one; images are what no other check sees.
+    let mut pixel = whole.clone();
+    let at = whole.windows(2).position(|pair| pair == 320_u16.to_le_bytes()).unwrap();
+    pixel[at] ^= 1;
+    assert_parts(&error(&pixel), &["record at byte ", "the file's data is damaged: its check sum is "]);
+    // 0 is no check sum.
+    let data_end = whole.len() - BEHIND_DATA - 4;
+    pixel[data_end..data_end + 4].fill(0);
+    assert!(open(&folder, &pixel, &ReadOptions::default()).is_ok());
+
+    let mut summary = whole.clone();
+    summary[whole.len() - BEHIND_DATA + 9] ^= 1;
+    assert_parts(&error(&summary), &["record at byte ", "the file's summary is damaged"]);
+    let crc = whole.len() - 8 - 4;
+    summary[crc..crc + 4].fill(0);
+    assert_parts(&error(&summary), &["it holds 7 messages, but its summary counts 6"]);
+    // Without its summary, the data is still whole.
+    for n in 1..BEHIND_DATA {
+        assert!(open(&folder, &whole[..whole.len() - n], &ReadOptions::default()).is_ok(), "{n}");
+    }
+}
+
+#[test]
+fn a_message_that_changed_since_is_refused() {
+    for form in [Form::PLAIN, Form::ALL[1]] {
+        let folder = Folder::new(&format!("mcap-replaced-{}", form.compression.is_some()));
+        let recording = open(&folder, &bytes(&tiny(), form), &ReadOptions::default()).unwrap();
+        recording.frames[1].load().unwrap();
+        let mut other = tiny();
+        other.images[1][5] += 1;
+        folder.write("bag.mcap", bytes(&other, form));
+        assert_parts(
+            &recording.frames[1].load().unwrap_err().to_string(),
+            &["bag.mcap: ", "the file has changed since it was opened"],
+        );
+    }
 }
 
 #[test]

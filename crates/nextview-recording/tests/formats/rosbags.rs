@@ -1,16 +1,15 @@
 //! Files of another writer: the Python package `rosbags`, which knows ROS 2's messages by itself.
 
 use crate::made_up::{Folder, MadeUp};
+use nextview_checks::skipped;
 use nextview_recording::{ReadOptions, Recording};
 use std::process::Command;
 
 #[test]
 fn bags_of_rosbags_read_as_the_folder_they_were_made_of() {
     let Ok(python) = std::env::var("NEXTVIEW_ROSBAGS_PYTHON") else {
-        eprintln!(
-            "SKIPPED bags_of_rosbags: NEXTVIEW_ROSBAGS_PYTHON names no Python with the packages rosbags, numpy and pillow"
-        );
-        return;
+        let why = "NEXTVIEW_ROSBAGS_PYTHON names no Python with the packages rosbags, numpy and pillow";
+        return skipped("bags_of_rosbags_read_as_the_folder_they_were_made_of", "rosbags", why);
     };
     let made_up = MadeUp::new(4);
     let folder = Folder::new("rosbags");

@@ -8,6 +8,10 @@ use roxmltree::{Document, Node};
 /// Largest number that a URDF may state: a thousand kilometres, so that no chain leaves [`Pose::REACH`].
 pub(super) const LARGEST: f64 = 1e6;
 
+/// The names of elements and attributes that are read below a robot.
+const NAMES: &str = "axis box child collision cylinder filename geometry joint length limit link lower \
+    mesh mimic name origin parent radius rpy scale size sphere type upper velocity xyz";
+
 /// Reads the elements of a URDF and collects their faults. What is at fault is replaced by a harmless value,
 /// so that reading continues.
 pub(super) struct Reader<'a> {
@@ -38,6 +42,7 @@ impl<'a> Reader<'a> {
             let problem = format!("<{}> is of xacro; expand the file first", node.tag_name().name());
             self.add(node, "URDF", problem);
         }
+        self.check_case(robot);
         let seconds = self.options.seconds_to_full_speed;
         if !(seconds.is_finite() && seconds > 0.0) {
             let problem = format!("is {seconds}, expected a positive number of seconds");
@@ -51,6 +56,24 @@ impl<'a> Reader<'a> {
         match self.faults.is_empty() {
             true => Ok(model),
             false => Err(UrdfError { faults: self.faults }),
+        }
+    }
+
+    /// Names in other letters than the format's: as XML tells capitals apart, they would be skipped as
+    /// unknown.
+    fn check_case(&mut self, robot: Node) {
+        let is_part = |node: &Node| {
+            ["link", "joint"].iter().any(|part| node.tag_name().name().eq_ignore_ascii_case(part))
+        };
+        for node in robot.children().filter(is_part).flat_map(|part| part.descendants()) {
+            let of_attributes = node.attributes().map(|attribute| attribute.name());
+            for name in std::iter::once(node.tag_name().name()).chain(of_attributes) {
+                let known = NAMES.split(' ').find(|known| known.eq_ignore_ascii_case(name) && *known != name);
+                if let Some(known) = known {
+                    let place = format!("<{}>", node.tag_name().name());
+                    self.add(node, place, format!("the name `{name}` has capitals, expected `{known}`"));
+                }
+            }
         }
     }
 

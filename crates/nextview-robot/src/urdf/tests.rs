@@ -77,6 +77,18 @@ fn a_chain_is_read_and_fixed_parts_are_folded() {
 }
 
 #[test]
+fn names_in_capitals_are_told_and_not_skipped() {
+    for (word, with_capitals) in [("<collision>", "<Collision>"), ("rpy=", "RPY="), ("<axis", "<Axis")] {
+        let text = ROBOT.replace(word, with_capitals);
+        let text =
+            text.replace("</collision>", if word == "<collision>" { "</Collision>" } else { "</collision>" });
+        let error = read(&text).unwrap_err().to_string();
+        let known = word.trim_matches(['<', '>', '=']);
+        assert!(error.contains(&format!("has capitals, expected `{known}`")), "{error}");
+    }
+}
+
+#[test]
 fn angles_turn_about_fixed_axes_in_the_order_x_y_z() {
     let turned = ROBOT.replace("rpy=\"0 0 1.5707963267948966\"", "rpy=\"0.3 -0.4 0.5\"");
     let rotation = read(&turned).unwrap().joints[0].parent_from_joint.rotation();

@@ -1,5 +1,6 @@
 use super::{file, value};
 use crate::names::{Names, is_name, is_part};
+use nextview::text;
 use toml::Value;
 
 /// The arguments after `--ros-args`: names, and parameters in the order in which they were given.
@@ -47,7 +48,8 @@ impl RosArguments {
         }
         // The node's name decides which parameters of a file are its own.
         for path in files {
-            let text = std::fs::read_to_string(&path).map_err(|error| format!("cannot be read: {error}"));
+            let bytes = std::fs::read(&path).map_err(|error| format!("cannot be read: {error}"));
+            let text = bytes.and_then(|bytes| text::utf8(bytes).map_err(|error| error.to_string()));
             let added = text.and_then(|text| file::add(&text, &parsed.names, &mut parsed.parameters));
             faults.extend(added.err().map(|problem| format!("{path}: {problem}")));
         }

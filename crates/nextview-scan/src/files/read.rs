@@ -1,4 +1,5 @@
 use crate::Fault;
+use nextview::text;
 use std::fs::File;
 use std::io::{BufReader, Read};
 use std::path::Path;
@@ -29,12 +30,9 @@ pub fn read(path: &Path, max_bytes: u64) -> Result<Vec<u8>, Fault> {
     Ok(bytes)
 }
 
-/// The same for a text.
+/// The same for a text, without byte order mark, whose lines end in line feeds.
 pub fn read_text(path: &Path, max_bytes: u64) -> Result<String, Fault> {
-    String::from_utf8(read(path, max_bytes)?).map_err(|error| {
-        let offset = error.utf8_error().valid_up_to();
-        unreadable(path, &Fault::data(format!("it is no text (UTF-8) from byte {offset} on")))
-    })
+    text::utf8(read(path, max_bytes)?).map_err(|error| unreadable(path, &error.into()))
 }
 
 fn unreadable(path: &Path, fault: &Fault) -> Fault {

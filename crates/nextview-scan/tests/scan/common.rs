@@ -7,7 +7,6 @@ use nextview::sensor::{DepthImage, Frame, Intrinsics};
 use nextview::session::{NextView, Session, SessionConfig};
 use nextview::view::generate;
 use std::fs;
-use std::io::Write;
 use std::path::{Path, PathBuf};
 
 /// A fresh folder, removed at the end unless the test fails.
@@ -68,12 +67,5 @@ pub fn image(view: &NextView) -> Frame {
 
 /// The folder of meshes in the reference data. Without it, says which test is skipped.
 pub fn meshes(test: &str) -> Option<PathBuf> {
-    let default = concat!(env!("CARGO_MANIFEST_DIR"), "/../../../shared/data");
-    let folder = std::env::var_os("NEXTVIEW_DATA").map_or(default.into(), PathBuf::from).join("meshes");
-    let is_there = folder.is_dir();
-    if !is_there {
-        // Not by eprintln, which tests capture.
-        writeln!(std::io::stderr(), "SKIPPED {test}: no meshes/ in NEXTVIEW_DATA").expect("stderr is open");
-    }
-    is_there.then_some(folder)
+    nextview_checks::data(test, "meshes")
 }

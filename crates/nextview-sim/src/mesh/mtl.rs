@@ -3,8 +3,9 @@
 use super::Material;
 use super::image::{Images, Resolve};
 use super::srgb;
-use super::text::{Line, lines};
+use super::text::{Line, statements};
 use crate::SimError;
+use nextview::text::plain;
 
 /// Appends the materials of a library with their names.
 pub(super) fn parse(
@@ -14,19 +15,20 @@ pub(super) fn parse(
     materials: &mut Vec<(String, Material)>,
 ) -> Result<(), SimError> {
     let n_before = materials.len();
-    for line in lines(bytes, 1) {
-        if line.keyword() == b"newmtl" {
+    for line in statements(&plain(bytes)?) {
+        if line.is(b"newmtl") {
             materials.push((line.rest(), Material { reflectance: [1.0; 3], image: None }));
             continue;
         }
-        if !matches!(line.keyword(), b"Kd" | b"map_Kd") {
+        let is_reflectance = line.is(b"Kd");
+        if !is_reflectance && !line.is(b"map_Kd") {
             continue;
         }
         let material = materials[n_before..].last_mut();
         let (_, material) = material.ok_or_else(|| line.error("comes before any newmtl line"))?;
-        match line.keyword() {
-            b"Kd" => material.reflectance = reflectance(&line)?,
-            _ => material.image = Some(image(&line, resolve, images)?),
+        match is_reflectance {
+            true => material.reflectance = reflectance(&line)?,
+            false => material.image = Some(image(&line, resolve, images)?),
         }
     }
     Ok(())

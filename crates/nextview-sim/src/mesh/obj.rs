@@ -3,26 +3,26 @@
 
 use super::image::{Images, Resolve};
 use super::raw::RawMesh;
-use super::text::{Line, lines, shown};
+use super::text::{Line, shown, statements};
 use super::{Face, Material, mtl};
 use crate::SimError;
+use nextview::text::plain;
 
 pub(super) fn parse(bytes: &[u8], resolve: &Resolve) -> Result<RawMesh, SimError> {
     let mut obj = Obj::default();
-    for line in lines(bytes, 1) {
-        match line.keyword() {
-            b"v" => obj.push_vertex(&line)?,
-            b"f" => obj.push_face(&line)?,
-            keyword if obj.mesh.color_fault.is_none() => {
-                let read = match keyword {
-                    b"vt" => obj.push_texture_point(&line),
-                    b"mtllib" => obj.read_materials(&line, resolve),
-                    b"usemtl" => obj.use_material(&line),
-                    _ => Ok(()),
-                };
-                obj.mesh.colors_or_fault(read);
-            }
-            _ => {}
+    for line in statements(&plain(bytes)?) {
+        if line.is(b"v") {
+            obj.push_vertex(&line)?;
+        } else if line.is(b"f") {
+            obj.push_face(&line)?;
+        } else if obj.mesh.color_fault.is_none() {
+            let read = match &line {
+                line if line.is(b"vt") => obj.push_texture_point(line),
+                line if line.is(b"mtllib") => obj.read_materials(line, resolve),
+                line if line.is(b"usemtl") => obj.use_material(line),
+                _ => Ok(()),
+            };
+            obj.mesh.colors_or_fault(read);
         }
     }
     obj.mesh.materials = obj.materials.into_iter().map(|(_, material)| material).collect();
@@ -199,6 +199,14 @@ mod tests {
         assert_eq!(mesh.vertices[2], DVec3::new(1.0, 1.0, 0.0));
         assert_eq!(mesh.triangles, [[0, 1, 2], [0, 2, 3], [0, 1, 2], [0, 1, 3]]);
         assert_eq!(mesh.n_too_small, 1);
+    }
+
+    #[test]
+    fn a_backslash_continues_a_statement() {
+        let text = b"v 0 0 0\nv 1 \\\n 0 0\nv 1 1 0 # a comment does not go on \\\nv 0 1 0\nf 1 2\\\r\n \\\n3\nf 2 3 4\\";
+        let mesh = parse(text, &|_| Err(SimError::NotAFile)).unwrap();
+        assert_eq!(mesh.vertices.len(), 4);
+        assert_eq!(mesh.triangles, [[0, 1, 2], [1, 2, 3]]);
     }
 
     #[test]

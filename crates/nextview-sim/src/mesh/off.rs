@@ -3,30 +3,24 @@
 use super::raw::RawMesh;
 use super::text::{Line, lines, shown};
 use crate::SimError;
+use nextview::text::plain;
 
 pub(super) fn parse(bytes: &[u8]) -> Result<RawMesh, SimError> {
-    let mut lines = lines(bytes, 1).peekable();
+    let text = plain(bytes)?;
+    let mut lines = lines(&text, 1);
     let end =
         || SimError::format("end of the file", "the file ends before all vertices and faces are listed");
-    let header = lines.peek().ok_or_else(end)?;
-    let counts_at = match header.keyword() {
-        b"OFF" | b"COFF" | b"NOFF" | b"CNOFF" if header.words().get(1) == Some(&b"BINARY".as_slice()) => {
+    let mut header = lines.next().ok_or_else(end)?.without_prefix(&[b"OFF", b"COFF", b"NOFF", b"CNOFF"]);
+    match header.words().first() {
+        None => header = lines.next().ok_or_else(end)?,
+        Some(word) if word[0].is_ascii_digit() => {}
+        Some(word) if word.eq_ignore_ascii_case(b"BINARY") => {
             return Err(header.error("is binary OFF, which is not supported; convert the file to PLY"));
         }
-        b"OFF" | b"COFF" | b"NOFF" | b"CNOFF" => 1,
-        word if word[0].is_ascii_digit() => 0,
-        word => return Err(header.error(format!("starts with {:?}, expected OFF", shown(word)))),
-    };
-    let has_counts = header.words().len() > counts_at;
-    let mut header = lines.next().ok_or_else(end)?;
-    let counts_at = if has_counts {
-        counts_at
-    } else {
-        header = lines.next().ok_or_else(end)?;
-        0
-    };
-    let n_vertices = count(&header, counts_at, "the number of vertices", bytes.len())?;
-    let n_faces = count(&header, counts_at + 1, "the number of faces", bytes.len())?;
+        Some(word) => return Err(header.error(format!("starts with {:?}, expected OFF", shown(word)))),
+    }
+    let n_vertices = count(&header, 0, "the number of vertices", bytes.len())?;
+    let n_faces = count(&header, 1, "the number of faces", bytes.len())?;
 
     let mut mesh = RawMesh::default();
     for _ in 0..n_vertices {
@@ -70,7 +64,8 @@ mod tests {
     #[test]
     fn reads_the_usual_variants() {
         let body = "0 0 0\n1 0 0\n1 1 0\n0 1 0\n4 0 1 2 3 255 0 0\n3 0 1 2\n";
-        for header in ["OFF\n# c\n4 2 0\n", "OFF 4 2 0\n", "COFF\n4 2\n", "4 2 0\n"] {
+        // ModelNet40 has the counts at the word itself.
+        for header in ["OFF\n# c\n4 2 0\n", "OFF 4 2 0\n", "OFF4 2 0\n", "COFF\n4 2\n", "4 2 0\n"] {
             let mesh = parse(format!("{header}{body}").as_bytes()).unwrap();
             assert_eq!(mesh.vertices.len(), 4);
             assert_eq!(mesh.triangles, [[0, 1, 2], [0, 2, 3], [0, 1, 2]]);

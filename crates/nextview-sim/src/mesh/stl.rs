@@ -4,6 +4,7 @@ use super::raw::RawMesh;
 use super::text::{lines, shown};
 use crate::SimError;
 use glam::DVec3;
+use nextview::text::plain;
 use rustc_hash::FxHashMap;
 
 const HEADER: usize = 84;
@@ -18,7 +19,7 @@ pub(super) fn parse(bytes: &[u8]) -> Result<RawMesh, SimError> {
     // A binary file may start with "solid" too, so the size decides.
     if bytes.len() == expected {
         Ok(parse_binary(&bytes[HEADER..]))
-    } else if bytes.trim_ascii_start().starts_with(b"solid") {
+    } else if is_text(bytes) {
         parse_text(bytes)
     } else if bytes.len() < HEADER {
         let problem = format!(
@@ -33,6 +34,13 @@ pub(super) fn parse(bytes: &[u8]) -> Result<RawMesh, SimError> {
         );
         Err(SimError::format("byte 80", problem))
     }
+}
+
+/// Whether the file begins with the word of texts, in any encoding: not all of them can be read, but the
+/// error should be about that.
+fn is_text(bytes: &[u8]) -> bool {
+    let letters = bytes.iter().filter(|byte| byte.is_ascii_graphic()).map(u8::to_ascii_lowercase);
+    letters.take(5).eq(*b"solid")
 }
 
 fn parse_binary(records: &[u8]) -> RawMesh {
@@ -52,7 +60,7 @@ fn parse_text(bytes: &[u8]) -> Result<RawMesh, SimError> {
     let mut weld = Weld::default();
     let mut corners = Vec::new();
     let mut is_complete = false;
-    for line in lines(bytes, 1) {
+    for line in lines(&plain(bytes)?, 1) {
         match line.keyword().to_ascii_lowercase().as_slice() {
             b"vertex" => corners.push(weld.vertex(line.point(1)?)),
             b"endloop" => {

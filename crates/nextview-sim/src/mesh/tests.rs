@@ -4,7 +4,6 @@ use super::raw::RawMesh;
 use super::*;
 use crate::SimError;
 use proptest::prelude::*;
-use std::io::Write;
 use std::path::PathBuf;
 
 /// A folder of its own that is removed at the end.
@@ -257,14 +256,8 @@ fn a_mesh_of_ours_reads_back_with_its_colours() {
 /// The meshes of the test data, if present: faces as their manifest states.
 #[test]
 fn loads_the_meshes_of_the_test_data() {
-    let default = concat!(env!("CARGO_MANIFEST_DIR"), "/../../../shared/data");
-    let data = PathBuf::from(std::env::var("NEXTVIEW_DATA").unwrap_or(default.into())).join("meshes");
-    let Ok(manifest) = std::fs::read_to_string(data.join("manifest.csv")) else {
-        // Not with `eprintln`, whose output the test runner shows only for failed tests.
-        let name = "loads_the_meshes_of_the_test_data";
-        writeln!(std::io::stderr(), "SKIPPED {name}: no manifest.csv in {}", data.display()).unwrap();
-        return;
-    };
+    let Some(data) = nextview_checks::data("loads_the_meshes_of_the_test_data", "meshes") else { return };
+    let manifest = std::fs::read_to_string(data.join("manifest.csv")).unwrap();
     for line in manifest.lines().skip(1) {
         let (name, rest) = line.split_once(',').unwrap();
         let faces = rest.split(',').find_map(|field| field.parse::<usize>().ok()).unwrap();

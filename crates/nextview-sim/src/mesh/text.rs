@@ -10,20 +10,60 @@ pub(super) struct Line<'a> {
     words: Vec<&'a [u8]>,
 }
 
-/// The lines of a text, without comments (from `#` on) and blank lines. The first has the number
-/// `first_number`.
+/// The lines of a [plain](nextview::text::plain) text, without comments (from `#` on) and blank lines. The
+/// first has the number `first_number`.
 pub(super) fn lines(text: &[u8], first_number: usize) -> impl Iterator<Item = Line<'_>> {
-    text.split(|&byte| byte == b'\n').enumerate().filter_map(move |(i, line)| {
-        let code = line.split(|&byte| byte == b'#').next().unwrap_or_default();
-        let words: Vec<&[u8]> = code.split(u8::is_ascii_whitespace).filter(|word| !word.is_empty()).collect();
-        (!words.is_empty()).then_some(Line { number: first_number + i, words })
-    })
+    let lines = text.split(|&byte| byte == b'\n').zip(first_number..);
+    lines.map(|(line, number)| Line { number, words: words(line) }).filter(|line| !line.words.is_empty())
+}
+
+/// The same of a text in which a line that ends in a backslash goes on in the next one, as in OBJ and MTL.
+/// A comment does not go on.
+pub(super) fn statements(text: &[u8]) -> impl Iterator<Item = Line<'_>> {
+    let mut lines = text.split(|&byte| byte == b'\n').zip(1..);
+    let joined = std::iter::from_fn(move || {
+        let (line, number) = lines.next()?;
+        let mut all = words(line);
+        while let Some(before) = all.last().and_then(|word| word.strip_suffix(b"\\")) {
+            all.pop();
+            all.extend(Some(before).filter(|word| !word.is_empty()));
+            let Some((line, _)) = lines.next() else { break };
+            all.extend(words(line));
+        }
+        Some(Line { number, words: all })
+    });
+    joined.filter(|line| !line.words.is_empty())
+}
+
+fn words(line: &[u8]) -> Vec<&[u8]> {
+    let code = line.split(|&byte| byte == b'#').next().unwrap_or_default();
+    code.split(u8::is_ascii_whitespace).filter(|word| !word.is_empty()).collect()
 }
 
 impl<'a> Line<'a> {
+    /// The line without one of these words at its start, in letters of any case, which a number may follow
+    /// directly; it may then be empty.
+    pub fn without_prefix(mut self, prefixes: &[&[u8]]) -> Self {
+        let n_letters = self.words[0].iter().take_while(|byte| byte.is_ascii_alphabetic()).count();
+        let (letters, rest) = self.words[0].split_at(n_letters);
+        let is_cut = rest.first().is_none_or(u8::is_ascii_digit);
+        if is_cut && prefixes.iter().any(|prefix| letters.eq_ignore_ascii_case(prefix)) {
+            match rest {
+                [] => _ = self.words.remove(0),
+                rest => self.words[0] = rest,
+            }
+        }
+        self
+    }
+
     /// The words; never empty.
     pub fn words(&self) -> &[&'a [u8]] {
         &self.words
+    }
+
+    /// Whether the first word is this one, in letters of any case.
+    pub fn is(&self, keyword: &[u8]) -> bool {
+        self.words[0].eq_ignore_ascii_case(keyword)
     }
 
     /// The first word.

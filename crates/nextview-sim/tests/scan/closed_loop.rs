@@ -65,8 +65,7 @@ fn max_flow(gamma: f64) -> Box<dyn ViewPlanner> {
     Box::new(MaxFlow::new(MaxFlowConfig { gamma, ..MaxFlowConfig::default() }).unwrap())
 }
 
-/// On the four built-in objects the planner is well above random on average. The bound is far below what was
-/// measured (0.65), so that it notices a break, not a breeze.
+/// On the four built-in objects the planner is well above random on average. Measured: 0.67 and 0.63.
 #[test]
 fn planners_beat_random_views() {
     let setups: Vec<Setup> = builtin::names().map(Setup::new).collect();
@@ -74,7 +73,7 @@ fn planners_beat_random_views() {
         let skills: Vec<f64> =
             setups.iter().map(|setup| setup.skill(&setup.run(max_flow(gamma), setup.config()).0)).collect();
         println!("gamma {gamma}: skill {skills:.2?}");
-        assert!(skills.iter().sum::<f64>() / skills.len() as f64 > 0.5, "gamma {gamma}: {skills:?}");
+        assert!(skills.iter().sum::<f64>() / skills.len() as f64 > 0.6, "gamma {gamma}: {skills:?}");
     }
 }
 

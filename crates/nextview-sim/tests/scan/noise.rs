@@ -161,7 +161,7 @@ fn a_wrong_pose_alone_leaves_the_image_and_what_was_seen() {
     assert!((1e-4..0.01).contains(&off), "{off}");
 }
 
-/// The bounds are far from what was measured: a break shows, a breeze does not.
+/// Measured: 0.919 without noise; with it 0.981, 0.955 of the voxels, and a fifth as many false ones.
 #[test]
 fn planning_covers_the_object_in_spite_of_noise() {
     let scan = |noise: Noise| {
@@ -177,6 +177,6 @@ fn planning_covers_the_object_in_spite_of_noise() {
     };
     let (exact, _) = scan(Noise::default());
     let (noisy, voxels) = scan(d435i(POSE));
-    assert!(exact > 0.85 && noisy > 0.85, "{exact}, {noisy}");
-    assert!(voxels.coverage() > 0.7 && 2 * voxels.n_false < voxels.n_object, "{voxels:?}");
+    assert!(exact > 0.9 && noisy > 0.95, "{exact}, {noisy}");
+    assert!(voxels.coverage() > 0.92 && 4 * voxels.n_false < voxels.n_object, "{voxels:?}");
 }

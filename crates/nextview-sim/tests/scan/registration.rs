@@ -272,8 +272,9 @@ fn a_box_is_found_where_cameras_did_not_look_through_it() {
         let found = register(std::slice::from_ref(&known), &frame.clone().with_pose(wrong));
         let (off, turned) = error(&found.world_from_camera, &truth, DVec3::ZERO);
         println!("off by {:.2} mm and {:.2} degrees", 1e3 * off, turned.to_degrees());
-        // Where contradictions alone hold it, it is found to a cell or two; the wrong places are 3 cm away.
-        assert!(found.fits() && off < 0.01 && turned < 0.01, "{shift:?}: {off} {found:?}");
+        // Measured: up to 5.3 mm and 0.32 degrees. Two faces that both frames show leave a way to slide,
+        // along which contradictions alone hold the frame, to a cell or two; the wrong places are 3 cm away.
+        assert!(found.fits() && off < 0.006 && turned < 0.4_f64.to_radians(), "{shift:?}: {off} {found:?}");
     }
 }
 

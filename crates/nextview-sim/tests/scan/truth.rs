@@ -8,8 +8,6 @@ use nextview_sim::builtin;
 use nextview_sim::mesh::{self, TriangleMesh, Unit, sample_surface};
 use nextview_sim::scene::Scene;
 use nextview_sim::truth::ObjectVoxels;
-use std::io::Write;
-use std::path::PathBuf;
 
 const VOXEL_SIZE: f64 = 0.005;
 
@@ -50,14 +48,9 @@ fn exact_images_of_built_in_objects_hit_no_false_voxels() {
 
 #[test]
 fn exact_images_of_real_objects_hit_no_false_voxels() {
-    let default = concat!(env!("CARGO_MANIFEST_DIR"), "/../../../shared/data");
-    let data = std::env::var_os("NEXTVIEW_DATA").map_or(default.into(), PathBuf::from).join("meshes");
-    let Ok(manifest) = std::fs::read_to_string(data.join("manifest.csv")) else {
-        // Not with `eprintln`, whose output the test runner shows only for failed tests.
-        let name = "exact_images_of_real_objects_hit_no_false_voxels";
-        writeln!(std::io::stderr(), "SKIPPED {name}: no manifest.csv in {}", data.display()).unwrap();
-        return;
-    };
+    let name = "exact_images_of_real_objects_hit_no_false_voxels";
+    let Some(data) = nextview_checks::data(name, "meshes") else { return };
+    let manifest = std::fs::read_to_string(data.join("manifest.csv")).unwrap();
     for line in manifest.lines().skip(1) {
         let name = line.split(',').next().unwrap();
         let (mesh, _) = mesh::load(&data.join(name)).unwrap().to_metres(Unit::LongestSide(0.2)).unwrap();

@@ -148,8 +148,8 @@ fn coarse_voxels_come_first_and_no_measurement_is_lost() {
     println!("voxel sizes {sizes:?}, seen {:.3}", setup.seen(&steps));
     assert!(sizes.is_sorted_by(|a, b| a >= b), "{sizes:?}");
     assert_eq!((sizes.first(), sizes.last()), (Some(&0.04), Some(&VOXEL_SIZE)), "{sizes:?}");
-    // Measured: 0.899, after the four views that it takes.
-    assert!(setup.seen(&steps) > 0.88);
+    // Measured: 0.991, after the five views that it takes.
+    assert!(setup.seen(&steps) > 0.98);
     // The finest map is that of the same frames without multi-resolution.
     let mut plain = setup.session(config(MultiResolutionConfig::default()), setup.views.clone().into());
     steps.iter().for_each(|step| _ = plain.observe(&step.frame));

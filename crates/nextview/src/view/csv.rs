@@ -1,16 +1,16 @@
 use super::look_at;
-use crate::{Error, geometry::Pose};
+use crate::{Error, geometry::Pose, text};
 use glam::{DQuat, DVec3};
-use std::io::{BufRead, BufReader, Read, Write};
+use std::io::{Read, Write};
 
 const POSITION: [&str; 3] = ["x_m", "y_m", "z_m"];
 const QUATERNION: [&str; 4] = ["qx", "qy", "qz", "qw"];
 
-/// Bytes that no line has. Stops a file without line ends from filling the memory.
-const MAX_LINE: u64 = 1 << 16;
+/// Bytes that no line has.
+const MAX_LINE: usize = 1 << 16;
 
-/// What Windows programs put before the first line.
-const BYTE_ORDER_MARK: char = '\u{feff}';
+/// Largest file, bytes: half a million poses.
+const MAX_BYTES: u64 = 1 << 26;
 
 /// Where the numbers of a row stand.
 struct Columns {
@@ -21,18 +21,18 @@ struct Columns {
 pub(super) fn read(reader: impl Read, target: DVec3) -> Result<Vec<Pose>, Error> {
     let mut columns = None;
     let mut poses = Vec::new();
-    let (mut reader, mut line) = (BufReader::new(reader), Vec::new());
-    for number in 1.. {
-        let problem = |problem: String| Error::Format { place: format!("line {number}"), problem };
-        line.clear();
-        if reader.by_ref().take(MAX_LINE).read_until(b'\n', &mut line)? == 0 {
-            break;
-        }
-        if line.len() as u64 == MAX_LINE {
+    let mut bytes = Vec::new();
+    reader.take(MAX_BYTES + 1).read_to_end(&mut bytes)?;
+    if bytes.len() as u64 > MAX_BYTES {
+        let problem = format!("has more than {MAX_BYTES} bytes, expected the numbers of poses");
+        return Err(Error::Format { place: "the file".to_owned(), problem });
+    }
+    for (i, row) in text::utf8(bytes)?.lines().enumerate() {
+        let problem = |problem: String| Error::Format { place: format!("line {}", i + 1), problem };
+        if row.len() >= MAX_LINE {
             return Err(problem(format!("{MAX_LINE} bytes or more, expected the numbers of a pose")));
         }
-        let row = str::from_utf8(&line).map_err(|_| problem("not text (UTF-8)".into()))?;
-        let row = if number == 1 { row.trim_start_matches(BYTE_ORDER_MARK) } else { row }.trim();
+        let row = row.trim();
         if row.is_empty() || row.starts_with('#') {
             continue;
         }
@@ -67,13 +67,14 @@ pub(super) fn write(mut writer: impl Write, poses: &[Pose]) -> Result<(), Error>
 impl Columns {
     fn named(header: &[&str]) -> Result<Self, String> {
         let find = |name: &&str| {
-            let found = header.iter().position(|h| h == name);
+            let found = header.iter().position(|h| h.eq_ignore_ascii_case(name));
             found.ok_or_else(|| {
                 format!("the header has no column {name}; expected x_m,y_m,z_m or x_m,y_m,z_m,qx,qy,qz,qw")
             })
         };
         let [x, y, z] = POSITION.each_ref().map(find);
-        let quaternion = if header.iter().any(|h| QUATERNION.contains(h)) {
+        let quaternion = if header.iter().any(|h| QUATERNION.iter().any(|name| h.eq_ignore_ascii_case(name)))
+        {
             let [qx, qy, qz, qw] = QUATERNION.each_ref().map(find);
             Some([qx?, qy?, qz?, qw?])
         } else {

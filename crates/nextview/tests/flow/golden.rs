@@ -1,10 +1,10 @@
 //! The networks of the authors' recorded run.
 
-use crate::common::data_folder;
 use crate::cover::{n_by_greedy, serves_all};
 use flate2::read::GzDecoder;
 use nextview::Cancel;
 use nextview::flow::{BestSets, fewest_sets};
+use nextview_checks::data;
 use std::fs::File;
 use std::io::{BufRead, BufReader};
 use std::time::Instant;
@@ -33,7 +33,7 @@ const GOLDEN: [Golden; 5] = [
 /// asks for no more than one set above.
 #[test]
 fn golden_sets() {
-    let Some(folder) = data_folder("golden_sets", "golden") else { return };
+    let Some(folder) = data("golden_sets", "golden") else { return };
     println!("iteration  items      quality  sets  greedy  fewest     ms");
     for golden in &GOLDEN {
         let file = File::open(folder.join(format!("optimal_views_it{}.txt.gz", golden.iteration))).unwrap();

@@ -2,8 +2,6 @@
 
 #![allow(clippy::unwrap_used, reason = "clippy allows it in test functions, not in their helpers")]
 
-#[path = "../common/mod.rs"]
-mod common;
 mod cover;
 mod golden;
 mod network;

@@ -1,8 +1,9 @@
 //! The literature's gains: single rays worked out by hand, and whole views against the definitions written
-//! out over the voxels of the general walk.
+//! out over the voxels of each ray.
 
 #![allow(clippy::unwrap_used, reason = "helpers of tests")]
 
+use crate::common::crossed;
 use glam::{DVec2, DVec3, IVec3, UVec3};
 use nextview::Cancel;
 use nextview::gain::{
@@ -10,7 +11,7 @@ use nextview::gain::{
     RearSideEntropy, RearSideVoxel, UnobservedVoxel,
 };
 use nextview::geometry::random::Random;
-use nextview::geometry::{Aabb, Lattice, Pose, SegmentWalk, VoxelBlock};
+use nextview::geometry::{Aabb, Lattice, Pose, VoxelBlock};
 use nextview::map::{LogOdds, Occupancy, Snapshot, entropy, frontier};
 use nextview::sensor::{DepthImage, Frame, Intrinsics};
 use nextview::view::look_at;
@@ -255,28 +256,23 @@ fn frames(seed: u64) -> Vec<Frame> {
     (0..3).map(|_| frame()).collect()
 }
 
-/// The voxels of a ray in order, up to and with the first occupied one, by the general walk.
+/// The voxels of a ray in order, up to and with the first occupied one.
 type Walked = Vec<usize>;
 
-/// All rays of a view that meet the box.
+/// All rays of a view that meet the box. Where rays go is a choice, that of the grid; what they cross is not.
 fn walked(snapshot: &Snapshot, pose: &Pose) -> Vec<Walked> {
     let (lattice, block) = (snapshot.lattice(), snapshot.block());
     let origin = lattice.to_voxels(pose.translation());
     let grid = RayGrid::new(&Intrinsics::d435i());
     let directions = grid.directions(pose, &lattice.bounds(&block), SPACING * lattice.voxel_size());
     let ray = |direction: DVec3| {
-        let direction = pose.rotation_matrix() * direction;
-        let mut walk = SegmentWalk::ray_within(origin, direction, block.min(), block.max())?;
-        let mut voxels = Vec::new();
-        loop {
-            let voxel = block.index(walk.key()).unwrap();
-            voxels.push(voxel);
-            if snapshot.occupancy()[voxel] == Occupancy::Occupied || walk.advance().is_none() {
-                return Some(voxels);
-            }
-        }
+        let keys = crossed(block, origin, pose.rotation_matrix() * direction);
+        let mut voxels: Vec<usize> = keys.into_iter().map(|key| block.index(key).unwrap()).collect();
+        let first = voxels.iter().position(|&voxel| snapshot.occupancy()[voxel] == Occupancy::Occupied);
+        voxels.truncate(first.map_or(voxels.len(), |first| first + 1));
+        voxels
     };
-    directions.filter_map(ray).collect()
+    directions.map(ray).filter(|voxels| !voxels.is_empty()).collect()
 }
 
 struct Definitions<'a> {

@@ -7,7 +7,7 @@ use std::path::Path;
 const LAYERS: [&[&str]; 11] = [
     &["cancel"],
     &["error"],
-    &["checked", "degrees", "instructions"],
+    &["checked", "degrees", "instructions", "text"],
     &["geometry", "flow"],
     &["sensor"],
     &["map", "diagnosis"],

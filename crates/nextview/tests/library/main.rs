@@ -1,10 +1,9 @@
 //! The library from outside: maps, gains, planners, sessions, models. One program, so that it is linked once.
 
-#[path = "../common/mod.rs"]
-mod common;
-
 mod batch;
 mod checked;
+#[path = "../common/mod.rs"]
+mod common;
 mod diagnosis;
 mod frontier_tour;
 mod gains;

@@ -2,11 +2,11 @@
 
 #![allow(clippy::unwrap_used, reason = "clippy exempts the test functions, but not their helpers")]
 
-use crate::common::{data_folder, skipped};
 use glam::{DVec3, IVec3};
 use nextview::geometry::Lattice;
 use nextview::map::octree::Octree;
 use nextview::map::{Integration, OccupancyMap, RayRule, SensorModel};
+use nextview_checks::{data, skipped};
 use std::collections::BTreeMap;
 use std::fs;
 use std::io::ErrorKind;
@@ -22,7 +22,7 @@ impl Scratch {
         for tool in tools {
             if let Err(e) = Command::new(tool).arg("-h").output() {
                 assert_eq!(e.kind(), ErrorKind::NotFound, "{tool}: {e}");
-                skipped(test, format!("{tool} is not installed"));
+                skipped(test, "octomap-tools", format!("{tool} is not installed"));
                 return None;
             }
         }
@@ -223,7 +223,7 @@ fn authors_maps_make_the_same_bt_files() {
     else {
         return;
     };
-    let Some(data) = data_folder("authors_maps_make_the_same_bt_files", "authors") else { return };
+    let Some(data) = data("authors_maps_make_the_same_bt_files", "authors") else { return };
     for name in ["octomap0.ot", "octomap9.ot", "ground_truth_2mm.ot"] {
         let file = fs::read(data.join(name)).unwrap();
         scratch.write("theirs.ot", &file);

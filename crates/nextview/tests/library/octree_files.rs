@@ -2,15 +2,15 @@
 
 #![allow(clippy::unwrap_used, reason = "clippy exempts the test functions, but not their helpers")]
 
-use crate::common::data_folder;
 use glam::{DVec3, IVec3};
 use nextview::geometry::{Aabb, Lattice, VoxelKey};
 use nextview::map::octree::{Octree, TreeKind};
 use nextview::map::{LogOdds, entropy};
+use nextview_checks::data;
 
 #[test]
 fn authors_maps_come_back_byte_for_byte() {
-    let Some(folder) = data_folder("authors_maps_come_back_byte_for_byte", "authors") else { return };
+    let Some(folder) = data("authors_maps_come_back_byte_for_byte", "authors") else { return };
     let maps = (0..10).map(|i| format!("octomap{i}.ot"));
     let truth = ["ground_truth_1cm.ot", "ground_truth_2mm.ot"].map(String::from);
     for name in maps.chain(truth) {
@@ -32,7 +32,7 @@ const ENTROPY: [f64; 10] =
 
 #[test]
 fn keys_and_log_odds_mean_what_they_mean_to_the_authors() {
-    let Some(folder) = data_folder("keys_and_log_odds_mean_what_they_mean_to_the_authors", "authors") else {
+    let Some(folder) = data("keys_and_log_odds_mean_what_they_mean_to_the_authors", "authors") else {
         return;
     };
     let views = std::fs::read_to_string(folder.join("candidate_views.txt")).unwrap();
@@ -57,7 +57,7 @@ fn keys_and_log_odds_mean_what_they_mean_to_the_authors() {
 
 #[test]
 fn ground_truth_covers_exactly_the_surface_samples() {
-    let Some(folder) = data_folder("ground_truth_covers_exactly_the_surface_samples", "authors") else {
+    let Some(folder) = data("ground_truth_covers_exactly_the_surface_samples", "authors") else {
         return;
     };
     let samples = read_samples(&std::fs::read(folder.join("surface_samples.ply")).unwrap());

@@ -3,13 +3,13 @@
 
 #![allow(clippy::unwrap_used, reason = "helpers of tests")]
 
-use crate::common::data_folder;
 use flate2::read::GzDecoder;
 use glam::IVec3;
 use nextview::Cancel;
 use nextview::gain::object_probability;
 use nextview::geometry::{Lattice, VoxelBlock};
 use nextview::map::{LogOdds, OccupancyMap, Octree, SensorModel, Snapshot, frontier};
+use nextview_checks::data;
 use std::collections::HashMap;
 use std::fs::File;
 use std::io::{BufRead, BufReader};
@@ -46,7 +46,7 @@ fn by_authors_bands(block: VoxelBlock, golden: &[Golden]) -> Snapshot {
 }
 
 fn check(test: &str, name: &str, n_frontier: usize, n_weighted: usize) {
-    let Some(folder) = data_folder(test, "golden") else { return };
+    let Some(folder) = data(test, "golden") else { return };
     let (block, golden) = read(&folder.join(format!("{name}.csv.gz")));
     assert_eq!(block.n_voxels(), 7220);
     let snapshot = by_authors_bands(block, &golden);
@@ -78,7 +78,7 @@ fn after_the_sixth_scan() {
 #[test]
 fn from_the_recorded_map() {
     let (Some(golden), Some(authors)) =
-        (data_folder("from_the_recorded_map", "golden"), data_folder("from_the_recorded_map", "authors"))
+        (data("from_the_recorded_map", "golden"), data("from_the_recorded_map", "authors"))
     else {
         return;
     };

@@ -2,6 +2,8 @@
 
 #![allow(clippy::unwrap_used, reason = "clippy allows it in test functions, not in their helpers")]
 
+#[path = "../common/mod.rs"]
+mod common;
 mod features;
 mod gain;
 mod made_up;

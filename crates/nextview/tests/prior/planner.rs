@@ -1,5 +1,6 @@
 //! The planner against the gain of every single view, and what it expects against sums over all of them.
 
+use crate::gain::check_view;
 use crate::made_up::{even_prior, half_seen_ball, nothing_measured, prior, random_snapshot, snapshot};
 use glam::{DVec3, IVec3, UVec3};
 use nextview::Cancel;
@@ -40,7 +41,8 @@ fn plan(
     plan_with(&mut MostSurface::with_prior(config, prior.clone()).unwrap(), snapshot, views, visited)
 }
 
-/// The plan, with every view looked at by itself. Distances are from the last view taken.
+/// The plan, with every view looked at by itself. Distances are from the last view taken. What a view shows
+/// is the library's, and compared with the view's rays in `gain`, here once more for the chosen view.
 fn slow_plan(
     config: MostSurfaceConfig,
     prior: &SurfacePrior,
@@ -129,6 +131,9 @@ fn slow_plan(
     };
     let all = open.iter().map(|&view| shown_by(view, first_factor * ray_spacing));
     let shown = all.fold(vec![0.0; estimate.len()], |all, view| best_of(&all, &view));
+    if let Some(choice) = &choice {
+        check_view(&snapshot, &camera, &estimate, ray_spacing, &views.pose(choice.view)).unwrap();
+    }
     let outlook = Outlook {
         n_seen: snapshot.count(Occupancy::Occupied),
         n_expected: order.first().map_or(Vec::new(), |&i| {

@@ -12,11 +12,12 @@ use crate::SimError;
 use buffers::elements;
 use glam::{DMat4, DQuat, DVec3};
 use json::{Document, Node, Primitive, field};
+use nextview::text::plain;
 use std::borrow::Cow;
 
 pub(super) fn parse(bytes: &[u8], resolve: &Resolve) -> Result<RawMesh, SimError> {
     let (json, chunk) = if bytes.starts_with(b"glTF") { split_glb(bytes)? } else { (bytes, None) };
-    let document: Document = serde_json::from_slice(json)
+    let document: Document = serde_json::from_slice(&plain(json)?)
         .map_err(|error| SimError::format(format!("JSON line {}", error.line()), error.to_string()))?;
     check_extensions(&document)?;
     let buffers = buffers::load(&document, chunk, resolve)?;

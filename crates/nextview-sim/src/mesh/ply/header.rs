@@ -91,15 +91,18 @@ pub(super) struct Header {
 }
 
 impl Header {
+    /// Every line of a header ends as the first one does. Letters may be of any case.
     pub fn parse(bytes: &[u8]) -> Result<Self, SimError> {
+        let end = line_end(bytes);
         let mut format = None;
         let mut elements = Vec::new();
         let mut n_bytes = 0;
-        for (i, raw) in bytes.split_inclusive(|&byte| byte == b'\n').enumerate() {
+        for (i, raw) in bytes.split_inclusive(|&byte| byte == end).enumerate() {
             n_bytes += raw.len();
             let error = |problem: String| SimError::format(format!("line {}", i + 1), problem);
-            let line = str::from_utf8(raw.trim_ascii()).ok();
-            let words: Vec<&str> = line.unwrap_or_default().split_ascii_whitespace().collect();
+            let line = raw.trim_ascii().to_ascii_lowercase();
+            let words: Vec<&str> =
+                str::from_utf8(&line).unwrap_or_default().split_ascii_whitespace().collect();
             match words.as_slice() {
                 ["ply"] if i == 0 => {}
                 _ if i == 0 => {
@@ -118,7 +121,7 @@ impl Header {
                     return Ok(Self { format, elements, n_bytes, n_lines: i + 1 });
                 }
                 // A comment may be in any encoding.
-                _ if raw.starts_with(b"comment") || raw.starts_with(b"obj_info") => {}
+                _ if line.starts_with(b"comment") || line.starts_with(b"obj_info") => {}
                 _ => return Err(error(format!("{:?} is no line of a PLY header", shown(raw.trim_ascii())))),
             }
         }
@@ -131,6 +134,14 @@ impl Header {
     /// The element with this name.
     pub fn element(&self, name: &str) -> Option<&Element> {
         self.elements.iter().find(|e| e.name == name)
+    }
+}
+
+/// The last byte of the first line: a line feed, or a carriage return that none follows.
+fn line_end(bytes: &[u8]) -> u8 {
+    match bytes.iter().position(|byte| b"\r\n".contains(byte)) {
+        Some(at) if bytes[at] == b'\r' && bytes.get(at + 1) != Some(&b'\n') => b'\r',
+        _ => b'\n',
     }
 }
 

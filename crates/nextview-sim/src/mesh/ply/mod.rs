@@ -8,11 +8,13 @@ use super::raw::RawMesh;
 use crate::SimError;
 use body::{Body, Values};
 use glam::DVec3;
-use header::{Element, Header, Property};
+use header::{Element, Format, Header, Property};
 use nextview::surface::CloudPoint;
+use nextview::text::{plain, unmarked};
+use std::borrow::Cow;
 
 pub(super) fn parse(bytes: &[u8]) -> Result<RawMesh, SimError> {
-    let header = Header::parse(bytes)?;
+    let (header, bytes) = header_of(bytes)?;
     if header.element("face").is_none() {
         let names: Vec<&str> = header.elements.iter().map(|e| e.name.as_str()).collect();
         let problem =
@@ -21,11 +23,22 @@ pub(super) fn parse(bytes: &[u8]) -> Result<RawMesh, SimError> {
     }
     let columns = [&POSITION[..], all_of(&header, &COLOR)].concat();
     let (mut vertices, mut colors) = (Vec::new(), Vec::new());
-    let mesh = read(&header, bytes, &columns, |values| {
+    let mesh = read(&header, &bytes, &columns, |values| {
         vertices.push(vector(&values[..3]));
         colors.extend(values.get(3..6).map(color));
     })?;
     Ok(RawMesh { vertices, colors, ..mesh })
+}
+
+/// The header, and the bytes that it describes: those of a text with usual line ends, which are as many.
+fn header_of(bytes: &[u8]) -> Result<(Header, Cow<'_, [u8]>), SimError> {
+    let bytes = unmarked(bytes)?;
+    let header = Header::parse(bytes)?;
+    let bytes = match header.format {
+        Format::Text => plain(bytes)?,
+        Format::LittleEndian | Format::BigEndian => Cow::Borrowed(bytes),
+    };
+    Ok((header, bytes))
 }
 
 /// Columns of vertices.
@@ -37,11 +50,11 @@ const ERROR: [&str; 1] = ["error_m"];
 /// The points of a mesh or of a cloud, with normals and colours where all three columns are there, with
 /// expected errors, and the triangles if there are any.
 pub(super) fn parse_points(bytes: &[u8]) -> Result<(Vec<CloudPoint>, RawMesh), SimError> {
-    let header = Header::parse(bytes)?;
+    let (header, bytes) = header_of(bytes)?;
     let [normals, colors, errors] = [&NORMAL[..], &COLOR, &ERROR].map(|columns| all_of(&header, columns));
     let columns = [&POSITION[..], normals, colors, errors].concat();
     let mut points = Vec::new();
-    let mut mesh = read(&header, bytes, &columns, |values| {
+    let mut mesh = read(&header, &bytes, &columns, |values| {
         let (normal, rest) = values[3..].split_at(normals.len());
         let (of_color, error) = rest.split_at(colors.len());
         points.push(CloudPoint {
@@ -233,8 +246,16 @@ mod tests {
 
     #[test]
     fn reads_text_and_both_byte_orders() {
-        let windows = TEXT.replace('\n', "\r\n");
-        for bytes in [TEXT.as_bytes().to_vec(), windows.into_bytes(), binary(false), binary(true)] {
+        // A header of text before numbers in binary has any line ends, too; a first byte of 10 is one of
+        // them.
+        let with_ends = |bytes: Vec<u8>, end: &str| {
+            let at = bytes.windows(10).position(|word| word == b"end_header").unwrap() + 11;
+            let header = String::from_utf8(bytes[..at].to_vec()).unwrap().replace('\n', end);
+            [header.as_bytes(), &bytes[at..]].concat()
+        };
+        let binaries =
+            ["\n", "\r", "\r\n"].map(|end| [false, true].map(|is_big| with_ends(binary(is_big), end)));
+        for bytes in binaries.into_iter().flatten().chain([TEXT.as_bytes().to_vec()]) {
             let mesh = parse(&bytes).unwrap();
             assert_eq!(mesh.vertices, [DVec3::ZERO, DVec3::X, DVec3::X + DVec3::Y, DVec3::Y]);
             assert_eq!(mesh.triangles, [[0, 1, 2], [0, 2, 3], [0, 1, 2]]);

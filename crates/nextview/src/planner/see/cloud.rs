@@ -223,6 +223,38 @@ pub(super) mod tests {
         }
     }
 
+    /// The slow twin: no other direction has less of the points' spread along it, and most of the way to the
+    /// cameras is on its side.
+    #[test]
+    fn a_normal_is_the_direction_of_least_spread_towards_the_cameras() {
+        let frames = frames(&ALL_AROUND[..3]);
+        let cloud = cloud(&ALL_AROUND[..3]);
+        let cameras: Vec<DVec3> = frames.iter().map(|f| f.world_from_camera().translation() + 0.08).collect();
+        let mut random = Random::new(11, 0);
+        for _ in 0..100 {
+            let number = random.index(cloud.points.len());
+            let is_near = |other: &&DVec3| other.distance(cloud.points[number]) <= RADIUS;
+            let around: Vec<DVec3> = cloud.points.iter().filter(is_near).copied().collect();
+            let mean = around.iter().sum::<DVec3>() / around.len() as f64;
+            let spread = |axis: DVec3| around.iter().map(|p| (*p - mean).dot(axis).powi(2)).sum::<f64>();
+            let normal = cloud.normal(number).unwrap();
+            let least = spread(normal);
+            for _ in 0..200 {
+                let other = random.in_cube().normalize();
+                assert!(least <= spread(other) + 1e-12, "{normal} has {least}, {other} {}", spread(other));
+                let nearby = (normal + 0.02 * other).normalize();
+                assert!(least <= spread(nearby) + 1e-12, "{normal} has {least}, {nearby} {}", spread(nearby));
+            }
+            // Which camera saw a point first is that of the points of its frame.
+            let first_camera = |point: DVec3| {
+                let has = |frame: &Frame| frame.points().any(|of| of + 0.08 == point);
+                cameras[frames.iter().position(has).unwrap()]
+            };
+            let toward: DVec3 = around.iter().map(|&point| first_camera(point) - point).sum();
+            assert!(normal.dot(toward) > 0.0 && (normal.length() - 1.0).abs() < 1e-9, "{normal} {toward}");
+        }
+    }
+
     /// The slow twin: a walk past all points.
     #[test]
     fn a_point_is_visible_past_all_others() {

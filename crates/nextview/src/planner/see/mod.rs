@@ -204,7 +204,8 @@ mod tests {
         with_situation(frames, visited, |situation| see.plan(situation).unwrap().choice)
     }
 
-    /// The slow twin: every rule of the page as a loop over all of the points and views.
+    /// The slow twin: every rule of the page as a loop over all of the points and views. Points, classes,
+    /// normals and lines of sight are the cloud's, whose tests compare each with a twin of its own.
     fn by_definition(situation: &Situation<'_>) -> (usize, f64) {
         let (h, origin) = (0.007, DVec3::splat(-0.084));
         let bounds = crate::geometry::Aabb { min: origin, max: -origin };
