@@ -114,12 +114,6 @@ def lowest(heading, head, column, label="{}", without=()):
     return entries
 
 
-def of_teapot(text):
-    """The skill under each noise."""
-    _, rows = table(text, "| noise | skill |")
-    return [Entry(row[0], "builtin:teapot", row[0], row[1]) for row in rows]
-
-
 # Specifications, and what of their runs is printed.
 
 
@@ -172,7 +166,6 @@ TABLES = [
       for setting in settings.SETTINGS),
     *(Table(f"default-{setting}", "planner/default.md", of_default(setting), in_folder("default", setting), skill_and_range)
       for setting in SIX),
-    Table("noise", "noise.md", of_teapot, in_folder("noise"), skill_and_range),
     # Without random views: ten scans of each object take three minutes.
     *(Table(f"reality-{name}", "reality.md", lowest("# Objects", "| | skill, mean | lowest |", column, "{}, 2 mm", ["random"]),
             at_true_size, value) for name, column, value in [("skill", 2, skill), ("coverage", 4, share_of_clairvoyant)]),
@@ -241,8 +234,7 @@ def alone(text, label):
 
 def measured(program, entry, of):
     """What the program finds for an entry, as printed; None without the object's mesh."""
-    is_built_in = entry.object.startswith("builtin:")
-    mesh = entry.object if is_built_in else next(DATA.glob(f"meshes/*/*{entry.object}.ply"), None)
+    mesh = next(DATA.glob(f"meshes/*/*{entry.object}.ply"), None)
     if mesh is None:
         return None
     with tempfile.TemporaryDirectory() as folder:
