@@ -54,7 +54,7 @@ def measures(report):
     lowest = table(report, "The worst object", ["skill"])
     views = table(report, "Views until this share", ["95 %"])
     model = table(report, "What the map and the cloud have", ["F-score of the cloud at 2 mm, %", "Chamfer distance of the cloud, mm"])
-    mean = lambda cell: cell.removeprefix("≥ ").split(" ")[0]
+    mean = lambda cell: re.match("(≥ )?[^ ]*", cell)[0]
     return {
         name: [with_interval(skill), *lowest[name], mean(*views[name]), mean(coverage), *map(mean, model[name])]
         for name, (skill, coverage) in reached.items()
@@ -68,6 +68,11 @@ def skills_by_object(campaign, variant):
         if row["variant"] == variant:
             found.setdefault(row["object"], []).append(float(row["skill"]))
     return found
+
+
+def spread(skills):
+    """Mean, lowest and highest."""
+    return f"{statistics.mean(skills):.2f} ({min(skills):.2f} to {max(skills):.2f})"
 
 
 def rows(head, body):
@@ -84,7 +89,6 @@ def page(found, by_object):
     head = ["", "skill", "lowest", "views to 95 %", "reachable coverage, %", "F-score 2 mm, %", "Chamfer, mm"]
     for setting, of in found.items():
         lines += ["", f"## {setting}", "", *rows(head, [[name, *of[name]] for name in variants])]
-    spread = lambda skills: f"{statistics.mean(skills):.2f} ({min(skills):.2f} to {max(skills):.2f})"
     objects = next(iter(by_object.values()))
     lines += ["", f"## {DEFAULT} on each object: mean, lowest and highest of its runs", "", *rows(
         ["object", *by_object], [[name, *(spread(of[name]) for of in by_object.values())] for name in objects]

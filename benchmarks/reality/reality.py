@@ -5,7 +5,7 @@
     benchmarks/reality/reality.py target/release/nextview OUT --only tless mug   # objects whose names contain one of these
     benchmarks/reality/reality.py target/release/nextview OUT --planners most-surface random --errors 2
 
-Five planners, the default one also with registration, scan every mesh of the reference data with a known unit, and three
+Six planners, the default one also with registration, scan every mesh of the reference data with a known unit, and three
 scaled ones of 40, 400 and 600 mm, with pose errors of 0, 2 and 10 mm (0, 0.2 and 1 degree; standard deviation on each axis).
 OUT/reality.md has the tables: a scan that failed counts as one that saw nothing. The data are in the folder that
 NEXTVIEW_DATA names.
@@ -24,7 +24,7 @@ import sys
 HERE = pathlib.Path(__file__).resolve().parent
 DATA = pathlib.Path(os.environ.get("NEXTVIEW_DATA", HERE / "../../../shared/data")).resolve()
 REGISTERED = "most-surface, registered"
-PLANNERS = ["most-surface", REGISTERED, "max-flow", "rear-side-voxel", "random", "clairvoyant"]
+PLANNERS = ["most-surface", REGISTERED, "max-flow", "rear-side-voxel", "even-views", "random", "clairvoyant"]
 # Standard deviations of the poses, mm and degrees.
 ERRORS = {0: 0.0, 2: 0.2, 10: 1.0}
 # Objects without a unit, at sizes beyond those of the others, metres.

@@ -23,7 +23,7 @@ work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 folder=$work/$name
 mkdir -p "$folder/completions"
-cp $program README.md CHANGELOG.md CITATION.cff LICENSE-APACHE LICENSE-MIT "$folder"
+cp $program README.md CHANGELOG.md CITATION.cff LICENSE-APACHE LICENSE-MIT NOTICE "$folder"
 for shell in bash elvish fish powershell zsh; do
     $program completions $shell >"$folder/completions/nextview.$shell"
 done

@@ -26,7 +26,7 @@ needs_no_new_glibc nextview
 ./nextview --version
 ./nextview scan builtin:mug --views 3 --candidates 50 --out "$work/mug" | tail -1
 bash -n completions/nextview.bash
-for file in LICENSE-MIT LICENSE-APACHE LICENSES-THIRD-PARTY.txt completions/nextview.zsh man/man1/nextview-scan.1; do
+for file in LICENSE-MIT LICENSE-APACHE NOTICE LICENSES-THIRD-PARTY.txt completions/nextview.zsh man/man1/nextview-scan.1; do
     [ -s $file ]
 done
 "$python" "$here/check_sbom.py" sbom.cdx.json

@@ -13,20 +13,16 @@ use std::io::Read;
 use std::process::ExitCode;
 
 /// A peer's time over ours must be at least this.
-const RATIOS: [(&str, &str, &str, f64); 22] = [
-    ("insertion A; per end voxel", "1 cm", "octomap", 5.0),
-    ("insertion A; per end voxel", "5 mm", "octomap", 20.0),
-    ("insertion A; per end voxel", "2 mm", "octomap", 60.0),
-    ("insertion A; per end voxel", "1 mm", "octomap", 100.0),
+const RATIOS: [(&str, &str, &str, f64); 18] = [
+    ("insertion A; per end voxel; unbounded", "1 cm", "octomap", 5.0),
     ("insertion A; per end voxel; unbounded", "5 mm", "octomap", 20.0),
     ("insertion A; per end voxel; unbounded", "2 mm", "octomap", 60.0),
     ("insertion A; per end voxel; unbounded", "1 mm", "octomap", 100.0),
-    ("insertion A; per end voxel", "1 cm", "bonxai", 1.0),
-    ("insertion A; per end voxel", "5 mm", "bonxai", 1.0),
-    ("insertion A; per end voxel", "2 mm", "bonxai", 1.0),
-    ("insertion A; per end voxel", "1 mm", "bonxai", 1.0),
-    ("insertion B; per end voxel", "1 cm", "octomap", 10.0),
-    ("insertion B; every point", "1 cm", "octomap", 10.0),
+    ("insertion A; per end voxel; unbounded", "1 cm", "bonxai", 1.0),
+    ("insertion A; per end voxel; unbounded", "5 mm", "bonxai", 1.0),
+    ("insertion A; per end voxel; unbounded", "2 mm", "bonxai", 1.0),
+    ("insertion A; per end voxel; unbounded", "1 mm", "bonxai", 1.0),
+    ("insertion B; per end voxel; unbounded", "1 cm", "octomap", 10.0),
     ("planning rays", "1 cm", "octomap", 60.0),
     ("planning rays", "5 mm", "octomap", 60.0),
     ("planning rays", "2 mm", "octomap", 100.0),
@@ -38,13 +34,14 @@ const RATIOS: [(&str, &str, &str, f64); 22] = [
     ("write .bt", "5 mm", "octomap", 1.0),
 ];
 
-/// Follows every ray from the camera, as the peers do; they have one stage for both.
+/// Follows every ray from the camera, as the peers do. Insertion confined to a box does less than theirs, so
+/// it is not compared.
 const UNBOUNDED: &str = "; unbounded";
 
 /// What a time may be.
 enum Limit {
     Ms(f64),
-    /// Of the CPU time of planning rays at 5 mm.
+    /// Of the CPU time of planning rays at 5 mm; limits CPU time.
     Multiple(f64),
 }
 
@@ -53,15 +50,15 @@ const LIMITS: [(&str, &str, &str, Limit); 12] = [
     ("nextview", "flow and cover", "19177 rays", Limit::Ms(5.0)),
     ("nextview", "flow and cover", "148428 rays", Limit::Ms(50.0)),
     ("nextview wall", "decision; rays of the authors' code", "1 cm", Limit::Ms(3.0)),
-    ("nextview wall", "decision; rays of the authors' code", "1 cm", Limit::Multiple(0.03)),
+    ("nextview", "decision; rays of the authors' code", "1 cm", Limit::Multiple(0.03)),
     ("nextview wall", "decision; 32 x 24 rays", "1 cm", Limit::Ms(150.0)),
     ("nextview wall", "decision; no voxel missed", "1 cm", Limit::Ms(150.0)),
-    ("nextview wall", "decision; no voxel missed", "1 cm", Limit::Multiple(1.5)),
-    ("nextview wall", "decision; default", "5 mm", Limit::Multiple(1.0)),
+    ("nextview", "decision; no voxel missed", "1 cm", Limit::Multiple(1.5)),
+    ("nextview", "decision; default", "5 mm", Limit::Multiple(1.0)),
     ("nextview wall", "decision; most-surface; second view", "5 mm", Limit::Ms(300.0)),
     ("nextview wall", "decision; most-surface; fourth view", "5 mm", Limit::Ms(300.0)),
     ("nextview wall", "scan of ten views", "5 mm", Limit::Ms(2000.0)),
-    ("nextview wall", "scan of ten views", "5 mm", Limit::Multiple(10.0)),
+    ("nextview", "scan of ten views", "5 mm", Limit::Multiple(10.0)),
 ];
 
 /// Least time by stage, case and program.
@@ -81,7 +78,8 @@ fn main() -> Result<ExitCode, Box<dyn Error>> {
     println!(
         "| stage | case | nextview, ms | peer | peer, ms | ratio | target |\n|---|---|---:|---|---:|---:|---:|"
     );
-    for (stage, case) in &order {
+    let is_alike = |stage: &str| !stage.starts_with("insertion") || stage.ends_with(UNBOUNDED);
+    for (stage, case) in order.iter().filter(|(stage, _)| is_alike(stage)) {
         let ours = time(stage, case, "nextview");
         for peer in ["octomap", "bonxai", "embree", "lemon", "spfa", "open3d", "small_gicp"] {
             let theirs = time(stage.trim_end_matches(UNBOUNDED), case, peer);

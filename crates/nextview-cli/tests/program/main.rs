@@ -47,8 +47,6 @@ mod recorded;
 #[cfg(test)]
 mod recording;
 #[cfg(test)]
-mod reproduction;
-#[cfg(test)]
 #[cfg(unix)]
 mod resume;
 #[cfg(test)]
