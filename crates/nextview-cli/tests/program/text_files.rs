@@ -120,7 +120,7 @@ fn readers(folder: &Folder) -> Vec<Reader> {
             &["x_m", "qx", "qy", "qz", "qw"],
             |path| {
                 let file = std::fs::File::open(path).unwrap();
-                shown(ViewSpace::read_csv(file, nextview::glam::DVec3::ZERO))
+                shown(ViewSpace::read_csv(file, glam::DVec3::ZERO))
             },
         ),
         reader("hand-eye.txt", "1 0 0 0.1\n0 1 0 0.2\n0 0 1 0.3\n0 0 0 1\n", &[], |path| {

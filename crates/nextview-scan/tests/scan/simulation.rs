@@ -4,14 +4,15 @@ use crate::common::{Folder, meshes};
 use glam::DVec3;
 use nextview::Cancel;
 use nextview::geometry::{Aabb, Pose};
+use nextview::registration::RegistrationMode;
 use nextview::sensor::{ColorImage, Frame};
 use nextview::session::{NextView, Session};
 use nextview::surface::SurfaceMesh;
 use nextview_scan::files::Overwrite;
 use nextview_scan::{
     Begin, Evaluator, Fault, Faults, FinishedScan, FrameSource, Measured, Next, NoiseModel, PlannerName,
-    Results, ScanConfig, ScanRecord, ScanRun, SimulatedObject, Simulation, SizeOf, TableRule, Truth,
-    ViewSpaceName, begin_results, write_results,
+    Results, ScanConfig, ScanRecord, ScanRun, SimulatedObject, Simulation, SizeOf, StepRecord, TableRule,
+    Truth, ViewSpaceName, begin_results, write_results,
 };
 
 fn config() -> ScanConfig {
@@ -206,7 +207,11 @@ fn all_is_written_but_what_fails() {
 }
 
 /// The warnings of four frames of a mug on a table, with the noise of a D435i and poses off by so much.
-fn warnings(error_mm: f64, is_registered: bool) -> Vec<String> {
+fn warnings(error_mm: f64, mode: RegistrationMode) -> Vec<String> {
+    warnings_in(&steps_of(&noisy_mug(error_mm, mode)))
+}
+
+fn noisy_mug(error_mm: f64, mode: RegistrationMode) -> ScanConfig {
     let mut config = ScanConfig {
         size_m: Some(0.1),
         voxel_size_m: None,
@@ -219,23 +224,48 @@ fn warnings(error_mm: f64, is_registered: bool) -> Vec<String> {
     config.noise.pose_error_mm = error_mm;
     config.noise.pose_error_deg = 0.1 * error_mm;
     config.object_box.table = TableRule::Known;
-    config.registration.enabled = is_registered;
-    warnings_of(&config)
+    config.registration.enabled = Some(mode);
+    config
 }
 
-fn warnings_of(config: &ScanConfig) -> Vec<String> {
+fn warnings_in(steps: &[StepRecord]) -> Vec<String> {
+    steps.iter().filter_map(|step| step.warning.clone()).collect()
+}
+
+fn steps_of(config: &ScanConfig) -> Vec<StepRecord> {
     let object = SimulatedObject::new(config).unwrap();
     let simulation = Simulation::new(&object, config, None);
-    let steps = scanned(&simulation, config).record(config, Measured::Nothing).unwrap().steps;
-    steps.into_iter().filter_map(|step| step.warning).collect()
+    scanned(&simulation, config).record(config, Measured::Nothing).unwrap().steps
 }
 
 #[test]
 fn poses_that_do_not_agree_with_the_frames_are_named_and_right_ones_are_not() {
-    let [found] = &warnings(10.0, false)[..] else { panic!("one warning") };
+    let [found] = &warnings(10.0, RegistrationMode::Off)[..] else { panic!("one warning") };
     assert!(found.contains(" mm apart in them; `registration.enabled` = true aligns"), "{found}");
-    assert_eq!(warnings(0.0, false), Vec::<String>::new());
-    assert_eq!(warnings(10.0, true), Vec::<String>::new());
+    assert_eq!(warnings(0.0, RegistrationMode::Off), Vec::<String>::new());
+    assert_eq!(warnings(10.0, RegistrationMode::On), Vec::<String>::new());
+}
+
+#[test]
+fn wrong_poses_are_found_out_and_all_frames_are_aligned() {
+    let steps = steps_of(&noisy_mug(2.0, RegistrationMode::Auto));
+    let [found] = &warnings_in(&steps)[..] else { panic!("one warning, once") };
+    assert!(
+        found.ends_with(" mm apart in them; from here on, all frames are aligned to each other"),
+        "{found}"
+    );
+    assert!(steps[0].registration_verdict.is_none() && steps[3].registration_verdict.is_some());
+}
+
+#[test]
+fn right_poses_stay_to_the_bit_where_frames_are_aligned_once_poses_prove_wrong() {
+    let shown = |mode| -> Vec<_> {
+        let steps = steps_of(&noisy_mug(0.0, mode)).into_iter();
+        steps
+            .map(|step| (step.view, step.world_from_camera(), step.entropy_nats.to_bits(), step.warning))
+            .collect()
+    };
+    assert_eq!(shown(RegistrationMode::Auto), shown(RegistrationMode::Off));
 }
 
 /// One face of the brick lies well on the next.
@@ -250,7 +280,7 @@ fn right_poses_around_a_brick_agree_with_the_frames() {
     )
     .unwrap();
     config.object = meshes.join("ycb/ycb_061_foam_brick.ply").display().to_string();
-    assert_eq!(warnings_of(&config), Vec::<String>::new());
+    assert_eq!(warnings_in(&steps_of(&config)), Vec::<String>::new());
 }
 
 #[test]

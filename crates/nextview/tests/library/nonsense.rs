@@ -13,7 +13,7 @@ use nextview::planner::{
     Batch, BatchConfig, Greedy, GreedyConfig, InOrder, MaxFlow, MaxFlowConfig, MinOverlap, MostSurface,
     MostSurfaceConfig, RandomViews, Situation, ViewPlanner,
 };
-use nextview::registration::{KnownSurface, RegistrationConfig};
+use nextview::registration::{KnownSurface, RegistrationConfig, RegistrationMode};
 use nextview::sensor::{DepthImage, Frame, Intrinsics};
 use nextview::session::{Decision, ObjectBox, Session, SessionConfig, Table, Views};
 use nextview::surface::{CloudPoint, DistanceField, downsample, fit_normals, take_nearest};
@@ -282,6 +282,7 @@ proptest! {
     fn sessions_of_any_frames(
         frames in prop::collection::vec(frame(), 1..4), x in size(), corner in place(), other in place(),
         grows: bool, fits: bool, memory in prop::sample::select(vec![1_u64, 400]),
+        mode in prop::option::of(prop::sample::select(vec![RegistrationMode::Auto, RegistrationMode::On])),
     ) {
         let object_box = match grows {
             true => ObjectBox::Growing,
@@ -292,7 +293,7 @@ proptest! {
             max_gap: if fits { 0.05 } else { 0.0 },
             table: if fits { Table::Fitted } else { Table::AtHeight(corner.z) },
             memory_limit_mb: memory,
-            registration: RegistrationConfig { enabled: fits, ..RegistrationConfig::default() },
+            registration: RegistrationConfig { enabled: mode, ..RegistrationConfig::default() },
             ..SessionConfig::new(x, Aabb::cube(DVec3::ZERO, 0.1))
         };
         let unit = generate::shell(DVec3::ZERO, 1.0, 20, 1).unwrap();
