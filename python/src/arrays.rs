@@ -13,7 +13,8 @@ use pyo3::prelude::*;
 const DEPTH: &str = "expected an array of height x width, float32 in metres, or uint16 with `depth_scale_m`";
 
 /// A depth image of this camera: float32 in metres, or uint16 in units of `scale` metres. Pixels of the mask
-/// are missing. Arrays of any layout are read row by row; a frame is kept, so that its depths are copied once.
+/// are missing. Arrays of any layout are read row by row; a frame is kept, so that its depths are copied
+/// once.
 pub fn depth_image(
     camera: &Intrinsics,
     depth: &Bound<'_, PyAny>,

@@ -13,7 +13,7 @@ mod parameters;
 mod scan;
 mod status;
 
-use nextview_scan::files;
+use nextview_scan::process;
 use parameters::{Parameters, RosArguments};
 use std::process::ExitCode;
 
@@ -30,7 +30,7 @@ fn main() -> ExitCode {
             return ExitCode::from(2);
         }
     };
-    let limited = files::limit_is_an_error().map_err(|error| error.to_string());
+    let limited = process::limit_is_an_error().map_err(|error| error.to_string());
     match limited.and_then(|()| node::run(&arguments.names, parameters)) {
         Ok(()) => ExitCode::SUCCESS,
         Err(problem) => {

@@ -125,6 +125,16 @@ impl Fault {
         }
     }
 
+    /// A library's fault, under the key that its value has in a section of the configuration.
+    pub(crate) fn of_part(section: &str, error: nextview::Error) -> Self {
+        match error {
+            nextview::Error::InvalidParameter { name, value, expected } => {
+                Self::of_value(&format!("{section}.{name}"), value, expected)
+            }
+            error => Self::from(error).within(section),
+        }
+    }
+
     /// The same in a named part of a file.
     pub fn within(mut self, part: impl fmt::Display) -> Self {
         self.message = format!("{part}: {}", self.message);

@@ -24,6 +24,8 @@ pub mod memory;
 mod model;
 mod names;
 mod pose_matrix;
+#[cfg(feature = "process")]
+pub mod process;
 mod provided;
 mod record;
 mod results;
@@ -50,7 +52,8 @@ pub use record::{
     ViewRecord, WaypointRecord,
 };
 pub use results::{
-    FRAMES_FOLDER, RESULT_FILES, Results, begin_results, result_file, result_folder, write_results,
+    FRAMES_FOLDER, RESULT_FILES, Results, ScanFolder, begin_results, result_file, result_folder,
+    write_results,
 };
 pub use run::{Begin, Evaluator, FinishedScan, Measured, ModelFrames, Next, ScanRun, TakenFrame};
 pub use saved_map::SavedMap;

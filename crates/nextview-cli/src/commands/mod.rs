@@ -21,9 +21,7 @@ mod views;
 
 use crate::Failure;
 use clap::{CommandFactory, Parser, Subcommand};
-use nextview_scan::files;
-use std::num::NonZero;
-use std::thread::available_parallelism;
+use nextview_scan::process;
 
 /// Decides where a depth camera should look next, so that an unknown object is scanned completely in as few
 /// views as possible.
@@ -87,29 +85,13 @@ enum Command {
     Man(man::ManArgs),
 }
 
-/// Most threads for each core: with more, they spend their time looking for work with each other.
-const MOST_PER_CORE: usize = 4;
-
-/// Starts the threads of all computations at once, so that a system that allows no more of them is told before
-/// there is any work to lose.
-fn start_threads(wanted: Option<usize>) -> Result<(), Failure> {
-    let most = MOST_PER_CORE * available_parallelism().map_or(1, NonZero::get);
-    let n = wanted.map(|wanted| wanted.min(most));
-    if let Some(wanted) = wanted.filter(|wanted| *wanted > most) {
-        eprintln!("note: {most} threads in place of {wanted}: more do not help here");
-    }
-    let pool = rayon::ThreadPoolBuilder::new().num_threads(n.unwrap_or(0));
-    pool.build_global().map_err(|error| {
-        let failure = Failure::data(format!("the threads cannot be started: {error}"));
-        failure.with_hint("take fewer (--threads), or allow more processes or memory (ulimit -u, ulimit -v)")
-    })
-}
-
 impl Cli {
     /// Does what was asked for.
     pub fn run(self) -> Result<(), Failure> {
-        files::limit_is_an_error()?;
-        start_threads(self.threads.map(usize::from))?;
+        process::limit_is_an_error()?;
+        if let Some(n) = process::start_threads(self.threads.map(usize::from))? {
+            eprintln!("note: {n} threads: more do not help here");
+        }
         match self.command {
             Command::Scan(args) => args.run(),
             Command::Export(args) => args.run(),

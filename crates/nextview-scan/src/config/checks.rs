@@ -76,7 +76,9 @@ fn out_of_range(config: &ScanConfig) -> Vec<Fault> {
         ("batch", Batch::new(config.batch).map(drop)),
         ("looks", config.looks.map_or(Ok(()), |looks| looks.check())),
     ];
-    faults.extend(parts.into_iter().filter_map(|(section, result)| Some(of_part(section, result.err()?))));
+    faults.extend(
+        parts.into_iter().filter_map(|(section, result)| Some(Fault::of_part(section, result.err()?))),
+    );
     #[cfg(feature = "simulated")]
     faults.extend(config.noise.faults());
     let read = config.recording.iter().filter_map(|recording| recording.read.check().err());
@@ -112,19 +114,9 @@ fn contradictions(config: &ScanConfig) -> Vec<Fault> {
 #[cfg(feature = "simulated")]
 fn of_reference(reference: &ReferenceConfig) -> impl Iterator<Item = Fault> + '_ {
     let of_demand = |(key, demand): (String, SurfaceDemand)| -> Vec<Fault> {
-        demand.faults().into_iter().map(|error| of_part(&key, error)).collect()
+        demand.faults().into_iter().map(|error| Fault::of_part(&key, error)).collect()
     };
     reference.keyed_demands().flat_map(of_demand)
-}
-
-/// A library's fault under the key that the value has in the configuration.
-pub(super) fn of_part(section: &str, error: nextview::Error) -> Fault {
-    match error {
-        nextview::Error::InvalidParameter { name, value, expected } => {
-            Fault::of_value(&format!("{section}.{name}"), value, expected)
-        }
-        error => Fault::from(error).within(section),
-    }
 }
 
 /// A planner must estimate what the scan is to stop by.

@@ -1,6 +1,5 @@
 //! From a text or a table to a configuration, with everything that is wrong in it at once.
 
-use super::checks::of_part;
 use super::value::{self, Problem, What, read_value};
 use super::{Positions, Profile, ScanConfig};
 use crate::{Fault, FaultKind, Faults, Place, files};
@@ -160,7 +159,7 @@ fn of_camera(problem: &Problem, whole: &Value) -> Option<Vec<Fault>> {
     }
     let Optics { width, height, fx, fy, cx, cy } = value::read(whole.get("camera")?).ok()?;
     let wrong = Intrinsics::check(width, height, DVec2::new(fx, fy), DVec2::new(cx, cy));
-    let faults: Vec<Fault> = wrong.into_iter().map(|error| of_part("camera", error)).collect();
+    let faults: Vec<Fault> = wrong.into_iter().map(|error| Fault::of_part("camera", error)).collect();
     (!faults.is_empty()).then_some(faults)
 }
 

@@ -1,4 +1,3 @@
-use super::checks::of_part;
 use super::millimetres::of_least_depth;
 use crate::Fault;
 use crate::names::named;
@@ -73,7 +72,7 @@ impl NoiseConfig {
         let faults = wrong.map(|(key, value, limit)| Fault::of_value(key, value, format!("0 to {limit}")));
         let least = of_least_depth("noise.depth.min_depth_m", self.depth.min_depth);
         faults
-            .chain(self.depth.check().err().map(|error| of_part("noise.depth", error)))
+            .chain(self.depth.check().err().map(|error| Fault::of_part("noise.depth", error)))
             .chain(least)
             .collect()
     }

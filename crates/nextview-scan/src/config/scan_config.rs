@@ -28,8 +28,8 @@ const OVERLAP_TO_ALIGN: f64 = 0.5;
 /// Everything that decides a scan: what a configuration file holds, and `config.toml` in the results.
 ///
 /// Numbers are in SI units, and their keys say so. A file is read by [`ScanConfig::parse`].
-// The types of the library would check themselves when they are read, and fail without saying which key is wrong:
-// `check` does that for all of them.
+// The types of the library would check themselves when they are read, and fail without saying which key is
+// wrong: `check` does that for all of them.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(default, deny_unknown_fields)]

@@ -1,6 +1,5 @@
 //! The part of a configuration that a sensor decides.
 
-use super::checks::of_part;
 use super::load::read_over;
 use super::{NoiseConfig, NoiseModel, Positions, ScanConfig, SensorName, read_value};
 use crate::{Fault, Faults, files};
@@ -111,7 +110,7 @@ fn of_text(text: &str, file: &Path) -> Result<Camera, Faults> {
     let base = Table::try_from(base).map_err(Fault::data)?;
     let mut faults = Vec::new();
     let out_of_range = |file: &SensorFile| {
-        file.noise.depth.check().err().map(|e| of_part("noise.depth", e)).into_iter().collect()
+        file.noise.depth.check().err().map(|e| Fault::of_part("noise.depth", e)).into_iter().collect()
     };
     let read = read_over(&base, &mut table, out_of_range, &mut faults);
     match read {

@@ -2,8 +2,6 @@
 //! written, and replace nothing that must stay.
 
 mod keep;
-#[cfg(feature = "process")]
-mod limit;
 mod numbered;
 mod place;
 mod read;
@@ -11,8 +9,6 @@ mod results;
 mod write;
 
 pub use keep::{Overwrite, check_name, is_within};
-#[cfg(feature = "process")]
-pub use limit::limit_is_an_error;
 pub use numbered::numbered;
 pub(crate) use place::{Whereabouts, create_folder, name_new, sync_folder, whereabouts};
 pub use read::{open, read, read_text};

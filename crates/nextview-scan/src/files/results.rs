@@ -56,8 +56,8 @@ impl ResultFolder {
         Ok(())
     }
 
-    /// Shows the finished folder under its name: on the disk when this returns. Fails if files of its names have appeared there that the
-    /// rule does not allow to replace.
+    /// Shows the finished folder under its name: on the disk when this returns. Fails if files of its names
+    /// have appeared there that the rule does not allow to replace.
     pub fn publish(self) -> Result<(), Faults> {
         self.rule.check_folder(&self.target, self.names)?;
         let result = self.write().and_then(|()| {

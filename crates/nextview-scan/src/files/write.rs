@@ -96,8 +96,8 @@ fn fill(file: File, content: impl FnOnce(&mut BufWriter<File>) -> Result<(), Fau
     Ok(writer.flush()?)
 }
 
-/// A name under which something can be written until it is whole, as short as file systems require: another one
-/// each time, since processes of different machines, or of different times, may have the same number.
+/// A name under which something can be written until it is whole, as short as file systems require: another
+/// one each time, since processes of different machines, or of different times, may have the same number.
 pub fn unfinished(path: &Path) -> String {
     let (name, number) = (name_of(path), RandomState::new().build_hasher().finish() as u32);
     if name.len() <= MOST_BYTES {

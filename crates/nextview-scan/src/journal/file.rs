@@ -14,8 +14,8 @@ use std::time::Duration;
 ///
 /// A frame that was [kept](Self::keep) is on the disk, whatever happens to the program or the machine then,
 /// in the file that the journal's path leads to: if that file was removed, moved or replaced, or its folder
-/// was, no frame is kept until it is back. The file begins with a text of the scan's own, such as its configuration. Every entry has a checksum:
-/// damage is found, and everything before it can be used.
+/// was, no frame is kept until it is back. The file begins with a text of the scan's own, such as its
+/// configuration. Every entry has a checksum: damage is found, and everything before it can be used.
 ///
 /// ```
 /// use glam::DVec2;
@@ -28,9 +28,8 @@ use std::time::Duration;
 /// let image = DepthImage::from_metres(4, 2, vec![0.5; 8]).unwrap();
 /// let frame = Frame::new(image, camera, Pose::IDENTITY, 1.0).unwrap();
 ///
-/// let mut journal = Journal::create(&path, "planner = \"local\"")?;
-/// journal.keep(&KeptFrame { view: Some(7), was_asked: true, frame: frame.clone(), color: None, name: None })?;
-/// drop(journal); // or kill -9
+/// let mut journal = Journal::create(&path, "planner = \"local\"")?; journal.keep(&KeptFrame { view: Some(7),
+/// was_asked: true, frame: frame.clone(), color: None, name: None })?; drop(journal); // or kill -9
 ///
 /// let (mut journal, found) = Journal::open(&path)?;
 /// assert_eq!(found.heading, "planner = \"local\"");

@@ -58,6 +58,53 @@ pub fn result_folder(config: &ScanConfig, rule: &Overwrite) -> PathBuf {
     numbered(&format!("scan-{}-{}", short_name(&config.object), config.planner), is_taken).1
 }
 
+/// A folder that is one scan's alone.
+pub struct ScanFolder {
+    /// Where it is.
+    pub dir: PathBuf,
+    /// The configuration as the journal has it: as a text that names files from there.
+    pub heading: String,
+    /// Where the scan keeps its frames.
+    pub journal: ScanJournal,
+    /// Where its results will be.
+    pub results: ResultFolder,
+}
+
+impl ScanFolder {
+    /// Takes a folder before the work begins; with the journal of an interrupted scan, its folder. If the
+    /// name may change, since nobody chose it, and another scan has taken it by now, takes the
+    /// [next](result_folder) one.
+    pub fn take(
+        mut dir: PathBuf,
+        may_change: bool,
+        rule: &Overwrite,
+        config: &ScanConfig,
+        mut journal: Option<ScanJournal>,
+    ) -> Result<Self, Faults> {
+        loop {
+            let taken = Self::take_this(&dir, rule, config, journal.take());
+            let next = if may_change { result_folder(config, rule) } else { dir.clone() };
+            if taken.is_ok() || next == dir {
+                return taken;
+            }
+            dir = next;
+        }
+    }
+
+    fn take_this(
+        dir: &Path,
+        rule: &Overwrite,
+        config: &ScanConfig,
+        journal: Option<ScanJournal>,
+    ) -> Result<Self, Faults> {
+        let heading = toml::to_string(&config.kept_in(dir)).map_err(|e| Fault::data(e.to_string()))?;
+        let journal = journal.map_or_else(|| ScanJournal::begin(dir, &heading), Ok)?;
+        // Only now: results may have appeared before.
+        let results = begin_results(dir, rule.clone())?;
+        Ok(Self { dir: dir.to_owned(), heading, journal, results })
+    }
+}
+
 /// The results of a scan.
 pub struct Results {
     /// The record; without measures of the model where there is none.

@@ -34,7 +34,8 @@ pub(super) fn warning(suspicion: &Suspicion, stated: &Stated) -> String {
     format!("{suspicion}; {remedy}")
 }
 
-/// States that the poses are wrong, by the distance in metres between surfaces in them, and what follows from it.
+/// States that the poses are wrong, by the distance in metres between surfaces in them, and what follows from
+/// it.
 pub(super) fn poses_are_wrong(distance: f64) -> String {
     format!("{}; from here on, all frames are aligned to each other", Suspicion::Apart { distance })
 }

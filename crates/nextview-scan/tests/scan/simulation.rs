@@ -116,7 +116,7 @@ fn pushed_by_hand_it_is_the_same_as_driven() {
         run.push(frame).unwrap();
     }
     let expected = scanned(&driven, &config);
-    let views = |steps: &[nextview_scan::StepRecord]| steps.iter().map(|step| step.view).collect::<Vec<_>>();
+    let views = |steps: &[StepRecord]| steps.iter().map(|step| step.view).collect::<Vec<_>>();
     assert_eq!(views(run.steps()), views(&expected.steps));
     assert_eq!(run.session().map().voxels(), expected.session.map().voxels());
 }

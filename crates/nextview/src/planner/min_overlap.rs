@@ -54,8 +54,8 @@ impl MinOverlap {
         Err(Error::invalid("min_overlap", share, "a number in 0..=1"))
     }
 
-    /// A planner that keeps views of at least this overlap, 0..=1, while frames are aligned, for another one to
-    /// choose from.
+    /// A planner that keeps views of at least this overlap, 0..=1, while frames are aligned, for another one
+    /// to choose from.
     pub fn to_align(share: f64, planner: Box<dyn ViewPlanner>) -> Result<Self, Error> {
         Ok(Self { serves_alignment_alone: true, ..Self::new(share, planner)? })
     }

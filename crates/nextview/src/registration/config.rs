@@ -11,9 +11,9 @@ use std::f64::consts::PI;
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(default, deny_unknown_fields, remote = "Self")]
 pub struct RegistrationConfig {
-    /// Whether a session aligns frames: `true`, `false`, or `"auto"`, as soon as the frames show that the given
-    /// poses are wrong. By default, frames of a camera or a recording are aligned as with `"auto"`, and others
-    /// are not.
+    /// Whether a session aligns frames: `true`, `false`, or `"auto"`, as soon as the frames show that the
+    /// given poses are wrong. By default, frames of a camera or a recording are aligned as with `"auto"`, and
+    /// others are not.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub enabled: Option<RegistrationMode>,
     /// Edge of the cells in which points are pooled, metres, at least 0.0001. By default, a session takes its

@@ -234,8 +234,8 @@ mod tests {
         assert!(Intrinsics::pinhole(0, 480, DVec2::ONE, center).is_err());
         assert!(Intrinsics::pinhole(640, 480, DVec2::new(600.0, 0.0), center).is_err());
         assert!(Intrinsics::pinhole(640, 480, DVec2::splat(600.0), DVec2::NAN).is_err());
-        let wrong = Intrinsics::check(640, 0, DVec2::new(1e300, 1e-9), DVec2::new(1e300, -1e5));
-        let names = ["height is 0,", "fx is 1e300,", "fy is 1e-9,", "cx is 1e300,", "cy is -100000.0,"];
+        let wrong = Intrinsics::check(640, 0, DVec2::new(1e300, -1e-9), DVec2::new(1e300, -1e5));
+        let names = ["height is 0,", "fx is 1e300,", "fy is -1e-9,", "cx is 1e300,", "cy is -100000.0,"];
         assert!(wrong.iter().map(Error::to_string).zip(names).all(|(error, name)| error.starts_with(name)));
         assert_eq!(wrong.len(), names.len(), "{wrong:?}");
         // A crop of the corner of a large image.

@@ -18,11 +18,12 @@ const LEAST_ERROR: f64 = 0.1;
 /// Of a frame, at least this share lies on the surface of those before it once it is aligned.
 const LEAST_OVERLAP: f64 = 0.3;
 
-/// How far the same surface is apart, metres, in a frame that was [compared](KnownSurface::compare) with those
-/// before it, points pooled in cells of this edge, metres; `None` unless the given poses are wrong.
+/// How far the same surface is apart, metres, in a frame that was [compared](KnownSurface::compare) with
+/// those before it, points pooled in cells of this edge, metres; `None` unless the given poses are wrong.
 ///
-/// What an alignment leaves of the distances is the noise of the sensor and the coarseness of the points. Poses
-/// are wrong if they add more to the squared distances than that. With right poses, an alignment removes 1 to 5 %.
+/// What an alignment leaves of the distances is the noise of the sensor and the coarseness of the points.
+/// Poses are wrong if they add more to the squared distances than that. With right poses, an alignment
+/// removes 1 to 5 %.
 pub(super) fn distance_if_wrong(found: &Registration, spacing: f64) -> Option<f64> {
     let removed_sq = found.residual_before.powi(2) - found.residual_after.powi(2);
     let is_wrong = found.verdict != Verdict::NoBetter

@@ -56,8 +56,8 @@ impl Alignment {
         self.is_active
     }
 
-    /// Compares a new frame in its given pose with those before it, as long as frames are not aligned. Returns
-    /// how far the same surface is apart in them, metres, once that shows that given poses are wrong.
+    /// Compares a new frame in its given pose with those before it, as long as frames are not aligned.
+    /// Returns how far the same surface is apart in them, metres, once that shows that given poses are wrong.
     pub fn compare(
         &self,
         frame: &Frame,

@@ -38,8 +38,8 @@ pub(super) struct Added {
     pub share_at_goal: Option<f64>,
     /// The numbers of frames that had been set aside and are in the map now.
     pub recovered: Vec<usize>,
-    /// How far the same surface is apart in the given poses, metres, if this frame is the one that shows it: all
-    /// frames have been aligned.
+    /// How far the same surface is apart in the given poses, metres, if this frame is the one that shows it:
+    /// all frames have been aligned.
     pub apart: Option<f64>,
 }
 

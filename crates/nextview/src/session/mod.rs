@@ -332,7 +332,8 @@ impl Session {
     }
 
     /// Whether frames are aligned to the surface measured before: with
-    /// [`RegistrationMode::Auto`](crate::registration::RegistrationMode::Auto), once the given poses disagree.
+    /// [`RegistrationMode::Auto`](crate::registration::RegistrationMode::Auto), once the given poses
+    /// disagree.
     pub fn aligns_frames(&self) -> bool {
         self.scene.alignment.is_active()
     }

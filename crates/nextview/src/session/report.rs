@@ -20,9 +20,9 @@ pub struct StepReport {
     /// the object.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub registration: Option<Registration>,
-    /// How far the same surface is apart in the given poses, root mean square along its normal, metres, if this
-    /// frame shows that they are wrong, so that all frames have been aligned and those to come will be; else
-    /// `None`.
+    /// How far the same surface is apart in the given poses, root mean square along its normal, metres, if
+    /// this frame shows that they are wrong, so that all frames have been aligned and those to come will be;
+    /// else `None`.
     #[serde(default, rename = "apart_m", skip_serializing_if = "Option::is_none")]
     pub apart: Option<f64>,
     /// Whether the frame could not be aligned and is not in the map.

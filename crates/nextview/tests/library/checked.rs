@@ -62,7 +62,7 @@ fn optics_are_checked() {
     assert_eq!(read_back(&Intrinsics::d435i()), Intrinsics::d435i());
     let mut camera = serde_json::to_value(Intrinsics::d435i()).unwrap();
     camera["width"] = json!(0);
-    assert_refused::<Intrinsics>(camera, "expected 1 to 32768 pixels a side");
+    assert_refused::<Intrinsics>(camera, "width is 0, expected 1 to 32768 pixels");
     // JSON has no infinity; TOML has.
     let distortion = |k: &str| {
         toml::from_str::<Holder>(&format!("lens = {{ brown-conrady = [{k}, 0.0, 0.0, 0.0, 0.0] }}"))

@@ -109,8 +109,8 @@ pub struct ScanArgs {
     pose_error_deg: Option<f64>,
     /// Whether each image is aligned to what was measured before, which corrects wrong poses; with auto, as
     /// soon as the poses disagree [default: auto with --frames, else off]
-    #[arg(long, value_enum, value_name = "on|off|auto", hide_possible_values = true)]
-    register: Option<Register>,
+    #[arg(long, value_parser = ["on", "off", "auto"], value_name = "on|off|auto", hide_possible_values = true)]
+    register: Option<String>,
     /// Least share, 0 to 1, of known surface in what the next view shows, so that its image can be aligned
     /// [default: 0.5 with registration, else 0]
     #[arg(long, value_name = "SHARE", value_parser = values::share, allow_negative_numbers = true)]
@@ -234,24 +234,6 @@ The folder holds config.toml (everything that decides the scan), record.json (al
 steps.jsonl (a line per view), views.csv (poses), waypoints.csv (trajectories between them), map.ot
 and map.bt (OctoMap), cloud.ply, mesh.ply and report.html.";
 
-/// When images are aligned.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-enum Register {
-    On,
-    Off,
-    Auto,
-}
-
-impl Register {
-    fn mode(self) -> RegistrationMode {
-        match self {
-            Self::On => RegistrationMode::On,
-            Self::Off => RegistrationMode::Off,
-            Self::Auto => RegistrationMode::Auto,
-        }
-    }
-}
-
 /// On or off.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 enum Switch {
@@ -306,7 +288,12 @@ impl ScanArgs {
         set(&mut config.noise.model, self.noise);
         set(&mut config.noise.pose_error_mm, self.pose_error_mm);
         set(&mut config.noise.pose_error_deg, self.pose_error_deg);
-        config.registration.enabled = self.register.map(Register::mode).or(config.registration.enabled);
+        config.registration.enabled = match self.register.as_deref() {
+            Some("on") => Some(RegistrationMode::On),
+            Some("off") => Some(RegistrationMode::Off),
+            Some(_) => Some(RegistrationMode::Auto),
+            None => config.registration.enabled,
+        };
         set(&mut config.model.watertight, self.watertight.map(|switch| switch == Switch::On));
         config.min_overlap = self.min_overlap.or(config.min_overlap);
         config.goal_mm = self.goal_mm.or(config.goal_mm);

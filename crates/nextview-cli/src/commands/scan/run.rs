@@ -3,10 +3,10 @@ use crate::progress::Progress;
 use crate::{Failure, interrupt, stdout};
 use nextview::Cancel;
 use nextview_report::{heading, page_of_scan, step_line, summary_text};
-use nextview_scan::files::{Overwrite, ResultFolder};
+use nextview_scan::files::Overwrite;
 use nextview_scan::{
-    Begin, Fault, FrameSource, Interrupted, RecordedScan, Results, ScanConfig, ScanJournal, ScanRecord,
-    ScanRun, SimulatedObject, Simulation, Truth, begin_results, result_folder, write_results,
+    Begin, Fault, FrameSource, Interrupted, RecordedScan, Results, ScanConfig, ScanFolder, ScanJournal,
+    ScanRecord, ScanRun, SimulatedObject, Simulation, Truth, begin_results, write_results,
 };
 use std::io::Write;
 use std::path::{Path, PathBuf};
@@ -29,7 +29,7 @@ pub(super) struct Output {
 /// Scans the configured object and writes the results.
 pub(super) fn begin(config: ScanConfig, output: Output) -> Result<(), Failure> {
     ScanJournal::check_free(&output.dir)?;
-    stdout::print(scan(config, None, output)?.0)
+    stdout::print(scan(config, None, &output)?.0)
 }
 
 /// Scans the object, turns it as the results ask for, and scans it on. Only the results of both are printed
@@ -38,18 +38,17 @@ pub(super) fn begin_and_turn(config: ScanConfig, output: Output) -> Result<(), F
     let first = Output { dir: config.first_placement(&output.dir)?, is_named: true, ..output.clone() };
     ScanJournal::check_free(&first.dir)?;
     ScanJournal::check_free(&output.dir)?;
-    output.folder(&config)?;
-    let first_dir = first.dir.clone();
-    let (text, record) = scan(config.clone(), None, first)?;
+    begin_results(&output.dir, output.rule(&config))?;
+    let (text, record) = scan(config.clone(), None, &first)?;
     if record.next_placement.is_none() {
-        let dir = first_dir.display();
+        let dir = first.dir.display();
         eprintln!("note: in no other placement could much more be seen: the results in {dir} are all");
         return stdout::print(text);
     }
     if !output.json {
         stdout::print(text + "\n")?;
     }
-    begin(config.going_on_after(first_dir), output)
+    begin(config.going_on_after(first.dir), output)
 }
 
 /// Resumes the scan in a folder, and writes its results as if it had not been interrupted.
@@ -61,14 +60,14 @@ pub(super) fn resume(output: Output) -> Result<(), Failure> {
         eprintln!("note: {}: {damage}", path.display());
     }
     eprintln!("note: resumes after {n_frames} frame{}", if n_frames == 1 { "" } else { "s" });
-    stdout::print(scan(config, Some(journal), output)?.0)
+    stdout::print(scan(config, Some(journal), &output)?.0)
 }
 
 /// Scans and writes the results; returns what to print at the end, and the record.
 fn scan(
     config: ScanConfig,
     journal: Option<ScanJournal>,
-    output: Output,
+    output: &Output,
 ) -> Result<(String, ScanRecord), Failure> {
     if config.live.is_some() {
         Err(own_camera().into())
@@ -88,9 +87,9 @@ fn own_camera() -> Fault {
 fn simulated(
     mut config: ScanConfig,
     journal: Option<ScanJournal>,
-    output: Output,
+    output: &Output,
 ) -> Result<(String, ScanRecord), Failure> {
-    output.folder(&config)?;
+    begin_results(&output.dir, output.rule(&config))?;
     let object = SimulatedObject::new(&config)?;
     config.voxel_size_m = Some(object.voxel_size);
     config.views = Some(config.max_views(object.views.len()));
@@ -102,31 +101,32 @@ fn simulated(
         Truth::new(&object, &Cancel::default(), || progress.step())
     });
     let truth = truth.transpose()?;
-    drive(&Simulation::new(&object, &config, truth.as_ref()), &config, taken)
+    drive(&Simulation::new(&object, &config, truth.as_ref()), &config, taken, output.json)
 }
 
 fn recorded(
     mut config: ScanConfig,
     journal: Option<ScanJournal>,
-    output: Output,
+    output: &Output,
 ) -> Result<(String, ScanRecord), Failure> {
-    output.folder(&config)?;
+    begin_results(&output.dir, output.rule(&config))?;
     let mut scan = RecordedScan::open(&mut config)?;
     let skipped = scan.skipped().into_iter().map(|skipped| format!("skipped: {skipped}"));
     let notes = scan.notes().iter().map(|note| word(&format!("note: {note}"))).chain(skipped);
     output.begin(&config, &scan.description(&config), notes, scan.n_views())?;
     let taken = output.take(&config, journal)?;
     scan.look(&config, &Cancel::default())?;
-    drive(&scan, &config, taken)
+    drive(&scan, &config, taken, output.json)
 }
 
 /// Runs the scan to its end, and writes and prints the results.
 fn drive(
     source: &dyn FrameSource,
     config: &ScanConfig,
-    taken: Taken,
+    folder: ScanFolder,
+    is_json: bool,
 ) -> Result<(String, ScanRecord), Failure> {
-    let Taken { output, text, journal, mut folder } = taken;
+    let ScanFolder { dir, heading, journal, mut results } = folder;
     let mut run = ScanRun::begin(source, config, Begin { journal: Some(journal), ..Begin::default() })?;
     let progress = Progress::new("scanning", config.views.unwrap_or_default());
     let mut printed = Ok(());
@@ -135,7 +135,7 @@ fn drive(
         if let Some(warning) = &step.warning {
             progress.warn(&word(&format!("warning: {warning}")));
         }
-        if !output.json && printed.is_ok() {
+        if !is_json && printed.is_ok() {
             printed = progress.print(&step_line(step));
         }
         Ok(())
@@ -146,19 +146,19 @@ fn drive(
     if scan.bounds().is_none() {
         scan.forget_journal();
     }
-    let Results { record, faults } = write_results(&mut folder, config, &scan)?;
-    let page = page_of_scan(&scan, &record, config, &command_again(&output.dir), &text);
-    folder.add("report.html", |w| Ok(w.write_all(page.as_bytes())?))?;
-    folder.publish()?;
+    let Results { record, faults } = write_results(&mut results, config, &scan)?;
+    let page = page_of_scan(&scan, &record, config, &command_again(&dir), &heading);
+    results.add("report.html", |w| Ok(w.write_all(page.as_bytes())?))?;
+    results.publish()?;
     if faults.is_some() && scan.bounds().is_none() {
-        eprintln!("note: {} holds what there is of this scan; --force replaces it", output.dir.display());
+        eprintln!("note: {} holds what there is of this scan; --force replaces it", dir.display());
     }
     faults.map_or(Ok(()), Err)?;
     scan.forget_journal();
-    let printed = match output.json {
+    let printed = match is_json {
         true => serde_json::to_string(&record).map_err(Failure::data)? + "\n",
         false => {
-            let dir = output.dir.display();
+            let dir = dir.display();
             format!("\n{}\nresults in {dir} (open report.html there)\n", word(&summary_text(&record, config)))
         }
     };
@@ -174,47 +174,16 @@ fn command_again(dir: &Path) -> String {
     format!("# in the folder where the scan was run\nnextview scan --config {config} --out {again}")
 }
 
-/// A folder that is this scan's alone.
-struct Taken {
-    output: Output,
-    /// The configuration.
-    text: String,
-    journal: ScanJournal,
-    folder: ResultFolder,
-}
-
 impl Output {
-    /// Takes the folder before the work begins. If the user did not name it, and another scan has taken it
-    /// since its name was chosen, takes the next one.
-    fn take(mut self, config: &ScanConfig, journal: Option<ScanJournal>) -> Result<Taken, Failure> {
-        let text = |dir: &Path| toml::to_string(&config.kept_in(dir)).map_err(Failure::data);
-        let begin = |output: &Self| -> Result<(ScanJournal, ResultFolder), Failure> {
-            let journal = ScanJournal::begin(&output.dir, &text(&output.dir)?)?;
-            // Results may have appeared before.
-            Ok((journal, output.folder(config)?))
-        };
-        let (journal, folder) = match journal {
-            Some(journal) => (journal, self.folder(config)?),
-            None => loop {
-                let begun = begin(&self);
-                if begun.is_err() && !self.is_named {
-                    let next = result_folder(config, &self.rule);
-                    if next != self.dir {
-                        self.dir = next;
-                        continue;
-                    }
-                }
-                break begun?;
-            },
-        };
-        interrupt::resumable("nextview scan --resume", &self.dir, self.dir.join(ScanJournal::FILE));
-        Ok(Taken { text: text(&self.dir)?, output: self, journal, folder })
+    fn take(&self, config: &ScanConfig, journal: Option<ScanJournal>) -> Result<ScanFolder, Failure> {
+        let folder = ScanFolder::take(self.dir.clone(), !self.is_named, &self.rule(config), config, journal)?;
+        interrupt::resumable("nextview scan --resume", &folder.dir, folder.dir.join(ScanJournal::FILE));
+        Ok(folder)
     }
 
-    /// Begins the folder; fails if it cannot take the results.
-    fn folder(&self, config: &ScanConfig) -> Result<ResultFolder, Failure> {
-        let inputs = config.inputs().into_iter().chain(self.config.clone()).collect();
-        Ok(begin_results(&self.dir, self.rule.clone().but(inputs))?)
+    /// Which files may be replaced: none that the scan reads.
+    fn rule(&self, config: &ScanConfig) -> Overwrite {
+        self.rule.clone().but(config.inputs().into_iter().chain(self.config.clone()).collect())
     }
 
     /// Prints what is scanned and how; notes go before the table, or to stderr where stdout is JSON.
