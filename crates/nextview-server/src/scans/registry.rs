@@ -221,8 +221,8 @@ impl Scans {
         None
     }
 
-    /// Takes an id, so that no two scans are created in one folder, and keeps the scan that is to be continued
-    /// from being deleted.
+    /// Takes an id, so that no two scans are created in one folder, and keeps the scan that is to be
+    /// continued from being deleted.
     fn reserve<'a>(&'a self, id: &'a str, after: Option<&str>) -> Result<Place<'a>, Refusal> {
         let mut scans = self.lock();
         let n_open = scans.values().filter(|entry| !entry.is_finished()).count();

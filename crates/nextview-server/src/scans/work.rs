@@ -137,8 +137,8 @@ impl Work {
             return Err(deleted());
         }
         self.scan = None;
-        // At once for whoever looks, even if the server is killed while it removes the files. The name is new:
-        // of a scan of the same id that was deleted before, something may be left.
+        // At once for whoever looks, even if the server is killed while it removes the files. The name is
+        // new: of a scan of the same id that was deleted before, something may be left.
         let name = self.dir.file_name().unwrap_or_default().to_string_lossy();
         let aside = self.dir.with_file_name(format!(".{name}.{}{DELETED}", random_hex(4)?));
         match std::fs::rename(&self.dir, &aside) {
