@@ -48,10 +48,11 @@ turntable.table_from_camera.translation_m
 /// Keys whose value is a text that names nothing outside of the scan.
 const TEXTS: [&str; 3] = ["object", "robot.base_link", "robot.tip_link"];
 
-/// A key that takes one of these names from a request; in a configuration, it takes a file or a class, too.
-type NamedKey = (&'static str, fn() -> Vec<&'static str>);
+/// All names that a key takes.
+type Names = fn() -> Vec<&'static str>;
 
-const NAMES: [NamedKey; 4] = [
+/// Keys that take one of these names from a request; in a configuration, they take a file or a class, too.
+const NAMES: [(&str, Names); 4] = [
     ("planner", || PlannerName::ALL.iter().map(|planner| planner.name()).collect()),
     ("robot.arm", || presets::NAMES.to_vec()),
     ("sensor", || Sensor::ALL.iter().map(|sensor| sensor.name()).collect()),

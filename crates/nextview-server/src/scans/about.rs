@@ -19,8 +19,7 @@ pub(crate) struct About {
     /// Number of frames after which a view was asked for: the next frame is that view's, also after a kill.
     #[serde(default)]
     pub asked_after: Option<usize>,
-    /// The configuration as it was given, as TOML; `after` as it is [kept](ScanConfig::kept_in) in the
-    /// folder.
+    /// The configuration as it was given, as TOML; `after` as it is [kept](ScanConfig::kept_in) there.
     pub config: String,
 }
 

@@ -96,8 +96,16 @@ impl Server {
             });
             said.unwrap_or_else(|| panic!("the server said no {name}"))
         };
-        let address = value("ADDRESS ")?.parse().unwrap();
-        let token = value("TOKEN ")?.rsplit_once("#token=").unwrap().1.to_owned();
+        let said = value("ADDRESS ").and_then(|address| Ok((address, value("TOKEN ")?)));
+        let (address, token) = match said {
+            Ok((address, page)) => {
+                (address.parse().unwrap(), page.rsplit_once("#token=").unwrap().1.to_owned())
+            }
+            Err(why) => {
+                child.wait().unwrap();
+                return Err(why);
+            }
+        };
         // It has nothing more to say; a pipe that is closed would be an error to it.
         std::thread::spawn(move || lines.for_each(drop));
         Ok(Self { child, address, token })
