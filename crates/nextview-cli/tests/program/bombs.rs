@@ -425,10 +425,10 @@ fn files_without_end() {
     folder.refuses_bomb(
         &["scan", "builtin:mug", "--view-space", "hole"],
         "none",
-        &["hole: line 1: 65536 bytes or more"],
+        &["hole: the file: has more than 67108864 bytes"],
     );
     let plan = ["plan", "--map", "out/map.ot", "--views", "hole"];
-    folder.refuses_bomb(&plan, "none", &["hole: line 1: 65536 bytes or more"]);
+    folder.refuses_bomb(&plan, "none", &["hole: the file: has more than 67108864 bytes"]);
     folder.refuses_bomb(&["map", "info", "hole"], "none", &["hole: line 1: longer than 4096 bytes"]);
     folder.refuses_bomb(
         &["report", "runs"],

@@ -149,8 +149,8 @@ fn readers(folder: &Folder) -> Vec<Reader> {
         reader("tum/rgb.txt", "# colours\n1.5 rgb/000.png\n", &[], of_recording),
         reader(
             "scan.toml",
-            "voxel_size_m = 0.01\n\n[live]\nmax_range_m = 2.0\n",
-            &["voxel_size_m", "live"],
+            "voxel_size_m = 0.01\n\n[stop]\ncompleteness = 0.9\n",
+            &["voxel_size_m", "stop"],
             |path| shown(ScanConfig::load(path, None)),
         ),
         reader("sensor.toml", "like = \"d435i\"\n\n[camera]\nwidth = 640\n", &["like", "width"], |path| {
@@ -159,7 +159,7 @@ fn readers(folder: &Folder) -> Vec<Reader> {
         }),
         reader(
             "campaign.toml",
-            "name = \"c\"\nobjects = [\"builtin:mug\"]\nplanners = [\"random-views\"]\n",
+            "name = \"c\"\nobjects = [\"builtin:mug\"]\n\n[scan]\nplanner = \"random\"\n",
             &["objects"],
             |path| shown(Spec::load(&path.to_string_lossy(), &[])),
         ),
@@ -184,8 +184,8 @@ fn readers(folder: &Folder) -> Vec<Reader> {
 fn folder() -> Folder {
     let folder = Folder::new("text-files");
     let camera = Intrinsics::d435i();
-    let image =
-        DepthImage::from_metres(camera.width(), camera.height(), vec![0.3; camera.n_pixels()]).unwrap();
+    let depth = (0..camera.n_pixels()).map(|i| 0.3 + 0.001 * (i % 50) as f32).collect();
+    let image = DepthImage::from_metres(camera.width(), camera.height(), depth).unwrap();
     let frame = Frame::new(image, camera, Pose::IDENTITY, 1.0).unwrap();
     let frames = [3, 5].map(|number| NumberedFrame { number, frame: &frame });
     let keep = |name: &str, bytes: Vec<u8>| {

@@ -95,13 +95,13 @@ fn simulated(
     config.views = Some(config.max_views(object.views.len()));
     let notes = object.notes().into_iter().map(|note| word(&format!("note: {note}")));
     output.begin(&config, &object.description(), notes, object.views.len())?;
-    let taken = output.take(&config, journal)?;
     let truth = config.needs_truth().then(|| {
         let progress = Progress::of_baselines(object.views.len());
         Truth::new(&object, &Cancel::default(), || progress.step())
     });
     let truth = truth.transpose()?;
-    drive(&Simulation::new(&object, &config, truth.as_ref()), &config, taken, output.json)
+    let folder = output.take(&config, journal)?;
+    drive(&Simulation::new(&object, &config, truth.as_ref()), &config, folder, output.json)
 }
 
 fn recorded(
@@ -114,9 +114,9 @@ fn recorded(
     let skipped = scan.skipped().into_iter().map(|skipped| format!("skipped: {skipped}"));
     let notes = scan.notes().iter().map(|note| word(&format!("note: {note}"))).chain(skipped);
     output.begin(&config, &scan.description(&config), notes, scan.n_views())?;
-    let taken = output.take(&config, journal)?;
     scan.look(&config, &Cancel::default())?;
-    drive(&scan, &config, taken, output.json)
+    let folder = output.take(&config, journal)?;
+    drive(&scan, &config, folder, output.json)
 }
 
 /// Runs the scan to its end, and writes and prints the results.
@@ -143,14 +143,12 @@ fn drive(
     drop(progress);
     printed?;
     let mut scan = run.finish(Some(stop_reason));
-    if scan.bounds().is_none() {
-        scan.forget_journal();
-    }
     let Results { record, faults } = write_results(&mut results, config, &scan)?;
     let page = page_of_scan(&scan, &record, config, &command_again(&dir), &heading);
     results.add("report.html", |w| Ok(w.write_all(page.as_bytes())?))?;
     results.publish()?;
     if faults.is_some() && scan.bounds().is_none() {
+        scan.forget_journal();
         eprintln!("note: {} holds what there is of this scan; --force replaces it", dir.display());
     }
     faults.map_or(Ok(()), Err)?;
