@@ -186,6 +186,6 @@ mod tests {
         assert!(changed("cx 319.5", "cx 900").contains("the principal point (cx, cy) is [900, 239.5]"));
         assert!(changed("fx 525.5\n", "").contains("has no line fx"));
         assert!(changed("width 640", "width 640.5").contains("line 2: width is '640.5', expected a whole"));
-        assert!(changed("fy 525", "fy 0").contains("focal length"));
+        assert!(changed("fy 525", "fy 0").contains("fy is 0.0, expected a positive number of pixels"));
     }
 }

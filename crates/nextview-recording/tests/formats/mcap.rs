@@ -375,7 +375,7 @@ fn topics_that_lack_or_are_several_are_named() {
     assert_eq!(open(&folder, &bytes, &choose(DEPTH)).unwrap().frames.len(), 3);
     assert_parts(
         &open(&folder, &bytes, &choose("/depth")).unwrap_err(),
-        &["`depth_topic` is /depth, but there are"],
+        &["but no /depth as `depth_topic`"],
     );
 }
 
