@@ -373,10 +373,7 @@ fn topics_that_lack_or_are_several_are_named() {
     assert_parts(&several, &[&names]);
     let choose = |topic: &str| ReadOptions { depth_topic: Some(topic.to_owned()), ..ReadOptions::default() };
     assert_eq!(open(&folder, &bytes, &choose(DEPTH)).unwrap().frames.len(), 3);
-    assert_parts(
-        &open(&folder, &bytes, &choose("/depth")).unwrap_err(),
-        &["but no /depth as `depth_topic`"],
-    );
+    assert_parts(&open(&folder, &bytes, &choose("/depth")).unwrap_err(), &["but no /depth as `depth_topic`"]);
 }
 
 #[test]

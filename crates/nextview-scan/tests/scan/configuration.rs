@@ -336,7 +336,7 @@ fn a_sensor_of_ones_own_differs_from_one_that_there_is() {
             "like = \"l515\"\n[noise.depth]\nedge_loss = 2\n",
             "line 3, column 1: `noise.depth.edge_loss` is 2, expected a probability",
         ),
-        ("like = ", "mine.toml: "),
+        ("like = ", "mine.toml, line 1, column 8: "),
     ] {
         let message = read(text).unwrap_err().to_string();
         assert!(message.contains(expected) && message.contains("mine.toml"), "{message}");
