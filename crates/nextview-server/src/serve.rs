@@ -8,6 +8,7 @@ use nextview_scan::{Fault, Faults};
 use std::net::SocketAddr;
 use std::path::PathBuf;
 use std::sync::Arc;
+use std::time::Duration;
 use tokio::net::TcpListener;
 use tokio::sync::{Semaphore, watch};
 
@@ -53,6 +54,9 @@ pub struct Started {
     pub left_out: Vec<Faults>,
 }
 
+/// How long a thread for work that takes long stays without work.
+const THREADS_STAY: Duration = Duration::from_secs(365 * 24 * 3600);
+
 /// Serves until the process is asked to end (Ctrl-C, or SIGTERM): then running requests are answered, and it
 /// returns.
 ///
@@ -84,8 +88,12 @@ pub fn serve(config: ServerConfig, on_started: impl FnOnce(&Started)) -> Result<
     listener.set_nonblocking(true)?;
     let folder = ScansFolder::take(&dir)?;
     let (scans, left_out) = Scans::open(folder, limits)?;
-    let runtime = tokio::runtime::Builder::new_multi_thread().enable_all().build()?;
+    let runtime =
+        tokio::runtime::Builder::new_multi_thread().enable_all().thread_keep_alive(THREADS_STAY).build()?;
     runtime.block_on(async {
+        // From now on there is a thread for work that takes long: where the system allows no more of them, work
+        // waits for it, and would fail otherwise.
+        _ = tokio::task::spawn_blocking(|| ()).await;
         let listener = TcpListener::from_std(listener)?;
         let address = listener.local_addr()?;
         let n_resumed = scans.n_interrupted();

@@ -332,9 +332,8 @@ impl Session {
     }
 
     /// Whether frames are aligned to the surface measured before: with
-    /// [`RegistrationMode::Auto`](crate::registration::RegistrationMode::Auto), once the given poses
-    /// disagree.
-    pub fn aligns_frames(&self) -> bool {
+    /// Whether frames are aligned to the surface measured before: with [`RegistrationMode::Auto`], once the given
+    /// poses disagree.
         self.scene.alignment.is_active()
     }
 
