@@ -222,7 +222,7 @@ def test_a_planner_may_be_done() -> None:
         (dict, "dict is neither planner nor gain"),
         (FromAbove(), "of type FromAbove, expected a name, or a class: .*; pass the class itself"),
         (own_planners.no_class, "planner` is of type function, expected a name, or a class"),
-        ("fastest", "expected one of `most-surface`"),
+        ("fastest", "expected one of most-surface"),
     ],
 )
 def test_what_makes_no_planner_is_refused_with_all_else_that_is_wrong(planner: Any, problem: str) -> None:

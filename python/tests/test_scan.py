@@ -108,9 +108,11 @@ def test_an_interrupted_scan_is_resumed(tmp_path: Path) -> None:
         scan = begin(out=out)
         run(scan, n_steps)
         scan.save()
-        with pytest.raises(nextview.DataError, match="holds an interrupted scan"):
+        with pytest.raises(nextview.DataError, match="is being scanned right now"):
             begin(out=out, force=True)
         del scan
+        with pytest.raises(nextview.DataError, match="holds an interrupted scan"):
+            begin(out=out, force=True)
         scan = nextview.resume(out)
         assert len(scan.steps) == n_steps and scan.camera == CAMERA
         run(scan)

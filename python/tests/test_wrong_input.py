@@ -88,7 +88,7 @@ def test_a_wrong_frame_changes_nothing(wrong: dict[str, Any], expected: str) -> 
 
 
 WRONG_SCANS: list[tuple[dict[str, Any], str]] = [
-    ({"planner": "best"}, '`planner` is "best", expected one of `most-surface`'),
+    ({"planner": "best"}, '`planner` is "best", expected one of most-surface'),
     ({"voxel_size_m": float("nan")}, "`voxel_size_m` is NaN, expected a positive number of metres"),
     ({"voxel_size_m": 1e-5}, "voxel"),
     ({"views": 0}, "`views` is 0, expected 1 to 40"),

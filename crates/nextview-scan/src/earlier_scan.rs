@@ -4,6 +4,7 @@ use glam::DVec3;
 use nextview::Cancel;
 use nextview::geometry::Aabb;
 use nextview::placement::ShownObject;
+use nextview::registration::RegistrationConfig;
 use nextview::sensor::{ColorImage, Frame};
 use nextview::session::shown_object;
 use nextview_recording::{ReadOptions, RecordedFrame, Recording};
@@ -67,11 +68,14 @@ impl EarlierScan {
 
 impl ScanConfig {
     /// The configuration as it is kept in a file of this folder, which [`found_from`](Self::found_from) reads
-    /// again. The results of the earlier scan are named from there where both folders are in one folder, so
-    /// that it can be moved as a whole; else from the root, so that it does not matter where a program runs.
+    /// again, with the [mode of registration](RegistrationConfig::enabled) stated. The results of the earlier
+    /// scan are named from there where both folders are in one folder, so that it can be moved as a whole; else
+    /// from the root, so that it does not matter where a program runs.
     pub fn kept_in(&self, dir: &Path) -> Self {
         let after = self.after.as_deref().map(|after| named_from(dir, after));
-        Self { after, ..self.clone() }
+        let registration =
+            RegistrationConfig { enabled: Some(self.registration_mode()), ..self.registration };
+        Self { after, registration, ..self.clone() }
     }
 
     /// The configuration of a file in this folder: what begins with `..` is looked for from there, and all

@@ -407,7 +407,7 @@ impl ScanConfig {
 
     /// When frames are aligned: those of a camera or a recording as soon as their poses disagree, and others
     /// not at all, unless something else is stated.
-    pub fn registration_mode(&self) -> RegistrationMode {
+    pub(crate) fn registration_mode(&self) -> RegistrationMode {
         let is_given = self.recording.is_some() || self.live.is_some();
         let usual = if is_given { RegistrationMode::Auto } else { RegistrationMode::Off };
         self.registration.enabled.unwrap_or(usual)

@@ -331,9 +331,9 @@ impl Session {
         suspect(frames, known, self.config.depth_range).or_else(poses).or(boundless).or_else(apart)
     }
 
-    /// Whether frames are aligned to the surface measured before: with
-    /// Whether frames are aligned to the surface measured before: with [`RegistrationMode::Auto`], once the given
-    /// poses disagree.
+    /// Whether frames are aligned to the surface measured before: with [`RegistrationMode::Auto`], once the
+    /// given poses disagree.
+    pub fn aligns_frames(&self) -> bool {
         self.scene.alignment.is_active()
     }
 

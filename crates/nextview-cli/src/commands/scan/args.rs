@@ -307,7 +307,6 @@ impl ScanArgs {
         config.size_m = self.size_m.or(config.size_m);
         config.after = self.after.map(PathBuf::from).or(config.after);
         config.check()?;
-        config.registration.enabled = Some(config.registration_mode());
         let rule = Overwrite::forced(self.force);
         let is_named = self.out.is_some();
         let dir = self.out.unwrap_or_else(|| result_folder(&config, &rule));
