@@ -69,8 +69,8 @@ impl EarlierScan {
 impl ScanConfig {
     /// The configuration as it is kept in a file of this folder, which [`found_from`](Self::found_from) reads
     /// again, with the [mode of registration](RegistrationConfig::enabled) stated. The results of the earlier
-    /// scan are named from there where both folders are in one folder, so that it can be moved as a whole; else
-    /// from the root, so that it does not matter where a program runs.
+    /// scan are named from there where both folders are in one folder, so that it can be moved as a whole;
+    /// else from the root, so that it does not matter where a program runs.
     pub fn kept_in(&self, dir: &Path) -> Self {
         let after = self.after.as_deref().map(|after| named_from(dir, after));
         let registration =

@@ -91,8 +91,8 @@ pub fn serve(config: ServerConfig, on_started: impl FnOnce(&Started)) -> Result<
     let runtime =
         tokio::runtime::Builder::new_multi_thread().enable_all().thread_keep_alive(THREADS_STAY).build()?;
     runtime.block_on(async {
-        // From now on there is a thread for work that takes long: where the system allows no more of them, work
-        // waits for it, and would fail otherwise.
+        // From now on there is a thread for work that takes long: where the system allows no more of them,
+        // work waits for it, and would fail otherwise.
         _ = tokio::task::spawn_blocking(|| ()).await;
         let listener = TcpListener::from_std(listener)?;
         let address = listener.local_addr()?;

@@ -116,7 +116,7 @@ fn an_interrupted_scan_is_resumed_with_its_colours() {
     drop(scan); // as a kill
     assert!(LiveScan::begin(live(&config, &object), Some(&dir), Cancel::default()).is_err());
     let mut scan = LiveScan::resume(&dir, Cancel::default()).unwrap();
-    assert_eq!((scan.scan().steps.len(), scan.config()), (3, undisturbed.config()));
+    assert_eq!((scan.scan().steps.len(), scan.config()), (3, &undisturbed.config().kept_in(&dir)));
     colored(&mut scan, 9);
     assert_eq!(scan.stop_reason(), Some(StopReason::ViewLimit));
     let [ours, theirs] = [&scan, &undisturbed].map(|scan| scan.scan().model(config.model).unwrap());
