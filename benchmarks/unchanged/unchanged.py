@@ -61,13 +61,14 @@ def scans():
     yield "reach", [*mug, "--reach", "0.3,0,0,0.5", "--planner", "max-flow"]
     yield "random seed", [*mug, "--planner", "random", "--seed", "9", "--baselines", "off"]
     bunny = ["--frames", str(DATA / "rgbd/bunny_primesense"), "--pose-columns", "given", "--views", "8"]
+    given = ["--register", "off"]
     truth = ["--truth", str(DATA / "meshes/stanford/bunny.ply"), "--unit", "m", "--truth-from-world",
              str(DATA / "rgbd/bunny_primesense/T_mesh_world.txt")]
     for planner in ["most-surface", "max-flow", "in-order", "clairvoyant"]:
-        yield f"recorded bunny {planner}", [*bunny, *truth, "--planner", planner]
+        yield f"recorded bunny {planner}", [*given, *bunny, *truth, "--planner", planner]
     yield "recorded bunny registration", [*bunny, *truth, "--register", "on"]
-    yield "recorded room", ["--frames", str(DATA / "rgbd/redkitchen_kinect"), "--views", "5", "--voxel-size-m", "0.02",
-                            "--box-m=-2.4,-0.8,1.4,-1.4,0.2,2.4"]
+    yield "recorded room", [*given, "--frames", str(DATA / "rgbd/redkitchen_kinect"), "--views", "5",
+                            "--voxel-size-m", "0.02", "--box-m=-2.4,-0.8,1.4,-1.4,0.2,2.4"]
 
 
 CAMPAIGNS = ["campaign planners", "campaign noise"]
