@@ -120,13 +120,16 @@ fn untyped<'a, 'py>(
         .map_err(|_| input_error(value.py(), format!("`{name}` is of type {}, {expected}", type_of(value))))
 }
 
+/// An array of elements of type `T` along `N` axes.
+type ArrayOf<T, const N: usize> = PyArray<T, numpy::ndarray::Dim<[usize; N]>>;
+
 /// The array, if it is of this type and shape.
 fn of_kind<'a, 'py, T: Element, const N: usize>(
     name: &str,
     value: &'a Bound<'py, PyAny>,
     shape: [usize; N],
     expected: &str,
-) -> PyResult<&'a Bound<'py, PyArray<T, numpy::ndarray::Dim<[usize; N]>>>>
+) -> PyResult<&'a Bound<'py, ArrayOf<T, N>>>
 where
     numpy::ndarray::Dim<[usize; N]>: Dimension,
 {
