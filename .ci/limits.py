@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Runs every command of the program where the system allows little, and prints what came of each.
+"""Runs every command of the program under tight limits of the system, and prints the result of each.
 
     .ci/limits.py target/release/nextview [--quick]
 

@@ -233,7 +233,7 @@ def alone(text, label):
 
 
 def measured(program, entry, of):
-    """What the program finds for an entry, as printed; None without the object's mesh."""
+    """Returns the entry as today's program prints it, or None if the object's mesh is missing."""
     mesh = next(DATA.glob(f"meshes/*/*{entry.object}.ply"), None)
     if mesh is None:
         return None

@@ -69,7 +69,7 @@ pub fn plain(bytes: &[u8]) -> Result<Cow<'_, [u8]>, Error> {
     }
 }
 
-/// The same for a text that must be UTF-8.
+/// Returns a [`plain`] text that must be UTF-8.
 pub fn utf8(bytes: Vec<u8>) -> Result<String, Error> {
     let text = match plain(&bytes)? {
         // Most texts are taken as they are.

@@ -62,7 +62,7 @@ impl Problem {
         self
     }
 
-    /// The same with the value that does not fit, unless it has one from further down.
+    /// Adds the value that does not fit, unless the problem already has a deeper one.
     fn of(mut self, unfit: &Value) -> Self {
         if let What::Unfit { value: value @ None, .. } = &mut self.what
             && self.path.is_empty()

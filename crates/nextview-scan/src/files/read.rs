@@ -30,7 +30,7 @@ pub fn read(path: &Path, max_bytes: u64) -> Result<Vec<u8>, Fault> {
     Ok(bytes)
 }
 
-/// The same for a text, without byte order mark, whose lines end in line feeds.
+/// Reads a text without its byte order mark; a carriage return alone becomes a line feed.
 pub fn read_text(path: &Path, max_bytes: u64) -> Result<String, Fault> {
     text::utf8(read(path, max_bytes)?).map_err(|error| unreadable(path, &error.into()))
 }

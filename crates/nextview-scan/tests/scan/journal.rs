@@ -224,7 +224,7 @@ fn no_frame_is_kept_where_it_would_not_be_found() {
     assert_eq!(fs::read(&path).unwrap(), fs::read(moved.join("a.journal")).unwrap());
     fs::remove_dir_all(&dir).unwrap();
     fs::rename(&moved, &dir).unwrap();
-    journal.keep(&kept(None, 1)).unwrap(); // it is back
+    journal.keep(&kept(None, 1)).expect("the journal is back");
     fs::remove_file(&path).unwrap();
     refused(&mut journal, "", "a/a.journal: it was removed, with all frames in it");
 }
