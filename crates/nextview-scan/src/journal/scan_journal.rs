@@ -106,13 +106,13 @@ impl ScanJournal {
     /// Opens the journal of an interrupted scan.
     pub fn resume(dir: &Path) -> Result<Interrupted, Faults> {
         if !Self::is_in(dir) {
-            let message = "holds no interrupted scan: there is no scan.journal, which a scan creates and removes \
-                           when it is finished";
-            return Err(Fault::data(message).in_file(dir).into());
+            return Err(nothing_to_resume(dir).into());
         }
         let (journal, Kept { heading, entries, damage }) =
             Journal::open(&dir.join(Self::FILE)).map_err(|fault| match Self::occupant(dir) {
                 Occupant::Scan => being_scanned(dir),
+                // Whoever had it open has finished the scan since.
+                _ if !Self::is_in(dir) => nothing_to_resume(dir),
                 _ => fault,
             })?;
         let name = dir.file_name().unwrap_or_default().to_string_lossy();
@@ -205,4 +205,10 @@ impl Drop for ScanJournal {
 fn being_scanned(dir: &Path) -> Fault {
     let fault = Fault::data("is being scanned right now, here or in another process").in_file(dir);
     fault.with_remedy("choose another folder (`out`), or wait until that scan is finished")
+}
+
+fn nothing_to_resume(dir: &Path) -> Fault {
+    let message = "holds no interrupted scan: there is no scan.journal, which a scan creates and removes when it is \
+                   finished";
+    Fault::data(message).in_file(dir)
 }

@@ -2,6 +2,8 @@
 
 use crate::common::{Folder, image, image_from, session};
 use nextview_scan::{Interrupted, Journal, Next, ScanJournal, ScanRun, StepRecord};
+use std::thread;
+use std::time::Duration;
 
 /// What is done with the views of a scan, one after the other; the answer says what was captured.
 fn act(run: &mut ScanRun<'_>, n_steps: usize, captured: &mut Vec<usize>) {
@@ -132,6 +134,26 @@ fn a_folder_that_is_being_scanned_is_said_to_be() {
     drop(Journal::create(&dir.join(ScanJournal::FILE), "killed").unwrap());
     drop(ScanJournal::begin(&dir, "").unwrap());
     assert!(!ScanJournal::is_in(&dir));
+}
+
+/// Its journal is removed while somebody waits for it.
+#[test]
+fn a_scan_that_is_finished_meanwhile_is_not_said_to_be_lost() {
+    let folder = Folder::new("resume-finished");
+    let dir = folder.path("scan");
+    for _ in 0..10 {
+        let journal = ScanJournal::begin(&dir, "").unwrap();
+        let faults = thread::scope(|scope| {
+            let resumed = scope.spawn(|| ScanJournal::resume(&dir).map(drop).unwrap_err());
+            thread::sleep(Duration::from_millis(5));
+            journal.finish();
+            resumed.join().unwrap()
+        });
+        let said = faults.iter().next().unwrap().to_string();
+        // Where a thread is late, nothing was removed in between.
+        let expected = ["holds no interrupted scan", "is being scanned right now"];
+        assert!(expected.iter().any(|part| said.contains(part)), "{said}");
+    }
 }
 
 #[cfg(unix)]
