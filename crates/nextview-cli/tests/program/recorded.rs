@@ -246,9 +246,10 @@ fn a_real_bunny_is_measured() {
         "{coverage:?} {} {}",
         result["steps"][3]["accuracy_median_mm"], result["cloud_accuracy_median_mm"]
     );
-    assert!(coverage[3] > 0.4, "{coverage:?}");
-    assert!(result["steps"][3]["accuracy_median_mm"].as_f64().unwrap() < 1.2, "{}", result["steps"][3]);
-    assert!(result["cloud_accuracy_median_mm"].as_f64().unwrap() < 1.5, "{result}");
+    // Measured: 0.53, 1.01 mm and 0.99 mm; 0.60, 1.09 mm and 1.03 mm if no frame is aligned.
+    assert!(coverage[3] > 0.5, "{coverage:?}");
+    assert!(result["steps"][3]["accuracy_median_mm"].as_f64().unwrap() < 1.1, "{}", result["steps"][3]);
+    assert!(result["cloud_accuracy_median_mm"].as_f64().unwrap() < 1.1, "{result}");
     let colors = Vertices::read(&folder.bytes("out/cloud.ply")).colors;
     assert!(
         colors.iter().filter(|color| color.iter().all(|value| *value > 100)).count() > 9 * colors.len() / 10

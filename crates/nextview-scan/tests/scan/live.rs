@@ -287,8 +287,9 @@ fn apart(object: &SimulatedObject, a: &Pose, b: &Pose) -> f64 {
 fn a_camera_in_a_hand_is_tracked_guided_and_found_again() {
     let mut simulated =
         ScanConfig { object: "builtin:teapot".to_owned(), ..config(PlannerName::MostSurface) };
-    // Near views only: the way to a far one leads past the round side, where nothing can be tracked.
-    simulated.most_surface.theta = 0.3;
+    // Near views only: the way to a far one leads past the round side, where nothing can be tracked. With 0 to
+    // 0.1, the camera is lost 8 steps of 20 on the way to the third view.
+    simulated.most_surface.theta = 0.2;
     let object = SimulatedObject::new(&simulated).unwrap();
     let mut config = live(&simulated, &object);
     config.voxel_size_m = Some(0.005);
@@ -323,7 +324,8 @@ fn a_camera_in_a_hand_is_tracked_guided_and_found_again() {
             let on_the_way = between(&place, &wanted, i as f64 / 20.0, object.scene.center());
             let found = scan.locate(&image(&on_the_way)).unwrap();
             let apart = apart(&object, &found, &on_the_way);
-            assert!(apart < 0.008, "view {n_taken}, step {i}: {apart}");
+            // Measured: 4.03 mm at most.
+            assert!(apart < 0.005, "view {n_taken}, step {i}: {apart}");
             if scan.guidance(&found).unwrap().unwrap().reached {
                 place = on_the_way;
                 break;
@@ -331,6 +333,6 @@ fn a_camera_in_a_hand_is_tracked_guided_and_found_again() {
             assert!(i < 20, "the view is not reached");
         }
         let step = scan.observe(unposed(image(&place))).unwrap();
-        assert!(apart(&object, &step.world_from_camera().unwrap(), &place) < 0.008);
+        assert!(apart(&object, &step.world_from_camera().unwrap(), &place) < 0.005);
     }
 }

@@ -94,7 +94,7 @@ fn looks_are_worth_views_and_other_planners_refuse_them() {
     let shares: Vec<f64> = record.steps.iter().map(|step| step.share_at_goal.unwrap()).collect();
     println!("{shares:.3?}");
     // Measured: 0.29.
-    assert!(shares[..2] == [0.0, 0.0] && *shares.last().unwrap() > 0.25, "{shares:?}");
+    assert!(shares[..2] == [0.0, 0.0] && *shares.last().unwrap() > 0.28, "{shares:?}");
     // Both goals are at most as often reached as one of them.
     let both = ScanConfig { goal_mm: Some(0.5), ..wanted.clone() };
     let (record, ..) = scan(&both);
