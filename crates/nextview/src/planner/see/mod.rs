@@ -182,7 +182,7 @@ mod tests {
     use crate::sensor::{Frame, Intrinsics};
     use crate::view::{ViewSpace, generate};
     use cloud::tests::frames;
-    use glam::{IVec3, UVec3};
+    use glam::{DMat3, IVec3, UVec3};
 
     /// Voxels of 7 mm, so that points of the images are a little denser than the gap.
     fn unknown() -> Snapshot {
@@ -204,36 +204,112 @@ mod tests {
         with_situation(frames, visited, |situation| see.plan(situation).unwrap().choice)
     }
 
-    /// The slow twin: every rule of the page as a loop over all of the points and views. Points, classes,
-    /// normals and lines of sight are the cloud's, whose tests compare each with a twin of its own.
+    /// Points of all frames relative to the lowest corner of the box, none at most `gap` from an earlier one,
+    /// and the place of the camera of each.
+    fn thinned(frames: &[Frame], origin: DVec3, gap: f64) -> Vec<(DVec3, DVec3)> {
+        let mut kept: Vec<(DVec3, DVec3)> = Vec::new();
+        for frame in frames {
+            let camera = frame.world_from_camera().translation() - origin;
+            for point in frame.points().map(|point| point - origin) {
+                if kept.iter().all(|(other, _)| other.distance(point) > gap) {
+                    kept.push((point, camera));
+                }
+            }
+        }
+        kept
+    }
+
+    /// The direction of least spread. A matrix whose largest eigenvalue has that direction, multiplied by
+    /// itself again and again, comes to it alone.
+    fn least_spread(points: &[DVec3]) -> DVec3 {
+        let mean = points.iter().sum::<DVec3>() / points.len() as f64;
+        let spread = points.iter().fold(DMat3::ZERO, |sum, &point| {
+            let d = point - mean;
+            sum + DMat3::from_cols(d * d.x, d * d.y, d * d.z)
+        });
+        let trace = spread.x_axis.x + spread.y_axis.y + spread.z_axis.z;
+        let mut power = DMat3::from_diagonal(DVec3::splat(trace)) - spread;
+        for _ in 0..60 {
+            let largest = power.to_cols_array().iter().fold(0.0_f64, |most, number| most.max(number.abs()));
+            power *= 1.0 / largest;
+            power = power * power;
+        }
+        let columns = [power.x_axis, power.y_axis, power.z_axis];
+        columns.into_iter().max_by(|a, b| a.length().total_cmp(&b.length())).unwrap().normalize()
+    }
+
+    /// Points between dense and sparse ones, each with its normal.
+    fn frontier(points: &[(DVec3, DVec3)], radius: f64) -> Vec<(DVec3, DVec3)> {
+        let around = |at: usize| -> Vec<usize> {
+            (0..points.len()).filter(|&other| points[other].0.distance(points[at].0) <= radius).collect()
+        };
+        let around: Vec<Vec<usize>> = (0..points.len()).map(around).collect();
+        let mut counts: Vec<usize> = around.iter().map(Vec::len).collect();
+        counts.sort_unstable();
+        let median = counts[counts.len() / 2] as f64;
+        let is_core = |at: usize| around[at].len() >= 3 && around[at].len() as f64 >= 2.0 / 3.0 * median;
+        let mut edges = Vec::new();
+        for at in (0..points.len()).filter(|&at| !is_core(at)) {
+            let has_core = around[at].iter().any(|&other| is_core(other));
+            let has_sparse = around[at].iter().any(|&other| other != at && !is_core(other));
+            if !has_core || !has_sparse || around[at].len() < 3 {
+                continue;
+            }
+            let near: Vec<DVec3> = around[at].iter().map(|&other| points[other].0).collect();
+            let toward: DVec3 = around[at].iter().map(|&other| points[other].1 - points[other].0).sum();
+            let normal = least_spread(&near);
+            edges.push((points[at].0, if normal.dot(toward) < 0.0 { -normal } else { normal }));
+        }
+        edges
+    }
+
+    /// Whether no point is near the way from one of them, off the surface first, to a camera.
+    fn is_open(points: &[(DVec3, DVec3)], (point, normal): (DVec3, DVec3), camera: DVec3, step: f64) -> bool {
+        let is_clear = |place: DVec3| points.iter().all(|(other, _)| other.distance(place) > step);
+        let mut n = 2;
+        while !is_clear(point + normal * (step * n as f64)) {
+            n += 1;
+        }
+        let (distance, mut is_open) = (point.distance(camera), true);
+        while is_open && step * (n as f64) < distance {
+            is_open = is_clear(point + (camera - point) * (step * n as f64 / distance));
+            n += 1;
+        }
+        is_open
+    }
+
+    /// The slow twin: every rule of the page as a loop over all of the points and views.
     fn by_definition(situation: &Situation<'_>) -> (usize, f64) {
         let (h, origin) = (0.007, DVec3::splat(-0.084));
-        let bounds = crate::geometry::Aabb { min: origin, max: -origin };
-        let cloud = Cloud::new(situation.frames(), bounds, 0.5 * h, 3.0 * h, situation.cancel()).unwrap();
-        let classes = cloud.classes(situation.cancel()).unwrap();
+        let points = thinned(situation.frames(), origin, 0.5 * h);
         let camera = situation.camera_position().unwrap();
         let place = |view: usize| situation.views().pose(view).translation();
-        let mut edges = Vec::new();
-        for number in (0..classes.len()).filter(|&number| classes[number] == Class::Frontier) {
-            edges.extend(cloud.normal(number).map(|normal| (cloud.points[number] + origin, normal)));
-        }
+        let edges = frontier(&points, 3.0 * h).into_iter();
+        let mut edges: Vec<(DVec3, DVec3)> = edges.map(|(point, normal)| (point + origin, normal)).collect();
         let ideal = |(point, normal): &(DVec3, DVec3)| (*point + *normal * 0.4).distance(camera);
         edges.sort_by(|a, b| ideal(a).total_cmp(&ideal(b)));
         edges.truncate(100);
-        let cosine = |view: usize, (point, normal): (DVec3, DVec3)| {
-            let way = place(view) - point;
-            normal.dot(way) / way.length()
+        let cosine = |view: usize, edge: usize| {
+            let way = place(view) - edges[edge].0;
+            edges[edge].1.dot(way) / way.length()
         };
-        let sees = |view: usize, (point, normal): (DVec3, DVec3)| {
-            let pixel = situation.views().pose(view).inverse().transform_point(point);
-            let is_shown =
-                situation.intrinsics().project(pixel).is_some_and(|p| situation.intrinsics().contains(p));
-            let is_steep = cosine(view, (point, normal)) >= 0.5;
-            is_shown && is_steep && cloud.is_visible(point - origin, normal, place(view) - origin, 1.8 * h)
+        let shows = |view: usize, edge: usize| {
+            let (point, normal) = edges[edge];
+            let in_camera = situation.views().pose(view).inverse().transform_point(point);
+            let pixel = situation.intrinsics().project(in_camera);
+            let range = situation.depth_range();
+            pixel.is_some_and(|pixel| situation.intrinsics().contains(pixel))
+                && (range.min..=range.max).contains(&in_camera.z)
+                && cosine(view, edge) >= 0.5
+                && is_open(&points, (point - origin, normal), place(view) - origin, 1.8 * h)
         };
+        let views = 0..situation.views().len();
+        let seen: Vec<Vec<bool>> =
+            views.map(|view| (0..edges.len()).map(|edge| shows(view, edge)).collect()).collect();
+        let sees = |view: usize, edge: usize| seen[view][edge];
         let open = situation.open_views();
         let mut proposals = Vec::new();
-        for &edge in &edges {
+        for edge in 0..edges.len() {
             let mut best: Option<usize> = None;
             for &view in open.iter().filter(|&&view| sees(view, edge)) {
                 if best.is_none_or(|best| cosine(view, edge) > cosine(best, edge)) {
@@ -242,7 +318,7 @@ mod tests {
             }
             proposals.extend(best.map(|view| (edge, view)));
         }
-        let out = |view: usize| edges.iter().filter(|&&edge| sees(view, edge)).count();
+        let out = |view: usize| (0..edges.len()).filter(|&edge| sees(view, edge)).count();
         let distance = |view: usize| place(view).distance(camera);
         let mut base = proposals[0];
         for &other in &proposals {
