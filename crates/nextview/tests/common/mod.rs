@@ -1,7 +1,8 @@
-//! The voxels of a ray, without the library's walk.
+//! The rays of a view and their voxels, without the library's grid and walk.
 
-use glam::{DVec3, IVec3};
-use nextview::geometry::VoxelBlock;
+use glam::{DVec2, DVec3, IVec3};
+use nextview::geometry::{Aabb, Pose, VoxelBlock};
+use nextview::sensor::{Distortion, Intrinsics};
 
 /// The voxels of a block that a ray crosses, in order: every column of voxels is cut with the ray, and every
 /// voxel of it. Origin and direction are in voxels. Touching an edge or a corner is no crossing.
@@ -30,4 +31,50 @@ pub fn crossed(block: VoxelBlock, origin: DVec3, direction: DVec3) -> Vec<IVec3>
     }
     parts.sort_by(|a, b| a.0.0.total_cmp(&b.0.0));
     parts.into_iter().map(|(_, key)| key).collect()
+}
+
+/// The directions (camera frame, z = 1) of rays towards a box: through the middles of equal cells of the part
+/// of the image that shows its corners, so many that none are farther apart than the spacing where the box is
+/// farthest. Not for more rays than the library allows.
+pub fn directions(camera: &Intrinsics, pose: &Pose, bounds: &Aabb, spacing: f64) -> Vec<DVec3> {
+    let size = DVec2::new(f64::from(camera.width()), f64::from(camera.height()));
+    // What a pixel is at most, one metre away, at 17 x 17 places.
+    let mut pixel_m = (1.0 / camera.focal().x).max(1.0 / camera.focal().y);
+    for place in (0..17 * 17).map(|i| DVec2::new(f64::from(i % 17), f64::from(i / 17)) / 16.0) {
+        let pixel = (size - 1.0) * place;
+        let ends = [pixel, pixel + DVec2::X, pixel + DVec2::Y].map(|pixel| camera.deproject(pixel));
+        let [Some(here), right, below] = ends else { continue };
+        for next in [right, below].into_iter().flatten() {
+            pixel_m = pixel_m.max(here.distance(next));
+        }
+    }
+    let mut corners = Vec::new();
+    for i in 0..8 {
+        let end = |bit: usize, low: f64, high: f64| if i >> bit & 1 == 0 { low } else { high };
+        let corner = [0, 1, 2].map(|axis| end(axis, bounds.min[axis], bounds.max[axis]));
+        corners.push(pose.inverse().transform_point(DVec3::from_array(corner)));
+    }
+    let farthest = corners.iter().map(|corner| corner.z).fold(0.0, f64::max);
+    if farthest == 0.0 {
+        return Vec::new();
+    }
+    let (mut low, mut high) = (DVec2::splat(-0.5), size - 0.5);
+    let pixels: Option<Vec<DVec2>> = corners.iter().map(|&corner| camera.project(corner)).collect();
+    // With a corner that has no place in the image, it is the whole image.
+    if let Some(pixels) = pixels {
+        let least = pixels.iter().copied().reduce(DVec2::min).unwrap();
+        let most = pixels.iter().copied().reduce(DVec2::max).unwrap();
+        // A lens bends edges.
+        let margin = if camera.distortion() == Distortion::None { 0.0 } else { 0.02 } * (most - least);
+        (low, high) = (low.max(least - margin), high.min(most + margin));
+    }
+    let n = ((high - low) * (farthest * pixel_m) / spacing).ceil();
+    let mut directions = Vec::new();
+    for row in 0..n.y.max(0.0) as u32 {
+        for column in 0..n.x.max(0.0) as u32 {
+            let cell = DVec2::new(f64::from(column) + 0.5, f64::from(row) + 0.5);
+            directions.extend(camera.deproject(low + (high - low) / n * cell).map(|ideal| ideal.extend(1.0)));
+        }
+    }
+    directions
 }

@@ -3,7 +3,7 @@
 
 #![allow(clippy::unwrap_used, reason = "helpers of tests")]
 
-use crate::common::crossed;
+use crate::common::{crossed, directions};
 use glam::{DVec2, DVec3, IVec3, UVec3};
 use nextview::Cancel;
 use nextview::gain::{
@@ -15,7 +15,7 @@ use nextview::geometry::{Aabb, Lattice, Pose, VoxelBlock};
 use nextview::map::{LogOdds, Occupancy, Snapshot, entropy, frontier};
 use nextview::sensor::{DepthImage, Frame, Intrinsics};
 use nextview::view::look_at;
-use nextview::visibility::{Crossing, Ray, RayCaster, RayEnd, RayGrid};
+use nextview::visibility::{Crossing, Ray, RayCaster, RayEnd};
 use proptest::prelude::*;
 use std::f64::consts::LN_2;
 
@@ -259,12 +259,12 @@ fn frames(seed: u64) -> Vec<Frame> {
 /// The voxels of a ray in order, up to and with the first occupied one.
 type Walked = Vec<usize>;
 
-/// All rays of a view that meet the box. Where rays go is a choice, that of the grid; what they cross is not.
+/// All rays of a view that meet the box.
 fn walked(snapshot: &Snapshot, pose: &Pose) -> Vec<Walked> {
     let (lattice, block) = (snapshot.lattice(), snapshot.block());
     let origin = lattice.to_voxels(pose.translation());
-    let grid = RayGrid::new(&Intrinsics::d435i());
-    let directions = grid.directions(pose, &lattice.bounds(&block), SPACING * lattice.voxel_size());
+    let (camera, bounds) = (Intrinsics::d435i(), lattice.bounds(&block));
+    let directions = directions(&camera, pose, &bounds, SPACING * lattice.voxel_size());
     let ray = |direction: DVec3| {
         let keys = crossed(block, origin, pose.rotation_matrix() * direction);
         let mut voxels: Vec<usize> = keys.into_iter().map(|key| block.index(key).unwrap()).collect();
@@ -272,7 +272,7 @@ fn walked(snapshot: &Snapshot, pose: &Pose) -> Vec<Walked> {
         voxels.truncate(first.map_or(voxels.len(), |first| first + 1));
         voxels
     };
-    directions.map(ray).filter(|voxels| !voxels.is_empty()).collect()
+    directions.into_iter().map(ray).filter(|voxels| !voxels.is_empty()).collect()
 }
 
 struct Definitions<'a> {

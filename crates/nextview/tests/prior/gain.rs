@@ -1,6 +1,6 @@
 //! What a view shows against its rays, each cut with every voxel.
 
-use crate::common::crossed;
+use crate::common::{crossed, directions};
 use crate::made_up::{half_seen_ball, nothing_measured, prior, random_snapshot, snapshot};
 use glam::{DVec2, DVec3, IVec3, UVec3};
 use nextview::Cancel;
@@ -10,21 +10,22 @@ use nextview::map::{Occupancy, Snapshot};
 use nextview::prior::SurfaceEstimate;
 use nextview::sensor::{DepthRange, Distortion, Intrinsics};
 use nextview::view::look_at;
-use nextview::visibility::RayGrid;
 use proptest::prelude::*;
 use std::collections::BTreeMap;
+
+/// The item of a voxel; there is none where surface cannot be.
+fn item_of(estimate: &SurfaceEstimate, voxel: usize) -> Option<usize> {
+    estimate.voxels().binary_search(&(voxel as u32)).ok()
+}
 
 /// What passes through each voxel.
 fn passes(snapshot: &Snapshot, estimate: &SurfaceEstimate) -> Vec<f32> {
     let occupancy = snapshot.occupancy();
-    let pass = |voxel: usize| {
-        let item = estimate.voxels().iter().position(|&item| item as usize == voxel);
-        match (occupancy[voxel], item) {
-            (Occupancy::Occupied, _) => 0.25,
-            (Occupancy::Free, Some(_)) => 0.995,
-            (Occupancy::Unknown, Some(item)) => (1.0 - estimate.stops(item)).clamp(0.001, 0.999),
-            _ => 1.0,
-        }
+    let pass = |voxel: usize| match (occupancy[voxel], item_of(estimate, voxel)) {
+        (Occupancy::Occupied, _) => 0.25,
+        (Occupancy::Free, Some(_)) => 0.995,
+        (Occupancy::Unknown, Some(item)) => (1.0 - estimate.stops(item)).clamp(0.001, 0.999),
+        _ => 1.0,
     };
     (0..occupancy.len()).map(pass).collect()
 }
@@ -37,8 +38,7 @@ fn inner_block(snapshot: &Snapshot, passes: &[f32]) -> VoxelBlock {
     corners.map_or(block, |(low, high)| VoxelBlock::new(low, (high - low + 1).as_uvec3()).unwrap())
 }
 
-/// By item the largest visibility over all rays. Where rays go is a choice, that of the grid; what they cross
-/// is not.
+/// By item the largest visibility over all rays.
 fn slow_visibilities(
     snapshot: &Snapshot,
     intrinsics: &Intrinsics,
@@ -49,7 +49,7 @@ fn slow_visibilities(
     let (passes, lattice, mut best) = (passes(snapshot, estimate), snapshot.lattice(), BTreeMap::new());
     let inner = inner_block(snapshot, &passes);
     let (spacing, bounds) = (ray_spacing * lattice.voxel_size(), lattice.bounds(&inner));
-    for direction in RayGrid::new(intrinsics).directions(pose, &bounds, spacing) {
+    for direction in directions(intrinsics, pose, &bounds, spacing) {
         let (origin, direction) = (lattice.to_voxels(pose.translation()), pose.rotation_matrix() * direction);
         let mut visibility = 1.0_f32;
         for key in crossed(inner, origin, direction) {
@@ -57,7 +57,7 @@ fn slow_visibilities(
                 break;
             }
             let voxel = snapshot.block().index(key).unwrap();
-            if let Some(item) = estimate.voxels().iter().position(|&item| item as usize == voxel) {
+            if let Some(item) = item_of(estimate, voxel) {
                 let most = best.entry(item).or_insert(visibility);
                 *most = visibility.max(*most);
             }
