@@ -74,13 +74,12 @@ impl Problem {
 
     /// The path as a dotted key.
     pub fn key(&self) -> String {
-        self.path.iter().rev().map(String::as_str).collect::<Vec<_>>().join(".")
+        dotted(&self.path)
     }
 
     /// The dotted key of the table that it is in.
     pub fn parent(&self) -> String {
-        let parts: Vec<&str> = self.path.iter().skip(1).rev().map(String::as_str).collect();
-        parts.join(".")
+        dotted(self.path.get(1..).unwrap_or_default())
     }
 
     /// The problem in words, with the nearest known key for one that is unknown.
@@ -102,6 +101,11 @@ impl Problem {
             }
         }
     }
+}
+
+/// Keys and places in lists as one key, from the innermost first.
+fn dotted(path: &[String]) -> String {
+    path.iter().rev().map(String::as_str).collect::<Vec<_>>().join(".")
 }
 
 impl fmt::Display for Problem {
