@@ -259,7 +259,8 @@ class Scan:
         """Writes the results into a folder, as the program does: map, cloud, mesh, records, `report.html`.
 
         Without `out`, into the folder that the scan was begun with; if the scan is over, it needs no resuming
-        then. Results of another scan are replaced only with `force`.
+        then. A scan that is over takes no more frames once it is saved. Results of another scan are replaced
+        only with `force`.
         """
         path = self._out if out is None else os.fspath(out)
         if path is None:
