@@ -4,7 +4,7 @@ use super::{create_folder, sync_folder};
 use crate::{Fault, Faults};
 use std::collections::BTreeSet;
 use std::fs::{self, File};
-use std::io::{self, Write};
+use std::io::{self, ErrorKind, Write};
 use std::path::{Path, PathBuf};
 
 /// A folder of results that appears as a whole or not at all. Until then its files are kept in memory.
@@ -126,11 +126,17 @@ pub fn remove_unfinished(folder: &Path, names: &[&str]) -> io::Result<()> {
     for entry in fs::read_dir(folder)? {
         let entry = entry?;
         let name = entry.file_name();
-        let is_unfinished = name.to_str().and_then(written_name).is_some_and(|name| names.contains(&name));
-        match entry.file_type()?.is_dir() {
-            true if is_unfinished => fs::remove_dir_all(entry.path())?,
-            false if is_unfinished => fs::remove_file(entry.path())?,
-            _ => {}
+        if !name.to_str().and_then(written_name).is_some_and(|name| names.contains(&name)) {
+            continue;
+        }
+        let removed = entry.file_type().and_then(|kind| match kind.is_dir() {
+            true => fs::remove_dir_all(entry.path()),
+            false => fs::remove_file(entry.path()),
+        });
+        match removed {
+            // Its own process may have removed it, or another one that begins here.
+            Err(error) if error.kind() == ErrorKind::NotFound => {}
+            removed => removed?,
         }
     }
     Ok(())
@@ -144,6 +150,7 @@ fn nearest_existing(path: &Path) -> &Path {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use std::thread;
 
     fn unfinished(path: &Path, rule: Overwrite) -> Result<ResultFolder, Faults> {
         let mut results = ResultFolder::begin(path, &["x", "y"], rule)?;
@@ -178,6 +185,12 @@ mod tests {
         let mut names: Vec<_> = names.map(|name| name.into_string().unwrap()).collect();
         names.sort();
         assert_eq!(names, [".a.csv.partial", ".a.csv.x.partial", ".b.csv.12.partial", "a.csv"]);
+        // By several at once.
+        (0..200).for_each(|i| fs::write(folder.join(format!(".a.csv.{i}.partial")), "half").unwrap());
+        (0..50).for_each(|i| fs::create_dir_all(folder.join(format!(".out.{i}.partial/deep"))).unwrap());
+        let remove = || remove_unfinished(&folder, &["a.csv", "out"]).unwrap();
+        thread::scope(|scope| (0..4).for_each(|_| _ = scope.spawn(remove)));
+        assert_eq!(fs::read_dir(&folder).unwrap().count(), 4);
         fs::remove_dir_all(&folder).unwrap();
     }
 

@@ -136,6 +136,22 @@ fn a_folder_that_is_being_scanned_is_said_to_be() {
     assert!(!ScanJournal::is_in(&dir));
 }
 
+#[test]
+fn of_many_who_begin_a_scan_one_does() {
+    let folder = Folder::new("resume-race");
+    for round in 0..50 {
+        let dir = folder.path(&round.to_string());
+        let begun: Vec<_> = thread::scope(|scope| {
+            let threads: Vec<_> = (0..4).map(|_| scope.spawn(|| ScanJournal::begin(&dir, ""))).collect();
+            threads.into_iter().map(|thread| thread.join().unwrap()).collect()
+        });
+        let refused: Vec<String> =
+            begun.iter().filter_map(|begun| Some(begun.as_ref().err()?.to_string())).collect();
+        assert_eq!(refused.len(), 3, "{refused:?}");
+        assert!(refused.iter().all(|said| said.contains("is being scanned right now")), "{refused:?}");
+    }
+}
+
 /// Its journal is removed while somebody waits for it.
 #[test]
 fn a_scan_that_is_finished_meanwhile_is_not_said_to_be_lost() {
