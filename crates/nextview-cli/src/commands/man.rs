@@ -1,8 +1,7 @@
 use crate::{Failure, stdout};
 use clap::{Args, Command};
 use clap_mangen::Man;
-use nextview_scan::files::{self, Overwrite};
-use std::fs;
+use nextview_scan::files::{Overwrite, ResultFolder};
 use std::io::Write;
 use std::path::PathBuf;
 
@@ -25,11 +24,11 @@ impl ManArgs {
         // `help` is a command that needs no page.
         let pages = pages(program.disable_help_subcommand(true))?;
         let names: Vec<&str> = pages.iter().map(|(name, _)| name.as_str()).collect();
-        rule.check_folder(&out, &names)?;
-        fs::create_dir_all(&out).map_err(|error| Failure::data(format!("{}: {error}", out.display())))?;
+        let mut folder = ResultFolder::begin(&out, &names, rule)?;
         for (name, text) in &pages {
-            files::write(&out.join(name), &rule, |writer| Ok(writer.write_all(text)?))?;
+            folder.add(name, |writer| Ok(writer.write_all(text)?))?;
         }
+        folder.publish()?;
         stdout::print(format!("{} manual pages in {}\n", pages.len(), out.display()))
     }
 }

@@ -489,8 +489,11 @@ fn a_full_disk_leaves_nothing_behind() {
         let test = "a_full_disk_leaves_nothing_behind";
         return nextview_checks::skipped(test, "tmpfs", "a tmpfs cannot be mounted");
     }
-    for out in ["disk", "disk/new/results"] {
-        let args = [&small(&["--views", "1", "--baselines", "off", "--json", "--out"])[..], &[out]].concat();
+    let scan = small(&["--views", "1", "--baselines", "off", "--json", "--out"]);
+    let man = ["man", "--out"];
+    let outs = ["disk", "disk/new/results"];
+    for (command, out) in outs.into_iter().flat_map(|out| [(&scan[..], out), (&man[..], out)]) {
+        let args = [command, &[out]].concat();
         let program = env!("CARGO_BIN_EXE_nextview");
         let script = format!("{program} {}; echo code $?; ls -A disk", args.join(" "));
         let output = in_namespace(&script.replace("--out=out ", "")).unwrap();

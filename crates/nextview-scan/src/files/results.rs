@@ -12,7 +12,7 @@ use std::path::{Path, PathBuf};
 pub struct ResultFolder {
     target: PathBuf,
     /// The files and folders that it will hold.
-    names: &'static [&'static str],
+    names: Vec<String>,
     rule: Overwrite,
     /// Where the files are written first: on the same file system as the target.
     staging: PathBuf,
@@ -22,7 +22,7 @@ pub struct ResultFolder {
 impl ResultFolder {
     /// Begins a folder of these files and folders. Fails at once if it could not be written later, or if the
     /// rule does not allow it.
-    pub fn begin(target: &Path, names: &'static [&'static str], rule: Overwrite) -> Result<Self, Faults> {
+    pub fn begin(target: &Path, names: &[&str], rule: Overwrite) -> Result<Self, Faults> {
         if target.exists() && !target.is_dir() {
             let fault = Fault::data("exists and is no folder").in_file(target);
             return Err(fault.with_remedy("choose another folder (`out`)").into());
@@ -32,6 +32,7 @@ impl ResultFolder {
         fs::create_dir(&staging)
             .and_then(|()| fs::remove_dir(&staging))
             .map_err(|e| Fault::from(e).while_writing(target))?;
+        let names = names.iter().map(|&name| name.to_owned()).collect();
         Ok(Self { target: target.to_owned(), names, rule, staging, files: Vec::new() })
     }
 
@@ -49,7 +50,7 @@ impl ResultFolder {
     ) -> Result<(), Fault> {
         let name = name.into();
         let entry = name.split('/').next().unwrap_or_default();
-        assert!(self.names.contains(&entry), "{name} is none of {:?}", self.names);
+        assert!(self.names.iter().any(|name| name == entry), "{name} is none of {:?}", self.names);
         let mut bytes = Vec::new();
         content(&mut bytes)?;
         self.files.push((name, bytes));
@@ -59,7 +60,8 @@ impl ResultFolder {
     /// Shows the finished folder under its name: on the disk when this returns. Fails if files of its names
     /// have appeared there that the rule does not allow to replace.
     pub fn publish(self) -> Result<(), Faults> {
-        self.rule.check_folder(&self.target, self.names)?;
+        let names: Vec<&str> = self.names.iter().map(String::as_str).collect();
+        self.rule.check_folder(&self.target, &names)?;
         let result = self.write().and_then(|()| {
             let moved = if self.target.exists() { self.move_entries() } else { self.move_folder() };
             moved.map_err(|e| Fault::from(e).while_writing(&self.target))
@@ -99,7 +101,7 @@ impl ResultFolder {
     }
 
     fn move_entries(&self) -> io::Result<()> {
-        for name in self.names {
+        for name in &self.names {
             let (new, old) = (self.staging.join(name), self.target.join(name));
             match (new.exists(), old.is_dir()) {
                 (false, _) => continue,
