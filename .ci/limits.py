@@ -29,6 +29,8 @@ import soak
 
 MB = 1 << 20
 NOBODY = 65534
+# What a report is made of.
+CAMPAIGN = ("spec.toml", "runs.jsonl")
 SPEC = soak.CAMPAIGN.replace('"builtin:bracket", "builtin:mug"', '"builtin:bracket"').replace("[0, 1, 2]", "[0, 1]")
 
 
@@ -69,7 +71,7 @@ class Commands:
             "scan, large": lambda out: ["scan", "builtin:mug", "--views", "2", "--baselines", "off", "--out", out / "x"],
             "bench": lambda out: [*bench, "--out", out / "x"],
             "merge": lambda out: ["merge", data / "shard-0", data / "shard-1", "--out", out / "x"],
-            "report": lambda out: ["report", data / "whole", "--out", out / "x"],
+            "report": self.report,
             "compare": lambda out: ["compare", data / "whole", data / "whole"],
             "export": lambda out: ["export", data / "part", "--to", "tum", "--out", out / "x"],
             "inspect": lambda out: ["inspect", data / "part", "--reference", mesh, "--unit", "m", "--out", out / "x"],
@@ -82,6 +84,18 @@ class Commands:
             "completions": lambda out: ["completions", "bash"],
             "man": lambda out: ["man", "--out", out / "x"],
         }
+
+    def report(self, out):
+        """It writes beside what it reads: a copy of that, which the small disk holds."""
+        if not (out / "x").exists():
+            (out / "x").mkdir()
+            (out / "x").chmod(0o777)
+            for name in CAMPAIGN:
+                shutil.copy(self.data / "whole" / name, out / "x")
+        return ["report", out / "x"]
+
+    def is_copy(self, folder):
+        return all((folder / name).read_bytes() == (self.data / "whole" / name).read_bytes() for name in CAMPAIGN)
 
     def run(self, command):
         done = subprocess.run([self.program, *command], capture_output=True)
@@ -111,11 +125,16 @@ def mount(folder):
     return mounted.returncode == 0
 
 
+def is_refused_memory(code, stderr):
+    """Whether that ended it, and it says so."""
+    return code == -signal.SIGABRT and b"memory allocation of" in stderr
+
+
 def faults_of(code, stderr):
     """What is wrong with the end of a command."""
     text = stderr.decode(errors="replace")
     faults = []
-    if code == -signal.SIGABRT and "memory allocation of" in text:
+    if is_refused_memory(code, stderr):
         return faults
     if code < 0 or code >= 101:
         faults.append(f"ended by a signal or a panic ({code})")
@@ -147,7 +166,7 @@ def check_command(commands, name, limit, out):
     before = soak.files(commands.data)
     done = subprocess.run(command, capture_output=True, preexec_fn=under(limit), cwd=out, timeout=300)
     faults = faults_of(done.returncode, done.stderr)
-    if soak.files(commands.data) != before:
+    if soak.files(commands.data) != before or (name == "report" and not commands.is_copy(out / "x")):
         faults.append("its input has changed")
     if left := unfinished(out):
         faults.append(f"unfinished files are left: {left}")
@@ -202,7 +221,7 @@ def check_server(commands, limit, out):
         code = process.wait()
         stderr = process.stderr.read()
         return code, message(code, stderr), faults_of(code, stderr)
-    n_acknowledged, said, faults = 0, "", []
+    n_acknowledged, said, faults, broke = 0, "", [], None
     try:
         status, answer = client.ask("POST", "/scans", json.dumps({"id": "ball", **soak.LIVE}))
         while status < 400:
@@ -216,10 +235,19 @@ def check_server(commands, limit, out):
             status, answer = client.ask("POST", "/scans/ball/finish")
         said = "" if status < 400 else f"{status} {answer.decode(errors='replace')[:160]}"
     except OSError as error:
-        faults.append(f"the connection broke: {error}")
-    faults += [] if process.poll() is None else [f"the server ended: {process.returncode}"]
+        broke = f"the connection broke: {error}"
+        try:
+            process.wait(5.0)
+        except subprocess.TimeoutExpired:
+            pass
+    ended = process.poll()
     process.terminate()
     stderr = process.communicate()[1]
+    if is_refused_memory(ended, stderr):
+        said = message(ended, stderr)
+    else:
+        faults += [broke] if broke else []
+        faults += [f"the server ended: {ended}"] if ended is not None else []
     if b"panicked" in stderr:
         faults.append("panicked: " + stderr.decode(errors="replace")[-200:])
     with tempfile.TemporaryDirectory(dir=commands.data.parent) as moved:
@@ -231,9 +259,12 @@ def check_server(commands, limit, out):
             n = client.json("GET", "/scans/ball")["n_frames"]
             if n < n_acknowledged:
                 faults.append(f"{n_acknowledged} frames were acknowledged, {n} are there")
+            status, answer = client.ask("POST", "/scans/ball/finish")
+            if status >= 400:
+                faults.append(f"cannot be finished afterwards: {answer.decode(errors='replace')[:160]}")
         process.terminate()
         process.communicate()
-    return (0 if not said else 1), said, faults
+    return (ended or 1 if said else 0), said, faults
 
 
 def main():
