@@ -86,6 +86,7 @@ impl Scan {
             let core = scan.cores.requests.clone().acquire_owned().await;
             let done = tokio::task::spawn_blocking(move || {
                 let _held = (place, core);
+                work.look();
                 let done = catch_unwind(AssertUnwindSafe(|| job(&mut work)));
                 // What was kept without being counted is taken in when the scan is resumed.
                 if done.as_ref().map_or(true, |done| done.as_ref().is_err_and(Refusal::is_cancelled)) {

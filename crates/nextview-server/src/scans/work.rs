@@ -43,9 +43,18 @@ impl Work {
 
     /// One that is on the disk.
     pub fn kept(dir: PathBuf, about: About) -> Self {
-        let is_finished = !ScanJournal::is_in(&dir) && dir.join("record.json").is_file();
-        let phase = if is_finished { Phase::Finished } else { Phase::UnderWay };
-        Self { dir, about, scan: None, phase, cancel: Cancel::default(), told: None }
+        let (phase, cancel) = (Phase::UnderWay, Cancel::default());
+        let mut work = Self { dir, about, scan: None, phase, cancel, told: None };
+        work.look();
+        work
+    }
+
+    /// Whether a scan that is not in memory has been finished, be it by another process that resumed it.
+    pub fn look(&mut self) {
+        let has_results = || !ScanJournal::is_in(&self.dir) && self.dir.join("record.json").is_file();
+        if self.scan.is_none() && self.phase == Phase::UnderWay && has_results() {
+            self.phase = Phase::Finished;
+        }
     }
 
     /// Its folder.

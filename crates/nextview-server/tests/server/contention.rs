@@ -3,7 +3,9 @@
 use crate::client::Client;
 use crate::process::{Folder, Server};
 use crate::robot::{Robot, post_raw};
-use nextview_scan::ScanJournal;
+use nextview::Cancel;
+use nextview_scan::files::Overwrite;
+use nextview_scan::{LiveScan, ScanJournal, begin_results};
 use serde_json::json;
 use std::fs;
 use std::time::{Duration, Instant};
@@ -57,6 +59,39 @@ fn what_is_not_the_servers_stays_as_it_is() {
         );
         assert_eq!(fs::read_dir(&dir).unwrap().count(), 0);
     }
+}
+
+/// Its results would be replaced, and the frames in them lost.
+#[test]
+fn a_scan_that_another_process_finished_is_not_begun_again() {
+    let folder = Folder::new("finished-elsewhere");
+    let dir = folder.path("scans");
+    let (robot, place) = (Robot::new(3, 80), dir.join("mug"));
+    let mut server = Server::start(&dir);
+    let mut client = server.client();
+    client.post("/scans", &robot.body("mug")).expect(201);
+    let rows = client.get("/scans/mug/next").expect(200)["view"]["world_from_camera"].clone();
+    let frame = robot.frame(&rows, true);
+    post_raw(&mut client, "mug", "a", &rows, frame.image()).expect(200);
+    server.kill();
+    let mut scan = LiveScan::resume(&place, Cancel::default()).unwrap();
+    let server = Server::start(&dir);
+    let mut client = server.client();
+    let answer = client.get("/scans/mug/next");
+    assert!(answer.message().contains("is being scanned right now"), "{answer:?}");
+    scan.end();
+    let mut results = begin_results(&place, Overwrite::results()).unwrap();
+    scan.write_results(&mut results).unwrap();
+    results.publish().unwrap();
+    scan.forget_journal();
+    drop(scan);
+    let steps = fs::read(place.join("steps.jsonl")).unwrap();
+    assert_eq!(client.get("/scans/mug/next").expect(200)["state"], "finished");
+    let answer = post_raw(&mut client, "mug", "b", &rows, frame.image());
+    assert!(answer.status == 409 && answer.message().contains("is finished"), "{answer:?}");
+    client.post("/scans/mug/finish", &json!({})).expect(200);
+    assert_eq!(client.get("/scans/mug").expect(200)["n_frames"], 1);
+    assert_eq!(fs::read(place.join("steps.jsonl")).unwrap(), steps);
 }
 
 /// Where all connections and all room for bodies are taken by clients that do nothing more.
