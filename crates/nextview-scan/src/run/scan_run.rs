@@ -1,6 +1,6 @@
 use super::arm::{Arm, Way};
 use super::stated::Stated;
-use super::warning::{poses_are_wrong, warning};
+use super::warning::{POSES_AS_GIVEN, poses_are_wrong, warning};
 use super::{Evaluator, FinishedScan};
 use crate::earlier_scan::EarlierScan;
 use crate::journal::{JournalEntry, KeptFrame, SkippedView};
@@ -241,7 +241,8 @@ impl<'a> ScanRun<'a> {
         record.plan_time_ms = milliseconds(plan_time.unwrap_or_default());
         record.map_time_ms = milliseconds(map_time);
         record.capture_time_ms = milliseconds(capture_time);
-        record.warning = self.warning().or(report.apart.map(poses_are_wrong));
+        let as_given = report.is_as_given.then(|| POSES_AS_GIVEN.to_owned());
+        record.warning = self.warning().or(as_given).or(report.apart.map(poses_are_wrong));
         if let Some(arm) = &mut self.arm {
             arm.arrive(joints.as_ref(), &claimed);
             record.joint_values = arm.values().map(<[f64]>::to_vec);

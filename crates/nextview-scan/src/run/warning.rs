@@ -40,6 +40,10 @@ pub(super) fn poses_are_wrong(distance: f64) -> String {
     format!("{}; from here on, all frames are aligned to each other", Suspicion::Apart { distance })
 }
 
+/// States that frames whose poses are wrong cannot be aligned.
+pub(super) const POSES_AS_GIVEN: &str =
+    "most frames cannot be aligned to each other: all poses are used as given";
+
 /// What to do about the way in which recorded poses are read.
 enum Advice {
     /// Set a key to a value.

@@ -268,6 +268,25 @@ fn right_poses_stay_to_the_bit_where_frames_are_aligned_once_poses_prove_wrong()
     assert_eq!(shown(RegistrationMode::Auto), shown(RegistrationMode::Off));
 }
 
+#[test]
+fn frames_that_cannot_be_aligned_are_used_as_given() {
+    let shown = |mode| {
+        let mut config = noisy_mug(5.0, mode);
+        config.views = Some(9);
+        config.planner = PlannerName::EvenViews.into();
+        // Hardly any alignment is so near.
+        config.registration.position_uncertainty = 0.0005;
+        let steps = steps_of(&config);
+        let map: Vec<_> = steps.iter().map(|step| (step.view, step.world_from_camera())).collect();
+        (warnings_in(&steps), map, steps[8].entropy_nats.to_bits())
+    };
+    let (warnings, poses, entropy) = shown(RegistrationMode::Auto);
+    let last = warnings.last().map(String::as_str);
+    assert_eq!(last, Some("most frames cannot be aligned to each other: all poses are used as given"));
+    let (_, given_poses, as_given) = shown(RegistrationMode::Off);
+    assert_eq!((poses, entropy), (given_poses, as_given));
+}
+
 /// One face of the brick lies well on the next.
 #[test]
 fn right_poses_around_a_brick_agree_with_the_frames() {

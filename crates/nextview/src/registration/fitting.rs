@@ -93,11 +93,20 @@ impl Fitting<'_> {
 
     /// Where the frame fits from the given pose alone, without a search; the only objection is that it fits
     /// no better than in the given pose.
+    ///
+    /// The residual before is that of the points that lie on the known surface in the given pose; a point
+    /// that does so only afterwards counts as the whole reach. Taken of the pairs found afterwards, it would
+    /// be large wherever a frame slides along a surface.
     pub fn nearby(&self) -> Result<Registration, Cancelled> {
-        let Fit { registration, misfit, .. } = self.aligned(self.reach.first)?;
-        let is_better = misfit < self.misfit(&self.camera.pose())?;
-        let verdict = if is_better { registration.verdict } else { Verdict::NoBetter };
-        Ok(Registration { verdict, ..registration })
+        let Fit { registration, n_pairs, misfit, .. } = self.aligned(self.reach.first)?;
+        let given = self.camera.pose();
+        let verdict = if misfit < self.misfit(&given)? { registration.verdict } else { Verdict::NoBetter };
+        let before = self.pairs(&given, self.reach.last)?;
+        let n = before.len().max(n_pairs);
+        let squares: f64 = before.iter().map(|pair| pair.residual().powi(2)).sum();
+        let lost = self.reach.last.powi(2) * (n - before.len()) as f64;
+        let residual_before = ((squares + lost) / n.max(1) as f64).sqrt();
+        Ok(Registration { verdict, residual_before, ..registration })
     }
 
     /// The nearest of the alignments of about the least misfit, among those as near as given poses are right,

@@ -15,22 +15,52 @@ const TIMES_NEARER: f64 = 3.0;
 /// Errors of the given poses below this share of a cell do not matter.
 const LEAST_ERROR: f64 = 0.1;
 
+/// A wrong pose moves surfaces apart by about as much as the camera is off: at most this many times less. An
+/// alignment that moves the camera farther than that slides along the surface.
+///
+/// Simulated parts whose poses were off by 1.5 and 5 mm: 1.1 to 3.3 times. Recorded frames of a flat box and
+/// of mugs on a table, whose poses are right: 8 and more.
+const MOST_TIMES_FARTHER: f64 = 6.0;
+
 /// Of a frame, at least this share lies on the surface of those before it once it is aligned.
 const LEAST_OVERLAP: f64 = 0.3;
 
-/// How far the same surface is apart, metres, in a frame that was [compared](KnownSurface::compare) with
-/// those before it, points pooled in cells of this edge, metres; `None` unless the given poses are wrong.
+/// What frames have shown of the given poses, each compared with those before it.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Agreement {
+    /// Number of frames that overlap with those before them.
+    n_compared: usize,
+    /// Number of those whose pose is wrong.
+    n_wrong: usize,
+}
+
+impl Agreement {
+    /// Counts a frame that was [compared](KnownSurface::compare), points pooled in cells of this edge, metres.
+    /// Returns how far its surface is beside that of the others, metres, if it shows that the given poses are
+    /// wrong: clearly so, or if those of two frames are and of more than half of all. One frame among many may
+    /// have slid.
+    pub fn add(&mut self, found: &Registration, spacing: f64) -> Option<f64> {
+        self.n_compared += (found.overlap >= LEAST_OVERLAP) as usize;
+        let is_wrong = is_wrong(found, spacing);
+        self.n_wrong += is_wrong as usize;
+        let is_clear = found.residual_before > TIMES_NEARER * found.residual_after;
+        let are_more = self.n_wrong >= LEAST_FRAMES && 2 * self.n_wrong > self.n_compared;
+        (is_wrong && (is_clear || are_more)).then_some(found.residual_before)
+    }
+}
+
+/// Whether the pose of a frame that was compared is wrong.
 ///
-/// What an alignment leaves of the distances is the noise of the sensor and the coarseness of the points.
-/// Poses are wrong if they add more to the squared distances than that. With right poses, an alignment
-/// removes 1 to 5 %.
-pub(super) fn distance_if_wrong(found: &Registration, spacing: f64) -> Option<f64> {
+/// What an alignment leaves of the distances is the noise of the sensor and the coarseness of the points. A
+/// pose is wrong if it adds more to the squared distances than that, and the camera need not be moved much
+/// farther than the surfaces are apart. With right poses, an alignment removes 1 to 5 %.
+fn is_wrong(found: &Registration, spacing: f64) -> bool {
     let removed_sq = found.residual_before.powi(2) - found.residual_after.powi(2);
-    let is_wrong = found.verdict != Verdict::NoBetter
+    found.verdict != Verdict::NoBetter
         && found.overlap >= LEAST_OVERLAP
         && removed_sq > found.residual_after.powi(2)
-        && removed_sq > (LEAST_ERROR * spacing).powi(2);
-    is_wrong.then_some(found.residual_before)
+        && found.moved <= MOST_TIMES_FARTHER * found.residual_before
+        && removed_sq > (LEAST_ERROR * spacing).powi(2)
 }
 
 /// How far the same surface is apart in the first frames, oldest first, root mean square along its normal,
@@ -66,4 +96,50 @@ fn is_apart(found: &Registration, voxel_size: f64) -> bool {
         && found.overlap >= LEAST_OVERLAP
         && found.residual_before > 0.5 * voxel_size
         && found.residual_before > TIMES_NEARER * found.residual_after
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geometry::Pose;
+
+    /// A frame whose surface was so far from the others before and after an alignment that moved the camera,
+    /// in millimetres.
+    fn found(before: f64, after: f64, moved: f64) -> Registration {
+        Registration {
+            world_from_camera: Pose::IDENTITY,
+            verdict: Verdict::Aligned,
+            residual_before: 1e-3 * before,
+            residual_after: 1e-3 * after,
+            overlap: 0.5,
+            misfit: 0.0,
+            moved: 1e-3 * moved,
+            turned: 0.0,
+            stiffness: 0.1,
+            n_iterations: 5,
+        }
+    }
+
+    /// Which of the frames show that the poses are wrong.
+    fn shown(frames: &[Registration]) -> Vec<bool> {
+        let mut agreement = Agreement::default();
+        frames.iter().map(|found| agreement.add(found, 0.005).is_some()).collect()
+    }
+
+    #[test]
+    fn poses_are_wrong_if_one_frame_shows_it_clearly_or_most_frames_do() {
+        let (right, wrong, clear) = (found(1.05, 1.0, 1.0), found(2.0, 1.0, 3.0), found(4.0, 1.0, 6.0));
+        assert_eq!(shown(&[right, clear]), [false, true]);
+        assert_eq!(shown(&[right, wrong, wrong]), [false, false, true]);
+        assert_eq!(shown(&[right, right, right, wrong, wrong]), [false; 5]);
+    }
+
+    #[test]
+    fn a_frame_that_slides_or_hardly_overlaps_shows_nothing() {
+        let slid = found(4.0, 1.0, 30.0);
+        let beside = Registration { overlap: 0.2, ..found(4.0, 1.0, 6.0) };
+        let worse = Registration { verdict: Verdict::NoBetter, ..found(4.0, 1.0, 6.0) };
+        let slight = found(0.4, 0.1, 0.4);
+        assert_eq!(shown(&[slid, slid, beside, beside, worse, worse, slight, slight]), [false; 8]);
+    }
 }

@@ -1,4 +1,4 @@
-use super::agreement::distance_if_wrong;
+use super::agreement::Agreement;
 use crate::geometry::{Aabb, Pose};
 use crate::registration::{GivenPoses, KnownSurface, Registration, RegistrationConfig, RegistrationMode};
 use crate::sensor::Frame;
@@ -15,6 +15,7 @@ pub(super) struct Alignment {
     /// Edge of the cells in which points are pooled, metres.
     spacing: f64,
     given: PoseErrors,
+    agreement: Agreement,
     /// Whether given poses were found elsewhere than by alignment to the known surface.
     is_proof: bool,
 }
@@ -43,7 +44,8 @@ impl Alignment {
         // Half a cell of pooled points: an alignment itself is off by half a millimetre in cells of 5 mm.
         let given = PoseErrors { tolerance: 0.5 * spacing, n: 0, sum_sq: 0.0 };
         let is_proof = config.given_poses != GivenPoses::Tracked;
-        Ok(Self { known, is_active: mode == RegistrationMode::On, spacing, given, is_proof })
+        let agreement = Agreement::default();
+        Ok(Self { known, is_active: mode == RegistrationMode::On, spacing, given, agreement, is_proof })
     }
 
     /// The same before the first frame, but for what is known of the given poses.
@@ -59,14 +61,15 @@ impl Alignment {
     /// Compares a new frame in its given pose with those before it, as long as frames are not aligned.
     /// Returns how far the same surface is apart in them, metres, once that shows that given poses are wrong.
     pub fn compare(
-        &self,
+        &mut self,
         frame: &Frame,
         bounds: Option<Aabb>,
         cancel: &Cancel,
     ) -> Result<Option<f64>, Cancelled> {
         let known = self.known.as_ref().filter(|known| !self.is_active && known.n_points() > 0);
         let Some((known, bounds)) = known.zip(bounds) else { return Ok(None) };
-        Ok(distance_if_wrong(&known.compare(frame, bounds, cancel)?, self.spacing))
+        let found = known.compare(frame, bounds, cancel)?;
+        Ok(self.agreement.add(&found, self.spacing))
     }
 
     /// Aligns a frame; none while there is no known surface to align it to.

@@ -41,6 +41,8 @@ pub(super) struct Added {
     /// How far the same surface is apart in the given poses, metres, if this frame is the one that shows it:
     /// all frames have been aligned.
     pub apart: Option<f64>,
+    /// Most frames could not be aligned, so that all poses are used as given from here on.
+    pub is_as_given: bool,
 }
 
 impl KnownScene {
@@ -62,7 +64,8 @@ impl KnownScene {
     }
 
     /// Takes in a new frame. With registration, it is aligned first. If that fails, it is set aside; else
-    /// those set aside before are tried again, since more surface is known. Both scene and frames are of no
+    /// those set aside before are tried again, since more surface is known. Frames that are aligned because
+    /// their poses proved wrong are used as given again if most cannot be. Both scene and frames are of no
     /// use if cancelled.
     pub fn take_in(
         &mut self,
@@ -72,14 +75,21 @@ impl KnownScene {
         cancel: &Cancel,
     ) -> Result<Added, Cancelled> {
         let apart = self.alignment.compare(frame, self.map.place().bounds, cancel)?;
-        let moved = match apart {
-            Some(_) => self.align_all(config, frames, cancel)?,
+        let mut moved = match apart {
+            Some(_) => self.begin_again(RegistrationMode::On, config, frames, cancel)?,
             None => None,
         };
-        let number = frames.places.len();
-        frames.places.push(frame.world_from_camera());
-        let registration = self.register(frame, cancel)?;
-        let mut added = Added { registration, moved, apart, ..Added::default() };
+        let mut registration = self.register(frame, cancel)?;
+        let is_choice = config.registration.mode() == RegistrationMode::Auto;
+        let is_as_given = is_choice && !self.is_reliable(registration) && frames.would_mostly_be_set_aside();
+        let mut recovered = Vec::new();
+        if is_as_given {
+            recovered = frames.set_aside.iter().map(|waiting| waiting.number).collect();
+            moved = self.begin_again(RegistrationMode::Off, config, frames, cancel)?.or(moved);
+            registration = None;
+        }
+        let number = frames.add(frame.world_from_camera());
+        let mut added = Added { registration, moved, recovered, apart, is_as_given, ..Added::default() };
         if self.is_reliable(registration) {
             self.add((number, frame.clone(), registration), config, frames, &mut added, cancel)?;
             self.try_again(config, frames, &mut added, cancel)?;
@@ -97,17 +107,19 @@ impl KnownScene {
         Ok(Added { report: report.unwrap_or_default(), ..added })
     }
 
-    /// Begins again with frames that are aligned, those of this placement that were taken before.
-    fn align_all(
+    /// Begins again with the frames of this placement that were taken before, in the given poses or aligned.
+    fn begin_again(
         &mut self,
+        mode: RegistrationMode,
         config: &SessionConfig,
         frames: &mut TakenFrames,
         cancel: &Cancel,
     ) -> Result<Option<Location>, Cancelled> {
-        let registration = RegistrationConfig { enabled: Some(RegistrationMode::On), ..config.registration };
+        let registration = RegistrationConfig { enabled: Some(mode), ..config.registration };
         let config = SessionConfig { registration, ..*config };
+        let given = frames.as_given();
         let TakenFrames { mapped: mut earlier, n_earlier, .. } = std::mem::take(frames);
-        let given = earlier.split_off(n_earlier);
+        earlier.truncate(n_earlier);
         let (mut scene, mut moved) = Self::new(&config).expect("the configuration was checked");
         if n_earlier > 0 {
             *frames = TakenFrames { mapped: earlier, n_earlier, ..TakenFrames::default() };

@@ -174,9 +174,10 @@ impl Session {
         (self.scene, self.frames) = (scene, frames);
         let Place { bounds, table } = self.scene.map.place();
         let top = table.map(|table| table.top);
-        match added.apart {
-            Some(_) => self.seen = self.frames.seen_anew(SeenCells::new(self.config.voxel_size), bounds, top),
-            None => self.seen.add(&self.frames.mapped[n_mapped..], bounds, top),
+        if added.apart.is_some() || added.is_as_given {
+            self.seen = self.frames.seen_anew(SeenCells::new(self.config.voxel_size), bounds, top);
+        } else {
+            self.seen.add(&self.frames.mapped[n_mapped..], bounds, top);
         }
         if let Some(joined) = joined {
             self.adopt(joined, &mut added);
@@ -332,7 +333,7 @@ impl Session {
     }
 
     /// Whether frames are aligned to the surface measured before: with [`RegistrationMode::Auto`], once the
-    /// given poses disagree.
+    /// given poses disagree, and unless most frames cannot be.
     pub fn aligns_frames(&self) -> bool {
         self.scene.alignment.is_active()
     }
@@ -591,6 +592,7 @@ impl Session {
             world_from_camera: self.frames.places[number],
             registration: added.registration,
             apart: added.apart,
+            is_as_given: added.is_as_given,
             is_set_aside: self.frames.set_aside.iter().any(|waiting| waiting.number == number),
             recovered: added.recovered,
             outlook: taken.as_ref().and_then(|next| next.outlook.clone()),

@@ -28,7 +28,13 @@ pub(super) struct TakenFrames {
     pub set_aside: Vec<SetAside>,
     /// Where the frames were taken, by number: as mapped or, of those set aside, as given.
     pub places: Vec<Pose>,
+    /// The poses that all frames came with, by number.
+    pub given: Vec<Pose>,
 }
+
+/// As many frames that cannot be aligned, if more than the others, show that frames cannot be: fewer
+/// may still be linked by those to come.
+const MANY_SET_ASIDE: usize = 5;
 
 impl TakenFrames {
     /// Those in the map that are of this placement.
@@ -40,8 +46,30 @@ impl TakenFrames {
     pub fn after(&self, earlier: Vec<Frame>) -> Self {
         let n_earlier = earlier.len();
         let mapped = earlier.into_iter().chain(self.of_now().iter().cloned()).collect();
-        let Self { numbers, set_aside, places, .. } = self.clone();
-        Self { mapped, n_earlier, numbers, set_aside, places }
+        let Self { numbers, set_aside, places, given, .. } = self.clone();
+        Self { mapped, n_earlier, numbers, set_aside, places, given }
+    }
+
+    /// Those of this placement, oldest first, in the poses that they came with.
+    pub fn as_given(&self) -> Vec<Frame> {
+        let mapped = self.numbers.iter().copied().zip(self.of_now());
+        let set_aside = self.set_aside.iter().map(|waiting| (waiting.number, &waiting.frame));
+        let mut frames: Vec<_> = mapped.chain(set_aside).collect();
+        frames.sort_by_key(|(number, _)| *number);
+        frames.into_iter().map(|(number, frame)| frame.clone().with_pose(self.given[number])).collect()
+    }
+
+    /// Whether, with one more that is set aside, those would be many and more than the others.
+    pub fn would_mostly_be_set_aside(&self) -> bool {
+        let n = self.set_aside.len() + 1;
+        n >= MANY_SET_ASIDE && 2 * n > self.places.len() + 1
+    }
+
+    /// Counts a frame that came with this pose; returns its number.
+    pub fn add(&mut self, given: Pose) -> usize {
+        self.places.push(given);
+        self.given.push(given);
+        self.places.len() - 1
     }
 
     /// Puts a frame into the map.
