@@ -68,6 +68,17 @@ pub(super) struct Fitting<'a> {
     pub cancel: &'a Cancel,
 }
 
+/// How a frame in its given pose lies beside the known surface.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Comparison {
+    /// Where it fits better.
+    pub found: Registration,
+    /// Of the points that lie on the known surface in the given pose, the root mean square of their distances
+    /// from the planes there, metres; a point that does so only in the found one counts as the whole reach. By
+    /// the pairs of the found pose, it would be large wherever a frame slides along a surface.
+    pub apart: f64,
+}
+
 /// A frame in a pose, before anything is said against it.
 #[derive(Clone, Copy, Debug)]
 struct Fit {
@@ -93,11 +104,7 @@ impl Fitting<'_> {
 
     /// Where the frame fits from the given pose alone, without a search; the only objection is that it fits
     /// no better than in the given pose.
-    ///
-    /// The residual before is that of the points that lie on the known surface in the given pose; a point
-    /// that does so only afterwards counts as the whole reach. Taken of the pairs found afterwards, it would
-    /// be large wherever a frame slides along a surface.
-    pub fn nearby(&self) -> Result<Registration, Cancelled> {
+    pub fn nearby(&self) -> Result<Comparison, Cancelled> {
         let Fit { registration, n_pairs, misfit, .. } = self.aligned(self.reach.first)?;
         let given = self.camera.pose();
         let verdict = if misfit < self.misfit(&given)? { registration.verdict } else { Verdict::NoBetter };
@@ -105,8 +112,8 @@ impl Fitting<'_> {
         let n = before.len().max(n_pairs);
         let squares: f64 = before.iter().map(|pair| pair.residual().powi(2)).sum();
         let lost = self.reach.last.powi(2) * (n - before.len()) as f64;
-        let residual_before = ((squares + lost) / n.max(1) as f64).sqrt();
-        Ok(Registration { verdict, residual_before, ..registration })
+        let apart = ((squares + lost) / n.max(1) as f64).sqrt();
+        Ok(Comparison { found: Registration { verdict, ..registration }, apart })
     }
 
     /// The nearest of the alignments of about the least misfit, among those as near as given poses are right,

@@ -1,5 +1,5 @@
 use super::camera::Camera;
-use super::fitting::Fitting;
+use super::fitting::{Comparison, Fitting};
 use super::gauge::motion_to_given;
 use super::icp::{SearchReach, pairs};
 use super::joint::{self, View};
@@ -164,7 +164,7 @@ impl KnownSurface {
         frame: &Frame,
         bounds: Aabb,
         cancel: &Cancel,
-    ) -> Result<Registration, Cancelled> {
+    ) -> Result<Comparison, Cancelled> {
         self.fitting(frame, bounds, cancel)?.nearby()
     }
 

@@ -29,3 +29,5 @@ pub use mode::RegistrationMode;
 pub use outcome::{Registration, Verdict};
 pub use pair::Pair;
 pub use surface_points::SurfacePoint;
+
+pub(crate) use fitting::Comparison;

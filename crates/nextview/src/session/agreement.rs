@@ -1,5 +1,5 @@
 use crate::geometry::Aabb;
-use crate::registration::{KnownSurface, Registration, RegistrationConfig, Verdict};
+use crate::registration::{Comparison, KnownSurface, Registration, RegistrationConfig, Verdict};
 use crate::sensor::Frame;
 use crate::{Cancel, Cancelled};
 
@@ -39,13 +39,13 @@ impl Agreement {
     /// Returns how far its surface is beside that of the others, metres, if it shows that the given poses are
     /// wrong: clearly so, or if those of two frames are and of more than half of all. One frame among many may
     /// have slid.
-    pub fn add(&mut self, found: &Registration, spacing: f64) -> Option<f64> {
-        self.n_compared += (found.overlap >= LEAST_OVERLAP) as usize;
-        let is_wrong = is_wrong(found, spacing);
+    pub fn add(&mut self, compared: &Comparison, spacing: f64) -> Option<f64> {
+        self.n_compared += (compared.found.overlap >= LEAST_OVERLAP) as usize;
+        let is_wrong = is_wrong(compared, spacing);
         self.n_wrong += is_wrong as usize;
-        let is_clear = found.residual_before > TIMES_NEARER * found.residual_after;
+        let is_clear = compared.apart > TIMES_NEARER * compared.found.residual_after;
         let are_more = self.n_wrong >= LEAST_FRAMES && 2 * self.n_wrong > self.n_compared;
-        (is_wrong && (is_clear || are_more)).then_some(found.residual_before)
+        (is_wrong && (is_clear || are_more)).then_some(compared.apart)
     }
 }
 
@@ -54,12 +54,12 @@ impl Agreement {
 /// What an alignment leaves of the distances is the noise of the sensor and the coarseness of the points. A
 /// pose is wrong if it adds more to the squared distances than that, and the camera need not be moved much
 /// farther than the surfaces are apart. With right poses, an alignment removes 1 to 5 %.
-fn is_wrong(found: &Registration, spacing: f64) -> bool {
-    let removed_sq = found.residual_before.powi(2) - found.residual_after.powi(2);
+fn is_wrong(&Comparison { found, apart }: &Comparison, spacing: f64) -> bool {
+    let removed_sq = apart.powi(2) - found.residual_after.powi(2);
     found.verdict != Verdict::NoBetter
         && found.overlap >= LEAST_OVERLAP
         && removed_sq > found.residual_after.powi(2)
-        && found.moved <= MOST_TIMES_FARTHER * found.residual_before
+        && found.moved <= MOST_TIMES_FARTHER * apart
         && removed_sq > (LEAST_ERROR * spacing).powi(2)
 }
 
@@ -80,7 +80,7 @@ pub(super) fn apart(
     let Ok(mut known) = KnownSurface::new(config) else { return Ok(None) };
     let mut distances = Vec::new();
     for frame in frames {
-        let found = known.compare(frame, bounds, cancel)?;
+        let found = known.compare(frame, bounds, cancel)?.found;
         if is_apart(&found, voxel_size) {
             distances.push(found.residual_before);
         }
@@ -105,11 +105,11 @@ mod tests {
 
     /// A frame whose surface was so far from the others before and after an alignment that moved the camera,
     /// in millimetres.
-    fn found(before: f64, after: f64, moved: f64) -> Registration {
-        Registration {
+    fn compared(apart: f64, after: f64, moved: f64) -> Comparison {
+        let found = Registration {
             world_from_camera: Pose::IDENTITY,
             verdict: Verdict::Aligned,
-            residual_before: 1e-3 * before,
+            residual_before: 1e-3 * apart,
             residual_after: 1e-3 * after,
             overlap: 0.5,
             misfit: 0.0,
@@ -117,18 +117,20 @@ mod tests {
             turned: 0.0,
             stiffness: 0.1,
             n_iterations: 5,
-        }
+        };
+        Comparison { found, apart: 1e-3 * apart }
     }
 
     /// Which of the frames show that the poses are wrong.
-    fn shown(frames: &[Registration]) -> Vec<bool> {
+    fn shown(frames: &[Comparison]) -> Vec<bool> {
         let mut agreement = Agreement::default();
-        frames.iter().map(|found| agreement.add(found, 0.005).is_some()).collect()
+        frames.iter().map(|compared| agreement.add(compared, 0.005).is_some()).collect()
     }
 
     #[test]
     fn poses_are_wrong_if_one_frame_shows_it_clearly_or_most_frames_do() {
-        let (right, wrong, clear) = (found(1.05, 1.0, 1.0), found(2.0, 1.0, 3.0), found(4.0, 1.0, 6.0));
+        let (right, wrong, clear) =
+            (compared(1.05, 1.0, 1.0), compared(2.0, 1.0, 3.0), compared(4.0, 1.0, 6.0));
         assert_eq!(shown(&[right, clear]), [false, true]);
         assert_eq!(shown(&[right, wrong, wrong]), [false, false, true]);
         assert_eq!(shown(&[right, right, right, wrong, wrong]), [false; 5]);
@@ -136,10 +138,11 @@ mod tests {
 
     #[test]
     fn a_frame_that_slides_or_hardly_overlaps_shows_nothing() {
-        let slid = found(4.0, 1.0, 30.0);
-        let beside = Registration { overlap: 0.2, ..found(4.0, 1.0, 6.0) };
-        let worse = Registration { verdict: Verdict::NoBetter, ..found(4.0, 1.0, 6.0) };
-        let slight = found(0.4, 0.1, 0.4);
+        let slid = compared(4.0, 1.0, 30.0);
+        let clear = compared(4.0, 1.0, 6.0);
+        let beside = Comparison { found: Registration { overlap: 0.2, ..clear.found }, ..clear };
+        let worse = Comparison { found: Registration { verdict: Verdict::NoBetter, ..clear.found }, ..clear };
+        let slight = compared(0.4, 0.1, 0.4);
         assert_eq!(shown(&[slid, slid, beside, beside, worse, worse, slight, slight]), [false; 8]);
     }
 }
