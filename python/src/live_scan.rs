@@ -28,8 +28,8 @@ pub struct LiveScan {
     cancel: Cancel,
     /// Whether its own folder holds its results: it may replace them.
     is_saved: AtomicBool,
-    /// Whether it was saved when it was over. Its journal may be gone then, and a further frame would be in no
-    /// file.
+    /// Whether it was saved when it was over. Its journal may be gone then, and a further frame would be in
+    /// no file.
     is_closed: AtomicBool,
 }
 

@@ -287,8 +287,8 @@ fn apart(object: &SimulatedObject, a: &Pose, b: &Pose) -> f64 {
 fn a_camera_in_a_hand_is_tracked_guided_and_found_again() {
     let mut simulated =
         ScanConfig { object: "builtin:teapot".to_owned(), ..config(PlannerName::MostSurface) };
-    // Near views only: the way to a far one leads past the round side, where nothing can be tracked. With 0 to
-    // 0.1, the camera is lost 8 steps of 20 on the way to the third view.
+    // Near views only: the way to a far one leads past the round side, where nothing can be tracked. With 0
+    // to 0.1, the camera is lost 8 steps of 20 on the way to the third view.
     simulated.most_surface.theta = 0.2;
     let object = SimulatedObject::new(&simulated).unwrap();
     let mut config = live(&simulated, &object);

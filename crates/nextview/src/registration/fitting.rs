@@ -74,8 +74,8 @@ pub(crate) struct Comparison {
     /// Where it fits better.
     pub found: Registration,
     /// Of the points that lie on the known surface in the given pose, the root mean square of their distances
-    /// from the planes there, metres; a point that does so only in the found one counts as the whole reach. By
-    /// the pairs of the found pose, it would be large wherever a frame slides along a surface.
+    /// from the planes there, metres; a point that does so only in the found one counts as the whole reach.
+    /// By the pairs of the found pose, it would be large wherever a frame slides along a surface.
     pub apart: f64,
 }
 

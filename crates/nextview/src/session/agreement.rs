@@ -35,10 +35,10 @@ pub(super) struct Agreement {
 }
 
 impl Agreement {
-    /// Counts a frame that was [compared](KnownSurface::compare), points pooled in cells of this edge, metres.
-    /// Returns how far its surface is beside that of the others, metres, if it shows that the given poses are
-    /// wrong: clearly so, or if those of two frames are and of more than half of all. One frame among many may
-    /// have slid.
+    /// Counts a frame that was [compared](KnownSurface::compare), points pooled in cells of this edge,
+    /// metres. Returns how far its surface is beside that of the others, metres, if it shows that the given
+    /// poses are wrong: clearly so, or if those of two frames are and of more than half of all. One frame
+    /// among many may have slid.
     pub fn add(&mut self, compared: &Comparison, spacing: f64) -> Option<f64> {
         self.n_compared += (compared.found.overlap >= LEAST_OVERLAP) as usize;
         let is_wrong = is_wrong(compared, spacing);

@@ -41,9 +41,10 @@ fn plan(
     plan_with(&mut MostSurface::with_prior(config, prior.clone()).unwrap(), snapshot, views, visited)
 }
 
-/// The plan, with every view looked at by itself. Distances are from the last view taken. What a view shows is
-/// the library's to the last bit, since equal plans are expected. It is compared with the view's rays, each cut
-/// with every voxel: for the chosen view and all of few, and for a sixteenth of many, as all take minutes.
+/// The plan, with every view looked at by itself. Distances are from the last view taken. What a view shows
+/// is the library's to the last bit, since equal plans are expected. It is compared with the view's rays,
+/// each cut with every voxel: for the chosen view and all of few, and for a sixteenth of many, as all take
+/// minutes.
 fn slow_plan(
     config: MostSurfaceConfig,
     prior: &SurfacePrior,
