@@ -62,8 +62,8 @@ pub fn directions(camera: &Intrinsics, pose: &Pose, bounds: &Aabb, spacing: f64)
     let pixels: Option<Vec<DVec2>> = corners.iter().map(|&corner| camera.project(corner)).collect();
     // With a corner that has no place in the image, it is the whole image.
     if let Some(pixels) = pixels {
-        let least = pixels.iter().copied().reduce(DVec2::min).unwrap();
-        let most = pixels.iter().copied().reduce(DVec2::max).unwrap();
+        let least = pixels.iter().copied().reduce(DVec2::min).expect("eight corners");
+        let most = pixels.iter().copied().reduce(DVec2::max).expect("eight corners");
         // A lens bends edges.
         let margin = if camera.distortion() == Distortion::None { 0.0 } else { 0.02 } * (most - least);
         (low, high) = (low.max(least - margin), high.min(most + margin));

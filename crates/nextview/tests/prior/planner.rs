@@ -61,7 +61,7 @@ fn slow_plan(
     let gain = |view: usize, spacing: f64| {
         let range = DepthRange::default();
         let gain = ExpectedSurface::new(&snapshot, &camera, range, &measured, &estimate, spacing).unwrap();
-        if views.len() <= 25 || view % 16 == 0 {
+        if views.len() <= 25 || view.is_multiple_of(16) {
             check_view(&snapshot, &camera, &estimate, spacing, &views.pose(view)).unwrap();
         }
         gain.evaluator().gain(&views.pose(view))
