@@ -258,9 +258,8 @@ class Scan:
     def save(self, out: str | os.PathLike[str] | None = None, *, force: bool = False) -> None:
         """Writes the results into a folder, as the program does: map, cloud, mesh, records, `report.html`.
 
-        Without `out`, into the folder that the scan was begun with; if the scan is over, it needs no resuming
-        then. A scan that is over takes no more frames once it is saved. Results of another scan are replaced
-        only with `force`.
+        Without `out`, into the folder that the scan was begun with. A scan that is over is then finished: it
+        needs no resuming and takes no more frames. Results of another scan are replaced only with `force`.
         """
         path = self._out if out is None else os.fspath(out)
         if path is None:

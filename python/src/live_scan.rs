@@ -28,9 +28,6 @@ pub struct LiveScan {
     cancel: Cancel,
     /// Whether its own folder holds its results: it may replace them.
     is_saved: AtomicBool,
-    /// Whether it was saved when it was over. Its journal may be gone then, and a further frame would be in
-    /// no file.
-    is_closed: AtomicBool,
 }
 
 #[pymethods]
@@ -104,13 +101,7 @@ impl LiveScan {
         let image = depth_image(&self.camera, depth, depth_scale_m, mask)?;
         let color = color.map(|color| color_image(&self.camera, color)).transpose()?;
         let taken = LiveFrame { depth: image, world_from_camera, color, name: None };
-        let step = self.with(py, |scan| {
-            if self.is_closed.load(Ordering::Relaxed) {
-                let fault = Fault::request("the scan is finished and saved, and takes no more frames");
-                return Err(fault.with_remedy("begin another scan").into());
-            }
-            Ok(scan.observe(taken)?.clone())
-        })?;
+        let step = self.with(py, |scan| Ok(scan.observe(taken)?.clone()))?;
         to_python(py, &step)
     }
 
@@ -220,7 +211,6 @@ impl LiveScan {
             self.is_saved.fetch_or(is_own, Ordering::Relaxed);
             faults.map_or(Ok(()), Err)?;
             let is_over = scan.stop_reason().is_some_and(|reason| reason != StopReason::NoObject);
-            self.is_closed.fetch_or(is_over, Ordering::Relaxed);
             if is_own && is_over {
                 scan.forget_journal();
             }
@@ -244,8 +234,7 @@ impl LiveScan {
         let cancel = Cancel::default();
         let scan = compute(py, &cancel, || open(cancel.clone()))?;
         let camera = scan.config().camera;
-        let (is_saved, is_closed) = (AtomicBool::new(false), AtomicBool::new(false));
-        Ok(Self { scan: Mutex::new(scan), camera, cancel, is_saved, is_closed })
+        Ok(Self { scan: Mutex::new(scan), camera, cancel, is_saved: AtomicBool::new(false) })
     }
 
     /// Does this with the scan, without the interpreter's lock.

@@ -130,20 +130,19 @@ def test_an_interrupted_scan_is_resumed(tmp_path: Path) -> None:
         undisturbed.save(out, force=True)
 
 
-@pytest.mark.parametrize("is_own", [True, False])
-def test_a_finished_scan_that_is_saved_takes_no_more_frames(tmp_path: Path, is_own: bool) -> None:
-    scan = begin(views=2, out=tmp_path / "own" if is_own else None)
+def test_a_finished_scan_that_is_saved_takes_no_more_frames(tmp_path: Path) -> None:
+    scan = begin(views=2, out=tmp_path / "own")
     first = scan.next_view()
     assert first is not None
     scan.observe(ball(first.world_from_camera), first)
-    scan.save(tmp_path / "own")  # not finished yet
+    scan.save()  # not finished yet
     run(scan)
     assert scan.stop_reason is not None and len(scan.steps) == 2
-    scan.save(tmp_path / "own", force=True)
+    scan.save()
     with pytest.raises(nextview.InputError, match="the scan is finished and saved, and takes no more frames"):
         scan.observe(ball(first.world_from_camera), first)
     assert len(scan.steps) == 2 and scan.next_view() is None
-    scan.save(tmp_path / "own", force=True)
+    scan.save()
 
 
 def test_lost_frames_of_a_resumed_scan_are_warned_of(tmp_path: Path) -> None:

@@ -23,8 +23,8 @@ HOLE_DEPTH = 12.0
 PLACE = 0.003
 DEPTH_MM = 0.2
 SURE = 3
-# What misses that, by sensor and dent, and how far off it may be. The dent of 2 mm is measured 0.222 mm too shallow with
-# the noise of a D435i: 0.175 mm are the slopes at its rim, which are measured with it by an exact camera, too.
+# Larger bounds for dents that miss that, by sensor and depth. With the noise of a D435i, the dent of 2 mm is measured
+# 0.222 mm too shallow. An exact camera measures it 0.175 mm too shallow, since the slopes at its rim count.
 MISSES_MM = {("d435i", 2.0): 0.225}
 
 

@@ -103,7 +103,7 @@ impl Problem {
     }
 }
 
-/// Keys and places in lists as one key, from the innermost first.
+/// Joins the keys of a path, innermost first, into a dotted key.
 fn dotted(path: &[String]) -> String {
     path.iter().rev().map(String::as_str).collect::<Vec<_>>().join(".")
 }

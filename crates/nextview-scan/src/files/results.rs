@@ -136,7 +136,7 @@ pub fn remove_unfinished(folder: &Path, names: &[&str]) -> io::Result<()> {
             false => fs::remove_file(entry.path()),
         });
         match removed {
-            // Its own process may have removed it, or another one that begins here.
+            // Another process that begins here may have removed it.
             Err(error) if error.kind() == ErrorKind::NotFound => {}
             removed => removed?,
         }

@@ -111,7 +111,7 @@ impl ScanJournal {
         let (journal, Kept { heading, entries, damage }) =
             Journal::open(&dir.join(Self::FILE)).map_err(|fault| match Self::occupant(dir) {
                 Occupant::Scan => being_scanned(dir),
-                // Whoever had it open has finished the scan since.
+                // Another process has finished the scan meanwhile.
                 _ if !Self::is_in(dir) => nothing_to_resume(dir),
                 _ => fault,
             })?;

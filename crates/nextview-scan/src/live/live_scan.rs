@@ -46,6 +46,8 @@ pub struct LiveScan {
     /// By step, that of the frame as it was given.
     fingerprints: Vec<u64>,
     pub(super) whereabouts: Whereabouts,
+    /// Its journal is gone: a further frame would be in no file.
+    is_closed: bool,
 }
 
 impl LiveScan {
@@ -93,8 +95,8 @@ impl LiveScan {
     ) -> Result<Self, Faults> {
         let begin = Begin { journal, cancel: cancel.clone() };
         let run = ScanRun::of_session(camera.session(&config)?, &config, begin)?;
-        let (damage, fingerprints, whereabouts) = Default::default();
-        Ok(Self { camera, config, run, cancel, damage, fingerprints, whereabouts })
+        let (damage, fingerprints, whereabouts, is_closed) = Default::default();
+        Ok(Self { camera, config, run, cancel, damage, fingerprints, whereabouts, is_closed })
     }
 
     /// What could not be read at the end of the journal when the scan was resumed: the frames there are lost.
@@ -132,6 +134,10 @@ impl LiveScan {
     ///
     /// A cancelled frame that was kept in a folder is taken in by [`next`](Self::next), or observed again.
     pub fn observe(&mut self, taken: LiveFrame) -> Result<&StepRecord, Fault> {
+        if self.is_closed {
+            let fault = Fault::request("the scan is finished and saved, and takes no more frames");
+            return Err(fault.with_remedy("begin another scan"));
+        }
         let LiveFrame { depth, world_from_camera, color, name } = taken;
         let pose = world_from_camera.map_or_else(|| self.locate(&depth), Ok)?;
         let frame = self.camera.frame(depth, pose)?;
@@ -279,9 +285,10 @@ impl LiveScan {
         write_results(folder, &self.config, self.scan())
     }
 
-    /// The results are on the disk, or there will be none: the journal is removed. Later frames are kept in
-    /// memory only.
+    /// Removes the journal: the results are on the disk, or there will be none. No more frames are
+    /// [observed](Self::observe).
     pub fn forget_journal(&mut self) {
+        self.is_closed = true;
         self.run.scan_mut().forget_journal();
     }
 }

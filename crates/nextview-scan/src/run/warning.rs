@@ -40,7 +40,7 @@ pub(super) fn poses_are_wrong(distance: f64) -> String {
     format!("{}; from here on, all frames are aligned to each other", Suspicion::Apart { distance })
 }
 
-/// States that frames whose poses are wrong cannot be aligned.
+/// States that alignment was given up.
 pub(super) const POSES_AS_GIVEN: &str =
     "most frames cannot be aligned to each other: all poses are used as given";
 

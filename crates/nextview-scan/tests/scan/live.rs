@@ -126,6 +126,10 @@ fn an_interrupted_scan_is_resumed_with_its_colours() {
     assert_eq!(names[..4], ["frame 0", "frame 1", "frame 2", "frame 3"]);
     scan.forget_journal();
     assert!(!ScanJournal::is_in(&dir));
+    let again = scan.scan().frame(0).unwrap().clone();
+    let again = LiveFrame::new(again.image().clone(), again.world_from_camera());
+    let fault = scan.observe(again).unwrap_err().to_string();
+    assert!(fault.contains("takes no more frames"), "{fault}");
 }
 
 #[test]
@@ -287,8 +291,8 @@ fn apart(object: &SimulatedObject, a: &Pose, b: &Pose) -> f64 {
 fn a_camera_in_a_hand_is_tracked_guided_and_found_again() {
     let mut simulated =
         ScanConfig { object: "builtin:teapot".to_owned(), ..config(PlannerName::MostSurface) };
-    // Near views only: the way to a far one leads past the round side, where nothing can be tracked. With 0
-    // to 0.1, the camera is lost 8 steps of 20 on the way to the third view.
+    // Near views only: the way to a far one leads past the round side, where nothing can be tracked. With 0.1
+    // or less, the camera is lost at step 8 of 20 on the way to the third view.
     simulated.most_surface.theta = 0.2;
     let object = SimulatedObject::new(&simulated).unwrap();
     let mut config = live(&simulated, &object);

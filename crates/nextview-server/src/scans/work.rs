@@ -49,7 +49,7 @@ impl Work {
         work
     }
 
-    /// Whether a scan that is not in memory has been finished, be it by another process that resumed it.
+    /// Notes that the scan on the disk is finished, which another process that resumed it may have done.
     pub fn look(&mut self) {
         let has_results = || !ScanJournal::is_in(&self.dir) && self.dir.join("record.json").is_file();
         if self.scan.is_none() && self.phase == Phase::UnderWay && has_results() {

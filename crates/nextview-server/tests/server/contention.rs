@@ -61,7 +61,7 @@ fn what_is_not_the_servers_stays_as_it_is() {
     }
 }
 
-/// Its results would be replaced, and the frames in them lost.
+/// Otherwise the server would replace the results and lose their frames.
 #[test]
 fn a_scan_that_another_process_finished_is_not_begun_again() {
     let folder = Folder::new("finished-elsewhere");

@@ -68,14 +68,14 @@ pub(super) struct Fitting<'a> {
     pub cancel: &'a Cancel,
 }
 
-/// How a frame in its given pose lies beside the known surface.
+/// A frame in its given pose compared with the known surface.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Comparison {
-    /// Where it fits better.
+    /// The alignment from the given pose.
     pub found: Registration,
-    /// Of the points that lie on the known surface in the given pose, the root mean square of their distances
-    /// from the planes there, metres; a point that does so only in the found one counts as the whole reach.
-    /// By the pairs of the found pose, it would be large wherever a frame slides along a surface.
+    /// Root mean square distance, metres, of the frame's points from the known surface in the given pose. A
+    /// point that is on the surface only after the alignment counts as the whole reach. Pairs found by the
+    /// alignment would overstate it for a frame that slides along a surface.
     pub apart: f64,
 }
 
@@ -102,8 +102,8 @@ impl Fitting<'_> {
         })
     }
 
-    /// Where the frame fits from the given pose alone, without a search; the only objection is that it fits
-    /// no better than in the given pose.
+    /// Aligns the frame from its given pose alone, without a search. It is refused only if it fits no better
+    /// than in the given pose.
     pub fn nearby(&self) -> Result<Comparison, Cancelled> {
         let Fit { registration, n_pairs, misfit, .. } = self.aligned(self.reach.first)?;
         let given = self.camera.pose();

@@ -157,8 +157,7 @@ impl KnownSurface {
         self.fitting(frame, bounds, cancel)?.register()
     }
 
-    /// The same, from the given pose alone, judged only by whether it fits better there: how far the frame
-    /// lies beside the known surface is to be learned.
+    /// Compares a frame in its given pose with the known surface, to learn how far apart they are.
     pub(crate) fn compare(
         &self,
         frame: &Frame,

@@ -8,8 +8,8 @@ pub enum RegistrationMode {
     /// Never: poses are used as given.
     Off,
     /// Once the frames show that the given poses are wrong; all frames are aligned then, those observed
-    /// before included. Until then, poses are used as given, to the bit; and again if at least five frames,
-    /// and more than half of them, cannot be aligned.
+    /// before included. Until then, poses are used as given, to the bit. Alignment is given up if it fails
+    /// for at least five frames and more than half of all.
     Auto,
     /// Always.
     On,

@@ -15,30 +15,30 @@ const TIMES_NEARER: f64 = 3.0;
 /// Errors of the given poses below this share of a cell do not matter.
 const LEAST_ERROR: f64 = 0.1;
 
-/// A wrong pose moves surfaces apart by about as much as the camera is off: at most this many times less. An
-/// alignment that moves the camera farther than that slides along the surface.
+/// Maximum ratio of the camera's motion to the distance between the surfaces. An alignment that moves the
+/// camera farther slides along the surface.
 ///
-/// Simulated parts whose poses were off by 1.5 and 5 mm: 1.1 to 3.3 times. Recorded frames of a flat box and
-/// of mugs on a table, whose poses are right: 8 and more.
+/// Simulated parts with poses off by 1.5 and 5 mm have ratios of 1.1 to 3.3; recordings of a flat box and of
+/// mugs on a table, with right poses, 8 and more.
 const MOST_TIMES_FARTHER: f64 = 6.0;
 
-/// Of a frame, at least this share lies on the surface of those before it once it is aligned.
+/// Minimum share of a frame's points that lie on the surface of earlier frames after the alignment.
 const LEAST_OVERLAP: f64 = 0.3;
 
-/// What frames have shown of the given poses, each compared with those before it.
+/// Counts how many given poses proved wrong, each frame compared with those before it.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Agreement {
     /// Number of frames that overlap with those before them.
     n_compared: usize,
-    /// Number of those whose pose is wrong.
+    /// Number of frames whose pose is wrong.
     n_wrong: usize,
 }
 
 impl Agreement {
-    /// Counts a frame that was [compared](KnownSurface::compare), points pooled in cells of this edge,
-    /// metres. Returns how far its surface is beside that of the others, metres, if it shows that the given
-    /// poses are wrong: clearly so, or if those of two frames are and of more than half of all. One frame
-    /// among many may have slid.
+    /// Counts a frame [compared](KnownSurface::compare) with points pooled in cells of this edge, metres.
+    /// Returns the distance between its surface and that of the others, metres, if the given poses are wrong:
+    /// if this frame shows it clearly, or if at least two frames and more than half of them do. A single
+    /// frame may have slid.
     pub fn add(&mut self, compared: &Comparison, spacing: f64) -> Option<f64> {
         self.n_compared += (compared.found.overlap >= LEAST_OVERLAP) as usize;
         let is_wrong = is_wrong(compared, spacing);
@@ -49,11 +49,11 @@ impl Agreement {
     }
 }
 
-/// Whether the pose of a frame that was compared is wrong.
+/// Whether a compared frame shows that its pose is wrong.
 ///
-/// What an alignment leaves of the distances is the noise of the sensor and the coarseness of the points. A
-/// pose is wrong if it adds more to the squared distances than that, and the camera need not be moved much
-/// farther than the surfaces are apart. With right poses, an alignment removes 1 to 5 %.
+/// The distance that remains after the alignment is sensor noise and the coarseness of the points. A wrong
+/// pose adds more than that to the squared distances, and the camera need not move much farther than the
+/// surfaces are apart. With right poses, an alignment removes 1 to 5 %.
 fn is_wrong(&Comparison { found, apart }: &Comparison, spacing: f64) -> bool {
     let removed_sq = apart.powi(2) - found.residual_after.powi(2);
     found.verdict != Verdict::NoBetter
@@ -103,8 +103,8 @@ mod tests {
     use super::*;
     use crate::geometry::Pose;
 
-    /// A frame whose surface was so far from the others before and after an alignment that moved the camera,
-    /// in millimetres.
+    /// A frame with these distances to the others before and after an alignment, and the camera's motion,
+    /// all in millimetres.
     fn compared(apart: f64, after: f64, moved: f64) -> Comparison {
         let found = Registration {
             world_from_camera: Pose::IDENTITY,

@@ -41,7 +41,7 @@ pub(super) struct Added {
     /// How far the same surface is apart in the given poses, metres, if this frame is the one that shows it:
     /// all frames have been aligned.
     pub apart: Option<f64>,
-    /// Most frames could not be aligned, so that all poses are used as given from here on.
+    /// Whether alignment was given up with this frame: all poses are used as given.
     pub is_as_given: bool,
 }
 
@@ -64,9 +64,9 @@ impl KnownScene {
     }
 
     /// Takes in a new frame. With registration, it is aligned first. If that fails, it is set aside; else
-    /// those set aside before are tried again, since more surface is known. Frames that are aligned because
-    /// their poses proved wrong are used as given again if most cannot be. Both scene and frames are of no
-    /// use if cancelled.
+    /// those set aside before are tried again, since more surface is known. With
+    /// [`RegistrationMode::Auto`], alignment is given up if it fails for most frames. Both scene and frames
+    /// are of no use if cancelled.
     pub fn take_in(
         &mut self,
         config: &SessionConfig,
@@ -107,7 +107,7 @@ impl KnownScene {
         Ok(Added { report: report.unwrap_or_default(), ..added })
     }
 
-    /// Begins again with the frames of this placement that were taken before, in the given poses or aligned.
+    /// Rebuilds the scene from the earlier frames of this placement, in this mode.
     fn begin_again(
         &mut self,
         mode: RegistrationMode,

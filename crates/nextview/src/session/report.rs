@@ -25,8 +25,9 @@ pub struct StepReport {
     /// else `None`.
     #[serde(default, rename = "apart_m", skip_serializing_if = "Option::is_none")]
     pub apart: Option<f64>,
-    /// Whether most frames could not be aligned, so that all poses are used as given from here on, those of
-    /// earlier frames included. Only with [`RegistrationMode::Auto`](crate::registration::RegistrationMode).
+    /// Whether alignment was given up with this frame, since it failed for most: all poses, also of earlier
+    /// frames, are used as given. Only with
+    /// [`RegistrationMode::Auto`](crate::registration::RegistrationMode).
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub is_as_given: bool,
     /// Whether the frame could not be aligned and is not in the map.

@@ -28,12 +28,11 @@ pub(super) struct TakenFrames {
     pub set_aside: Vec<SetAside>,
     /// Where the frames were taken, by number: as mapped or, of those set aside, as given.
     pub places: Vec<Pose>,
-    /// The poses that all frames came with, by number.
+    /// The given pose of each frame, by number.
     pub given: Vec<Pose>,
 }
 
-/// As many frames that cannot be aligned, if more than the others, show that frames cannot be: fewer
-/// may still be linked by those to come.
+/// Alignment is given up only if at least this many frames are set aside: later frames may still link fewer.
 const MANY_SET_ASIDE: usize = 5;
 
 impl TakenFrames {
@@ -50,7 +49,7 @@ impl TakenFrames {
         Self { mapped, n_earlier, numbers, set_aside, places, given }
     }
 
-    /// Those of this placement, oldest first, in the poses that they came with.
+    /// The frames of this placement, oldest first, in their given poses.
     pub fn as_given(&self) -> Vec<Frame> {
         let mapped = self.numbers.iter().copied().zip(self.of_now());
         let set_aside = self.set_aside.iter().map(|waiting| (waiting.number, &waiting.frame));
@@ -59,13 +58,13 @@ impl TakenFrames {
         frames.into_iter().map(|(number, frame)| frame.clone().with_pose(self.given[number])).collect()
     }
 
-    /// Whether, with one more that is set aside, those would be many and more than the others.
+    /// Whether one more frame set aside would leave most frames out of the map.
     pub fn would_mostly_be_set_aside(&self) -> bool {
         let n = self.set_aside.len() + 1;
         n >= MANY_SET_ASIDE && 2 * n > self.places.len() + 1
     }
 
-    /// Counts a frame that came with this pose; returns its number.
+    /// Counts a frame in its given pose and returns its number.
     pub fn add(&mut self, given: Pose) -> usize {
         self.places.push(given);
         self.given.push(given);

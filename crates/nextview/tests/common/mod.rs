@@ -33,12 +33,12 @@ pub fn crossed(block: VoxelBlock, origin: DVec3, direction: DVec3) -> Vec<IVec3>
     parts.into_iter().map(|(_, key)| key).collect()
 }
 
-/// The directions (camera frame, z = 1) of rays towards a box: through the middles of equal cells of the part
-/// of the image that shows its corners, so many that none are farther apart than the spacing where the box is
-/// farthest. Not for more rays than the library allows.
+/// Returns the directions (camera frame, z = 1) of rays towards a box: through the middles of equal cells of
+/// the part of the image that shows its corners. At the far side of the box, neighbouring rays are at most
+/// `spacing` apart. The library's limit to the number of rays is left out.
 pub fn directions(camera: &Intrinsics, pose: &Pose, bounds: &Aabb, spacing: f64) -> Vec<DVec3> {
     let size = DVec2::new(f64::from(camera.width()), f64::from(camera.height()));
-    // What a pixel is at most, one metre away, at 17 x 17 places.
+    // The largest width of a pixel one metre away, at 17 x 17 places.
     let mut pixel_m = (1.0 / camera.focal().x).max(1.0 / camera.focal().y);
     for place in (0..17 * 17).map(|i| DVec2::new(f64::from(i % 17), f64::from(i / 17)) / 16.0) {
         let pixel = (size - 1.0) * place;
@@ -60,7 +60,7 @@ pub fn directions(camera: &Intrinsics, pose: &Pose, bounds: &Aabb, spacing: f64)
     }
     let (mut low, mut high) = (DVec2::splat(-0.5), size - 0.5);
     let pixels: Option<Vec<DVec2>> = corners.iter().map(|&corner| camera.project(corner)).collect();
-    // With a corner that has no place in the image, it is the whole image.
+    // If a corner cannot be projected, it is the whole image.
     if let Some(pixels) = pixels {
         let least = pixels.iter().copied().reduce(DVec2::min).expect("eight corners");
         let most = pixels.iter().copied().reduce(DVec2::max).expect("eight corners");

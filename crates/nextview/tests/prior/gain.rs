@@ -13,7 +13,7 @@ use nextview::view::look_at;
 use proptest::prelude::*;
 use std::collections::BTreeMap;
 
-/// The item of a voxel; there is none where surface cannot be.
+/// Returns the item of a voxel; `None` if the voxel cannot hold surface.
 fn item_of(estimate: &SurfaceEstimate, voxel: usize) -> Option<usize> {
     estimate.voxels().binary_search(&(voxel as u32)).ok()
 }

@@ -41,10 +41,10 @@ fn plan(
     plan_with(&mut MostSurface::with_prior(config, prior.clone()).unwrap(), snapshot, views, visited)
 }
 
-/// The plan, with every view looked at by itself. Distances are from the last view taken. What a view shows
-/// is the library's to the last bit, since equal plans are expected. It is compared with the view's rays,
-/// each cut with every voxel: for the chosen view and all of few, and for a sixteenth of many, as all take
-/// minutes.
+/// The plan, with every view evaluated by itself. Distances are from the last view taken. Plans must be
+/// equal, so what a view shows comes from the library, to the last bit. It is checked against the view's
+/// rays, each cut with every voxel: for the chosen view, and for all of up to 25 views or every sixteenth of
+/// more, since all would take minutes.
 fn slow_plan(
     config: MostSurfaceConfig,
     prior: &SurfacePrior,
