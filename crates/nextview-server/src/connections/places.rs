@@ -1,7 +1,11 @@
 use std::collections::BTreeMap;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
-use std::time::Instant;
+use std::time::{Duration, Instant};
 use tokio::sync::Notify;
+
+/// A client that has been waited for this long is slow. A shorter wait says nothing: its bytes may just not have
+/// been read yet.
+const SLOW: Duration = Duration::from_secs(1);
 
 /// The places for connections. Where all are taken, one on which the server waits for its client gives way:
 /// clients that do nothing, or do it slowly, keep nobody out.
@@ -79,10 +83,16 @@ impl Places {
 }
 
 impl Taken {
-    /// Frees the place that waits longest for a head, or else for a body or to get rid of an answer.
+    /// Frees the place of the slow client that is waited for longest, for a head first, or else for a body or to
+    /// take an answer. If no client is slow, of all the one that is waited for longest.
     fn give_way(&mut self) -> bool {
-        let waiting = self.places.iter().filter_map(|(number, state)| Some((state.waits()?, *number)));
-        let Some((_, number)) = waiting.min() else { return false };
+        let now = Instant::now();
+        let waiting = self.places.iter().filter_map(|(number, state)| {
+            let (turn, since) = state.waits()?;
+            let is_slow = now.duration_since(since) >= SLOW;
+            Some((!is_slow, is_slow.then_some(turn), since, *number))
+        });
+        let Some((.., number)) = waiting.min() else { return false };
         if let Some(state) = self.places.remove(&number) {
             state.gives_way.notify_one();
         }
@@ -145,6 +155,7 @@ mod tests {
         let gone = |i: usize| taken[i].gives_way().now_or_never().is_some();
         taken[0].turn(Turn::Server);
         taken[1].turn(Turn::Body);
+        taken.iter().for_each(|place| place.state.lock().since -= SLOW);
         let new = places.take().unwrap();
         assert!(gone(2) && !gone(0) && !gone(1), "a head is waited for");
         new.turn(Turn::Server);
@@ -156,5 +167,16 @@ mod tests {
         assert!(places.take().is_some() && gone(0), "it takes nothing of its answer");
         drop((new, newest, taken));
         assert!(places.lock().places.is_empty());
+    }
+
+    #[test]
+    fn a_client_that_has_just_come_does_not_give_way_to_the_next() {
+        let places = Places::new(2);
+        let (stalled, new) = (places.take().unwrap(), places.take().unwrap());
+        stalled.turn(Turn::Body);
+        stalled.state.lock().since = new.state.lock().since - SLOW / 2;
+        assert!(places.take().is_some());
+        let gone = |place: &Place| place.gives_way().now_or_never().is_some();
+        assert!(gone(&stalled) && !gone(&new), "none is slow, and the body was waited for longer");
     }
 }

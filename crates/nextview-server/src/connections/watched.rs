@@ -35,7 +35,8 @@ impl<B: Body + Unpin> Body for Watched<B> {
         match polled {
             Poll::Pending => self.place.turn(self.turns.0),
             Poll::Ready(None) => self.place.turn(self.turns.1),
-            Poll::Ready(Some(_)) => (),
+            // The wait for the rest begins anew.
+            Poll::Ready(Some(_)) => self.place.turn(Turn::Server),
         }
         polled
     }

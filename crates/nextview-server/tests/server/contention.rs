@@ -8,6 +8,7 @@ use nextview_scan::files::Overwrite;
 use nextview_scan::{LiveScan, ScanJournal, begin_results};
 use serde_json::json;
 use std::fs;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
 #[test]
@@ -129,6 +130,16 @@ fn a_request_passes_beside_idle_and_slow_clients() {
     post("idle");
     let _half = opened(b"GET /scans HTT", 300);
     post("half-heads");
+    let is_done = AtomicBool::new(false);
+    std::thread::scope(|scope| {
+        scope.spawn(|| {
+            while !is_done.load(Ordering::Relaxed) {
+                drop(opened(b"", 1));
+            }
+        });
+        (0..20).for_each(|i| post(&format!("beside-new-connections-{i}")));
+        is_done.store(true, Ordering::Relaxed);
+    });
     let started = [announced.as_bytes(), &vec![0; (64 << 20) - 1]].concat();
     std::thread::scope(|scope| {
         let bodies: Vec<_> = (0..6).map(|_| scope.spawn(|| opened(&started, 1))).collect();
