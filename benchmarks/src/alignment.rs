@@ -1,4 +1,4 @@
-//! An image to align to the surface that the others show.
+//! An image to align to the surface in the others.
 
 use glam::{DQuat, DVec3};
 use nextview::Cancel;
@@ -9,19 +9,19 @@ use nextview::sensor::Frame;
 /// Distance between neighbouring points, metres.
 const SPACING: f64 = 0.002;
 
-/// Search distances for correspondences: a few millimetres more than the points are off, and two cells.
+/// Search distances for correspondences: a few millimetres more than the offset of the points, and two cells.
 const REACH: SearchReach = SearchReach { first: 0.01, last: 2.0 * SPACING };
 
-/// Points that are a little off the surface that they belong to.
+/// Points slightly off their surface.
 #[derive(Clone, Debug)]
 pub struct Alignment {
     known: KnownSurface,
-    /// Where they belong, metres.
+    /// Right positions of the points, metres.
     points: Vec<SurfacePoint>,
 }
 
 impl Alignment {
-    /// Of the last of the frames, to the surface that the others show in the box (world coordinates).
+    /// Aligns the last of the frames to the surface that the others show in the box (world coordinates).
     pub fn of(frames: &[Frame], bounds: Aabb) -> Self {
         let surface = |frames: &[Frame]| {
             let config = RegistrationConfig { spacing: Some(SPACING), ..RegistrationConfig::enabled() };
@@ -36,19 +36,19 @@ impl Alignment {
         Self { known: surface(others), points: surface(last).points() }
     }
 
-    /// The motion that takes the points off: 4 mm and a degree.
+    /// Returns the motion that displaces the points: 4 mm and a degree.
     pub fn motion() -> Pose {
         let rotation = DQuat::from_axis_angle(DVec3::new(2.0, -1.0, 2.0) / 3.0, 1f64.to_radians());
         Pose::new(rotation, DVec3::new(0.003, -0.002, 0.002)).expect("a rotation of unit length")
     }
 
-    /// The motion after the alignment, which should be none, and the number of steps.
+    /// Returns the remaining motion after the alignment, which should be none, and the number of steps.
     pub fn align(&self) -> (Pose, usize) {
         let pairs = |pose: &Pose, reach| self.known.pairs(&self.points, pose, reach, &Cancel::default());
         align(Self::motion(), REACH, pairs).expect("nobody cancels")
     }
 
-    /// The points known, and those to align.
+    /// Returns the known points, and the points to align.
     pub fn points(&self) -> [Vec<SurfacePoint>; 2] {
         [self.known.points(), self.points.clone()]
     }

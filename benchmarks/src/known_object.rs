@@ -1,4 +1,4 @@
-//! An object whose truth is known, on which planners that the settings do not offer are compared.
+//! An object with known truth, used to compare planners that the settings do not offer.
 
 use nextview::geometry::Lattice;
 use nextview::planner::ViewPlanner;
@@ -15,15 +15,15 @@ use std::path::Path;
 
 const N_VIEWS: usize = 10;
 
-/// A mesh, its longest side 0.2 m, before candidates all around it.
+/// A mesh with a longest side of 0.2 m, with candidates all around it.
 pub struct KnownObject {
-    /// The object before a D435i without noise.
+    /// The object in front of a D435i without noise.
     pub scene: Scene,
     /// The candidates.
     pub views: ViewSpace,
     /// The true surface, in voxels of [`VOXEL_SIZE`](Self::VOXEL_SIZE).
     pub voxels: ObjectVoxels,
-    /// What each candidate truly sees.
+    /// The true visibility from each candidate.
     pub truth: TrueVisibility,
 }
 
@@ -34,7 +34,7 @@ impl KnownObject {
     /// Edge of voxels, metres.
     pub const VOXEL_SIZE: f64 = 0.005;
 
-    /// Reads a mesh.
+    /// Loads a mesh.
     pub fn load(path: &Path) -> Result<Self, Box<dyn Error>> {
         let (mesh, _) = mesh::load(path)?.to_metres(Unit::LongestSide(0.2))?;
         let scene = Scene::new(mesh, Intrinsics::d435i())?;
@@ -46,7 +46,7 @@ impl KnownObject {
         Ok(Self { scene, views, voxels, truth })
     }
 
-    /// The skill of ten views from this one on; none where random views are the best there are.
+    /// Returns the skill of ten views starting with this one; `None` if random views are the best possible.
     pub fn skill(
         &self,
         planner: Box<dyn ViewPlanner>,
@@ -58,7 +58,7 @@ impl KnownObject {
         Ok(skill(&extended(seen, N_VIEWS), &random, &clairvoyant_curve(&self.truth, first_view, N_VIEWS)))
     }
 
-    /// A scan from this view on, until its steps are enough or the planner has no more views.
+    /// Scans from this view on, until the steps suffice or the planner has no more views.
     pub fn scan(
         &self,
         planner: Box<dyn ViewPlanner>,

@@ -1,13 +1,14 @@
 //! Benchmarks of the stages of `nextview`.
 //!
-//! One list of [`stages`](stage::stages) on one [`Workload`](workload::Workload) serves four programs:
-//! `cargo bench -p nextview-benchmarks` (wall time), the program `stages` (CPU time, beside the peers in
+//! One list of [`stages`](stage::stages) on one [`Workload`](workload::Workload) serves four programs: `cargo
+//! bench -p nextview-benchmarks` (wall time), the program `stages` (CPU time, compared with the peers in
 //! `peers/`), the program `kernels` (instruction counts) and, over sizes, the program `growth`. The results
 //! are in `BENCHMARK.md`.
-//! The programs `questions`, `ceiling` and `seconds` compare planners on [objects whose truth is
-//! known](known_object), the program `color` textures on [painted] objects, the program `purposes` planners
-//! by what [purposes of scans need](needs). The program `authors_code` repairs the [program of the paper's
-//! authors](authors), slip by slip.
+//!
+//! The programs `questions`, `ceiling` and `seconds` compare planners on [objects with known
+//! truth](known_object), the program `color` compares textures on [painted] objects, and the program
+//! `purposes` compares planners by the [needs of scan purposes](needs). The program `authors_code` repairs
+//! the [program of the paper's authors](authors), slip by slip.
 
 pub mod alignment;
 pub mod authors;
@@ -20,12 +21,12 @@ pub mod plain_files;
 pub mod stage;
 pub mod workload;
 
-/// Whether the variable QUICK is set: programs then show that they run, and measure nothing.
+/// Returns whether the variable QUICK is set: programs then only show that they run, and measure nothing.
 pub fn is_quick() -> bool {
     std::env::var_os("QUICK").is_some()
 }
 
-/// The largest memory that this process ever held, MB (Linux).
+/// Returns the peak memory of this process, MB (Linux).
 pub fn peak_memory_mb() -> Result<f64, Box<dyn std::error::Error>> {
     let status = std::fs::read_to_string("/proc/self/status")?;
     let line =

@@ -1,4 +1,4 @@
-//! Time and memory over a size, both axes logarithmic, as an SVG drawing.
+//! Time and memory against a size, both axes logarithmic, as an SVG drawing.
 
 use std::fmt::Write;
 
@@ -13,19 +13,19 @@ pub struct Point {
     pub mb: f64,
 }
 
-/// One drawing of several that stand side by side.
+/// One of several drawings side by side.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Panel {
     /// Title of the drawing.
     pub title: String,
     /// Label of the size axis.
     pub x_label: String,
-    /// Ascending by size; all numbers positive.
+    /// Points ascending by size; all numbers are positive.
     pub points: Vec<Point>,
 }
 
-/// The slope of a value over the size in logarithms, by least squares over the upper half of the points: the
-/// exponent of growth.
+/// Returns the slope of a value against the size in logarithms, by least squares over the upper half of the
+/// points: the exponent of growth.
 pub fn exponent(points: &[Point], value: impl Fn(&Point) -> f64) -> f64 {
     let upper = &points[points.len() / 2..];
     let logs: Vec<(f64, f64)> = upper.iter().map(|point| (point.size.ln(), value(point).ln())).collect();
@@ -42,7 +42,7 @@ const LEFT: f64 = 52.0;
 const TOP: f64 = 36.0;
 const HEIGHT: f64 = 340.0;
 
-/// The panels side by side, on white.
+/// Draws the panels side by side, on white.
 pub fn draw(panels: &[Panel]) -> String {
     let width = PANEL_WIDTH * panels.len() as f64;
     let mut svg = format!(
@@ -101,7 +101,7 @@ impl Panel {
             let place =
                 |point: &Point| format!("{:.1},{:.1}", x.place(point.size), height - y.place(value(point)));
             let places: Vec<String> = self.points.iter().map(place).collect();
-            // Curves rise to the right, which leaves the upper left corner to their names.
+            // Curves rise to the right, which leaves the upper left corner for their names.
             let name_y = 18.0 + 16.0 * i as f64;
             _ = write!(
                 svg,

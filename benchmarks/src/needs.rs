@@ -1,4 +1,4 @@
-//! What the purposes of scans need: measures of a scan's frames on the true surface.
+//! The needs of scan purposes: measures of a scan's frames on the true surface.
 
 use glam::DVec3;
 use nextview::Cancel;
@@ -16,60 +16,59 @@ use std::ops::Range;
 /// Number of samples of the true surface.
 const N_SAMPLES: usize = 10_000;
 
-/// A sample is seen if its pixel measures the object as near to it as this, metres.
+/// A sample is seen if its pixel measures the object within this distance, metres.
 const SEEN: f64 = 0.002;
 
-/// Directions in which features of a surface are matched between pictures: so far apart that depth follows,
-/// and not so far that the surface looks different. Degrees.
+/// Angles between directions in which features of a surface are matched between pictures: large enough to
+/// give depth, and small enough to look alike. Degrees.
 const BASELINE: Range<f64> = 5.0..45.0;
 
-/// Looks at flatter angles than this from the normal, or nearer to one before, are not counted. Degrees.
+/// Maximum angle of a counted look from the normal, and minimum angle from earlier looks. Degrees.
 const GOOD_LOOK: f64 = 60.0;
 const APART: f64 = 10.0;
 
-/// Every candidate of so many decides which surface can be seen.
+/// Step between the candidates that determine the visible surface.
 const CANDIDATES: usize = 4;
 
-/// Number of looks wanted, and of pictures that features are matched in.
+/// Number of looks wanted, and of pictures for matching features.
 const N_LOOKS: usize = 3;
 
-/// The true object as purposes look at it.
+/// The true object for the evaluation of purposes.
 pub struct TrueObject<'a> {
     camera: &'a SimulatedCamera,
-    /// Samples of the surface that every fourth candidate, at least one, sees.
+    /// Surface samples seen by at least one of the checked candidates (every fourth).
     samples: Vec<Sample>,
-    /// From the middle of the object to the candidates, unit.
+    /// Unit vectors from the middle of the object to the candidates.
     directions: Vec<DVec3>,
     middle: DVec3,
 }
 
-/// A point of the surface, with its normal, of either side.
+/// A point of the surface with its normal, on either side.
 #[derive(Clone, Copy)]
 struct Sample {
     point: DVec3,
     normal: DVec3,
 }
 
-/// What purposes need, of one scan. Shares are of the surface that any candidate sees.
+/// The measures of one scan for all purposes. Shares are of the surface that any candidate sees.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Needs {
-    /// Share that was seen.
+    /// Share seen.
     pub surface: f64,
-    /// Angle between the direction of a candidate and the nearest one taken: the largest and the mean,
-    /// degrees.
+    /// Angle between a candidate's direction and the nearest one taken: the largest and the mean, degrees.
     pub angles_deg: [f64; 2],
-    /// Of the surface that a view sees, the share that one before saw: least and mean over all but the first.
+    /// Share of the surface seen by a view that an earlier one saw: minimum and mean over all but the first.
     pub overlap: [f64; 2],
-    /// Share that is seen in three pictures, from at least 5 degrees apart, two pairs of them at most 45.
+    /// Share seen in three pictures at least 5 degrees apart, two pairs of them at most 45.
     pub matchable: f64,
-    /// Share with three looks, from at least 10 degrees apart and at most 60 from the normal.
+    /// Share with three looks at least 10 degrees apart and at most 60 from the normal.
     pub looks: f64,
-    /// Share whose expected error is within the goal.
+    /// Share with an expected error within the goal.
     pub at_goal: f64,
 }
 
 impl Needs {
-    /// The measures in the order of their fields, for means and differences.
+    /// Returns the measures in the order of their fields, for means and differences.
     pub fn values(&self) -> [f64; 8] {
         let Self { surface, angles_deg: [largest, mean], overlap: [least, usual], matchable, looks, at_goal } =
             *self;
@@ -78,7 +77,7 @@ impl Needs {
 }
 
 impl<'a> TrueObject<'a> {
-    /// The object before a camera, among candidates around it.
+    /// Puts the object in front of a camera, among candidates around it.
     pub fn new(
         camera: &'a SimulatedCamera,
         middle: DVec3,
@@ -95,8 +94,8 @@ impl<'a> TrueObject<'a> {
         Ok(Self { camera, samples, directions, middle })
     }
 
-    /// What these frames bring, taken by a camera of this error with exact poses; `goal` is a standard
-    /// deviation, metres, in cells of this size.
+    /// Evaluates these frames by a camera with this error and exact poses; `goal` is a standard deviation,
+    /// metres, in cells of this size.
     pub fn needs(
         &self,
         frames: &[Frame],
@@ -160,7 +159,7 @@ fn samples(mesh: &TriangleMesh) -> Vec<Sample> {
     (0..N_SAMPLES).map(sample).collect()
 }
 
-/// By sample, whether a picture from there truly measures it.
+/// By sample, whether a picture from this pose truly measures it.
 fn seen_from(
     camera: &SimulatedCamera,
     samples: &[Sample],
@@ -170,7 +169,8 @@ fn seen_from(
     Ok(samples.iter().map(|sample| look.shows(sample.point, SEEN)).collect())
 }
 
-/// Of what each view but the first sees, the share that one before saw: the least and the mean.
+/// The share of the surface seen by each view but the first that an earlier one saw: the minimum and the
+/// mean.
 fn overlap(seen: &[Vec<bool>]) -> [f64; 2] {
     let Some((first, others)) = seen.split_first() else { return [0.0; 2] };
     let (mut known, mut shares) = (first.clone(), Vec::new());
@@ -183,7 +183,7 @@ fn overlap(seen: &[Vec<bool>]) -> [f64; 2] {
     [shares.iter().copied().fold(1.0, f64::min), shares.iter().sum::<f64>() / shares.len().max(1) as f64]
 }
 
-/// Whether three of the directions are far enough apart, and two pairs of them near enough.
+/// Whether three of the directions are far enough apart, and two pairs of them close enough.
 fn is_matchable(directions: &[DVec3]) -> bool {
     let n = directions.len();
     let angle = |i: usize, j: usize| degrees(directions[i], directions[j]);
@@ -195,7 +195,7 @@ fn is_matchable(directions: &[DVec3]) -> bool {
     (0..n).any(|i| (i + 1..n).any(|j| (j + 1..n).any(|k| is_match(i, j, k))))
 }
 
-/// Number of directions from which a surface is seen well, each apart from those before it.
+/// Number of directions that see a surface well, each distinct from the earlier ones.
 fn n_looks(directions: &[DVec3], normal: DVec3) -> usize {
     let mut looks: Vec<DVec3> = Vec::new();
     for &direction in directions {

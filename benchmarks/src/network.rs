@@ -9,12 +9,11 @@ use nextview::visibility::{FreeSpace, RayCaster};
 use std::error::Error;
 use std::path::Path;
 
-/// Voxels on a ray enter the network above this quality. The code of the paper's authors uses 0.3; the lower
+/// Minimum quality of voxels on a ray in the network. The code of the paper's authors uses 0.3; the lower
 /// limit gives as many voxels as their largest networks have, about a thousand.
 const MIN_QUALITY: f64 = 0.1;
 
-/// Distance between the rays that those of the network are taken from, voxels: small enough for enough of
-/// them.
+/// Distance between the candidate rays for the network, voxels: small enough for enough rays.
 const RAY_SPACING: f64 = 1.5;
 
 /// Rays of the views and the quality of the voxels on them.
@@ -31,8 +30,8 @@ pub struct Network {
 }
 
 impl Network {
-    /// A network of this many rays with a voxel on them, spread over all views, after the first image at 1
-    /// cm; of fewer if there are fewer.
+    /// Creates a network of this many rays with a voxel on them, spread over all views, after the first image
+    /// at 1 cm; of fewer rays if there are fewer.
     pub fn of(workload: &Workload, n_rays: usize) -> Self {
         let snapshot = workload.snapshot(Set::A, 0.01, 1);
         let gain = LocalGain::new(&snapshot, &Cancel::default()).expect("nobody cancels");
@@ -51,7 +50,7 @@ impl Network {
         let n_voxels = snapshot.block().n_voxels();
         let mut network =
             Self { view_of_ray: Vec::new(), edges: Vec::new(), n_views: workload.views.len(), n_voxels };
-        // Every k-th ray, k not an integer.
+        // Every k-th ray, with a fractional k.
         let is_kept =
             |i: usize| i * n_rays / rays.len() != (i + 1) * n_rays / rays.len() || rays.len() <= n_rays;
         for (view, edges) in (0..rays.len()).filter(|&i| is_kept(i)).map(|i| &rays[i]) {
@@ -62,7 +61,7 @@ impl Network {
         network
     }
 
-    /// The views of the optimal flow, as few as are found.
+    /// Returns the views of the optimal flow, with a small number of views.
     pub fn solve(&self) -> Vec<u32> {
         let mut best = BestSets::new(self.n_voxels, self.n_views);
         for &(ray, voxel, quality) in &self.edges {
@@ -71,8 +70,8 @@ impl Network {
         fewest_sets(best.candidates(), &Cancel::default()).expect("nobody cancels")
     }
 
-    /// Writes it for the peers: numbers of views, rays, voxels and edges (i32), the view of every ray (i32),
-    /// ray and voxel of every edge (i32), quality of every edge (f64).
+    /// Writes the network for the peers: numbers of views, rays, voxels and edges (i32), the view of every
+    /// ray (i32), ray and voxel of every edge (i32), quality of every edge (f64).
     ///
     /// # Errors
     /// If the file cannot be written.

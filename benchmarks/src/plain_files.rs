@@ -23,7 +23,7 @@ type Outcome<T> = Result<T, Box<dyn Error>>;
 /// Writes a mesh.
 ///
 /// # Errors
-/// As all of this module: if the file cannot be read or written, with its name.
+/// As everywhere in this module: if the file cannot be read or written, with its name.
 pub fn write_mesh(path: &Path, mesh: &TriangleMesh) -> Outcome<()> {
     let (vertices, triangles) = (mesh.vertices(), mesh.triangles());
     let mut bytes = Vec::new();

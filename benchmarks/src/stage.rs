@@ -1,4 +1,4 @@
-//! The stages that are timed, each with its cases.
+//! The timed stages, each with its cases.
 
 mod files;
 mod insertion;
@@ -10,19 +10,19 @@ mod scan;
 use crate::workload::Workload;
 use std::fmt;
 
-/// The work that is repeated and timed.
+/// The repeated and timed work.
 pub type Work<'a> = Box<dyn FnMut() + 'a>;
 
 /// A stage on one case of the workload.
 pub struct Stage {
-    /// Name of the work, e.g. `insertion A; per end voxel`; without a comma, since commas separate the fields
-    /// of result lines.
+    /// Name of the work, e.g. `insertion A; per end voxel`; without commas, which separate the fields of
+    /// result lines.
     pub name: &'static str,
     /// The case, e.g. `5 mm`.
     pub case: String,
-    /// Number of units, such as images, in one run of the work: times are stated per unit.
+    /// Number of units, such as images, in one run of the work: times are per unit.
     pub n_units: usize,
-    /// Makes the input, which is not timed.
+    /// Makes the input; not timed.
     prepare: Prepare,
 }
 
@@ -38,7 +38,7 @@ impl Stage {
         Self { name, case: case.into(), n_units, prepare: Box::new(prepare) }
     }
 
-    /// The work on a workload, ready to run.
+    /// Prepares the work on a workload.
     pub fn prepare<'a>(&self, workload: &'a Workload) -> Work<'a> {
         (self.prepare)(workload)
     }
@@ -50,7 +50,7 @@ impl fmt::Display for Stage {
     }
 }
 
-/// All stages, in the order of the pipeline.
+/// Returns all stages, in the order of the pipeline.
 pub fn stages() -> Vec<Stage> {
     let groups = [
         rendering::stages(),
@@ -63,7 +63,7 @@ pub fn stages() -> Vec<Stage> {
     groups.into_iter().flatten().collect()
 }
 
-/// A voxel size as cases name it.
+/// A voxel size as named in cases.
 fn name_of(voxel_size: f64) -> String {
     let mm = (voxel_size * 1e3).round();
     if mm >= 10.0 { format!("{} cm", mm / 10.0) } else { format!("{mm} mm") }

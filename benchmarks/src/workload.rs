@@ -1,4 +1,4 @@
-//! The input that all benchmarks share.
+//! The common input of all benchmarks.
 
 use crate::alignment::Alignment;
 use crate::plain_files;
@@ -16,8 +16,7 @@ use std::error::Error;
 use std::path::Path;
 use std::sync::Arc;
 
-/// Edge of the cube that the map and the planning rays are confined to, metres: the object's 0.2 m and some
-/// air.
+/// Edge of the cube that confines the map and the planning rays, metres: the object's 0.2 m and some margin.
 pub const BOX_EDGE: f64 = 0.25;
 
 /// Distance of all cameras from the object's centre, metres.
@@ -49,16 +48,16 @@ pub enum Set {
 pub struct Workload {
     /// The object, and the same surface with 4 and 16 times as many triangles.
     pub meshes: [Arc<TriangleMesh>; 3],
-    /// Where the ten depth images were taken (`world_from_camera`).
+    /// Poses of the ten depth images (`world_from_camera`).
     pub poses: Vec<Pose>,
-    /// Where the camera could go.
+    /// The view candidates.
     pub views: ViewSpace,
     /// Points of set A and set B, one cloud per image, metres.
     clouds: [Vec<Vec<DVec3>>; 2],
 }
 
 impl Workload {
-    /// The workload around a mesh file, or a built-in object if there is none by that name.
+    /// Creates the workload from a mesh file, or from a built-in object if there is no file with that name.
     ///
     /// # Errors
     /// If the file cannot be read or holds no mesh.
@@ -81,7 +80,7 @@ impl Workload {
         Ok(Self { meshes, poses, views: views_on_sphere(N_VIEWS)?, clouds })
     }
 
-    /// The same with a hundredth of the points and the views, to see that everything runs.
+    /// Keeps a hundredth of the points and the views, to check that everything runs.
     ///
     /// # Errors
     /// If there are no views.
@@ -110,7 +109,7 @@ impl Workload {
         })
     }
 
-    /// Writes the workload to a folder that exists, for [`read`](Self::read) and for the peers.
+    /// Writes the workload to an existing folder, for [`read`](Self::read) and for the peers.
     ///
     /// # Errors
     /// If a file cannot be written.
@@ -137,19 +136,19 @@ impl Workload {
         plain_files::write_poses(&folder.join("motion.f64"), &[Alignment::motion()])
     }
 
-    /// The ten images of the object alone.
+    /// Returns the ten images of the object alone.
     pub fn frames(&self) -> Vec<Frame> {
         let camera = SimulatedCamera::new(self.meshes[0].clone(), intrinsics(), Background::None, 10.0);
         let camera = camera.expect("a sound camera");
         self.poses.iter().map(|pose| camera.capture(pose).expect("a camera outside of the object")).collect()
     }
 
-    /// The last image beside the surface that the others show.
+    /// Returns the last image with the surface that the others show.
     pub fn alignment(&self) -> Alignment {
         Alignment::of(&self.frames(), bounds())
     }
 
-    /// The finest mesh as the bytes of a PLY file.
+    /// Returns the finest mesh as the bytes of a PLY file.
     ///
     /// # Errors
     /// If there is not enough memory.
@@ -159,17 +158,18 @@ impl Workload {
         Ok(bytes)
     }
 
-    /// The vertices of the finest mesh, as PLY files are written from.
+    /// Returns the vertices of the finest mesh, in the form that PLY files are written from.
     pub fn finest_vertices(&self) -> Vec<CloudPoint> {
         self.meshes[2].vertices().iter().map(|&vertex| vertex.into()).collect()
     }
 
-    /// The ten clouds of a set.
+    /// Returns the ten clouds of a set.
     pub fn clouds(&self, set: Set) -> &[Vec<DVec3>] {
         &self.clouds[set as usize]
     }
 
-    /// The map after the first `n_images` clouds of a set, a ray for every point, confined to the box.
+    /// Returns the map after the first `n_images` clouds of a set, with a ray for every point, confined to
+    /// the box.
     pub fn map(&self, set: Set, voxel_size: f64, n_images: usize) -> OccupancyMap {
         let mut map = empty_map(voxel_size);
         let integration =
@@ -181,36 +181,36 @@ impl Workload {
         map
     }
 
-    /// The snapshot of [`map`](Self::map) for planning.
+    /// Returns the snapshot of [`map`](Self::map) for planning.
     pub fn snapshot(&self, set: Set, voxel_size: f64, n_images: usize) -> Snapshot {
         self.map(set, voxel_size, n_images).snapshot(block(voxel_size))
     }
 }
 
-/// The camera of the workload: 640 x 480 pixels, 610 pixels of focal length, no distortion.
+/// Returns the camera of the workload: 640 x 480 pixels, 610 pixels of focal length, no distortion.
 pub fn intrinsics() -> Intrinsics {
     Intrinsics::pinhole(640, 480, DVec2::splat(610.0), DVec2::new(320.0, 240.0))
         .expect("a camera of sound numbers")
 }
 
-/// The distance between rays at the far side of the box, in voxels, with which they are 20 pixels apart: 32 x
-/// 24 over the whole image.
+/// Returns the distance between rays at the far side of the box, in voxels, that makes them 20 pixels apart:
+/// 32 x 24 over the whole image.
 pub fn ray_spacing_of_image_grid(voxel_size: f64) -> f64 {
     let farthest = CAMERA_DISTANCE + 0.5 * BOX_EDGE * 3.0_f64.sqrt();
     20.0 / intrinsics().focal().x * farthest / voxel_size
 }
 
-/// A map of nothing, with OctoMap's sensor model.
+/// Returns an empty map with OctoMap's sensor model.
 pub fn empty_map(voxel_size: f64) -> OccupancyMap {
     OccupancyMap::new(lattice(voxel_size), SensorModel::default()).expect("the default model is sound")
 }
 
-/// The box around the object.
+/// Returns the box around the object.
 pub fn bounds() -> Aabb {
     Aabb::cube(DVec3::ZERO, 0.5 * BOX_EDGE)
 }
 
-/// The voxels of the box around the object.
+/// Returns the voxels of the box around the object.
 pub fn block(voxel_size: f64) -> VoxelBlock {
     lattice(voxel_size).block_inside(&bounds()).expect("the box holds voxels of every size measured")
 }

@@ -12,9 +12,9 @@ use pyo3::prelude::*;
 
 const DEPTH: &str = "expected an array of height x width, float32 in metres, or uint16 with `depth_scale_m`";
 
-/// A depth image of this camera: float32 in metres, or uint16 in units of `scale` metres. Pixels of the mask
-/// are missing. Arrays of any layout are read row by row; a frame is kept, so that its depths are copied
-/// once.
+/// Converts a depth image of this camera: float32 in metres, or uint16 in units of `scale` metres. Masked
+/// pixels are missing. Arrays of any layout are read row by row; the depths are copied once, because a frame
+/// is kept.
 pub fn depth_image(
     camera: &Intrinsics,
     depth: &Bound<'_, PyAny>,
@@ -35,7 +35,7 @@ pub fn depth_image(
     let mut metres = metres(depth, array, scale)?;
     if let Some(mask) = mask {
         let mask = of_kind::<bool, _>("mask", mask, [height, width], "a bool array of the depth's shape")?;
-        // In numpy, a byte of a bool may be any; in Rust, it must be 0 or 1.
+        // A numpy bool may be any byte; in Rust, it must be 0 or 1.
         let bytes = py.get_type::<PyUntypedArray>().call_method1("view", (mask, "uint8"))?;
         let mask = readonly("mask", bytes.cast::<PyArray2<u8>>()?)?;
         let masked = metres.iter_mut().zip(mask.as_array()).filter(|(_, is_masked)| **is_masked != 0);
@@ -45,7 +45,7 @@ pub fn depth_image(
         .map_err(|error| exception(py, Fault::from(error)))
 }
 
-/// What is in an array of another size is not looked at: it may be of any length without taking any memory.
+/// Checked before reading the content: an array of another size may be of any length without using memory.
 fn check_size(py: Python<'_>, name: &str, [height, width]: [usize; 2], camera: &Intrinsics) -> PyResult<()> {
     let expected = [camera.height() as usize, camera.width() as usize];
     if [height, width] == expected {
@@ -55,7 +55,7 @@ fn check_size(py: Python<'_>, name: &str, [height, width]: [usize; 2], camera: &
     Err(exception(py, Fault::of_value(name, format!("{width} x {height}"), expected)))
 }
 
-/// A colour image of this camera: height x width x 3, uint8, red first.
+/// Converts a colour image of this camera: height x width x 3, uint8, red first.
 pub fn color_image(camera: &Intrinsics, color: &Bound<'_, PyAny>) -> PyResult<ColorImage> {
     let py = color.py();
     let expected = "a uint8 array of height x width x 3";
@@ -75,7 +75,7 @@ pub fn color_image(camera: &Intrinsics, color: &Bound<'_, PyAny>) -> PyResult<Co
         .map_err(|error| exception(py, Fault::from(error)))
 }
 
-/// The depths as float32 in metres: NaN where nothing was measured, infinite where nothing came back.
+/// Returns depths as float32 in metres: NaN for missing pixels, infinity for pixels without return.
 pub fn depths<'py>(py: Python<'py>, image: &DepthImage) -> PyResult<Bound<'py, PyArray2<f32>>> {
     let (width, height) = (image.width(), image.height());
     let metres: Vec<f32> = image.pixels().map(Depth::metres).collect();
@@ -123,7 +123,7 @@ fn untyped<'a, 'py>(
 /// An array of elements of type `T` along `N` axes.
 type ArrayOf<T, const N: usize> = PyArray<T, numpy::ndarray::Dim<[usize; N]>>;
 
-/// The array, if it is of this type and shape.
+/// Returns the array, if it has this type and shape.
 fn of_kind<'a, 'py, T: Element, const N: usize>(
     name: &str,
     value: &'a Bound<'py, PyAny>,
@@ -144,13 +144,13 @@ where
         .map_err(|_| input_error(py, format!("`{name}` is of {}, expected {expected}", array.dtype())))
 }
 
-/// The array, to be read in place.
+/// Returns the array for reading in place.
 pub fn readonly<'py, T: Element, D: Dimension>(
     name: &str,
     array: &Bound<'py, PyArray<T, D>>,
 ) -> PyResult<PyReadonlyArray<'py, T, D>> {
     let py = array.py();
-    // No reference may point to a number that is not; a subclass may have other flags than its array.
+    // References to invalid values are not allowed; a subclass may have other flags than its array.
     let flags = py.get_type::<PyUntypedArray>().getattr("flags")?.call_method1("__get__", (array,))?;
     if !flags.getattr("aligned")?.extract::<bool>()? {
         let remedy = format!("pass np.require({name}, requirements='A')");

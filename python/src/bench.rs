@@ -15,7 +15,7 @@ use pyo3::types::{PyDict, PyString};
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
 
-/// What a campaign is to do, and where it is kept.
+/// The runs of a campaign, and its folder.
 struct Campaign {
     spec: Spec,
     dir: PathBuf,
@@ -23,7 +23,7 @@ struct Campaign {
     jobs: Option<usize>,
 }
 
-/// What is left of a campaign.
+/// The outcome of a campaign.
 struct Done {
     runs: Table,
     steps: Table,
@@ -69,7 +69,7 @@ pub fn bench<'py>(
     Ok(dict)
 }
 
-/// The specification of this name, in this file, or that this dict is.
+/// Reads a specification by name, from a file, or from a dict.
 pub fn read_spec(spec: &Bound<'_, PyAny>, objects: &[String]) -> PyResult<Spec> {
     let py = spec.py();
     let spec = if let Ok(dict) = spec.cast::<PyDict>() {
@@ -107,8 +107,8 @@ fn done(
     Ok(Done { runs, steps, times: tables::times(&records), failed: store.failed() })
 }
 
-/// Columns by name: arrays of float64 with NaN for missing values, of int64 or bool where none is missing,
-/// and lists of texts or None.
+/// Returns columns by name: arrays of float64 with NaN for missing values, of int64 or bool if none is
+/// missing, and lists of texts or None.
 fn columns<'py>(py: Python<'py>, table: Table) -> PyResult<Bound<'py, PyDict>> {
     let dict = PyDict::new(py);
     for (name, column) in table.columns() {

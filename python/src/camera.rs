@@ -7,12 +7,12 @@ use nextview::sensor::{DepthRange, Distortion, Intrinsics, Sensor};
 use nextview_scan::Fault;
 use pyo3::prelude::*;
 
-/// See `nextview.Camera`, which this is the base of.
+/// Base class of `nextview.Camera`.
 #[pyclass(frozen, subclass, module = "nextview._native")]
 pub struct Camera {
     /// The optics.
     pub intrinsics: Intrinsics,
-    /// The depths that it measures, metres.
+    /// The depths that it measures, in metres.
     pub depth_range: DepthRange,
 }
 
@@ -47,7 +47,7 @@ impl Camera {
         make().map_err(|fault| exception(py, fault))
     }
 
-    /// The numbers of a sensor by its name, in the order of the constructor.
+    /// The numbers of a sensor by name, in the order of the constructor.
     #[staticmethod]
     fn of_sensor(py: Python<'_>, name: &str) -> PyResult<Numbers> {
         let sensor: Sensor =

@@ -1,4 +1,4 @@
-//! Campaigns whose runs are done by other processes.
+//! Campaigns with runs done by other processes.
 
 use crate::bench::read_spec;
 use crate::errors::internal_error;
@@ -13,13 +13,13 @@ use pyo3::prelude::*;
 use std::path::PathBuf;
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
-/// The campaign of a folder, which hands out runs and keeps their records.
+/// The campaign in a folder, which distributes runs and stores their records.
 #[pyclass(frozen, module = "nextview._native")]
 pub struct Campaign(Mutex<Dispatch>);
 
 #[pymethods]
 impl Campaign {
-    /// Begins the folder or resumes it.
+    /// Begins or resumes the campaign in a folder.
     #[new]
     fn new(py: Python<'_>, spec: &Bound<'_, PyAny>, objects: Vec<String>, out: PathBuf) -> PyResult<Self> {
         let spec = read_spec(spec, &objects)?;
@@ -32,13 +32,13 @@ impl Campaign {
         to_python(py, &compute(py, &Cancel::default(), || Ok(self.lock().beginning()))?)
     }
 
-    /// The next batch for so many workers, by its name and as text; none if all runs were handed out.
+    /// The next batch for this number of workers, as name and text; None if all runs are distributed.
     fn take(&self, py: Python<'_>, n_workers: usize) -> PyResult<Option<(String, String)>> {
         let taken = |batch: execution::Batch| Ok((batch.to_string(), batch.to_json()?));
         compute(py, &Cancel::default(), || self.lock().take(n_workers).map(taken).transpose())
     }
 
-    /// Keeps the record of a run; the events of that.
+    /// Stores the record of a run; returns the resulting events.
     fn keep<'py>(&self, py: Python<'py>, record: &str) -> PyResult<Bound<'py, PyAny>> {
         let kept = compute(py, &Cancel::default(), || {
             let unreadable = |error| Fault::data(format!("the record of a run cannot be read: {error}"));
@@ -48,7 +48,7 @@ impl Campaign {
         to_python(py, &kept?)
     }
 
-    /// Writes the tables; the runs that failed by object and reason.
+    /// Writes the tables; returns the failed runs by object and reason.
     fn finish(&self, py: Python<'_>) -> PyResult<Vec<(String, String, usize)>> {
         let failed = compute(py, &Cancel::default(), || self.lock().finish())?;
         Ok(failed.into_iter().map(|failed| (failed.object, failed.reason, failed.n_runs)).collect())
@@ -67,8 +67,8 @@ pub struct BatchRuns(Mutex<execution::BatchRuns>);
 
 #[pymethods]
 impl BatchRuns {
-    /// Of the batch in this text, by so many threads; with a folder of truths, those that are there are not
-    /// computed.
+    /// Begins the batch in this text with this number of threads; truths in the cache folder are not computed
+    /// again.
     #[new]
     #[pyo3(signature = (text, n_threads, truth_cache, truth_cache_mb))]
     fn new(

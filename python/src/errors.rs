@@ -7,10 +7,10 @@ use pyo3::prelude::*;
 use std::fmt;
 use std::path::PathBuf;
 
-/// The exception of these faults, as classes in `nextview.errors` describe them.
+/// Returns the exception for these faults, of the classes in `nextview.errors`.
 pub fn exception(py: Python<'_>, faults: impl Into<Faults>) -> PyErr {
     let faults = faults.into();
-    // A computation is cancelled by a signal only.
+    // Only a signal cancels a computation.
     if faults.iter().any(|fault| fault.kind == FaultKind::Cancelled) {
         return PyKeyboardInterrupt::new_err(());
     }
@@ -27,12 +27,12 @@ fn raised_by_planner(fault: &Fault) -> Option<&PyErr> {
     fault.cause.as_ref()?.0.downcast_ref::<Failure>()?.error.as_ref()
 }
 
-/// The exception of an argument that cannot be used.
+/// The exception for an invalid argument.
 pub fn input_error(py: Python<'_>, message: impl fmt::Display) -> PyErr {
     exception(py, Fault::request(message))
 }
 
-/// The exception of a panic: a fault of ours.
+/// The exception for a panic, which is a bug in the library.
 pub fn internal_error(py: Python<'_>, message: &str) -> PyErr {
     let fault = Fault::data(format!("a fault in nextview: {message}"));
     raised(py, "InternalError", &fault.into()).unwrap_or_else(|error| error)
@@ -44,7 +44,7 @@ fn raised(py: Python<'_>, class: &str, faults: &Faults) -> PyResult<PyErr> {
     Ok(PyErr::from_value(instance))
 }
 
-/// A planner in Python raised an exception, or returned something that is no answer.
+/// A Python planner raised an exception, or returned an invalid answer.
 #[derive(Debug)]
 pub struct Failure {
     message: String,
@@ -52,19 +52,19 @@ pub struct Failure {
 }
 
 impl Failure {
-    /// It returned something else than expected, as the message says.
+    /// A return value other than expected, as described by the message.
     pub fn new(message: String) -> Self {
         Self { message, error: None }
     }
 
-    /// This part of it raised an exception.
+    /// An exception raised in this part.
     pub fn raised(py: Python<'_>, part: &str, error: PyErr) -> Self {
         let place = place(py, &error).unwrap_or_default();
         Self { message: format!("{part} raised {error}{place}"), error: Some(error) }
     }
 }
 
-/// File and line that raised: a campaign keeps nothing but the message.
+/// File and line of the exception: a campaign keeps only the message.
 fn place(py: Python<'_>, error: &PyErr) -> Option<String> {
     let mut last = error.traceback(py)?.into_any();
     while let Some(next) = last.getattr("tb_next").ok().filter(|next| !next.is_none()) {

@@ -1,6 +1,6 @@
-//! The compiled part of the Python package `nextview`: arrays and values in and out, nothing that decides.
+//! The compiled part of the Python package `nextview`: converts arrays and values, and decides nothing.
 //!
-//! What is documented for users stands in the Python sources beside this crate; they check nothing either.
+//! User documentation is in the Python sources next to this crate; they check nothing either.
 
 mod arrays;
 mod bench;

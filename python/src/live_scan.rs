@@ -1,4 +1,4 @@
-//! A scan by a camera of one's own.
+//! A scan with a user's camera.
 
 use crate::arrays::{color_image, depth_image};
 use crate::camera::{Camera, numbers_of};
@@ -20,13 +20,13 @@ use std::path::PathBuf;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Mutex, TryLockError};
 
-/// See `nextview.Scan`, which this is the engine of.
+/// The engine of `nextview.Scan`.
 #[pyclass(frozen, module = "nextview._native")]
 pub struct LiveScan {
     scan: Mutex<nextview_scan::LiveScan>,
     camera: Intrinsics,
     cancel: Cancel,
-    /// Whether its own folder holds its results: it may replace them.
+    /// Whether its own folder contains its results, which it may replace.
     is_saved: AtomicBool,
 }
 
@@ -71,7 +71,7 @@ impl LiveScan {
         Self::opened(py, |cancel| nextview_scan::LiveScan::resume(&dir, cancel))
     }
 
-    /// What could not be read of the scan that was resumed.
+    /// The unreadable part of the resumed scan.
     fn damage(&self, py: Python<'_>) -> PyResult<Option<String>> {
         self.with(py, |scan| Ok(scan.damage().map(ToString::to_string)))
     }
@@ -160,7 +160,7 @@ impl LiveScan {
         Ok(numbers_of(&intrinsics, live.unwrap_or_default().depth_range()).into_pyobject(py)?.into_any())
     }
 
-    /// Cloud and mesh.
+    /// Returns cloud and mesh.
     fn model<'py>(&self, py: Python<'py>) -> PyResult<(Bound<'py, PyDict>, Bound<'py, PyDict>)> {
         let model = self.with(py, |scan| Ok(scan.scan().model(scan.config().model)?))?;
         Ok((model::cloud(py, &model.cloud)?, model::mesh(py, &model)?))
@@ -171,7 +171,7 @@ impl LiveScan {
         snapshot.map(|snapshot| model::map(py, &snapshot)).transpose()
     }
 
-    /// The page that shows the scan as it stands.
+    /// The page of the scan in its current state.
     fn page(&self, py: Python<'_>) -> PyResult<String> {
         self.with(py, |scan| {
             let record = scan.scan().record(scan.config(), Measured::Nothing)?;
@@ -185,7 +185,7 @@ impl LiveScan {
         pictures::arrays_of(py, &frame)
     }
 
-    /// What was known after each frame.
+    /// The state of knowledge after each frame.
     fn moments<'py>(&self, py: Python<'py>) -> PyResult<Vec<MomentArrays<'py>>> {
         let moments = self.with(py, |scan| pictures::moments(scan.scan(), scan.config()))?;
         moments.into_iter().map(|moment| moment.arrays(py)).collect()
@@ -200,8 +200,8 @@ impl LiveScan {
         to_python(py, &self.with(py, |scan| Ok(scan.stop_reason()))?)
     }
 
-    /// Writes the results; where `is_own`, this is the folder that the scan was begun in, whose journal is
-    /// needed no more when the scan is over.
+    /// Writes the results. With `is_own`, this is the folder in which the scan was begun; its journal is not
+    /// needed once the scan is over.
     fn save(&self, py: Python<'_>, dir: PathBuf, force: bool, is_own: bool) -> PyResult<()> {
         self.with(py, |scan| {
             let force = force || (is_own && self.is_saved.load(Ordering::Relaxed));
@@ -219,7 +219,7 @@ impl LiveScan {
     }
 }
 
-/// Lowest and highest corner.
+/// Lowest and highest corners.
 fn box_of(value: &Bound<'_, PyAny>) -> PyResult<[f64; 6]> {
     let expected = "its lowest and its highest corner, 2 x 3 numbers";
     let corners = values::numbers("box", value, |shape| matches!(shape, [2, 3] | [6]), expected)?;
@@ -237,13 +237,13 @@ impl LiveScan {
         Ok(Self { scan: Mutex::new(scan), camera, cancel, is_saved: AtomicBool::new(false) })
     }
 
-    /// Does this with the scan, without the interpreter's lock.
+    /// Runs a closure on the scan, without the interpreter's lock.
     fn with<T: Send>(
         &self,
         py: Python<'_>,
         work: impl FnOnce(&mut nextview_scan::LiveScan) -> Result<T, Faults> + Send,
     ) -> PyResult<T> {
-        // The scan that asks a planner waits for it: the planner would wait for itself.
+        // A scan waits for its planner: a planner that calls it would wait for itself.
         let can_wait = !planner::is_called();
         compute(py, &self.cancel, || {
             let scan = match can_wait {

@@ -71,7 +71,7 @@ pub fn write_map(
     }
     let corner = numbers("origin_m", origin_m, |shape| shape == [3], "3 numbers, metres")?;
     let origin = key_of(DVec3::from_slice(&corner), voxel_size_m).map_err(|fault| exception(py, fault))?;
-    // One after the other: the same memory may be behind both.
+    // Sequentially: both may share memory.
     let states = readonly("occupancy", occupancy)?.as_array().to_owned();
     let probability = readonly("probability", probability)?;
     let measured = states.indexed_iter().zip(probability.as_array()).filter(|((_, state), _)| **state != 0);
@@ -81,7 +81,7 @@ pub fn write_map(
     compute(py, &Cancel::default(), || write(&path, voxels, voxel_size_m, force))
 }
 
-/// The array and its shape, if it is no larger than a map that is read.
+/// Returns the array and its shape, if it is no larger than the maximum for reading maps.
 fn grid<'a, 'py, T: Element>(
     name: &str,
     value: &'a Bound<'py, PyAny>,
@@ -99,7 +99,7 @@ fn grid<'a, 'py, T: Element>(
     Ok((array, array.shape()))
 }
 
-/// The voxel whose lowest corner this is.
+/// The voxel with this lowest corner.
 fn key_of(corner: DVec3, voxel_size: f64) -> Result<IVec3, Fault> {
     let lattice = Lattice::new(voxel_size)?;
     let place = lattice.to_voxels(corner);

@@ -8,7 +8,7 @@ use numpy::{PyArray, PyArray2, PyArrayMethods};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
-/// Points, normals (NaN where there is none) and, where any point has one, colours.
+/// Points, normals (NaN if missing) and, if any point has one, colours.
 pub fn cloud<'py>(py: Python<'py>, points: &[CloudPoint]) -> PyResult<Bound<'py, PyDict>> {
     let dict = PyDict::new(py);
     dict.set_item("points", rows(py, points.iter().map(|point| point.position.to_array()))?)?;
@@ -21,7 +21,7 @@ pub fn cloud<'py>(py: Python<'py>, points: &[CloudPoint]) -> PyResult<Bound<'py,
     Ok(dict)
 }
 
-/// Vertices with their normals and colours, triangles, and by vertex whether it was filled in.
+/// Vertices with normals and colours, triangles, and for each vertex whether it was filled in.
 pub fn mesh<'py>(py: Python<'py>, model: &FinalModel) -> PyResult<Bound<'py, PyDict>> {
     let dict = cloud(py, &model.vertices)?;
     dict.set_item("triangles", rows(py, model.triangles().iter().copied())?)?;

@@ -1,4 +1,4 @@
-//! A whole scan of a simulated object or of recorded frames: what the program's `scan` does.
+//! A whole scan of a simulated object or of recorded frames, as by the program's `scan`.
 
 use crate::camera::Camera;
 use crate::pictures::Finished;
@@ -16,7 +16,7 @@ use pyo3::types::PyDict;
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
 
-/// What remains of a scan.
+/// The outcome of a scan.
 struct Done {
     record: ScanRecord,
     model: Option<FinalModel>,
@@ -32,7 +32,7 @@ struct Output<'a> {
     force: bool,
 }
 
-/// Scans as configured. `on_step` is called with the record of every step.
+/// Runs the configured scan. `on_step` is called with the record of every step.
 #[pyfunction]
 #[pyo3(signature = (config, camera, out, force, on_step))]
 pub fn scan<'py>(
@@ -73,7 +73,7 @@ fn as_dict<'py>(py: Python<'py>, done: Done) -> PyResult<Bound<'py, PyDict>> {
 /// Calls back with every step.
 struct Listener {
     callback: Option<Py<PyAny>>,
-    /// The exception that a call ended with.
+    /// The exception raised by a call.
     raised: Mutex<Option<PyErr>>,
 }
 

@@ -1,4 +1,4 @@
-//! What pictures of a scan show beside its record.
+//! Data for pictures of a scan, in addition to its record.
 
 use crate::arrays::depths;
 use crate::pose::matrix;
@@ -15,7 +15,7 @@ use numpy::{PyArray, PyArray1, PyArray2, PyArray3, PyArrayMethods};
 use pyo3::prelude::*;
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
-/// A scan that is over, with its record.
+/// A finished scan with its record.
 #[pyclass(frozen, module = "nextview._native")]
 pub struct Finished {
     scan: Mutex<FinishedScan<'static>>,
@@ -23,14 +23,14 @@ pub struct Finished {
     record: ScanRecord,
 }
 
-/// A depth image and the pose it was mapped in.
+/// A depth image and its mapped pose.
 pub type Taken<'py> = (Bound<'py, PyArray2<f32>>, Bound<'py, PyArray2<f64>>);
 
 /// Step, centres of the occupied voxels, and the candidates' gains.
 pub type MomentArrays<'py> = (usize, Bound<'py, PyArray2<f32>>, Bound<'py, PyArray1<f64>>);
 
 impl Finished {
-    /// The scan and its record.
+    /// Stores the scan and its record.
     pub fn new(scan: FinishedScan<'_>, config: ScanConfig, record: ScanRecord) -> Self {
         Self { scan: Mutex::new(scan.without_source()), config, record }
     }
@@ -70,7 +70,7 @@ pub fn page(scan: &FinishedScan<'_>, config: &ScanConfig, record: &ScanRecord) -
     Ok(page_of_scan(scan, record, config, "nextview in Python", &text))
 }
 
-/// The frame of a step, whether it is in the map or set aside.
+/// The frame of a step, in the map or set aside.
 pub fn frame(scan: &FinishedScan<'_>, step_idx: usize) -> Result<Frame, Fault> {
     let session = &scan.session;
     let mapped = session.frame_numbers().iter().copied().zip(session.frames());
@@ -87,7 +87,7 @@ pub fn arrays_of<'py>(py: Python<'py>, frame: &Frame) -> PyResult<Taken<'py>> {
     Ok((depths(py, frame.image())?, matrix(py, &frame.world_from_camera())))
 }
 
-/// What was known after a frame.
+/// The state of knowledge after a frame.
 pub struct Moment {
     step_idx: usize,
     occupied: Vec<f32>,
@@ -95,7 +95,7 @@ pub struct Moment {
 }
 
 impl Moment {
-    /// As arrays.
+    /// Converts to arrays.
     pub fn arrays<'py>(self, py: Python<'py>) -> PyResult<MomentArrays<'py>> {
         let n = self.occupied.len() / 3;
         let occupied = PyArray::from_vec(py, self.occupied).reshape([n, 3])?;
@@ -103,8 +103,8 @@ impl Moment {
     }
 }
 
-/// What was known after each frame of the map, and what each candidate would have gained then: the entropy of
-/// the unobserved voxels in its sight, nats. Empty before an object was found.
+/// The state of knowledge after each frame of the map, and the gain of each candidate at that time: the
+/// entropy of the visible unobserved voxels in nats. Empty before an object was found.
 pub fn moments(scan: &FinishedScan<'_>, config: &ScanConfig) -> Result<Vec<Moment>, Faults> {
     let session = &scan.session;
     let views: Vec<usize> = (0..session.views().len()).collect();

@@ -1,4 +1,4 @@
-//! What planners and gains in Python are given.
+//! The input of planners and gains in Python.
 
 use crate::camera::numbers_of;
 use crate::model;
@@ -25,11 +25,11 @@ pub fn situation<'py>(py: Python<'py>, situation: &Situation<'_>, seed: u64) -> 
     ))
 }
 
-/// The numbers of voxels in the arrays of a `nextview.Map`, where z changes fastest.
+/// The indices of voxels in the arrays of a `nextview.Map`, in which z changes fastest.
 pub struct Grid(Vec<u32>);
 
 impl Grid {
-    /// Of this snapshot.
+    /// The indices for this snapshot.
     pub fn of(snapshot: &Snapshot) -> Self {
         let [nx, ny, nz] = snapshot.block().dims().to_array();
         let column = |y: u32, z: u32| (0..nx).map(move |x| (x * ny + y) * nz + z);

@@ -1,4 +1,4 @@
-//! Planners and gains that are written in Python.
+//! Planners and gains written in Python.
 
 use crate::errors::{Failure, input_error};
 use crate::plan_input::{self, Grid};
@@ -20,7 +20,7 @@ pub fn is_called() -> bool {
     IS_CALLED.get()
 }
 
-/// Has configurations find their planners in this interpreter.
+/// Registers this interpreter as the provider of planners.
 pub fn provide() {
     provide_planners(Box::new(Classes));
 }
@@ -64,7 +64,7 @@ fn fault(planner: &ProvidedPlanner, failure: Failure) -> Fault {
 struct Class<'py> {
     class: Bound<'py, PyType>,
     name: String,
-    /// The rays of a gain; none of a planner.
+    /// The rays of a gain; `None` for a planner.
     sight: Option<Sight>,
 }
 
@@ -94,8 +94,8 @@ impl<'py> Class<'py> {
     }
 }
 
-/// The name of a class, by which scans find it. Fails if it finds another one, which would run in its place:
-/// in a notebook, for example, a class is easily defined twice.
+/// The name of a class, by which scans find it. Fails if the name leads to another class, which would run in
+/// its place: in a notebook, for example, a class is easily defined twice.
 pub fn name_of(class: &Bound<'_, PyType>) -> PyResult<String> {
     let py = class.py();
     let (module, name) = (class.module()?.to_string(), class.qualname()?.to_string());
@@ -108,12 +108,12 @@ pub fn name_of(class: &Bound<'_, PyType>) -> PyResult<String> {
                  definition: pass that one, or name them differently"
             ),
         )),
-        // What is not found is refused with all else that is wrong.
+        // A missing class is reported with all other faults.
         _ => Ok(whole),
     }
 }
 
-/// What has this name in a module.
+/// The object of this name in a module.
 fn found<'py>(py: Python<'py>, module: &str, name: &str) -> Result<Bound<'py, PyAny>, Failure> {
     let mut found = imported(py, module).map_err(|error| Failure::raised(py, "its import", error))?;
     for part in name.split('.') {
@@ -122,7 +122,7 @@ fn found<'py>(py: Python<'py>, module: &str, name: &str) -> Result<Bound<'py, Py
     Ok(found)
 }
 
-/// The module; one that is being imported, since it scans as it is, would wait for itself.
+/// Returns the module. One still being imported, because it starts a scan, would wait for itself.
 fn imported<'py>(py: Python<'py>, module: &str) -> PyResult<Bound<'py, PyAny>> {
     let known = py.import("sys")?.getattr("modules")?.call_method1("get", (module,))?;
     if known.is_none() { Ok(py.import(module)?.into_any()) } else { Ok(known) }
@@ -138,7 +138,7 @@ fn sight(class: &Bound<'_, PyType>, name: &str) -> Result<Sight, Failure> {
     }
 }
 
-/// An object that serves one scan.
+/// An object for a single scan.
 struct Instance {
     instance: Py<PyAny>,
     name: String,
@@ -172,7 +172,7 @@ impl Instance {
         Failure::new(format!("{}.{method} returned {shown}, of type {kind}, expected {expected}", self.name))
     }
 
-    /// The view that was answered; none if no view gains anything.
+    /// The view in the answer; `None` if no view gains anything.
     fn choice(
         &self,
         answer: &Bound<'_, PyAny>,
@@ -220,7 +220,7 @@ impl ViewPlanner for Instance {
     }
 }
 
-/// A gain, and what its calls for one plan share.
+/// A gain, and the data shared by its calls for one plan.
 struct Gain {
     instance: Instance,
     sight: Sight,

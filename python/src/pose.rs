@@ -9,8 +9,8 @@ use nextview_scan::{pose_of_rows, rows_of_pose};
 use numpy::{PyArray2, PyArrayMethods, PyUntypedArray, PyUntypedArrayMethods};
 use pyo3::prelude::*;
 
-/// The pose of a view, or of a 4 x 4 matrix that takes points of the camera to the world. The matrix of a
-/// view loses the last bits of its pose, which the view itself has.
+/// The pose of a view, or of a 4 x 4 matrix that takes points from camera to world. A view's matrix loses the
+/// last bits of its pose, unlike the view itself.
 pub fn pose_of(name: &str, value: &Bound<'_, PyAny>) -> PyResult<Pose> {
     let py = value.py();
     if let Ok(view) = value.cast::<View>() {
@@ -23,7 +23,7 @@ pub fn pose_of(name: &str, value: &Bound<'_, PyAny>) -> PyResult<Pose> {
 pub fn matrix<'py>(py: Python<'py>, pose: &Pose) -> Bound<'py, PyArray2<f64>> {
     let array = PyArray2::zeros(py, [4, 4], false);
     let rows = rows_of_pose(pose);
-    // Nobody else has the array yet.
+    // The array is not shared yet.
     if let Ok(mut view) = array.try_readwrite() {
         view.as_array_mut().iter_mut().zip(rows.iter().flatten()).for_each(|(entry, value)| *entry = *value);
     }

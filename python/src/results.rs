@@ -8,15 +8,15 @@ use nextview_scan::{
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
-/// Begins the folder; fails if it cannot take the results. `force` replaces those that are there, but no file
-/// that is read.
+/// Begins the folder. Fails if it cannot take the results. `force` replaces existing results, but no input
+/// file.
 pub fn begin(dir: &Path, force: bool, inputs: Vec<PathBuf>) -> Result<ResultFolder, Faults> {
     let rule = Overwrite::forced(force);
     begin_results(dir, rule.but(inputs))
 }
 
-/// Writes everything that a scan leaves, with the page that shows it. All that could be made is written, and
-/// the faults of what could not are returned with the record.
+/// Writes all results of a scan, with the page that shows it. Everything that could be made is written; the
+/// faults of the rest are returned with the record.
 pub fn publish(
     mut folder: ResultFolder,
     config: &ScanConfig,

@@ -1,4 +1,4 @@
-//! A simulated object before a simulated camera.
+//! A simulated object in front of a simulated camera.
 
 use crate::arrays::depths;
 use crate::camera::{Camera, numbers_of};
@@ -17,7 +17,7 @@ use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use std::sync::OnceLock;
 
-/// See `nextview.SimulatedScene`, which this is the engine of.
+/// The engine of `nextview.SimulatedScene`.
 #[pyclass(frozen, module = "nextview._native")]
 pub struct Scene {
     object: SimulatedObject,
@@ -25,7 +25,7 @@ pub struct Scene {
     truth: OnceLock<TrueVisibility>,
 }
 
-/// Lowest and highest corner.
+/// Lowest and highest corners.
 type Corners = ([f64; 3], [f64; 3]);
 
 /// A depth image and the pose that it claims.
@@ -43,7 +43,7 @@ impl Scene {
         Ok(Self { object, config, truth: OnceLock::new() })
     }
 
-    /// The depth image from a pose, and the pose that the camera claims.
+    /// Returns the depth image from a pose, and the pose that the camera claims.
     fn capture<'py>(
         &self,
         py: Python<'py>,
@@ -90,12 +90,12 @@ impl Scene {
         Ok(PyArray::from_vec(py, curve))
     }
 
-    /// The box around the true object that a scan plans in.
+    /// The box around the true object, in which a scan plans.
     fn box_m(&self) -> Corners {
         corners(self.object.scene.planning_box(self.object.voxel_size))
     }
 
-    /// The walls of the room; the lowest z is that of the table, where there is one.
+    /// The walls of the room; the lowest z is that of the table, if there is one.
     fn room_m(&self) -> Corners {
         corners(self.object.scene.room())
     }

@@ -16,30 +16,30 @@ use serde::Serialize;
 use std::path::PathBuf;
 use toml::{Table, Value};
 
-/// A record as Python's dicts, lists, texts and numbers.
+/// Converts a record to Python's dicts, lists, texts and numbers.
 pub fn to_python<'py>(py: Python<'py>, record: &impl Serialize) -> PyResult<Bound<'py, PyAny>> {
     let text = serde_json::to_string(record).map_err(|error| internal_error(py, &error.to_string()))?;
     py.import("json")?.call_method1("loads", (text,))
 }
 
-/// The configuration of a dict.
+/// Reads the configuration in a dict.
 pub fn config(dict: &Bound<'_, PyDict>) -> PyResult<ScanConfig> {
     let (py, table) = (dict.py(), table(dict)?);
     guarded(py, || ScanConfig::from_table(table))?.map_err(|faults| of_request(py, faults))
 }
 
-/// The exception of faults in values: those that are in no file are the caller's.
+/// The exception for faults in values: those that are in no file are the caller's.
 pub fn of_request(py: Python<'_>, faults: Faults) -> PyErr {
     let kind = |fault: &Fault| if fault.place.is_none() { FaultKind::Request } else { fault.kind };
     exception(py, faults.map(|fault| Fault { kind: kind(&fault), ..fault }))
 }
 
-/// The table of a dict; entries that are None count as left out.
+/// Converts a dict to a table; entries that are None count as missing.
 pub fn table(dict: &Bound<'_, PyDict>) -> PyResult<Table> {
     Conversion::default().table("", dict, 0)
 }
 
-/// The numbers of a list, or of lists of equal length, or of a numpy array, of a shape that fits.
+/// The numbers of a list, of lists of equal length, or of a numpy array, with a matching shape.
 pub fn numbers(
     name: &str,
     value: &Bound<'_, PyAny>,
@@ -55,7 +55,7 @@ pub fn numbers(
     let listed = match value.cast::<PyUntypedArray>() {
         Ok(array) => {
             check(array.shape())?;
-            // By numpy's own method, whatever a subclass has.
+            // By numpy's own method, whatever a subclass defines.
             py.get_type::<PyUntypedArray>().call_method1("tolist", (array,))?
         }
         Err(_) if value.is_instance_of::<PyList>() || value.is_instance_of::<PyTuple>() => value.clone(),
@@ -83,7 +83,7 @@ fn flattened(value: &Value, numbers: &mut Vec<f64>) -> Option<Vec<usize>> {
     are_equal.then(|| [vec![items.len()], first].concat())
 }
 
-/// The beginning of the `repr` of a value, however large it is.
+/// The beginning of a value's `repr`, however large the value.
 pub fn shown(value: &Bound<'_, PyAny>) -> String {
     let repr = || value.py().import("reprlib")?.call_method1("repr", (value,))?.extract::<String>();
     let text = repr().unwrap_or_else(|_: PyErr| "?".to_owned());
@@ -98,20 +98,20 @@ pub fn type_of(value: &Bound<'_, PyAny>) -> String {
     value.get_type().name().map_or_else(|_| "?".to_owned(), |name| name.to_string_lossy().into_owned())
 }
 
-/// Characters of a value that a message shows.
+/// Maximum length of a value in a message, in characters.
 const MOST_SHOWN: usize = 80;
 
-/// Depth of values within values that a configuration may have: ten times what it needs.
+/// Maximum nesting of values in a configuration: ten times what it needs.
 const MOST_NESTED: usize = 40;
 
-/// Size of a text that a configuration may have: that of the longest path.
+/// Maximum size of a text in a configuration: that of the longest path.
 const MOST_TEXT_BYTES: usize = 4096;
 
-/// Cost of a value in a configuration, bytes of text.
+/// Cost of a value in a configuration in bytes of text.
 const VALUE_BYTES: u64 = 8;
 
-/// The one way of Python's values into a configuration. It ends whatever it is given: containers that hold
-/// themselves, share their parts or never end take no more than a file of the largest size.
+/// The only conversion from Python values to configurations. It terminates for any input: containers that
+/// contain themselves, share their parts or never end cost no more than a file of the maximum size.
 struct Conversion {
     bytes_left: u64,
 }
@@ -134,7 +134,7 @@ impl Conversion {
 
     fn table(&mut self, section: &str, dict: &Bound<'_, PyDict>, depth: usize) -> PyResult<Table> {
         let mut table = Table::new();
-        // What is called for a value may change the dict: its entries are those of now.
+        // Code called for a value may change the dict: the entries are copied first.
         for entry in dict.items() {
             let (key, value): (Bound<'_, PyAny>, Bound<'_, PyAny>) = entry.extract()?;
             if value.is_none() {
@@ -200,7 +200,7 @@ impl Conversion {
         self.number(name, value)
     }
 
-    /// A number of Python or numpy, or a path.
+    /// Converts a number of Python or numpy, or a path.
     fn number(&mut self, name: &str, value: &Bound<'_, PyAny>) -> PyResult<Value> {
         let py = value.py();
         let is_int = value.is_instance_of::<PyInt>() || value.hasattr("__index__")?;
@@ -234,7 +234,7 @@ fn is_planner(name: &str) -> bool {
     name.rsplit('.').next() == Some("planner")
 }
 
-/// The number, if the value is one that fits; another exception than that is the caller's.
+/// The number, if the value is one that fits; any other exception is passed to the caller.
 fn fitting<T>(number: PyResult<T>, py: Python<'_>) -> PyResult<Option<T>> {
     match number {
         Ok(number) => Ok(Some(number)),
@@ -244,17 +244,17 @@ fn fitting<T>(number: PyResult<T>, py: Python<'_>) -> PyResult<Option<T>> {
     }
 }
 
-/// The configuration in a file.
+/// Reads the configuration in a file.
 #[pyfunction]
 pub fn read_config(py: Python<'_>, path: PathBuf) -> PyResult<Bound<'_, PyAny>> {
     let read = || ScanConfig::parse(&files::read_text(&path, MAX_CONFIG_BYTES)?, Some(&path), None);
     to_python(py, &compute(py, &Cancel::default(), read)?)
 }
 
-/// Size of a file, or of values, beyond which they are no configuration.
+/// Maximum size of a configuration, in a file or as values.
 const MAX_CONFIG_BYTES: u64 = 1 << 20;
 
-/// Names of the planners with a line about each.
+/// Names of the planners with a one-line description each.
 #[pyfunction]
 pub fn planners() -> Vec<(&'static str, &'static str)> {
     PlannerName::ALL.iter().map(|planner| (planner.name(), planner.about())).collect()

@@ -13,13 +13,13 @@ use numpy::{PyArray, PyArray1, PyArray2, PyArray3, PyArrayMethods};
 use pyo3::prelude::*;
 use serde::{Deserialize, Serialize};
 
-/// Where the camera should stand next, and why.
+/// The next pose of the camera, and the reasons for it.
 #[pyclass(frozen, module = "nextview._native")]
 pub struct View {
     next: NextView,
     waypoints: Vec<(f64, Pose)>,
     trajectory_length: f64,
-    /// Of the robot: names, and the values at each waypoint.
+    /// For a robot: names, and the values at each waypoint.
     joints: Option<Joints>,
     turntable_angle_deg: Option<f64>,
 }
@@ -27,7 +27,7 @@ pub struct View {
 /// Names of joints, and their values at each waypoint.
 type Joints = (Vec<String>, Vec<Vec<f64>>);
 
-/// A view as it is pickled.
+/// A view in pickled form.
 #[derive(Serialize, Deserialize)]
 struct Pickled {
     view: Option<usize>,
@@ -36,12 +36,12 @@ struct Pickled {
     outlook: Option<Outlook>,
     waypoints: Vec<(f64, Pose)>,
     trajectory_length: f64,
-    /// Of the robot: names, and the values at each waypoint.
+    /// For a robot: names, and the values at each waypoint.
     joints: Option<Joints>,
     turntable_angle_deg: Option<f64>,
 }
 
-/// The view of a pickled text.
+/// Restores a view from its pickled text.
 #[pyfunction]
 pub fn view_of_text(py: Python<'_>, text: &str) -> PyResult<View> {
     let Pickled {
@@ -60,7 +60,7 @@ pub fn view_of_text(py: Python<'_>, text: &str) -> PyResult<View> {
 }
 
 impl View {
-    /// The view, the trajectory to it, the joints of a robot on the way, and with a turntable its angle,
+    /// Creates a view from the trajectory to it, a robot's joints on the way, and a turntable's angle in
     /// degrees.
     pub fn new(
         next: NextView,
@@ -75,7 +75,7 @@ impl View {
         Self { next, waypoints, trajectory_length: trajectory.length(), joints, turntable_angle_deg }
     }
 
-    /// The pose, to the bit.
+    /// The pose, bit for bit.
     pub fn world_from_camera(&self) -> Pose {
         self.next.world_from_camera
     }
@@ -95,13 +95,13 @@ impl View {
         matrix(py, &self.next.world_from_camera)
     }
 
-    /// The names of the robot's joints; None without a robot.
+    /// Names of the robot's joints; None without a robot.
     #[getter]
     fn joint_names(&self) -> Option<Vec<String>> {
         self.joints.as_ref().map(|(names, _)| names.clone())
     }
 
-    /// The joints of the robot at each waypoint: N x joints, float64, radians or metres; None without a
+    /// Joint values of the robot at each waypoint: N x joints, float64, radians or metres; None without a
     /// robot.
     #[getter]
     fn joint_values<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyArray2<f64>>>> {
@@ -109,14 +109,14 @@ impl View {
         values.transpose().map_err(|error| internal_error(py, &error.to_string()))
     }
 
-    /// The angle to turn the plate of a turntable to, degrees, 0 to 360, counter-clockwise seen from above;
-    /// None without one.
+    /// The turntable angle for the view in degrees, 0 to 360, counter-clockwise seen from above; None without
+    /// a turntable.
     #[getter]
     fn turntable_angle_deg(&self) -> Option<f64> {
         self.turntable_angle_deg
     }
 
-    /// The quantity that the planner maximised, in its unit; None for the first view.
+    /// The planner's score, the quantity it maximised, in its unit; None for the first view.
     #[getter]
     fn score(&self) -> Option<f64> {
         Some(self.next.choice.as_ref()?.score)
@@ -128,20 +128,20 @@ impl View {
         self.next.choice.as_ref()?.runner_up
     }
 
-    /// The quantities behind the score by name, with units in the names; empty for planners that have none.
+    /// The quantities behind the score by name, with units in the names; empty if the planner has none.
     #[getter]
     fn explanation<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         let explanation = self.next.choice.as_ref().and_then(|choice| choice.explanation.clone());
         to_python(py, &explanation.unwrap_or_default())
     }
 
-    /// Number of voxels that this view is expected to add; None for planners that do not estimate.
+    /// Number of voxels that this view is expected to add; None for planners without estimates.
     #[getter]
     fn expected_new_voxels(&self) -> Option<f64> {
         Some(self.next.outlook.as_ref()?.n_expected_next())
     }
 
-    /// Number of voxels that all views together are expected to add; None for planners that do not estimate.
+    /// Number of voxels that all views together are expected to add; None for planners without estimates.
     #[getter]
     fn expected_unseen_voxels(&self) -> Option<f64> {
         Some(self.next.outlook.as_ref()?.n_unseen)
@@ -153,13 +153,14 @@ impl View {
         Some(self.next.outlook.as_ref()?.completeness())
     }
 
-    /// The same after this view and each of those expected to follow, as a list; None without an estimate.
+    /// Estimated completeness after this view and each expected later view, as a list; None without an
+    /// estimate.
     #[getter]
     fn forecast_completeness(&self) -> Option<Vec<f64>> {
         Some(self.next.outlook.as_ref()?.forecast())
     }
 
-    /// Times of the waypoints, seconds since the camera sets off: N, float64.
+    /// Times of the waypoints in seconds since the camera sets off: N, float64.
     #[getter]
     fn waypoint_times_s<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
         PyArray::from_vec(py, self.waypoints.iter().map(|(time, _)| *time).collect())
@@ -171,13 +172,13 @@ impl View {
         poses(py, self.waypoints.iter().map(|(_, pose)| *pose))
     }
 
-    /// Length of the trajectory, metres.
+    /// Length of the trajectory in metres.
     #[getter]
     fn trajectory_length_m(&self) -> f64 {
         self.trajectory_length
     }
 
-    /// Views are pickled to the bit.
+    /// Pickles a view bit for bit.
     fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<(Bound<'py, PyAny>, (String,))> {
         let NextView { view, world_from_camera, choice, outlook } = self.next.clone();
         let (waypoints, trajectory_length) = (self.waypoints.clone(), self.trajectory_length);

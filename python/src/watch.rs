@@ -1,4 +1,4 @@
-//! Long computations: without the interpreter's lock, and ended by Ctrl-C.
+//! Long computations: without the interpreter's lock, and interruptible by Ctrl-C.
 
 use crate::errors::{exception, internal_error};
 use nextview::Cancel;
@@ -11,15 +11,15 @@ use std::sync::mpsc::{RecvTimeoutError, channel};
 use std::thread;
 use std::time::Duration;
 
-/// Time between two looks for signals.
+/// Interval between checks for signals.
 const PERIOD: Duration = Duration::from_millis(20);
 
-/// The process that computed first. One that is forked from it has none of its threads, and would wait for
-/// them for ever.
+/// The process that computed first. A process forked from it has none of its threads, and would wait for them
+/// for ever.
 static PROCESS: OnceLock<u32> = OnceLock::new();
 
-/// Does the work on a thread of its own, while this one waits for signals: Python handles them on its main
-/// thread only. A signal handler that raises cancels the work, and its exception is the result.
+/// Does the work on a separate thread while this one waits for signals: Python handles them only on its main
+/// thread. A signal handler that raises an exception cancels the work, and the exception is the result.
 pub fn compute<T: Send>(
     py: Python<'_>,
     cancel: &Cancel,
@@ -61,7 +61,7 @@ pub fn compute<T: Send>(
     }
 }
 
-/// Does short work on this thread; a panic is an exception like any other.
+/// Does short work on this thread; a panic becomes a normal exception.
 pub fn guarded<T>(py: Python<'_>, work: impl FnOnce() -> T) -> PyResult<T> {
     catch_unwind(AssertUnwindSafe(work)).map_err(|panic| of_panic(py, &*panic))
 }

@@ -1,15 +1,15 @@
-//! Random housings: prisms with chambers behind openings, as electrical parts have them.
+//! Random housings: prisms with chambers behind openings, like electrical parts.
 
 use glam::{DVec2, DVec3};
 use nextview::geometry::random::Random;
 use nextview_sim::mesh::TriangleMesh;
 use std::f64::consts::TAU;
 
-/// Points of a loop; a multiple of 8, so that squares have corners.
+/// Number of points of a loop; a multiple of 8, which gives squares corners.
 const N_AROUND: usize = 24;
 
-/// The random housing of a seed, with a half-side of about 1: one opening or a grid of them at the top, and
-/// maybe at the bottom, each with a chamber behind it that is as wide or wider.
+/// Creates the random housing of a seed, with a half-side of about 1: one opening or a grid of them at the
+/// top, and possibly at the bottom, each with a chamber behind it that is at least as wide.
 pub fn housing(seed: u64) -> TriangleMesh {
     let mut random = Random::new(seed, 33);
     let columns = 1 + random.index(3);
@@ -52,7 +52,7 @@ impl Opening {
     }
 }
 
-/// Points around a middle, on a circle or a square of these half-sides.
+/// Points around a centre, on a circle or a square with these half-sides.
 fn looped(middle: DVec2, half: DVec2, is_round: bool, height: f64) -> Vec<DVec3> {
     let point = |i: usize| {
         let on_circle = DVec2::from_angle(TAU * i as f64 / N_AROUND as f64);
@@ -69,7 +69,7 @@ struct Solid {
 }
 
 impl Solid {
-    /// A cell of a face at this height, with an opening or without.
+    /// A cell of a face at this height, with or without an opening.
     fn cell(
         &mut self,
         middle: DVec2,

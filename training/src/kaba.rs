@@ -1,5 +1,5 @@
 //! Trains the policy of the planner kaba by Watkins's Q-learning on scans of random objects, and compares it
-//! with every fixed boundary weight on others.
+//! with every fixed boundary weight on other objects.
 
 use fixedbitset::FixedBitSet;
 use glam::DVec2;
@@ -24,25 +24,25 @@ const VOXEL_SIZE: f64 = 0.01;
 
 const N_CANDIDATES: usize = 100;
 
-/// An episode ends after so many views, or at this share of what all candidates together see.
+/// An episode ends after this number of views, or at this share of the surface that all candidates together
+/// see.
 const MAX_VIEWS: usize = 20;
 const ENOUGH: f64 = 0.95;
 
 const RAY_SPACING: f64 = 2.0;
 
-/// Step of learning, decay of the traces, and probability of exploring in the first and the last episode.
+/// Learning step, decay of the traces, and exploration probability in the first and the last episode.
 const STEP: f64 = 0.01;
 const TRACE_DECAY: f64 = 0.8;
 const EXPLORES: [f64; 2] = [0.2, 0.01];
 
-/// Separates the draws from those that others make with the same seed.
+/// Separates these draws from others with the same seed.
 const STREAM: u64 = 61;
 
 /// Number of held-out objects on which policies are compared.
 const N_COMPARED: u64 = 60;
 
-/// A linear action-value function that learns from one step after the other by Watkins's Q(lambda), without
-/// discount.
+/// A linear action-value function that learns step by step by Watkins's Q(lambda), without discount.
 struct Learning {
     weights: [[f64; N_FEATURES]; N_ACTIONS],
     trace: [[f64; N_FEATURES]; N_ACTIONS],
@@ -57,7 +57,7 @@ impl Learning {
         Policy::new(&self.weights)
     }
 
-    /// What follows is not due to what was done before: an episode begins, or an action explores.
+    /// Later rewards do not depend on earlier actions: an episode begins, or an action explores.
     fn cut_trace(&mut self) {
         self.trace = [[0.0; N_FEATURES]; N_ACTIONS];
     }
@@ -76,7 +76,7 @@ impl Learning {
 /// The features of a state, and the action taken in it.
 type Step = ([f64; N_FEATURES], usize);
 
-/// An agent that learns while it acts.
+/// An agent that learns while acting.
 struct Agent {
     learning: Learning,
     random: Random,
@@ -116,7 +116,7 @@ impl Agent {
     }
 }
 
-/// Plans as an agent acts.
+/// A planner that follows an agent's actions.
 struct Learner {
     agent: Arc<Mutex<Agent>>,
     surveyor: Surveyor,
@@ -133,7 +133,7 @@ impl ViewPlanner for Learner {
     }
 }
 
-/// The policy learned from scans of so many random objects, one after the other.
+/// Learns the policy from scans of `n_episodes` random objects, one after the other.
 pub fn learn(n_episodes: u64) -> Policy {
     let agent = Arc::new(Mutex::new(Agent::new(0)));
     for episode in 0..n_episodes {
@@ -147,7 +147,8 @@ pub fn learn(n_episodes: u64) -> Policy {
     agent.lock().expect("no thread panicked").learning.policy()
 }
 
-/// Prints how many views this policy and every fixed boundary weight need, on average over held-out objects.
+/// Prints the mean number of views that this policy and every fixed boundary weight need over held-out
+/// objects.
 pub fn compare(policy: &Policy) {
     let first = seeds::KABA.start.midpoint(seeds::KABA.end);
     let n_views = |seed| {
@@ -192,8 +193,8 @@ impl Trial {
         Self { seed, scene, views, object, enough }
     }
 
-    /// The number of views that a planner needs to see enough, at most [`MAX_VIEWS`], which counts, too,
-    /// where it gives up.
+    /// The number of views that a planner needs to see enough: at most [`MAX_VIEWS`], which also counts if it
+    /// gives up.
     fn n_views(&self, planner: Box<dyn ViewPlanner>) -> usize {
         let camera = self.scene.camera();
         let config = SessionConfig {
@@ -227,8 +228,8 @@ fn camera() -> Intrinsics {
 mod tests {
     use super::*;
 
-    /// Four states in a row, two actions: on, or stay. The value of going on is the negative number of states
-    /// left, that of staying one less.
+    /// Four states in a row, two actions: move on or stay. The value of moving on is the negative number of
+    /// states left, that of staying one less.
     #[test]
     fn learns_the_values_of_a_chain() {
         let state = |place: usize| std::array::from_fn(|feature| f64::from(u8::from(feature == place)));

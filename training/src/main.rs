@@ -1,10 +1,10 @@
-//! Trains the surface prior:
-//! `cargo run --release -p nextview-training -- OUT N_RANDOM [N_VARIED MESH ...] ...`, and the policy of the
-//! planner kaba: `cargo run --release -p nextview-training -- kaba OUT N_EPISODES`.
+//! Trains the surface prior: `cargo run --release -p nextview-training -- OUT N_RANDOM [N_VARIED MESH ...]
+//! ...`, and the policy of the planner kaba: `cargo run --release -p nextview-training -- kaba OUT
+//! N_EPISODES`.
 //!
-//! Scans `N_RANDOM` random objects and each mesh as often as the last `N_VARIED` before it says, turned and
-//! stretched, and writes the learned prior to OUT. The same arguments give the same bits. `docs/planner.md`
-//! states the arguments for the library's own prior.
+//! Scans `N_RANDOM` random objects, and each mesh, rotated and stretched, as often as given by the last
+//! `N_VARIED` before it, and writes the learned prior to OUT. The same arguments give the same bits.
+//! `docs/planner.md` states the arguments for the library's own prior.
 
 mod housing;
 mod kaba;
@@ -22,17 +22,17 @@ use std::ops::Range;
 use std::path::Path;
 use std::sync::Arc;
 
-/// Samples after each view of a scan.
+/// Number of samples after each view of a scan.
 const N_STOPS: usize = 600;
 const N_SHOWS: usize = 1200;
 
-/// Parts of the objects: each is scanned with what was learned from those before.
+/// Number of parts of the objects: each is scanned with the prior learned from the earlier ones.
 const N_ROUNDS: usize = 3;
 
-/// How often each sample is drawn.
+/// Number of times each sample is drawn.
 const N_EPOCHS: usize = 4;
 
-/// The loss is reported on one held-out random object for each so many that are learned from.
+/// Number of training objects per held-out random object on which the loss is reported.
 const N_PER_HELD_OUT: usize = 12;
 
 fn main() -> Result<(), Box<dyn Error>> {
@@ -65,7 +65,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let stops = train(&samples(&sources, Target::Stops, N_STOPS), 1, N_EPOCHS, 1);
     report("stops", &stops, 1, &samples(&held_out, Target::Stops, N_STOPS));
 
-    // First from random views, then also from views that the prior learned so far chooses.
+    // First from random views, then also from views chosen by the current prior.
     let blank = vec![0.0; Network::n_numbers(ViewingClass::N)];
     let blank = Network::from_numbers(&blank, ViewingClass::N).ok_or("no network")?;
     let mut prior = SurfacePrior::new(stops.clone(), blank);
@@ -105,7 +105,7 @@ fn report(name: &str, network: &Network, n_outputs: usize, held_out: &[Sample]) 
 mod tests {
     use super::*;
 
-    /// The recipe of the committed weights: random objects of the seeds 0 to 199, none of which has a name.
+    /// The recipe of the committed weights: random objects with the seeds 0 to 199, none of which has a name.
     #[test]
     fn training_objects_are_those_of_the_committed_weights_and_have_no_names() {
         let seeds_of = |range, n| -> Vec<u64> {

@@ -2,12 +2,12 @@ use nextview::Cancel;
 use nextview::geometry::random::Random;
 use nextview::prior::{Network, VoxelFeatures};
 
-/// A training sample: whether something holds for a voxel with these features.
+/// A training sample: whether a statement holds for a voxel with these features.
 #[derive(Clone, Copy, Debug)]
 pub struct Sample {
     /// The features of the voxel.
     pub row: [f32; N],
-    /// The output of the network that is trained.
+    /// The trained output of the network.
     pub output: u8,
     /// The target of this output.
     pub is_so: bool,
@@ -17,14 +17,14 @@ const N: usize = VoxelFeatures::N;
 const WIDE: usize = Network::HIDDEN[0];
 const NARROW: usize = Network::HIDDEN[1];
 
-/// Samples between two steps.
+/// Number of samples between two steps.
 const BATCH: usize = 256;
 
 /// Length of the first steps; the last ones are a fiftieth of it.
 const STEP: f32 = 2e-3;
 
-/// Trains a network on samples drawn at random, `n_epochs` times as many as there are: Adam (Kingma & Ba
-/// 2015) on the cross entropy, with steps that become shorter linearly.
+/// Trains a network on randomly drawn samples, `n_epochs` times their number: Adam (Kingma & Ba 2015) on the
+/// cross entropy, with linearly decreasing steps.
 pub fn train(samples: &[Sample], n_outputs: usize, n_epochs: usize, seed: u64) -> Network {
     let mut random = Random::new(seed, 5);
     let mut learner = Learner::new(samples, n_outputs, &mut random);
@@ -39,7 +39,7 @@ pub fn train(samples: &[Sample], n_outputs: usize, n_epochs: usize, seed: u64) -
     Network::from_numbers(&learner.numbers, n_outputs).expect("learning keeps weights finite")
 }
 
-/// The mean cross entropy, nats a sample; the lower, the better.
+/// Returns the mean cross entropy, nats per sample; lower is better.
 pub fn loss(network: &Network, n_outputs: usize, samples: &[Sample]) -> f64 {
     let rows: Vec<[f32; N]> = samples.iter().map(|sample| sample.row).collect();
     let probabilities = network.probabilities(&rows, &Cancel::default()).expect("nobody cancels");
@@ -53,14 +53,14 @@ pub fn loss(network: &Network, n_outputs: usize, samples: &[Sample]) -> f64 {
 /// A network with the state of the optimiser.
 struct Learner {
     n_outputs: usize,
-    /// Laid out as [`Network::from_numbers`] expects them.
+    /// Numbers in the order of [`Network::from_numbers`].
     numbers: Vec<f32>,
     gradient: Vec<f32>,
     mean: Vec<f32>,
     square: Vec<f32>,
 }
 
-/// Where the weights of the layers begin among the numbers.
+/// Offset of the layers' weights among the numbers.
 const FIRST: usize = 2 * N;
 const SECOND: usize = FIRST + (N + 1) * WIDE;
 const THIRD: usize = SECOND + (WIDE + 1) * NARROW;
@@ -108,7 +108,7 @@ impl Learner {
         self.pass_back(FIRST, &inputs, &to_wide);
     }
 
-    /// The outputs of a hidden layer whose weights begin at `start`.
+    /// The outputs of a hidden layer whose weights start at `start`.
     fn layer<const IN: usize, const OUT: usize>(&self, start: usize, inputs: &[f32; IN]) -> [f32; OUT] {
         let mut outputs = [0.0; OUT];
         outputs.copy_from_slice(&self.numbers[start + IN * OUT..][..OUT]);
@@ -119,8 +119,7 @@ impl Learner {
         outputs.map(|output| output.max(0.0))
     }
 
-    /// Adds the gradient of the weights of a layer and returns that of its inputs; inputs that are 0 are left
-    /// out.
+    /// Adds the gradient of a layer's weights and returns that of its inputs; inputs that are 0 are skipped.
     fn pass_back<const IN: usize, const OUT: usize>(
         &mut self,
         start: usize,
@@ -165,7 +164,7 @@ mod tests {
         let sample = |_| {
             let row = [(); N].map(|()| random.range(-2.0, 3.0) as f32);
             let output = random.index(2);
-            // No straight line divides this.
+            // Not linearly separable.
             Sample { row, output: output as u8, is_so: (row[0] * row[1] > 0.0) ^ (output == 1) }
         };
         (0..n).map(sample).collect()
@@ -179,8 +178,8 @@ mod tests {
         assert_eq!(network, train(&samples(40_000, 1), 2, 4, 1), "the same seed gives the same bits");
     }
 
-    /// The slow twin: differences of the loss, sample by sample. A unit may turn on or off between the two,
-    /// so one in a hundred may differ.
+    /// The slow reference: differences of the loss, sample by sample. A unit may turn on or off between the
+    /// two, so one in a hundred may differ.
     #[test]
     fn the_gradient_is_that_of_the_loss() {
         let (mut n_checked, mut n_wrong) = (0, 0);

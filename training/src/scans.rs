@@ -19,10 +19,10 @@ use nextview_sim::scene::Scene;
 use nextview_sim::truth::ObjectVoxels;
 use std::sync::Arc;
 
-/// Longest side of all objects, metres; to the features, only voxels have a size.
+/// Longest side of all objects, metres; for the features, only voxels have a size.
 const SIZE: f64 = 0.2;
 
-/// Voxel sizes that a scan may have, metres: 26 to 66 voxels along the box.
+/// Voxel sizes of scans, metres: 26 to 66 voxels along the box.
 const VOXEL_SIZES: [f64; 4] = [0.01, 0.007, 0.005, 0.0036];
 
 /// Share of scans over a table.
@@ -31,22 +31,22 @@ const WITH_TABLE: f64 = 0.35;
 /// Share of scans with the noise of a D435i and wrong poses.
 const WITH_NOISE: f64 = 0.4;
 
-/// Share of scans of which the box is larger than the object needs, up to so many times.
+/// Share of scans with a box larger than the object needs, and the maximum factor.
 const WITH_ROOM: f64 = 0.3;
 const MOST_ROOM: f64 = 1.5;
 
-/// Pixels between the rays that the first network learns from, and views that they are cast from.
+/// Pixels between the first network's training rays, and number of views they are cast from.
 const PIXELS_APART: usize = 8;
 const N_LOOKS: usize = 8;
 
-/// Views of a scan, and candidates.
+/// Numbers of views of a scan, and of candidates.
 const N_VIEWS: usize = 7;
 const N_CANDIDATES: usize = 150;
 
-/// An object to be scanned, with all random choices of the scan.
+/// An object to scan, with all random choices of the scan.
 #[derive(Clone, Debug)]
 pub struct Source {
-    /// A mesh to be turned and stretched, or else a random object, of which every fourth is a housing.
+    /// A mesh to rotate and stretch, or else a random object, of which every fourth is a housing.
     pub mesh: Option<Arc<TriangleMesh>>,
     /// Seed of the random choices.
     pub seed: u64,
@@ -57,13 +57,13 @@ pub struct Source {
 pub enum Target<'a> {
     /// Whether a ray that reaches an unknown voxel ends at the surface in it.
     Stops,
-    /// Whether a view shows something new of a voxel, given how well it sees it under this prior. Half of the
-    /// scans are planned with it.
+    /// Whether a view shows something new of a voxel, given its visibility under this prior, with which half
+    /// of the scans are planned.
     Shows(&'a SurfacePrior),
 }
 
 impl Source {
-    /// Samples from a scan, up to so many after each view.
+    /// Returns samples from a scan, up to `n_per_view` after each view.
     pub fn samples(&self, target: Target<'_>, n_per_view: usize) -> Vec<Sample> {
         let mut random = Random::new(self.seed, 21);
         let scan = Scan::new(self, &mut random);
@@ -110,7 +110,7 @@ fn features(snapshot: &Snapshot) -> VoxelFeatures {
     VoxelFeatures::new(snapshot, &Cancel::default()).expect("nobody cancels")
 }
 
-/// The mesh turned, stretched and turned again; about the vertical axis alone in half of all cases.
+/// The mesh rotated, stretched and rotated again; in half of all cases about the vertical axis only.
 fn varied(mesh: &TriangleMesh, random: &mut Random) -> TriangleMesh {
     let first = DQuat::from_rotation_z(random.range(0.0, std::f64::consts::TAU));
     let stretch = DVec3::new(random.range(0.6, 1.0), random.range(0.6, 1.0), random.range(0.6, 1.0));
@@ -129,15 +129,15 @@ struct Scan {
     views: ViewSpace,
     voxel_size: f64,
     has_table: bool,
-    /// The box that the scan plans in.
+    /// The planning box of the scan.
     bounds: Aabb,
     object: ObjectVoxels,
 }
 
-/// An observation that holds or not for a voxel.
+/// An observation that may hold for a voxel.
 #[derive(Clone, Copy)]
 struct Observation {
-    /// Its place among the voxels that have features.
+    /// Its index among the voxels with features.
     item: u32,
     output: u8,
     is_so: bool,
@@ -214,7 +214,7 @@ impl Scan {
         all
     }
 
-    /// Where the rays of a view truly end, in world coordinates.
+    /// The true ends of a view's rays, in world coordinates.
     fn ray_ends(&self, pose: &Pose) -> Vec<DVec3> {
         let camera = self.scene.camera();
         let depths = camera.render_depth(pose).expect("candidates are in the room");
@@ -230,7 +230,7 @@ impl Scan {
         ends
     }
 
-    /// The observations that a few views make of the voxels that their rays reach.
+    /// The observations by a few views of the voxels on their rays.
     fn observations(
         &self,
         snapshot: &Snapshot,

@@ -2,11 +2,11 @@ use super::Outcome;
 use glam::{DMat3, DQuat, DVec3};
 use nextview::geometry::Pose;
 
-/// The pose at `position` that looks at `target`, rolled so that the tip of its y axis, one metre long, comes
-/// as near as it can to that of the camera before.
+/// Returns the pose at `position` that looks at `target`, rolled to bring the tip of its y axis, one metre
+/// long, as near as possible to that of the previous camera.
 ///
-/// Found by fitting: it is how the rays of the recorded first plan are rolled, except where the viewing
-/// direction and the way between the tips are at right angles to within 15 degrees. There the program's roll
+/// Found by fitting: the rays of the recorded first plan are rolled like this, except where the viewing
+/// direction and the path between the tips are perpendicular to within 15 degrees. There the program's roll
 /// is up to 20 degrees off either way, and no rule was found.
 pub fn look_from(position: DVec3, target: DVec3, before: &Pose) -> Outcome<Pose> {
     let forward = (target - position).try_normalize();

@@ -4,11 +4,11 @@ use super::rays::Rays;
 use nextview::flow::BestSets;
 use nextview::geometry::random::Random;
 
-/// In the authors' program only larger qualities enter the flow.
+/// Minimum quality, exclusive, that enters the flow in the authors' program.
 const THRESHOLD: f64 = 0.3;
 
-/// For every voxel of a box of so many its largest quality and the views that offer it: all optimal flows of
-/// eq. (3), for which every voxel takes a ray of largest quality on its own.
+/// Returns for every voxel of a box of `n_voxels` its largest quality and the views that offer it: all
+/// optimal flows of eq. (3), in which every voxel independently takes a ray of largest quality.
 pub fn optimal_views(
     qualities: &Qualities,
     rays: &Rays,
@@ -30,24 +30,24 @@ pub fn optimal_views(
     best
 }
 
-/// The voxels of a ray that are in the network, with their qualities.
+/// Returns the voxels of a ray that are in the network, with their qualities.
 pub fn in_flow(qualities: &Qualities, voxels: &[u32], slips: Slips) -> impl Iterator<Item = (u32, f64)> {
     let threshold = if slips.flow_above_threshold { THRESHOLD } else { 0.0 };
     qualities.along(voxels).filter(move |&(_, quality)| quality > threshold)
 }
 
-/// Which of a voxel's optimal views takes its unit of flow. In the authors' program that follows from the
-/// timing of threads and the solver's order of work.
+/// The choice among a voxel's optimal views of the one that takes its unit of flow. In the authors' program
+/// it depends on thread timing and on the solver's order of work.
 #[derive(Clone, Debug)]
 pub enum Ties {
-    /// Drawn anew for every plan.
+    /// Drawn again for every plan.
     Anew(Random),
-    /// Drawn once for a run, from this number: of the same views, every plan takes the same one.
+    /// Drawn once for a run, from this number: every plan takes the same one of the same views.
     Lasting(u64),
 }
 
 impl Ties {
-    /// The views that carry one of the optimal flows, V_global, in increasing order.
+    /// Returns the views that carry one of the optimal flows, V_global, in increasing order.
     pub fn views(&mut self, best: &BestSets, n_voxels: usize) -> Vec<u32> {
         let mut views: Vec<u32> = (0..n_voxels).filter_map(|voxel| self.view(best, voxel)).collect();
         views.sort_unstable();
@@ -68,7 +68,7 @@ impl Ties {
     }
 }
 
-/// The flow gain of every view, eqs. (4) and (5), from V_global of every plan so far, the present one last.
+/// Returns the flow gain of every view, eqs. (4) and (5), from V_global of every plan, the current one last.
 pub fn flow_gains(plans: &[Vec<u32>], n_views: usize, slips: Slips) -> Vec<f64> {
     let mut gains = vec![0.0; n_views];
     for (k, views) in plans.iter().enumerate() {

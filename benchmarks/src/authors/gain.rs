@@ -5,16 +5,16 @@ use nextview::Cancel;
 use nextview::gain::object_probability;
 use nextview::map::{Occupancy, entropy, frontier};
 
-/// The worth of the voxels that rays cross: eqs. (1) and (2).
+/// The value of the voxels along rays: eqs. (1) and (2).
 pub struct Qualities {
     /// By voxel, entropy times the probability that it belongs to the object.
     worth: Vec<f64>,
-    /// By voxel, how much of the sight along a ray is left behind it.
+    /// By voxel, the share of sight left behind it along a ray.
     sight: Vec<f64>,
 }
 
 impl Qualities {
-    /// Those of a map.
+    /// Computes the qualities of a map.
     pub fn new(knowledge: &Knowledge, slips: Slips) -> Outcome<Self> {
         let snapshot = &knowledge.snapshot;
         let object = object_probability(snapshot, &frontier(snapshot), &Cancel::default())?;
@@ -28,7 +28,7 @@ impl Qualities {
         Ok(Self { sight: sight.collect(), worth: worth.collect() })
     }
 
-    /// The quality Q of each voxel along a ray; those of no worth and those out of sight are left out.
+    /// Returns the quality Q of each voxel along a ray, without those of no worth or out of sight.
     pub fn along(&self, voxels: &[u32]) -> impl Iterator<Item = (u32, f64)> {
         let mut sight = 1.0;
         let quality = voxels.iter().map(move |&voxel| {
@@ -39,7 +39,7 @@ impl Qualities {
         quality.filter(|&(_, quality)| quality > 0.0)
     }
 
-    /// The local gain of every view, eq. (1).
+    /// Returns the local gain of every view, eq. (1).
     pub fn local_gains(&self, rays: &Rays) -> Vec<f64> {
         let sum = |voxels: &Vec<u32>| self.along(voxels).map(|(_, quality)| quality).sum();
         let of_ray: Vec<f64> = rays.voxels.iter().map(sum).collect();

@@ -4,24 +4,24 @@ use super::{Outcome, Repair, Slips};
 use rayon::prelude::*;
 use std::time::Duration;
 
-/// Runs of one kind that differ by a draw.
+/// Runs of one kind with different draws.
 pub struct Rung {
-    /// What it is.
+    /// Name of the kind.
     pub name: String,
-    /// Coverage after each scan, on average.
+    /// Mean coverage after each scan.
     pub coverage: [f64; N_SCANS],
     /// The lowest and the highest coverage after the last scan.
     pub last: [f64; 2],
-    /// The entropy left after the last scan, a share, on average.
+    /// Mean entropy after the last scan, as a share.
     pub entropy: f64,
-    /// Rays of the first plan; none of random views.
+    /// Number of rays of the first plan; `None` for random views.
     pub n_rays: Option<usize>,
-    /// Time of a plan, on average.
+    /// Mean planning time.
     pub plan_time: Duration,
 }
 
 impl Rung {
-    /// Runs with these slips, one for each choice.
+    /// Runs with these slips, once per choice.
     pub fn run(name: &str, scene: &Scene, slips: Slips, choices: &[Choice]) -> Outcome<Self> {
         let run = |&choice: &Choice| scene.run(slips, choice).map_err(|error| error.to_string());
         let runs: Vec<Vec<Step>> = choices.par_iter().map(run).collect::<Result<_, _>>()?;
@@ -45,12 +45,12 @@ impl Rung {
     }
 }
 
-/// The defaults of the paper, drawn so many times; `lasting` draws hold for a run, others for a plan.
+/// Returns the paper's defaults with `n` draws; `lasting` draws hold for a run, others for a plan.
 pub fn orders(n: u64, lasting: bool) -> Vec<Choice> {
     (0..n).map(|order| Choice::MaxFlow { gamma: 0.5, uses_history: true, order, lasting }).collect()
 }
 
-/// The authors' program, then one slip after the other repaired.
+/// Runs the authors' program, then repairs one slip after the other.
 pub fn cumulative(scene: &Scene, choices: &[Choice]) -> Outcome<Vec<Rung>> {
     let mut slips = Slips::AUTHORS_CODE;
     let mut rungs = vec![Rung::run("authors-code", scene, slips, choices)?];
@@ -61,7 +61,7 @@ pub fn cumulative(scene: &Scene, choices: &[Choice]) -> Outcome<Vec<Rung>> {
     Ok(rungs)
 }
 
-/// The authors' program with each slip repaired alone.
+/// Runs the authors' program with each slip repaired alone.
 pub fn alone(scene: &Scene, choices: &[Choice]) -> Outcome<Vec<Rung>> {
     let rung = |(name, repair): Repair| {
         let mut slips = Slips::AUTHORS_CODE;
@@ -71,7 +71,7 @@ pub fn alone(scene: &Scene, choices: &[Choice]) -> Outcome<Vec<Rung>> {
     Slips::REPAIRS.into_iter().map(rung).collect()
 }
 
-/// Other weights of the flow, with these slips: the ends of table IV.
+/// Runs other weights of the flow, with these slips: the extremes of table IV.
 pub fn weights(scene: &Scene, slips: Slips, n: u64, kind: &str) -> Outcome<Vec<Rung>> {
     let cases = [
         ("gamma 0", 0.0, true),

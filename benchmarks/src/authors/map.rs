@@ -8,26 +8,26 @@ use nextview::map::{
 };
 use std::f64::consts::LN_2;
 
-/// Above this probability the authors' program takes a voxel for occupied.
+/// Probability above which the authors' program treats a voxel as occupied.
 pub const OCCUPIED: f64 = 0.65;
 
-/// Below this probability it takes a voxel for free.
+/// Probability below which it treats a voxel as free.
 pub const FREE: f64 = 0.45;
 
-/// Their map: OctoMap in voxels of 1 cm.
+/// The authors' map: OctoMap in voxels of 1 cm.
 pub struct Map {
     map: OccupancyMap,
     created: VoxelBlock,
 }
 
 impl Map {
-    /// A map in which these voxels exist and nothing is measured.
+    /// Creates a map in which these voxels exist without measurements.
     pub fn new(created: VoxelBlock) -> Outcome<Self> {
         Ok(Self { map: OccupancyMap::new(Lattice::new(VOXEL_SIZE)?, SensorModel::default())?, created })
     }
 
-    /// Enters what a camera at `origin` saw: a voxel with a point is a hit, others on the way to one a miss,
-    /// and, unless `hits_only`, those on the way past the object as well.
+    /// Inserts an image of a camera at `origin`: a voxel with a point is a hit, other voxels on the way to a
+    /// point are misses, and, unless `hits_only`, so are those on the way past the object.
     pub fn insert(&mut self, image: &Image, origin: DVec3, hits_only: bool) -> Outcome<()> {
         if hits_only {
             let whole = Integration { background: Background::Ignore, ..Integration::default() };
@@ -40,24 +40,24 @@ impl Map {
         Ok(())
     }
 
-    /// The log-odds of the voxels that exist; 0 where nothing was measured.
+    /// Returns the log-odds of the existing voxels; 0 without measurements.
     pub fn log_odds(&self) -> Vec<f32> {
         let keys = (0..self.created.n_voxels()).map(|voxel| self.created.key(voxel));
         keys.map(|key| self.map.log_odds(key).map_or(0.0, |value| value.0)).collect()
     }
 }
 
-/// What planning knows of the voxels of the box.
+/// The planner's knowledge of the voxels of the box.
 pub struct Knowledge {
-    /// The probability that the voxel is occupied; 0.5 where nothing was measured.
+    /// The probability that the voxel is occupied; 0.5 without measurements.
     pub probability: Vec<f64>,
-    /// Which voxels are unknown, free and occupied.
+    /// The unknown, free and occupied voxels.
     pub snapshot: Snapshot,
 }
 
 impl Knowledge {
-    /// From the log-odds of the voxels that exist. By the authors' bands, 0.45 to 0.65 is unknown; otherwise
-    /// only what was never measured.
+    /// Creates it from the log-odds of the existing voxels. With the authors' bands, 0.45 to 0.65 is unknown;
+    /// otherwise only what was never measured.
     pub fn new(log_odds: &[f32], recording: &Recording, by_bands: bool) -> Outcome<Self> {
         let value = |key: VoxelKey| recording.created.index(key).map_or(0.0, |voxel| log_odds[voxel]);
         let known = |key: VoxelKey| {
@@ -74,23 +74,23 @@ impl Knowledge {
         Ok(Self { probability, snapshot: Snapshot::from_fn(Lattice::new(VOXEL_SIZE)?, block, known) })
     }
 
-    /// Number of voxels that are occupied for the authors.
+    /// Returns the number of voxels that the authors treat as occupied.
     pub fn n_occupied(&self) -> usize {
         self.probability.iter().filter(|&&p| p > OCCUPIED).count()
     }
 
-    /// The entropy of all voxels together, nats.
+    /// Returns the total entropy of all voxels, nats.
     pub fn entropy(&self) -> f64 {
         self.probability.iter().map(|&p| entropy(p)).sum()
     }
 
-    /// The same as a share of that of a box of which nothing is known.
+    /// Returns the entropy as a share of that of an unknown box.
     pub fn entropy_share(&self) -> f64 {
         self.entropy() / (self.probability.len() as f64 * LN_2)
     }
 
-    /// By existing voxel, whether planning rays end in it: occupied ones do, and with the slip all of
-    /// log-odds 0 or more, as those that were never measured.
+    /// Returns for every existing voxel whether planning rays end in it: occupied voxels and, with the slip,
+    /// all voxels with log-odds of 0 or more, including those never measured.
     pub fn ray_ends(&self, log_odds: &[f32], stop_at_unknown: bool, recording: &Recording) -> Vec<bool> {
         let created = recording.created;
         let is_occupied = |voxel: usize| {

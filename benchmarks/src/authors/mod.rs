@@ -1,20 +1,20 @@
 //! The program of the paper's authors (profile `authors-code`), slip by slip.
 //!
-//! Written from a description of what their program does, without any code of theirs, over the library where
-//! that computes the same. Each [`Slips`] field is a place where the program does otherwise than the paper
-//! says. `docs/reproduction.md` has the results, the program `authors_code` makes them.
+//! Written from a description of their program's behaviour, without any code of theirs, and on the library
+//! where that computes the same. Each [`Slips`] field is a deviation of the program from the paper.
+//! `docs/reproduction.md` has the results, made by the program `authors_code`.
 //!
-//! Found by fitting to the recorded maps and networks, because no description says it: the roll of the
+//! Found by fitting to the recorded maps and networks, because no description states it: the roll of the
 //! cameras ([`camera`]), the distance between the rays of a view ([`outline`]), and the layers of voxels just
-//! outside the box in which rays end as well ([`recording::Recording::created`]).
+//! outside the box in which rays also end ([`recording::Recording::created`]).
 
 /// The camera's roll.
 pub mod camera;
 /// The flow's voxels, views and gains.
 pub mod flow;
-/// The worth of what rays cross.
+/// The value of voxels along rays.
 pub mod gain;
-/// Runs with fewer and fewer slips.
+/// Runs with an increasing number of repaired slips.
 pub mod ladder;
 /// The map and its bands of probability.
 pub mod map;
@@ -24,7 +24,7 @@ pub mod outline;
 pub mod rays;
 /// The recorded run.
 pub mod recording;
-/// What was measured of the authors' program.
+/// Measurements of the authors' program.
 pub mod reference;
 /// The results as Markdown.
 pub mod report;
@@ -36,5 +36,5 @@ mod slips;
 
 pub use slips::{Repair, Slips};
 
-/// What fails here says where and why.
+/// A result whose error states place and cause.
 pub type Outcome<T> = Result<T, Box<dyn std::error::Error>>;

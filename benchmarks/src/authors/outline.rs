@@ -6,13 +6,13 @@ use nextview::sensor::Intrinsics;
 /// The outline of the object's box in an image: the convex hull of its corners.
 pub struct Outline {
     hull: Vec<DVec2>,
-    /// Pixels along an edge of a voxel of this size.
+    /// Number of pixels along an edge of a voxel of this size.
     pub voxel_pixels: f64,
 }
 
 impl Outline {
-    /// The outline in the image of a camera there, which must be outside the box; `by_deprojection` distorts
-    /// with the polynomial that is meant for the way back.
+    /// Computes the outline in the image of a camera at this pose, which must be outside the box;
+    /// `by_deprojection` distorts with the polynomial for the opposite direction.
     pub fn new(aabb: &Aabb, camera: &Pose, intrinsics: &Intrinsics, by_deprojection: bool) -> Outcome<Self> {
         let to_camera = camera.inverse();
         let mut corners = Vec::new();
@@ -25,7 +25,7 @@ impl Outline {
                     .map(|distorted| distorted * intrinsics.focal() + intrinsics.center()),
                 false => intrinsics.project(inside),
             };
-            // Where the lens has no answer, the corner is where an ideal lens would show it.
+            // Without an answer of the lens, the corner is where an ideal lens would show it.
             corners.push((corner, pixel.unwrap_or(ideal * intrinsics.focal() + intrinsics.center())));
         }
         let hull = convex_hull(corners.iter().map(|corner| corner.1).collect());
@@ -39,8 +39,8 @@ impl Outline {
         Ok(Self { hull, voxel_pixels: pixels / (metres / super::recording::VOXEL_SIZE) })
     }
 
-    /// The pixels inside that lie this far apart, from the whole pixel at the outline's least column and row
-    /// on.
+    /// Returns the inner pixels at this spacing, starting at the whole pixel at the outline's least column
+    /// and row.
     pub fn pixels(&self, apart: f64) -> Vec<DVec2> {
         let (low, high) = self
             .hull
@@ -63,7 +63,7 @@ fn widest(points: impl Iterator<Item = DVec3> + Clone) -> f64 {
     pairs.fold(0.0, f64::max)
 }
 
-/// The corners of the convex hull in the order in which x turns to y (Andrew's monotone chain).
+/// The corners of the convex hull in the direction from x to y (Andrew's monotone chain).
 fn convex_hull(mut points: Vec<DVec2>) -> Vec<DVec2> {
     points.sort_by(|a, b| a.x.total_cmp(&b.x).then(a.y.total_cmp(&b.y)));
     let mut hull = half_hull(points.iter().copied());

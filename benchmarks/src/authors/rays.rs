@@ -8,13 +8,13 @@ use nextview::sensor::Intrinsics;
 use rayon::prelude::*;
 use std::collections::HashMap;
 
-/// Voxels between two rays of a view.
+/// Number of voxels between two rays of a view.
 const APART: f64 = 10.0;
 
 /// The planning rays of all views. Rays of different views that cross the box from the same first to the same
 /// last voxel are one.
 pub struct Rays {
-    /// By ray, the voxels of the box that it crosses, in order.
+    /// By ray, the box's voxels along it, in order.
     pub voxels: Vec<Vec<u32>>,
     /// By view, its rays, each once, in increasing order.
     pub of_view: Vec<Vec<u32>>,
@@ -24,16 +24,16 @@ pub struct Rays {
 pub struct RayCaster<'a> {
     /// The box, the voxels that exist, and the views.
     pub recording: &'a Recording,
-    /// The camera whose pixels the rays go through.
+    /// The camera that defines the rays by its pixels.
     pub intrinsics: &'a Intrinsics,
-    /// Which of the program's slips there are.
+    /// The program's slips.
     pub slips: Slips,
-    /// Whether rays end in this voxel, of those that exist.
+    /// By existing voxel, whether rays end in it.
     pub is_end: &'a [bool],
 }
 
 impl RayCaster<'_> {
-    /// The rays of all views, with the roll that they have after this camera.
+    /// Casts the rays of all views, with their roll after this camera.
     pub fn cast(&self, before: &Pose) -> Outcome<Rays> {
         // Errors that may pass between threads.
         let one = |&position: &DVec3| -> Result<_, String> {
@@ -62,11 +62,11 @@ impl RayCaster<'_> {
         Ok(rays)
     }
 
-    /// The voxels of the box on each ray of a view; rays that meet none are left out.
+    /// The voxels of the box on each ray of a view; rays without any are left out.
     fn cast_view(&self, camera: &Pose) -> Outcome<Vec<Vec<u32>>> {
         let aabb = Aabb::cube(self.recording.center, self.recording.half);
         let outline = Outline::new(&aabb, camera, self.intrinsics, self.slips.outline_by_deprojection)?;
-        // They count whole pixels to a voxel.
+        // The authors count whole pixels per voxel.
         let pixels = outline.pixels(APART * outline.voxel_pixels.floor().max(1.0)).into_iter();
         let (rotation, lattice) = (camera.rotation_matrix(), Lattice::new(VOXEL_SIZE)?);
         let from = lattice.to_voxels(camera.translation());
@@ -78,7 +78,7 @@ impl RayCaster<'_> {
     }
 
     /// The existing voxels up to the first end of a ray. With the slip these are the voxels on the way to the
-    /// end's centre, and there is no ray without an end; otherwise those that the pixel's ray crosses.
+    /// end's centre, and a ray without an end does not exist; otherwise those on the pixel's ray.
     fn first_end(&self, from: DVec3, direction: DVec3) -> Option<Vec<VoxelKey>> {
         let exist = self.recording.created;
         let mut walk = SegmentWalk::ray_within(from, direction, exist.min(), exist.max())?;

@@ -6,7 +6,7 @@ use std::fs::File;
 use std::path::Path;
 use std::str::FromStr;
 
-/// The views that the authors' recorded run takes, by number.
+/// The views of the authors' recorded run, by number.
 pub const RECORDED_VIEWS: [usize; 10] = [0, 5, 1, 6, 7, 1012, 2957, 3104, 2204, 1866];
 
 /// Edge of a voxel of the map, in metres.
@@ -23,21 +23,21 @@ pub struct Recording {
     pub center: DVec3,
     /// Half the side of that box, a cube, in metres.
     pub half: f64,
-    /// The voxels of 1 cm whose centre lies in the box: those of which the program plans and counts.
+    /// The voxels of 1 cm with their centre in the box, which the program plans with and counts.
     pub block: VoxelBlock,
     /// The voxels that the program creates with log-odds 0 before the first scan: `block` and, because it
-    /// steps through the box from the low corner, layers whose centres lie just outside.
+    /// steps through the box from the low corner, layers with centres just outside.
     pub created: VoxelBlock,
     /// The voxels of 2 mm that hold surface.
     pub surface: Vec<VoxelKey>,
     /// Number of voxels of 1 cm that hold surface.
     pub n_object_voxels: usize,
-    /// By scan, the log-odds of the voxels of `created`; 0 where nothing was measured.
+    /// By scan, the log-odds of the voxels of `created`; 0 without measurements.
     pub maps: Vec<Vec<f32>>,
 }
 
 impl Recording {
-    /// Reads the folder; fails with the name of the file and what is wrong in it.
+    /// Reads the folder; an error names the file and its fault.
     pub fn read(folder: &Path) -> Outcome<Self> {
         let path = folder.join("candidate_views.txt");
         let text = std::fs::read_to_string(&path).map_err(|error| format!("{}: {error}", path.display()))?;
@@ -121,7 +121,7 @@ fn octree(path: &Path, voxel_size: f64) -> Outcome<Octree> {
     Ok(octree)
 }
 
-/// The voxels of a tree that holds nothing but occupied ones.
+/// The voxels of a tree with only occupied ones.
 fn voxels(path: &Path, voxel_size: f64) -> Outcome<Vec<VoxelKey>> {
     let tree = octree(path, voxel_size)?.expanded(1 << 20).map_err(|e| format!("{}: {e}", path.display()))?;
     let voxels: Vec<_> = tree.leaves().map(|leaf| leaf.min).collect();

@@ -8,25 +8,26 @@ use super::run::{Choice, Scene, Survey};
 use super::{Outcome, Slips};
 use std::fmt::Write;
 
-/// How many runs of each kind are averaged.
+/// Numbers of averaged runs of each kind.
 #[derive(Clone, Copy)]
 pub struct Effort {
-    /// Draws for the timing of threads.
+    /// Number of draws of thread timing.
     pub n_orders: u64,
-    /// Draws of random views.
+    /// Number of draws of random views.
     pub n_random: u64,
 }
 
-/// Everything the program `authors_code` measures, as Markdown, and times of plans, which no two runs share.
+/// All measurements of the program `authors_code`, as Markdown, and planning times, which differ between
+/// runs.
 pub struct Report {
-    /// The same bits in every run.
+    /// The measurements, bit-identical in every run.
     pub markdown: String,
-    /// A line for each kind of run.
+    /// Planning times, a line for each kind of run.
     pub times: String,
 }
 
 impl Report {
-    /// Runs everything; names what is under way.
+    /// Runs everything, and passes the name of the current part to `under_way`.
     pub fn new(scene: &Scene, effort: Effort, under_way: impl Fn(&str)) -> Outcome<Self> {
         let mut report = Self { markdown: String::new(), times: String::new() };
         let (choices, n) = (ladder::orders(effort.n_orders, false), effort.n_orders);

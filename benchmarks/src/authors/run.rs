@@ -11,7 +11,7 @@ use nextview::geometry::random::Random;
 use nextview::sensor::Intrinsics;
 use std::time::{Duration, Instant};
 
-/// The object before the camera.
+/// The object in front of the camera.
 pub struct Scene {
     /// The recorded run.
     pub recording: Recording,
@@ -19,20 +19,20 @@ pub struct Scene {
     intrinsics: Intrinsics,
 }
 
-/// How views are chosen.
+/// A rule for choosing views.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Choice {
-    /// Those of the recorded run.
+    /// The views of the recorded run.
     Recorded,
-    /// By chance, from a draw of this number.
+    /// Random views, from a draw with this number.
     Random(u64),
-    /// By eq. (7).
+    /// The views of eq. (7).
     MaxFlow {
         /// Gamma of eq. (6).
         gamma: f64,
-        /// Whether earlier plans count; without, all views in the present V_global have gain 1.
+        /// Whether earlier plans count; otherwise all views in the current V_global have gain 1.
         uses_history: bool,
-        /// Which draw stands for the timing of threads.
+        /// Number of the draw of thread timing.
         order: u64,
         /// Whether it is drawn once for the run rather than for every plan.
         lasting: bool,
@@ -40,43 +40,43 @@ pub enum Choice {
 }
 
 impl Choice {
-    /// The paper's defaults, with this draw for the timing of threads.
+    /// Returns the paper's defaults, with this draw of thread timing.
     pub fn max_flow(order: u64) -> Self {
         Self::MaxFlow { gamma: 0.5, uses_history: true, order, lasting: false }
     }
 }
 
-/// What a scan brought.
+/// The result of a scan.
 pub struct Step {
-    /// The view it was taken from.
+    /// The view of the scan.
     pub view: usize,
-    /// The log-odds of the voxels that exist.
+    /// The log-odds of the existing voxels.
     pub log_odds: Vec<f32>,
     /// Occupied voxels of the box over object voxels, wherever they are: the program's coverage.
     pub coverage: f64,
-    /// The entropy of the box over that of one of which nothing is known.
+    /// The entropy of the box as a share of that of an unknown box.
     pub entropy: f64,
-    /// The plan that came after it.
+    /// The plan after the scan.
     pub plan: Option<PlanFacts>,
 }
 
 /// Numbers of a plan.
 pub struct PlanFacts {
-    /// Distinct rays.
+    /// Number of distinct rays.
     pub n_rays: usize,
-    /// Time of the plan.
+    /// Planning time.
     pub time: Duration,
 }
 
 impl Scene {
-    /// The object of the recording before the paper's camera.
+    /// Puts the recorded object in front of the paper's camera.
     pub fn new(recording: Recording) -> Outcome<Self> {
         let intrinsics = Intrinsics::d435i();
         let camera = VirtualCamera::new(&recording.surface, &intrinsics)?;
         Ok(Self { recording, camera, intrinsics })
     }
 
-    /// Ten scans with these slips, the first from view 0.
+    /// Takes ten scans with these slips, the first from view 0.
     pub fn run(&self, slips: Slips, choice: Choice) -> Outcome<Vec<Step>> {
         let mut state = State::new(self, slips, choice)?;
         let (mut steps, mut view) = (Vec::new(), 0);
@@ -94,22 +94,22 @@ impl Scene {
 
 /// The rays and the flow of a first plan.
 pub struct Survey {
-    /// Distinct rays.
+    /// Number of distinct rays.
     pub n_rays: usize,
-    /// Rays of a view, on average.
+    /// Mean number of rays per view.
     pub rays_per_view: f64,
-    /// Views without a ray.
+    /// Number of views without a ray.
     pub n_views_without: usize,
-    /// Voxels in the flow.
+    /// Number of voxels in the flow.
     pub n_voxels: usize,
-    /// Edges between voxels and rays, each counted once for every view of the ray.
+    /// Number of edges between voxels and rays, each counted once for every view of the ray.
     pub n_edges: usize,
     /// The optimal quality Q_T.
     pub quality: f64,
 }
 
 impl Scene {
-    /// The first plan on the recorded first map.
+    /// Plans on the recorded first map.
     pub fn survey(&self, slips: Slips) -> Outcome<Survey> {
         let mut state = State::new(self, slips, Choice::Recorded)?;
         state.camera = look_from(self.recording.positions[0], self.recording.center, &state.camera)?;
@@ -131,7 +131,7 @@ impl Scene {
     }
 }
 
-/// A run under way.
+/// A run in progress.
 struct State<'a> {
     scene: &'a Scene,
     slips: Slips,
@@ -163,7 +163,7 @@ impl<'a> State<'a> {
         Ok(Self { scene, slips, choice, draw, ties, map, camera, visited, log_odds, rays: None, plans })
     }
 
-    /// Takes a scan and enters it into the map.
+    /// Takes a scan and inserts it into the map.
     fn scan(&mut self, view: usize) -> Outcome<Step> {
         let recording = &self.scene.recording;
         self.camera = look_from(recording.positions[view], recording.center, &self.camera)?;

@@ -7,35 +7,34 @@ use rayon::prelude::*;
 /// Edge of a voxel of the true shape, in metres.
 const VOXEL_SIZE: f64 = 0.002;
 
-/// Of the pixels that miss the object, every so many columns and rows have a background point: 4 mm apart at
-/// 0.4 m.
+/// Step in columns and rows between background points, among the pixels that miss the object: 4 mm at 0.4 m.
 const EVERY: usize = 6;
 
 /// Depth of the background, in metres: beyond the box from everywhere.
 const FAR: f64 = 1.0;
 
-/// The virtual camera: a ray through each pixel ends in the first voxel of 2 mm that holds surface, and the
-/// image shows the voxel's centre, without noise.
+/// The virtual camera: each pixel's ray ends in the first voxel of 2 mm that holds surface, and the image
+/// shows the voxel's centre, without noise.
 pub struct VirtualCamera {
     lattice: Lattice,
     block: VoxelBlock,
     is_surface: Vec<bool>,
     width: usize,
-    /// Where the ray of each pixel crosses the plane z = 1 of the camera, row after row; none where the lens
-    /// has no answer.
+    /// Intersection of each pixel's ray with the camera's plane z = 1, row after row; `None` if the lens has
+    /// no answer.
     rays: Vec<Option<DVec2>>,
 }
 
-/// What the camera sees.
+/// An image of the camera.
 pub struct Image {
-    /// The centres of the voxels it sees, each once, in the order of the voxels.
+    /// The centres of the visible voxels, each once, in the order of the voxels.
     pub points: Vec<DVec3>,
-    /// Points beyond the object on rays that miss it, if they were asked for.
+    /// Points beyond the object on rays that miss it, if requested.
     pub background: Vec<DVec3>,
 }
 
 impl VirtualCamera {
-    /// A camera before the object that these voxels of 2 mm make up.
+    /// Creates a camera in front of the object made of these voxels of 2 mm.
     pub fn new(surface: &[VoxelKey], intrinsics: &Intrinsics) -> Outcome<Self> {
         let start = (VoxelKey::MAX, VoxelKey::MIN);
         let (low, high) = surface.iter().fold(start, |(low, high), &key| (low.min(key), high.max(key)));
@@ -49,7 +48,7 @@ impl VirtualCamera {
         Ok(Self { lattice, block, is_surface, width, rays })
     }
 
-    /// The image of a camera there, with or without what lies beyond the object.
+    /// Takes an image from this pose, with or without the background.
     pub fn scan(&self, world_from_camera: &Pose, with_background: bool) -> Image {
         let background = if with_background { self.background(world_from_camera) } else { Vec::new() };
         Image { points: self.points(world_from_camera), background }

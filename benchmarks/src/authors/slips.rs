@@ -1,31 +1,30 @@
-/// What the authors' program does otherwise than the paper says, one switch each. Numbers are those of the
-/// list in `docs/reproduction.md`.
+/// Deviations of the authors' program from the paper, one switch each. Numbers are those of the list in
+/// `docs/reproduction.md`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Slips {
-    /// 1. The history weighs views by their number: exp(-(view - k)) in place of eq. (4)'s exp(-(it - k)).
+    /// 1. The history weights views by their number: exp(-(view - k)) instead of eq. (4)'s exp(-(it - k)).
     pub history_by_view_number: bool,
-    /// 2. Rays end at voxels of log-odds 0, as all have that were never measured, in place of occupied ones.
+    /// 2. Rays end at voxels with log-odds 0, which all unmeasured ones have, instead of at occupied ones.
     pub rays_stop_at_unknown: bool,
-    /// 3. Rays are cast at the first plan only, with the roll of that time, and are never extended.
+    /// 3. Rays are cast only at the first plan, with their roll at that time, and are never extended.
     pub rays_cast_once: bool,
-    /// 4. Rays are cast outside the image, too.
+    /// 4. Rays are also cast outside the image.
     pub rays_outside_image: bool,
     /// 5. The box's outline comes from the lens polynomial of deprojection, which is not the projection.
     pub outline_by_deprojection: bool,
-    /// 6. Unknown is 0.45 < P < 0.65 in place of never measured.
+    /// 6. Unknown means 0.45 < P < 0.65 instead of never measured.
     pub unknown_by_bands: bool,
-    /// 7. Sight through a voxel is 1 below P = 0.45, 0 above 0.65 and linear between, in place of eq. (2)'s
-    ///    1 - P.
+    /// 7. Sight through a voxel is 1 below P = 0.45, 0 above 0.65 and linear between; eq. (2) has 1 - P.
     pub linear_sight: bool,
     /// 8. Only qualities above 0.3 enter the flow.
     pub flow_above_threshold: bool,
-    /// 9. Views that were visited stay in the network.
+    /// 9. Visited views stay in the network.
     pub visited_in_flow: bool,
-    /// 10. Only hits change the map: what a ray sees past the object frees nothing. The paper is silent.
+    /// 10. Only hits change the map: a ray past the object frees nothing. The paper does not say.
     pub hits_only: bool,
 }
 
-/// The name of a rung and what it repairs.
+/// The name of a rung and its repair.
 pub type Repair = (&'static str, fn(&mut Slips));
 
 impl Slips {
@@ -57,7 +56,7 @@ impl Slips {
         hits_only: true,
     };
 
-    /// How each is repaired, the name of its rung, in words, in the order of the ladder.
+    /// The repair of each slip with the name of its rung, in the order of the ladder.
     pub const REPAIRS: [Repair; 10] = [
         ("1: history by plan", |slips| slips.history_by_view_number = false),
         ("2: rays pass unknown voxels", |slips| slips.rays_stop_at_unknown = false),

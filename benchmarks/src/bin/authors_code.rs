@@ -1,10 +1,11 @@
-//! Runs the program of the paper's authors as the profile `authors-code`, then repairs one of its slips after
-//! the other down to the paper's formulas.
+//! Runs the program of the paper's authors as the profile `authors-code`, then repairs its slips one after
+//! the other, down to the paper's formulas.
 //!
 //!     cargo run --release -p nextview-benchmarks --bin authors_code -- AUTHORS_FOLDER OUT.md
 //!
 //! The folder holds the authors' recorded Armadillo run. `OUT.md` gets the tables, the same bits every time;
-//! stdout the mean time of a plan in every kind of run. With QUICK set, two runs of each kind are averaged.
+//! stdout gets the mean planning time of every kind of run. With QUICK set, two runs of each kind are
+//! averaged.
 
 use nextview_benchmarks::authors::recording::Recording;
 use nextview_benchmarks::authors::report::{Effort, Report};

@@ -1,13 +1,13 @@
-//! What is the best that ways to evaluate a view can do: planners with the truth in place of the prior.
+//! Upper bounds on evaluating views: planners with the truth in place of the prior.
 //!
 //!     cargo run --release -p nextview-benchmarks --bin ceiling -- N_STARTS all|default MESH ...
 //!
 //! Each planner, or the default planner alone, takes ten views of each mesh (longest side 0.2 m, 5 mm voxels,
-//! 1000 candidates all around, no noise) from each of so many first views, and gets a line with its mean
-//! skill and that of the worst object. `default` is the default planner. `truth` knows which share of the
-//! rays through a voxel end in it, and which voxels hold surface, and evaluates views as the default planner
-//! does, with so many rays across the box. `rendered` renders the true surface in images so many pixels wide
-//! and counts the voxels that show surface not measured so far.
+//! 1000 candidates all around, no noise) from each of `N_STARTS` first views, and gets a line with its mean
+//! skill and that of the worst object. `default` is the default planner. `truth` knows the share of the rays
+//! through a voxel that end in it, and the voxels that hold surface. It evaluates views as the default
+//! planner does, with the given number of rays across the box. `rendered` renders the true surface in images
+//! of the given width in pixels and counts the voxels that show unmeasured surface.
 
 use fixedbitset::FixedBitSet;
 use glam::{DVec2, DVec3};
@@ -25,15 +25,15 @@ use std::error::Error;
 use std::path::Path;
 use std::sync::Arc;
 
-/// First views are this many candidates apart: a prime, so that they lie all around.
+/// Number of candidates between first views: a prime, which spreads them all around.
 const APART: usize = 137;
 
-/// Pixels across the image in which the shares of rays that end are counted, and every so many candidates
-/// whose images are.
+/// Width in pixels of the images in which the shares of ending rays are counted, and the step between the
+/// candidates of these images.
 const COUNTED_PIXELS: u32 = 216;
 const COUNTED_VIEWS: usize = 4;
 
-/// Views that are evaluated with all rays, after all with a quarter as many side by side.
+/// Number of views evaluated with all rays, after all views with a quarter as many side by side.
 const N_SHORT: usize = 100;
 
 const PLANNERS: [Kind; 7] = [
@@ -109,7 +109,7 @@ impl Object {
     }
 }
 
-/// The object before a camera with the same view and so many pixels side by side.
+/// The object in front of a camera with the same field of view and `width` pixels across.
 fn small_camera(object: &KnownObject, width: u32) -> Outcome<Scene> {
     let full = Intrinsics::d435i();
     let scale = f64::from(width) / f64::from(full.width());
@@ -141,7 +141,7 @@ fn true_stops(object: &KnownObject) -> Outcome<Vec<f32>> {
     Ok(counts.into_iter().map(|(n, n_ended)| n_ended as f32 / n.max(1) as f32).collect())
 }
 
-/// Where the rays of all pixels truly end, in world coordinates; those beyond all range are left out.
+/// The true ends of all pixels' rays, in world coordinates, without those out of range.
 fn ray_ends(scene: &Scene, pose: &Pose) -> Outcome<Vec<DVec3>> {
     let (depths, optics) = (scene.camera().render_depth(pose)?, scene.camera().intrinsics());
     let place = |(pixel, depth): (u32, &f32)| {
@@ -152,14 +152,14 @@ fn ray_ends(scene: &Scene, pose: &Pose) -> Outcome<Vec<DVec3>> {
     Ok((0..).zip(&depths).filter_map(place).collect())
 }
 
-/// The view of largest value, if it is positive.
+/// The view with the largest value, if positive.
 fn best(open: &[usize], values: &[f64]) -> Plan {
     let best = (0..open.len()).max_by(|&a, &b| values[a].total_cmp(&values[b]).then(b.cmp(&a)));
     let choice = best.filter(|&i| values[i] > 0.0).map(|i| Choice::new(open[i], values[i]));
     Plan { choice, ..Plan::default() }
 }
 
-/// Evaluates views as the default planner does, but knows the object.
+/// Evaluates views like the default planner, but with knowledge of the object.
 struct WithTruth {
     object: Arc<Object>,
     rays_across: f64,
@@ -207,7 +207,7 @@ const MIDDLES: [f32; 5] = [0.06, 0.21, 0.45, 0.75, 0.95];
 /// Counts the voxels with new surface in small images of the true surface.
 struct Rendered {
     object: Arc<Object>,
-    /// By view, the object voxels that its image shows.
+    /// By view, the object voxels in its image.
     shown: Vec<FixedBitSet>,
 }
 

@@ -1,14 +1,14 @@
-//! Textured meshes of simulated scans beside the true colours of the objects.
+//! Compares textured meshes of simulated scans with the true colours of the objects.
 //!
 //!     cargo build --release -p nextview-cli
 //!     cargo run --release -p nextview-benchmarks --bin color -- target/release/nextview OUT
 //!     cargo run --release -p nextview-benchmarks --bin color -- target/release/nextview OUT --small
 //!
-//! Five objects that are coloured by code are scanned, with and without noise, and exported as textured
-//! meshes. Both, and the mesh of the scan with its colours by vertex, are rendered from views that the scan
-//! did not take, and compared where both show the object. OUT/color.md has the table, and OUT/pictures the
-//! true object, the textured mesh and the mesh with colours by vertex side by side. With --small, two objects
-//! are scanned in fewer views, and the program fails if textures are not clearly better.
+//! Five objects coloured by code are scanned, with and without noise, and exported as textured meshes. True
+//! object, textured mesh and the scan's mesh with colours by vertex are rendered from views that the scan did
+//! not take, and compared where both show the object. OUT/color.md has the table, and OUT/pictures the three
+//! renderings side by side. With --small, two objects are scanned in fewer views, and the program fails if
+//! textures are not clearly better.
 
 use nextview::geometry::random::Random;
 use nextview::sensor::{ColorImage, Intrinsics};
@@ -28,22 +28,22 @@ use std::time::Instant;
 
 type Outcome<T> = Result<T, Box<dyn Error>>;
 
-/// Views to compare in, and how they are drawn: apart from the candidates of the scans.
+/// Number of views for comparison, and the seed of their draw, separate from the candidates of the scans.
 const VIEWS: (usize, u64) = (16, 77);
 
-/// Most that the exposure of a picture differs by, as a factor.
+/// Maximum exposure difference of a picture, as a factor.
 const EXPOSURE: f64 = 1.25;
 
-/// Least gain over colours by vertex, and least PSNR, with `--small`, decibels.
+/// Minimum gain over colours by vertex, and minimum PSNR, with `--small`, decibels.
 const SMALL_GAIN: f64 = 1.5;
 const SMALL_PSNR: f64 = 18.0;
 
-/// What the camera is like.
+/// The properties of the camera.
 #[derive(Clone, Copy, PartialEq)]
 enum Camera {
     Exact,
     D435i,
-    /// The same pictures, each with an exposure of its own.
+    /// The same pictures, each with its own exposure.
     Exposures,
 }
 
@@ -80,7 +80,7 @@ fn main() -> Outcome<()> {
             let picture = out.join(format!("pictures/{name}-{}", camera.word()));
             let compared = compare(&object, &scanned.folder, &picture)?;
             let mut row = format!("| {name} | {} |", camera.about());
-            // The colours by vertex are those of the pictures as they were.
+            // The colours by vertex are those of the original pictures.
             match camera {
                 Camera::Exposures => row += " |",
                 _ => write!(row, " {:.1} dB |", compared.by_vertex.db())?,
@@ -119,7 +119,7 @@ impl Camera {
     }
 }
 
-/// Where a scan and its export lie.
+/// The place of a scan and its export.
 struct Scanned<'a> {
     program: &'a str,
     folder: PathBuf,
@@ -136,7 +136,7 @@ impl Scanned<'_> {
     }
 
     fn scan(&self, object: &Path, camera: Camera, n_views: usize) -> Outcome<()> {
-        // Whatever an earlier run has left there.
+        // Leftovers of an earlier run.
         _ = fs::remove_dir_all(&self.folder);
         fs::create_dir_all(&self.folder)?;
         let object = object.canonicalize()?;
@@ -151,7 +151,7 @@ impl Scanned<'_> {
     }
 }
 
-/// Makes pictures brighter or darker, by factors of red, green and blue that multiply to about 1 over all.
+/// Makes pictures brighter or darker, by factors of red, green and blue whose overall product is about 1.
 fn expose(folder: &Path) -> Outcome<()> {
     let mut paths: Vec<PathBuf> =
         fs::read_dir(folder)?.map(|entry| entry.map(|entry| entry.path())).collect::<Result<_, _>>()?;
@@ -173,15 +173,15 @@ fn expose(folder: &Path) -> Outcome<()> {
     Ok(())
 }
 
-/// How two meshes of a scan compare with the truth.
+/// Comparison of two meshes of a scan with the truth.
 struct Compared {
     by_vertex: Difference,
     textured: Difference,
-    /// PSNR of the textured mesh in the view where it is least.
+    /// PSNR of the textured mesh in its worst view.
     worst: f64,
-    /// Pixels that both show, as a share of those that show the true object.
+    /// Pixels in both, as a share of those that show the true object.
     share: f64,
-    /// Of the texture, pixels.
+    /// Size of the texture, pixels.
     size: [u32; 2],
 }
 
@@ -260,7 +260,7 @@ fn size_of(camera: &SimulatedCamera) -> Outcome<[u32; 2]> {
         .ok_or_else(|| "the exported mesh has no texture".into())
 }
 
-/// The part of images that is not black in the first of them, one beside the other.
+/// The part of images that is not black in the first of them, side by side.
 fn side_by_side(images: &[&ColorImage]) -> Outcome<ColorImage> {
     let (width, height) = (images[0].width(), images[0].height());
     let pixels = (0..height).flat_map(|v| (0..width).map(move |u| [u, v]));

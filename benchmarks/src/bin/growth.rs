@@ -1,10 +1,10 @@
-//! How time and memory of a decision grow with the number of candidates and the voxel size, and those of a
-//! map update with the image size. Every point is a process of its own, so that its peak memory is its own.
+//! Growth of a decision's time and memory with the number of candidates and the voxel size, and of a map
+//! update's with the image size. Every point is a separate process with its own peak memory.
 //!
 //!     cargo run --release -p nextview-benchmarks --bin growth -- FOLDER [PLOT.svg]
 //!
-//! FOLDER holds a workload. Prints a line `SWEEP,SIZE,MILLISECONDS,MEGABYTES` a point, and for each sweep the
-//! exponents of time and memory over its upper half; draws the plot if asked.
+//! FOLDER holds a workload. Prints a line `SWEEP,SIZE,MILLISECONDS,MEGABYTES` per point, and for each sweep
+//! the exponents of time and memory over its upper half; draws the plot on request.
 
 use glam::DVec2;
 use nextview::Cancel;
@@ -69,7 +69,7 @@ fn sweep(folder: &str, plot: Option<&Path>) -> Outcome<()> {
     plot.map_or(Ok(()), |plot| Ok(std::fs::write(plot, draw(&panels))?))
 }
 
-/// Prints milliseconds, the median of several runs, and the peak memory of the process in megabytes.
+/// Prints milliseconds, the median of several runs, and the process's peak memory in megabytes.
 fn measure(folder: &Path, sweep: usize, size: f64) -> Outcome<()> {
     let workload = Workload::read(folder)?;
     let before = peak_memory_mb()?;
@@ -86,7 +86,7 @@ fn measure(folder: &Path, sweep: usize, size: f64) -> Outcome<()> {
     Ok(())
 }
 
-/// A decision after three images that carve.
+/// A decision after three images, with carving.
 fn decision_ms(
     workload: &Workload,
     voxel_size: f64,
@@ -102,7 +102,7 @@ fn decision_ms(
     Ok(median_ms(|| _ = planner.clone().plan(&situation)))
 }
 
-/// A frame of this many pixels, 4 : 3, into an empty map.
+/// Inserts a frame with this number of pixels, 4 : 3, into an empty map.
 fn update_ms(workload: Workload, n_pixels: f64) -> Outcome<f64> {
     let scale = (n_pixels / (640.0 * 480.0)).sqrt();
     let [width, height] = [640.0, 480.0].map(|pixels| (pixels * scale).round());
@@ -115,7 +115,7 @@ fn update_ms(workload: Workload, n_pixels: f64) -> Outcome<f64> {
     Ok(median_ms(|| _ = empty_map(0.005).integrate(&frame, &integration)))
 }
 
-/// The median of at most nine runs, of fewer if they take more than three seconds together.
+/// The median of at most nine runs; of fewer if they take more than three seconds in total.
 fn median_ms(mut work: impl FnMut()) -> f64 {
     let mut times = Vec::new();
     while times.len() < 9 && times.iter().sum::<f64>() < 3e3 {

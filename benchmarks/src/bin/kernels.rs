@@ -1,5 +1,4 @@
-//! Runs one stage once, for the count of its instructions: the counted part runs in [`counted`], on one
-//! thread.
+//! Runs one stage once, to count its instructions: the counted part runs in [`counted`], on one thread.
 //!
 //!     kernels                  # the names of the stages that are small enough
 //!     kernels FOLDER NAME      # runs one on the workload in the folder
@@ -9,7 +8,7 @@ use nextview_benchmarks::workload::Workload;
 use std::error::Error;
 use std::path::Path;
 
-/// Stages too large to be run instruction by instruction: parts of their name and case.
+/// Stages too large for instruction counting: parts of their name and case.
 const TOO_LARGE: [&str; 5] = ["no voxel missed", "2 mm", "1 mm", "decision; default", "scan"];
 
 fn main() -> Result<(), Box<dyn Error>> {
@@ -22,7 +21,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     };
     let name = args.next().ok_or("usage: kernels [FOLDER NAME]")?;
     let stage = stages.find(|stage| stage.to_string() == name).ok_or_else(|| format!("no stage {name}"))?;
-    // Worker threads would be counted apart.
+    // Worker threads would be counted separately.
     rayon::ThreadPoolBuilder::new().num_threads(1).use_current_thread().build_global()?;
     let workload = Workload::read(Path::new(&folder))?;
     counted(&mut stage.prepare(&workload));

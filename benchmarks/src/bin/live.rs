@@ -1,10 +1,10 @@
-//! Scans with a camera of one's own again and again, for `python/benchmarks/overhead.py`, which does the same
-//! in Python and compares.
+//! Repeats scans with a custom camera, for `python/benchmarks/overhead.py`, which does the same in Python and
+//! compares.
 //!
 //!     cargo run --release -p nextview-benchmarks --bin live -- PLANNER VIEWS
 //!
-//! For every line of the input, it scans once and prints a line: for each view, the milliseconds of `next`
-//! and of `observe`.
+//! For every input line, it scans once and prints a line: for each view, the milliseconds of `next` and of
+//! `observe`.
 
 use nextview::Cancel;
 use nextview_scan::{Fault, LiveConfig, LiveFrame, LiveScan, ScanConfig, SimulatedObject};
@@ -34,7 +34,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     Ok(())
 }
 
-/// The milliseconds of every call of a scan, as text.
+/// The milliseconds of every call in a scan, as text.
 fn times(config: &ScanConfig, object: &SimulatedObject) -> Result<Vec<String>, Box<dyn Error>> {
     let mut scan = LiveScan::begin(config.clone(), None, Cancel::default())?;
     let mut times = Vec::new();

@@ -1,12 +1,12 @@
-//! Views for a purpose: what each purpose of a scan needs, and what planners and goals bring of it.
+//! Views for a purpose: the needs of each purpose of a scan, and the results of planners and goals.
 //!
 //!     cargo run --release -p nextview-benchmarks --bin purposes -- MESH ...
 //!
-//! Twelve views of each mesh at its true size by a D435i, with its noise and right poses; the table is found,
-//! the box grows, and no scan ends before its last view unless nothing is left to gain. Prints a table of
-//! what each way to choose views brings, means over the objects, and one of what its own way brings each
-//! purpose beside the default planner and random views, with 95 % intervals of the paired differences over
-//! the objects.
+//! Twelve views of each mesh at its true size by a D435i, with its noise and right poses. The table is found,
+//! the box grows, and no scan ends before its last view unless nothing is left to gain. Prints a table with
+//! the results of each way to choose views, as means over the objects. A second table compares the results of
+//! each purpose's own way with the default planner and random views, with 95 % intervals of the paired
+//! differences over the objects.
 
 use nextview::session::Decision;
 use nextview::surface::LooksGoal;
@@ -17,18 +17,18 @@ use std::error::Error;
 
 const N_VIEWS: usize = 12;
 
-/// Scans by random views of each object.
+/// Number of scans by random views of each object.
 const N_RANDOM: u64 = 2;
 
-/// How accurate the surface is to be, mm.
+/// Goal for the accuracy of the surface, mm.
 const GOAL_MM: f64 = 0.2;
 
-/// Least overlap for photogrammetry.
+/// Minimum overlap for photogrammetry.
 const OVERLAP: f64 = 0.8;
 
 type Outcome<T> = Result<T, Box<dyn Error>>;
 
-/// A way to choose views.
+/// A method of choosing views.
 #[derive(Clone, Copy)]
 struct Way {
     name: &'static str,
@@ -65,7 +65,7 @@ const MEASURES: [&str; 8] = [
     "within the goal",
 ];
 
-/// Purposes with the number of the way for each, and of the measures of what it needs.
+/// Purposes, each with the number of its method and the numbers of its measures.
 const PURPOSES: [(&str, usize, &[usize]); 5] = [
     ("most surface", MOST_SURFACE, &[0]),
     ("reference views", 2, &[1, 2]),
@@ -90,7 +90,7 @@ fn main() -> Outcome<()> {
     Ok(())
 }
 
-/// What each way brings of an object.
+/// The measures of each method on an object.
 fn of_object(path: &str) -> Outcome<Vec<[f64; 8]>> {
     let base = config(path)?;
     let object = SimulatedObject::new(&base)?;
@@ -188,12 +188,12 @@ fn print_differences(found: &[Vec<[f64; 8]>]) {
     }
 }
 
-/// A value of a measure: angles in degrees, shares in percent.
+/// A measure's value as text: angles in degrees, shares in percent.
 fn shown(measure: usize, value: f64) -> String {
     if is_angle(measure) { format!("{value:.1}°") } else { format!("{:.1} %", 100.0 * value) }
 }
 
-/// The difference of two values.
+/// A difference of two values as text.
 fn signed(measure: usize, value: f64) -> String {
     if is_angle(measure) { format!("{value:+.1}") } else { format!("{:+.1}", 100.0 * value) }
 }

@@ -4,8 +4,8 @@
 //!     cargo run --release -p nextview-benchmarks --bin questions -- MESH ...
 //!
 //! Each variant takes ten views of each mesh (longest side 0.2 m, 5 mm voxels, 1000 candidates all around, no
-//! noise) and gets a line with its mean skill and its lowest. The first variant is the plain one, which has
-//! neither most-surface's rule for the second view nor its shortlists, so that one thing changes at a time.
+//! noise) and gets a line with its mean skill and its lowest. The first variant is the plain one, without
+//! most-surface's rule for the second view and its shortlists, so only one thing changes at a time.
 
 use glam::IVec3;
 use nextview::Cancelled;
@@ -24,7 +24,7 @@ const RAY_SPACING: f64 = 2.0;
 /// Visibility below which a ray ends.
 const FADED: f32 = 0.03;
 
-/// Views of largest gain for which a partner is sought.
+/// Number of views with the largest gain for which a partner is sought.
 const N_FIRST: usize = 30;
 
 /// Rounds of mean-field updates: a belief reaches one voxel farther per round.
@@ -45,11 +45,11 @@ struct Variant {
 enum Belief {
     /// The library's prior.
     Learned,
-    /// The same, but a voxel whose neighbours in the Markov random field are likelier to stop rays than on
-    /// their own becomes likelier, too, by this coupling in log-odds.
+    /// The library's prior, where a voxel becomes likelier by this coupling in log-odds if its neighbours in
+    /// the Markov random field are likelier to stop rays than on their own.
     LearnedField(f32),
     /// A Markov random field without learning: the log-odds that a voxel is solid are this coupling times the
-    /// excess of solid ones among its six neighbours.
+    /// excess of solid voxels among its six neighbours.
     Field(f32),
 }
 
@@ -121,7 +121,7 @@ impl ViewPlanner for VariantPlanner {
     }
 }
 
-/// Adds to the views of largest gain the additional gain of their best partner; all others have no value.
+/// Adds the additional gain of the best partner to the views with the largest gain; all others have no value.
 fn add_partners(values: &mut [f64], evidence: &[Evidence], n_items: usize) {
     let mut order: Vec<usize> = (0..evidence.len()).collect();
     order.sort_by(|&a, &b| evidence[b].gain.total_cmp(&evidence[a].gain).then(a.cmp(&b)));
@@ -143,7 +143,7 @@ struct Beliefs {
     belief: Belief,
     /// By voxel of the estimate, the probability that a ray ends there.
     stops: Vec<f32>,
-    /// The same as probabilities of a map, for the ray caster.
+    /// The beliefs as probabilities of a map, for the ray caster.
     passes: Snapshot,
     /// By voxel of the snapshot.
     item_of: Vec<Option<u32>>,
@@ -152,7 +152,7 @@ struct Beliefs {
 /// The surface that a view shows.
 struct Evidence {
     gain: f64,
-    /// Voxels of the estimate with the probability that they are shown.
+    /// Voxels of the estimate with their probability of being shown.
     shows: Vec<(u32, f32)>,
 }
 
@@ -219,10 +219,10 @@ impl Beliefs {
     }
 }
 
-/// The mean-field solution of a Markov random field over unknown voxels, six neighbours each: the log-odds of
-/// a voxel are those it has by itself, plus the coupling times the excess of its neighbours' belief in
-/// solidity over their own prior. Occupied neighbours are solid for sure, free ones are not; by themselves
-/// both would be as likely as this voxel.
+/// The mean-field solution of a Markov random field over unknown voxels with six neighbours each: the
+/// log-odds of a voxel are its own, plus the coupling times the excess of its neighbours' belief in solidity
+/// over their prior. Occupied neighbours are certainly solid, free ones certainly not; their prior is that of
+/// this voxel.
 fn mean_field(
     snapshot: &Snapshot,
     estimate: &SurfaceEstimate,

@@ -1,5 +1,5 @@
-//! Prints the table of ratios from lines `PROGRAM,STAGE,CASE,MILLISECONDS` on standard input; of lines for
-//! the same case, the least time counts.
+//! Prints the table of ratios from lines `PROGRAM,STAGE,CASE,MILLISECONDS` on standard input. The minimum
+//! time counts if a case has several lines.
 //!
 //!     ratios < results.csv
 //!
@@ -12,7 +12,7 @@ use std::error::Error;
 use std::io::Read;
 use std::process::ExitCode;
 
-/// A peer's time over ours must be at least this.
+/// Minimum ratios of a peer's time to ours.
 const RATIOS: [(&str, &str, &str, f64); 18] = [
     ("insertion A; per end voxel; unbounded", "1 cm", "octomap", 5.0),
     ("insertion A; per end voxel; unbounded", "5 mm", "octomap", 20.0),
@@ -34,18 +34,18 @@ const RATIOS: [(&str, &str, &str, f64); 18] = [
     ("write .bt", "5 mm", "octomap", 1.0),
 ];
 
-/// Follows every ray from the camera, as the peers do. Insertion confined to a box does less than theirs, so
-/// it is not compared.
+/// Follows every ray from the camera, as the peers do. Insertion confined to a box does less, so it is not
+/// compared.
 const UNBOUNDED: &str = "; unbounded";
 
-/// What a time may be.
+/// A limit on a time.
 enum Limit {
     Ms(f64),
-    /// Of the CPU time of planning rays at 5 mm; limits CPU time.
+    /// Multiple of the CPU time of planning rays at 5 mm; limits CPU time.
     Multiple(f64),
 }
 
-/// Our own time must be at most this.
+/// Maxima of our own times.
 const LIMITS: [(&str, &str, &str, Limit); 12] = [
     ("nextview", "flow and cover", "19177 rays", Limit::Ms(5.0)),
     ("nextview", "flow and cover", "148428 rays", Limit::Ms(50.0)),
@@ -61,7 +61,7 @@ const LIMITS: [(&str, &str, &str, Limit); 12] = [
     ("nextview", "scan of ten views", "5 mm", Limit::Multiple(10.0)),
 ];
 
-/// Least time by stage, case and program.
+/// Minimum time by stage, case and program.
 type Times = BTreeMap<(String, String, String), f64>;
 
 /// Stage and case of every row.

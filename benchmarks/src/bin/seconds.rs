@@ -1,12 +1,12 @@
-//! Coverage over seconds: the default planner per view, with a movement cost and per second, beside random
+//! Coverage over seconds: the default planner per view, with a movement cost and per second, against random
 //! views and fixed plans.
 //!
 //! `cargo run --release -p nextview-benchmarks --bin seconds -- N_STARTS MESH ...`
 //!
-//! A fixed plan has so many candidates, as far apart as possible, in the order of the shortest tour or always
-//! the nearest next. The camera moves and measures as `[motion]` does by default; planning takes no time.
-//! Prints the reachable coverage after some times and its mean over the longest of them, as means over all
-//! objects and first views.
+//! A fixed plan has a given number of candidates, as far apart as possible, in the order of the shortest tour
+//! or always the nearest next. The camera moves and measures with the defaults of `[motion]`; planning takes
+//! no time. Prints the reachable coverage after some times and its mean over the longest of them, as means
+//! over all objects and first views.
 
 use glam::DVec3;
 use nextview::Error as PlanningError;
@@ -16,10 +16,10 @@ use nextview_benchmarks::known_object::{KnownObject, Step};
 use std::error::Error;
 use std::path::Path;
 
-/// Seconds at which the coverage is printed; the last is when scans end.
+/// Seconds at which the coverage is printed; scans end at the last one.
 const TIMES: [f64; 6] = [10.0, 20.0, 30.0, 45.0, 60.0, 90.0];
 
-/// First views are this many candidates apart: a prime, so that they lie all around.
+/// Number of candidates between first views: a prime, which spreads them all around.
 const APART: usize = 137;
 
 type Outcome<T> = Result<T, Box<dyn Error>>;
@@ -112,7 +112,7 @@ impl ViewPlanner for Listed {
     }
 }
 
-/// So many candidates, the first view and then always the one farthest from all before it.
+/// `n_views` candidates: the first view, then always the one farthest from all before it.
 fn even_views(object: &KnownObject, first_view: usize, n_views: usize) -> Vec<usize> {
     let toward = |view: usize| (object.views.pose(view).translation() - object.scene.center()).normalize();
     let mut views = vec![first_view];
@@ -129,12 +129,12 @@ fn even_views(object: &KnownObject, first_view: usize, n_views: usize) -> Vec<us
     views
 }
 
-/// The coverage after the last view that was measured by then.
+/// The coverage after the last view measured by this time.
 fn coverage_at(steps: &[Step], time: f64) -> f64 {
     steps.iter().rev().find(|step| step.seconds <= time).map_or(0.0, |step| step.coverage)
 }
 
-/// The mean of the coverage over all times until scans end.
+/// The mean coverage over all times until scans end.
 fn mean_coverage(steps: &[Step]) -> f64 {
     let end = TIMES[TIMES.len() - 1];
     let ends = steps.iter().skip(1).map(|step| step.seconds).chain([end]).map(|time| time.min(end));

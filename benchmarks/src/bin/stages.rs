@@ -1,10 +1,10 @@
-//! Times the stages, one line `nextview,STAGE,CASE,MILLISECONDS` each: the minimum of several runs.
+//! Times the stages, with one line `nextview,STAGE,CASE,MILLISECONDS` each: the minimum of several runs.
 //!
 //!     cargo run --release -p nextview-benchmarks --bin stages -- cpu|wall FOLDER [FILTER]
 //!
-//! `cpu` is the CPU time of one thread, to compare with peers of one thread; `wall` the elapsed time with all
-//! threads (lines begin with `nextview wall`). FOLDER holds a workload; FILTER is a part of the names of the
-//! stages to run. With the variable QUICK, each runs once.
+//! `cpu` is the CPU time of one thread, for comparison with single-threaded peers; `wall` is the elapsed time
+//! with all threads (lines start with `nextview wall`). FOLDER holds a workload; FILTER is part of the names
+//! of the stages to run. With the variable QUICK, each runs once.
 
 use cpu_time::ProcessTime;
 use nextview_benchmarks::is_quick;
@@ -14,7 +14,7 @@ use std::error::Error;
 use std::path::Path;
 use std::time::Instant;
 
-/// A stage is repeated at least so often, and until it has taken this long in all.
+/// Minimum number of runs of a stage, and minimum total time.
 const MIN_RUNS: usize = 3;
 const MIN_SECONDS: f64 = 0.5;
 

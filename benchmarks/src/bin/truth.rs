@@ -1,10 +1,10 @@
-//! Compares the exact object voxels with those of dense samples of the surface: numbers, time, memory, and
-//! the voxels that exact images hit although they are none.
+//! Compares the exact object voxels with those of dense surface samples: numbers, time, memory, and the
+//! voxels hit by exact images that are not object voxels.
 //!
 //!     cargo run --release -p nextview-benchmarks --bin truth -- [MESH ...]
 //!
-//! Without meshes, of the built-in objects. Voxels are 5 mm; the longest side is 0.15, 0.2 and 0.6 m. Every
-//! row is a process of its own, so that its peak memory is its own.
+//! The default is the built-in objects. Voxels are 5 mm; the longest side is 0.15, 0.2 and 0.6 m. Every row
+//! is a separate process with its own peak memory.
 
 use nextview::geometry::{Lattice, VoxelBlock};
 use nextview::sensor::Intrinsics;
@@ -22,13 +22,13 @@ use std::time::Instant;
 const VOXEL_SIZE: f64 = 0.005;
 const SIZES: [f64; 3] = [0.15, 0.2, 0.6];
 
-/// Samples per voxel face; none for the exact voxels.
+/// Number of samples per voxel face; `None` for the exact voxels.
 const METHODS: [Option<usize>; 4] = [Some(16), Some(256), Some(4096), None];
 
-/// Samples are drawn so many at a time.
+/// Number of samples drawn at a time.
 const BATCH: usize = 1 << 20;
 
-/// Images that look for voxels.
+/// Number of images that look for voxels.
 const N_VIEWS: usize = 40;
 
 type Outcome<T> = Result<T, Box<dyn Error>>;

@@ -16,7 +16,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         return Err("usage: workload OBJECT FOLDER".into());
     };
     std::fs::create_dir_all(&folder)?;
-    // An existing workload, made by other means, is only completed.
+    // An existing workload from another source is only completed.
     let workload = if folder.join("mesh0.bin").exists() {
         Workload::read(&folder)?
     } else {

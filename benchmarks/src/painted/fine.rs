@@ -3,8 +3,8 @@ use nextview_sim::SimError;
 use nextview_sim::mesh::TriangleMesh;
 use std::collections::HashMap;
 
-/// The same surface with edges of at most this length: triangles are cut in the middle of their longest edge,
-/// which cuts their neighbours there, too.
+/// Returns the same surface with edges of at most this length. Triangles are cut in the middle of their
+/// longest edge, together with their neighbours there.
 pub fn fine(mesh: &TriangleMesh, longest_edge: f64) -> Result<TriangleMesh, SimError> {
     let mut vertices = mesh.vertices().to_vec();
     let mut middles: HashMap<[u32; 2], u32> = HashMap::new();

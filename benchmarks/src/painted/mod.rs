@@ -1,4 +1,4 @@
-//! Objects with colours, made by code: what a textured mesh is compared with.
+//! Coloured objects made by code: references for textured meshes.
 
 mod fine;
 mod package;
@@ -14,13 +14,13 @@ use std::error::Error;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-/// Longest edge of a mesh whose vertices have colours, metres: patterns are known as finely as that.
+/// Maximum edge length of a mesh with vertex colours, metres, which is the resolution of the patterns.
 const LONGEST_EDGE: f64 = 0.0008;
 
 /// Names of all objects.
 pub const NAMES: [&str; 5] = ["mug", "teapot", "bracket", "torus-knot", "package"];
 
-/// Writes the mesh file of an object into a folder, in metres: a PLY with coloured vertices, or, of the
+/// Writes the mesh file of an object into a folder, in metres: a PLY with coloured vertices or, for the
 /// package, an OBJ with an image.
 pub fn write_object(name: &str, folder: &Path) -> Result<PathBuf, Box<dyn Error>> {
     let paint: fn(DVec3) -> [f64; 3] = match name {
@@ -66,7 +66,7 @@ fn marble(at: DVec3) -> [f64; 3] {
     mixed([0.94, 0.90, 0.80], [0.10, 0.18, 0.45], vein)
 }
 
-/// Cubes of 10 mm, alternately dark and of a colour that changes along the object.
+/// Cubes of 10 mm, alternately dark and in a colour that changes along the object.
 fn checks(at: DVec3) -> [f64; 3] {
     let cell = ((at + 0.0031) / 0.01).floor();
     let is_dark = (cell.x + cell.y + cell.z).rem_euclid(2.0) == 0.0;
@@ -80,7 +80,7 @@ fn rings(at: DVec3) -> [f64; 3] {
     mixed(base, [0.05, 0.05, 0.08], line)
 }
 
-/// A colour of this hue, 0 to 1, neither black nor white.
+/// A colour with this hue, 0 to 1, neither black nor white.
 fn of_hue(hue: f64) -> [f64; 3] {
     [0.0, 1.0 / 3.0, 2.0 / 3.0].map(|offset| 0.5 + 0.4 * (std::f64::consts::TAU * (hue - offset)).cos())
 }

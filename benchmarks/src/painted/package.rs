@@ -1,4 +1,4 @@
-//! A box of cardboard with print on it.
+//! A printed cardboard box.
 
 use nextview::sensor::ColorImage;
 use nextview_recording::encode_color;
@@ -7,10 +7,10 @@ use std::fmt::Write;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-/// Metres.
+/// Size of the box, metres.
 const SIZE: [f64; 3] = [0.12, 0.07, 0.16];
 
-/// Pixels of a side's print; six of them lie side by side in the image.
+/// Width of a side's print, pixels; six of them lie side by side in the image.
 const SIDE: u32 = 512;
 
 /// Writes `package.obj` with its material and image.
@@ -21,7 +21,7 @@ pub fn write_package(folder: &Path) -> Result<PathBuf, Box<dyn Error>> {
     for axis in 0..3 {
         for side in [0.0, 1.0] {
             let (u, v) = ((axis + 1) % 3, (axis + 2) % 3);
-            // Counter-clockwise from outside.
+            // Counter-clockwise seen from outside.
             let corners = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]];
             for [s, t] in corners.map(|[s, t]| if side == 0.0 { [t, s] } else { [s, t] }) {
                 let mut at = [0.0; 3];
@@ -43,7 +43,7 @@ pub fn write_package(folder: &Path) -> Result<PathBuf, Box<dyn Error>> {
     Ok(path)
 }
 
-/// A pixel of a side: a frame, a disc, bars of a code, and lines as of text.
+/// A pixel of a side: a frame, a disc, bars of a code, and lines like text.
 fn print(side: u32, u: u32, v: u32) -> [u8; 3] {
     const GROUND: [[u8; 3]; 6] =
         [[222, 186, 60], [60, 130, 190], [210, 80, 70], [80, 160, 90], [235, 230, 220], [120, 90, 160]];

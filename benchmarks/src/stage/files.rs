@@ -39,7 +39,7 @@ fn meshes() -> [Stage; 2] {
     ]
 }
 
-/// A file that is removed with this.
+/// A file that is removed on drop.
 struct TemporaryFile(PathBuf);
 
 impl TemporaryFile {

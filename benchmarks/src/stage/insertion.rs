@@ -6,12 +6,12 @@ use nextview::sensor::{Frame, Intrinsics};
 use nextview_sim::camera::{Background, SimulatedCamera};
 use std::hint::black_box;
 
-/// Which voxels a stage may write.
+/// The voxels that a stage may write.
 #[derive(Clone, Copy)]
 enum Space {
-    /// Those of the box around the object.
+    /// The voxels of the box around the object.
     Box,
-    /// All.
+    /// All voxels.
     Unbounded,
 }
 
@@ -67,7 +67,7 @@ fn insert(workload: &Workload, set: Set, rays: RayRule, space: Space, voxel_size
     })
 }
 
-/// The work of a session on every image: object and walls, background carves.
+/// A session's work on every image: object and walls, with the background carving.
 fn insert_frames(workload: &Workload, voxel_size: f64) -> Work<'_> {
     let room = Background::Room(Aabb::cube(glam::DVec3::ZERO, 0.6));
     let camera = SimulatedCamera::new(workload.meshes[0].clone(), Intrinsics::d435i(), room, 10.0)

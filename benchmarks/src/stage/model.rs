@@ -6,10 +6,10 @@ use nextview::sensor::Frame;
 use nextview::surface::DistanceField;
 use std::hint::black_box;
 
-/// Edge of the cells of the model, metres: the finest of a scan in the box.
+/// Edge of the model's cells, metres: the finest of a scan in the box.
 const CELL: f64 = BOX_EDGE / 125.0;
 
-/// What a model costs beyond the map: aligning an image to the others, fusing ten of them, and their mesh.
+/// The cost of a model beyond the map: aligning an image to the others, fusing ten of them, and their mesh.
 pub(super) fn stages() -> Vec<Stage> {
     vec![
         Stage::new("align an image", "2 mm", 1, |workload| {

@@ -26,7 +26,7 @@ pub(super) fn stages() -> Vec<Stage> {
             Box::new(move || _ = black_box(network.solve()))
         })
     });
-    // In the paper's simulation nothing carves but the rays that hit the object; by default all do.
+    // In the paper's simulation only rays that hit the object carve; by default all do.
     let decisions = [
         ("decision; rays of the authors' code", A, 0.01, 29.0),
         ("decision; profile paper", A, 0.01, 10.0),
@@ -39,7 +39,7 @@ pub(super) fn stages() -> Vec<Stage> {
         let config = MaxFlowConfig { ray_spacing, free_space, ..MaxFlowConfig::default() };
         Stage::new(name, name_of(size), 1, move |w| max_flow(w.snapshot(set, size, 3), w, config))
     });
-    // One image leaves most unknown, and rays long.
+    // One image leaves most voxels unknown, and rays long.
     let most_surface =
         [("decision; most-surface; second view", 1), ("decision; most-surface; fourth view", 3)].map(
             |(name, n_images)| {
@@ -55,7 +55,7 @@ pub(super) fn stages() -> Vec<Stage> {
     stages.chain(most_surface).collect()
 }
 
-/// Rays of 5000 views through the map of set A, with the local gain and nothing else.
+/// Rays of 5000 views through the map of set A, with only the local gain.
 fn rays(workload: &Workload, voxel_size: f64) -> Work<'_> {
     let ray_spacing = ray_spacing_of_image_grid(voxel_size);
     let config =

@@ -1,18 +1,18 @@
 use crate::RunRecord;
 use std::collections::BTreeMap;
 
-/// Runs of one object that failed for the same reason.
+/// Runs of an object that failed for the same reason.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct FailedRuns {
     /// Name of the object.
     pub object: String,
-    /// The reason of their failure.
+    /// The reason for their failure.
     pub reason: String,
-    /// How many they are.
+    /// Number of runs.
     pub n_runs: usize,
 }
 
-/// The numbers of runs that failed, by object and reason.
+/// Numbers of failed runs, by object and reason.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct FailureCounts(BTreeMap<(String, String), usize>);
 
@@ -24,7 +24,7 @@ impl FailureCounts {
         }
     }
 
-    /// Empty if no run failed.
+    /// Lists the failed runs; empty if no run failed.
     pub fn list(&self) -> Vec<FailedRuns> {
         let failed = |((object, reason), &n_runs): (&(String, String), &usize)| FailedRuns {
             object: object.clone(),

@@ -1,7 +1,7 @@
 use serde::{Deserialize, Serialize};
 use std::fs::read_to_string;
 
-/// Where a run took place.
+/// The machine of a run.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Host {
@@ -9,12 +9,12 @@ pub struct Host {
     pub name: String,
     /// Name of the processor.
     pub cpu: String,
-    /// Threads that the run had.
+    /// Number of threads of the run.
     pub n_threads: usize,
 }
 
 impl Host {
-    /// This machine, as far as the system reports it, and this number of threads.
+    /// Describes this machine, as far as the system reports it, with this number of threads.
     pub fn this(n_threads: usize) -> Self {
         let name = read_to_string("/proc/sys/kernel/hostname").ok();
         let name = name.or_else(|| std::env::var("HOSTNAME").or_else(|_| std::env::var("COMPUTERNAME")).ok());

@@ -1,4 +1,4 @@
-//! Campaigns: many scans of many objects by one specification, what is kept of them, and their statistics.
+//! Campaigns: many scans of many objects by one specification, their stored results, and their statistics.
 //!
 //! ```text
 //! Spec ──▶ Run, Run, … ──▶ execution ──▶ RunRecord ──▶ Store (runs.jsonl) ──▶ tables
@@ -6,13 +6,13 @@
 //!                              └──▶ CampaignEvent: a program shows progress with these
 //! ```
 //!
-//! Start with [`Spec::load`], open a [`Store`](store::Store) for it, do the runs that are left with
-//! [`run_campaign`](execution::run_campaign), and write the [`tables`]. Several workers do a [`Shard`] each,
-//! and [`store::merge`] makes one campaign of theirs. A report or a comparison only reads: [`store::read`]
-//! and [`statistics`].
+//! Start with [`Spec::load`], open a [`Store`](store::Store) for it, execute the remaining runs with
+//! [`run_campaign`](execution::run_campaign), and write the [`tables`]. Several workers can execute a
+//! [`Shard`] each; [`store::merge`] combines them into one campaign. A report or a comparison only reads:
+//! [`store::read`] and [`statistics`].
 //!
-//! The crate prints nothing, ends no process and names no option of a program. How a scan is done is the
-//! business of `nextview-scan`.
+//! The crate prints nothing, ends no process and names no command-line option. Scanning itself belongs to
+//! `nextview-scan`.
 
 pub mod execution;
 mod failed_runs;

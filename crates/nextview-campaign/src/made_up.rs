@@ -1,4 +1,4 @@
-//! Runs that never happened.
+//! Synthetic runs for tests.
 
 use crate::store::{StoredRuns, read};
 use crate::{DoneRun, Host, RunRecord, RunResult};
@@ -16,7 +16,7 @@ const OBJECTS: [(&str, &str); 6] = [
     ("stanford", "happy_buddha"),
 ];
 
-/// The planner of each variant by its name: APORA, RSE or random for these, or else max-flow.
+/// The planner of each variant by its name: APORA, RSE or random, and max-flow for any other.
 fn planner(variant: &str) -> PlannerName {
     match variant {
         "apora" => PlannerName::Apora,
@@ -26,7 +26,8 @@ fn planner(variant: &str) -> PlannerName {
     }
 }
 
-/// Runs of these variants, the later the better, on the first few of six objects; sorted by identity.
+/// Synthetic runs of these variants, each better than the one before, on the first `n_objects` of six
+/// objects; sorted by identity.
 pub(crate) fn campaign(variants: &[&str], n_objects: usize) -> Vec<RunRecord> {
     let of_variant = |(i, variant): (usize, &&str)| -> Vec<RunRecord> {
         OBJECTS[..n_objects].iter().zip(0..).map(|(object, j)| run(variant, *object, i, j)).collect()
@@ -36,7 +37,7 @@ pub(crate) fn campaign(variants: &[&str], n_objects: usize) -> Vec<RunRecord> {
     runs
 }
 
-/// The measures of a run, to change them.
+/// The measures of a run, mutable.
 pub(crate) fn done_mut(run: &mut RunRecord) -> &mut DoneRun {
     match &mut run.result {
         RunResult::Done(done) => done,
@@ -44,7 +45,7 @@ pub(crate) fn done_mut(run: &mut RunRecord) -> &mut DoneRun {
     }
 }
 
-/// The steps of a run, to change them.
+/// The steps of a run, mutable.
 pub(crate) fn steps_mut(run: &mut RunRecord) -> &mut Vec<StepRecord> {
     &mut done_mut(run).record.steps
 }
@@ -56,7 +57,7 @@ pub(crate) fn folder(name: &str) -> PathBuf {
     folder
 }
 
-/// A folder with these records, which is removed at the end, and what is read there.
+/// A folder with these records, removed at the end, and its stored runs.
 pub(crate) fn stored(name: &str, runs: &[RunRecord]) -> (FolderGuard, StoredRuns) {
     static NUMBER: AtomicUsize = AtomicUsize::new(0);
     let folder = folder(&format!("{name}-{}", NUMBER.fetch_add(1, Ordering::Relaxed)));
@@ -71,7 +72,7 @@ pub(crate) struct FolderGuard(PathBuf);
 
 impl Drop for FolderGuard {
     fn drop(&mut self) {
-        // The temporary folder is cleaned by others, too.
+        // Others clean the temporary folder, too.
         let _ = std::fs::remove_dir_all(&self.0);
     }
 }

@@ -6,37 +6,37 @@ use serde::{Deserialize, Serialize};
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct RunRecord {
-    /// Name of the object: that of its file without the extension, or of the built-in object.
+    /// Name of the object: its file name without the extension, or the name of the built-in object.
     pub object: String,
-    /// Name of the folder that the object's file is in, or `builtin`.
+    /// Name of the folder of the object's file, or `builtin`.
     pub data_set: String,
     /// Label of the planner and its parameters in the specification.
     pub variant: String,
-    /// Seed of the specification's list: the number of a repetition with other random draws. The seeds that
-    /// were drawn from are in `config`.
+    /// Seed from the specification's list: the number of a repetition with other random draws. The seeds of
+    /// the draws are in `config`.
     pub seed: u64,
     /// Seed of the set of candidates; 0 in records of builds that did not write it.
     #[serde(default)]
     pub view_seed: u64,
-    /// Number of the view that the scan began with.
+    /// Number of the scan's first view.
     pub first_view: usize,
-    /// Everything that decided the run.
+    /// The configuration that determines the run.
     pub config: ScanConfig,
     /// The program that computed it.
     pub build: BuildIdentity,
     /// The machine that computed it.
     pub host: Host,
-    /// How the run ended.
+    /// The outcome of the run.
     pub result: RunResult,
 }
 
-/// How a run ended.
+/// The outcome of a run.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case", deny_unknown_fields)]
 pub enum RunResult {
-    /// With measures.
+    /// Finished, with measures.
     Done(Box<DoneRun>),
-    /// Without, for this reason.
+    /// Failed, for this reason.
     Failed(String),
 }
 
@@ -44,16 +44,16 @@ pub enum RunResult {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct DoneRun {
-    /// The scan; its final cloud is measured, a mesh is not made.
+    /// The scan; its final cloud is measured, no mesh is made.
     pub record: ScanRecord,
-    /// Growth of the process's peak memory in the run; none where runs took place beside each other, or where
-    /// the system does not report it.
+    /// Growth of the process's peak memory in the run; `None` if runs took place in parallel, or if the
+    /// system does not report it.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub extra_memory_mb: Option<f64>,
 }
 
 impl RunRecord {
-    /// Which run this is the record of.
+    /// Returns the identity of the run.
     pub fn id(&self) -> RunId {
         RunId {
             variant: self.variant.clone(),
@@ -64,7 +64,7 @@ impl RunRecord {
         }
     }
 
-    /// The measures; none if the run failed.
+    /// Returns the measures; `None` if the run failed.
     pub fn done(&self) -> Option<&DoneRun> {
         match &self.result {
             RunResult::Done(done) => Some(done),
@@ -72,7 +72,7 @@ impl RunRecord {
         }
     }
 
-    /// The reason why the run failed; none if it succeeded.
+    /// Returns the reason for a failure; `None` if the run succeeded.
     pub fn failure(&self) -> Option<&str> {
         match &self.result {
             RunResult::Done(_) => None,
@@ -80,7 +80,7 @@ impl RunRecord {
         }
     }
 
-    /// Whether both have the same result apart from times and memory, which differ between equal runs.
+    /// Returns whether both have the same result, ignoring times and memory, which differ between equal runs.
     pub fn has_same_results(&self, other: &Self) -> bool {
         timeless(&self.result) == timeless(&other.result)
     }

@@ -6,17 +6,17 @@ use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::fmt;
 
-/// A run to do.
+/// A run to execute.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Run {
-    /// Which one it is.
+    /// The identity of the run.
     pub id: RunId,
-    /// Name of the folder that the object's file is in, or `builtin`.
+    /// Name of the folder of the object's file, or `builtin`.
     pub data_set: String,
-    /// Everything that decides it.
+    /// The configuration that determines it.
     pub config: ScanConfig,
-    /// How its first view is drawn, if the specification states only how many there are.
+    /// The draw of its first view, if the specification states only the number of first views.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub(crate) first_view_draw: Option<FirstViewDraw>,
 }
@@ -29,12 +29,12 @@ pub struct RunId {
     pub variant: String,
     /// Name of the object.
     pub object: String,
-    /// Seed of the specification's list: the number of a repetition with other random draws.
+    /// Seed from the specification's list: the number of a repetition with other random draws.
     pub seed: u64,
     /// Seed of the set of candidates.
     pub view_seed: u64,
-    /// Number of the view to begin with. Of a drawn one, that among the candidates as configured: if some of
-    /// them do not exist, the number in the run's configuration is another.
+    /// Number of the first view. The number of a drawn view counts the candidates as configured: if some of
+    /// them do not exist, the number in the run's configuration differs.
     pub first_view: usize,
 }
 
@@ -46,8 +46,8 @@ impl fmt::Display for RunId {
     }
 }
 
-/// The runs of a specification by object, variant, seed, view seed and first view, in this order of
-/// importance. Each is created on demand: a large campaign has more of them than fit into memory.
+/// The runs of a specification, sorted by object, variant, seed, view seed and first view. Each is created on
+/// demand: a large campaign has more of them than fit into memory.
 ///
 /// ```
 /// use nextview_campaign::Spec;
@@ -63,7 +63,7 @@ pub struct Runs {
     campaign_seed: u64,
     objects: Vec<ObjectSpec>,
     variants: Vec<Variant>,
-    /// The number of the first run of each variant among those of an object, and their number.
+    /// The number of the first run of each variant among those of an object, and the total.
     firsts: Vec<usize>,
     n_of_object: usize,
     objects_by_name: BTreeMap<String, usize>,
@@ -71,7 +71,7 @@ pub struct Runs {
 }
 
 impl Spec {
-    /// All runs; fails if they cannot be told apart or configured.
+    /// Returns all runs; fails if they cannot be distinguished or configured.
     pub fn runs(&self) -> Result<Runs, Faults> {
         let mut faults = FaultList::default();
         let variants = check(self, &mut faults);
@@ -98,22 +98,22 @@ impl Runs {
         }
     }
 
-    /// Number of runs.
+    /// Returns the number of runs.
     pub fn len(&self) -> usize {
         self.objects.len().saturating_mul(self.n_of_object)
     }
 
-    /// Whether there are none.
+    /// Returns whether there are no runs.
     pub fn is_empty(&self) -> bool {
         self.len() == 0
     }
 
-    /// Number of runs of each object.
+    /// Returns the number of runs of each object.
     pub fn n_of_object(&self) -> usize {
         self.n_of_object
     }
 
-    /// The run of this number, from 0.
+    /// Returns the run with this number, from 0.
     pub fn get(&self, number: usize) -> Option<Run> {
         let (object, rest) = (number.checked_div(self.n_of_object)?, number.checked_rem(self.n_of_object)?);
         let object = self.objects.get(object)?;
@@ -133,7 +133,7 @@ impl Runs {
         Some(Run { id, data_set: object.data_set(), config, first_view_draw })
     }
 
-    /// The number of a run; none if it is no run of this campaign.
+    /// Returns the number of a run; `None` if it does not belong to this campaign.
     pub fn number(&self, id: &RunId) -> Option<usize> {
         let object = *self.objects_by_name.get(&id.object)?;
         let number = *self.variants_by_label.get(&id.variant)?;
@@ -149,7 +149,7 @@ impl Runs {
         Some(object * self.n_of_object + self.firsts[number] + of_variant)
     }
 
-    /// All of them, one after the other.
+    /// Iterates over all runs.
     pub fn iter(&self) -> impl Iterator<Item = Run> {
         (0..self.len()).filter_map(|number| self.get(number))
     }
@@ -161,13 +161,13 @@ fn n_runs(variant: &Variant) -> usize {
     n_seeds.saturating_mul(variant.first_views.len())
 }
 
-/// Most runs of a campaign: their places in its file are held in memory, 24 bytes each.
+/// Maximum number of runs of a campaign: their places in its file are held in memory, 24 bytes each.
 const MAX_RUNS: usize = 10_000_000;
 
-/// Most variants of a campaign, those of sweeps included: each is a whole configuration.
+/// Maximum number of variants of a campaign, including those of sweeps: each is a whole configuration.
 const MAX_VARIANTS: usize = 10_000;
 
-/// The variants as far as they can be configured; `faults` gets what is wrong with them and the objects.
+/// The variants that can be configured; faults of variants and objects are added to `faults`.
 pub(crate) fn check(spec: &Spec, faults: &mut FaultList) -> Vec<Variant> {
     let variants = variants(spec, faults);
     check_number(spec, &variants, faults);
@@ -175,7 +175,7 @@ pub(crate) fn check(spec: &Spec, faults: &mut FaultList) -> Vec<Variant> {
     variants
 }
 
-/// The configuration with the seeds of the repetition; those that the specification states stay.
+/// The configuration with the seeds of the repetition; seeds stated in the specification stay unchanged.
 fn seeded(config: ScanConfig, variant: &Variant, repetition: Repetition<'_>) -> ScanConfig {
     let mut config = ScanConfig {
         seed: repetition.planner_seed(),
@@ -193,7 +193,7 @@ fn seeded(config: ScanConfig, variant: &Variant, repetition: Repetition<'_>) -> 
     config
 }
 
-/// Fails if there are more runs than a campaign can hold, which is told before anything is made for each.
+/// Fails if there are more runs than a campaign can hold; checked before anything is created for each run.
 fn check_number(spec: &Spec, variants: &[Variant], faults: &mut FaultList) {
     let n_of_object = variants.iter().fold(0, |n: usize, variant| n.saturating_add(n_runs(variant)));
     let n_objects = spec.objects.len();
@@ -217,7 +217,7 @@ fn variants(spec: &Spec, faults: &mut FaultList) -> Vec<Variant> {
         let most = MAX_VARIANTS - variants.len();
         variants.extend(expand(variant, i, spec, most, faults).into_iter().map(|variant| (i, variant)));
     }
-    // Labels that could not be read would seem to be equal.
+    // Unreadable labels would seem to be equal.
     if faults.is_empty()
         && let Some((label, _, i)) = first_twice(variants.iter().map(|(i, variant)| (&variant.label, i)))
     {
@@ -228,7 +228,7 @@ fn variants(spec: &Spec, faults: &mut FaultList) -> Vec<Variant> {
     variants.into_iter().map(|(_, variant)| variant).collect()
 }
 
-/// Objects of one name could not be identified in the results.
+/// Objects with the same name could not be identified in the results.
 fn check_objects(objects: &[ObjectSpec], faults: &mut FaultList) {
     let named = objects.iter().map(|object| (object.name(), &object.file));
     if let Some((name, first, second)) = first_twice(named) {
@@ -237,7 +237,7 @@ fn check_objects(objects: &[ObjectSpec], faults: &mut FaultList) {
     }
 }
 
-/// The first key that comes twice, with the values of both.
+/// The first key that occurs twice, with both values.
 fn first_twice<K: Ord, V: Clone>(entries: impl Iterator<Item = (K, V)>) -> Option<(K, V, V)> {
     let mut known = BTreeMap::new();
     for (key, value) in entries {

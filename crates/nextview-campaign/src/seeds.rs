@@ -1,13 +1,13 @@
-//! The seeds of a run: each a hash of the campaign's seed, the object and the repetition, so that no two
-//! objects share their draws, and errors of one object are independent of those of another.
+//! The seeds of a run: each is a hash of the campaign's seed, the object and the repetition. No two objects
+//! share their draws, and the errors of one object are independent of those of another.
 //!
-//! Variants are no part of the hash: planners face the same noise and are measured against the same random
-//! views, so that their differences are paired.
+//! Variants are not part of the hash: planners face the same noise and are measured against the same random
+//! views, so their differences are paired.
 
 use nextview::geometry::random::Random;
 use serde::{Deserialize, Serialize};
 
-/// The object and the repetition that a run is of.
+/// The object and the repetition of a run.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Repetition<'a> {
     /// Seed of the campaign.
@@ -23,18 +23,18 @@ pub(crate) struct Repetition<'a> {
 }
 
 impl Repetition<'_> {
-    /// Seed of the planner's random draws.
+    /// Returns the seed of the planner's random draws.
     pub fn planner_seed(&self) -> u64 {
         self.derived("planner")
     }
 
-    /// Seed of the random views that define skill 0.
+    /// Returns the seed of the random views that define skill 0.
     pub fn baseline_seed(&self) -> u64 {
         self.derived("baseline")
     }
 
-    /// Seed of the errors of depths and poses. They depend on the pose of each frame, too, so that runs with
-    /// other candidates or first views need no other seed, and can share the truth of their object.
+    /// Seed of the errors of depths and poses. These also depend on the pose of each frame: runs with other
+    /// candidates or first views need no other seed, and can share the truth of their object.
     pub fn noise_seed(&self) -> u64 {
         hash(&format!("noise {} {} {}", self.campaign_seed, self.seed, self.object))
     }
@@ -45,8 +45,8 @@ impl Repetition<'_> {
     }
 }
 
-/// A drawn first view. Its number is that of a candidate as configured; which one that is turns out when the
-/// candidates are counted, since those below a table or out of reach do not exist.
+/// A drawn first view. Its number counts the candidates as configured. It is resolved when the candidates are
+/// counted, since those below a table or out of reach do not exist.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct FirstViewDraw {
@@ -54,12 +54,12 @@ pub(crate) struct FirstViewDraw {
     pub seed: u64,
     /// Number of candidates as configured.
     pub candidates: usize,
-    /// Which of the draws, from 0.
+    /// Index of the draw, from 0.
     pub place: usize,
 }
 
 impl FirstViewDraw {
-    /// The draw of this place for an object and a set of candidates.
+    /// The draw with this index for an object and a set of candidates.
     pub(crate) fn new(
         campaign_seed: u64,
         object: &str,
@@ -71,8 +71,8 @@ impl FirstViewDraw {
         Self { seed, candidates, place }
     }
 
-    /// The number among the first so many candidates, where later draws take the place of those that are not
-    /// among them; none if the candidates are too few. Draws for the same object and set are distinct.
+    /// The number among the first `n_candidates` candidates, with later draws in place of those not among
+    /// them; `None` if there are too few candidates. Draws for the same object and set are distinct.
     pub(crate) fn among(self, n_candidates: usize) -> Option<usize> {
         let mut random = Random::new(self.seed, 0);
         let mut open: Vec<usize> = (0..self.candidates).collect();
@@ -82,7 +82,7 @@ impl FirstViewDraw {
 }
 
 /// The 64-bit hash FNV-1a (Fowler, Noll & Vo) of a text, mixed by the finaliser of SplitMix64 (Steele et al.
-/// 2014), without its lowest 11 bits: every reader of JSON keeps 53 bits of a number, not all keep 64.
+/// 2014), without its lowest 11 bits: every JSON reader keeps 53 bits of a number, not all keep 64.
 fn hash(text: &str) -> u64 {
     let fnv = text
         .bytes()

@@ -6,8 +6,8 @@ use std::str::FromStr;
 
 /// A share of the runs of a campaign, for one of several workers: `3/64` is the third of 64.
 ///
-/// The runs are put in order by what their objects share, and cut into parts of equal size. An object is
-/// looked at by one worker, except where a cut goes through its runs.
+/// The runs are sorted by their objects' shared data, and cut into parts of equal size. Each object is
+/// prepared by one worker, except where a cut divides its runs.
 ///
 /// ```
 /// use nextview_campaign::Shard;
@@ -19,19 +19,19 @@ use std::str::FromStr;
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Shard {
-    /// From 1.
+    /// Counted from 1.
     number: usize,
     n_shards: usize,
 }
 
-/// Most shards of a campaign: more than any cluster has cores.
+/// Maximum number of shards of a campaign: more than any cluster has cores.
 const MAX_SHARDS: usize = 1_000_000;
 
 impl Shard {
-    /// All runs.
+    /// The shard of all runs.
     pub const WHOLE: Self = Self { number: 1, n_shards: 1 };
 
-    /// The shard of this number, from 1, of so many.
+    /// Creates shard `number`, from 1, of `n_shards`.
     pub fn new(number: usize, n_shards: usize) -> Result<Self, Fault> {
         if (1..=n_shards).contains(&number) && n_shards <= MAX_SHARDS {
             return Ok(Self { number, n_shards });
@@ -40,12 +40,12 @@ impl Shard {
         Err(Fault::of_value("shard", format!("{number}/{n_shards}"), expected))
     }
 
-    /// Its number, from 1, and the number of shards.
+    /// Returns its number, from 1, and the number of shards.
     pub fn parts(self) -> (usize, usize) {
         (self.number, self.n_shards)
     }
 
-    /// The groups of runs that it has, by their numbers; the runs of a group share their object.
+    /// The groups of runs in the shard, by their numbers; the runs of a group have a common object.
     pub(crate) fn groups(self, runs: &Runs) -> Vec<Vec<usize>> {
         let cut = |number: usize| (number as u128 * runs.len() as u128 / self.n_shards as u128) as usize;
         let share = cut(self.number - 1)..cut(self.number);
@@ -81,7 +81,7 @@ impl FromStr for Shard {
     }
 }
 
-/// The runs of these numbers by the object that they share, in the order in which the objects first come.
+/// The runs with these numbers by their common object, in the order in which the objects first occur.
 fn grouped(runs: &Runs, numbers: Range<usize>) -> Vec<Vec<usize>> {
     let mut groups: Vec<(ScanConfig, Vec<usize>)> = Vec::new();
     for (run, number) in numbers.filter_map(|number| Some((runs.get(number)?, number))) {
@@ -94,7 +94,7 @@ fn grouped(runs: &Runs, numbers: Range<usize>) -> Vec<Vec<usize>> {
     groups.into_iter().map(|(_, group)| group).collect()
 }
 
-/// What of these groups, the first of which begins at this place, lies in a range of places.
+/// The parts of these groups, the first of which begins at this place, within a range of places.
 fn within(groups: Vec<Vec<usize>>, mut place: usize, range: &Range<usize>) -> Vec<Vec<usize>> {
     let mut parts = Vec::new();
     for group in groups {
@@ -115,7 +115,7 @@ mod tests {
     use crate::Spec;
     use std::path::Path;
 
-    /// Three objects with errors of their own in each of two seeds, so that an object is looked at twice.
+    /// Three objects with separate errors for each of two seeds, so each object is prepared twice.
     fn runs() -> Runs {
         let text = "name = \"x\"\nobjects = [\"a.ply\", \"b.ply\", \"c.ply\"]\nseeds = [0, 1]\nfirst_views = 2\n\
                     [scan.noise]\nmodel = \"d435i\"\n[[variant]]\n[[variant]]\nscan.planner = \"rse\"";

@@ -3,11 +3,11 @@ use crate::sources::Sources;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-/// Dependencies between the crates of a workspace that do not point down: a line for each that a manifest
-/// states or that the sources name.
+/// Returns the dependencies between the crates of a workspace that do not point down, one line for each that
+/// a manifest or the sources name.
 ///
-/// `layers` lists the crates from low to high; crates of one layer must not depend on each other. Crates that
-/// are listed but not there are skipped. Dependencies for tests alone may point anywhere.
+/// `layers` lists the crates from low to high; crates in the same layer must not depend on each other. Listed
+/// crates that do not exist are skipped. Dependencies only for tests may point anywhere.
 ///
 /// # Panics
 /// If a manifest cannot be read, or a crate in `workspace/crates` has no layer.

@@ -3,8 +3,7 @@ use crate::sources::Sources;
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
-/// Files of a crate that use each other, directly or through others: a line for each use that is a part of a
-/// cycle.
+/// Returns the uses between files of a crate that are part of a cycle, direct or indirect, one line each.
 ///
 /// `root` is the crate's `lib.rs` or `main.rs`. A file that only re-exports items of another one does not use
 /// it.
@@ -26,7 +25,7 @@ pub fn import_cycles(root: &Path) -> Vec<String> {
     faults
 }
 
-/// All files that a file uses, directly or through others.
+/// All files that a file uses, directly or indirectly.
 fn reached(edges: &Edges, from: &Path) -> BTreeSet<PathBuf> {
     let (mut found, mut open) = (BTreeSet::new(), vec![from.to_owned()]);
     while let Some(file) = open.pop() {

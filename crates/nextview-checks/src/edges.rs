@@ -4,12 +4,12 @@ use std::path::PathBuf;
 use syn::visit::{self, Visit};
 use syn::{Item, Macro, Path};
 
-/// Which file uses something defined in which other file, and an example of it.
+/// For each file, the files whose definitions it uses, with an example of each use.
 pub(crate) type Edges = BTreeMap<PathBuf, BTreeMap<PathBuf, String>>;
 
 /// All uses between the files of a crate.
 ///
-/// Modules that only hand on what others define (`pub use`) use nothing.
+/// Modules that only re-export (`pub use`) use nothing.
 pub(crate) fn edges(sources: &Sources) -> Edges {
     let mut edges = Edges::new();
     for (index, module) in sources.modules.iter().enumerate() {
@@ -18,7 +18,7 @@ pub(crate) fn edges(sources: &Sources) -> Edges {
         {
             let Definition { module: target, item } = path;
             let file = &sources.modules[target].file;
-            // A module is named to reach what is in it, which counts by itself.
+            // A module is named to reach its items, which count by themselves.
             if item.is_some() && *file != module.file {
                 let uses = edges.entry(module.file.clone()).or_default();
                 uses.entry(file.clone()).or_insert_with(|| found.join("::"));
@@ -28,7 +28,7 @@ pub(crate) fn edges(sources: &Sources) -> Edges {
     edges
 }
 
-/// The paths that a module's code names: those of private imports, and those with which its code begins.
+/// The paths used by a module: those of private imports, and those at the start of its code's paths.
 pub(crate) fn used_paths(sources: &Sources, module: usize) -> BTreeSet<Vec<String>> {
     let module = &sources.modules[module];
     let mut names = Names::default();

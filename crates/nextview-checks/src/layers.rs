@@ -2,10 +2,10 @@ use crate::edges::used_paths;
 use crate::sources::Sources;
 use std::path::Path;
 
-/// Imports of top-level modules of a crate that do not point down: a line for each.
+/// Returns the imports of a crate's top-level modules that do not point down, one line each.
 ///
-/// `layers` lists the modules from low to high; modules of one layer must not import each other. The root
-/// module is not checked.
+/// `layers` lists the modules from low to high; modules in the same layer must not import each other. The
+/// root module is not checked.
 ///
 /// # Panics
 /// If a file cannot be read or parsed, or a module has no layer.

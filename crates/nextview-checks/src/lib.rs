@@ -1,9 +1,9 @@
 //! Checks of the sources of all crates, for their tests: [layers](upward_imports) of modules, [import
 //! cycles](import_cycles) between files, [layers of crates](upward_dependencies), and [lists of public
-//! items](check_public_items). They read syntax alone; nothing is compiled. Tests (`#[cfg(test)]`) are left
+//! items](check_public_items). They read syntax only; nothing is compiled. Tests (`#[cfg(test)]`) are left
 //! out.
 //!
-//! And what tests of all crates share: how they are [skipped], and where their [data] is.
+//! Also the common parts of all crates' tests: how they are [skipped], and the place of their [data].
 
 mod crate_layers;
 mod cycles;
@@ -22,7 +22,7 @@ pub use lister::public_items;
 pub use public_items::check_public_items;
 pub use skipped::{data, skipped, take_skipped};
 
-/// The examples of the documentation, kept working.
+/// Tests the examples of the documentation.
 #[cfg(doctest)]
 #[doc = include_str!("../../../docs/library.md")]
 struct Library;

@@ -4,7 +4,7 @@ use std::collections::BTreeSet;
 use std::path::Path;
 use syn::{Attribute, Fields, ImplItem, Item, ItemImpl, TraitItem, Type, Visibility};
 
-/// All public items of a crate, sorted, a line each: its path and its signature.
+/// Returns all public items of a crate, sorted, one per line: path and signature.
 ///
 /// Items are modules, functions, constants, types with their derives, fields, variants and methods, traits
 /// with their items, implementations of traits, and re-exports of other crates. `root` is the crate's
@@ -21,7 +21,7 @@ pub fn public_items(root: &Path, name: &str) -> Vec<String> {
 struct Lister {
     sources: Sources,
     lines: BTreeSet<String>,
-    /// With the paths under which they are listed.
+    /// Listed items, with the paths of their entries.
     listed: BTreeSet<(Definition, String)>,
 }
 
@@ -179,7 +179,7 @@ fn is_public(item: &Item) -> bool {
     matches!(visibility, Visibility::Public(_))
 }
 
-/// The attributes that are a part of the interface: derives, and whether more variants or fields may come.
+/// The attributes that are part of the interface: derives, and whether variants or fields may be added.
 fn attributes(attributes: &[Attribute]) -> String {
     let is_part = |attribute: &&Attribute| {
         ["derive", "non_exhaustive"].iter().any(|name| attribute.path().is_ident(name))

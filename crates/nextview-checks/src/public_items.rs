@@ -2,11 +2,11 @@ use crate::lister::public_items;
 use std::path::Path;
 use std::{env, fs};
 
-/// If set to 1, the lists of public items are rewritten.
+/// Variable that, if set to 1, rewrites the lists of public items.
 const WRITE: &str = "NEXTVIEW_WRITE_PUBLIC_ITEMS";
 
 /// Compares the public items of a crate with the list in its folder, `public-items.txt`, or writes that list
-/// if `NEXTVIEW_WRITE_PUBLIC_ITEMS=1` is in the environment.
+/// if `NEXTVIEW_WRITE_PUBLIC_ITEMS=1` is set in the environment.
 ///
 /// # Panics
 /// If they differ: a change of the interface must be visible in the list.

@@ -1,4 +1,4 @@
-//! Tests that need something that is not on every machine.
+//! Tests that need something not available on every machine.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Display;
@@ -6,23 +6,23 @@ use std::fs::OpenOptions;
 use std::io::Write;
 use std::path::PathBuf;
 
-/// Names what must be there, separated by commas: a test that is skipped for want of it fails. 1 stands for
-/// everything.
+/// Variable with the requirements that must be present, separated by commas: a test that lacks one fails. 1
+/// stands for everything.
 const REQUIRED: &str = "NEXTVIEW_REQUIRE_ALL";
 
-/// Names the file that lists what was skipped; without it, it is one of the process that runs all tests.
+/// Variable with the file that lists the skipped tests; by default a file of the process that runs all tests.
 const LIST: &str = "NEXTVIEW_SKIPPED";
 
 /// Reports that a test is skipped, and adds it to the list that [`take_skipped`] returns. `needs` is the
-/// package or program that is missing, or `data`.
+/// missing package or program, or `data`.
 ///
 /// # Panics
-/// If `NEXTVIEW_REQUIRE_ALL` requires what is missing.
+/// If `NEXTVIEW_REQUIRE_ALL` requires it.
 pub fn skipped(test: &str, needs: &str, why: impl Display) {
-    // Not with `eprintln`, whose output the test runner shows of failed tests only.
+    // Not with `eprintln`, whose output the test runner shows only for failed tests.
     writeln!(std::io::stderr(), "SKIPPED {test}: {why}").expect("stderr is open");
     let why = why.to_string().replace(['\t', '\n'], " ");
-    // One write, so that lines of several processes do not mix.
+    // A single write: lines of several processes do not mix.
     let line = format!("{needs}\t{test}\t{why}\n");
     let list = list();
     let file = OpenOptions::new().create(true).append(true).open(&list);
@@ -33,9 +33,9 @@ pub fn skipped(test: &str, needs: &str, why: impl Display) {
     assert!(!is_required, "{test} would be skipped: {why}; {REQUIRED}={required} requires {needs}");
 }
 
-/// A file or folder of the reference data; none if it is missing, and the test is then [skipped].
+/// Returns a file or folder of the reference data; `None` if it is missing, and the test is then [skipped].
 ///
-/// The data is in the folder that `NEXTVIEW_DATA` names, or in `shared/data` beside the workspace.
+/// The data is in the folder named by `NEXTVIEW_DATA`, or in `shared/data` next to the workspace.
 ///
 /// # Panics
 /// As [`skipped`] does.
@@ -49,13 +49,13 @@ pub fn data(test: &str, name: &str) -> Option<PathBuf> {
     path
 }
 
-/// What was skipped since the tests began, by what it needs; the list is then empty, unless it belongs to
+/// Returns the tests skipped since the run began, by their needs, and clears the list unless it belongs to
 /// another command. Empty if nothing was skipped.
 pub fn take_skipped() -> String {
     let list = list();
     let lines = std::fs::read_to_string(&list).unwrap_or_default();
     if std::env::var_os(LIST).is_none() {
-        // There is none if nothing was skipped.
+        // There is no file if nothing was skipped.
         let _ = std::fs::remove_file(&list);
     }
     summary(&lines)

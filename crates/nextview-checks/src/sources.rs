@@ -4,37 +4,37 @@ use syn::{Attribute, Item, UseTree, Visibility};
 
 /// The modules of a crate, without its tests.
 pub(crate) struct Sources {
-    /// The root first.
+    /// Modules, the root first.
     pub modules: Vec<Module>,
 }
 
 /// A module: a file, or a part of one.
 pub(crate) struct Module {
-    /// From the root of the crate; empty for the root itself.
+    /// Path from the root of the crate; empty for the root itself.
     pub path: Vec<String>,
     pub file: PathBuf,
     pub items: Vec<Item>,
     pub imports: Vec<Import>,
-    /// Names of the modules that it declares as public.
+    /// Names of the modules it declares as public.
     pub public_modules: Vec<String>,
 }
 
 /// A name that a `use` brings into a module.
 #[derive(Clone, Debug)]
 pub(crate) struct Import {
-    /// `*` for a glob.
+    /// The name; `*` for a glob.
     pub name: String,
-    /// As written.
+    /// The path as written.
     pub path: Vec<String>,
     pub is_public: bool,
 }
 
-/// An item where it is defined.
+/// The place where an item is defined.
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) struct Definition {
     /// Index of the module.
     pub module: usize,
-    /// None for the module itself.
+    /// `None` for the module itself.
     pub item: Option<String>,
 }
 
@@ -49,8 +49,8 @@ impl Sources {
         Self { modules }
     }
 
-    /// Where a path that is written in a module leads: the item, or the module if it names one; none for
-    /// other crates and for names without a definition.
+    /// Resolves a path written in a module to the item, or to the module if it names one; `None` for other
+    /// crates and for names without a definition.
     pub fn resolve(&self, from: usize, path: &[String]) -> Option<Definition> {
         self.resolve_within(from, path, 0)
     }
@@ -105,7 +105,7 @@ impl Module {
     }
 }
 
-/// The name of an item that has one; modules aside.
+/// The name of an item, if any; `None` for modules.
 pub(crate) fn item_name(item: &Item) -> Option<String> {
     let ident = match item {
         Item::Const(item) => &item.ident,
@@ -122,7 +122,7 @@ pub(crate) fn item_name(item: &Item) -> Option<String> {
     Some(ident.to_string())
 }
 
-/// Whether an item is for tests or for the fuzzer alone.
+/// Whether an item is only for tests or for the fuzzer.
 fn is_test(attributes: &[Attribute]) -> bool {
     attributes.iter().any(|attribute| {
         attribute.path().is_ident("test")
@@ -130,7 +130,7 @@ fn is_test(attributes: &[Attribute]) -> bool {
     })
 }
 
-/// Whether the program is built without this condition.
+/// Whether the condition is false in the program's build.
 fn is_absent(condition: syn::Path) -> bool {
     condition.is_ident("test") || condition.is_ident("fuzzing")
 }
@@ -154,7 +154,7 @@ fn read_file(file: &Path, path: Vec<String>, children: &Path, modules: &mut Vec<
     add(file, path, children, syntax.items, modules);
 }
 
-/// Adds a module and those in it; the files of those are in `children`.
+/// Adds a module and its submodules, whose files are in `children`.
 fn add(file: &Path, path: Vec<String>, children: &Path, items: Vec<Item>, modules: &mut Vec<Module>) {
     let items: Vec<Item> = items.into_iter().filter(|item| !is_test(attributes(item))).collect();
     let (inner, items): (Vec<Item>, Vec<Item>) =

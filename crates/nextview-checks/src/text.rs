@@ -1,6 +1,6 @@
 use quote::ToTokens;
 
-/// Syntax as text, spaced as people write it.
+/// Syntax as text, with conventional spacing.
 pub(crate) fn text(tokens: &impl ToTokens) -> String {
     let mut text = tokens.to_token_stream().to_string();
     for (tokens, written) in [

@@ -7,17 +7,17 @@ use std::fmt;
 pub struct Failure(Faults);
 
 impl Failure {
-    /// The user asked for something that cannot be: exit code 2.
+    /// An invalid request by the user: exit code 2.
     pub fn usage(message: impl fmt::Display) -> Self {
         Fault::request(message).into()
     }
 
-    /// A file or the system is at fault: exit code 1.
+    /// A fault of a file or the system: exit code 1.
     pub fn data(message: impl fmt::Display) -> Self {
         Fault::data(message).into()
     }
 
-    /// The same with a remedy.
+    /// Sets the hint.
     pub fn with_hint(self, hint: impl fmt::Display) -> Self {
         Self(self.0.map(|fault| fault.with_remedy(&hint)))
     }
@@ -29,10 +29,10 @@ impl Failure {
 }
 
 impl fmt::Display for Failure {
-    /// Every fault, each with its hint, in the words of the command line.
+    /// Writes every fault, each with its hint, in terms of the command line.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         for (i, fault) in self.0.iter().enumerate() {
-            // Of a configuration file, keys stay keys.
+            // Keys in a configuration file stay keys.
             let is_in_file = fault.key.is_some() && fault.place.is_some();
             let word = |text: &str| if is_in_file { text.replace('`', "") } else { flags::word(text) };
             let place = fault.place.iter().map(|place| format!("{place}: ")).collect::<String>();

@@ -1,4 +1,4 @@
-//! The options of the command line that keys of the configuration have, and paths in commands.
+//! The command line options for configuration keys, and paths in commands.
 
 use std::borrow::Cow;
 use std::path::Path;
@@ -62,7 +62,7 @@ const FLAGS: [(&str, &str); 55] = [
     ("dir", "--dir"),
 ];
 
-/// Keys that a message may name and only a configuration file can hold.
+/// Keys in messages that only a configuration file can set.
 const FILE_KEYS: [&str; 16] = [
     "memory_limit_mb",
     "size_of",
@@ -82,9 +82,8 @@ const FILE_KEYS: [&str; 16] = [
     "recording.read.color_topic",
 ];
 
-/// The text with options in place of keys, which are in backticks: `` `table` = fit `` becomes `--table fit`,
-/// and true is on.
-/// Other keys are those of a configuration file.
+/// Replaces the keys in a text, which are in backticks, by options: `` `table` = fit `` becomes `--table
+/// fit`, and true becomes on. Other keys are those of a configuration file.
 pub(crate) fn word(text: &str) -> String {
     let mut worded = String::new();
     let mut parts = text.split('`');
@@ -108,7 +107,7 @@ pub(crate) fn word(text: &str) -> String {
     worded
 }
 
-/// A path as a shell takes it.
+/// Quotes a path for a shell.
 pub(crate) fn quoted(path: &Path) -> String {
     let path = path.display().to_string();
     shlex::try_quote(&path).map(Cow::into_owned).unwrap_or(path)

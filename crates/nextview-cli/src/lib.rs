@@ -1,9 +1,8 @@
-//! The program `nextview`: its options, its progress, and what it prints.
+//! The program `nextview`: its options, its progress, and its output.
 //!
-//! It words faults, draws progress and holds no logic that another front end would need: scans are run by
-//! [`nextview_scan`], campaigns by [`nextview_campaign`], pages are made by [`nextview_report`]. Data goes to
-//! stdout, messages to stderr. Exit codes: 0 done, 1 bad data or a failing system, 2 bad usage, 130
-//! interrupted.
+//! It words faults, draws progress and contains no logic that another front end would need: [`nextview_scan`]
+//! runs scans, [`nextview_campaign`] campaigns, and [`nextview_report`] makes pages. Data goes to stdout,
+//! messages to stderr. Exit codes: 0 done, 1 bad data or a failing system, 2 bad usage, 130 interrupted.
 
 pub mod commands;
 mod failure;

@@ -1,7 +1,7 @@
 use nextview_scan::Named;
 use std::fmt;
 
-/// A format that other tools open.
+/// An export format for other tools.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Format {
     /// A data set of the BOP benchmark with one object and one scene.
@@ -14,9 +14,9 @@ pub enum Format {
     Nerfstudio,
     /// The mesh with a texture, as Wavefront OBJ.
     Obj,
-    /// Images with a camera trajectory of Open3D.
+    /// Images with an Open3D camera trajectory.
     Open3d,
-    /// The cloud as a file of the Point Cloud Library.
+    /// The cloud as a Point Cloud Library file.
     Pcd,
     /// A sequence in the format of the TUM RGB-D benchmark.
     Tum,
@@ -62,7 +62,7 @@ impl Named for Format {
 }
 
 impl Format {
-    /// The files and folders that it consists of.
+    /// The format's files and folders.
     pub(crate) fn entries(self) -> &'static [&'static str] {
         match self {
             Self::Bop => &["camera.json", "models", "train"],
@@ -87,7 +87,7 @@ impl Format {
         }
     }
 
-    /// Whether it is of no use without colour images.
+    /// Whether it is useless without colour images.
     pub(crate) fn needs_color(self) -> bool {
         matches!(self, Self::Colmap | Self::FoundationPose | Self::Nerfstudio | Self::Obj)
     }
@@ -97,7 +97,7 @@ impl Format {
         !matches!(self, Self::Obj | Self::Pcd)
     }
 
-    /// Whether it holds the mesh, or masks that come from it.
+    /// Whether it holds the mesh, or masks made from it.
     pub(crate) fn needs_mesh(self) -> bool {
         matches!(self, Self::Bop | Self::Colmap | Self::FoundationPose | Self::Nerfstudio | Self::Obj)
     }

@@ -1,8 +1,8 @@
-//! Results of a scan in the formats that other tools open.
+//! Results of a scan in formats for other tools.
 //!
-//! [`export`] reads what a scan left in its folder (frames, cloud, mesh, record) and writes a folder of its
-//! own. All formats hold the same pictures: those of the frames in the map, without lens distortion, in the
-//! poses in which they were mapped. `docs/export.md` lists files, axes and units of each.
+//! [`export`] reads a scan's result folder (frames, cloud, mesh, record) and writes a separate folder. All
+//! formats hold the same pictures: those of the frames in the map, without lens distortion, at their mapped
+//! poses. `docs/export.md` lists the files, axes and units of each.
 
 mod format;
 mod formats;
@@ -26,7 +26,7 @@ use std::path::Path;
 pub struct Exported {
     /// Number of pictures.
     pub n_views: usize,
-    /// Remarks for the user, such as what was left out.
+    /// Remarks for the user, such as omissions.
     pub notes: Vec<String>,
 }
 
@@ -34,8 +34,8 @@ pub struct Exported {
 ///
 /// # Errors
 /// If `results` holds no frames, or one of its files is damaged; if the format needs colours and a frame has
-/// none; if `out` holds files of the same names and the rule does not allow to replace them, or if it is the
-/// folder of the results.
+/// none; if `out` holds files with the same names and the rule forbids replacing them, or if it is the folder
+/// of the results.
 pub fn export(results: &Path, format: Format, out: &Path, rule: Overwrite) -> Result<Exported, Faults> {
     let is_same = || Some(results.canonicalize().ok()? == out.canonicalize().ok()?);
     if is_same() == Some(true) {
@@ -51,10 +51,10 @@ pub fn export(results: &Path, format: Format, out: &Path, rule: Overwrite) -> Re
     Ok(exported)
 }
 
-/// The files of the same export, unwritten.
+/// Returns the files of an export without writing them.
 ///
 /// # Errors
-/// As [`export`], but for those of the folder `out`.
+/// As [`export`], except for those of the folder `out`.
 pub fn export_files(results: &Path, format: Format) -> Result<(Vec<NamedFile>, Exported), Faults> {
     let scanned = Scanned::read(results)?;
     scanned.check(format)?;

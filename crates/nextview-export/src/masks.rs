@@ -6,23 +6,24 @@ use nextview_sim::camera::{Background, SimulatedCamera};
 use nextview_sim::mesh::TriangleMesh;
 use std::sync::Arc;
 
-/// Which pixels show the object: the final mesh, rendered.
+/// The pixels that show the object: the final mesh, rendered.
 pub(crate) struct Masks {
     camera: SimulatedCamera,
 }
 
 /// The object in a picture, pixel by pixel, row by row.
 pub(crate) struct Mask {
-    /// Where it would be seen if nothing were before it.
+    /// The object's pixels without any occlusion.
     pub whole: Vec<bool>,
-    /// Where it is seen: nothing measured is before or behind it.
+    /// The object's visible pixels: the measured depth agrees with the mesh.
     pub visible: Vec<bool>,
 }
 
-/// A pixel is the object's if its depth is within this of the mesh: metres, and a share of the depth.
+/// A pixel belongs to the object if its depth is within this tolerance of the mesh: metres, and a share of
+/// the depth.
 const TOLERANCE: (f64, f64) = (0.005, 0.01);
 
-/// Depth up to which the mesh is rendered, metres.
+/// Maximum depth of the rendered mesh, metres.
 const RANGE: f64 = 100.0;
 
 impl Masks {
@@ -33,7 +34,7 @@ impl Masks {
         Ok(Self { camera: camera.map_err(Fault::data)? })
     }
 
-    /// The object in this picture.
+    /// The mask of the object in this picture.
     pub fn of(&self, view: &View) -> Result<Mask, Fault> {
         let rendered = self.camera.render_depth(&view.world_from_camera())?;
         let whole: Vec<bool> = rendered.iter().map(|depth| depth.is_finite()).collect();

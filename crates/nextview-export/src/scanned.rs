@@ -11,11 +11,11 @@ use std::path::Path;
 pub(crate) struct Scanned {
     /// Optics of all pictures, without distortion.
     pub intrinsics: Intrinsics,
-    /// In the order in which they were taken.
+    /// Pictures in order of capture.
     pub views: Vec<View>,
     /// The final cloud, metres.
     pub cloud: SavedModel,
-    /// The final mesh without what belongs to the table, metres.
+    /// The final mesh without the table, metres.
     pub object: SavedModel,
 }
 
@@ -38,7 +38,7 @@ impl Scanned {
         })
     }
 
-    /// Fails if the format needs what the results do not have.
+    /// Fails if the results lack data for the format.
     pub fn check(&self, format: Format) -> Result<(), Fault> {
         let uncolored = self.views.iter().find(|view| view.color.is_none());
         if let Some(view) = uncolored.filter(|_| format.needs_color()) {

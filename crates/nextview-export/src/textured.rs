@@ -7,11 +7,12 @@ use nextview::surface::{CloudPoint, Photo, texture_mesh, write_mtl, write_obj};
 use nextview_recording::encode_color;
 use nextview_scan::Fault;
 
-/// Names and contents of the files, whose stem is `name`: `.obj`, `.mtl` and `.png`, which name each other.
+/// Names and contents of the files, whose stem is `name`: `.obj`, `.mtl` and `.png`, which refer to each
+/// other.
 pub(crate) fn files(scanned: &Scanned, name: &str) -> Result<[(String, Vec<u8>); 3], Fault> {
     let photo = |view: &View| Some(Photo { frame: view.frame.clone(), color: view.color.clone()? });
     let photos: Vec<Photo> = scanned.views.iter().filter_map(photo).collect();
-    // A file of results has 0 0 0 where there is no colour.
+    // Result files have 0 0 0 for a missing colour.
     let colored = |point: &CloudPoint| CloudPoint { color: point.color.filter(|c| *c != [0; 3]), ..*point };
     let points: Vec<CloudPoint> = scanned.object.points.iter().map(colored).collect();
     let mesh = texture_mesh(&points, &scanned.object.triangles, &photos, &Cancel::default())?;

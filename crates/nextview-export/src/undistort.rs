@@ -7,8 +7,8 @@ pub(crate) fn ideal(intrinsics: &Intrinsics) -> Result<Intrinsics, Fault> {
     Ok(intrinsics.with_distortion(Distortion::None)?)
 }
 
-/// The image of a camera without distortion: few tools know all lens models. Depths are those of the nearest
-/// pixels, since blends would lie between surfaces; colours are blended of four.
+/// The image of a camera without distortion: few tools support all lens models. Depths are those of the
+/// nearest pixels, since blends would lie between surfaces; colours are blended from four pixels.
 pub(crate) fn undistorted(
     frame: Frame,
     color: Option<ColorImage>,
@@ -61,7 +61,7 @@ mod tests {
         let distortion = Distortion::BrownConrady([0.2, 0.1, 0.001, -0.002, 0.0]);
         let ideal = Intrinsics::pinhole(80, 60, DVec2::splat(70.0), DVec2::new(39.5, 29.5)).unwrap();
         let lens = ideal.with_distortion(distortion).unwrap();
-        // A wall whose depth and colour change along x, as the lens shows it.
+        // A wall whose depth and colour change along x, seen through the lens.
         let wall = |pixel: DVec2, camera: &Intrinsics| {
             let ray = camera.deproject(pixel).unwrap();
             1.0 / (1.0 + 0.5 * ray.x)
@@ -81,7 +81,7 @@ mod tests {
             let (u, v) = (pixel.x as u32, pixel.y as u32);
             let Depth::Surface(depth) = straight.image().get(u, v) else { continue };
             let expected = wall(pixel, &ideal);
-            // Half a pixel of the slope.
+            // Half a pixel times the slope.
             assert!((f64::from(depth) - expected).abs() < 0.01, "{pixel}: {depth} {expected}");
             let shown = color.as_ref().unwrap().get(u, v);
             assert!(shown[0].abs_diff(shade(expected)) <= 2 && shown[1..] == [7, 9], "{pixel}");

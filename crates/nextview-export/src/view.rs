@@ -2,23 +2,23 @@ use nextview::geometry::Pose;
 use nextview::sensor::{ColorImage, Frame};
 use nextview_scan::rows_of_pose;
 
-/// A picture: depth, and colour where there is some, of a camera without distortion.
+/// A picture by a camera without distortion: depth, and colour if there is any.
 pub(crate) struct View {
-    /// Of its step, from 1.
+    /// Number of its step, from 1.
     pub number: usize,
-    /// The depth image in the pose in which it was mapped.
+    /// The depth image at its mapped pose.
     pub frame: Frame,
-    /// Of the same size.
+    /// The colour image, of the same size.
     pub color: Option<ColorImage>,
 }
 
 impl View {
-    /// The name of its image files without extension.
+    /// Returns the name of its image files without extension.
     pub fn stem(&self) -> String {
         format!("{:06}", self.number)
     }
 
-    /// Points of the camera to the world.
+    /// Transform from the camera to the world.
     pub fn world_from_camera(&self) -> Pose {
         self.frame.world_from_camera()
     }

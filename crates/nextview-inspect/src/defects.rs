@@ -3,15 +3,13 @@ use crate::patches::Patches;
 use crate::record::DefectRecord;
 use glam::DVec3;
 
-/// Fewer points that deviate together are not reported.
+/// Minimum number of points in a reported defect.
 const FEWEST: usize = 12;
 
-/// The deviation of a defect is that which this share of its points stays below: the largest one would be
-/// that of noise.
+/// Quantile of the points' deviations that is a defect's deviation: the largest one would be that of noise.
 const QUANTILE: f64 = 0.9;
 
-/// Groups of points that deviate to the same side, each within a patch of another one; the largest deviation
-/// first.
+/// Groups of points that deviate to the same side, each within a patch of another, by descending deviation.
 pub(crate) fn defects(
     positions: &[DVec3],
     deviations: &[Deviation],

@@ -4,39 +4,39 @@ use nextview::registration::SurfacePoint;
 use nextview_sim::accuracy::SurfaceDistance;
 use rayon::prelude::*;
 
-/// How far the surface around a point is from the model: the mean over its patch.
+/// The deviation of the surface around a point from the model: the mean over its patch.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Deviation {
-    /// Metres, positive outside of the model.
+    /// Metres, positive outside the model.
     pub mean: f64,
-    /// Its standard error, metres; infinite of a patch of few points.
+    /// Its standard error, metres; infinite for a patch with few points.
     pub error: f64,
 }
 
 /// The deviations of all points.
 pub(crate) struct Deviations {
-    /// Of each.
+    /// The deviation of each point.
     pub of_points: Vec<Deviation>,
-    /// The part of their errors that neighbouring points have in common, metres, median: a depth camera's
-    /// surface is wavy, and averaging over a patch does not help.
+    /// The common part of the errors of neighbouring points, metres, median: a depth camera's surface is
+    /// wavy, and averaging over a patch does not help.
     pub correlated_error: f64,
 }
 
-/// The verdict on a point, for a tolerance.
+/// The verdict on a point for a tolerance.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Verdict {
-    /// It deviates by more.
+    /// The deviation exceeds the tolerance.
     Deviates,
-    /// It does not.
+    /// The deviation is within the tolerance.
     Within,
-    /// Noise hides which of both.
+    /// Noise hides the answer.
     Uncertain,
 }
 
-/// Least cosine between the normals of a patch: around an edge, another side is another surface.
+/// Minimum cosine between the normals of a patch: across an edge lies another surface.
 const AGREEMENT: f64 = 0.5;
 
-/// Standard errors that a deviation must be above the tolerance, or below it, to be sure.
+/// Number of standard errors by which a deviation must exceed the tolerance, or be below it, to be certain.
 const SURE: f64 = 3.0;
 
 impl Deviation {
@@ -51,8 +51,8 @@ impl Deviation {
 
 /// The deviation at each point, in the coordinates of the model.
 ///
-/// Where waves are large depends on distance and slope. They are taken to be as large beside each other as
-/// the expected errors of the points are, in metres, or equally large if those are not known.
+/// The size of the waves depends on distance and slope. It is taken as proportional to the expected errors of
+/// the points, in metres, or as constant if those are not known.
 pub(crate) fn deviations(
     points: &[SurfacePoint],
     expected: &[Option<f64>],
@@ -75,11 +75,11 @@ pub(crate) fn deviations(
     Deviations { of_points, correlated_error: factor * median(sizes.into_iter()) }
 }
 
-/// The standard deviation of a normal distribution over its median absolute deviation.
+/// The ratio of a normal distribution's standard deviation to its median absolute deviation.
 const NORMAL: f64 = 1.4826;
 
-/// How much more deviations vary than their standard errors explain, in multiples of these sizes; of most
-/// points, so that defects do not count.
+/// The variation of the deviations beyond their standard errors, in multiples of these sizes. It describes
+/// most points, which excludes defects.
 fn correlated_factor(deviations: &[Deviation], sizes: &[f64]) -> f64 {
     let known = || deviations.iter().zip(sizes).filter(|(deviation, _)| deviation.error.is_finite());
     let middle = median(known().map(|(deviation, _)| deviation.mean));
@@ -88,7 +88,7 @@ fn correlated_factor(deviations: &[Deviation], sizes: &[f64]) -> f64 {
     (spread.powi(2) - explained.powi(2)).max(0.0).sqrt()
 }
 
-/// 0 without values.
+/// The median; 0 without values.
 fn median(values: impl Iterator<Item = f64>) -> f64 {
     let mut sorted: Vec<f64> = values.collect();
     sorted.sort_by(f64::total_cmp);

@@ -17,11 +17,11 @@ use std::path::{Path, PathBuf};
 /// The settings of an inspection.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct InspectionConfig {
-    /// Deviations up to this, in millimetres, are none; positive. Default 0.5.
+    /// Maximum deviation that counts as none, millimetres; positive. Default 0.5.
     pub tolerance_mm: f64,
-    /// Radius, in millimetres, of the patches over which deviations are averaged; positive. A smaller one
-    /// shows smaller defects, a larger one is less noisy. By default 2, or more where the cloud's points are
-    /// so far apart that more than a tenth of the patches would hold fewer than five of them.
+    /// Radius of the patches over which deviations are averaged, millimetres; positive. A smaller radius
+    /// shows smaller defects, a larger one is less noisy. Default 2, or more if the cloud's points are so
+    /// sparse that more than a tenth of the patches would hold fewer than five of them.
     pub patch_mm: Option<f64>,
 }
 
@@ -31,29 +31,29 @@ impl Default for InspectionConfig {
     }
 }
 
-/// A part beside its CAD model.
+/// A part compared with its CAD model.
 pub struct Inspection {
     /// The findings.
     pub record: InspectionRecord,
-    /// How the numbers of the CAD model's file became metres.
+    /// The unit conversion of the CAD model's file.
     pub note: String,
-    /// The points of the cloud, moved into the coordinates of the model.
+    /// The points of the cloud, transformed to the coordinates of the model.
     pub(crate) points: Vec<SurfacePoint>,
-    /// Of each.
+    /// The deviation of each point.
     pub(crate) deviations: Vec<Deviation>,
 }
 
-/// Samples of the model that show how much of it was measured.
+/// Number of model samples used to measure its coverage.
 const N_SAMPLES: usize = 20_000;
 
-/// The CAD model that a scan's results are compared with: that of the scan, or another file, in another unit;
-/// fails if none is named.
+/// Returns the CAD model to compare a scan's results with: that of the scan, or another file, in another
+/// unit. Fails if none is named.
 pub fn reference_of(
     results: &Path,
     mesh: Option<PathBuf>,
     unit: Option<UnitName>,
 ) -> Result<ReferenceConfig, Faults> {
-    // First what says that there are no results.
+    // First the check that reports missing results.
     ScanRecord::read(results)?;
     let mut of_scan = ScanConfig::load(&results.join("config.toml"), None)?;
     mesh.into_iter().for_each(|mesh| of_scan.set_reference(mesh));
@@ -62,8 +62,7 @@ pub fn reference_of(
     Ok(ReferenceConfig { unit: unit.unwrap_or(reference.unit), ..reference })
 }
 
-/// Compares the cloud of a scan's results with a CAD model. Nothing needs to be known of where the part
-/// stood.
+/// Compares the cloud of a scan's results with a CAD model. The part's pose need not be known.
 ///
 /// # Errors
 /// If the folder holds no results, if the cloud has no normals, if the model does not fit it, or if it is

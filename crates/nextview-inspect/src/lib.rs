@@ -1,8 +1,8 @@
-//! A scanned part beside its CAD model.
+//! A scanned part compared with its CAD model.
 //!
-//! [`inspect`] finds where the part is, from anywhere, and says of every measured point how far it is from
-//! the model and how certain that is; points that deviate together are [defects](DefectRecord).
-//! `docs/inspection.md` describes the method.
+//! [`inspect`] locates the part at any pose, and determines the deviation of every measured point from the
+//! model and its certainty. Groups of deviating points are [defects](DefectRecord). `docs/inspection.md`
+//! describes the method.
 
 mod defects;
 mod deviation;

@@ -10,22 +10,22 @@ pub(crate) struct Patches<'a> {
     cells: FxHashMap<IVec3, Vec<u32>>,
 }
 
-/// Smallest radius that is chosen, metres.
+/// Minimum automatic radius, metres.
 const SMALLEST: f64 = 0.002;
 
-/// Radii are chosen that are larger by this factor each.
+/// Factor between successive automatic radii.
 const GROWTH: f64 = 1.25;
 
-/// A patch of fewer points says nothing.
+/// Minimum number of points of a meaningful patch.
 pub(crate) const FEWEST: usize = 5;
 
-/// Share of the patches of a chosen radius that may hold fewer.
+/// Share of the patches with an automatic radius that may hold fewer.
 const MAY_HOLD_FEWER: f64 = 0.1;
 
-/// Number of patches that are counted for that.
+/// Number of patches counted for that.
 const N_COUNTED: usize = 500;
 
-/// The radius of patches for points so far apart, metres: as small as nearly all of them can be.
+/// The patch radius for this spacing of points, metres: the smallest one that suits nearly all of them.
 pub(crate) fn suitable_radius(positions: &[DVec3]) -> f64 {
     let size = positions.iter().map(|position| position.distance(positions[0])).fold(0.0, f64::max);
     let mut radius = SMALLEST;
@@ -43,7 +43,7 @@ pub(crate) fn suitable_radius(positions: &[DVec3]) -> f64 {
 }
 
 impl<'a> Patches<'a> {
-    /// Of finite points, for a positive distance.
+    /// Indexes finite points, for a positive distance.
     pub fn new(positions: &'a [DVec3], radius: f64) -> Self {
         let mut cells: FxHashMap<IVec3, Vec<u32>> = FxHashMap::default();
         for (i, position) in positions.iter().enumerate() {
@@ -52,7 +52,7 @@ impl<'a> Patches<'a> {
         Self { positions, radius, cells }
     }
 
-    /// The points within the distance, itself included, in a fixed order.
+    /// Returns the points within the distance, including the point itself, in a fixed order.
     pub fn around(&self, position: DVec3) -> impl Iterator<Item = usize> + '_ {
         let middle = cell(position, self.radius);
         let side = || -1..=1;

@@ -1,43 +1,42 @@
 use serde::{Deserialize, Serialize};
 
-/// What an inspection found: `inspection.json`.
+/// The results of an inspection: `inspection.json`.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct InspectionRecord {
     /// The CAD model's file.
     pub reference: String,
-    /// Deviations up to this are none.
+    /// Maximum deviation that counts as none.
     pub tolerance_mm: f64,
     /// Radius of the patches over which deviations are averaged.
     pub patch_mm: f64,
-    /// Where the part was: the rows of the 4 x 4 matrix that takes points of the scan's world to the model;
-    /// metres.
+    /// The part's pose: the rows of the 4 x 4 matrix that transforms points from the scan's world to the
+    /// model; metres.
     pub reference_from_world: [[f64; 4]; 4],
     /// Share of the points, 0..=1, within a hundredth of the model's diagonal.
     pub fitted_share: f64,
-    /// Number of points that were compared.
+    /// Number of compared points.
     pub n_points: usize,
-    /// Share, 0..=1, of the model's surface within a patch of which something was measured.
+    /// Share, 0..=1, of the model's surface with a measured point within a patch.
     pub inspected_share: f64,
-    /// Share, 0..=1, of the points that are within the tolerance for sure.
+    /// Share, 0..=1, of the points certainly within the tolerance.
     pub within_share: f64,
-    /// Share, 0..=1, of the points of which noise hides whether they are.
+    /// Share, 0..=1, of the points for which noise hides the answer.
     pub uncertain_share: f64,
-    /// Root of the mean square of all deviations.
+    /// Root mean square of all deviations.
     pub deviation_rms_mm: f64,
-    /// 95 % of the points deviate less.
+    /// 95th percentile of the absolute deviations.
     pub deviation_p95_mm: f64,
-    /// The part of the standard errors that neighbouring points have in common, as the waves of a stereo
-    /// camera: what most deviations vary more than the noise within patches explains.
+    /// The common part of neighbouring points' standard errors, such as the waves of a stereo camera: the
+    /// variation of most deviations beyond the noise within patches.
     pub correlated_error_mm: f64,
-    /// Half of the points have a smaller standard error of their deviation; none where most patches hold too
-    /// few points to tell.
+    /// Median standard error of the points' deviations; `None` if most patches hold too few points.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub standard_error_median_mm: Option<f64>,
-    /// How much of each surface was measured as it is to be seen; empty where the results hold no frames.
+    /// Share of each surface measured as demanded; empty if the results hold no frames.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub surfaces: Vec<SurfaceRecord>,
-    /// Where the part deviates, the largest deviation first.
+    /// Places where the part deviates, by descending deviation.
     pub defects: Vec<DefectRecord>,
 }
 
@@ -49,24 +48,24 @@ pub struct DefectRecord {
     pub center_m: [f64; 3],
     /// Size of the box around it.
     pub size_m: [f64; 3],
-    /// By how much: positive where there is too much material. Nine tenths of its points deviate less.
+    /// Its deviation, positive for excess material. Nine tenths of its points deviate less.
     pub deviation_mm: f64,
-    /// The standard error of that.
+    /// The standard error of the deviation.
     pub standard_error_mm: f64,
-    /// Number of its points.
+    /// Number of points.
     pub n_points: usize,
 }
 
-/// A surface of the part, and how much of it was measured as it is to be seen.
+/// A surface of the part, and its share measured as demanded.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct SurfaceRecord {
     /// Its name.
     pub name: String,
-    /// Largest angle between the line of sight and its normal.
+    /// Maximum angle between the line of sight and its normal.
     pub angle_deg: f64,
-    /// Least number of pixels of one picture on each square millimetre.
+    /// Minimum number of one picture's pixels per square millimetre.
     pub points_per_mm2: f64,
-    /// Share, 0..=1, of it that a frame measured like that.
+    /// Share, 0..=1, of the surface that a frame measured as demanded.
     pub measured_share: f64,
 }

@@ -10,8 +10,8 @@ use nextview_sim::mesh::TriangleMesh;
 use rayon::prelude::*;
 use std::path::Path;
 
-/// How much of each surface of the part the frames in the results measured as it is to be seen; none where
-/// there are no frames.
+/// The share of each surface of the part that the frames in the results measured as demanded; empty without
+/// frames.
 pub(crate) fn seen_as_demanded(
     results: &Path,
     reference: &ReferenceConfig,
@@ -25,7 +25,7 @@ pub(crate) fn seen_as_demanded(
         return Ok(Vec::new());
     }
     let recording = Recording::open(&folder, &ReadOptions::default())?;
-    // What a frame measured was in the camera's range.
+    // Everything a frame measured was within the camera's range.
     let camera = (recording.intrinsics, DepthRange::default());
     let part = PlacedPart::new(mesh, &demands, world_from_reference, camera)?;
     let measured = recording.frames.par_iter().map(|frame| {
@@ -43,7 +43,7 @@ pub(crate) fn seen_as_demanded(
         let is_measured: Vec<bool> = samples.map(|(sample, _)| measured.contains(sample)).collect();
         SurfaceRecord {
             name: demand.name.clone(),
-            // As it was stated: radians are rounded.
+            // As stated: radians are rounded.
             angle_deg: (1e9 * demand.max_angle.to_degrees()).round() / 1e9,
             points_per_mm2: demand.min_density / 1e6,
             measured_share: is_measured.iter().filter(|is| **is).count() as f64 / is_measured.len() as f64,

@@ -1,7 +1,7 @@
 use crate::InspectionRecord;
 
 impl InspectionRecord {
-    /// What was found, for people to read: a line for each quantity, then a table of the defects.
+    /// Formats the results for people: a line per quantity, then a table of the defects.
     pub fn text(&self) -> String {
         let percent = |share: f64| format!("{:.1} %", 1e2 * share);
         let standard_error = match self.standard_error_median_mm {

@@ -7,9 +7,9 @@ use std::io::Write;
 /// The files of an inspection.
 pub const INSPECTION_FILES: &[&str] = &["inspection.json", "deviation.ply"];
 
-/// Adds them to a folder: the record, and the points in the coordinates of the model with their deviations,
-/// coloured: red outside of the model and blue inside, strongest at twice the tolerance, grey where noise
-/// hides it.
+/// Adds the files to a folder: the record, and the points in the coordinates of the model with their
+/// deviations. Colours are red outside the model and blue inside, strongest at twice the tolerance, and grey
+/// where noise hides the answer.
 pub fn write_inspection(folder: &mut ResultFolder, inspection: &Inspection) -> Result<(), Fault> {
     folder.add("inspection.json", |w| {
         serde_json::to_writer_pretty(&mut *w, &inspection.record).map_err(Fault::data)?;

@@ -1,4 +1,4 @@
-//! Views around the box in fixed directions: what networks choose from, and what they are trained with.
+//! Views around the box in fixed directions, for the choice and the training of networks.
 
 use glam::DVec3;
 use nextview::Error;
@@ -6,23 +6,23 @@ use nextview::geometry::{Aabb, Pose};
 use nextview::planner::{Choice, Situation};
 use nextview::view::look_at;
 
-/// How far the views are from the centre of the box, in halves of its longest side: in the middle of the
-/// paper's shell of candidates.
+/// Distance of the views from the centre of the box, in halves of its longest side: the middle of the paper's
+/// shell of candidates.
 pub const DISTANCE: f64 = 2.5;
 
-/// Where the cameras in these directions stand around a box, metres.
+/// Returns the positions of cameras in these directions around a box, metres.
 pub fn positions(bounds: &Aabb, directions: &[DVec3]) -> Vec<DVec3> {
     let distance = 0.5 * DISTANCE * bounds.longest_side();
     directions.iter().map(|direction| bounds.center() + distance * direction).collect()
 }
 
-/// Their poses: all look at the centre of the box. Fails if one is beyond [`Pose::REACH`].
+/// Returns the poses of cameras that look at the centre of the box. Fails if one is beyond [`Pose::REACH`].
 pub fn poses(bounds: &Aabb, directions: &[DVec3]) -> Result<Vec<Pose>, Error> {
     positions(bounds, directions).into_iter().map(|position| look_at(position, bounds.center())).collect()
 }
 
-/// The candidate within reach that is nearest to each view, visited or not, the first on ties; none if there
-/// is no candidate within reach.
+/// The reachable candidate nearest to each view, visited or not, the first on ties; `None` if no candidate is
+/// within reach.
 pub(crate) fn stand_ins(situation: &Situation<'_>, directions: &[DVec3]) -> Vec<Option<usize>> {
     let (snapshot, views) = (situation.snapshot(), situation.views());
     let bounds = snapshot.lattice().bounds(&snapshot.block());
@@ -35,8 +35,8 @@ pub(crate) fn stand_ins(situation: &Situation<'_>, directions: &[DVec3]) -> Vec<
     positions(&bounds, directions).into_iter().map(nearest).collect()
 }
 
-/// The stand-in of the view of the highest score among those whose stand-ins were not visited, the first on
-/// ties; the runner-up is the next other one. Views without a score are left out.
+/// The stand-in of the view with the highest score among those with unvisited stand-ins, the first on ties;
+/// the runner-up is the next different one. Views without a score are left out.
 pub(crate) fn choice(
     situation: &Situation<'_>,
     stand_ins: &[Option<usize>],

@@ -1,28 +1,28 @@
 use nextview::map::{Occupancy, Snapshot};
 use std::ops::Range;
 
-/// The input of NBV-Net: the probability of being occupied in 32 x 32 x 32 cells of a cube.
+/// The input of NBV-Net: the occupancy probability in 32 x 32 x 32 cells of a cube.
 ///
-/// The cube has the longest side of the snapshot's box and its middle, to half a voxel. Each cell takes the
-/// highest probability of the measured voxels in it, as OctoMap's inner nodes do; if there are more cells
-/// than voxels, several take the same voxel. Where nothing was measured, beside the box too, a cell is 0.5.
+/// The cube has the longest side and, to half a voxel, the centre of the snapshot's box. Each cell takes the
+/// highest probability of its measured voxels, like OctoMap's inner nodes. If there are more cells than
+/// voxels, several take the same voxel. A cell without measurements, including those outside the box, is 0.5.
 ///
 /// The cells are those of the network of the paper's authors: z varies fastest, then y, then x.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Grid(Vec<f32>);
 
 impl Grid {
-    /// Cells along a side.
+    /// Number of cells along a side.
     pub const SIDE: usize = 32;
 
     /// Number of cells.
     pub const N_CELLS: usize = Self::SIDE.pow(3);
 
-    /// The highest number of a byte in [`to_bytes`](Self::to_bytes): that of probability 1. It is even, so
-    /// that unknown cells have a byte of their own, 127.
+    /// The largest byte in [`to_bytes`](Self::to_bytes), which stands for probability 1. It is even: unknown
+    /// cells have a byte of their own, 127.
     pub const MAX_BYTE: u8 = 254;
 
-    /// The grid for the snapshot's box.
+    /// Creates the grid of the snapshot's box.
     pub fn new(snapshot: &Snapshot) -> Self {
         let dims = snapshot.block().dims().to_array().map(|n| n as usize);
         let side = dims[0].max(dims[1]).max(dims[2]);
@@ -36,26 +36,26 @@ impl Grid {
         Self(cells)
     }
 
-    /// A grid of which every cell is the byte's share of [`MAX_BYTE`](Self::MAX_BYTE); none unless there is a
-    /// byte for every cell and all are probabilities.
+    /// Creates a grid in which every cell is the byte's share of [`MAX_BYTE`](Self::MAX_BYTE); `None` unless
+    /// there is a byte for every cell and all are probabilities.
     pub fn from_bytes(bytes: &[u8]) -> Option<Self> {
         let is_whole = bytes.len() == Self::N_CELLS && bytes.iter().all(|&byte| byte <= Self::MAX_BYTE);
         is_whole.then(|| Self(bytes.iter().map(|&byte| byte as f32 / Self::MAX_BYTE as f32).collect()))
     }
 
-    /// The nearest grid that bytes can hold.
+    /// Returns the nearest grid that bytes can represent.
     pub fn to_bytes(&self) -> Vec<u8> {
         self.0.iter().map(|p| (p * Self::MAX_BYTE as f32).round() as u8).collect()
     }
 
-    /// The probabilities, 0..=1.
+    /// Returns the probabilities, 0..=1.
     pub fn cells(&self) -> &[f32] {
         &self.0
     }
 }
 
-/// The voxels of an axis with `n` of them that lie in a cell, where `side` voxels fill the cube; at least
-/// one, but maybe beside the box.
+/// The voxels of an axis with `n` voxels that lie in a cell if `side` voxels fill the cube; at least one,
+/// possibly outside the box.
 fn voxels(cell: usize, side: usize, n: usize) -> Range<usize> {
     let (begin, end) = (cell * side / Grid::SIDE, (cell + 1) * side / Grid::SIDE);
     let beside = (side - n) / 2;
@@ -89,7 +89,7 @@ mod tests {
         Snapshot::from_fn(Lattice::new(0.01).unwrap(), block, |key| states[block.index(key)?])
     }
 
-    /// The cell that is asked for, from the definition: all voxels of the cube, one after the other.
+    /// The cell by its definition: all voxels of the cube, one after the other.
     fn slow_cell(snapshot: &Snapshot, cell: [usize; 3]) -> f32 {
         let dims = snapshot.block().dims();
         let side = dims.max_element() as usize;

@@ -11,17 +11,16 @@ pub(crate) const N_FEATURES: usize = 512;
 
 /// A network that takes a [`Grid`]: NBV-Net and NBV regression, which differ in the fully connected layers.
 ///
-/// Three 3D convolutions (10, 12 and 8 filters of 3 x 3 x 3 cells, a border of zeros), each followed by the
-/// larger of 0 and the value, and by the largest of eight neighbours; then fully connected layers, rectified
-/// except the last.
+/// Three 3D convolutions (10, 12 and 8 filters of 3 x 3 x 3 cells, zero padding), each followed by a
+/// rectifier and max pooling over eight neighbours; then fully connected layers, rectified except the last.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct GridNetwork {
     convolutions: Vec<Layer>,
     dense: Vec<Dense>,
 }
 
-/// The layers of the network of this name, `units` before, between and after those that are fully connected,
-/// by the names of the published program.
+/// The layers of the network with this name, named as in the published program; `units` before, between and
+/// after the fully connected ones.
 pub(crate) fn layout(network: &'static str, units: &[usize]) -> Layout {
     let convolutions =
         CHANNELS.windows(2).zip(1..).map(|(n, i)| (format!("conv{i}"), vec![n[1], n[0], 3, 3, 3]));
@@ -30,20 +29,20 @@ pub(crate) fn layout(network: &'static str, units: &[usize]) -> Layout {
 }
 
 impl GridNetwork {
-    /// The network with the weights of a safetensors file.
+    /// Reads the network's weights from a safetensors file.
     pub fn read(file: &[u8], layout: &Layout) -> Result<Self, WeightsError> {
         let mut convolutions = weights::read(file, layout)?;
         let dense = convolutions.split_off(CHANNELS.len() - 1);
         Ok(Self { convolutions, dense: dense.into_iter().map(Dense::new).collect() })
     }
 
-    /// The values of the last layer.
+    /// Returns the values of the last layer.
     pub fn outputs(&self, grid: &Grid) -> Vec<f32> {
         Arch::new().dispatch(Forward { network: self, grid })
     }
 }
 
-/// Computes the outputs, with the instructions of the CPU.
+/// Computes the outputs with the CPU's instructions.
 #[derive(Clone, Copy)]
 struct Forward<'a> {
     network: &'a GridNetwork,

@@ -1,8 +1,8 @@
-//! Learned planners of the literature, with their weights.
+//! Learned planners from the literature, with their weights.
 //!
 //! Each planner is a module; [`nbv_net::NbvNet`], [`nbv_regression::NbvRegression`], [`pc_nbv::PcNbv`] and
-//! [`kaba::Kaba`] are [`ViewPlanner`](nextview::planner::ViewPlanner)s. They are a crate of their own because
-//! of the weights: 5 MB.
+//! [`kaba::Kaba`] are [`ViewPlanner`](nextview::planner::ViewPlanner)s. They are a separate crate because of
+//! the weights: 5 MB.
 
 #[cfg(feature = "dataset")]
 pub mod dataset;

@@ -11,8 +11,8 @@ use std::path::Path;
 /// The first bytes of a JPEG file.
 const JPEG: [u8; 2] = [0xff, 0xd8];
 
-/// The colour image of the bytes of a PNG or JPEG file, which must have 8 bits of red, green and blue each,
-/// and the size that the intrinsics of the depth state. The size is checked before pixels are decoded.
+/// Decodes the bytes of a PNG or JPEG file, which must have 8 bits each of red, green and blue, and the size
+/// in the intrinsics of the depth. The size is checked before pixels are decoded.
 ///
 /// # Errors
 /// If the image is damaged, or of another kind or size.
@@ -25,9 +25,9 @@ pub fn decode_color(bytes: &[u8], intrinsics: &Intrinsics) -> Result<ColorImage,
     Ok(ColorImage::new(intrinsics.width(), intrinsics.height(), pixels)?)
 }
 
-/// The same of a file.
+/// Decodes a colour image file.
 pub(crate) fn read(path: &Path, intrinsics: &Intrinsics) -> Result<ColorImage, RecordingError> {
-    // A few times the pixels: what a file holds beside them, such as a preview, is less.
+    // A few times the pixels; other content, such as a preview, is smaller.
     let bytes = limits::read(path, (1 << 20) + 12 * intrinsics.n_pixels() as u64);
     let image = bytes.and_then(|bytes| decode_color(&bytes, intrinsics));
     image.map_err(|error| error.in_file(path))
@@ -46,7 +46,7 @@ fn decode_png(bytes: &[u8], intrinsics: &Intrinsics) -> Result<Vec<u8>, Recordin
     check_size((info.width, info.height), intrinsics)?;
     let mut pixels = vec![0; 3 * intrinsics.n_pixels()];
     reader.next_frame(&mut pixels).map_err(broken)?;
-    // A file that ends here was cut.
+    // A file that ends here is truncated.
     reader.finish().map_err(broken)?;
     Ok(pixels)
 }

@@ -6,11 +6,11 @@ use png::{BitDepth, ColorType, Decoder, DecodingError};
 use std::io::{BufRead, BufReader, Cursor, Seek};
 use std::path::Path;
 
-/// The depth image of a PNG file's bytes, of 16 bits a pixel without colour and of the size that the
-/// intrinsics state. `unit` is the length of a unit in metres, positive; 0 is a missing pixel. Where a mask,
-/// a PNG of 8 bits a pixel, is 0, the ray is free: there is nothing of the object.
+/// Decodes the bytes of a PNG file with 16-bit pixels, without colour, of the size in the intrinsics. `unit`
+/// is the length of a depth unit in metres, positive; 0 is a missing pixel. `mask` is a PNG file with 8-bit
+/// pixels. Where it is 0, the ray is free and misses the object.
 ///
-/// The size is checked before pixels are decoded: an image takes no more memory than the intrinsics state.
+/// The size is checked before pixels are decoded, which limits memory to the stated size.
 ///
 /// # Errors
 /// If an image is damaged, or of another kind or size.
@@ -30,7 +30,7 @@ pub fn decode_depth(
     image(&depth, mask.transpose()?, intrinsics, unit)
 }
 
-/// The same of files.
+/// Decodes depth and mask files.
 pub(crate) fn read(
     path: &Path,
     intrinsics: &Intrinsics,
@@ -46,7 +46,7 @@ pub(crate) fn read(
     image(&depth, mask, intrinsics, unit).map_err(|error| error.in_file(path))
 }
 
-/// Whether these are the bytes of a PNG file of 16 bits a pixel without colour: its head says so.
+/// Whether these are the bytes of a PNG file with 16-bit pixels without colour, as stated in its head.
 pub(crate) fn is_depth(bytes: &[u8]) -> bool {
     let info = Decoder::new(Cursor::new(bytes)).read_info();
     info.is_ok_and(|reader| {
@@ -55,8 +55,7 @@ pub(crate) fn is_depth(bytes: &[u8]) -> bool {
     })
 }
 
-/// The pixels of a PNG file's bytes, of 16 bits a pixel without colour and of the size that the intrinsics
-/// state.
+/// The pixels of a PNG file with 16-bit pixels, without colour, of the size in the intrinsics.
 pub(crate) fn units(png: &[u8], intrinsics: &Intrinsics) -> Result<Vec<u16>, RecordingError> {
     let bytes = pixels(Cursor::new(png), intrinsics, BitDepth::Sixteen, "depth")?;
     Ok(bytes.chunks_exact(2).map(|pair| u16::from_be_bytes([pair[0], pair[1]])).collect())
@@ -75,8 +74,8 @@ fn image(
     Ok(DepthImage::from_metres(intrinsics.width(), intrinsics.height(), depth)?)
 }
 
-/// The bytes of an image that must have this many bits a pixel, no colour, and the size that the intrinsics
-/// state.
+/// The bytes of an image that must have this number of bits per pixel, no colour, and the size in the
+/// intrinsics.
 fn pixels(
     file: impl BufRead + Seek,
     intrinsics: &Intrinsics,
@@ -92,7 +91,7 @@ fn pixels(
     check_size(info.width, info.height, intrinsics)?;
     let mut bytes = vec![0; bits as usize / 8 * intrinsics.n_pixels()];
     reader.next_frame(&mut bytes).map_err(broken)?;
-    // A file that ends here was cut.
+    // A file that ends here is truncated.
     reader.finish().map_err(broken)?;
     Ok(bytes)
 }
@@ -112,7 +111,7 @@ fn check_kind(kind: (ColorType, BitDepth), bits: BitDepth, what: &str) -> Result
     )))
 }
 
-/// Fails unless an image has the size that the intrinsics are for.
+/// Fails unless an image has the size in the intrinsics.
 pub(crate) fn check_size(width: u32, height: u32, intrinsics: &Intrinsics) -> Result<(), RecordingError> {
     let expected = (intrinsics.width(), intrinsics.height());
     if (width, height) == expected {
@@ -124,7 +123,7 @@ pub(crate) fn check_size(width: u32, height: u32, intrinsics: &Intrinsics) -> Re
     )))
 }
 
-/// The error for a file that is damaged or not a PNG.
+/// The error for a damaged file or one that is not a PNG.
 pub(crate) fn broken(error: DecodingError) -> RecordingError {
     match error {
         DecodingError::IoError(error) if error.kind() != std::io::ErrorKind::UnexpectedEof => error.into(),

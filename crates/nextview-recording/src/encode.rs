@@ -1,10 +1,10 @@
-//! Images as bytes of PNG files.
+//! Encodes images as PNG files.
 
 use nextview::sensor::{ColorImage, Depth, DepthImage};
 use png::{BitDepth, ColorType, Compression, Encoder};
 
-/// A depth image as the bytes of a PNG file of 16 bits a pixel, in units of so many metres. 0 is a pixel
-/// without depth; so is one whose depth is above 65535 units.
+/// Encodes a depth image as a PNG file with 16-bit pixels in units of this many metres. Pixels without depth,
+/// or with more than 65535 units, are 0.
 ///
 /// ```
 /// use glam::DVec2;
@@ -27,16 +27,16 @@ pub fn encode_depth(image: &DepthImage, unit: f64) -> Vec<u8> {
     encode((image.width(), image.height()), ColorType::Grayscale, BitDepth::Sixteen, &bytes)
 }
 
-/// A colour image as the bytes of a PNG file of 8 bits of red, green and blue each.
+/// Encodes a colour image as a PNG file with 8 bits each of red, green and blue.
 pub fn encode_color(image: &ColorImage) -> Vec<u8> {
     let bytes: Vec<u8> = image.pixels().flatten().collect();
     encode((image.width(), image.height()), ColorType::Rgb, BitDepth::Eight, &bytes)
 }
 
-/// A mask, row by row, as the bytes of a PNG file of 8 bits a pixel: 255 where it is true, 0 elsewhere.
+/// Encodes a mask, row by row, as a PNG file with 8-bit pixels: 255 for true, 0 for false.
 ///
 /// # Panics
-/// If the mask has not `width` times `height` pixels.
+/// If the mask does not have `width` times `height` pixels.
 pub fn encode_mask(width: u32, height: u32, mask: &[bool]) -> Vec<u8> {
     let bytes: Vec<u8> = mask.iter().map(|is_object| if *is_object { u8::MAX } else { 0 }).collect();
     encode((width, height), ColorType::Grayscale, BitDepth::Eight, &bytes)

@@ -13,29 +13,29 @@ pub enum RecordingError {
         #[source]
         error: Box<RecordingError>,
     },
-    /// It cannot be opened or read.
+    /// The file cannot be opened or read.
     #[error("cannot be read: {0}")]
     Io(#[from] std::io::Error),
-    /// It cannot be written.
+    /// The file cannot be written.
     #[error("cannot be written: {0}")]
     Unwritable(#[source] std::io::Error),
-    /// A place in it is broken.
+    /// A place in the file is invalid.
     #[error("{place}: {problem}")]
     Format {
         /// The line, byte offset or message.
         place: String,
-        /// The fault, the value found and the content expected.
+        /// The fault, the value found and the expected content.
         problem: String,
     },
-    /// It is broken, or does not fit the rest, as a whole.
+    /// The content as a whole is invalid or inconsistent.
     #[error("{0}")]
     Content(String),
-    /// An option of [`ReadOptions`](crate::ReadOptions) does not fit the recording, or one is needed.
+    /// An option of [`ReadOptions`](crate::ReadOptions) does not fit the recording, or is missing.
     #[error("{problem} as `{key}`")]
     Option {
         /// The option.
         key: &'static str,
-        /// What there is, and what to choose.
+        /// The available values and the choice to make.
         problem: String,
     },
     /// A value is out of the library's range.
@@ -48,7 +48,7 @@ impl RecordingError {
         Self::Format { place: place.into(), problem: problem.into() }
     }
 
-    /// The same error, attributed to this file.
+    /// Attributes the error to this file.
     pub(crate) fn in_file(self, path: &Path) -> Self {
         Self::InFile { path: path.to_owned(), error: Box::new(self) }
     }

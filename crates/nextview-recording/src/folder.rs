@@ -1,5 +1,5 @@
-//! Our own form: `intrinsics.txt`, `poses.csv`, and images by number in `depth/` and, where there is colour,
-//! in `color/`.
+//! Our own format: `intrinsics.txt`, `poses.csv`, and numbered images in `depth/` and, if there is colour, in
+//! `color/`.
 
 use crate::frame::{ColorSource, DepthSource};
 use crate::lens::{self, Lens};
@@ -11,20 +11,20 @@ use crate::{RecordedFrame, RecordingError};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
-/// Metres per unit of depth, if intrinsics.txt does not state them.
+/// Default metres per unit of depth, if intrinsics.txt does not state it.
 const DEPTH_UNIT: f64 = 0.001;
 
 /// Extensions of colour images.
 const COLOR_EXTENSIONS: [&str; 3] = ["png", "jpg", "jpeg"];
 
-/// Suffixes of the twelve columns of a pose, row by row.
+/// Suffixes of the twelve columns of a pose, by rows.
 const ENTRIES: [&str; 12] =
     ["_00", "_01", "_02", "_03", "_10", "_11", "_12", "_13", "_20", "_21", "_22", "_23"];
 
 /// Prefix of the pose columns.
 const POSE: &str = "world_from_camera";
 
-/// Deviation of rotations that needs no note: rounding in files that carry few digits.
+/// Maximum deviation of rotations without a note: rounding in files with few digits.
 const NOTED: f64 = 1e-3;
 
 /// A row of poses.csv.
@@ -112,7 +112,7 @@ fn images(folder: &Path, extensions: &[&str]) -> Result<BTreeMap<u32, PathBuf>, 
     Ok(images)
 }
 
-/// The rows of poses.csv by number of the frame.
+/// The rows of poses.csv by frame number.
 pub(crate) fn rows(text: &str, options: &ReadOptions) -> Result<BTreeMap<u32, Row>, RecordingError> {
     let mut lines = text::lines(text);
     let header = lines.next().ok_or_else(|| RecordingError::Content("is empty, expected a header".into()))?;
@@ -177,7 +177,7 @@ impl Columns {
     }
 }
 
-/// Prefix of the pose columns: the requested one, or ours, or else the only choice.
+/// Prefix of the pose columns: the requested one, ours, or the only choice.
 fn pose_prefix(header: &Line<'_>, names: &[&str], options: &ReadOptions) -> Result<String, RecordingError> {
     let complete =
         |prefix: &&str| ENTRIES.iter().all(|entry| names.contains(&format!("{prefix}{entry}").as_str()));

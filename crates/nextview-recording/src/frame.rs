@@ -6,31 +6,30 @@ use nextview::geometry::Pose;
 use nextview::sensor::{ColorImage, Depth, DepthImage, Frame, Intrinsics};
 use std::path::PathBuf;
 
-/// A recorded measurement of a depth camera. Its image stays in its file until it is [loaded](Self::load).
+/// A recorded measurement of a depth camera. Its image stays in its file until [loaded](Self::load).
 #[derive(Debug)]
 pub struct RecordedFrame {
-    /// A name for people: `frame 12`, the name of its file, or the number and topic of its message.
+    /// A readable name: `frame 12`, the name of its file, or the number and topic of its message.
     pub name: String,
-    /// When it was taken, seconds; none if the recording does not state it.
+    /// Time of the measurement in seconds; `None` if not recorded.
     pub timestamp_s: Option<f64>,
-    /// Where the camera stood: rigid, at most 100 m from the origin.
+    /// Pose of the camera: rigid, at most 100 m from the origin.
     pub world_from_camera: Pose,
     pub(crate) intrinsics: Intrinsics,
     pub(crate) depth: DepthSource,
     pub(crate) color: Option<ColorSource>,
 }
 
-/// Where the depth of a frame is.
+/// The source of a frame's depth.
 #[derive(Debug)]
 pub(crate) enum DepthSource {
-    /// In a PNG file of units of so many metres; where the mask's pixels are 0, there is nothing of the
-    /// object.
+    /// In a PNG file with units of this many metres; pixels masked with 0 show nothing of the object.
     Png { path: PathBuf, unit: f64, mask: Option<PathBuf> },
     /// In a message of an MCAP file.
     Message { path: PathBuf, at: ImagePlace },
 }
 
-/// Where the colour image of a frame is.
+/// The source of a frame's colour image.
 #[derive(Debug)]
 pub(crate) enum ColorSource {
     /// In a PNG or JPEG file.
@@ -39,13 +38,13 @@ pub(crate) enum ColorSource {
     Message { path: PathBuf, at: ImagePlace },
 }
 
-/// A frame needs a depth up to which pixels without return are free. Recorded images have no such pixels
-/// except outside their masks: nothing records that a ray met no surface, and a missing pixel says nothing.
+/// A frame requires a depth up to which pixels without return are free. Recorded images have such pixels only
+/// outside their masks: no recording states that a ray met no surface, and a missing pixel means nothing.
 const RANGE: f64 = 10.0;
 
 impl RecordedFrame {
-    /// Reads the image. All images were checked when the recording was opened, so this fails only if a file
-    /// has changed since.
+    /// Loads the image. All images are checked when the recording is opened, so this fails only if a file has
+    /// changed.
     pub fn load(&self) -> Result<Frame, RecordingError> {
         let image = match &self.depth {
             DepthSource::Png { path, unit, mask } => {
@@ -59,7 +58,7 @@ impl RecordedFrame {
         Ok(Frame::new(image, self.intrinsics, self.world_from_camera, RANGE)?)
     }
 
-    /// Memory that loading takes, bytes, about.
+    /// Approximate memory for loading, in bytes.
     pub(crate) fn cost(&self) -> usize {
         let record = match &self.depth {
             DepthSource::Png { .. } => 0,
@@ -68,7 +67,7 @@ impl RecordedFrame {
         16 * self.intrinsics.n_pixels() + record
     }
 
-    /// Size of the file that holds the image, bytes; none if it is one of a file of many.
+    /// Size of the file with the image in bytes; `None` if the file holds many.
     pub(crate) fn file_size(&self) -> std::io::Result<Option<u64>> {
         match &self.depth {
             DepthSource::Png { path, .. } => Ok(Some(path.metadata()?.len())),
@@ -76,12 +75,12 @@ impl RecordedFrame {
         }
     }
 
-    /// Whether there is a colour image.
+    /// Whether the frame has a colour image.
     pub fn has_color(&self) -> bool {
         self.color.is_some()
     }
 
-    /// Reads the colour image, of the size of the depth image; none if there is none. As for the depth, this
+    /// Loads the colour image, of the size of the depth image; `None` without one. As with the depth, this
     /// fails only if a file has changed since the recording was opened.
     pub fn load_color(&self) -> Result<Option<ColorImage>, RecordingError> {
         let color = match &self.color {
@@ -98,7 +97,7 @@ impl RecordedFrame {
     }
 }
 
-/// The reason why an image is useless; none if it shows something.
+/// The reason why an image is useless; `None` if it shows something.
 pub(crate) fn uselessness(image: &DepthImage) -> Option<String> {
     let mut pixels = image.pixels().peekable();
     let first = *pixels.peek()?;
@@ -107,7 +106,7 @@ pub(crate) fn uselessness(image: &DepthImage) -> Option<String> {
     }
     Some(match first {
         Depth::Surface(depth) => format!("every pixel has the depth {depth} m"),
-        // Only outside of masks are pixels free.
+        // Pixels are free only outside masks.
         Depth::Beyond => "the mask covers no pixel with a depth".to_owned(),
         Depth::Missing => "no pixel has a depth".to_owned(),
     })

@@ -1,4 +1,4 @@
-//! The file `intrinsics.txt`: a line for each value, name first.
+//! The file `intrinsics.txt`: one line per value, name first.
 
 use crate::RecordingError;
 use crate::text::{self, Line};
@@ -6,7 +6,7 @@ use glam::DVec2;
 use nextview::sensor::{Distortion, Intrinsics};
 use std::path::Path;
 
-/// A file's description of the camera.
+/// The camera described by a file.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Lens {
     pub intrinsics: Intrinsics,
@@ -17,7 +17,7 @@ pub(crate) struct Lens {
 const EXPECTED: &str = "expected a line each for width, height, fx, fy, cx and cy, such as `fx 525.0`, and if need be \
                         depth_unit_m and distortion";
 
-/// Reads the file; the depth unit is this many metres if the file does not state it.
+/// Reads the file. `depth_unit` is the default in metres if the file does not state it.
 pub(crate) fn read(path: &Path, depth_unit: f64) -> Result<Lens, RecordingError> {
     let lens = text::read(path).map_err(|error| match error {
         RecordingError::Io(error) => RecordingError::Content(format!("cannot be read: {error}; {EXPECTED}")),
@@ -39,7 +39,7 @@ pub(crate) fn checked(intrinsics: Intrinsics) -> Result<Intrinsics, RecordingErr
     )))
 }
 
-/// The camera that a text of this form describes.
+/// Parses a camera from a text.
 pub(crate) fn parse(text: &str, depth_unit: f64) -> Result<Lens, RecordingError> {
     let fields = Fields::new(text)?;
     let size = [fields.whole("width")?, fields.whole("height")?];

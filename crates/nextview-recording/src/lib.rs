@@ -1,9 +1,9 @@
-//! Recorded depth images with camera poses, and with colour where there is some, from files.
+//! Recorded depth images with camera poses, and optional colour, from files.
 //!
-//! Start with [`Recording::open`]: it recognises a folder of our own simple form, a folder of the TUM RGB-D
-//! benchmark, and an `.mcap` file with ROS 2 messages. `docs/recorded.md` describes all three. [`ros`] holds
-//! what a node needs as well: images, optics and transforms of ROS 2. [`write_folder()`]
-//! writes frames in our own form. Nothing here plans or maps.
+//! Start with [`Recording::open`]: it recognises a folder in our own simple format, a folder of the TUM RGB-D
+//! benchmark, and an `.mcap` file with ROS 2 messages. `docs/recorded.md` describes all three. [`ros`]
+//! contains types that a node needs as well: images, optics and transforms of ROS 2. [`write_folder()`]
+//! writes frames in our own format. Nothing here plans or maps.
 
 mod color_file;
 mod depth_png;

@@ -1,7 +1,7 @@
-//! Limits of a recording's content in proportion to its size: small files must not fill the memory.
+//! Limits on a recording's content in proportion to its size: small files must not fill the memory.
 //!
-//! Everything that is read stays below 20 times the size of its files plus 200 MB. What a file states of its
-//! own content is checked against that before memory is reserved.
+//! Memory stays below 20 times the size of the files plus 200 MB. Sizes stated in a file are checked against
+//! this before memory is reserved.
 
 use crate::RecordingError;
 use nextview::sensor::Intrinsics;
@@ -9,32 +9,31 @@ use std::fs::File;
 use std::io::Read;
 use std::path::Path;
 
-/// Largest text file, bytes.
+/// Maximum size of a text file in bytes.
 pub(crate) const MAX_TEXT: u64 = 1 << 26;
 
-/// Longest line of a text file, bytes.
+/// Maximum length of a line of a text file in bytes.
 const MAX_LINE: usize = 1 << 16;
 
-/// Entries of a list, such as images or poses, that a file of any size may hold; an entry takes up to 300
+/// Number of list entries, such as images or poses, allowed in a file of any size; an entry takes up to 300
 /// bytes.
 const FREE_ENTRIES: u64 = 200_000;
 
-/// Memory that images may take however small their files are, bytes: 1280 x 720 pixels are within it.
+/// Memory for images allowed for files of any size, in bytes: enough for 1280 x 720 pixels.
 const FREE_MEMORY: u64 = 175_000_000;
 
-/// Memory that a scan takes for a pixel of the image that it works on, and of each one that it holds, bytes,
-/// rounded up from scans of images of two million pixels.
+/// Memory of a scan per pixel of the current image and of each held one, in bytes, rounded up from scans of
+/// images of two million pixels.
 const BYTES_PER_PIXEL: u64 = 120;
 const BYTES_PER_HELD_PIXEL: u64 = 6;
 
-/// Images that a scan holds, unless more views are asked for.
+/// Number of images held by a scan, unless more views are requested.
 const HELD: usize = 10;
 
-/// Bytes that a chunk of an MCAP file may have however well it is compressed. Recorders make chunks of a
-/// megabyte.
+/// Maximum size of an MCAP chunk at any compression ratio, in bytes. Recorders write chunks of a megabyte.
 const FREE_CHUNK: u64 = 1 << 25;
 
-/// Bytes that all chunks of an MCAP file may have however well they are compressed: what is read in seconds.
+/// Total size of an MCAP file's chunks allowed at any compression ratio, in bytes: read within seconds.
 const FREE_CHUNKS: u64 = 1 << 30;
 
 /// Opens a regular file: devices and pipes may never end.
@@ -56,7 +55,7 @@ pub(crate) fn read(path: &Path, max_bytes: u64) -> Result<Vec<u8>, RecordingErro
     Err(RecordingError::Content(format!("has {size} bytes, expected at most {max_bytes}")))
 }
 
-/// Fails on a line that is too long to be one of a list or a table.
+/// Fails on a line that is too long for a list or a table.
 pub(crate) fn check_lines(text: &str) -> Result<(), RecordingError> {
     match text.lines().position(|line| line.len() > MAX_LINE) {
         Some(i) => {
@@ -67,7 +66,7 @@ pub(crate) fn check_lines(text: &str) -> Result<(), RecordingError> {
     }
 }
 
-/// Fails if a file of this size holds more entries than files of its kind do.
+/// Fails if the number of entries is implausible for a file of this size.
 pub(crate) fn check_entries(n_entries: usize, n_bytes: u64) -> Result<(), RecordingError> {
     let max = FREE_ENTRIES.saturating_add(n_bytes / 32);
     if n_entries as u64 <= max {
@@ -77,7 +76,7 @@ pub(crate) fn check_entries(n_entries: usize, n_bytes: u64) -> Result<(), Record
     Err(RecordingError::Content(problem))
 }
 
-/// Fails if images have more pixels than files of this size in all can stand for.
+/// Fails if images have more pixels than plausible for the total size of these files.
 pub(crate) fn check_pixels(
     intrinsics: &Intrinsics,
     n_images: usize,
@@ -98,7 +97,7 @@ pub(crate) fn check_pixels(
     )))
 }
 
-/// Fails if a chunk states more bytes than it can stand for.
+/// Fails if the stated size of a chunk is implausible.
 pub(crate) fn check_chunk(plain: u64, packed: u64) -> Result<(), RecordingError> {
     let max = FREE_CHUNK.saturating_add(packed.saturating_mul(8));
     if plain <= max {
@@ -109,7 +108,7 @@ pub(crate) fn check_chunk(plain: u64, packed: u64) -> Result<(), RecordingError>
     )))
 }
 
-/// Fails if so many bytes are more than the chunks of a file of this size can stand for.
+/// Fails if this total size of chunks is implausible for a file of this size.
 pub(crate) fn check_chunks(plain: u64, n_bytes: u64) -> Result<(), RecordingError> {
     let max = FREE_CHUNKS.saturating_add(n_bytes.saturating_mul(64));
     if plain <= max {

@@ -38,7 +38,7 @@ impl Recording {
         recording.with_checked_colors()
     }
 
-    /// Fails if the images are larger than the files can stand for.
+    /// Fails if the images are larger than plausible for the files.
     fn check_pixels(&self, path: &Path) -> Result<(), RecordingError> {
         let sizes: Vec<Option<u64>> =
             self.frames.iter().map(RecordedFrame::file_size).collect::<Result<_, _>>()?;
@@ -47,7 +47,7 @@ impl Recording {
         limits::check_pixels(&self.intrinsics, self.frames.len(), n_bytes)
     }
 
-    /// Reads all images and leaves out those that show nothing.
+    /// Reads all images and leaves out useless ones.
     fn without_useless_frames(mut self) -> Result<Self, RecordingError> {
         let check = |frame: &RecordedFrame| Ok(uselessness(frame.load()?.image()));
         let mut checks: Vec<Option<String>> = Vec::new();
@@ -68,7 +68,7 @@ impl Recording {
         Ok(Self { frames: kept, ..self })
     }
 
-    /// Reads all colour images, and notes where some frames lack one.
+    /// Reads all colour images, and notes if some frames lack one.
     fn with_checked_colors(mut self) -> Result<Self, RecordingError> {
         for group in self.groups() {
             group.par_iter().try_for_each(|frame| frame.load_color().map(drop))?;

@@ -7,8 +7,8 @@ use std::fmt;
 
 /// Frames of one camera, in the order in which they were taken.
 ///
-/// Opening reads every image once and keeps none, so that all faults are reported at once: contradictory data
-/// is an error; entries that lack a counterpart or show nothing are [left out](Self::skipped).
+/// Opening reads every image once and keeps none, which reports all faults at once. Contradictory data is an
+/// error; entries that lack a counterpart or show nothing are [left out](Self::skipped).
 ///
 /// ```no_run
 /// use nextview_recording::{ReadOptions, Recording};
@@ -27,17 +27,17 @@ pub struct Recording {
     pub intrinsics: Intrinsics,
     /// At least one frame.
     pub frames: Vec<RecordedFrame>,
-    /// The entries that were left out, in the order of the files.
+    /// The entries left out, in file order.
     pub skipped: Vec<Skipped>,
     /// Other oddities that were tolerated.
     pub notes: Vec<String>,
 }
 
-/// Memory that loading the frames of a group may take, bytes.
+/// Maximum memory for loading the frames of a group, in bytes.
 const GROUP: usize = 1 << 26;
 
 impl Recording {
-    /// The frames in groups, in their order, that can be loaded at the same time without filling the memory.
+    /// The frames in order, in groups that fit into memory together.
     pub fn groups(&self) -> impl Iterator<Item = &[RecordedFrame]> {
         let mut rest = self.frames.as_slice();
         std::iter::from_fn(move || {
@@ -54,7 +54,7 @@ impl Recording {
     }
 }
 
-/// Something that was left out of a recording.
+/// An entry left out of a recording.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct Skipped {
     /// Name of the image or pose.
@@ -63,48 +63,47 @@ pub struct Skipped {
     pub why: String,
 }
 
-/// What a recorded pose is.
+/// Direction of recorded poses.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "kebab-case")]
 pub enum PoseDirection {
-    /// It takes points of the camera to the world: the camera's place. The default.
+    /// Takes points from camera to world: the camera's place. The default.
     #[default]
     WorldFromCamera,
-    /// It takes points of the world to the camera: the extrinsics of many calibrations.
+    /// Takes points from world to camera: the extrinsics of many calibrations.
     CameraFromWorld,
 }
 
-/// How to read a recording where it leaves a choice.
+/// Options for ambiguous recordings.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(default, deny_unknown_fields, remote = "Self")]
 pub struct ReadOptions {
-    /// For our own folder: prefix of the pose columns, such as `given` for `given_00` to `given_23`. By
-    /// default `world_from_camera`, or else the only such set of columns.
+    /// For our own folders: prefix of the pose columns, such as `given` for `given_00` to `given_23`.
+    /// Default: `world_from_camera`, or the only such set of columns.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub pose_columns: Option<String>,
-    /// Where the axes of the cameras point whose poses are recorded. Default `opencv`.
+    /// Axis convention of the cameras with recorded poses. Default `opencv`.
     pub camera_axes: CameraAxes,
-    /// What the recorded poses take to what. Default `world-from-camera`.
+    /// Direction of the recorded poses. Default `world-from-camera`.
     pub poses: PoseDirection,
-    /// For MCAP: the topic of the depth images, needed if there are several.
+    /// For MCAP: the topic of the depth images, required if there are several.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub depth_topic: Option<String>,
-    /// For MCAP: the topic of the camera's poses, needed if there are several.
+    /// For MCAP: the topic of the camera's poses, required if there are several.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub pose_topic: Option<String>,
-    /// For MCAP: the frame of the world, in which transforms say where the camera is. By default the root of
-    /// the tree of frames that the camera is in, where there is no topic of poses.
+    /// For MCAP: the world frame for transforms to the camera. Default: the root of the camera's tree of
+    /// frames, if there is no topic of poses.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub world_frame: Option<String>,
-    /// For MCAP: the topic of colour images that show, pixel by pixel, what the depth measures. By default
-    /// none: whether they do cannot be known.
+    /// For MCAP: the topic of colour images that match the depth pixel by pixel. By default none, because a
+    /// match cannot be verified.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub color_topic: Option<String>,
-    /// For TUM and MCAP: maximum time, seconds, between an image and its pose, and its colour where
-    /// that has a time.
-    /// Default 0.02.
+    /// For TUM and MCAP: maximum time in seconds between an image and its pose, and its colour if that has a
+    /// time. Default 0.02.
     pub pose_tolerance_s: f64,
 }
 
@@ -115,7 +114,7 @@ impl Serialize for ReadOptions {
 }
 
 impl<'de> Deserialize<'de> for ReadOptions {
-    /// Fails on a value out of range.
+    /// Fails if a value is out of range.
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
         let options = Self::deserialize(deserializer)?;
         options.check().map_err(serde::de::Error::custom)?;
@@ -139,7 +138,7 @@ impl Default for ReadOptions {
 }
 
 impl ReadOptions {
-    /// Where the camera stood whose pose was recorded so.
+    /// Converts a recorded pose to that of the camera.
     pub(crate) fn world_from_camera(&self, recorded: &Pose) -> Pose {
         self.camera_axes.to_opencv(&match self.poses {
             PoseDirection::WorldFromCamera => *recorded,
@@ -147,7 +146,7 @@ impl ReadOptions {
         })
     }
 
-    /// Fails on the first value out of range.
+    /// Fails on the first value that is out of range.
     pub fn check(&self) -> Result<(), RecordingError> {
         if let (Some(topic), Some(frame)) = (&self.pose_topic, &self.world_frame) {
             let problem =

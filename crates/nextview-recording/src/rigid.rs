@@ -1,4 +1,4 @@
-//! Poses as files state them: checked before use.
+//! Poses in files, validated before use.
 
 use crate::RecordingError;
 use crate::text;
@@ -6,20 +6,19 @@ use glam::{DMat3, DQuat, DVec3};
 use nextview::geometry::Pose;
 use std::path::Path;
 
-/// How far the product of a rotation with its transpose may be from the identity. Files carry few digits, and
-/// some calibrations leave a scale or shear in: the poses of a public capture that we test with are off by
-/// 0.007.
+/// Maximum deviation from the identity of a rotation times its transpose. Files carry few digits, and some
+/// calibrations leave a scale or shear: the poses of a public capture in our tests are off by 0.007.
 const TOLERANCE: f64 = 0.01;
 
-/// What is farther than this from the origin, metres, is probably given in millimetres.
+/// A position farther from the origin, in metres, is probably given in millimetres.
 pub const FARTHEST_POSITION: f64 = 100.0;
 
-/// Reads a rigid transform: 4 lines of 4 numbers, row by row, the last `0 0 0 1`; the translation in metres.
+/// Reads a rigid transform: 4 lines of 4 numbers, the last `0 0 0 1`; the translation is in metres.
 pub fn read_transform(path: &Path) -> Result<Pose, RecordingError> {
     text::read(path).and_then(|text| parse_transform(&text)).map_err(|error| error.in_file(path))
 }
 
-/// The same of the file's text.
+/// Parses the text of such a file.
 pub(crate) fn parse_transform(text: &str) -> Result<Pose, RecordingError> {
     let mut numbers: Vec<f64> = Vec::new();
     for line in text::lines(text) {
@@ -41,11 +40,11 @@ pub(crate) fn parse_transform(text: &str) -> Result<Pose, RecordingError> {
 /// A matrix made rigid.
 pub(crate) struct Rigid {
     pub pose: Pose,
-    /// How far the product of its rotation with its transpose was from the identity: largest entry.
+    /// Deviation from the identity of its rotation times its transpose: largest entry.
     pub error: f64,
 }
 
-/// A pose from the first three rows of its matrix, with the nearest rotation; or a description of the fault.
+/// Makes a pose from the first three rows of its matrix, with the nearest rotation; or describes the fault.
 pub(crate) fn from_rows(m: [f64; 12]) -> Result<Rigid, String> {
     let rotation = DMat3::from_cols_array(&[m[0], m[4], m[8], m[1], m[5], m[9], m[2], m[6], m[10]]);
     let translation = checked_position(DVec3::new(m[3], m[7], m[11]))?;
@@ -68,18 +67,18 @@ pub(crate) fn from_rows(m: [f64; 12]) -> Result<Rigid, String> {
     Ok(Rigid { pose: Pose::new(rotation, translation).map_err(|error| error.to_string())?, error })
 }
 
-/// The orthogonal factor of a matrix that is nearly a rotation, by Newton's iteration (Higham 1986), which
-/// doubles the correct digits each time.
+/// The orthogonal factor of a near-rotation, by Newton's iteration (Higham 1986), which doubles the number of
+/// correct digits in each step.
 fn nearest_rotation(matrix: DMat3) -> DMat3 {
     (0..5).fold(matrix, |m, _| (m + m.inverse().transpose()) * 0.5)
 }
 
-/// A pose from position and quaternion, or a description of the fault.
+/// Makes a pose from position and quaternion, or describes the fault.
 pub(crate) fn from_quaternion(translation: DVec3, rotation: DQuat) -> Result<Pose, String> {
     Pose::new(rotation, checked_position(translation)?).map_err(|error| error.to_string())
 }
 
-/// The position of a camera, metres; or a description of the fault if it is not finite or farther from the
+/// Checks the position of a camera in metres; describes the fault if it is not finite or farther from the
 /// origin than [`FARTHEST_POSITION`].
 pub fn checked_position(position: DVec3) -> Result<DVec3, String> {
     let length = position.length();

@@ -1,4 +1,4 @@
-//! Text files: lines with content, numbers in them, and errors that name the line.
+//! Text files: lines with content, their numbers, and errors that name the line.
 
 use crate::{RecordingError, limits};
 use std::fmt::Display;
@@ -10,11 +10,11 @@ use std::str::FromStr;
 pub(crate) struct Line<'a> {
     /// Counted from 1.
     pub number: usize,
-    /// Without white space at the ends.
+    /// The line without surrounding white space.
     pub text: &'a str,
 }
 
-/// Reads a file of UTF-8 text: one of bounded size, whose lines are bounded as well.
+/// Reads a file of UTF-8 text of bounded size and line length.
 pub(crate) fn read(path: &Path) -> Result<String, RecordingError> {
     let text = nextview::text::utf8(limits::read(path, limits::MAX_TEXT)?)?;
     limits::check_lines(&text)?;
@@ -34,22 +34,22 @@ impl<'a> Line<'a> {
         RecordingError::format(self.place(), problem)
     }
 
-    /// Where it is.
+    /// Its place in the file.
     pub fn place(&self) -> String {
         format!("line {}", self.number)
     }
 
-    /// The words between white space.
+    /// The words separated by white space.
     pub fn words(&self) -> Vec<&'a str> {
         self.text.split_whitespace().collect()
     }
 
-    /// The fields between commas.
+    /// The fields separated by commas.
     pub fn fields(&self) -> Vec<&'a str> {
         self.text.split(',').map(str::trim).collect()
     }
 
-    /// The value that a field of this name holds.
+    /// Parses the value of a field of this name.
     pub fn value<T: FromStr>(&self, name: impl Display, text: &str) -> Result<T, RecordingError> {
         let kind = if T::from_str("0.5").is_ok() { "a number" } else { "a whole number from 0 on" };
         text.parse().map_err(|_| self.error(format!("{name} is '{text}', expected {kind}")))

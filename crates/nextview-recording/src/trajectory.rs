@@ -1,20 +1,20 @@
-//! Poses and images with timestamps of their own, brought together.
+//! Matches poses and images that have separate timestamps.
 
 use crate::RecordingError;
 use nextview::geometry::Pose;
 
-/// Something that was recorded at a time.
+/// An entry recorded at a time.
 #[derive(Clone, Debug)]
 pub(crate) struct Stamped<T> {
     /// Seconds.
     pub time: f64,
-    /// Where in the file, for people.
+    /// A readable place in the file.
     pub place: String,
     pub value: T,
 }
 
 impl<T> Stamped<T> {
-    /// Sorted by time. Fails where a time is not finite or comes twice.
+    /// Sorts by time. Fails if a time is not finite or occurs twice.
     pub fn sorted(mut entries: Vec<Self>) -> Result<Vec<Self>, RecordingError> {
         if let Some(bad) = entries.iter().find(|entry| !entry.time.is_finite()) {
             let problem = format!("the timestamp is {}, expected a number of seconds", bad.time);
@@ -31,7 +31,7 @@ impl<T> Stamped<T> {
     }
 }
 
-/// Of entries that are sorted by time, the nearest, the earlier of two.
+/// The nearest entry in a list sorted by time, the earlier of two.
 pub(crate) fn nearest<T>(entries: &[Stamped<T>], time: f64) -> Option<&Stamped<T>> {
     let later = entries.partition_point(|entry| entry.time < time);
     let around = [later.checked_sub(1), Some(later)].into_iter().flatten().filter_map(|i| entries.get(i));
@@ -39,14 +39,14 @@ pub(crate) fn nearest<T>(entries: &[Stamped<T>], time: f64) -> Option<&Stamped<T
     around.min_by(|a, b| distance(a).total_cmp(&distance(b)))
 }
 
-/// Where the camera was over time.
+/// The poses of the camera over time.
 pub(crate) struct Trajectory {
     poses: Vec<Stamped<Pose>>,
     tolerance: f64,
 }
 
 impl Trajectory {
-    /// From poses that are sorted by time; the tolerance is in seconds.
+    /// Builds a trajectory from poses sorted by time; the tolerance is in seconds.
     pub fn new(poses: Vec<Stamped<Pose>>, tolerance: f64) -> Self {
         Self { poses, tolerance }
     }

@@ -1,4 +1,4 @@
-//! The TUM RGB-D benchmark's form (Sturm et al. 2012): lists of images and of poses, each with its own
+//! The format of the TUM RGB-D benchmark (Sturm et al. 2012): lists of images and of poses with separate
 //! timestamps.
 
 use crate::frame::{ColorSource, DepthSource};
@@ -11,7 +11,7 @@ use glam::{DQuat, DVec3};
 use nextview::geometry::Pose;
 use std::path::Path;
 
-/// Metres per unit of depth if intrinsics.txt does not state them: the benchmark's factor of 5000.
+/// Default metres per unit of depth, if intrinsics.txt does not state it: the benchmark's factor of 5000.
 const DEPTH_UNIT: f64 = 1.0 / 5000.0;
 
 pub(crate) fn read(folder: &Path, options: &ReadOptions) -> Result<Recording, RecordingError> {
@@ -59,7 +59,7 @@ fn list<T>(
     text::read(path).and_then(|text| entries(&text, parse)).map_err(|error| error.in_file(path))
 }
 
-/// The same of a list's text.
+/// Parses the text of a list.
 pub(crate) fn entries<T>(
     text: &str,
     parse: impl Fn(&Line<'_>, &[&str]) -> Result<T, RecordingError>,

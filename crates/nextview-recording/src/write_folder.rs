@@ -1,4 +1,4 @@
-//! Frames in our own form of a folder, which [`Recording::open`](crate::Recording::open) reads.
+//! Writes frames as a folder in our own format, for [`Recording::open`](crate::Recording::open).
 
 use crate::{encode_color, encode_depth, encode_mask};
 use nextview::geometry::Pose;
@@ -8,21 +8,21 @@ use std::fmt::Write;
 /// A frame and its number in the folder.
 #[derive(Clone, Copy, Debug)]
 pub struct NumberedFrame<'a> {
-    /// Names its images.
+    /// Number used in the names of its images.
     pub number: usize,
-    /// The frame, in the pose that is written.
+    /// The frame, with the pose to write.
     pub frame: &'a Frame,
 }
 
-/// Metres per unit of the images, where all depths fit: finer than any camera measures.
+/// Metres per unit of the images if all depths fit: finer than the resolution of any camera.
 const FINE_UNIT: f64 = 0.0001;
 
-/// Writes the frames of one camera: `intrinsics.txt`, `poses.csv`, `depth/`, and `color/` for those that have
-/// colours. `mask/` marks the pixels from which nothing came back up to the camera's range, if there are any.
-/// Depths are rounded to a tenth of a millimetre, or to what 65535 units need beyond 6.5 m.
+/// Writes the frames of one camera: `intrinsics.txt`, `poses.csv`, `depth/`, and `color/` for frames with
+/// colours. `mask/` marks the pixels without return up to the camera's range, if there are any. Depths are
+/// rounded to a tenth of a millimetre, or, beyond 6.5 m, to a unit that fits 65535 units.
 ///
-/// `color` is asked for the image of each frame by its index; every file goes to `write`, its name relative
-/// to the folder and with `/`. Nothing is written without frames. Fails only if one of the two does.
+/// `color` is called for the image of each frame by index. `write` receives every file, with a name relative
+/// to the folder and separated by `/`. Nothing is written without frames. Fails only if one of the two does.
 pub fn write_folder<E>(
     frames: &[NumberedFrame<'_>],
     mut color: impl FnMut(usize) -> Result<Option<ColorImage>, E>,
@@ -55,7 +55,7 @@ fn depths(image: &DepthImage) -> impl Iterator<Item = f64> + '_ {
     })
 }
 
-/// The content of `intrinsics.txt`, for images in units of so many metres.
+/// The content of `intrinsics.txt`, for images in units of this many metres.
 pub fn intrinsics_text(intrinsics: &Intrinsics, depth_unit: f64) -> String {
     let (focal, center) = (intrinsics.focal(), intrinsics.center());
     let mut text = format!(
@@ -89,7 +89,7 @@ fn poses_text(frames: &[NumberedFrame<'_>]) -> String {
     text
 }
 
-/// The first three rows of the matrix, row by row.
+/// The first three rows of the matrix, by rows.
 fn rows(pose: &Pose) -> [f64; 12] {
     let (r, t) = (pose.rotation_matrix(), pose.translation());
     std::array::from_fn(|i| if i % 4 == 3 { t[i / 4] } else { r.col(i % 4)[i / 4] })

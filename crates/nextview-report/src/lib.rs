@@ -1,9 +1,9 @@
 //! Pages and plots of scans and campaigns, from their records alone.
 //!
-//! Everything here is a function from records to text: nothing is printed and no file is opened. Start with
-//! [`scan_page`] for one scan, finished or under way, [`summary`] for its quantities as rows of text, and
-//! `campaign_report` for a campaign (feature `campaign`).
-//! Pages are single HTML files that need no network. Equal records give equal bytes.
+//! Everything here is a function from records to text: it prints nothing and opens no file. Start with
+//! [`scan_page`] for one scan, finished or in progress, [`summary`] for its quantities as rows of text, and
+//! `campaign_report` for a campaign (feature `campaign`). Pages are single HTML files that need no network.
+//! Equal records give equal bytes.
 
 #[cfg(feature = "campaign")]
 mod campaign;

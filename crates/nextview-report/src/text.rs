@@ -1,4 +1,4 @@
-//! Parts of all pages: the style, escaping, templates, numbers with units.
+//! Common parts of all pages: the style, escaping, templates, numbers with units.
 
 /// The style of all pages.
 pub(crate) const STYLE: &str = include_str!("style.css");
@@ -6,7 +6,7 @@ pub(crate) const STYLE: &str = include_str!("style.css");
 /// Separates digits and units without a line break.
 const NARROW_SPACE: char = '\u{202f}';
 
-/// Text that is safe inside an element and inside a quoted attribute.
+/// Escapes text for use inside an element or a quoted attribute.
 pub fn escape(text: &str) -> String {
     let mut out = String::with_capacity(text.len());
     for c in text.chars() {
@@ -22,7 +22,7 @@ pub fn escape(text: &str) -> String {
     out
 }
 
-/// Puts values in the place of `{{name}}`. One pass, so that a value that contains `{{...}}` stays as it is.
+/// Replaces `{{name}}` with values in one pass: a value that contains `{{...}}` stays unchanged.
 pub fn fill(template: &str, values: &[(&str, String)]) -> String {
     let mut parts = template.split("{{");
     let mut out = parts.next().unwrap_or_default().to_owned();
@@ -35,17 +35,17 @@ pub fn fill(template: &str, values: &[(&str, String)]) -> String {
     out
 }
 
-/// A share in 0..=1 as "97.1 %"; a dash if it is not a number.
+/// Formats a share in 0..=1 as "97.1 %"; a dash if it is not a number.
 pub fn percent(share: f64) -> String {
     with_unit(100.0 * share, 1, "%")
 }
 
-/// A length in metres.
+/// Formats a length in metres.
 pub fn metres(length: f64) -> String {
     with_unit(length, 2, "m")
 }
 
-/// A time in seconds, shown in milliseconds below one second.
+/// Formats a time in seconds, in milliseconds below one second.
 pub fn seconds(time: f64) -> String {
     match time {
         t if t < 0.01 => with_unit(1e3 * t, 1, "ms"),
@@ -54,7 +54,7 @@ pub fn seconds(time: f64) -> String {
     }
 }
 
-/// A whole number in groups of three digits.
+/// Formats a whole number in groups of three digits.
 pub fn count(n: usize) -> String {
     let digits = n.to_string();
     let mut out = String::new();
@@ -67,7 +67,7 @@ pub fn count(n: usize) -> String {
     out
 }
 
-/// A number with so many decimals; a dash where it is too large for one, or is none.
+/// A number with this number of decimals; a dash if it is too large or NaN.
 pub(crate) fn fixed(value: f64, decimals: usize) -> String {
     // Plus zero turns the negative zero of an empty sum into zero.
     if value.is_finite() { format!("{:.decimals$}", value + 0.0) } else { "–".to_owned() }

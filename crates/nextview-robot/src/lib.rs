@@ -1,7 +1,7 @@
-//! Arms that hold a depth camera, or the object before one: kinematics, collisions, joint trajectories.
+//! Robot arms that hold a depth camera or its object: kinematics, collisions, joint trajectories.
 //!
-//! Start with [`Arm`], or with [`RobotCell`] for one in its surroundings. Joint values are in radians, or in
-//! metres where a joint slides. Nothing here plans views or maps.
+//! Start with [`Arm`], or with [`RobotCell`] for an arm in its surroundings. Joint values are in radians, or
+//! in metres for sliding joints. Nothing here plans views or maps.
 
 pub mod arm;
 pub mod cell;

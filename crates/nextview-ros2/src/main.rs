@@ -1,5 +1,6 @@
-//! The program `nextview-ros2`: a node of ROS 2 that scans with any depth camera. Images and transforms come
-//! in; next views, maps and clouds go out. It decides nothing: that is [`nextview_scan::LiveScan`]'s.
+//! The program `nextview-ros2`: a ROS 2 node that scans with any depth camera. It subscribes to images and
+//! transforms, and publishes next views, maps and clouds. All decisions are made by
+//! [`nextview_scan::LiveScan`].
 //!
 //! `docs/ros2.md` describes its topics, services and parameters.
 

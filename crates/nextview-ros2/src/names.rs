@@ -1,13 +1,13 @@
-//! Names of topics and services, as ROS 2 expands and remaps them.
+//! Names of topics and services, expanded and remapped as in ROS 2.
 
-/// The node's own name, and what other names are to be instead.
+/// The node's own name, and the remaps of other names.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Names {
     /// Without slashes.
     pub node: String,
-    /// Begins with a slash, and ends with none unless it is one.
+    /// Begins with a slash, and does not end with one unless it is one.
     pub namespace: String,
-    /// From name to name, as they were given.
+    /// From name to name, as given.
     pub remaps: Vec<(String, String)>,
 }
 
@@ -18,8 +18,8 @@ impl Default for Names {
 }
 
 impl Names {
-    /// The name, with its namespace, of a topic or service that the node knows as this: the first remap that
-    /// fits decides.
+    /// Returns the full name of a topic or service that the node knows by this name: the first matching remap
+    /// applies.
     pub fn resolve(&self, name: &str) -> String {
         let full = self.expand(name);
         let remap = self.remaps.iter().find(|(from, _)| self.expand(from) == full);
@@ -31,7 +31,7 @@ impl Names {
         self.expand(&self.node)
     }
 
-    /// `~/x` is below the node, `x` in its namespace, and `/x` what it is.
+    /// `~/x` is relative to the node, `x` to its namespace, and `/x` is absolute.
     fn expand(&self, name: &str) -> String {
         let namespace = self.namespace.trim_end_matches('/');
         match name.strip_prefix("~/") {
@@ -42,13 +42,13 @@ impl Names {
     }
 }
 
-/// Whether this may be the name of a topic: parts of letters, digits and `_`, none beginning with a digit.
+/// Whether this is a valid topic name: parts of letters, digits and `_`, none beginning with a digit.
 pub fn is_name(name: &str) -> bool {
     let plain = name.strip_prefix("~/").or_else(|| name.strip_prefix('/')).unwrap_or(name);
     plain.split('/').all(is_part)
 }
 
-/// Whether this may be a part of a name between slashes.
+/// Whether this is a valid part of a name between slashes.
 pub fn is_part(part: &str) -> bool {
     let is_letter = |c: char| c.is_ascii_alphanumeric() || c == '_';
     part.chars().all(is_letter) && part.starts_with(|c: char| c.is_ascii_alphabetic() || c == '_')

@@ -1,4 +1,4 @@
-//! The loop of the node: messages in, orders to the scan, messages out.
+//! The main loop of the node: messages in, orders to the scan, messages out.
 
 use crate::camera::Camera;
 use crate::connections::{Connector, Inputs, Message, Output, Outputs, Service, Services, join};
@@ -15,16 +15,16 @@ use std::sync::mpsc::Sender;
 use std::time::{Duration, Instant};
 use tokio::sync::mpsc::unbounded_channel;
 
-/// How often is looked whether an image has its pose, and whether the camera rests.
+/// Interval between checks for an image's pose, and for a camera at rest.
 const TICK: Duration = Duration::from_millis(20);
 
-/// How often the status is published, if it does not change.
+/// Maximum interval between status messages.
 const STATUS: Duration = Duration::from_secs(1);
 
-/// Most orders that wait: a request more is refused.
+/// Maximum number of waiting orders: further requests are refused.
 const MAX_ORDERS: usize = 8;
 
-/// The request that waits for an answer.
+/// A request waiting for an answer.
 type Ticket = (Service, RmwRequestId);
 
 /// Runs the node until it is stopped by a signal.
@@ -93,7 +93,7 @@ async fn spin(names: &Names, parameters: Parameters) -> Result<(), String> {
     }
 }
 
-/// Ends on a signal to terminate.
+/// Returns on a signal to terminate.
 async fn stopped() {
     let terminated = async {
         #[cfg(unix)]
@@ -116,16 +116,16 @@ struct Node {
     parameters: Parameters,
     notes: Notes,
     state: State,
-    /// The camera that the scan was last told of.
+    /// The camera with which the scan was begun.
     begun_with: Option<Intrinsics>,
-    /// Orders that are not done yet.
+    /// Number of unfinished orders.
     n_orders: usize,
-    /// The request for the image that is being taken.
+    /// The requests for the image being taken.
     askers: Vec<Ticket>,
 }
 
 impl Node {
-    /// Does what a service is for; answers at once what needs no time.
+    /// Handles a service request; answers immediately if that takes no time.
     fn ask(&mut self, (service, id): Ticket) -> Option<(Ticket, TriggerResponse)> {
         let ticket = (service, id);
         let refused =
@@ -155,7 +155,7 @@ impl Node {
 
     fn order(&mut self, job: Job, askers: Vec<Ticket>) {
         self.n_orders += 1;
-        // If the thread has ended, so do the reports, and with them the node.
+        // If the thread has ended, the reports end, and with them the node.
         let _ = self.orders.send(Order { job, askers });
     }
 
@@ -169,7 +169,7 @@ impl Node {
         }
     }
 
-    /// Periodic work.
+    /// Performs periodic work.
     fn tick(&mut self) -> Vec<(Ticket, TriggerResponse)> {
         let Parameters { auto_capture, capture_distance, capture_angle, capture_timeout, .. } =
             self.parameters;
@@ -197,7 +197,7 @@ impl Node {
         }
     }
 
-    /// An order is done: a failure that no request caused is a problem.
+    /// Handles a finished order: a failure without a request becomes a problem.
     fn done(
         &mut self,
         askers: Vec<Ticket>,

@@ -1,9 +1,9 @@
-//! Current problems: printed once to stderr, and listed in the status as long as they last.
+//! Current problems: printed once to stderr, and listed in the status while they last.
 
 use std::collections::BTreeMap;
 use std::time::{Duration, Instant};
 
-/// Problems by what they are about.
+/// Problems by subject.
 #[derive(Default)]
 pub struct Notes(BTreeMap<&'static str, Note>);
 
@@ -12,12 +12,11 @@ struct Note {
     said: Instant,
 }
 
-/// A problem about the same thing is said again after this time at the earliest: images come 30 times a
-/// second.
+/// Minimum interval between reports of problems with the same subject: images arrive 30 times a second.
 const SILENCE: Duration = Duration::from_secs(10);
 
 impl Notes {
-    /// Something is wrong with this.
+    /// Reports a problem with this subject.
     pub fn add(&mut self, about: &'static str, problem: String) {
         let now = Instant::now();
         match self.0.get_mut(about) {
@@ -38,7 +37,7 @@ impl Notes {
         }
     }
 
-    /// Nothing is wrong with this, or not any more.
+    /// Clears the problem with this subject, if any.
     pub fn clear(&mut self, about: &str) {
         if let Some(note) = self.0.get_mut(about) {
             note.problem = None;
@@ -51,7 +50,7 @@ impl Notes {
     }
 }
 
-/// A line on stderr.
+/// Prints a line to stderr.
 pub fn say(about: &str, text: &str) {
     eprintln!("{about}: {text}");
 }

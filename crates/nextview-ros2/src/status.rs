@@ -9,11 +9,11 @@ use std::collections::BTreeMap;
 struct Status<'a> {
     #[serde(flatten)]
     scan: &'a State,
-    /// Orders that are being done or wait: while there are some, the next view is not yet known.
+    /// Number of active and waiting orders: while there are any, the next view is not yet known.
     busy: usize,
-    /// Whether an image is waited for.
+    /// Whether an image is awaited.
     capturing: bool,
-    /// Number of images that came since the node started.
+    /// Number of images received since the node started.
     images: u64,
     /// The current problems, by subject.
     problems: BTreeMap<&'static str, &'a str>,
@@ -28,6 +28,6 @@ pub fn message(
     problems: BTreeMap<&'static str, &str>,
 ) -> Text {
     let status = Status { scan, busy, capturing, images, problems };
-    // Only maps of other keys than texts could fail.
+    // Only maps with non-text keys could fail.
     Text { data: serde_json::to_string(&status).unwrap_or_default() }
 }

@@ -5,35 +5,35 @@ use serde::Serialize;
 /// A [batch of views](nextview::planner::Batch), as `nextview plan --batch` prints it.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct BatchRecord {
-    /// In the order of the tour.
+    /// The views in the order of the tour.
     pub views: Vec<BatchViewRecord>,
-    /// The part of all that is worth seeing that the views show together, 0..=1.
+    /// Share, 0..=1, of everything worth seeing that the views show together.
     pub share: f64,
-    /// No choice of as many views shows more than this part.
+    /// Upper bound on the share that any choice of this number of views shows.
     pub share_bound: f64,
-    /// The first as a part of the second: what is sure of that of the best choice.
+    /// `share` relative to that of the best choice: a guaranteed lower bound.
     pub share_of_best: f64,
-    /// Length of the tour, metres.
+    /// Length of the tour in metres.
     pub path_length_m: f64,
 }
 
 /// A view of a batch.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct BatchViewRecord {
-    /// Its number.
+    /// Number of the view.
     pub view: usize,
-    /// Position of the camera in the world, metres.
+    /// Position of the camera in the world in metres.
     pub position_m: [f64; 3],
     /// Rotation `world_from_camera`: x, y, z, w.
     pub quaternion_xyzw: [f64; 4],
-    /// What it shows that those before it do not, nats.
+    /// Gain of the view beyond the views before it, in nats.
     pub gain_nats: f64,
-    /// The same as a part of all that is worth seeing, 0..=1.
+    /// The gain as a share, 0..=1, of everything worth seeing.
     pub share: f64,
 }
 
 impl BatchRecord {
-    /// Of a batch of these views.
+    /// The record of a batch of these views.
     pub fn new(plan: &BatchPlan, views: &ViewSpace) -> Self {
         let record = |&BatchView { view, gain, share }: &BatchView| {
             let pose = views.pose(view);

@@ -14,13 +14,13 @@ const RESTORE: &str = "put the files of that scan back, or scan the object again
 
 /// A finished scan of an object that has been turned since.
 pub(crate) struct EarlierScan {
-    /// The object as that scan showed it.
+    /// The object as shown by that scan.
     pub shown: ShownObject,
     frames: Vec<RecordedFrame>,
 }
 
 impl EarlierScan {
-    /// Reads the results in a folder; fails if they are not those of one placement on a table.
+    /// Reads the results in a folder. Fails if they are not those of one placement on a table.
     pub fn open(dir: &Path, cancel: &Cancel) -> Result<Self, Fault> {
         check_there(dir)?;
         let record = ScanRecord::read(dir)?;
@@ -33,7 +33,7 @@ impl EarlierScan {
         }
         let Recording { frames, skipped, .. } =
             Recording::open(&dir.join(FRAMES_FOLDER), &ReadOptions::default())?;
-        // All that a scan leaves fits together; what was changed since would give another object.
+        // A scan's own results are consistent; files changed since would give another object.
         if let Some(skipped) = skipped.first() {
             let fault =
                 Fault::data(format!("a frame cannot be read: {skipped}")).in_file(&dir.join(FRAMES_FOLDER));
@@ -60,17 +60,17 @@ impl EarlierScan {
         Ok(Self { shown, frames })
     }
 
-    /// The colours of a frame, by its index.
+    /// The colours of a frame, by index.
     pub fn color(&self, i: usize) -> Result<Option<ColorImage>, Fault> {
         Ok(self.frames[i].load_color()?)
     }
 }
 
 impl ScanConfig {
-    /// The configuration as it is kept in a file of this folder, which [`found_from`](Self::found_from) reads
-    /// again, with the [mode of registration](RegistrationConfig::enabled) stated. The results of the earlier
-    /// scan are named from there where both folders are in one folder, so that it can be moved as a whole;
-    /// else from the root, so that it does not matter where a program runs.
+    /// The configuration as stored in a file of this folder, for [`found_from`](Self::found_from) to read,
+    /// with an explicit [mode of registration](RegistrationConfig::enabled). The path of the earlier results
+    /// is relative to this folder if both folders share a parent, which can then be moved as a whole.
+    /// Otherwise it is absolute, and does not depend on the working directory.
     pub fn kept_in(&self, dir: &Path) -> Self {
         let after = self.after.as_deref().map(|after| named_from(dir, after));
         let registration =
@@ -78,8 +78,8 @@ impl ScanConfig {
         Self { after, registration, ..self.clone() }
     }
 
-    /// The configuration of a file in this folder: what begins with `..` is looked for from there, and all
-    /// else, or what is not there, from where the program runs.
+    /// Resolves the configuration of a file in this folder. Paths that begin with `..` are relative to the
+    /// folder; all others, and those that do not exist there, to the working directory.
     pub fn found_from(mut self, dir: &Path) -> Self {
         let beside = self.after.as_ref().and_then(|after| {
             let rest = after.strip_prefix("..").ok()?;
@@ -90,7 +90,7 @@ impl ScanConfig {
         self
     }
 
-    /// Fails if the results of the earlier scan, which this one goes on after, are not where they were.
+    /// Fails if the results of the earlier scan, which this one continues, are not where they were.
     pub fn check_earlier(&self) -> Result<(), Fault> {
         self.after.as_deref().map_or(Ok(()), check_there)
     }
@@ -143,11 +143,11 @@ mod tests {
         let found = kept.clone().found_from(&moved.join("turned"));
         assert_eq!(found.after, Some(moved.join("mug")));
         found.check_earlier().unwrap();
-        // Of a folder elsewhere, the whole path.
+        // For a folder elsewhere, the whole path.
         let elsewhere = after(moved.join("mug")).kept_in(&folder.join("other/turned"));
         assert_eq!(elsewhere.after, Some(moved.join("mug").canonicalize().unwrap()));
         assert_eq!(elsewhere.clone().found_from(&folder), elsewhere);
-        // As it was kept before: from where the program runs.
+        // Without `..`, relative to the working directory.
         assert_eq!(after("scans/mug").found_from(&moved.join("turned")), after("scans/mug"));
         fs::remove_dir_all(&folder).unwrap();
         let fault = found.check_earlier().unwrap_err().to_string();

@@ -1,4 +1,4 @@
-//! Faults as data: a front end words them for its users.
+//! Faults as data; front ends word them for their users.
 
 use nextview_recording::RecordingError;
 use serde::Serialize;
@@ -7,37 +7,37 @@ use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-/// Something that is wrong, with the value and with what would be right.
+/// A fault with the value at fault and the expected value.
 ///
-/// Keys of the configuration are in backticks in `message` and `remedy`, so that a front end can put its own
-/// names in their place: a program its flags, a server the keys of its requests.
+/// Keys of the configuration are in backticks in `message` and `remedy`: front ends replace them by their own
+/// names, such as a program's flags or the keys of a server's requests.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct Fault {
     /// Who can correct it.
     pub kind: FaultKind,
-    /// Where it is, where a file is behind it.
+    /// Its place, if in a file.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub place: Option<Place>,
-    /// Dotted key of the configuration, such as `max_flow.gamma`; none where it is not about one value.
+    /// Dotted key of the configuration, such as `max_flow.gamma`; `None` if it is not about one value.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub key: Option<String>,
-    /// The value that was given, as text.
+    /// The given value, as text.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub value: Option<String>,
-    /// The range or the kind of value that would be right.
+    /// The expected range or kind of value.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub expected: Option<String>,
-    /// The whole fault as a sentence without its place, value and expectation included.
+    /// The whole fault as a sentence, including value and expectation but not its place.
     pub message: String,
     /// The remedy.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub remedy: Option<String>,
-    /// The error behind it, where a planner from outside the library failed.
+    /// The underlying error, if an external planner failed.
     #[serde(skip)]
     pub cause: Option<Cause>,
 }
 
-/// The error behind a fault. Two are equal if they are the same one.
+/// The error behind a fault. Two are equal if they are the same instance.
 #[derive(Clone, Debug)]
 pub struct Cause(pub Arc<dyn std::error::Error + Send + Sync>);
 
@@ -53,11 +53,11 @@ impl Eq for Cause {}
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum FaultKind {
-    /// Whoever asked: a value or a combination of values cannot be.
+    /// The caller: a value or a combination of values is invalid.
     Request,
     /// A file or the system is at fault.
     Data,
-    /// Nobody: a computation was cancelled, and can be asked for again.
+    /// Nobody: a computation was cancelled, and can be repeated.
     Cancelled,
 }
 
@@ -66,13 +66,13 @@ pub enum FaultKind {
 pub struct Place {
     /// The file or folder.
     pub file: PathBuf,
-    /// Line and column, counted from 1; none where the whole file is meant.
+    /// Line and column, counted from 1; `None` for the whole file.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub position: Option<(usize, usize)>,
 }
 
 impl Fault {
-    /// Something was asked for that cannot be.
+    /// An invalid request.
     pub fn request(message: impl fmt::Display) -> Self {
         Self::new(FaultKind::Request, message)
     }
@@ -94,26 +94,26 @@ impl Fault {
         Self { kind, place: None, key: None, value: None, expected: None, message, remedy: None, cause: None }
     }
 
-    /// The same with a remedy.
+    /// Sets the remedy.
     pub fn with_remedy(mut self, remedy: impl fmt::Display) -> Self {
         self.remedy = Some(remedy.to_string());
         self
     }
 
-    /// The same with the error behind it.
+    /// Sets the underlying error.
     pub fn with_cause(mut self, cause: impl Into<Box<dyn std::error::Error + Send + Sync>>) -> Self {
         self.cause = Some(Cause(cause.into().into()));
         self
     }
 
-    /// The same in this file, which makes it a fault of data. An inner place stays.
+    /// Sets the file, which makes it a fault of data. An inner place stays.
     pub fn in_file(mut self, file: &Path) -> Self {
         self.place.get_or_insert_with(|| Place { file: file.to_owned(), position: None });
         self.kind = FaultKind::Data;
         self
     }
 
-    /// The same while this file or folder was written. A remedy stays.
+    /// Marks the fault as one of writing this file or folder. A remedy stays.
     pub fn while_writing(mut self, file: &Path) -> Self {
         self.message = format!("cannot be written: {}", self.message);
         let fault = self.in_file(file);
@@ -125,7 +125,7 @@ impl Fault {
         }
     }
 
-    /// A library's fault, under the key that its value has in a section of the configuration.
+    /// A fault of the library, with its key prefixed by a section of the configuration.
     pub(crate) fn of_part(section: &str, error: nextview::Error) -> Self {
         match error {
             nextview::Error::InvalidParameter { name, value, expected } => {
@@ -135,7 +135,7 @@ impl Fault {
         }
     }
 
-    /// The same in a named part of a file.
+    /// Places the fault in a named part of a file.
     pub fn within(mut self, part: impl fmt::Display) -> Self {
         self.message = format!("{part}: {}", self.message);
         self
@@ -150,7 +150,7 @@ impl fmt::Display for Place {
 }
 
 impl fmt::Display for Fault {
-    /// Place and message; the remedy is left to front ends.
+    /// Writes place and message; front ends write the remedy.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match &self.place {
             Some(place) => write!(f, "{place}: {}", self.message),
@@ -204,7 +204,7 @@ impl From<RecordingError> for Fault {
     fn from(error: RecordingError) -> Self {
         match error {
             RecordingError::InFile { path, error } => Self::from(*error).within(path.display()),
-            // The options of that library are keys of `recording.read` here.
+            // That library's options are keys of `recording.read` here.
             RecordingError::Option { key, problem } => {
                 let key = format!("recording.read.{key}");
                 Self { key: Some(key.clone()), ..Self::data(format!("{problem} as `{key}`")) }
@@ -214,7 +214,7 @@ impl From<RecordingError> for Fault {
     }
 }
 
-/// The number of the error EMFILE on Unix.
+/// The error number EMFILE on Unix.
 #[cfg(unix)]
 const TOO_MANY_FILES: i32 = 24;
 
@@ -233,28 +233,28 @@ impl From<std::io::Error> for Fault {
     }
 }
 
-/// All that is wrong: at least one fault.
+/// All faults found: at least one.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 #[serde(transparent)]
 pub struct Faults(Vec<Fault>);
 
 impl Faults {
-    /// These faults; none if there are none.
+    /// Wraps these faults; `None` if there are none.
     pub fn of(faults: Vec<Fault>) -> Option<Self> {
         (!faults.is_empty()).then_some(Self(faults))
     }
 
-    /// One after the other, at least one.
+    /// Iterates over the faults, at least one.
     pub fn iter(&self) -> std::slice::Iter<'_, Fault> {
         self.0.iter()
     }
 
-    /// Each with this done to it.
+    /// Applies a change to each fault.
     pub fn map(self, change: impl FnMut(Fault) -> Fault) -> Self {
         Self(self.0.into_iter().map(change).collect())
     }
 
-    /// The same in this file.
+    /// Sets the file of each fault.
     pub fn in_file(self, file: &Path) -> Self {
         self.map(|fault| fault.in_file(file))
     }
@@ -267,7 +267,7 @@ impl From<Fault> for Faults {
 }
 
 impl fmt::Display for Faults {
-    /// A line each.
+    /// Writes one fault per line.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         for (i, fault) in self.0.iter().enumerate() {
             write!(f, "{}{fault}", if i > 0 { "\n" } else { "" })?;

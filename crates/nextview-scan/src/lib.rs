@@ -1,10 +1,10 @@
-//! One scan as a library: configuration, where frames come from, the run, its journal, the final model and
+//! A single scan as a library: configuration, sources of frames, the run, its journal, the final model and
 //! the record.
 //!
-//! It prints nothing, ends no process and names no option of a program: front ends do. What is wrong comes
-//! back as [`Fault`]s. Start with [`ScanRun`], which is pushed and never blocks: the owner of the camera asks
-//! [`next`](ScanRun::next), takes the picture and [`push`](ScanRun::push)es it. [`LiveScan`] is such a run
-//! from a configuration to the results.
+//! It prints nothing, exits no process and names no program options: front ends do. Errors are returned as
+//! [`Fault`]s. Start with [`ScanRun`], which is pushed and never blocks: the owner of the camera calls
+//! [`next`](ScanRun::next), takes the picture and [`push`](ScanRun::push)es it. [`LiveScan`] covers such a
+//! run from the configuration to the results.
 //!
 //! ```text
 //! source ──frame──▶ ScanRun::push ──▶ journal ──▶ Session::observe ──▶ Evaluator ──▶ StepRecord ──▶ listeners
@@ -61,7 +61,7 @@ pub use saved_map::SavedMap;
 pub use saved_model::SavedModel;
 pub use source::*;
 
-/// An object's name without `builtin:`, folders and extension.
+/// The name of an object without `builtin:`, folders and extension.
 pub fn short_name(object: &str) -> String {
     let name = object.strip_prefix("builtin:").unwrap_or(object);
     std::path::Path::new(name).file_stem().unwrap_or_default().to_string_lossy().into_owned()

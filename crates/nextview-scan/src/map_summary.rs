@@ -10,11 +10,11 @@ use serde::Serialize;
 use std::f64::consts::LN_2;
 use std::path::Path;
 
-/// The content of a map, counted with the bounds of the paper's authors: a voxel is occupied above P = 0.65,
-/// free below 0.45, and unknown in between or where nothing was measured.
+/// The content of a map by the thresholds of the paper's authors: a voxel is occupied above P = 0.65, free
+/// below 0.45, and unknown in between or where nothing was measured.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct MapSummary {
-    /// Kind of the octree, as OctoMap names it.
+    /// Kind of the octree in OctoMap's terms.
     pub kind: &'static str,
     /// Edge of the smallest voxels.
     pub voxel_size_m: f64,
@@ -28,23 +28,23 @@ pub struct MapSummary {
     pub occupied_voxels: u64,
     /// Voxels below P = 0.45.
     pub free_voxels: u64,
-    /// In a box: all its other voxels. Without: measured voxels that are neither occupied nor free.
+    /// With a box: all its other voxels. Without: measured voxels that are neither occupied nor free.
     pub unknown_voxels: u64,
-    /// Corners of the box around all counted leaves; none if there are none.
+    /// Corners of the bounding box of all counted leaves; `None` if there are none.
     pub bounds_m: Option<[[f64; 3]; 2]>,
-    /// Sum over the counted voxels; a voxel never measured has ln 2.
+    /// Sum over the counted voxels; an unmeasured voxel has ln 2.
     pub entropy_nats: f64,
 }
 
-/// Bounds on P(occupied) of the paper's authors.
+/// Thresholds on P(occupied) of the paper's authors.
 const OCCUPIED_ABOVE: f64 = 0.65;
 const FREE_BELOW: f64 = 0.45;
 
-/// Voxels from the origin to the end of an OctoMap, whose keys have 16 bits.
+/// Voxels from the origin to the end of an OctoMap, which has 16-bit keys.
 const OCTOMAP_REACH: f64 = 32768.0;
 
 impl MapSummary {
-    /// Counts the whole map, or only voxels whose centre lies in this cube.
+    /// Counts the whole map, or only voxels with their centre in this cube.
     pub fn new(octree: &Octree, cube: Option<&Aabb>) -> Result<Self, Fault> {
         let lattice = Lattice::new(octree.voxel_size())?;
         let cube = cube.map(|cube| keys_inside(octree, &lattice, cube)).transpose()?;
@@ -96,7 +96,7 @@ impl MapSummary {
     }
 }
 
-/// The lowest and the highest voxel in a cube, which must lie in the space of the map.
+/// The lowest and the highest voxel in a cube, which must lie within the map's extent.
 fn keys_inside(octree: &Octree, lattice: &Lattice, cube: &Aabb) -> Result<(IVec3, IVec3), Fault> {
     let reach = OCTOMAP_REACH * lattice.voxel_size();
     let origin = octree.origin().as_dvec3() * lattice.voxel_size();
@@ -113,11 +113,11 @@ fn keys_inside(octree: &Octree, lattice: &Lattice, cube: &Aabb) -> Result<(IVec3
     lattice.keys_inside(cube).ok_or_else(none)
 }
 
-/// Maximum number of voxels that merged leaves may become when they are written one by one.
+/// Maximum number of voxels from expanding merged leaves.
 const MAX_VOXELS: u64 = 50_000_000;
 
-/// Writes a map in the form that the target's name asks for: `.ot`, `.bt`, or the centres of its occupied
-/// voxels as `.ply`. The rule says whether a target that exists is replaced; the map itself never is.
+/// Writes a map in the format of the target's extension: `.ot`, `.bt`, or `.ply` for the centres of its
+/// occupied voxels. The rule decides whether an existing target is replaced; the map itself never is.
 pub fn convert_map(from: &Path, to: &Path, rule: Overwrite) -> Result<(), Fault> {
     let extension = to.extension().map(|e| e.to_string_lossy().to_lowercase()).unwrap_or_default();
     if !["ot", "bt", "ply"].contains(&extension.as_str()) {
@@ -140,7 +140,7 @@ pub fn convert_map(from: &Path, to: &Path, rule: Overwrite) -> Result<(), Fault>
     })
 }
 
-/// Fails if merged leaves are too many voxels to write one by one.
+/// Fails if merged leaves expand to too many voxels.
 fn check_expanded(octree: &Octree) -> Result<(), Fault> {
     let n_voxels: u64 = occupied(octree).map(|leaf| u64::from(leaf.edge()).pow(3)).sum();
     if n_voxels <= MAX_VOXELS {
@@ -154,8 +154,8 @@ fn occupied(octree: &Octree) -> impl Iterator<Item = Leaf> {
     octree.leaves().filter(|leaf| leaf.log_odds > 0.0)
 }
 
-/// The centres of the occupied voxels, octant by octant as the leaves are. They are not kept: a leaf may be
-/// millions of voxels.
+/// The centres of the occupied voxels in octant order, like the leaves. They are generated lazily: a leaf may
+/// be millions of voxels.
 fn occupied_centers(octree: &Octree, lattice: Lattice) -> impl Iterator<Item = DVec3> {
     occupied(octree).flat_map(move |leaf| {
         let n_voxels = u64::from(leaf.edge()).pow(3);
@@ -163,7 +163,7 @@ fn occupied_centers(octree: &Octree, lattice: Lattice) -> impl Iterator<Item = D
     })
 }
 
-/// The place that a number stands for whose bits are, from the lowest on, those of x, y and z in turn.
+/// The position encoded by a number with interleaved bits of x, y and z, lowest first.
 fn octants(number: u64) -> IVec3 {
     let coordinate = |axis: u32| (0..16).map(|bit| ((number >> (3 * bit + axis) & 1) << bit) as i32).sum();
     IVec3::new(coordinate(0), coordinate(1), coordinate(2))

@@ -1,16 +1,16 @@
-//! The memory of this process, MB; none where the system does not report it.
+//! The memory of this process in MB; `None` if the system does not report it.
 
-/// The most it ever held, or has held since [`forget_peak`].
+/// Peak memory, since the start or the last [`forget_peak`].
 pub fn peak_mb() -> Option<f64> {
     status_mb("VmHWM:")
 }
 
-/// The memory that it holds now.
+/// Current memory.
 pub fn now_mb() -> Option<f64> {
     status_mb("VmRSS:")
 }
 
-/// Resets the peak to the memory held now; none where the system cannot.
+/// Resets the peak to the current memory; `None` if the system cannot.
 pub fn forget_peak() -> Option<()> {
     std::fs::write("/proc/self/clear_refs", "5").ok()
 }

@@ -1,4 +1,4 @@
-//! The final model of a scan: the measured points, thinned, and a surface through them.
+//! The final model of a scan: the thinned measured points, and a surface through them.
 
 use crate::{Fault, ModelConfig};
 use glam::DVec3;
@@ -11,38 +11,38 @@ use nextview::surface::{
     take_nearest,
 };
 
-/// Cloud and mesh, from the frames in the poses in which they were mapped.
+/// Cloud and mesh, from the frames in their mapped poses.
 #[derive(Debug)]
 pub struct FinalModel {
-    /// Measured points, metres, with normals, with colour where frames have it, and with their expected
-    /// error where that of the camera is known.
+    /// Measured points in metres with normals, colours if the frames have any, and expected errors if the
+    /// camera's error is known.
     pub cloud: Vec<CloudPoint>,
-    /// The surface that was measured.
+    /// The measured surface.
     pub mesh: SurfaceMesh,
     /// The vertices of the mesh with normals, colours and expected errors.
     pub vertices: Vec<CloudPoint>,
-    /// The closed surface, of the same vertices; none unless the configuration wants one.
+    /// The closed surface with the same vertices; `None` unless configured.
     pub closed: Option<WatertightMesh>,
 }
 
-/// Where the model is made, and how finely.
+/// The extent and resolution of the model.
 #[derive(Clone, Copy)]
 pub(crate) struct Extent {
-    /// The box, metres.
+    /// The box in metres.
     pub bounds: Aabb,
-    /// What the object stands on.
+    /// The surface below the object.
     pub table: Option<Plane>,
-    /// Where each frame shows that; none where they show nothing but the object.
+    /// The table in each frame; `None` if frames show only the object.
     pub tops: Option<TableTops>,
-    /// Edge of the cells, metres.
+    /// Edge of the cells in metres.
     pub detail: f64,
-    /// Of the camera.
+    /// Error of the camera.
     pub error: SurfaceError,
 }
 
 impl FinalModel {
-    /// Makes both from frames, of what each shows above its top of the table. The colour image of each is
-    /// loaded by its number when it is needed.
+    /// Builds both from the part of each frame above its table top. Colour images are loaded by number when
+    /// needed.
     pub(crate) fn new(
         frames: &[Frame],
         color: impl Fn(usize) -> Result<Option<ColorImage>, Fault>,
@@ -73,8 +73,8 @@ impl FinalModel {
         Ok(Self { cloud, mesh, vertices, closed })
     }
 
-    /// Median and 95th percentile of the expected errors of the cloud's points, metres; none where that of
-    /// the camera is not known.
+    /// Median and 95th percentile of the expected errors of the cloud's points in metres; `None` if the
+    /// camera's error is unknown.
     pub fn expected_errors(&self) -> Option<[f64; 2]> {
         let mut errors: Vec<f32> = self.cloud.iter().filter_map(|point| point.error).collect();
         errors.sort_by(f32::total_cmp);
@@ -82,24 +82,24 @@ impl FinalModel {
         Some([0.5, 0.95].map(|share| f64::from(errors[(share * last as f64).round() as usize])))
     }
 
-    /// All triangles, those that were filled in included.
+    /// All triangles, including filled ones.
     pub fn triangles(&self) -> &[[u32; 3]] {
         &self.closed.as_ref().map_or(&self.mesh, |closed| &closed.mesh).triangles
     }
 
-    /// By vertex, whether it was filled in; none unless the surface is closed.
+    /// For each vertex, whether it was filled in; `None` unless the surface is closed.
     pub fn is_filled(&self) -> Option<&[bool]> {
         self.closed.as_ref().map(|closed| closed.is_filled.as_slice())
     }
 }
 
 impl Extent {
-    /// The top of the table in each frame.
+    /// The table top in each frame.
     fn tops_in(&self, frames: &[Frame]) -> Vec<Option<Plane>> {
         frames.iter().map(|frame| self.tops.map(|tops| tops.in_frame(frame))).collect()
     }
 
-    /// How well the surface was measured; none where the camera's error is not known.
+    /// How well the surface was measured; `None` if the camera's error is unknown.
     fn measured(&self, frames: &[Frame], cancel: &Cancel) -> Result<Option<MeasuredCells>, Fault> {
         if self.error == SurfaceError::default() {
             return Ok(None);
@@ -109,14 +109,14 @@ impl Extent {
         Ok(Some(measured))
     }
 
-    /// The table; what is within the reach of its own measurements belongs to it.
+    /// The table; everything within reach of its measurements belongs to it.
     fn floor(&self) -> Option<Floor> {
         let clearance = ON_TABLE.max(truncation(self.detail));
         self.table.map(|plane| Floor { plane, clearance })
     }
 }
 
-/// The positions of the cloud of a model of which nothing else is wanted.
+/// The positions of the cloud of a model, if nothing else is needed.
 pub(crate) fn cloud_positions(
     frames: &[Frame],
     extent: Extent,
@@ -126,7 +126,7 @@ pub(crate) fn cloud_positions(
     Ok(cloud.iter().map(|point| point.position).collect())
 }
 
-/// Distance up to which surfaces count in cells of this size, metres.
+/// Truncation distance for cells of this size in metres.
 fn truncation(detail: f64) -> f64 {
     2.0 * detail
 }

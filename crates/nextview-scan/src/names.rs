@@ -1,31 +1,31 @@
-//! Enums whose values have names that users type.
+//! Enums with named values.
 
 use crate::Fault;
 
-/// A type whose values users name.
+/// A type with named values.
 pub trait Named: Copy + PartialEq + Sized + 'static {
-    /// All values, in the order in which they are listed.
+    /// All values in listing order.
     const ALL: &'static [Self];
 
     /// The name, in kebab case.
     fn name(self) -> &'static str;
 
-    /// What it stands for, a line.
+    /// A one-line description.
     fn about(self) -> &'static str;
 
-    /// The value of this name.
+    /// Returns the value of this name.
     fn of_name(name: &str) -> Option<Self> {
         Self::ALL.iter().copied().find(|value| value.name() == name)
     }
 
-    /// The same for the value of a key; the fault lists all names.
+    /// Returns the value of this name for a key; the fault lists all names.
     fn of_key(key: &str, name: &str) -> Result<Self, Fault> {
         let names = || Self::ALL.iter().map(|value| value.name()).collect::<Vec<_>>().join(", ");
         Self::of_name(name).ok_or_else(|| Fault::of_value(key, name, format!("one of {}", names())))
     }
 }
 
-/// Declares an enum with a name and a line about each value; both serve serde, [`Named`] and `Display`.
+/// Declares an enum with a name and a description for each value, for serde, [`Named`] and `Display`.
 macro_rules! named {
     ($(#[$meta:meta])* pub enum $type:ident { $($(#[$attribute:meta])* $value:ident = $name:literal: $about:literal,)+ }) => {
         $(#[$meta])*

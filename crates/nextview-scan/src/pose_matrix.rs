@@ -1,22 +1,22 @@
-//! Poses as 4 x 4 matrices, the form in which robots and cameras state them.
+//! Poses as 4 x 4 matrices, as used by robots and cameras.
 
 use crate::Fault;
 use glam::{DMat3, DQuat, DVec3};
 use nextview::geometry::Pose;
 use nextview_recording::checked_position;
 
-/// How far the product of a rotation with its transpose may be from the identity: matrices of 32-bit
-/// numbers are off by 1e-6, a calibration that was rounded to four digits by 1e-3.
+/// Maximum deviation from the identity of a rotation times its transpose: matrices of 32-bit numbers are off
+/// by 1e-6, a calibration rounded to four digits by 1e-3.
 const TOLERANCE: f64 = 1e-3;
 
-/// The rows of the matrix of a pose.
+/// Returns the rows of the matrix of a pose.
 pub fn rows_of_pose(pose: &Pose) -> [[f64; 4]; 4] {
     let (r, t) = (pose.rotation_matrix(), pose.translation());
     let row = |i: usize| [r.col(0)[i], r.col(1)[i], r.col(2)[i], t[i]];
     [row(0), row(1), row(2), [0.0, 0.0, 0.0, 1.0]]
 }
 
-/// The pose of a matrix, by its rows; `name` is the value's name in messages. Fails unless the matrix is
+/// Returns the pose of a matrix given by its rows; `name` is used in messages. Fails unless the matrix is
 /// rigid, its rotation off by at most 1e-3, its last row 0 0 0 1, and its position within 100 m of the
 /// origin.
 ///

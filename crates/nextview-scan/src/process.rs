@@ -1,27 +1,27 @@
-//! What a program has the system do with its process.
+//! Process-wide settings of a program.
 
 use crate::Fault;
 use std::io;
 use std::num::NonZero;
 use std::thread::available_parallelism;
 
-/// Most threads for each core: with more, they spend their time looking for work with each other.
+/// Maximum number of threads per core: more would spend their time looking for work.
 const MOST_PER_CORE: usize = 4;
 
-/// From now on, a file that grows beyond the limit of this process (`ulimit -f`) is an error, as a full disk
-/// is. Otherwise the system ends the process there (SIGXFSZ), as it does elsewhere than in Python.
+/// Makes it an error, like a full disk, if a file exceeds the size limit of this process (`ulimit -f`). By
+/// default, the system kills the process (SIGXFSZ), except under Python.
 ///
-/// For the first line of a program.
+/// Call it in the first line of a program.
 pub fn limit_is_an_error() -> io::Result<()> {
-    // With a handler, whatever it does, the system returns an error.
+    // With any handler installed, the system returns an error.
     #[cfg(unix)]
     signal_hook::flag::register(signal_hook::consts::SIGXFSZ, std::sync::Arc::default())?;
     Ok(())
 }
 
-/// Starts the threads of all computations, by default one for each core, so that a system that allows no more
-/// of them says so before there is any work to lose. Returns their number where fewer than wanted are
-/// started, which is at most four for each core.
+/// Starts the threads of all computations, by default one per core: a system limit on threads then fails
+/// before there is work to lose. Returns their number if it is less than requested; the maximum is four per
+/// core.
 pub fn start_threads(wanted: Option<usize>) -> Result<Option<usize>, Fault> {
     let most = MOST_PER_CORE * available_parallelism().map_or(1, NonZero::get);
     let n = wanted.map_or(0, |wanted| wanted.min(most));

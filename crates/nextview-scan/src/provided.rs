@@ -1,4 +1,4 @@
-//! Planners that are written in Python: the program that has it provides them.
+//! Planners written in Python, provided by a program that embeds it.
 
 use crate::Fault;
 use nextview::planner::{GreedyConfig, ViewPlanner};
@@ -6,12 +6,12 @@ use std::fmt;
 use std::str::FromStr;
 use std::sync::OnceLock;
 
-/// Makes planners of classes in Python; see [`provide_planners`].
+/// Makes planners from Python classes; see [`provide_planners`].
 pub trait PlannerProvider: Send + Sync {
     /// Fails if there is no such class, or if it makes no planners.
     fn check(&self, planner: &ProvidedPlanner) -> Result<(), Fault>;
 
-    /// A planner for one scan of this seed. The configuration is for classes that are gains.
+    /// Builds a planner for one scan with this seed. The configuration is for classes that are gains.
     fn build(
         &self,
         planner: &ProvidedPlanner,
@@ -22,15 +22,15 @@ pub trait PlannerProvider: Send + Sync {
 
 static PROVIDER: OnceLock<Box<dyn PlannerProvider>> = OnceLock::new();
 
-/// Has all configurations of this process find their planners in Python there; later calls change nothing.
+/// Registers the provider of Python planners for this process; later calls have no effect.
 ///
-/// Where nothing is provided, as in the program `nextview`, a configuration that names such a planner is
-/// refused; records of its scans can be read all the same.
+/// Without a provider, as in the program `nextview`, a configuration that names such a planner is rejected;
+/// records of its scans remain readable.
 pub fn provide_planners(provider: Box<dyn PlannerProvider>) {
     _ = PROVIDER.set(provider);
 }
 
-/// The name of a planner, or of a gain, that is written in Python: `python:module:Class`.
+/// The name of a planner or a gain written in Python: `python:module:Class`.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct ProvidedPlanner {
     module: String,
@@ -38,7 +38,7 @@ pub struct ProvidedPlanner {
 }
 
 impl ProvidedPlanner {
-    /// What such names begin with.
+    /// The prefix of such names.
     pub(crate) const PREFIX: &'static str = "python:";
 
     /// The dotted name of the module.
@@ -46,7 +46,7 @@ impl ProvidedPlanner {
         &self.module
     }
 
-    /// The name of the class in it; dotted if it is defined in another class.
+    /// The name of the class in the module; dotted for a nested class.
     pub fn class(&self) -> &str {
         &self.class
     }

@@ -12,7 +12,7 @@ use nextview::view::ViewSpace;
 use nextview::{Cancel, Error};
 use std::path::Path;
 
-/// A map from a file, the box around the object, and the views to choose from.
+/// A map from a file, the object's box, and the view candidates.
 ///
 /// Planners that remember earlier decisions start without them: a map does not contain them.
 #[derive(Debug)]
@@ -23,14 +23,14 @@ pub struct SavedMap {
     visited: Vec<usize>,
 }
 
-/// How far the camera sees, metres: the range that the D435i is specified for. Views farther from the box
-/// show nothing of it.
+/// Range of the camera in metres: the specification of the D435i. Views farther from the box show nothing of
+/// it.
 const RANGE: f64 = 10.0;
 
-/// Memory that planning takes for a voxel of the box, bytes: 35 with max-flow, 8 with the default planner.
+/// Planning memory per voxel of the box in bytes: 35 with max-flow, 8 with the default planner.
 const BYTES_PER_VOXEL: u64 = 40;
 
-/// Memory that a box around the occupied voxels may take however small the file is, bytes.
+/// Memory allowed for a box around the occupied voxels, however small the file, in bytes.
 const FREE_MEMORY: u64 = 180_000_000;
 
 impl SavedMap {
@@ -39,11 +39,10 @@ impl SavedMap {
         Octree::read(files::open(path)?).map_err(|e| Fault::from(e).in_file(path))
     }
 
-    /// Reads a map and view candidates for a camera with these optics, after these views were taken.
+    /// Reads a map and view candidates, for a camera with these optics after these views were taken.
     ///
-    /// Without bounds, the object lies in the planning box around the map's occupied voxels; that one must
-    /// not take more memory than suits the size of the file. Fails if all views are too far from the box to
-    /// show anything of it.
+    /// Without bounds, the planning box encloses the map's occupied voxels; its memory must be in proportion
+    /// to the size of the file. Fails if all views are too far from the box to show any of it.
     pub fn open(
         map: &Path,
         views: &Path,
@@ -77,7 +76,7 @@ impl SavedMap {
         &self.views
     }
 
-    /// The next best view; none if no candidate gains anything.
+    /// Returns the next best view; `None` if no candidate gains anything.
     pub fn next_view(
         &self,
         planner: PlannerName,
@@ -98,7 +97,7 @@ impl SavedMap {
         Ok(plan.choice)
     }
 
-    /// Several views at once, the tour through them, and a bound on what as many could show.
+    /// Plans several views at once, a tour through them, and a bound on the best choice of this number.
     pub fn next_views(&self, configs: &PlannerConfigs) -> Result<BatchPlan, Fault> {
         let batch = Batch::new(configs.batch)?;
         Ok(batch.plan_batch(&self.situation(&Cancel::default()))?)
@@ -110,8 +109,8 @@ impl SavedMap {
     }
 }
 
-/// The known voxels of a block. Only these are looked at: a leaf may stand for 2^48. Log-odds of exactly 0
-/// say nothing, as in [`OccupancyMap::from_octree`](nextview::map::OccupancyMap::from_octree).
+/// The known voxels of a block. Only these are visited: a leaf may stand for 2^48. Log-odds of exactly 0 are
+/// unknown, as in [`OccupancyMap::from_octree`](nextview::map::OccupancyMap::from_octree).
 fn snapshot(octree: &Octree, lattice: Lattice, block: VoxelBlock) -> Snapshot {
     let mut values = vec![f32::NAN; block.n_voxels()];
     for (leaf, min, max) in known_inside(octree, &block) {
@@ -128,7 +127,7 @@ fn snapshot(octree: &Octree, lattice: Lattice, block: VoxelBlock) -> Snapshot {
     })
 }
 
-/// The leaves that say something, each with the lowest and highest of its voxels in the block.
+/// The known leaves, each with the lowest and highest of its voxels in the block.
 fn known_inside<'a>(
     octree: &'a Octree,
     block: &VoxelBlock,
@@ -144,7 +143,7 @@ fn known(octree: &Octree) -> impl Iterator<Item = Leaf> {
     octree.leaves().filter(|leaf| leaf.log_odds != 0.0)
 }
 
-/// Fails if the map measured something, but nothing in the box: all views would gain the same.
+/// Fails if the map has measurements, but none in the box: all views would gain the same.
 fn check_holds_map(octree: &Octree, lattice: &Lattice, block: &VoxelBlock) -> Result<(), Fault> {
     if known_inside(octree, block).next().is_some() {
         return Ok(());
@@ -155,7 +154,7 @@ fn check_holds_map(octree: &Octree, lattice: &Lattice, block: &VoxelBlock) -> Re
     Err(Fault::request(message).with_remedy("state the cube that the object lies in"))
 }
 
-/// Fails if no view is near enough to show anything of the box.
+/// Fails if no view is near enough to show any of the box.
 fn check_near(views: &ViewSpace, bounds: &Aabb) -> Result<(), Fault> {
     let distance =
         |position: DVec3| (bounds.min - position).max(position - bounds.max).max(DVec3::ZERO).length();
@@ -187,7 +186,7 @@ fn block(lattice: &Lattice, bounds: &Aabb) -> Result<VoxelBlock, Fault> {
     })
 }
 
-/// The planning box around the occupied voxels, if it is in proportion to the file.
+/// The planning box around the occupied voxels, if in proportion to the file.
 fn suitable_box(octree: &Octree, lattice: &Lattice, map: &Path) -> Result<Aabb, Fault> {
     let remedy = "state the cube that the object lies in as `box`";
     let occupied = octree.leaves().filter(|leaf| leaf.log_odds > 0.0);
@@ -211,8 +210,7 @@ fn suitable_box(octree: &Octree, lattice: &Lattice, map: &Path) -> Result<Aabb, 
     Err(fault.with_remedy(remedy))
 }
 
-/// Fails if the box, which is what a network sees, shows nothing of an object: it would name a view all the
-/// same.
+/// Fails if the box, the input of a network, contains no object: the network would propose a view anyway.
 fn check_shows_object(snapshot: &Snapshot) -> Result<(), Fault> {
     if snapshot.count(Occupancy::Occupied) > 0 {
         return Ok(());

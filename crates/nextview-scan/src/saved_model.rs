@@ -1,4 +1,4 @@
-//! Reads the models of a scan's results.
+//! Reads the models in a scan's results.
 
 use crate::Fault;
 use nextview::geometry::Plane;
@@ -7,25 +7,24 @@ use nextview::surface::CloudPoint;
 use nextview_sim::mesh::load_points;
 use std::path::Path;
 
-/// A model from a PLY file of a scan's results, also after another tool has saved it: points in
-/// metres with normals, colours and expected errors, and triangles between them if there are any.
+/// A model from a PLY file of a scan's results, even if saved again by another tool: points in metres with
+/// normals, colours and expected errors, and triangles if there are any.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct SavedModel {
-    /// Those without a column in the file, or without a value, are none.
+    /// Points; attributes without a column or a value in the file are `None`.
     pub points: Vec<CloudPoint>,
-    /// By three indices each.
+    /// Three vertex indices each.
     pub triangles: Vec<[u32; 3]>,
 }
 
 impl SavedModel {
-    /// Reads a file.
+    /// Reads a PLY file.
     pub fn read(path: &Path) -> Result<Self, Fault> {
         let (points, triangles) = load_points(path)?;
         Ok(Self { points, triangles })
     }
 
-    /// The part that is not the table: of a mesh the triangles above it with their points, of a cloud the
-    /// points.
+    /// The part above the table: for a mesh, its triangles with their points; for a cloud, its points.
     pub fn above(self, table: Option<Plane>) -> Self {
         let is_above = |point: &CloudPoint| table.is_none_or(|t| t.height(point.position) > ON_TABLE);
         if self.triangles.is_empty() {

@@ -1,4 +1,4 @@
-//! What is answered, and what small bodies hold.
+//! Answers, and small request bodies.
 
 use crate::scans::ScanSummary;
 use nextview::session::StopReason;
@@ -6,7 +6,7 @@ use nextview_scan::{Fault, Guidance, ScanRecord, StepRecord, ViewRecord};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-/// The server runs.
+/// State of the server.
 #[derive(Serialize, JsonSchema)]
 pub(crate) struct Health {
     /// `ok`.
@@ -15,43 +15,43 @@ pub(crate) struct Health {
     pub version: &'static str,
 }
 
-/// A scan.
+/// State of a scan.
 #[derive(Serialize, JsonSchema)]
 pub(crate) struct ScanAnswer {
     #[serde(flatten)]
     pub summary: ScanSummary,
-    /// Whether a proposed view must be accepted before it is given out.
+    /// Whether a proposed view must be accepted before it is returned.
     pub confirm_views: bool,
-    /// The record so far; without the measures of a model while the scan is under way.
+    /// The record so far; without measures of the model while the scan is in progress.
     pub record: ScanRecord,
-    /// What was damaged in its journal, and lost, when the scan was resumed; none if nothing was.
+    /// The damage in its journal, lost when the scan was resumed; `None` if there was none.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub damage: Option<String>,
 }
 
-/// A frame that was taken in.
+/// An observed frame.
 #[derive(Serialize, JsonSchema)]
 pub(crate) struct FrameAnswer {
-    /// Whether it had been taken in before: then this is its record of then.
+    /// Whether the frame had been observed before: this is then its original record.
     pub duplicate: bool,
     #[serde(flatten)]
     pub step: StepRecord,
 }
 
-/// What to do next.
+/// The next step.
 #[derive(Serialize, JsonSchema)]
 pub(crate) struct NextAnswer {
     pub state: NextState,
-    /// The view; none where there is none.
+    /// The next view; `None` if there is none.
     pub view: Option<ViewRecord>,
     /// With `batch`, the views to take after it if nothing were learned on the way, in order.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub following: Option<Vec<ViewRecord>>,
-    /// Why the scan is over; none while it is under way.
+    /// Why the scan ended; `None` while it is in progress.
     pub stop_reason: Option<StopReason>,
 }
 
-/// What to do next.
+/// The next step.
 #[derive(Clone, Copy, Serialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub(crate) enum NextState {
@@ -59,9 +59,9 @@ pub(crate) enum NextState {
     View,
     /// Wait until the view is accepted.
     Proposed,
-    /// Wait until the scan is continued.
+    /// Wait until the scan is resumed.
     Paused,
-    /// No view is left. Unless the results are written, frames are taken still.
+    /// No view is left. Until the results are written, frames are still accepted.
     Finished,
 }
 
@@ -71,78 +71,78 @@ impl NextAnswer {
     }
 }
 
-/// A view that is not to be proposed again.
+/// A view that must not be proposed again.
 #[derive(Clone, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct Skip {
-    /// Its number.
+    /// Number of the view.
     pub view: usize,
-    /// Why.
+    /// The reason.
     #[serde(default)]
     pub reason: String,
 }
 
-/// A proposed view that may be given out.
+/// A proposed view that may be returned.
 #[derive(Clone, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct Accept {
-    /// Its number; none of a first view that is no candidate.
+    /// Number of the view; `None` for a first view that is no candidate.
     #[serde(default)]
     pub view: Option<usize>,
 }
 
-/// A scan that is finished.
+/// A finished scan.
 #[derive(Serialize, JsonSchema)]
 pub(crate) struct FinishAnswer {
     /// The record, as in `record.json`.
     pub record: ScanRecord,
     /// The files of the results.
     pub files: Vec<String>,
-    /// What could not be made, such as the cloud of a scan that saw nothing.
+    /// Results that could not be made, such as the cloud of a scan that saw nothing.
     pub problems: Vec<String>,
 }
 
-/// Where the camera is.
+/// Pose of the camera.
 #[derive(Clone, Copy, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct Place {
-    /// The rows of the 4 x 4 matrix that takes points of the camera to the world; metres.
+    /// The rows of the 4 x 4 matrix that takes points from camera to world in metres.
     pub world_from_camera: [[f64; 4]; 4],
 }
 
-/// Where the camera is, and where it should go.
+/// Actual and wanted pose of the camera.
 #[derive(Clone, Copy, Serialize, JsonSchema)]
 pub(crate) struct GuidanceAnswer {
-    /// The rows of the 4 x 4 matrix that takes points of the camera to the world; metres.
+    /// The rows of the 4 x 4 matrix that takes points from camera to world in metres.
     pub world_from_camera: [[f64; 4]; 4],
-    /// The way to the next view; none if the scan is over.
+    /// The motion to the next view; `None` if the scan is over.
     pub guidance: Option<Guidance>,
 }
 
-/// Whether it is known where the camera is.
+/// Whether the camera's pose is known.
 #[derive(Clone, Serialize, JsonSchema)]
 pub(crate) struct Tracking {
-    /// Whether it is not.
+    /// Whether the camera is lost.
     pub lost: bool,
-    /// What to do then.
+    /// The remedy if it is.
     pub remedy: Option<String>,
 }
 
-/// It is done.
+/// Confirmation of a change.
 #[derive(Serialize, JsonSchema)]
 pub(crate) struct Done {
-    /// Whether the scan is under way now.
+    /// The resulting state of the scan.
     pub state: crate::scans::ScanState,
 }
 
-/// A scan that is gone.
+/// A deleted scan.
 #[derive(Serialize, JsonSchema)]
 pub(crate) struct Deleted {
-    /// Its id.
+    /// Id of the scan.
     pub deleted: String,
 }
 
-/// The record of a file.
+/// Reads the record in a file.
 pub(crate) fn record_of(bytes: &[u8]) -> Result<ScanRecord, Fault> {
     serde_json::from_slice(bytes).map_err(|error| Fault::data(error).within("record.json"))
 }

@@ -13,11 +13,11 @@ pub(crate) struct App {
     pub limits: Limits,
     pub access: Access,
     pub scans: Arc<Scans>,
-    /// Room for bodies.
+    /// Memory for request bodies.
     pub bodies: Arc<BodyRoom>,
-    /// Event streams that may still begin.
+    /// Number of event streams that may still begin.
     pub streams: Arc<Semaphore>,
-    /// Whether the server is about to end.
+    /// Whether the server is shutting down.
     pub is_closing: watch::Receiver<bool>,
 }
 

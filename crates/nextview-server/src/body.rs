@@ -1,4 +1,4 @@
-//! Bodies of requests, of bounded size and time.
+//! Request bodies of bounded size and time.
 
 use crate::app::App;
 use crate::json::json;
@@ -11,13 +11,13 @@ use futures_util::StreamExt;
 use nextview_scan::Fault;
 use serde::de::DeserializeOwned;
 
-/// A body, with its share of the memory for bodies, to be held as long as the bytes are.
+/// A body with its share of the memory for bodies; hold it as long as the bytes.
 pub(crate) struct Received {
     pub bytes: Vec<u8>,
     pub share: Share,
 }
 
-/// Receives a body as a whole.
+/// Receives a whole body.
 pub(crate) async fn receive(app: &App, headers: &HeaderMap, body: Body) -> Result<Received, Refusal> {
     let most = app.limits.body_bytes;
     let stated = headers.get(header::CONTENT_LENGTH).and_then(|length| length.to_str().ok()?.parse().ok());
@@ -37,7 +37,7 @@ pub(crate) async fn receive(app: &App, headers: &HeaderMap, body: Body) -> Resul
     })?
 }
 
-/// Room is taken as the bytes come, not as they are announced.
+/// Memory is reserved as bytes arrive, not as they are announced.
 async fn collect(body: Body, mut share: Share, most: usize) -> Result<Received, Refusal> {
     let mut bytes = Vec::new();
     let mut parts = body.into_data_stream();
@@ -69,7 +69,7 @@ fn too_large(value: usize, most: usize) -> Refusal {
     Refusal::new(StatusCode::PAYLOAD_TOO_LARGE, fault)
 }
 
-/// Receives a JSON body. Messages name it by `what`.
+/// Receives a JSON body; `what` names it in messages.
 pub(crate) async fn receive_json<T: DeserializeOwned>(
     app: &App,
     headers: &HeaderMap,
@@ -83,13 +83,13 @@ pub(crate) async fn receive_json<T: DeserializeOwned>(
     json(&receive(app, headers, body).await?.bytes, what)
 }
 
-/// Whether a content type is this one, whatever its parameters.
+/// Whether a content type is this one, ignoring parameters.
 pub(crate) fn is_kind(kind: &[u8], expected: &str) -> bool {
     let bare = kind.split(|byte| *byte == b';').next().unwrap_or_default();
     bare.trim_ascii().eq_ignore_ascii_case(expected.as_bytes())
 }
 
-/// An unsupported content type.
+/// Refuses an unsupported content type.
 pub(crate) fn wrong_kind(kind: Option<&[u8]>, expected: &str) -> Refusal {
     let kind = kind.map_or("missing".into(), String::from_utf8_lossy);
     Refusal::new(StatusCode::UNSUPPORTED_MEDIA_TYPE, Fault::of_value("content-type", kind, expected))

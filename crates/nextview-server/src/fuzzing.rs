@@ -1,4 +1,4 @@
-//! A server without sockets, for `fuzz/` alone.
+//! A server without sockets, for `fuzz/` only.
 
 use crate::Limits;
 use crate::access::{Access, Hosts, Token};
@@ -18,25 +18,25 @@ use tokio::io::{AsyncReadExt, AsyncWriteExt};
 use tokio::runtime::Runtime;
 use tokio::sync::{Semaphore, watch};
 
-/// Reads the description of a scan.
+/// Parses the description of a scan.
 pub fn new_scan(bytes: &[u8]) {
     let _ = NewScan::from_json(bytes).and_then(|new| new.config(None, &Limits::default()));
 }
 
-/// A server that takes small scans.
+/// A server for small scans.
 pub struct Server {
     runtime: Runtime,
     app: Arc<App>,
     router: Router,
-    /// Never told to close.
+    /// Never signalled.
     _close: watch::Sender<bool>,
 }
 
-/// Longest answer that is read, bytes: a stream of events has no end.
+/// Maximum length of an answer to read, in bytes: a stream of events has no end.
 const MOST: u64 = 1 << 20;
 
 impl Server {
-    /// One with its scans in this folder.
+    /// Starts a server with its scans in this folder.
     pub fn new(dir: &Path) -> Self {
         let limits = Limits {
             body_bytes: 1 << 16,
@@ -67,7 +67,7 @@ impl Server {
         Self { runtime, router: routes::service(app.clone()), app, _close: close }
     }
 
-    /// Sends these bytes on a connection, as they are, and reads the answers. No scan is left behind.
+    /// Sends these bytes unchanged on a connection, reads the answers, and removes all scans.
     pub fn send(&self, bytes: &[u8]) {
         self.runtime.block_on(async {
             self.exchange(bytes).await;

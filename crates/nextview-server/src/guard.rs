@@ -8,7 +8,7 @@ use nextview_report::live;
 use nextview_scan::Fault;
 use std::sync::Arc;
 
-/// Lets a request pass that may be asked, and says in every answer how browsers are to treat it.
+/// Passes authorised requests on, and sets the security headers of every answer.
 pub(crate) async fn guard(State(app): State<Arc<App>>, request: Request, next: Next) -> Response {
     let mut response = match check(&app, &request) {
         Ok(()) => next.run(request).await,
@@ -54,7 +54,7 @@ fn check(app: &App, request: &Request) -> Result<(), Refusal> {
     }
 }
 
-/// Pages of other servers may not ask.
+/// Refuses requests from pages of other servers.
 fn check_origin(headers: &HeaderMap, host: &str) -> Result<(), Refusal> {
     let Some(origin) = text(headers, header::ORIGIN)? else { return Ok(()) };
     let authority = origin.strip_prefix("http://").or_else(|| origin.strip_prefix("https://"));
@@ -65,9 +65,9 @@ fn check_origin(headers: &HeaderMap, host: &str) -> Result<(), Refusal> {
     Err(Refusal::new(StatusCode::FORBIDDEN, fault.with_remedy("ask from the page of this server")))
 }
 
-/// Whether a page may be behind a request, be it no more than an image that it shows: even a question may
-/// decide the next view. Browsers name where a request came from; those that do not, as old ones or over
-/// plain HTTP, send their name and their user's languages, which a page cannot take away.
+/// Whether a page may be behind a request, even as an image it shows: even a query may decide the next view.
+/// Browsers state the origin of a request; those that do not, such as old ones or those over plain HTTP, send
+/// their name and their user's languages, which a page cannot suppress.
 fn is_browser(headers: &HeaderMap) -> bool {
     let names_page = [header::ORIGIN, header::REFERER, HeaderName::from_static("sec-fetch-site")];
     let begins = |name, start: &[u8]| {
@@ -80,7 +80,7 @@ fn is_browser(headers: &HeaderMap) -> bool {
         || has_languages
 }
 
-/// What is the same for all clients.
+/// Whether the content is the same for all clients.
 fn is_static(path: &str) -> bool {
     let is_page = path.strip_prefix("/scans/").and_then(|rest| rest.strip_suffix("/page"));
     path == "/"
@@ -95,7 +95,7 @@ fn unknown(message: &str) -> Refusal {
     Refusal::new(StatusCode::UNAUTHORIZED, Fault::request(message).with_remedy(remedy))
 }
 
-/// The value of a header that may come once.
+/// The value of a header that may occur once.
 fn text(headers: &HeaderMap, name: HeaderName) -> Result<Option<&str>, Refusal> {
     let mut values = headers.get_all(&name).iter();
     let value = values.next().map(HeaderValue::to_str).transpose();

@@ -3,7 +3,7 @@ use axum::http::StatusCode;
 use nextview_scan::Fault;
 use serde::de::DeserializeOwned;
 
-/// The value of a JSON text.
+/// Parses a JSON text.
 pub(crate) fn json<T: DeserializeOwned>(bytes: &[u8], what: &str) -> Result<T, Refusal> {
     let mut reader = serde_json::Deserializer::from_slice(bytes);
     let value = serde_path_to_error::deserialize(&mut reader).map_err(|error| {

@@ -1,8 +1,8 @@
-//! An HTTP server for scans with any camera: clients post frames and get the next views.
+//! An HTTP server for scans with any camera: clients post frames and receive the next views.
 //!
-//! Scans are those of [`nextview_scan::LiveScan`]; what is here is HTTP: routes, bodies, who may ask, and
-//! limits against too many requests. Every frame is on the disk before it is acknowledged, and a server that
-//! was killed resumes all scans. Start with [`serve`]; `docs/server.md` describes the routes.
+//! [`nextview_scan::LiveScan`] implements the scans; this crate adds HTTP: routes, bodies, access control,
+//! and limits on requests. Every frame is on the disk before it is acknowledged, and a killed server resumes
+//! all scans. Start with [`serve`]; `docs/server.md` describes the routes.
 
 mod access;
 mod answers;

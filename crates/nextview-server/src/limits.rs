@@ -1,34 +1,34 @@
 use nextview_scan::Fault;
 use std::time::Duration;
 
-/// How much a server takes on. What is more is refused with an answer that says which limit it was.
+/// Limits of a server. Requests beyond a limit are refused with an answer that names it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Limits {
-    /// Bytes of a request's body. Default 64 MiB: depth of 16 megapixels as 32-bit numbers.
+    /// Size of a request's body in bytes. Default 64 MiB: depth of 16 megapixels as 32-bit numbers.
     pub body_bytes: usize,
-    /// Bytes of all bodies that are being received or worked on. Default 256 MiB.
+    /// Total size, in bytes, of bodies being received or processed. Default 256 MiB.
     pub all_bodies_bytes: usize,
-    /// Pixels of a camera's images. Default 8 million.
+    /// Number of pixels of a camera's images. Default 8 million.
     pub image_pixels: usize,
-    /// Scans that are under way. Default 64.
+    /// Number of unfinished scans. Default 64.
     pub scans: usize,
-    /// Frames of a scan. Default 500.
+    /// Number of frames of a scan. Default 500.
     pub frames: usize,
-    /// View candidates of a scan. Default 20,000.
+    /// Number of view candidates of a scan. Default 20,000.
     pub candidates: usize,
-    /// Connections at once. Default 256.
+    /// Number of simultaneous connections. Default 256.
     pub connections: usize,
-    /// Connections among them that listen to events. Default 64.
+    /// Number of connections that listen to events. Default 64.
     pub event_streams: usize,
-    /// Requests to one scan that wait or are worked on. Default 16.
+    /// Number of pending requests to one scan. Default 16.
     pub queue: usize,
-    /// Memory of the process, MB, above which neither scans nor frames are taken. Default 4096.
+    /// Memory of the process in MB above which neither scans nor frames are accepted. Default 4096.
     pub memory_mb: u64,
-    /// Space that stays free on the disk, MB. Default 512.
+    /// Disk space to keep free in MB. Default 512.
     pub free_disk_mb: u64,
-    /// Time for the head of a request, also between two requests of a connection. Default 10 s.
+    /// Time for the head of a request, including idle time before it. Default 10 s.
     pub head_time: Duration,
-    /// Time for the body of a request, and for the client to take a part of an answer. Default 30 s.
+    /// Time for the body of a request, and for the client to accept part of an answer. Default 30 s.
     pub body_time: Duration,
     /// Time for an answer; the work continues after it. Default 120 s.
     pub answer_time: Duration,
@@ -55,7 +55,7 @@ impl Default for Limits {
     }
 }
 
-/// A limit is reached: what there is of it, and how much there may be.
+/// The fault of exceeding a limit: the actual and the maximum value.
 pub(crate) fn exceeded(what: &str, value: impl ToString, most: impl ToString) -> Fault {
     Fault::of_value(what, value.to_string(), format!("at most {}", most.to_string()))
 }

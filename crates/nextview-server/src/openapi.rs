@@ -18,7 +18,7 @@ const REFUSALS: [(&str, &str); 10] = [
     ("503", "a limit of the server is reached"),
 ];
 
-/// The description of all routes: OpenAPI 3.1, with the schemas of the types that are read and written.
+/// Describes all routes: OpenAPI 3.1, with the schemas of all types in requests and answers.
 pub fn openapi() -> Value {
     let settings = SchemaSettings::draft2020_12().with(|settings| {
         settings.definitions_path = "/components/schemas".into();
@@ -101,7 +101,7 @@ fn contents(contents: &[Content], generator: &mut SchemaGenerator) -> Value {
     contents.iter().map(content).collect::<Map<_, _>>().into()
 }
 
-/// The properties of an object as parameters.
+/// Converts the properties of an object to query parameters.
 fn query_parameters(mut schema: Value) -> Value {
     let Some(Value::Object(properties)) = schema.get_mut("properties").map(Value::take) else {
         return json!([]);

@@ -4,34 +4,34 @@ use nextview_scan::{Fault, FaultKind, Faults};
 use schemars::JsonSchema;
 use serde::Serialize;
 
-/// Why a request was not done: a status and at least one fault.
+/// A refused request: a status and at least one fault.
 #[derive(Debug)]
 pub(crate) struct Refusal {
     pub status: StatusCode,
     pub faults: Faults,
-    /// Seconds after which it may be asked again.
+    /// Seconds until a retry is useful.
     pub retry_after_s: Option<u32>,
 }
 
-/// A fault as it is answered.
+/// A fault in an answer.
 #[derive(Serialize, JsonSchema)]
 pub(crate) struct FaultAnswer {
-    /// `request`: the client can correct it; `data`: a file or the system is at fault; `cancelled`: ask
-    /// again.
+    /// `request`: the client can correct it; `data`: a file or the system is at fault; `cancelled`: repeat
+    /// the request.
     kind: &'static str,
-    /// Dotted key of the value that is wrong; none where it is not about one value.
+    /// Dotted key of the invalid value; `None` if the fault is not about one value.
     key: Option<String>,
-    /// The value that was given.
+    /// The given value.
     value: Option<String>,
-    /// What would be right.
+    /// The expected value.
     expected: Option<String>,
     /// The whole fault as a sentence.
     message: String,
-    /// What to do about it.
+    /// The remedy.
     remedy: Option<String>,
 }
 
-/// All that is wrong.
+/// All faults found.
 #[derive(Serialize, JsonSchema)]
 pub(crate) struct FaultsAnswer {
     /// At least one.
@@ -43,12 +43,12 @@ impl Refusal {
         Self { status, faults: fault.into(), retry_after_s: None }
     }
 
-    /// With no more than a sentence.
+    /// Refuses with a message only.
     pub fn of(status: StatusCode, message: impl std::fmt::Display) -> Self {
         Self::new(status, Fault::request(message))
     }
 
-    /// There is too much to do just now.
+    /// Refuses because the server is busy.
     pub fn busy(status: StatusCode, fault: Fault) -> Self {
         Self { retry_after_s: Some(1), ..Self::new(status, fault.with_remedy("ask again in a second")) }
     }
@@ -58,7 +58,7 @@ impl Refusal {
         self.faults.iter().any(|fault| fault.kind == FaultKind::Cancelled)
     }
 
-    /// The request's content is invalid.
+    /// Refuses invalid content.
     pub fn content(faults: impl Into<Faults>) -> Self {
         Self::new(StatusCode::UNPROCESSABLE_ENTITY, faults)
     }
@@ -84,7 +84,7 @@ impl From<Fault> for Refusal {
 
 impl From<&Fault> for FaultAnswer {
     fn from(fault: &Fault) -> Self {
-        // Where files are on the server's disk is nobody's business, nor can a client mend them.
+        // Paths on the server's disk are confidential, and clients cannot repair files.
         let remedy = fault.remedy.clone().filter(|_| fault.place.is_none());
         let file = fault.place.as_ref().and_then(|place| place.file.file_name());
         let file = file.map(|name| format!("{}: ", name.to_string_lossy())).unwrap_or_default();

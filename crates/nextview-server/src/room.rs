@@ -3,35 +3,35 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 use tokio::sync::oneshot;
 
-/// A body of which nothing came for so long gives way first.
+/// A body that received nothing for this long gives way first.
 const STALLED: Duration = Duration::from_secs(1);
 
-/// Room in memory for all bodies that are being received or worked on. Where it is full, a body that is still
-/// being received gives way to the others: clients that send and stop, or send a lot, keep nobody out.
+/// Memory for all bodies being received or processed. If it is full, a body still being received gives way to
+/// the others: clients that stall or send a lot keep nobody out.
 pub(crate) struct BodyRoom(Mutex<Room>);
 
 struct Room {
-    /// Bytes.
+    /// Free memory in bytes.
     free: usize,
-    /// Those that are being received, in the order in which they began.
+    /// Bodies being received, oldest first.
     receiving: BTreeMap<u64, Receiving>,
     n_begun: u64,
 }
 
-/// A body that is being received.
+/// A body being received.
 struct Receiving {
     bytes: usize,
-    /// When the last of them came.
+    /// Time of the last bytes.
     last: Instant,
-    /// Tells its client's task to end when this is dropped.
+    /// Notifies the task of its client when dropped.
     _gives_way: oneshot::Sender<()>,
 }
 
-/// The room that a body has, given back when this is dropped.
+/// A body's share of the memory, released on drop.
 pub(crate) struct Share {
     room: Arc<BodyRoom>,
     number: u64,
-    /// Bytes of a body that is complete.
+    /// Size of a complete body in bytes.
     held: usize,
 }
 
@@ -40,7 +40,7 @@ impl BodyRoom {
         Self(Mutex::new(Room { free: bytes, receiving: BTreeMap::new(), n_begun: 0 }))
     }
 
-    /// Begins a body. What is returned beside its share is told when it has to give way.
+    /// Begins a body. The receiver next to its share is notified when it must give way.
     pub fn begin(self: &Arc<Self>) -> (Share, oneshot::Receiver<()>) {
         let (_gives_way, told) = oneshot::channel();
         let mut room = self.lock();
@@ -56,8 +56,8 @@ impl BodyRoom {
 }
 
 impl Room {
-    /// The body that gives way so that this one can have more: the largest of those that are stalled, or else
-    /// of all. None if that is the body itself.
+    /// The body that gives way to this one: the largest of the stalled bodies, or of all. `None` if that is
+    /// the body itself.
     fn victim(&self, number: u64, more: usize, now: Instant) -> Option<u64> {
         let others = || self.receiving.iter().filter(|(of, body)| **of != number && body.bytes > 0);
         let stalled = others().filter(|(_, body)| now.duration_since(body.last) >= STALLED);
@@ -70,7 +70,7 @@ impl Room {
 }
 
 impl Share {
-    /// Takes room for more bytes that have come; false if there is none, or if the body had to give way.
+    /// Reserves memory for more bytes; returns false if there is none, or if the body had to give way.
     pub fn grow(&mut self, more: usize) -> bool {
         let (mut room, now) = (self.room.lock(), Instant::now());
         while room.free < more {
@@ -84,7 +84,7 @@ impl Share {
         true
     }
 
-    /// It has come as a whole and gives way no more; false if it had to.
+    /// Marks the body as complete, so it no longer gives way; returns false if it had to.
     pub fn complete(&mut self) -> bool {
         let body = self.room.lock().receiving.remove(&self.number);
         self.held = body.as_ref().map_or(0, |body| body.bytes);

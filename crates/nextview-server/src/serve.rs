@@ -12,19 +12,19 @@ use std::time::Duration;
 use tokio::net::TcpListener;
 use tokio::sync::{Semaphore, watch};
 
-/// What a server needs to know.
+/// Configuration of a server.
 #[derive(Clone, Debug)]
 pub struct ServerConfig {
-    /// Where it listens; port 0 for any that is free. Default 127.0.0.1:7878.
+    /// Address to listen on; port 0 takes any free one. Default 127.0.0.1:7878.
     pub listen: SocketAddr,
-    /// Names beside the address and `localhost` under which clients reach it, without port.
+    /// Additional names under which clients reach it, without port; its address and `localhost` are included.
     pub hosts: Vec<String>,
-    /// The folder of all scans, each in a folder of its id. Default `nextview-scans`.
+    /// The folder of all scans, each in a folder named by its id. Default `nextview-scans`.
     pub dir: PathBuf,
-    /// The token that clients other than its page must send; none where they need none, which is allowed on
-    /// loopback only.
+    /// The token required from clients other than its page; `None` for no token, which is allowed on loopback
+    /// only.
     pub token: Option<String>,
-    /// How much it takes on.
+    /// Limits of the server.
     pub limits: Limits,
 }
 
@@ -40,25 +40,23 @@ impl Default for ServerConfig {
     }
 }
 
-/// A server that takes requests from now on.
+/// A running server.
 #[derive(Clone, Debug)]
 pub struct Started {
-    /// Where it listens.
+    /// Address that it listens on.
     pub address: SocketAddr,
-    /// The page, with its token, which permits everything.
+    /// URL of the page, with its token, which permits everything.
     pub page: String,
-    /// Number of interrupted scans that are resumed.
+    /// Number of interrupted scans being resumed.
     pub n_resumed: usize,
-    /// What is wrong with scans in the folder that cannot be read: they are not listed, and their files stay
-    /// as they are.
+    /// The faults of unreadable scans in the folder: they are not listed, and their files are not touched.
     pub left_out: Vec<Faults>,
 }
 
-/// How long a thread for work that takes long stays without work.
+/// Idle time before a thread for long work ends.
 const THREADS_STAY: Duration = Duration::from_secs(365 * 24 * 3600);
 
-/// Serves until the process is asked to end (Ctrl-C, or SIGTERM): then running requests are answered, and it
-/// returns.
+/// Serves until the process is asked to end (Ctrl-C, or SIGTERM); then answers running requests and returns.
 ///
 /// ```no_run
 /// use nextview_server::{ServerConfig, serve};
@@ -69,7 +67,7 @@ const THREADS_STAY: Duration = Duration::from_secs(365 * 24 * 3600);
 ///
 /// # Errors
 /// If it cannot listen there, or the folder cannot be read and written; if another server serves the folder,
-/// or it is in that of a scan; if another address than a loopback one is asked for without a token.
+/// or it is inside a scan's folder; if a non-loopback address is requested without a token.
 pub fn serve(config: ServerConfig, on_started: impl FnOnce(&Started)) -> Result<(), Faults> {
     let ServerConfig { listen, hosts, dir, token, limits } = config;
     let clients = token.map(|token| Token::chosen(&token)).transpose()?;
@@ -80,7 +78,7 @@ pub fn serve(config: ServerConfig, on_started: impl FnOnce(&Started)) -> Result<
         return Err(fault.with_remedy(remedy).into());
     }
     let page = Token::random()?;
-    // Both before anything in the folder is touched: it may be another server's.
+    // Both before touching the folder: it may belong to another server.
     let listener = std::net::TcpListener::bind(listen).map_err(|error| {
         Fault::data(format!("cannot listen on {listen}: {error}"))
             .with_remedy("`listen` names another address")
@@ -91,8 +89,8 @@ pub fn serve(config: ServerConfig, on_started: impl FnOnce(&Started)) -> Result<
     let runtime =
         tokio::runtime::Builder::new_multi_thread().enable_all().thread_keep_alive(THREADS_STAY).build()?;
     runtime.block_on(async {
-        // From now on there is a thread for work that takes long: where the system allows no more of them,
-        // work waits for it, and would fail otherwise.
+        // Keeps one thread for long work: if the system allows no more threads, work waits for it instead of
+        // failing.
         _ = tokio::task::spawn_blocking(|| ()).await;
         let listener = TcpListener::from_std(listener)?;
         let address = listener.local_addr()?;
@@ -115,7 +113,7 @@ pub fn serve(config: ServerConfig, on_started: impl FnOnce(&Started)) -> Result<
     })
 }
 
-/// The page's address for a browser on this machine.
+/// The URL of the page for a browser on this machine.
 fn page_address(address: SocketAddr, token: &Token) -> String {
     let address = match address.ip().is_unspecified() {
         true => SocketAddr::from(([127, 0, 0, 1], address.port())),

@@ -1,10 +1,10 @@
-//! How accurately the true surface was measured.
+//! Accuracy of the measurement of the true surface.
 
 use crate::mesh::TriangleMesh;
 use glam::DVec3;
 use nextview::geometry::Aabb;
 
-/// How far points are from the true surface, metres.
+/// Distances of points from the true surface, metres.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Accuracy {
     /// Mean distance.
@@ -16,7 +16,7 @@ pub struct Accuracy {
 }
 
 impl Accuracy {
-    /// Of the points with these distances; none without points.
+    /// Evaluates these distances; `None` if there are none.
     pub fn of(distances: &[f64]) -> Option<Self> {
         let mut sorted = distances.to_vec();
         sorted.sort_by(f64::total_cmp);
@@ -61,12 +61,12 @@ enum Content {
 const LEAF: usize = 8;
 
 impl SurfaceDistance {
-    /// The tree of a mesh.
+    /// Builds the tree of a mesh.
     pub fn new(mesh: &TriangleMesh) -> Self {
         Self::of((0..mesh.triangles().len()).map(|i| mesh.corners(i)).collect())
     }
 
-    /// The tree of a cloud of finite points, each a triangle without size; none without points.
+    /// Builds the tree of a cloud of finite points, as triangles without size; `None` if there are none.
     pub fn to_points(points: &[DVec3]) -> Option<Self> {
         (!points.is_empty()).then(|| Self::of(points.iter().map(|&point| [point; 3]).collect()))
     }
@@ -76,18 +76,18 @@ impl SurfaceDistance {
         Self { triangles, root }
     }
 
-    /// The box around the surface.
+    /// Returns the box around the surface.
     pub fn bounds(&self) -> Aabb {
         self.root.bounds
     }
 
-    /// The distance of a finite point from the nearest point of the surface, metres.
+    /// Returns the distance of a finite point from the surface, metres.
     pub fn at(&self, point: DVec3) -> f64 {
         self.nearest(point, f64::INFINITY).dist_sq.sqrt()
     }
 
-    /// The same with a sign: negative inside, where the triangles' corners run counter-clockwise seen from
-    /// outside. Where triangles meet, the sum of their normals decides (Bærentzen & Aanæs 2005, without
+    /// Returns the signed distance: negative inside, if the triangles' corners run counter-clockwise seen
+    /// from outside. Where triangles meet, the sum of their normals decides (Bærentzen & Aanæs 2005, without
     /// their angles).
     pub fn signed_at(&self, point: DVec3) -> f64 {
         let foot = self.foot(point).0;
@@ -97,7 +97,7 @@ impl SurfaceDistance {
         if (point - foot).dot(normal) < 0.0 { -distance } else { distance }
     }
 
-    /// Adds the normals of the triangles that are as near as this.
+    /// Adds the normals of the triangles at this distance.
     fn add_normals(&self, node: &Node, point: DVec3, dist_sq: f64, normal: &mut DVec3) {
         match &node.content {
             Content::Leaf { start, end } => {
@@ -115,8 +115,8 @@ impl SurfaceDistance {
         }
     }
 
-    /// The point of the surface that is nearest to a finite point, and the normal of its triangle, which is
-    /// zero for a triangle without size.
+    /// Returns the surface point nearest to a finite point, and the normal of its triangle, which is zero for
+    /// a triangle without size.
     pub fn foot(&self, point: DVec3) -> (DVec3, DVec3) {
         self.foot_on(self.nearest(point, f64::INFINITY).triangle, point)
     }
@@ -124,7 +124,7 @@ impl SurfaceDistance {
     /// The same, if it is no farther than this, metres: much faster where it is farther.
     pub(crate) fn foot_within(&self, point: DVec3, reach: f64) -> Option<(DVec3, DVec3)> {
         let limit = reach * reach;
-        // The search leaves out what is as far as its limit.
+        // The search excludes the limit itself.
         let nearest = self.nearest(point, limit.next_up());
         (nearest.dist_sq <= limit).then(|| self.foot_on(nearest.triangle, point))
     }
@@ -135,7 +135,7 @@ impl SurfaceDistance {
         (nearest_point(triangle, point), (b - a).cross(c - a).normalize_or_zero())
     }
 
-    /// The nearest triangle, if its squared distance is below the limit; else the limit and any triangle.
+    /// The nearest triangle if its squared distance is below the limit; otherwise the limit and any triangle.
     fn nearest(&self, point: DVec3, limit: f64) -> Nearest {
         let mut nearest = Nearest { dist_sq: limit, triangle: 0 };
         self.search(&self.root, point, &mut nearest);

@@ -1,17 +1,17 @@
-//! The area under a coverage curve: one number for how much was seen and how early, between 0 (nothing, ever)
-//! and 1 (everything at once).
+//! The area under a coverage curve: one number for the amount and speed of coverage, from 0 (nothing, ever)
+//! to 1 (everything at once).
 
-/// Mean of the coverage, 0..=1, after each of `n` views; the last value of a shorter curve stays. None for an
-/// empty curve or no view.
+/// Returns the mean coverage, 0..=1, after each of `n` views. A shorter curve keeps its last value. `None` if
+/// the curve is empty or `n` is 0.
 pub fn over_views(coverage: &[f64], n: usize) -> Option<f64> {
     let last = *coverage.last()?;
     let sum: f64 = (0..n).map(|i| coverage.get(i).copied().unwrap_or(last)).sum();
     (n > 0).then(|| sum / n as f64)
 }
 
-/// Mean of the coverage, 0..=1, over the time from 0 to a horizon, seconds: 0 until the first view, then that
-/// of the latest view, the last one's to the end. `times`, seconds, do not decrease, and there is one for
-/// each value. None for an empty curve, or a horizon that is not positive.
+/// Returns the mean coverage, 0..=1, over the time from 0 to a horizon, seconds. Coverage is 0 until the
+/// first view and holds between views and after the last. `times`, seconds, are non-decreasing, one per
+/// value. `None` if the curve is empty or the horizon is not positive.
 pub fn over_time(coverage: &[f64], times: &[f64], horizon: f64) -> Option<f64> {
     assert_eq!(coverage.len(), times.len(), "a time for each value");
     let ends = times.iter().skip(1).copied().chain([horizon]);

@@ -1,4 +1,4 @@
-//! The two planners that bound every other: random views, and the clairvoyant planner that knows the object.
+//! The two planners that bound all others: random views, and the clairvoyant planner, which knows the object.
 
 use crate::truth::TrueVisibility;
 use nextview::Error;
@@ -6,15 +6,15 @@ use nextview::geometry::random::Random;
 use nextview::planner::{Choice, Plan, Situation, ViewPlanner};
 use std::sync::Arc;
 
-/// Takes the view that truly sees most object voxels not seen before: greedy on the true visibility, which
-/// only a simulation knows.
+/// Takes the view that truly sees the most new object voxels: greedy on the true visibility, which only a
+/// simulation knows.
 #[derive(Clone, Debug)]
 pub struct Clairvoyant {
     truth: Arc<TrueVisibility>,
 }
 
 impl Clairvoyant {
-    /// The planner with this knowledge, which must be of the candidates that it chooses from.
+    /// Creates a planner with this visibility, which must be that of the candidates it chooses from.
     pub fn new(truth: Arc<TrueVisibility>) -> Self {
         Self { truth }
     }
@@ -29,8 +29,8 @@ impl ViewPlanner for Clairvoyant {
     }
 }
 
-/// The view that adds most object voxels to those seen from the visited ones, and how many; none if none adds
-/// any.
+/// The view that adds the most object voxels to those seen from the visited views, and their number; `None`
+/// if no view adds any.
 fn next_clairvoyant(
     truth: &TrueVisibility,
     visited: &[usize],
@@ -47,7 +47,7 @@ fn next_clairvoyant(
     best.filter(|&(_, n)| n > 0)
 }
 
-/// The coverage of the clairvoyant planner after each of `n` views from `first_view` on.
+/// Returns the clairvoyant planner's coverage after each of `n` views, starting with `first_view`.
 pub fn clairvoyant_curve(truth: &TrueVisibility, first_view: usize, n: usize) -> Vec<f64> {
     let mut views = vec![first_view];
     while views.len() < n {
@@ -71,12 +71,12 @@ pub struct RandomCurve {
 }
 
 impl RandomCurve {
-    /// Number of sequences: the mean is then known to about a tenth of the spread.
+    /// Number of sequences: the mean is known to about a tenth of the spread.
     pub const N_DRAWS: usize = 200;
 
-    /// Draws the sequences: distinct views, uniform among the candidates. The same seed gives the same
-    /// draws, which are independent of those of [`RandomViews`](nextview::planner::RandomViews) of any seed,
-    /// the same one included.
+    /// Draws the sequences: distinct views, uniform among the candidates. The same seed gives the same draws.
+    /// They are independent of the draws of [`RandomViews`](nextview::planner::RandomViews) with any seed,
+    /// even the same one.
     pub fn new(truth: &TrueVisibility, first_view: usize, n: usize, seed: u64) -> Self {
         let curve = |draw| {
             let views = draw_views(truth.n_views(), first_view, n, seed, draw);
@@ -96,11 +96,11 @@ impl RandomCurve {
     }
 }
 
-/// First of the streams of random numbers, one for each sequence. The random planner uses the streams from 1
-/// up to its number of views.
+/// First of the random streams, one per sequence. The random planner uses the streams from 1 up to its number
+/// of views.
 const FIRST_STREAM: u64 = 1 << 32;
 
-/// The random sequence of this number: distinct views, beginning with the given one.
+/// The random sequence with this number: distinct views, starting with the given one.
 fn draw_views(n_candidates: usize, first_view: usize, n: usize, seed: u64, draw: u64) -> Vec<usize> {
     let mut random = Random::new(seed, FIRST_STREAM + draw);
     let mut open: Vec<usize> = (0..n_candidates).filter(|&view| view != first_view).collect();
@@ -111,15 +111,15 @@ fn draw_views(n_candidates: usize, first_view: usize, n: usize, seed: u64, draw:
     views
 }
 
-/// Extends a curve that ended early by its last value.
+/// Extends a curve that ended early with its last value.
 pub fn extended(mut curve: Vec<f64>, n: usize) -> Vec<f64> {
     let last = curve.last().copied().unwrap_or(0.0);
     curve.resize(n, last);
     curve
 }
 
-/// Skill: the area under a coverage curve on the scale from random views (0) to clairvoyant (1); none where
-/// the two do not differ. All curves have the same length.
+/// Returns the skill: the area under a coverage curve on a scale from random views (0) to clairvoyant (1).
+/// `None` if the two do not differ. All curves have the same length.
 pub fn skill(curve: &[f64], random: &[f64], clairvoyant: &[f64]) -> Option<f64> {
     assert!(curve.len() == random.len() && random.len() == clairvoyant.len(), "curves of equal length");
     let area = |curve: &[f64]| curve.iter().sum::<f64>();
@@ -141,8 +141,8 @@ mod tests {
         assert!(skill(&[0.2, 0.3, 0.4], &random, &clairvoyant).unwrap() < 0.0);
     }
 
-    /// Areas 1.25, 2 and 1.75 by hand. The curve ends where the clairvoyant one does, and begins where all
-    /// do: every view counts.
+    /// Areas 1.25, 2 and 1.75 by hand. The curve starts and ends with the clairvoyant one, so every view
+    /// counts.
     #[test]
     fn skill_is_of_the_area_under_the_whole_curve() {
         let (random, clairvoyant) = ([0.25, 0.5, 0.5], [0.25, 0.75, 1.0]);
@@ -179,8 +179,8 @@ mod tests {
         assert_eq!(next_clairvoyant(&truth, &[2, 3], |_| true), None);
     }
 
-    /// After view 0, the second view is 1, 2 or 3, whose curves go to 3, 5 or 7 of eight voxels, and the last
-    /// one shows what is left.
+    /// After view 0, the second view is 1, 2 or 3, whose curves reach 3, 5 or 7 of eight voxels; the last
+    /// view shows the rest.
     #[test]
     fn the_random_curve_is_the_mean_and_has_the_quantiles_of_all_sequences() {
         let RandomCurve { mean, low, high } = RandomCurve::new(&truth(), 0, 5, 0);
@@ -200,7 +200,7 @@ mod tests {
         assert_eq!(draw_views(3, 0, 10, 1, 0).len(), 3, "no more than there are");
     }
 
-    /// The second views of the sequences of a seed and of random planners of any seed agree as often as
+    /// The second views of a seed's sequences agree with those of random planners of any seed as often as
     /// independent draws do.
     #[test]
     fn baseline_and_random_planner_are_independent() {

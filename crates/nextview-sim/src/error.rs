@@ -5,7 +5,7 @@ use std::path::PathBuf;
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum SimError {
-    /// An error in this file; the source describes it.
+    /// An error in this file, described by the source.
     #[error("{}: {error}", path.display())]
     InFile {
         /// The file.
@@ -45,7 +45,7 @@ pub enum SimError {
     /// A vertex is NaN, infinite or absurdly far away.
     #[error("vertex {vertex} (counted from 0) is {position}, expected numbers between -1e30 and 1e30")]
     BadVertex {
-        /// Number of the vertex, counted from 0.
+        /// Index of the vertex, from 0.
         vertex: usize,
         /// Its coordinates.
         position: DVec3,
@@ -53,9 +53,9 @@ pub enum SimError {
     /// A triangle refers to a vertex that does not exist.
     #[error("triangle {triangle} (counted from 0) refers to vertex {index}, but there are only {n_vertices}")]
     IndexOutOfRange {
-        /// Number of the triangle, counted from 0.
+        /// Index of the triangle, from 0.
         triangle: usize,
-        /// The index it states, counted from 0.
+        /// Its vertex index, from 0.
         index: u32,
         /// Number of vertices of the mesh.
         n_vertices: usize,
@@ -87,7 +87,7 @@ pub enum SimError {
     Parameter(#[from] nextview::Error),
 }
 
-/// What is wrong with an extension, the empty one included.
+/// Describes an unknown extension, which may be empty.
 fn unknown(extension: &str) -> String {
     match extension {
         "" => "unknown mesh format, its name has no extension".to_owned(),
@@ -95,7 +95,7 @@ fn unknown(extension: &str) -> String {
     }
 }
 
-/// A length to read: four digits. The coordinates of most files have single precision.
+/// Rounds a length to four digits for messages. The coordinates of most files have single precision.
 fn short(length: f64) -> f64 {
     format!("{length:.3e}").parse().unwrap_or(length)
 }

@@ -1,4 +1,4 @@
-//! A simulated scan beside the truth.
+//! Evaluates a simulated scan against ground truth.
 
 use crate::SimError;
 use crate::scene::Scene;
@@ -10,22 +10,22 @@ use nextview::sensor::Frame;
 use nextview::session::{NextView, Session};
 use std::collections::BTreeMap;
 
-/// The scan so far, compared with the true object.
+/// The current state of a scan, compared with the true object.
 #[derive(Clone, Copy, Debug)]
 pub struct Measures {
-    /// The map in the finest voxels against the object voxels, in the block of those: object voxels outside
-    /// the session's box do not count as covered, and occupied voxels outside the block are not counted at
-    /// all. With the reachable object voxels, if the evaluator knows them.
+    /// The map in the finest voxels against the object voxels, in the block of the latter. Object voxels
+    /// outside the session's box count as not covered; occupied voxels outside the block do not count.
+    /// Includes the reachable object voxels if the evaluator knows them.
     pub voxels: VoxelScore,
-    /// Number of object voxels truly seen so far: those with a point of the true surface that a pixel of a
-    /// frame in the map measured, wherever noise and a wrong pose put that point. All other measures are of
-    /// what the frames claim. Frames that the session set aside count nowhere until they are in the map.
+    /// Number of object voxels truly seen: those with a point of the true surface measured by a pixel of a
+    /// mapped frame, wherever noise and a wrong pose put that point. All other measures use what the frames
+    /// claim. Frames that the session set aside do not count until they are in the map.
     pub n_seen: usize,
     /// Share, 0..=1, of the true surface with a measured point of the object within 1, 2 and 5 mm.
     pub surface_coverage: [f64; 3],
-    /// Displacement of the object's points by the error of the pose in which the frame was mapped: root mean
-    /// square over those that a pixel measured, metres; 0 if there are none. It excludes the error of the
-    /// depth. None where the true poses are not known.
+    /// Displacement of the object's points by the pose error of the mapped frame: root mean square over
+    /// measured points, metres; 0 if there are none. It excludes the depth error. `None` if the true poses
+    /// are not known.
     pub misplacement: Option<f64>,
 }
 
@@ -37,27 +37,27 @@ pub struct ScanCamera<'a> {
 
 /// The truth about a frame.
 pub struct Shown {
-    /// Without noise, from where the camera truly stood.
+    /// The frame without noise, from the true camera pose.
     truth: Frame,
-    /// The pixels that noise left of the object.
+    /// The object pixels that remain after noise.
     of_object: Frame,
 }
 
-/// Measures a scan, frame by frame.
+/// Evaluates a scan frame by frame.
 pub struct Evaluator<'a> {
     object: &'a ObjectVoxels,
     reachable: Option<&'a FixedBitSet>,
     surface: SurfaceCoverage,
     seen: FixedBitSet,
-    /// Number of frames observed, and of those in the map, so far.
+    /// Numbers of observed frames and of mapped frames.
     n_frames: usize,
     n_mapped: usize,
-    /// Of the frames that are not in the map, by number.
+    /// Frames that are not in the map, by number.
     waiting: BTreeMap<usize, Shown>,
 }
 
-/// Takes a frame from a true pose; `is_first` if it is the first of a scan, whose pose may be right where all
-/// others are wrong.
+/// Captures a frame from a true pose. `is_first` marks the first frame of a scan, whose pose may be right
+/// where all others are wrong.
 pub fn capture(scene: &Scene, world_from_camera: &Pose, is_first: bool) -> Result<(Frame, Shown), SimError> {
     let camera = scene.camera();
     let capture = camera.capture_with_truth(world_from_camera)?;
@@ -67,12 +67,12 @@ pub fn capture(scene: &Scene, world_from_camera: &Pose, is_first: bool) -> Resul
 }
 
 impl<'a> ScanCamera<'a> {
-    /// Before the first frame.
+    /// Creates a camera before its first frame.
     pub fn new(scene: &'a Scene) -> Self {
         Self { scene, is_first: true }
     }
 
-    /// Takes the frame of a view.
+    /// Captures the frame of a view.
     pub fn capture(&mut self, next: &NextView) -> Result<(Frame, Shown), SimError> {
         let camera = self.scene.camera();
         let capture = camera.capture_with_truth(&next.world_from_camera)?;
@@ -86,7 +86,7 @@ impl<'a> ScanCamera<'a> {
 }
 
 impl<'a> Evaluator<'a> {
-    /// An evaluator before the first frame.
+    /// Creates an evaluator before the first frame.
     pub fn new(scene: &Scene, object: &'a ObjectVoxels) -> Self {
         let surface = SurfaceCoverage::new(scene.camera().mesh());
         Self {
@@ -100,13 +100,13 @@ impl<'a> Evaluator<'a> {
         }
     }
 
-    /// The same that compares the map with the reachable ones of the object voxels, too.
+    /// Sets the reachable object voxels, with which the map is compared, too.
     pub fn with_reachable(self, reachable: &'a FixedBitSet) -> Self {
         Self { reachable: Some(reachable), ..self }
     }
 
-    /// Measures the session after this frame, which has the pose in which it was mapped, or the given one if
-    /// it was set aside.
+    /// Evaluates the session after this frame. The frame has its mapped pose, or the given one if it was set
+    /// aside.
     pub fn measure(&mut self, session: &Session, frame: &Frame, shown: Shown) -> Measures {
         let misplacement = misplacement(&shown.truth, &frame.world_from_camera());
         self.waiting.insert(self.n_frames, shown);

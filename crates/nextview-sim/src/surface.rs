@@ -1,4 +1,4 @@
-//! How completely the true surface was measured.
+//! Coverage of the true surface by measured points.
 
 use crate::mesh::{TriangleMesh, surface_samples};
 use fixedbitset::FixedBitSet;
@@ -14,16 +14,16 @@ const FAR: f64 = 0.005;
 #[derive(Clone, Debug)]
 pub struct SurfaceCoverage {
     samples: Vec<DVec3>,
-    /// Squared distance to the nearest measured point so far, infinite beyond `FAR`.
+    /// Squared distance to the nearest measured point, infinite beyond `FAR`.
     nearest_sq: Vec<f64>,
-    /// The samples in and around every cell of size `FAR`: a point looks up one cell, not 27.
+    /// The samples in and around every cell of size `FAR`: looking up a point takes one cell, not 27.
     cells: FxHashMap<IVec3, Vec<u32>>,
-    /// Points outside, on the walls behind the object, are near no sample.
+    /// Points outside, on the walls behind the object, are not near any sample.
     bounds: Aabb,
 }
 
 impl SurfaceCoverage {
-    /// Nothing of this mesh is measured yet.
+    /// Creates the coverage of a mesh without measured points.
     pub fn new(mesh: &TriangleMesh) -> Self {
         let samples = surface_samples(mesh);
         let mut cells: FxHashMap<IVec3, Vec<u32>> = FxHashMap::default();
@@ -38,7 +38,7 @@ impl SurfaceCoverage {
         Self { nearest_sq: vec![f64::INFINITY; samples.len()], samples, cells, bounds }
     }
 
-    /// Adds the points that a frame measured.
+    /// Adds the points measured by a frame.
     pub fn add(&mut self, frame: &Frame) {
         self.add_points(frame.points_in(self.bounds));
     }
@@ -55,7 +55,8 @@ impl SurfaceCoverage {
         }
     }
 
-    /// The samples, by number, with a measured point within `distance` metres, which must be at most 0.005.
+    /// Returns the samples, by number, with a measured point within `distance` metres, which must be at most
+    /// 0.005.
     pub fn within(&self, distance: f64) -> FixedBitSet {
         assert!(distance <= FAR, "distances above {FAR} m are not kept");
         let mut within = FixedBitSet::with_capacity(self.samples.len());
@@ -64,12 +65,12 @@ impl SurfaceCoverage {
         within
     }
 
-    /// The share, 0..=1, of these samples.
+    /// Returns the share, 0..=1, of samples with a measured point within `distance` metres.
     pub fn share_within(&self, distance: f64) -> f64 {
         self.within(distance).count_ones(..) as f64 / self.samples.len() as f64
     }
 
-    /// The shares within 1, 2 and 5 mm.
+    /// Returns the shares within 1, 2 and 5 mm.
     pub fn shares(&self) -> [f64; 3] {
         [0.001, 0.002, 0.005].map(|distance| self.share_within(distance))
     }

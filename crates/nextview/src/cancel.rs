@@ -1,7 +1,7 @@
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-/// A flag with which another thread ends a long computation early.
+/// A flag that lets another thread end a long computation early.
 ///
 /// All clones share one flag. Long computations check it at least every 50 ms.
 ///

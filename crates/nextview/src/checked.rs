@@ -1,5 +1,5 @@
-/// Implements serde's traits for a type with the attribute `serde(remote = "Self")` and checks every value
-/// that is read with the type's method `check`.
+/// Implements serde's traits for a type with the attribute `serde(remote = "Self")` and checks every
+/// deserialized value with the type's method `check`.
 macro_rules! checked_when_read {
     ($type:ty) => {
         impl ::serde::Serialize for $type {

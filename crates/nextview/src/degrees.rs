@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Deserializer, Serializer};
 
-/// Rounded, so that 10 degrees do not read 9.999999999999998.
+/// Converts to degrees, rounded so that 10 degrees does not become 9.999999999999998.
 pub(crate) fn tidy(radians: f64) -> f64 {
     (radians.to_degrees() * 1e9).round() / 1e9
 }

@@ -1,7 +1,6 @@
-/// Errors in the input of the library.
+/// An error in the input to the library.
 ///
-/// "Nothing there" is never an error (it is an `Option` or an enum), and a broken invariant of ours is a
-/// panic.
+/// An absent result is never an error: it is an `Option` or an enum. A broken internal invariant panics.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum Error {
@@ -30,29 +29,29 @@ pub enum Error {
     TooLarge {
         /// The data that would be stored.
         what: String,
-        /// Estimated memory, or the least that is needed where counting stopped early.
+        /// Estimated memory; a lower bound if counting stopped early.
         needed_mb: u64,
-        /// The stated limit.
+        /// The configured limit.
         limit_mb: u64,
     },
-    /// The camera cannot measure as accurately as wanted.
+    /// The camera cannot reach the required accuracy.
     #[error(
         "goal_mm is {goal_mm}, expected at least {best_mm}: three looks of this camera from {distance} m"
     )]
     UnreachableGoal {
-        /// The goal, standard deviation, millimetres.
+        /// The goal as a standard deviation, millimetres.
         goal_mm: f64,
-        /// The least that can be reached.
+        /// The smallest error that can be reached.
         best_mm: f64,
-        /// Where from, metres.
+        /// The measuring distance, metres.
         distance: f64,
     },
-    /// A file's content is broken.
+    /// A file is malformed.
     #[error("{place}: {problem}")]
     Format {
         /// The line, byte offset or field.
         place: String,
-        /// The fault, and the content expected.
+        /// The fault, and the expected content.
         problem: String,
     },
     /// A planner or a gain from outside the library failed.

@@ -1,7 +1,7 @@
 use pulp::Arch;
 
-/// The vector instructions of this CPU, with which everything is computed. Results have the same bits with
-/// any others; `session/instructions.rs` compares whole scans.
+/// Returns the vector instructions of this CPU, used for all computations. Results are bit-identical with any
+/// others; `session/instructions.rs` compares whole scans.
 pub(crate) fn instructions() -> Arch {
     #[cfg(test)]
     if let Some(arch) = tests::forced() {
@@ -16,7 +16,7 @@ pub(crate) mod tests {
     use std::sync::atomic::{AtomicUsize, Ordering::SeqCst};
     use std::sync::{Mutex, PoisonError};
 
-    /// One more than the number, among [`archs`], of those that all threads use; 0 for those of the CPU.
+    /// One more than the index in [`archs`] of the instructions that all threads use; 0 for those of the CPU.
     static FORCED: AtomicUsize = AtomicUsize::new(0);
 
     /// The instructions that this CPU has, and those that every CPU has.
@@ -31,8 +31,8 @@ pub(crate) mod tests {
         FORCED.load(SeqCst).checked_sub(1).map(|number| archs()[number])
     }
 
-    /// What comes of the same computation with each of [`archs`]. Tests beside it are computed with them,
-    /// too; that changes nothing but their speed.
+    /// Returns the results of a computation with each of [`archs`]. Tests running in parallel use them, too;
+    /// that only changes their speed.
     pub fn with_each<T>(compute: impl Fn() -> T) -> Vec<T> {
         static TURN: Mutex<()> = Mutex::new(());
         let _turn = TURN.lock().unwrap_or_else(PoisonError::into_inner);

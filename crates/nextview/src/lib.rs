@@ -1,10 +1,10 @@
-//! Next-best-view planning: where should a depth camera look next, so that an unknown object is scanned
-//! completely in as few views as possible?
+//! Next-best-view planning: where should a depth camera look next to scan an unknown object completely in as
+//! few views as possible?
 //!
 //! Start with [`session::Session`]: it takes depth frames and decides on camera poses.
-//! [`session::SessionConfig`] says where the object is and how fine the map, [`view::generate`] makes the
-//! poses to choose from, and a [`planner::ViewPlanner`] chooses: [`planner::MostSurface`] is the one to begin
-//! with. After the scan, [`surface`] makes a cloud and a mesh of the frames.
+//! [`session::SessionConfig`] sets the object's box and the voxel size, [`view::generate`] makes the view
+//! candidates, and a [`planner::ViewPlanner`] chooses among them: begin with [`planner::MostSurface`]. After
+//! the scan, [`surface`] makes a cloud and a mesh from the frames.
 //!
 //! # Your own camera
 //!
@@ -39,8 +39,7 @@
 //! }
 //! ```
 //!
-//! The folder `examples` contains this loop with a camera that sees a ball, a gain of your own, and a planner
-//! of your own.
+//! The folder `examples` contains this loop with a simulated ball, a custom gain and a custom planner.
 //!
 //! # Modules
 //!
@@ -51,9 +50,9 @@
 //!
 //! # Features
 //!
-//! - `mint`: vectors and quaternions of `glam` from and to other mathematics libraries, such as nalgebra,
+//! - `mint`: conversions between `glam` vectors and quaternions and other math libraries, such as nalgebra,
 //!   through `mint`.
-//! - `schema`: JSON Schemas of configurations and records.
+//! - `schema`: JSON Schemas for configurations and records.
 #![cfg_attr(feature = "mint", doc = "")]
 #![cfg_attr(feature = "mint", doc = "```")]
 #![cfg_attr(feature = "mint", doc = "use nextview::geometry::Pose;")]

@@ -1,7 +1,7 @@
-//! Text files as other programs write them: with a byte order mark or without, with the line ends of Unix, of
-//! Windows or of old Macs.
+//! Text files written by other programs: with or without a byte order mark, and with Unix, Windows or old Mac
+//! line endings.
 //!
-//! Every reader of a text takes its bytes through here, so that all accept the same files.
+//! Every text reader passes its bytes through this module, so all accept the same files.
 
 use crate::Error;
 use std::borrow::Cow;
@@ -9,8 +9,7 @@ use std::borrow::Cow;
 /// The byte order mark of UTF-8.
 const MARK: &[u8] = b"\xEF\xBB\xBF";
 
-/// What the first bytes of a text say that is not UTF-8. UTF-32 comes first: its mark begins with that of
-/// UTF-16.
+/// Byte order marks of encodings other than UTF-8. UTF-32 comes first: its mark begins with that of UTF-16.
 const OTHER_MARKS: [(&[u8], &str); 4] = [
     (b"\xFF\xFE\0\0", "UTF-32"),
     (b"\0\0\xFE\xFF", "UTF-32"),
@@ -18,9 +17,9 @@ const OTHER_MARKS: [(&[u8], &str); 4] = [
     (b"\xFE\xFF", "UTF-16"),
 ];
 
-/// The bytes without the byte order mark of UTF-8. Fails if they begin as UTF-16 or UTF-32 does.
+/// Returns the bytes without the UTF-8 byte order mark. Fails if they begin like UTF-16 or UTF-32.
 ///
-/// This is for files that may be binary after a header of text; for texts, take [`plain`] or [`utf8`].
+/// Use it for files that may be binary after a text header; for text, use [`plain`] or [`utf8`].
 pub fn unmarked(bytes: &[u8]) -> Result<&[u8], Error> {
     let refused = |found: &str| {
         let problem = format!("is text in {found}, expected UTF-8; save it as UTF-8");
@@ -29,15 +28,15 @@ pub fn unmarked(bytes: &[u8]) -> Result<&[u8], Error> {
     if let Some((_, name)) = OTHER_MARKS.iter().find(|(mark, _)| bytes.starts_with(mark)) {
         return Err(refused(name));
     }
-    // There, ASCII has a zero beside each character.
+    // In those encodings, every ASCII character comes with a zero byte.
     if bytes.iter().take(4).any(|&byte| byte == 0) {
         return Err(refused("UTF-16 or UTF-32 without its mark, or no text at all"));
     }
     Ok(bytes.strip_prefix(MARK).unwrap_or(bytes))
 }
 
-/// A text without byte order mark, whose every line ends in a line feed, alone or after a carriage return.
-/// Only the ASCII in it has a meaning yet: comments may be in any encoding that extends ASCII.
+/// Returns the text without byte order mark, every line ending in a line feed, alone or after a carriage
+/// return. Only ASCII matters here: comments may be in any encoding that extends ASCII.
 ///
 /// Fails if the text is UTF-16 or UTF-32, or if a later line begins with a byte order mark.
 ///
@@ -69,10 +68,10 @@ pub fn plain(bytes: &[u8]) -> Result<Cow<'_, [u8]>, Error> {
     }
 }
 
-/// Returns a [`plain`] text that must be UTF-8.
+/// Returns the [`plain`] text; fails unless it is UTF-8.
 pub fn utf8(bytes: Vec<u8>) -> Result<String, Error> {
     let text = match plain(&bytes)? {
-        // Most texts are taken as they are.
+        // Most texts need no change.
         Cow::Borrowed(text) if text.len() == bytes.len() => bytes,
         text => text.into_owned(),
     };

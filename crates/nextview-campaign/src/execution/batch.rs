@@ -8,10 +8,10 @@ use serde_json::Value;
 use std::collections::{BTreeSet, VecDeque};
 use std::fmt;
 
-/// Most variants that the name of a batch lists.
+/// Maximum number of variants listed in the name of a batch.
 const MAX_NAMED: usize = 3;
 
-/// Runs that share their object, on their way to a worker in another process.
+/// Runs with a common object, on their way to a worker in another process.
 ///
 /// Its `Display` names the object and the variants, for a list of tasks: `mug: max-flow, random`.
 ///
@@ -30,7 +30,7 @@ pub struct Batch {
     runs: Vec<Run>,
 }
 
-/// A batch as it is written. The runs are read after the build was checked: another one may write them
+/// A batch as written. The build is checked before the runs are read: another build may write them
 /// differently.
 #[derive(Serialize, Deserialize)]
 struct Message<R> {
@@ -39,25 +39,25 @@ struct Message<R> {
 }
 
 impl Batch {
-    /// These runs, which must share their object
+    /// Creates a batch of these runs, which must have a common object
     /// ([`ScanConfig::of_object`](nextview_scan::ScanConfig::of_object)): it is prepared once for all of
     /// them.
     pub fn new(runs: Vec<Run>) -> Self {
         Self { runs }
     }
 
-    /// Its runs, in the order in which they are done.
+    /// Returns the runs, in execution order.
     pub fn runs(&self) -> &[Run] {
         &self.runs
     }
 
-    /// The batch as JSON, as [`Batch::from_json`] reads it.
+    /// Returns the batch as JSON, for [`Batch::from_json`].
     pub fn to_json(&self) -> Result<String, Fault> {
         let message = Message { build: BuildIdentity::this(), runs: &self.runs };
         serde_json::to_string(&message).map_err(Fault::data)
     }
 
-    /// Reads a batch; fails if another build wrote it, because its records would be of no use there.
+    /// Reads a batch; fails if another build wrote it, because records would be of no use there.
     pub fn from_json(text: &str) -> Result<Self, Fault> {
         let unreadable = |error| Fault::data(format!("a batch of runs cannot be read: {error}"));
         let Message { build, runs }: Message<Value> = serde_json::from_str(text).map_err(unreadable)?;
@@ -72,9 +72,9 @@ impl Batch {
         Ok(Self { runs: serde_json::from_value(runs).map_err(unreadable)? })
     }
 
-    /// Gets ready to do the runs, each by so many threads; with a cache, the truth of their object comes from
-    /// there. Fails if they cannot be done here, for example because a user's planner is missing: every run
-    /// would fail, and stay failed.
+    /// Prepares the execution of the runs, with `n_threads` threads each; a cache, if given, provides the
+    /// truth of their object. Fails if the runs cannot be done here, for example because a user's planner is
+    /// missing: every run would fail, and stay failed.
     pub fn begin(self, n_threads: usize, truths: Option<TruthCache>) -> Result<BatchRuns, Faults> {
         for run in &self.runs {
             let worker = || format!("the worker on {}", Host::this(1).name);
@@ -104,10 +104,10 @@ impl fmt::Display for Batch {
     }
 }
 
-/// The runs of a batch, done one after the other by a process that does nothing else meanwhile.
+/// The runs of a batch, executed one after the other by a process that does nothing else meanwhile.
 pub struct BatchRuns {
     open: VecDeque<Run>,
-    /// None before the first run.
+    /// `None` before the first run.
     prepared: Option<Prepared>,
     truths: Option<TruthCache>,
     host: Host,
@@ -115,8 +115,8 @@ pub struct BatchRuns {
 }
 
 impl BatchRuns {
-    /// Does the next run; none if all are done. A run that fails or panics has a record that says so. If this
-    /// is cancelled, it fails, and the run stays open.
+    /// Executes the next run; `None` if all are done. A run that fails or panics has a record with the
+    /// reason. If cancelled, this fails, and the run stays open.
     pub fn next_record(&mut self, cancel: &Cancel) -> Result<Option<RunRecord>, Fault> {
         let Some(run) = self.open.front() else { return Ok(None) };
         let Self { prepared, truths, host, pool, .. } = self;

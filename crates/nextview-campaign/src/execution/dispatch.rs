@@ -5,14 +5,14 @@ use crate::{FailedRuns, RunRecord, tables};
 use nextview_scan::{Fault, Faults};
 use std::collections::VecDeque;
 
-/// Parts of a worker's share below which runs that share their object are not divided.
+/// Number of parts of a worker's share below which runs with a common object are not divided.
 const PARTS_OF_SHARE: usize = 8;
-/// Most missing runs that are named one by one.
+/// Maximum number of missing runs listed by name.
 const MAX_NAMED: usize = 3;
 
-/// The open runs of a campaign for workers in other processes: hands out batches, and keeps the records that
-/// come back. The code that starts the workers decides what to do about a lost batch; what is still missing
-/// at the end is open for the next one that opens the store.
+/// The open runs of a campaign for workers in other processes: hands out batches, and stores the returned
+/// records. The code that starts the workers decides how to handle a lost batch. Runs still missing at the
+/// end stay open for the next process that opens the store.
 ///
 /// ```no_run
 /// # use nextview::Cancel;
@@ -37,30 +37,30 @@ const MAX_NAMED: usize = 3;
 pub struct Dispatch {
     store: Store,
     tally: Tally,
-    /// Numbers of runs that share their object, of which no batch was made.
+    /// Numbers of runs with a common object, not yet in a batch.
     groups: VecDeque<Vec<usize>>,
-    /// Open runs at the beginning.
+    /// Number of open runs at the beginning.
     n_open: usize,
-    /// Those of them of which no batch was made.
+    /// Number of those not yet in a batch.
     n_waiting: usize,
 }
 
 impl Dispatch {
-    /// The open runs of this store.
+    /// Takes the open runs of this store.
     pub fn new(store: Store) -> Self {
         let (groups, tally) = (store.open_groups().into(), Tally::new(&store));
         let n_open = tally.n_left();
         Self { n_open, n_waiting: n_open, store, tally, groups }
     }
 
-    /// Messages before the first batch.
+    /// Returns the messages before the first batch.
     pub fn beginning(&self) -> Vec<CampaignEvent> {
         self.tally.beginning(&self.store)
     }
 
-    /// The next runs to do; none if all were handed out. Runs that share their object stay together, unless
-    /// they are more than a worker's share of those that wait: guided self-scheduling (Polychronopoulos &
-    /// Kuck 1987), so that all workers end at about the same time.
+    /// Returns the next runs; `None` if all were handed out. Runs with a common object stay together, unless
+    /// they exceed a worker's share of the waiting runs: guided self-scheduling (Polychronopoulos & Kuck
+    /// 1987), with which all workers end at about the same time.
     pub fn take(&mut self, n_workers: usize) -> Option<Batch> {
         let group = self.groups.pop_front()?;
         let n_workers = n_workers.max(1);
@@ -75,12 +75,12 @@ impl Dispatch {
         Some(Batch::new(part.iter().filter_map(|&number| self.store.runs().get(number)).collect()))
     }
 
-    /// Keeps a record: on the disk when this returns. One of a run that has an equal one changes nothing.
+    /// Stores a record, on disk when this returns. A record equal to a stored one changes nothing.
     pub fn keep(&mut self, record: &RunRecord) -> Result<Vec<CampaignEvent>, Fault> {
         self.tally.keep(&mut self.store, record)
     }
 
-    /// Writes the tables, if every run has its record; the runs that failed.
+    /// Writes the tables if every run has its record, and returns the failed runs.
     pub fn finish(&self) -> Result<Vec<FailedRuns>, Faults> {
         let (runs, missing) = (self.store.runs(), self.store.open_groups().concat());
         if !missing.is_empty() {

@@ -6,36 +6,36 @@ use serde::Serialize;
 #[serde(rename_all = "kebab-case")]
 #[non_exhaustive]
 pub enum CampaignEvent {
-    /// It begins.
+    /// The campaign begins.
     Began {
-        /// Objects of the campaign, or of the shard.
+        /// Number of objects of the campaign, or of the shard.
         n_objects: usize,
-        /// Their runs.
+        /// Number of their runs.
         n_runs: usize,
-        /// Those of them that were finished before.
+        /// Number of runs finished before.
         n_finished: usize,
     },
-    /// A run is finished and its record is kept.
+    /// A run is finished and its record is stored.
     RunFinished {
-        /// Which one.
+        /// The run.
         run: RunId,
-        /// The reason of a failure; none if it succeeded.
+        /// The reason for a failure; `None` if it succeeded.
         failure: Option<String>,
     },
     /// All runs of an object are finished.
     ObjectFinished {
         /// Name of the object.
         object: String,
-        /// Its runs, those that were finished before included.
+        /// Number of its runs, including those finished before.
         n_runs: usize,
-        /// Those of them that failed.
+        /// Number of failed runs.
         n_failed: usize,
     },
-    /// Something worth knowing.
+    /// A message for the user.
     Note(String),
 }
 
-/// Receives the events of a campaign, one after the other, from any of its threads.
+/// Receives the events of a campaign, one at a time, from any of its threads.
 pub type Listener<'a> = &'a (dyn Fn(CampaignEvent) + Sync);
 
 #[cfg(test)]

@@ -5,11 +5,11 @@ use crate::{Host, Run};
 use nextview::Cancel;
 use nextview_scan::{Fault, TruthCache};
 
-/// Does all runs of a source, `n_jobs` beside each other, each in its share of the threads.
+/// Executes all runs of a source, `n_jobs` in parallel, each with its share of the threads.
 ///
-/// A run that fails or panics has a record that says so. With a cache, the truths that it knows are not
-/// computed; results are the same. If this is cancelled, runs under way are dropped without a record. A fault
-/// of the source stops the other jobs after their runs.
+/// A run that fails or panics has a record with the reason. Truths in the cache, if any, are not computed;
+/// results are the same. If cancelled, runs in progress are dropped without a record. A fault of the source
+/// stops the other jobs after their current runs.
 pub fn execute<W: WorkSource + ?Sized>(
     work: &W,
     n_jobs: usize,
@@ -31,12 +31,12 @@ pub fn execute<W: WorkSource + ?Sized>(
         };
         let jobs: Vec<_> = (0..n_jobs).map(spawn).collect();
         let ends = jobs.into_iter().map(|job| job?.join().expect("panics are caught in the job"));
-        // All are awaited before the first fault is returned.
+        // All jobs are awaited before the first fault is returned.
         ends.fold(Ok(()), Result::and)
     })
 }
 
-/// Does tasks until none are left.
+/// Executes tasks until none are left.
 fn job<W: WorkSource + ?Sized>(
     work: &W,
     queue: &Queue<'_, Run, Prepared>,
@@ -49,7 +49,7 @@ fn job<W: WorkSource + ?Sized>(
         && let Some(task) = queue.next()?
     {
         match task {
-            // By all threads: other jobs may have to wait for it.
+            // Uses all threads: other jobs may have to wait for it.
             Task::Prepare(group, run) => queue.prepared(group, prepare(&run.config, truths, cancel)),
             Task::Run(run, prepared) => {
                 let record = pool.install(|| measured(&run, &prepared, host, is_alone, cancel));

@@ -1,11 +1,11 @@
-//! Doing runs: several beside each other, from wherever work comes.
+//! Execution of runs, several in parallel, from any source of work.
 //!
-//! [`run_campaign`] does the remaining runs of a campaign in a folder. Beneath it, [`execute`] takes runs
-//! from a [`WorkSource`] and hands their records back to it, and knows neither specification nor folder: a
-//! source may as well lease runs from another machine.
+//! [`run_campaign`] executes the remaining runs of a campaign in a folder. At a lower level, [`execute`]
+//! takes runs from a [`WorkSource`] and returns their records to it. It knows neither specification nor
+//! folder: a source may also lease runs from another machine.
 //!
-//! For workers that are processes of their own, a [`Dispatch`] hands out the open runs of a folder as
-//! [`Batch`]es, which travel as text, and keeps the records that come back.
+//! For workers in separate processes, a [`Dispatch`] hands out the open runs of a folder as [`Batch`]es,
+//! which travel as text, and stores the returned records.
 
 mod batch;
 mod dispatch;
@@ -29,11 +29,11 @@ use nextview::Cancel;
 use nextview_scan::{Fault, TruthCache};
 use tally::Tally;
 
-/// Does all open runs of a campaign, or of the store's shard of it, `n_jobs` beside each other, by default
-/// one per thread, and no more than that. Truths of objects come from the cache, if there is one.
+/// Executes all open runs of a campaign, or of the store's shard of it, `n_jobs` in parallel: by default, and
+/// at most, one per thread. Truths of objects come from the cache, if there is one.
 ///
-/// A run that fails is recorded with its reason and does not stop the others. If this is cancelled, runs that
-/// are finished are kept, and all others stay open.
+/// A failed run is recorded with its reason and does not stop the others. If cancelled, finished runs are
+/// stored, and all others stay open.
 pub fn run_campaign(
     store: &mut Store,
     n_jobs: Option<usize>,

@@ -6,18 +6,18 @@ use nextview_scan::Fault;
 use std::collections::VecDeque;
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
-/// The runs of a campaign, or of a shard of it, that have no record yet; records go to its store, events to a
+/// The runs of a campaign, or of a shard of it, without a record. Records go to its store, events to a
 /// listener.
 pub struct OpenRuns<'a> {
-    /// Numbers of runs that share their object.
+    /// Numbers of runs with a common object.
     groups: Mutex<VecDeque<Vec<usize>>>,
-    /// Records are kept and reported one at a time.
+    /// Records are stored and reported one at a time.
     kept: Mutex<(&'a mut Store, Tally)>,
     listener: Listener<'a>,
 }
 
 impl<'a> OpenRuns<'a> {
-    /// The open runs of this store.
+    /// Takes the open runs of this store.
     pub fn new(store: &'a mut Store, listener: Listener<'a>) -> Self {
         let groups = store.open_groups().into();
         let tally = Tally::new(store);

@@ -2,47 +2,47 @@ use nextview_scan::Fault;
 use std::collections::{BTreeMap, VecDeque};
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 
-/// Takes groups of runs from a source. Runs of a group share something that takes long to prepare.
+/// Takes groups of runs from a source. Runs of a group have a common, slow preparation.
 pub(super) type Take<'a, R> = &'a (dyn Fn() -> Result<Option<Vec<R>>, Fault> + Sync);
 
-/// Groups of runs on their way. Jobs ask for tasks until there are none left.
+/// Groups of runs in progress. Jobs ask for tasks until there are none left.
 pub(super) struct Queue<'a, R, T> {
     take: Take<'a, R>,
     state: Mutex<State<R, T>>,
     changed: Condvar,
 }
 
-/// Something to do.
+/// A task for a job.
 pub(super) enum Task<R, T> {
-    /// Prepare the group of this number, which this run is of, then call [`Queue::prepared`].
+    /// Prepare the group with this number, to which this run belongs, then call [`Queue::prepared`].
     Prepare(usize, R),
-    /// Do this run with what was prepared for it.
+    /// Execute this run with its preparation.
     Run(R, Arc<T>),
 }
 
 struct State<R, T> {
-    /// Those that have runs to do, by number.
+    /// Groups with runs left, by number.
     groups: BTreeMap<usize, Group<R, T>>,
     n_taken: usize,
-    /// Whether the source has nothing left.
+    /// Whether the source is exhausted.
     is_exhausted: bool,
 }
 
 struct Group<R, T> {
     open: VecDeque<R>,
-    /// None while it is prepared.
+    /// `None` during preparation.
     prepared: Option<Arc<T>>,
 }
 
 impl<'a, R: Clone, T> Queue<'a, R, T> {
-    /// A queue of the tasks of this source.
+    /// Creates a queue of the tasks of this source.
     pub fn new(take: Take<'a, R>) -> Self {
         let state = State { groups: BTreeMap::new(), n_taken: 0, is_exhausted: false };
         Self { take, state: Mutex::new(state), changed: Condvar::new() }
     }
 
-    /// The next task; none if all are taken. Runs that are prepared come first, so that few groups are held
-    /// in memory; if all that is left waits for a preparation, so does this.
+    /// Returns the next task; `None` if all are taken. Prepared runs come first, to hold few groups in
+    /// memory. If all remaining runs wait for a preparation, so does this.
     pub fn next(&self) -> Result<Option<Task<R, T>>, Fault> {
         let mut state = self.lock();
         loop {
@@ -59,7 +59,7 @@ impl<'a, R: Clone, T> Queue<'a, R, T> {
         }
     }
 
-    /// The runs of this group can be done, unless the queue was stopped.
+    /// Releases the runs of this group, unless the queue was stopped.
     pub fn prepared(&self, group: usize, prepared: T) {
         if let Some(group) = self.lock().groups.get_mut(&group) {
             group.prepared = Some(Arc::new(prepared));
@@ -67,7 +67,7 @@ impl<'a, R: Clone, T> Queue<'a, R, T> {
         self.changed.notify_all();
     }
 
-    /// Forgets all tasks that were not begun.
+    /// Drops all tasks that have not begun.
     pub fn stop(&self) {
         let mut state = self.lock();
         state.groups.clear();
@@ -86,7 +86,7 @@ impl<R: Clone, T> State<R, T> {
         let prepared = group.prepared.clone()?;
         let run = group.open.pop_front()?;
         if group.open.is_empty() {
-            // Nobody needs what was prepared any more but the last runs, which hold it themselves.
+            // Only the last runs still need the preparation, and they hold it themselves.
             self.groups.remove(&number);
         }
         Some(Task::Run(run, prepared))

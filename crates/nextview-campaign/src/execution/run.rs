@@ -10,8 +10,7 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 /// The data shared by the runs on an object, or the reason why they all fail.
 pub(super) type Prepared = Result<(SimulatedObject, Option<Truth>), String>;
 
-/// Loads an object and, where that is needed, looks at it from everywhere, unless a cache knows what there is
-/// to see.
+/// Loads an object and, if needed, looks at it from all candidates, unless a cache has the result.
 pub(super) fn prepare(config: &ScanConfig, truths: Option<&TruthCache>, cancel: &Cancel) -> Prepared {
     let config = config.of_object();
     guarded(|| {
@@ -25,8 +24,8 @@ pub(super) fn prepare(config: &ScanConfig, truths: Option<&TruthCache>, cancel: 
     })
 }
 
-/// Scans, measures, and records how it went. The growth of the process's memory is that of the run only if it
-/// is alone.
+/// Scans, measures and records a run. The growth of the process's memory is that of the run only if it is
+/// alone.
 pub(super) fn measured(
     run: &Run,
     prepared: &Prepared,
@@ -59,7 +58,7 @@ pub(super) fn measured(
     }
 }
 
-/// Whether the run of a record came to its end before it could be cancelled.
+/// Whether the run of a record ended before it could be cancelled.
 pub(super) fn is_complete(record: &RunRecord) -> bool {
     record.done().is_some_and(|done| done.record.stop_reason != Some(StopReason::Cancelled))
 }
@@ -80,12 +79,12 @@ fn measure(
     let after = before.and_then(|_| memory::peak_mb());
     let growth = before.zip(after).map(|(before, after)| (after - before).max(0.0));
     let mut record = finished.record(config, Measured::CloudOnly)?;
-    // That of the process says nothing about one run of many.
+    // The process's peak says nothing about one run of many.
     record.peak_memory_mb = None;
     Ok(DoneRun { record, extra_memory_mb: growth.map(|mb| (10.0 * mb).round() / 10.0) })
 }
 
-/// The value of the work, or the reason why there is none. A panic is a bug of ours, but must not affect the
+/// The result of the work, or the reason for its failure. A panic is a bug of ours, but must not affect the
 /// other runs.
 fn guarded<T>(work: impl FnOnce() -> Result<T, Faults>) -> Result<T, String> {
     match catch_unwind(AssertUnwindSafe(work)) {
@@ -98,7 +97,7 @@ fn guarded<T>(work: impl FnOnce() -> Result<T, Faults>) -> Result<T, String> {
     }
 }
 
-/// All faults with their remedies in one line.
+/// All faults with their remedies on one line.
 fn reason(faults: &Faults) -> String {
     let with_remedy = |fault: &Fault| match &fault.remedy {
         Some(remedy) => format!("{fault} ({remedy})"),

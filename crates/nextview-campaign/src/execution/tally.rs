@@ -4,7 +4,7 @@ use crate::store::Store;
 use nextview_scan::Fault;
 use std::collections::BTreeMap;
 
-/// How many runs of each object are left and how many failed.
+/// Numbers of open and failed runs of each object.
 #[derive(Debug)]
 pub(super) struct Tally {
     objects: BTreeMap<String, Count>,
@@ -18,7 +18,7 @@ struct Count {
 }
 
 impl Tally {
-    /// Of the runs of this store's share, some of which have records.
+    /// Counts the runs of this store's share, some of which may have records.
     pub fn new(store: &Store) -> Self {
         let mut objects: BTreeMap<String, Count> = BTreeMap::new();
         let mut add = |object: &str, n_runs: usize, n_left: usize| {
@@ -39,7 +39,7 @@ impl Tally {
         Self { objects }
     }
 
-    /// Messages about the runs of this store before the first of them.
+    /// Returns the messages about the runs of this store before the first run.
     pub fn beginning(&self, store: &Store) -> Vec<CampaignEvent> {
         let torn = "the last line of runs.jsonl is not whole; its run is done again";
         let note = store.was_torn().then(|| CampaignEvent::Note(torn.to_owned()));
@@ -48,13 +48,12 @@ impl Tally {
         note.into_iter().chain([CampaignEvent::Began { n_objects, n_runs, n_finished }]).collect()
     }
 
-    /// Number of runs without a record.
+    /// Returns the number of runs without a record.
     pub fn n_left(&self) -> usize {
         self.objects.values().map(|count| count.n_left).sum()
     }
 
-    /// Adds a record to the store and counts its run; the events of that. A record that is there already
-    /// causes none.
+    /// Stores a record, counts its run, and returns the events. A record that is already stored causes none.
     pub fn keep(&mut self, store: &mut Store, record: &RunRecord) -> Result<Vec<CampaignEvent>, Fault> {
         let is_known = store.runs().number(&record.id()).is_some_and(|number| store.is_finished(number));
         store.append(record)?;
@@ -66,7 +65,7 @@ impl Tally {
         Ok([finished].into_iter().chain(self.add(record)).collect())
     }
 
-    /// Counts a run; an event if it was the last of its object.
+    /// Counts a run, and returns an event if it was the last of its object.
     fn add(&mut self, record: &RunRecord) -> Option<CampaignEvent> {
         let count = self.objects.get_mut(&record.object)?;
         count.n_left = count.n_left.saturating_sub(1);

@@ -3,21 +3,21 @@ use nextview_scan::Fault;
 use std::collections::VecDeque;
 use std::sync::{Mutex, PoisonError};
 
-/// Where runs come from and their records go: a campaign's folder, a list, or a lease from elsewhere.
+/// A source of runs that receives their records: a campaign's folder, a list, or a lease from elsewhere.
 ///
-/// Runs that were taken and are not finished, because this process is cancelled or ends, are open again: the
-/// owner of the leases decides when.
+/// Runs taken but not finished, because this process is cancelled or ends, become open again: the owner of
+/// the leases decides when.
 pub trait WorkSource: Sync {
-    /// Takes some runs to do; none if there is nothing left. They must share their object
+    /// Takes some runs; `None` if there is nothing left. They must have a common object
     /// ([`ScanConfig::of_object`](nextview_scan::ScanConfig::of_object)), which is prepared once for all of
     /// them.
     fn take(&self) -> Result<Option<Vec<Run>>, Fault>;
 
-    /// Receives the record of a run that was taken. A fault ends the execution.
+    /// Receives the record of a taken run. A fault ends the execution.
     fn finish(&self, record: RunRecord) -> Result<(), Fault>;
 }
 
-/// Runs one by one, whose records stay in memory: for a process that does a single run, and for tests.
+/// Single runs whose records stay in memory, for a process with one run and for tests.
 #[derive(Debug, Default)]
 pub struct RunList {
     open: Mutex<VecDeque<Run>>,
@@ -25,12 +25,12 @@ pub struct RunList {
 }
 
 impl RunList {
-    /// These runs, in this order.
+    /// Creates a list of these runs, in this order.
     pub fn new(runs: impl IntoIterator<Item = Run>) -> Self {
         Self { open: Mutex::new(runs.into_iter().collect()), finished: Mutex::default() }
     }
 
-    /// The records so far, in the order in which the runs ended.
+    /// Returns the records, in the order in which the runs ended.
     pub fn into_records(self) -> Vec<RunRecord> {
         self.finished.into_inner().unwrap_or_else(PoisonError::into_inner)
     }

@@ -1,4 +1,4 @@
-//! The specifications of the paper's tables and of the protocols of others.
+//! The specifications of the paper's tables and of other authors' protocols.
 
 const SPECS: [(&str, &str, &str); 9] = [
     ("paper-1", "table I: voxel coverage of all planners", include_str!("specs/paper-1.toml")),
@@ -24,12 +24,12 @@ const SPECS: [(&str, &str, &str); 9] = [
     ),
 ];
 
-/// Name and purpose of each.
+/// Lists the name and purpose of each.
 pub fn list() -> impl Iterator<Item = (&'static str, &'static str)> {
     SPECS.iter().map(|(name, about, _)| (*name, *about))
 }
 
-/// The specification of this name, as TOML.
+/// Returns the specification with this name, as TOML.
 pub fn by_name(name: &str) -> Option<&'static str> {
     SPECS.iter().find(|(known, ..)| *known == name).map(|(.., text)| *text)
 }

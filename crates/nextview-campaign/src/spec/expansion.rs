@@ -11,27 +11,27 @@ use toml::{Table, Value};
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Variant {
     pub label: String,
-    /// Object, seeds and first view aside.
+    /// The configuration without object, seeds and first view.
     pub config: ScanConfig,
     pub seeds: Vec<u64>,
     pub view_seeds: Vec<u64>,
     pub first_views: FirstViews,
-    /// Whether the configuration states the seed of the noise, so that it is not derived.
+    /// Whether the configuration states the seed of the noise, which is then not derived.
     pub has_noise_seed: bool,
-    /// The same of the seed of the random baseline.
+    /// Whether the configuration states the seed of the random baseline.
     pub has_baseline_seed: bool,
 }
 
-/// Keys that are not for a variant to decide, and what decides them.
+/// Keys that a variant cannot set, and what sets them.
 const DECIDED_ELSEWHERE: [(&str, &str); 3] =
     [("object", "objects"), ("seed", "seeds"), ("first_view", "first_views")];
 
-/// The key of the set of candidates, which `view_seeds` may decide.
+/// The key of the set of candidates, which `view_seeds` may set.
 const VIEW_SEED: &str = "view_seed";
 
-/// All combinations of the values that a variant, which has this index, sweeps; the last key changes fastest.
-/// Keys, seeds, sets of candidates and first views are the specification's where the variant has none of its
-/// own. Only so many combinations may be made.
+/// All combinations of the values swept by the variant with this index; the last key changes fastest. Missing
+/// keys, seeds, sets of candidates and first views come from the specification. At most `most` combinations
+/// are allowed.
 pub(crate) fn expand(
     variant: &VariantSpec,
     index: usize,
@@ -50,7 +50,7 @@ pub(crate) fn expand(
     tables.into_iter().filter_map(|table| expansion.variant(table)).collect()
 }
 
-/// A variant on its way to the combinations of its swept values.
+/// A variant during expansion into the combinations of its swept values.
 struct Expansion<'a> {
     variant: &'a VariantSpec,
     index: usize,
@@ -101,7 +101,7 @@ impl Expansion<'_> {
         sweeps
     }
 
-    /// The variant of this configuration; none if it is none.
+    /// The variant with this configuration; `None` if it is invalid.
     fn variant(&mut self, table: Table) -> Option<Variant> {
         let has_view_seed = table.contains_key(VIEW_SEED);
         let has_noise_seed = sets(&table, "noise.seed");
@@ -130,12 +130,12 @@ impl Expansion<'_> {
         Some(Variant { label, config, seeds, view_seeds, first_views, has_noise_seed, has_baseline_seed })
     }
 
-    /// Adds a fault of a list where it stands: in the variant, or else in the specification.
+    /// Adds a fault of a list at its place: in the variant, or else in the specification.
     fn add_of_list(&mut self, key: &str, is_own: bool, fault: Fault) {
         if is_own { self.add(key, fault) } else { self.faults.add(key, fault) }
     }
 
-    /// Adds a fault of the configuration where its key comes from: the sweep, the variant, or the
+    /// Adds a fault of the configuration at the source of its key: the sweep, the variant, or the
     /// specification.
     fn add_of_config(&mut self, fault: &Fault) {
         let key = fault.key.as_deref().unwrap_or_default();
@@ -155,7 +155,7 @@ impl Expansion<'_> {
         }
     }
 
-    /// A key that the variant sets, to say where it stands.
+    /// A key that the variant sets, to report its place.
     fn any_key(&self) -> String {
         let Self { variant: VariantSpec { label, scan, sweep, .. }, .. } = self;
         let first = |name: &str, table: &Table| Some(format!("{name}.{}", table.keys().next()?));
@@ -179,7 +179,7 @@ impl Expansion<'_> {
     }
 }
 
-/// The configuration; unless it says otherwise, all its seeds share their candidates.
+/// The configuration; by default, all its seeds share their candidates.
 fn load(mut table: Table) -> Result<ScanConfig, Faults> {
     let decided = DECIDED_ELSEWHERE.iter().filter(|(key, _)| table.contains_key(*key)).map(|(key, by)| {
         let message = format!("`{key}` is not for [scan], `scan` or `sweep`: `{by}` decides it");
@@ -200,7 +200,7 @@ fn load(mut table: Table) -> Result<ScanConfig, Faults> {
     Ok(config)
 }
 
-/// Where a rule makes the candidates, their number is known before the run.
+/// Candidates made by a rule have a known number before the run.
 fn check_views(config: &ScanConfig) -> Result<(), Fault> {
     let (n, views) = (config.candidates, config.max_views(config.candidates));
     if config.view_space.rule().is_some() && (views == 0 || views > n) {
@@ -230,7 +230,7 @@ fn check_first_views(config: &ScanConfig, first_views: &FirstViews) -> Result<()
     }
 }
 
-/// Several sets of candidates need a rule that draws them, and a single key that decides them.
+/// Several sets of candidates need a rule that draws them, and a single key that sets them.
 fn check_view_seeds(
     config: &ScanConfig,
     view_seeds: Option<&Vec<u64>>,

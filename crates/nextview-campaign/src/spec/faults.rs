@@ -1,24 +1,23 @@
 use nextview_scan::{Fault, Faults, Positions};
 
-/// The faults of a specification, each once.
+/// The distinct faults of a specification.
 #[derive(Debug, Default)]
 pub(crate) struct FaultList(Vec<Fault>);
 
 impl FaultList {
-    /// Adds a fault about this key of the specification, unless it is there already: what stands in `scan`
-    /// comes up again in every variant.
+    /// Adds a fault about this key of the specification, once: a fault in `scan` recurs in every variant.
     pub fn add(&mut self, key: &str, fault: Fault) {
         self.add_without_key(Fault { key: Some(key.to_owned()), ..without_place(fault) });
     }
 
-    /// Adds a fault that belongs to no key of the specification.
+    /// Adds a fault without a key of the specification.
     pub fn add_without_key(&mut self, fault: Fault) {
         if !self.0.contains(&fault) {
             self.0.push(fault);
         }
     }
 
-    /// Adds what is wrong with the result, if it is.
+    /// Adds the fault of a result, if any.
     pub fn check(&mut self, key: &str, result: Result<(), Fault>) {
         if let Err(fault) = result {
             self.add(key, fault);
@@ -29,12 +28,12 @@ impl FaultList {
         self.0.is_empty()
     }
 
-    /// The value, unless there are faults.
+    /// The value if there are no faults.
     pub fn or<T>(self, value: T) -> Result<T, Faults> {
         Faults::of(self.0).map_or(Ok(value), Err)
     }
 
-    /// The same where the faults stand, in the order of the lines.
+    /// Adds the places of the faults, in the order of the lines.
     pub fn placed(mut self, positions: &Positions) -> Self {
         let mut faults: Vec<Fault> = self.0.into_iter().map(|fault| positions.place(fault, "")).collect();
         faults.sort_by_key(|fault| fault.place.as_ref().and_then(|place| place.position));
@@ -43,7 +42,7 @@ impl FaultList {
     }
 }
 
-/// The fault with its file in the message: its place is to be that of the key.
+/// The fault with its file in the message: its place must be that of the key.
 pub(super) fn without_place(fault: Fault) -> Fault {
     Fault { message: fault.to_string(), place: None, ..fault }
 }

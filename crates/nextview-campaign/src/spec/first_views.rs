@@ -5,18 +5,18 @@ use serde::de::{Error, Unexpected};
 use serde::{Deserialize, Deserializer, Serialize};
 use toml::Value;
 
-/// The views that the scans of an object begin with, one for each.
+/// The first views of the scans of an object, one per scan.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 #[serde(untagged)]
 pub enum FirstViews {
-    /// These, by their numbers among the candidates.
+    /// These views, by their numbers among the candidates.
     List(Vec<usize>),
-    /// So many distinct ones, drawn for each object and set of candidates.
+    /// This number of distinct views, drawn for each object and set of candidates.
     Count(usize),
 }
 
 impl FirstViews {
-    /// Fails unless there is at least one view and none twice.
+    /// Fails unless there is at least one view and no duplicate.
     pub(super) fn check(&self) -> Result<(), Fault> {
         match self {
             Self::List(views) => check_distinct("first_views", views),
@@ -25,7 +25,7 @@ impl FirstViews {
         }
     }
 
-    /// How many they are.
+    /// The number of views.
     pub(crate) fn len(&self) -> usize {
         match self {
             Self::List(views) => views.len(),
@@ -33,7 +33,7 @@ impl FirstViews {
         }
     }
 
-    /// The view of this place for an object whose candidates are configured so, and its draw if it is drawn.
+    /// The view with this index for an object with these candidates, and its draw if it is drawn.
     pub(crate) fn of(
         &self,
         place: usize,

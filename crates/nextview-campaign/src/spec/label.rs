@@ -9,7 +9,7 @@ pub(super) fn default_label(sweeps: &[Sweep]) -> String {
     format!("{{planner}}{}", values.collect::<String>())
 }
 
-/// The template with values of the configuration in place of `{key}`.
+/// Replaces `{key}` in the template with values of the configuration.
 pub(super) fn filled(template: &str, config: &ScanConfig) -> Result<String, Fault> {
     let config = Table::try_from(config).map_err(Fault::data)?;
     let (mut label, mut left) = (String::new(), template);
@@ -26,7 +26,7 @@ pub(super) fn filled(template: &str, config: &ScanConfig) -> Result<String, Faul
     Ok(label + left)
 }
 
-/// The value of a dotted key, as text; none where there is none or a table.
+/// The value of a dotted key, as text; `None` if it is missing or a table.
 fn at(table: &Table, key: &str) -> Option<String> {
     let (key, rest) = key.split_once('.').map_or((key, None), |(key, rest)| (key, Some(rest)));
     match (table.get(key)?, rest) {

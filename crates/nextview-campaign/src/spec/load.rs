@@ -4,16 +4,15 @@ use crate::runs;
 use nextview_scan::{Faults, files};
 use std::path::Path;
 
-/// Largest specification, bytes: that of a folder lists every object by its whole path.
+/// Maximum size of a specification, bytes: that of a folder lists every object by its absolute path.
 const MAX_BYTES: u64 = 1 << 22;
 
-/// A specification's faults are found all at once, with line and column where a file is behind it.
+/// A specification's faults are reported all at once, with line and column if it comes from a file.
 impl Spec {
-    /// Reads a specification: a built-in one by its name, or else a file. Objects named here take the place
-    /// of its own.
+    /// Loads a built-in specification by its name, or else a file. The objects given here replace its own.
     ///
-    /// All its paths are whole then: relative ones are relative to the file, those of `objects` to the
-    /// current folder.
+    /// All paths become absolute: relative ones are relative to the file, those of `objects` to the current
+    /// folder.
     pub fn load(name: &str, objects: &[String]) -> Result<Self, Faults> {
         if let Some(text) = builtin::by_name(name) {
             return Self::complete(Reading::of(text, None)?, Path::new(""), objects);
@@ -27,7 +26,7 @@ impl Spec {
         Self::complete(Reading::of(&text, Some(path))?, folder, objects)
     }
 
-    /// Reads a specification from a text; relative paths in it are relative to this folder.
+    /// Parses a specification from a text; relative paths in it are relative to this folder.
     pub fn parse(text: &str, folder: &Path) -> Result<Self, Faults> {
         Self::complete(Reading::of(text, None)?, folder, &[])
     }
@@ -49,7 +48,7 @@ impl Spec {
     }
 }
 
-/// The specification, if its runs can be identified and configured.
+/// The specification if its runs can be identified and configured.
 fn finish(mut reading: Reading) -> Result<Spec, Faults> {
     runs::check(&reading.spec, &mut reading.faults);
     reading.faults.placed(&reading.positions).or(reading.spec)

@@ -9,22 +9,21 @@ use toml::Value;
 /// An object and its size.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct ObjectSpec {
-    /// A mesh file or `builtin:NAME`. In a file, `*` stands for any characters of a name and `**` for any
-    /// folders.
+    /// A mesh file or `builtin:NAME`. In a file, `*` matches any characters of a name and `**` any folders.
     pub file: String,
-    /// Name in the results; by default that of the file without its extension.
+    /// Name in the results; by default the file name without its extension.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub name: Option<String>,
     /// Unit of the file; by default that of the configuration.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub unit: Option<UnitName>,
-    /// Length of the longest side, which the object is scaled to; by default that of the configuration.
+    /// Length of the longest side, to which the object is scaled; by default that of the configuration.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub size_m: Option<f64>,
 }
 
 impl ObjectSpec {
-    /// The object of a file, as the configuration has it.
+    /// Creates the object of a file, with the size of the configuration.
     pub fn new(file: impl Into<String>) -> Self {
         Self { file: file.into(), name: None, unit: None, size_m: None }
     }
@@ -56,7 +55,7 @@ impl ObjectSpec {
         Some(Self { file: file?, name, unit, size_m })
     }
 
-    /// The objects that this one stands for, with whole paths; relative ones are relative to this folder.
+    /// The objects that this one stands for, with absolute paths; relative ones are relative to this folder.
     pub(super) fn resolved(&self, folder: &Path) -> Result<Vec<Self>, Fault> {
         if self.file.starts_with("builtin:") {
             return Ok(vec![self.clone()]);
@@ -69,12 +68,12 @@ impl ObjectSpec {
         files.iter().map(|file| Ok(Self { file: whole_path(file)?, ..self.clone() })).collect()
     }
 
-    /// Name in the results.
+    /// Returns the name in the results.
     pub fn name(&self) -> String {
         self.name.clone().unwrap_or_else(|| short_name(&self.file))
     }
 
-    /// Name of the folder that the file is in, or `builtin`.
+    /// Returns the name of the file's folder, or `builtin`.
     pub fn data_set(&self) -> String {
         if self.file.starts_with("builtin:") {
             return "builtin".to_owned();

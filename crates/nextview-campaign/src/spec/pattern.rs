@@ -4,14 +4,14 @@ use glob::{MatchOptions, Pattern, glob_with};
 use nextview_scan::Fault;
 use std::path::{Path, PathBuf};
 
-/// The files that a path stands for, sorted: `*` is any run of characters within a name, but not a leading
-/// dot, and `**` any folders. A path without `*` stands for itself, whether there is such a file or not.
+/// The files that match a path, sorted: `*` matches any characters within a name, except a leading dot, and
+/// `**` any folders. A path without `*` stands for itself, even if the file does not exist.
 pub(super) fn expand(pattern: &Path) -> Result<Vec<PathBuf>, Fault> {
     let text = pattern.to_string_lossy();
     if !text.contains('*') {
         return Ok(vec![pattern.to_owned()]);
     }
-    // Brackets and question marks are common in names, and stand for themselves.
+    // Brackets and question marks are common in names, and are literal.
     let escaped = text.split('*').map(Pattern::escape).collect::<Vec<_>>().join("*");
     let options = MatchOptions {
         case_sensitive: true,

@@ -6,7 +6,7 @@ use nextview_scan::{Fault, Faults, Positions, SensorName, ViewSpaceName};
 use std::path::Path;
 use toml::{Table, Value};
 
-/// A specification on its way from a text, with everything that is wrong in it so far.
+/// A specification in progress from a text, with the faults found in it.
 pub(super) struct Reading {
     pub spec: Spec,
     pub positions: Positions,
@@ -14,7 +14,7 @@ pub(super) struct Reading {
 }
 
 impl Reading {
-    /// What the text itself says; only a text that is no TOML fails at once.
+    /// Reads the text; only a text that is not TOML fails at once.
     pub fn of(text: &str, file: Option<&Path>) -> Result<Self, Faults> {
         let (positions, table) = Positions::read(text, file)?;
         let mut faults = FaultList::default();
@@ -22,7 +22,7 @@ impl Reading {
         Ok(Self { spec, positions, faults })
     }
 
-    /// Finds the files of the objects, relative to this folder; without objects, they are the built-in ones.
+    /// Finds the files of the objects, relative to this folder; the default is the built-in objects.
     pub fn complete_objects(&mut self, folder: &Path) {
         if self.spec.objects.is_empty() {
             self.spec.objects = nextview_sim::builtin::names()
@@ -39,7 +39,7 @@ impl Reading {
         }
     }
 
-    /// Puts these objects in place of those of the specification.
+    /// Replaces the objects of the specification.
     pub fn replace_objects(&mut self, objects: &[String]) {
         self.spec.objects.clear();
         for object in objects {
@@ -50,7 +50,7 @@ impl Reading {
         }
     }
 
-    /// Makes whole the paths in configurations; without variants, there is one.
+    /// Makes the paths in configurations absolute; without variants, there is one.
     pub fn complete_variants(&mut self, folder: &Path) {
         if self.spec.variant.is_empty() {
             self.spec.variant.push(VariantSpec::default());
@@ -82,7 +82,7 @@ fn spec(table: Table, faults: &mut FaultList) -> Spec {
     let view_seeds_check = view_seeds.as_ref().map_or(Ok(()), |seeds| check_distinct("view_seeds", seeds));
     faults.check("view_seeds", view_seeds_check);
     faults.check("first_views", first_views.check());
-    // A list that was made and found nothing is no wish for other objects.
+    // An existing but empty list does not mean the default objects.
     if objects.as_ref().is_some_and(Vec::is_empty) {
         let fault = Fault::data("objects is empty, expected at least one mesh file or `builtin:NAME`");
         let remedy = "without `objects`, they are the built-in ones";
@@ -100,8 +100,8 @@ fn spec(table: Table, faults: &mut FaultList) -> Spec {
     Spec { name, seed, seeds, view_seeds, first_views, objects, scan, variant }
 }
 
-/// Longest name of a campaign: of the 255 bytes of a folder's name, `bench-` and the number of a shard need
-/// some.
+/// Maximum length of a campaign's name: `bench-` and the number of a shard need some of the 255 bytes of a
+/// folder's name.
 const MAX_NAME_BYTES: usize = 200;
 
 fn check_name(name: &str) -> Result<(), Fault> {
@@ -117,7 +117,7 @@ fn check_name(name: &str) -> Result<(), Fault> {
     Err(Fault::data(format!("name is {name:?}, expected {expected}")))
 }
 
-/// Makes whole the paths of the files that a configuration names.
+/// Makes the paths of the files in a configuration absolute.
 fn complete_table(table: &mut Table, key: &str, folder: &Path, faults: &mut FaultList) {
     let is_file = |name: &str| ViewSpaceName(name.to_owned()).rule().is_none();
     let views = value_at(table, "view_space").map_or(Ok(()), |value| complete(value, folder, is_file));
@@ -130,7 +130,7 @@ fn complete_table(table: &mut Table, key: &str, folder: &Path, faults: &mut Faul
     faults.check(&format!("{key}.nbv_net.weights"), weights);
 }
 
-/// Makes whole the paths in a value; a sweep has several.
+/// Makes the paths in a value absolute; a sweep has several.
 fn complete(value: &mut Value, folder: &Path, is_file: impl Fn(&str) -> bool + Copy) -> Result<(), Fault> {
     match value {
         Value::Array(values) => values.iter_mut().try_for_each(|value| complete(value, folder, is_file)),

@@ -3,11 +3,11 @@ use nextview_scan::{Fault, ScanConfig, read_value};
 use serde::de::DeserializeOwned;
 use toml::{Table, Value};
 
-/// A table of a specification, read key by key so that everything that is wrong in it is found at once.
+/// A table of a specification, read key by key to find all its faults at once.
 pub(super) struct Section<'a> {
-    /// Dotted key of the table with a dot behind it; empty at the top.
+    /// Dotted key of the table with a trailing dot; empty at the top.
     prefix: String,
-    /// How messages name the table; empty at the top.
+    /// Name of the table in messages; empty at the top.
     name: String,
     left: Table,
     known: Vec<&'static str>,
@@ -15,17 +15,17 @@ pub(super) struct Section<'a> {
 }
 
 impl<'a> Section<'a> {
-    /// The whole specification.
+    /// Creates the section of the whole specification.
     pub fn top(table: Table, faults: &'a mut FaultList) -> Self {
         Self { prefix: String::new(), name: String::new(), left: table, known: Vec::new(), faults }
     }
 
-    /// A table in a list: the entry of this index, which messages give this name.
+    /// A table in a list: the entry with this index, called by this name in messages.
     pub fn entry(list: &str, index: usize, name: String, table: Table, faults: &'a mut FaultList) -> Self {
         Self { prefix: format!("{list}.{index}."), name, ..Self::top(table, faults) }
     }
 
-    /// The value of the key; none if it is not set or not of its type, which is a fault.
+    /// The value of the key; `None` if it is not set, or has the wrong type, which is a fault.
     pub fn take<T: DeserializeOwned>(&mut self, key: &'static str) -> Option<T> {
         self.known.push(key);
         let value = self.left.remove(key)?;
@@ -33,12 +33,12 @@ impl<'a> Section<'a> {
         read_value(&whole_key, &value).map_err(|fault| self.add_at(fault)).ok()
     }
 
-    /// The same of a list of values, each of which may be wrong by itself.
+    /// A list of values, each of which may be wrong by itself.
     pub fn take_list(&mut self, key: &'static str) -> Vec<Value> {
         self.take(key).unwrap_or_default()
     }
 
-    /// Whether the key is set.
+    /// Returns whether the key is set.
     pub fn has(&self, key: &str) -> bool {
         self.left.contains_key(key)
     }
@@ -49,7 +49,7 @@ impl<'a> Section<'a> {
         self.add(key, fault);
     }
 
-    /// Keys that were not asked for are faults.
+    /// Reports unknown keys as faults.
     pub fn end(mut self) {
         for (key, _) in std::mem::take(&mut self.left) {
             let fault = Fault::unknown_key(&self.prefix, &key, self.known.iter().copied());

@@ -2,15 +2,15 @@ use super::values::check_distinct;
 use nextview_scan::{Fault, merged, nested};
 use toml::{Table, Value};
 
-/// A key of the configuration and the values that it takes in turn.
+/// A key of the configuration and its sequence of values.
 #[derive(Clone, Debug)]
 pub(super) struct Sweep {
-    /// Dotted.
+    /// Dotted key.
     pub key: String,
     pub values: Vec<Value>,
 }
 
-/// The sweeps of a table in the order of their keys, and what is wrong by key.
+/// The sweeps of a table in the order of their keys, and the faults by key.
 pub(super) fn of(table: &Table) -> (Vec<Sweep>, Vec<(String, Fault)>) {
     let (mut sweeps, mut faults) = (Vec::new(), Vec::new());
     collect("", table, &mut sweeps, &mut faults);
@@ -34,7 +34,7 @@ fn collect(prefix: &str, table: &Table, sweeps: &mut Vec<Sweep>, faults: &mut Ve
     }
 }
 
-/// How many combinations of the swept values there are; more than can be counted are [`usize::MAX`].
+/// The number of combinations of the swept values; [`usize::MAX`] if it overflows.
 pub(super) fn n_combinations(sweeps: &[Sweep]) -> usize {
     sweeps.iter().fold(1, |n, sweep| n.saturating_mul(sweep.values.len()))
 }

@@ -5,7 +5,7 @@ use nextview_scan::Fault;
 use std::fs;
 use std::path::Path;
 
-/// What is wrong with a specification, a fault each, as in a file of this name.
+/// The faults of a specification, as in a file with this name.
 fn faults(text: &str) -> Vec<String> {
     let reading = Reading::of(text, Some(Path::new("mine.toml")));
     let faults = reading.and_then(|reading| Spec::complete(reading, Path::new(""), &[])).unwrap_err();
@@ -224,7 +224,7 @@ sweep.view_space = ["1.csv", "2.csv"]
     let labels: Vec<String> = runs.iter().take(2).map(|run| run.id.variant).collect();
     assert_eq!(labels, [whole("1.csv"), whole("2.csv")]);
 
-    // As a campaign keeps it.
+    // The format of a campaign's folder.
     fs::write(folder.join(Spec::FILE), spec.to_toml().unwrap()).unwrap();
     assert_eq!(Spec::of_folder(&folder).unwrap(), spec);
     let spec = Spec::load(folder.join("mine.toml").to_str().unwrap(), &[whole("c*.stl")]).unwrap();

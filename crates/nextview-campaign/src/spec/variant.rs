@@ -4,11 +4,11 @@ use nextview_scan::Fault;
 use serde::Serialize;
 use toml::{Table, Value};
 
-/// A planner with its parameters, or several by a sweep.
+/// A planner with its parameters, or several with a sweep.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct VariantSpec {
-    /// Name in the results; `{path}` in it stands for that value of the configuration. By default it is made
-    /// of the planner's name and the swept values.
+    /// Name in the results; `{path}` in it stands for that value of the configuration. By default made of the
+    /// planner's name and the swept values.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub label: Option<String>,
     /// Seeds in place of the specification's.
@@ -20,10 +20,10 @@ pub struct VariantSpec {
     /// First views in place of the specification's.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub first_views: Option<FirstViews>,
-    /// Keys of [`ScanConfig`](nextview_scan::ScanConfig), over the specification's.
+    /// Keys of [`ScanConfig`](nextview_scan::ScanConfig), which override the specification's.
     #[serde(skip_serializing_if = "Table::is_empty")]
     pub scan: Table,
-    /// Lists of values for keys of [`ScanConfig`](nextview_scan::ScanConfig), over both.
+    /// Lists of values for keys of [`ScanConfig`](nextview_scan::ScanConfig), which override both.
     #[serde(skip_serializing_if = "Table::is_empty")]
     pub sweep: Table,
 }

@@ -11,21 +11,21 @@ use nextview_scan::Fault;
 use std::cmp::Ordering;
 use std::collections::BTreeMap;
 
-/// Objects with a difference in voxel coverage above this share are listed.
+/// Minimum difference in voxel coverage of listed objects.
 const LISTED: f64 = 1e-3;
 
-/// Most objects in a list.
+/// Maximum number of objects in a list.
 const MAX_LISTED: usize = 10;
 
-/// The measures to compare: by differences, except the time, which is the last, by ratios.
+/// The compared measures: by differences, except the time, which is last, by ratios.
 const MEASURES: [Measure; 6] = [VOXEL_COVERAGE, REACHABLE_COVERAGE, SKILL, VIEWS_TO_95, PATH, PLAN_TIME];
 const TIME: usize = MEASURES.len() - 1;
 
-/// Compares the runs that campaign A and campaign B have in common. Both are read once, side by side.
+/// Compares the common runs of campaigns A and B. Both are read once, in parallel.
 pub fn compare(a: &StoredRuns, b: &StoredRuns) -> Result<Comparison, Fault> {
     let (variants, renamed) = variants(a, b);
     let mut found = Found::default();
-    // Both are in the order of the identities, also where B's only variant has another name.
+    // Both are sorted by identity, even if B's only variant has another name.
     let (mut runs_a, mut runs_b) = (a.runs.iter(), b.runs.iter());
     let (mut next_a, mut next_b) = (runs_a.next().transpose()?, runs_b.next().transpose()?);
     loop {
@@ -61,8 +61,8 @@ pub fn compare(a: &StoredRuns, b: &StoredRuns) -> Result<Comparison, Fault> {
     })
 }
 
-/// The names of the variants that are compared: those of one name, or the only one of A with the only one of
-/// B, of which the name in A is the second value then.
+/// The names of the compared variants: those with equal names, or the only one of A with the only one of B.
+/// In the latter case the second value is the name in A.
 fn variants<'a>(a: &'a StoredRuns, b: &'a StoredRuns) -> (Vec<(&'a str, &'a str)>, Option<&'a str>) {
     let common = a.variants.iter().filter(|name| b.variants.contains(*name));
     let mut variants: Vec<(&str, &str)> = common.map(|name| (&name[..], &name[..])).collect();
@@ -76,13 +76,13 @@ fn variants<'a>(a: &'a StoredRuns, b: &'a StoredRuns) -> (Vec<(&'a str, &'a str)
     }
 }
 
-/// The identity that a run of B has in A.
+/// The identity in A of a run of B.
 fn id_in_a(run: &RunRecord, renamed: Option<&str>) -> RunId {
     let id = run.id();
     RunId { variant: renamed.map_or(id.variant, str::to_owned), ..id }
 }
 
-/// The runs found in both campaigns so far.
+/// The runs found in both campaigns.
 #[derive(Default)]
 struct Found {
     /// By the name of the variant in A.
@@ -96,7 +96,7 @@ struct Found {
 }
 
 impl Found {
-    /// The next run, of A, of B, or of both.
+    /// Adds the next run: of A, of B, or of both.
     fn add(&mut self, a: Option<RunRecord>, b: Option<RunRecord>) {
         match (a, b) {
             (Some(a), Some(b)) => self.add_pair(&a, &b),
@@ -128,7 +128,7 @@ fn label(run: &RunRecord) -> String {
     format!("{variant} on {object}, seed {seed}, view seed {view_seed}, first view {first_view}")
 }
 
-/// The numbers of a run that are compared: a small part of what a report needs of it.
+/// The compared numbers of a run: a small part of a report's data.
 struct ComparedRun {
     /// The draws of the run: seed, set of candidates and first view.
     draw: (u64, u64, usize),
@@ -136,7 +136,7 @@ struct ComparedRun {
 }
 
 impl ComparedRun {
-    /// None of a run that took no view.
+    /// `None` if the run took no view.
     fn of(run: &RunRecord) -> Option<Self> {
         let run = MeasuredRun::of(run)?;
         Some(Self { draw: run.draw, values: MEASURES.map(|measure| (measure.of)(&run)) })
@@ -151,7 +151,7 @@ struct ObjectRuns {
 }
 
 impl ObjectRuns {
-    /// The measure of this number; none where either has none.
+    /// The measure with this number; `None` if A or B lacks it.
     fn paired(&self, measure: usize) -> Option<PairedObject> {
         let values = |runs: &[ComparedRun]| {
             runs.iter().filter_map(|run| Some((run.draw, run.values[measure]?))).collect()
@@ -192,7 +192,7 @@ fn difference(measure: &Measure, pairs: &PairedSample) -> Option<MeasureComparis
     })
 }
 
-/// Of times: the ratio of the means that are shown, and the median of the ratios of the objects.
+/// For times: the ratio of the displayed means, and the median of the objects' ratios.
 fn ratio(measure: &Measure, pairs: &PairedSample) -> Option<MeasureComparison> {
     let ratios: Vec<f64> = pairs.of_a().iter().zip(pairs.of_b()).map(|(a, b)| b / a).collect();
     let (ratios, interval) = ([pairs.ratio()?, percentile(&ratios, 0.5)?], pairs.ratio_interval());
@@ -203,7 +203,7 @@ fn ratio(measure: &Measure, pairs: &PairedSample) -> Option<MeasureComparison> {
     })
 }
 
-/// The comparison of these differences or ratios, mean and median; `equal` is no difference.
+/// The comparison of these differences or ratios, mean and median; `equal` means no difference.
 fn of_measure(
     measure: &Measure,
     pairs: &PairedSample,

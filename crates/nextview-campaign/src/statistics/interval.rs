@@ -1,7 +1,7 @@
 use nextview::geometry::random::Random;
 use serde::{Deserialize, Serialize};
 
-/// Resamples of an interval: its ends then vary by about a hundredth of its width with the seed.
+/// Number of resamples for an interval: its ends then vary by about a hundredth of its width with the seed.
 const N_RESAMPLES: usize = 10_000;
 
 /// A 95 % interval, by the bootstrap (Efron 1979).
@@ -15,10 +15,10 @@ pub struct Interval {
 }
 
 impl Interval {
-    /// The interval of the mean of the population that the values are drawn from: the 2.5th to the 97.5th
-    /// percentile of the means of resamples. Of paired values, pass the differences.
+    /// Returns the interval of the mean of the values' population: the 2.5th to the 97.5th percentile of the
+    /// means of resamples. For paired values, pass the differences.
     ///
-    /// None for fewer than two values, which say nothing about how they vary. Below about ten values the
+    /// `None` for fewer than two values, which say nothing about their variation. Below about ten values the
     /// interval is too narrow. The same values in the same order always give the same interval.
     pub fn of_mean(values: &[f64]) -> Option<Self> {
         let n = values.len();
@@ -26,7 +26,7 @@ impl Interval {
         (n > 1).then(|| Self::by_bootstrap(n, resampled))
     }
 
-    /// The 2.5th to the 97.5th percentile of a number of many resamples of n objects. The same resampling
+    /// The 2.5th to the 97.5th percentile of a number over many resamples of n objects. The same resampling
     /// always gives the same interval.
     pub(super) fn by_bootstrap(n: usize, mut resampled: impl FnMut(&mut Random) -> f64) -> Self {
         let mut random = Random::new(0, n as u64);
@@ -35,43 +35,44 @@ impl Interval {
         Self { low: sorted_percentile(&numbers, 0.025), high: sorted_percentile(&numbers, 0.975) }
     }
 
-    /// The same of a number that is normal with this mean and standard deviation.
+    /// The interval of a normally distributed number with this mean and standard deviation.
     pub(super) fn of_normal(mean: f64, deviation: f64) -> Self {
         /// The 97.5th percentile of the standard normal distribution.
         const Z: f64 = 1.959_963_984_540_054;
         Self { low: mean - Z * deviation, high: mean + Z * deviation }
     }
 
-    /// Whether a difference in this interval is more than noise. Rounding, about 1e-16 of the values, is
-    /// noise.
+    /// Returns whether a difference in this interval is more than noise. Rounding, about 1e-16 of the values,
+    /// is noise.
     pub fn excludes_zero(&self) -> bool {
         self.excludes(0.0)
     }
 
-    /// The same of a ratio, for which no difference is 1.
+    /// Returns whether the interval excludes `no_difference`: for a ratio, 1.
     pub fn excludes(&self, no_difference: f64) -> bool {
         self.low > no_difference + 1e-12 || self.high < no_difference - 1e-12
     }
 
-    /// The interval of a function of the value that increases with it.
+    /// Applies an increasing function to the interval.
     pub fn map(self, f: impl Fn(f64) -> f64) -> Self {
         Self { low: f(self.low), high: f(self.high) }
     }
 }
 
-/// The mean; none of nothing.
+/// Returns the mean; `None` for no values.
 pub fn mean(values: &[f64]) -> Option<f64> {
     (!values.is_empty()).then(|| values.iter().sum::<f64>() / values.len() as f64)
 }
 
-/// The standard deviation of the population that the values are drawn from; none of fewer than two.
+/// Returns the standard deviation of the values' population; `None` for fewer than two values.
 pub fn deviation(values: &[f64]) -> Option<f64> {
     let mean = mean(values).filter(|_| values.len() > 1)?;
     let sum: f64 = values.iter().map(|value| (value - mean).powi(2)).sum();
     Some((sum / (values.len() - 1) as f64).sqrt())
 }
 
-/// The value below which this share (0..=1) of the values lies, linear between neighbours; none of nothing.
+/// Returns the value below which this share (0..=1) of the values lies, linear between neighbours; `None` for
+/// no values.
 pub fn percentile(values: &[f64], share: f64) -> Option<f64> {
     let mut sorted = values.to_vec();
     sorted.sort_by(f64::total_cmp);
@@ -134,7 +135,7 @@ mod tests {
             (low..high).contains(&6.0)
         };
         let n_holding = (0..300).filter(holds).count();
-        // Expected 282 (94 %, the bootstrap being a little narrow at 40 values), standard deviation 4.
+        // Expected 282 (94 %, since the bootstrap is a little narrow for 40 values), standard deviation 4.
         assert!((270..=296).contains(&n_holding), "{n_holding}");
     }
 }

@@ -1,5 +1,4 @@
-//! The numbers taken from a run, one each: the list of measures that tables, figures and comparisons choose
-//! from.
+//! The numbers of a run: the list of measures for tables, figures and comparisons.
 
 use super::{MeasuredRun, mean, percentile};
 use std::cmp::Ordering;
@@ -7,32 +6,32 @@ use std::cmp::Ordering;
 /// Shown in place of a missing number.
 const DASH: &str = "–";
 
-/// A number that a run has, or a mean over runs.
+/// A number of a run, or a mean over runs.
 #[derive(Clone, Copy, Debug)]
 pub struct Measure {
-    /// With the unit it is shown in.
+    /// Name with the displayed unit.
     pub name: &'static str,
-    /// Shown units in one of the run's.
+    /// Displayed units per unit of the run.
     pub factor: f64,
-    /// Decimals to show.
+    /// Number of displayed decimals.
     pub decimals: usize,
-    /// Which way is better.
+    /// The better direction.
     pub better: Better,
-    /// The number of a run; none where the run did not measure it.
+    /// The number of a run; `None` if the run did not measure it.
     pub of: fn(&MeasuredRun) -> Option<f64>,
 }
 
-/// Which way a number is better.
+/// The better direction of a number.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Better {
-    /// Large ones are good.
+    /// Large values are better.
     Higher,
-    /// Small ones are good.
+    /// Small values are better.
     Lower,
 }
 
 impl Better {
-    /// The worse value is the lesser one.
+    /// Orders values from worse to better.
     pub fn order(self, a: f64, b: f64) -> Ordering {
         match self {
             Self::Higher => a.total_cmp(&b),
@@ -42,14 +41,14 @@ impl Better {
 }
 
 impl Measure {
-    /// The number as text in the shown unit, without the unit; a dash where it is too large for a number.
+    /// Formats the number in the displayed unit, without the unit; a dash if it is too large for a number.
     pub fn show(&self, value: f64) -> String {
         let shown = self.factor * value;
         // Plus zero turns a negative zero into zero.
         if shown.is_finite() { format!("{:.*}", self.decimals, shown + 0.0) } else { DASH.to_owned() }
     }
 
-    /// A difference as text: with one digit more, and its sign.
+    /// Formats a difference, with one digit more and its sign.
     pub fn show_difference(&self, value: f64) -> String {
         let shown = self.factor * value;
         match shown.is_finite() {
@@ -58,13 +57,14 @@ impl Measure {
         }
     }
 
-    /// Unit of a difference: points for a percentage, else that of the measure, which is part of its name.
+    /// Returns the unit of a difference: points for a percentage, otherwise that of the measure, which is
+    /// part of its name.
     pub fn difference_unit(&self) -> Option<&'static str> {
         self.name.ends_with(", %").then_some("points")
     }
 }
 
-/// Occupied object voxels over object voxels, with the last view.
+/// Occupied object voxels over object voxels, after the last view.
 pub const VOXEL_COVERAGE: Measure = Measure {
     name: "voxel coverage, %",
     factor: 100.0,
@@ -73,7 +73,7 @@ pub const VOXEL_COVERAGE: Measure = Measure {
     of: |run| run.last_step()?.voxel_coverage,
 };
 
-/// Share of the reachable surface that was seen with the last view.
+/// Share of the reachable surface seen after the last view.
 pub const REACHABLE_COVERAGE: Measure = Measure {
     name: "reachable coverage, %",
     factor: 100.0,
@@ -103,7 +103,7 @@ pub const SURFACE_2MM: Measure = Measure {
     of: |run| run.last.surface_coverage_2mm,
 };
 
-/// The same within 5 mm.
+/// Share of the true surface with a measured point within 5 mm.
 pub const SURFACE_5MM: Measure = Measure {
     name: "surface coverage within 5 mm, %",
     of: |run| run.last.surface_coverage_5mm,
@@ -126,48 +126,49 @@ pub const COMPLETENESS: Measure = Measure {
     ..SURFACE_2MM
 };
 
-/// Share of the occupied voxels that are object voxels, with the last view.
+/// Share of the occupied voxels that are object voxels, after the last view.
 pub const MAP_PRECISION: Measure =
     Measure { name: "precision of the map, %", of: |run| run.last.map_precision, ..SURFACE_2MM };
 
-/// Share of the reachable object voxels that are occupied, with the last view.
+/// Share of the reachable object voxels that are occupied, after the last view.
 pub const MAP_RECALL: Measure =
     Measure { name: "recall of the map, %", of: |run| run.last.map_recall, ..SURFACE_2MM };
 
-/// Intersection over union of the occupied and the reachable object voxels, with the last view.
+/// Intersection over union of the occupied and the reachable object voxels, after the last view.
 pub const MAP_IOU: Measure = Measure { name: "IoU of the map, %", of: |run| run.last.map_iou, ..SURFACE_2MM };
 
 /// Harmonic mean of precision and recall of the final cloud at 1 mm.
 pub const F_SCORE_1MM: Measure =
     Measure { name: "F-score of the cloud at 1 mm, %", of: |run| run.whole.cloud_f_score_1mm, ..SURFACE_2MM };
 
-/// The same at 2 mm.
+/// Harmonic mean of precision and recall of the final cloud at 2 mm.
 pub const F_SCORE_2MM: Measure =
     Measure { name: "F-score of the cloud at 2 mm, %", of: |run| run.whole.cloud_f_score_2mm, ..SURFACE_2MM };
 
-/// The same at 5 mm.
+/// Harmonic mean of precision and recall of the final cloud at 5 mm.
 pub const F_SCORE_5MM: Measure =
     Measure { name: "F-score of the cloud at 5 mm, %", of: |run| run.whole.cloud_f_score_5mm, ..SURFACE_2MM };
 
-/// Mean of accuracy and completeness of the final cloud beside the reachable surface.
+/// Mean of accuracy and completeness of the final cloud against the reachable surface.
 pub const CHAMFER: Measure =
     Measure { name: "Chamfer distance of the cloud, mm", of: |run| run.whole.cloud_chamfer_mm, ..ACCURACY };
 
-/// Mean of the reachable coverage over the views that a run could take.
+/// Mean of the reachable coverage over the maximum number of views.
 pub const AREA_OVER_VIEWS: Measure = Measure {
     name: "area under coverage over views, %",
     of: |run| run.whole.coverage_auc_views,
     ..SURFACE_2MM
 };
 
-/// Mean of the reachable coverage over the time of a robot.
+/// Mean of the reachable coverage over a robot's time.
 pub const AREA_OVER_TIME: Measure = Measure {
     name: "area under coverage over time, %",
     of: |run| run.whole.coverage_auc_time,
     ..SURFACE_2MM
 };
 
-/// Views until 95 % of the reachable surface was seen; one more than the run could take where it was not.
+/// Number of views until 95 % of the reachable surface was seen; one more than the maximum number of views if
+/// it was not.
 pub const VIEWS_TO_95: Measure = Measure {
     name: "views to 95 %",
     factor: 1.0,
@@ -185,7 +186,7 @@ pub const PATH: Measure = Measure {
     of: |run| Some(run.last.path_length_m),
 };
 
-/// Of a run, the median over its views.
+/// Median planning time over the views of a run.
 pub const PLAN_TIME: Measure = Measure {
     name: "planning time per view, ms",
     factor: 1.0,
@@ -194,7 +195,7 @@ pub const PLAN_TIME: Measure = Measure {
     of: |run| percentile(&run.plan_times().collect::<Vec<_>>(), 0.5),
 };
 
-/// The same as a mean, as in the paper's tables.
+/// Mean planning time, as in the paper's tables.
 pub const COMPUTING_TIME: Measure = Measure {
     name: "computing time per view, s",
     factor: 1e-3,
@@ -212,7 +213,7 @@ pub const MEMORY: Measure = Measure {
     of: |run| run.whole.extra_memory_mb,
 };
 
-/// Time to plan all views and to write all frames into the map.
+/// Time to plan all views and to integrate all frames into the map.
 pub const PLANNING: Measure = Measure {
     name: "planning, s",
     factor: 1.0,
@@ -221,11 +222,11 @@ pub const PLANNING: Measure = Measure {
     of: |run| Some(run.planning_time()),
 };
 
-/// Time that a simulated robot would take to move to all views.
+/// Time for a simulated robot to move to all views.
 pub const MOVING: Measure =
     Measure { name: "moving, s", decimals: 1, of: |run| Some(run.moving_time()), ..PLANNING };
 
-/// Time that it would stand at views.
+/// Time that the robot stands at views.
 pub const SENSING: Measure =
     Measure { name: "sensing, s", decimals: 1, of: |run| Some(run.sensing_time()), ..PLANNING };
 

@@ -1,44 +1,44 @@
 use crate::{DoneRun, RunRecord};
 use nextview_scan::{ScanConfig, ScanRecord, StepRecord};
 
-/// A run that took at least one view and did not fail: the numbers that statistics are made of, about a tenth
-/// of its record.
+/// A run that took at least one view and did not fail: its numbers for statistics, about a tenth of its
+/// record.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MeasuredRun {
     /// The draws of the run: seed, set of candidates and first view.
     pub draw: (u64, u64, usize),
     /// After each view.
     pub steps: Vec<MeasuredStep>,
-    /// Object voxels that any candidate sees.
+    /// Number of object voxels that any candidate sees.
     pub reachable_voxels: Option<usize>,
-    /// Voxels that contain true surface.
+    /// Number of voxels that contain true surface.
     pub object_voxels: Option<usize>,
-    /// Reachable coverage of random views from the same start, their mean.
+    /// Mean reachable coverage of random views from the same start.
     pub random_curve: Option<Vec<f64>>,
-    /// The same of the planner that knows the object.
+    /// Reachable coverage of the clairvoyant planner from the same start.
     pub clairvoyant_curve: Option<Vec<f64>>,
     /// Measures of the last view.
     pub(super) last: LastView,
     /// Measures of the whole scan.
     pub(super) whole: WholeScan,
-    /// Views that it could take.
+    /// Maximum number of views.
     max_views: usize,
     /// Seconds that a robot stands at a view.
     sensing_time: f64,
 }
 
-/// The numbers of a view that statistics need.
+/// The numbers of a view for statistics.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MeasuredStep {
     /// Occupied object voxels over object voxels.
     pub voxel_coverage: Option<f64>,
     /// Share of the reachable surface seen.
     pub reachable_coverage: Option<f64>,
-    /// Entropy of the box as a share of that of an unknown one.
+    /// Entropy of the box as a share of that of an unknown box.
     pub entropy_share: f64,
     /// The planner's estimate of the reachable coverage before it took the view.
     pub estimated_completeness: Option<f64>,
-    /// The same after this view and after each of a few that follow, as the planner forecast it.
+    /// The planner's forecast of the reachable coverage after this view and after each of a few that follow.
     pub forecast_completeness: Option<Vec<f64>>,
     plan_time_ms: f64,
     map_time_ms: f64,
@@ -78,12 +78,12 @@ pub enum Curve {
     VoxelCoverage,
     /// Share of the reachable surface seen.
     ReachableCoverage,
-    /// Entropy of the box as a share of that of an unknown one.
+    /// Entropy of the box as a share of that of an unknown box.
     Entropy,
 }
 
 impl MeasuredRun {
-    /// The run of a record; none if it failed or took no view.
+    /// Measures the run of a record; `None` if it failed or took no view.
     pub fn of(run: &RunRecord) -> Option<Self> {
         let DoneRun { record, extra_memory_mb } = run.done()?;
         let ScanConfig { views, motion, .. } = &run.config;
@@ -101,8 +101,8 @@ impl MeasuredRun {
         })
     }
 
-    /// The quantity after each view; after a scan that stopped early, the last value stays. None where the
-    /// run did not measure it.
+    /// Returns the quantity after each view; the last value continues after a scan that stopped early. `None`
+    /// if the run did not measure it.
     pub fn curve(&self, of: Curve) -> Option<Vec<f64>> {
         let values = self.steps.iter().map(|step| match of {
             Curve::VoxelCoverage => step.voxel_coverage,
@@ -115,19 +115,19 @@ impl MeasuredRun {
         Some(values)
     }
 
-    /// Views until this share of the reachable surface was seen; one more than the run could take where it
-    /// was not.
+    /// Returns the number of views until this share of the reachable surface was seen; one more than the
+    /// maximum number of views if it was not.
     pub fn views_to(&self, share: f64) -> Option<f64> {
         let curve = self.curve(Curve::ReachableCoverage)?;
         Some((curve.iter().position(|&coverage| coverage >= share).unwrap_or(curve.len()) + 1) as f64)
     }
 
-    /// Whether this share of the reachable surface was seen.
+    /// Returns whether this share of the reachable surface was seen.
     pub fn reaches(&self, share: f64) -> bool {
         self.steps.iter().any(|step| step.reachable_coverage.is_some_and(|coverage| coverage >= share))
     }
 
-    /// Milliseconds for each view that was planned; the first is given.
+    /// Returns the milliseconds for each planned view; the first view is given.
     pub fn plan_times(&self) -> impl Iterator<Item = f64> {
         self.steps.iter().skip(1).map(|step| step.plan_time_ms)
     }
@@ -137,7 +137,7 @@ impl MeasuredRun {
         self.steps.last()
     }
 
-    /// Seconds for all decisions and for writing the frames into the map.
+    /// Seconds for all decisions and for the integration of the frames into the map.
     pub(super) fn planning_time(&self) -> f64 {
         let mapping = self.steps.iter().map(|step| step.map_time_ms);
         self.plan_times().chain(mapping).sum::<f64>() / 1e3
@@ -148,7 +148,7 @@ impl MeasuredRun {
         self.last.trajectory_time_s
     }
 
-    /// Seconds that it stands at views.
+    /// Seconds that the robot stands at views.
     pub(super) fn sensing_time(&self) -> f64 {
         self.sensing_time * self.steps.len() as f64
     }

@@ -1,5 +1,5 @@
-//! The statistics of campaigns: what is read off a run, a campaign by variant and object, and two campaigns
-//! beside each other. All from records, all as data; pages and texts are made of it elsewhere.
+//! The statistics of campaigns: the numbers of a run, a campaign by variant and object, and the comparison of
+//! two campaigns. All of it is data from records; pages and texts are made elsewhere.
 
 mod compare;
 mod comparison;

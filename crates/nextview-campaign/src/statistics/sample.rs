@@ -2,57 +2,57 @@ use super::signed_rank::{SignedRank, signed_rank};
 use super::{Interval, mean, percentile};
 use nextview::geometry::random::Random;
 
-/// Most values that are drawn one by one for an interval.
+/// Maximum number of values that are drawn individually for an interval.
 const MAX_DRAWN: usize = 10_000;
 
-/// Most objects that are drawn one by one where there are more values than that.
+/// Maximum number of objects that are drawn individually if there are more values than that.
 const MAX_DRAWN_OBJECTS: usize = 200;
 
-/// The values of a quantity: for each object those of its runs, which differ in seed, candidates or first
-/// view.
+/// The values of a quantity: for each object the values of its runs, which differ in seed, candidates or
+/// first view.
 ///
-/// Every number is first averaged within an object, so that objects with more runs do not count more.
+/// Every number is first averaged within an object: objects with more runs do not count more.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Sample {
-    /// None is empty.
+    /// No object is empty.
     objects: Vec<Vec<f64>>,
 }
 
 impl Sample {
-    /// The values of these objects; those without any are left out.
+    /// Creates a sample of these objects; objects without values are left out.
     pub fn new(objects: impl IntoIterator<Item = Vec<f64>>) -> Self {
         Self { objects: objects.into_iter().filter(|values| !values.is_empty()).collect() }
     }
 
-    /// Number of objects.
+    /// Returns the number of objects.
     pub fn n_objects(&self) -> usize {
         self.objects.len()
     }
 
-    /// The mean of each object.
+    /// Returns the mean of each object.
     pub fn object_means(&self) -> Vec<f64> {
         self.objects.iter().filter_map(|values| mean(values)).collect()
     }
 
-    /// Mean over objects; none without objects.
+    /// Returns the mean over objects; `None` without objects.
     pub fn mean(&self) -> Option<f64> {
         mean(&self.object_means())
     }
 
-    /// Median over objects; none without objects.
+    /// Returns the median over objects; `None` without objects.
     pub fn median(&self) -> Option<f64> {
         percentile(&self.object_means(), 0.5)
     }
 
-    /// The 95 % interval of the mean by a bootstrap on two levels: objects are resampled, and within each of
-    /// them its runs (Davison & Hinkley 1997, section 3.8). None where nothing can be resampled: one object
-    /// with one run.
+    /// Returns the 95 % interval of the mean by a two-level bootstrap: objects are resampled, and the runs
+    /// within each of them (Davison & Hinkley 1997, section 3.8). `None` if nothing can be resampled: one
+    /// object with one run.
     ///
-    /// Where runs of an object differ more than objects do, the interval is a little too wide: the means of
-    /// the objects vary with their runs already.
+    /// If runs of an object differ more than objects do, the interval is a little too wide: the means of the
+    /// objects already vary with their runs.
     ///
-    /// Samples of more than 10,000 values take the central limit theorem in place of draws: the mean of an
-    /// object's runs is normal then, and with more than 200 objects the mean over these, too.
+    /// Samples of more than 10,000 values use the central limit theorem instead of draws: the mean of an
+    /// object's runs is normal then, and with more than 200 objects so is the mean over these.
     pub fn interval(&self) -> Option<Interval> {
         let n = self.objects.len();
         let varies = n > 1 || self.objects.first().is_some_and(|values| values.len() > 1);
@@ -70,13 +70,13 @@ impl Sample {
         Interval::by_bootstrap(n, resampled)
     }
 
-    /// The test that the means of the objects lie around 0; none without objects.
+    /// Tests whether the means of the objects lie around 0; `None` without objects.
     pub fn signed_rank(&self) -> Option<SignedRank> {
         signed_rank(&self.object_means())
     }
 }
 
-/// The mean of a resample of the values. A single value takes no random number.
+/// The mean of a resample of the values. A single value uses no random number.
 fn resampled_mean(values: &[f64], random: &mut Random) -> f64 {
     match values {
         [value] => *value,
@@ -87,7 +87,7 @@ fn resampled_mean(values: &[f64], random: &mut Random) -> f64 {
     }
 }
 
-/// The mean of an object's runs, and its variance where they are resampled.
+/// The mean of an object's runs, and its variance under resampling.
 #[derive(Clone, Copy, Debug)]
 struct VaryingMean {
     mean: f64,
@@ -123,24 +123,24 @@ fn interval_of_means(objects: &[VaryingMean]) -> Interval {
     Interval::of_normal(between.mean, (between.variance + within).sqrt())
 }
 
-/// Two quantities, A and B, of the same objects.
+/// Two quantities, A and B, of common objects.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct PairedSample {
     objects: Vec<PairedObject>,
 }
 
-/// The values of A and B on an object, of each at least one.
+/// The values of A and B on an object, at least one each.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PairedObject {
     a: Vec<f64>,
     b: Vec<f64>,
-    /// Whether value i of A and value i of B are of the same draws.
+    /// Whether value i of A and value i of B have the same draws.
     runs_are_paired: bool,
 }
 
 impl PairedObject {
-    /// Values with what they were drawn by; where A and B have the same keys, they are paired by them. None
-    /// if either has no value.
+    /// Creates an object from values keyed by their draws. Values are paired by key if A and B have the same
+    /// keys. `None` if either has no value.
     pub fn new<K: Ord>(mut a: Vec<(K, f64)>, mut b: Vec<(K, f64)>) -> Option<Self> {
         [&mut a, &mut b].into_iter().for_each(|values| values.sort_by(|x, y| x.0.cmp(&y.0)));
         let runs_are_paired = a.iter().map(|value| &value.0).eq(b.iter().map(|value| &value.0));
@@ -153,7 +153,7 @@ impl PairedObject {
         [&self.a, &self.b].map(|values| values.iter().sum::<f64>() / values.len() as f64)
     }
 
-    /// The mean of a weighted sum of A and B, whose runs are resampled; pairs of runs stay together.
+    /// The mean of a weighted sum of A and B under resampling of the runs; pairs of runs stay together.
     fn weighted(&self, [of_a, of_b]: [f64; 2]) -> VaryingMean {
         if self.runs_are_paired {
             let sums = self.a.iter().zip(&self.b).map(|(a, b)| of_a * a + of_b * b);
@@ -186,39 +186,39 @@ impl PairedObject {
 }
 
 impl PairedSample {
-    /// These objects.
+    /// Creates a sample of these objects.
     pub fn new(objects: impl IntoIterator<Item = PairedObject>) -> Self {
         Self { objects: objects.into_iter().collect() }
     }
 
-    /// Number of objects.
+    /// Returns the number of objects.
     pub fn n_objects(&self) -> usize {
         self.objects.len()
     }
 
-    /// The objects on which the means of A and B are positive, which a ratio needs.
+    /// Keeps the objects on which the means of A and B are positive, as a ratio requires.
     pub fn positive(self) -> Self {
         let is_positive = |object: &PairedObject| object.means().iter().all(|&mean| mean > 0.0);
         Self { objects: self.objects.into_iter().filter(is_positive).collect() }
     }
 
-    /// The means of A, one for each object.
+    /// Returns the means of A, one per object.
     pub fn of_a(&self) -> Vec<f64> {
         self.objects.iter().map(|object| object.means()[0]).collect()
     }
 
-    /// The same of B.
+    /// Returns the means of B, one per object.
     pub fn of_b(&self) -> Vec<f64> {
         self.objects.iter().map(|object| object.means()[1]).collect()
     }
 
-    /// B - A of each object.
+    /// Returns B - A for each object.
     pub fn differences(&self) -> Vec<f64> {
         self.objects.iter().map(|object| difference(object.means())).collect()
     }
 
-    /// The 95 % interval of the mean of B - A, as [`Sample::interval`]: objects are resampled, and within
-    /// each the pairs of runs, or the runs of A and B by themselves where they are no pairs.
+    /// Returns the 95 % interval of the mean of B - A, as in [`Sample::interval`]: objects are resampled, and
+    /// within each the pairs of runs, or the runs of A and B separately if they are not paired.
     pub fn interval(&self) -> Option<Interval> {
         let n = self.objects.len();
         if self.is_large() {
@@ -231,12 +231,13 @@ impl PairedSample {
         })
     }
 
-    /// The mean of B over that of A; none without objects or if it is no number.
+    /// Returns the mean of B divided by that of A; `None` without objects or if it is not a number.
     pub fn ratio(&self) -> Option<f64> {
         Some(mean(&self.of_b())? / mean(&self.of_a())?).filter(|ratio| ratio.is_finite())
     }
 
-    /// The 95 % interval of this ratio by the same resamples; of large samples that of its linear part.
+    /// Returns the 95 % interval of this ratio by the same resamples; for large samples, that of its linear
+    /// part.
     pub fn ratio_interval(&self) -> Option<Interval> {
         let n = self.objects.len();
         if self.is_large() {
@@ -254,7 +255,7 @@ impl PairedSample {
         })
     }
 
-    /// The test that the differences of the objects lie around 0; none without objects.
+    /// Tests whether the differences of the objects lie around 0; `None` without objects.
     pub fn signed_rank(&self) -> Option<SignedRank> {
         signed_rank(&self.differences())
     }
@@ -283,12 +284,12 @@ fn difference([a, b]: [f64; 2]) -> f64 {
 mod tests {
     use super::*;
 
-    /// All resamples of so many things, each a list of indices.
+    /// All resamples of `n` things, each a list of indices.
     fn resamples(n: usize) -> Vec<Vec<usize>> {
         (0..n.pow(n as u32)).map(|code| (0..n).map(|i| code / n.pow(i as u32) % n).collect()).collect()
     }
 
-    /// The value that this share of the weight lies below.
+    /// The value below which this share of the weight lies.
     fn weighted_percentile(mut values: Vec<(f64, f64)>, share: f64) -> f64 {
         values.sort_by(|a, b| a.0.total_cmp(&b.0));
         let total: f64 = values.iter().map(|value| value.1).sum();
@@ -356,8 +357,7 @@ mod tests {
         assert_eq!((Sample::default().mean(), Sample::default().interval()), (None, None));
     }
 
-    /// Means of twelve uniform numbers, nearly normal: objects differ by a standard deviation of 1, runs by
-    /// 1.
+    /// Means of twelve uniform numbers, nearly normal: objects and runs each have a standard deviation of 1.
     #[test]
     fn intervals_hold_the_true_mean_about_as_often_as_they_promise() {
         let mut random = Random::new(11, 0);
@@ -376,7 +376,7 @@ mod tests {
             n_flat_holding += usize::from(holds(Interval::of_mean(&flat).unwrap()));
         }
         // Two levels are a little too wide: expected about 288 (96 %), standard deviation 4. A bootstrap that
-        // takes all runs for independent is far too narrow.
+        // treats all runs as independent is far too narrow.
         assert!((276..=299).contains(&n_holding), "{n_holding}");
         assert!(n_flat_holding < 270, "{n_flat_holding}");
     }
@@ -388,7 +388,7 @@ mod tests {
 
     #[test]
     fn pairs_of_runs_stay_together() {
-        // Draws differ by tens, A and B by one in each.
+        // Draws differ by tens, A and B by one in each draw.
         let objects =
             [object(&[10.0, 20.0, 30.0], &[11.0, 21.0, 31.0]), object(&[-10.0, 50.0], &[-9.0, 51.0])];
         let paired = PairedSample::new(objects);
@@ -439,7 +439,7 @@ mod tests {
         for (n_objects, n_runs) in [(4, 2600), (150, 70), (300, 35)] {
             let sample = Sample::new(drawn(n_objects, n_runs));
             assert_near(sample.interval().unwrap(), sample.resampled_interval());
-            // A and B share a part of their draws.
+            // A and B have part of their draws in common.
             let paired = sample.objects.iter().zip(drawn(n_objects, n_runs)).map(|(a, b)| {
                 let b = a.iter().zip(b.iter().rev()).map(|(a, b)| 5.0 + 0.5 * a + 0.1 * b).collect();
                 PairedObject { a: a.iter().map(|a| 10.0 + a).collect(), b, runs_are_paired: true }

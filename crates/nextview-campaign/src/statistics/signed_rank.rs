@@ -1,29 +1,29 @@
 use serde::Serialize;
 
-/// Differences up to this are rounding and count as none.
+/// Maximum difference that counts as rounding.
 const ROUNDING: f64 = 1e-12;
 
-/// Most differences for the exact distribution, which takes their third power; beyond it, the normal
-/// distribution is the same to three digits.
+/// Maximum number of differences for the exact distribution, whose time grows with their third power. Beyond
+/// it, the normal distribution agrees to three digits.
 const MAX_EXACT: usize = 200;
 
 /// A two-sided signed-rank test of paired differences (Wilcoxon 1945).
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct SignedRank {
-    /// Probability of ranks as one-sided as these, or more, if each difference were as likely to have the
+    /// Probability of ranks at least as one-sided as these if each difference were equally likely to have the
     /// other sign.
     pub p_value: f64,
     /// Number of pairs.
     pub n_pairs: usize,
-    /// Pairs that differ; the others do not count in the test.
+    /// Number of different pairs; the others do not count in the test.
     pub n_different: usize,
 }
 
-/// Tests whether differences lie around 0; none without differences. Equal absolute values share their mean
+/// Tests whether differences lie around 0; `None` without differences. Equal absolute values share their mean
 /// rank.
 ///
-/// Ranks do not depend on how far away the farthest values are: a skill of -8 counts as the largest of all
-/// differences, not as ten of them.
+/// Ranks do not depend on the size of extreme values: a skill of -8 counts as the largest of all differences,
+/// not as ten of them.
 pub fn signed_rank(differences: &[f64]) -> Option<SignedRank> {
     let n_pairs = differences.len();
     let different: Vec<f64> = differences.iter().copied().filter(|d| d.abs() > ROUNDING).collect();
@@ -35,7 +35,7 @@ pub fn signed_rank(differences: &[f64]) -> Option<SignedRank> {
     (n_pairs > 0).then_some(SignedRank { p_value, n_pairs, n_different: different.len() })
 }
 
-/// Twice the rank of each absolute value, from 1; equal ones have their mean rank.
+/// Twice the rank of each absolute value, from 1; equal values have their mean rank.
 fn doubled_ranks(differences: &[f64]) -> Vec<i64> {
     let mut sorted: Vec<f64> = differences.iter().map(|difference| difference.abs()).collect();
     sorted.sort_by(f64::total_cmp);
@@ -47,9 +47,9 @@ fn doubled_ranks(differences: &[f64]) -> Vec<i64> {
     differences.iter().map(rank).collect()
 }
 
-/// The probability that ranks with random signs sum up to this or more, on either side.
+/// The probability that ranks with random signs sum to this or more, on either side.
 fn exact(doubled_ranks: &[i64], statistic: i64) -> f64 {
-    // The probability of each sum of the ranks of positive sign.
+    // The probability of each sum of the ranks with positive sign.
     let mut sums = vec![1.0];
     for &rank in doubled_ranks {
         let mut next = vec![0.0; sums.len() + rank as usize];
@@ -65,14 +65,14 @@ fn exact(doubled_ranks: &[i64], statistic: i64) -> f64 {
     extreme.map(|(_, probability)| probability).sum::<f64>().min(1.0)
 }
 
-/// The same by the normal distribution of this variance.
+/// The probability by the normal distribution with this variance.
 fn normal(doubled_ranks: &[i64], statistic: i64) -> f64 {
     let variance: f64 = doubled_ranks.iter().map(|&rank| (rank as f64).powi(2)).sum();
     two_sided(statistic as f64 / variance.sqrt())
 }
 
-/// Probability of a standard normal number at least this far from 0, up to 3e-7 (Abramowitz & Stegun 1964,
-/// 7.1.26).
+/// Probability that a standard normal number is at least this far from 0, to within 3e-7 (Abramowitz & Stegun
+/// 1964, 7.1.26).
 fn two_sided(z: f64) -> f64 {
     let x = z / std::f64::consts::SQRT_2;
     let t = 1.0 / (1.0 + 0.327_591_1 * x);
@@ -85,7 +85,7 @@ mod tests {
     use super::*;
     use nextview::geometry::random::Random;
 
-    /// By all signs, ranks counted one by one.
+    /// Uses all signs, with ranks counted one by one.
     fn slow_p_value(differences: &[f64]) -> f64 {
         let different: Vec<f64> = differences.iter().copied().filter(|d| *d != 0.0).collect();
         let n = different.len();
@@ -109,7 +109,7 @@ mod tests {
         let mut random = Random::new(2, 0);
         for n in [1, 2, 3, 5, 8, 11] {
             for _ in 0..20 {
-                // Many ties, and some zeros.
+                // Many ties and some zeros.
                 let differences: Vec<f64> = (0..n).map(|_| random.index(9) as f64 - 3.0).collect();
                 let found = signed_rank(&differences).unwrap();
                 assert!((found.p_value - slow_p_value(&differences)).abs() < 1e-12, "{differences:?}");
@@ -125,7 +125,7 @@ mod tests {
         assert_eq!(p_value(&[0.0, 1e-15]), Some(1.0));
         assert_eq!(p_value(&[1.0; 5]), Some(2.0 / 32.0), "five pairs are never enough for 0.05");
         assert_eq!(p_value(&[1.0, 2.0, 3.0, 4.0, 5.0, 60.0]), Some(2.0 / 64.0));
-        // Darwin's differences of maize plants (Fisher 1935): the negative ranks sum up to 24.
+        // Darwin's differences of maize plants (Fisher 1935): the negative ranks sum to 24.
         let maize = [49., -67., 8., 16., 6., 23., 28., 41., 14., 29., 56., 24., 75., 60., -48.];
         assert!((p_value(&maize).unwrap() - 0.0413).abs() < 5e-5, "{:?}", p_value(&maize));
     }
@@ -146,7 +146,7 @@ mod tests {
         assert!(signed_rank(&many).unwrap().p_value < 1e-9);
     }
 
-    /// Where A and B do not differ, one test in twenty has p at most 0.05, or fewer.
+    /// If A and B do not differ, at most one test in twenty has p of at most 0.05.
     #[test]
     fn false_alarms_are_as_rare_as_promised() {
         let mut random = Random::new(4, 0);

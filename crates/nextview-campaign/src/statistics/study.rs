@@ -5,21 +5,21 @@ use nextview_scan::{PlannerChoice, ScanConfig};
 use std::cmp::Reverse;
 use std::collections::BTreeMap;
 
-/// The runs of a campaign by variant and object. Every number of an object is the mean over its runs.
+/// The runs of a campaign by variant and object. Each number of an object is the mean over its runs.
 #[derive(Clone, Debug)]
 pub struct Study {
-    /// Number of runs, failed ones included.
+    /// Number of runs, including failed ones.
     pub n_runs: usize,
-    /// By data set, then by name.
+    /// Objects by data set, then by name.
     pub objects: Vec<StudyObject>,
-    /// From the largest mean voxel coverage to the smallest.
+    /// Variants by descending mean voxel coverage.
     pub variants: Vec<StudyVariant>,
 }
 
 /// An object of the campaign.
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub struct StudyObject {
-    /// Name of the folder that its file is in, or `builtin`.
+    /// Name of the folder of its file, or `builtin`.
     pub data_set: String,
     /// Name of the object.
     pub name: String,
@@ -38,11 +38,11 @@ pub struct StudyVariant {
     pub runs: Vec<Vec<MeasuredRun>>,
 }
 
-/// A study on its way: takes record after record and keeps what statistics need of them.
+/// A study in progress: takes record after record and stores their data for statistics.
 #[derive(Clone, Debug, Default)]
 pub struct StudyBuilder {
     n_runs: usize,
-    /// With their numbers in the order in which they came.
+    /// Objects with their numbers, in order of arrival.
     objects: BTreeMap<StudyObject, usize>,
     /// Runs by the number of the object.
     variants: BTreeMap<String, StudyVariant>,
@@ -64,7 +64,7 @@ impl StudyBuilder {
         variant.runs[object].extend(MeasuredRun::of(run));
     }
 
-    /// The study of all runs; those of an object in the order in which they came.
+    /// Builds the study of all runs; the runs of an object stay in order of arrival.
     pub fn build(self) -> Study {
         let order = |mut variant: StudyVariant| {
             variant.runs.resize_with(self.objects.len(), Vec::new);
@@ -72,7 +72,7 @@ impl StudyBuilder {
             variant
         };
         let mut variants: Vec<StudyVariant> = self.variants.into_values().map(order).collect();
-        // A stable sort: equal ones stay in the order of their names.
+        // A stable sort: equal variants stay in the order of their names.
         variants.sort_by_cached_key(|variant| {
             let coverage = variant.mean(&VOXEL_COVERAGE).unwrap_or(-1.0);
             Reverse((coverage * 1e9) as i64)
@@ -82,7 +82,7 @@ impl StudyBuilder {
 }
 
 impl Study {
-    /// These runs, the runs of an object in this order.
+    /// Creates a study of these runs, with the runs of an object in this order.
     pub fn new<'a>(runs: impl IntoIterator<Item = &'a RunRecord>) -> Self {
         let mut builder = StudyBuilder::default();
         runs.into_iter().for_each(|run| builder.add(run));
@@ -91,63 +91,65 @@ impl Study {
 }
 
 impl StudyObject {
-    /// The object of a run.
+    /// Returns the object of a run.
     pub fn of(run: &RunRecord) -> Self {
         Self { data_set: run.data_set.clone(), name: run.object.clone() }
     }
 }
 
 impl StudyVariant {
-    /// The measure for each object of the study; none where no run measured it.
+    /// Returns the measure for each object of the study; `None` if no run measured it.
     pub fn by_object(&self, measure: &Measure) -> Vec<Option<f64>> {
         let of_object =
             |runs: &Vec<MeasuredRun>| mean(&runs.iter().filter_map(measure.of).collect::<Vec<_>>());
         self.runs.iter().map(of_object).collect()
     }
 
-    /// The measure of all runs of the objects that have it.
+    /// Returns the measure of all runs of the objects that have it.
     pub fn sample(&self, measure: &Measure) -> Sample {
         self.sample_by(measure.of)
     }
 
-    /// The same of any number of a run.
+    /// Returns any number of all runs of the objects that have it.
     pub fn sample_by(&self, of: impl Fn(&MeasuredRun) -> Option<f64>) -> Sample {
         Sample::new(self.runs.iter().map(|runs| runs.iter().filter_map(&of).collect()))
     }
 
-    /// Mean over objects.
+    /// Returns the mean over objects.
     pub fn mean(&self, measure: &Measure) -> Option<f64> {
         self.sample(measure).mean()
     }
 
-    /// This variant as A and another one of the same study as B, on the objects where both have the measure.
+    /// Pairs this variant as A with another one of the same study as B, on the objects where both have the
+    /// measure.
     pub fn beside(&self, other: &StudyVariant, measure: &Measure) -> PairedSample {
         let pairs = self.runs.iter().zip(&other.runs);
         PairedSample::new(pairs.filter_map(|(a, b)| paired(a, b, measure)))
     }
 
-    /// The worst of the objects that have the measure, by its number, with the value; the first on ties.
+    /// Returns the worst of the objects that have the measure, by its number, with the value; the first on
+    /// ties.
     pub fn worst(&self, measure: &Measure) -> Option<(usize, f64)> {
         let values = self.by_object(measure).into_iter().enumerate();
         values.filter_map(|(i, value)| Some((i, value?))).min_by(|a, b| measure.better.order(a.1, b.1))
     }
 
-    /// Number of objects with a measured run.
+    /// Returns the number of objects with a measured run.
     pub fn n_objects(&self) -> usize {
         self.runs.iter().filter(|runs| !runs.is_empty()).count()
     }
 
-    /// All measured runs.
+    /// Returns all measured runs.
     pub fn measured(&self) -> impl Iterator<Item = &MeasuredRun> {
         self.runs.iter().flatten()
     }
 
-    /// The values after each view, up to the last view that all runs could take.
+    /// Returns the values after each view, up to the last view that all runs could take.
     pub fn curve(&self, of: Curve) -> Vec<Sample> {
         self.curve_by(|run| run.curve(of))
     }
 
-    /// The same for any curve of a run.
+    /// Returns the values of any curve of a run after each view.
     pub fn curve_by(&self, of: impl Fn(&MeasuredRun) -> Option<Vec<f64>>) -> Vec<Sample> {
         let curves_of = |runs: &Vec<MeasuredRun>| runs.iter().filter_map(&of).collect();
         let objects: Vec<Vec<Vec<f64>>> = self.runs.iter().map(curves_of).collect();
@@ -159,12 +161,12 @@ impl StudyVariant {
     }
 }
 
-/// The measure of the runs of an object, for A and for B; none where either has none.
+/// The measure of an object's runs, for A and for B; `None` if either lacks it.
 fn paired(a: &[MeasuredRun], b: &[MeasuredRun], measure: &Measure) -> Option<PairedObject> {
     PairedObject::new(keyed(a, measure), keyed(b, measure))
 }
 
-/// The measure of each run that has it, with what the run was drawn by.
+/// The measure of each run that has it, with the run's draws.
 fn keyed(runs: &[MeasuredRun], measure: &Measure) -> Vec<((u64, u64, usize), f64)> {
     runs.iter().filter_map(|run| Some((run.draw, (measure.of)(run)?))).collect()
 }

@@ -2,7 +2,7 @@ use super::*;
 use crate::made_up::{campaign, done_mut, steps_mut, stored};
 use crate::{RunRecord, RunResult};
 
-/// The comparison of what is in two folders.
+/// The comparison of two folders with these records.
 fn compare(a: &[RunRecord], b: &[RunRecord]) -> Comparison {
     let [a, b] = [("a", a), ("b", b)].map(|(name, runs)| stored(name, runs));
     super::compare(&a.1, &b.1).unwrap()
@@ -22,7 +22,7 @@ fn varied() -> Vec<RunRecord> {
     runs
 }
 
-/// B with this done to its runs.
+/// B with this change to its runs.
 fn changed(a: &[RunRecord], change: impl Fn(&mut RunRecord)) -> Vec<RunRecord> {
     let mut b = a.to_vec();
     b.iter_mut().for_each(change);
@@ -97,7 +97,7 @@ fn two_single_variants_are_compared_with_each_other() {
 #[test]
 fn data_sets_may_have_other_names() {
     let a = campaign(&["a"], 6);
-    // In another order by data set.
+    // In a different order by data set.
     let b = changed(&a, |run| {
         run.data_set = if run.data_set == "lm" { "zzz".to_owned() } else { "a".to_owned() }
     });

@@ -15,10 +15,10 @@ pub(super) fn check_build(record: &RunRecord) -> Result<(), Fault> {
 
 /// Fails unless the record has the configuration of its run.
 pub(super) fn check_config(run: &Run, record: &RunRecord) -> Result<(), Fault> {
-    // The voxel size may have been chosen in the run, to suit the object.
+    // The run may have chosen the voxel size to suit the object.
     let mut expected = run.config.clone();
     expected.voxel_size_m = expected.voxel_size_m.or(record.config.voxel_size_m);
-    // Its number is known once the candidates are counted.
+    // Its number is known after the candidates are counted.
     if run.first_view_draw.is_some() {
         expected.first_view = record.config.first_view;
     }
@@ -31,7 +31,7 @@ pub(super) fn check_config(run: &Run, record: &RunRecord) -> Result<(), Fault> {
         .map_err(|fault| fault.with_remedy("begin anew in another folder"))
 }
 
-/// Fails unless the specification in a folder is the given one.
+/// Fails unless the specification in a folder equals the given one.
 pub(super) fn check_same(saved: &Spec, given: &Spec) -> Result<(), Fault> {
     let [there, here] = [saved, given].map(Table::try_from);
     let problem = "the folder is that of another specification";

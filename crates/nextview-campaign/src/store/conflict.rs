@@ -21,7 +21,7 @@ pub(super) fn check_repeated(
     Err(Fault::data(format!("{lines} have unequal records of one run, {id}: {difference}")))
 }
 
-/// The difference between two records of a run, apart from times, memory and host.
+/// The difference between two records of a run, ignoring times, memory and host.
 pub(super) fn conflict(first: &RunRecord, second: &RunRecord) -> Option<String> {
     if first.build != second.build {
         return Some(format!("by the builds {} and {}", first.build, second.build));

@@ -1,7 +1,7 @@
 use std::collections::BTreeSet;
 use toml::{Table, Value};
 
-/// A value that is not the same in two tables.
+/// A value that differs between two tables.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) struct Difference {
     /// Dotted key.

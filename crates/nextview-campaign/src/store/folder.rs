@@ -3,8 +3,8 @@ use crate::{Shard, tables};
 use nextview_scan::files::numbered;
 use std::path::{Path, PathBuf};
 
-/// The folder of the campaign of this name where none is given: `bench-NAME`, followed by -2, -3, ... where
-/// that one holds a finished campaign. A campaign that is resumed is the last one, finished or not.
+/// Returns the default folder of the campaign with this name: `bench-NAME`, followed by -2, -3, ... if it
+/// holds a finished campaign. With `resume`, it is the folder of the last campaign, finished or not.
 pub fn campaign_folder(name: &str, resume: bool) -> PathBuf {
     // Tables are written when all runs are done.
     let has_tables = |dir: &Path| tables::FILES.iter().any(|file| dir.join(file).exists());
@@ -15,7 +15,7 @@ pub fn campaign_folder(name: &str, resume: bool) -> PathBuf {
     }
 }
 
-/// The folder of a shard where none is given: `bench-NAME-3-of-64`.
+/// Returns the default folder of a shard: `bench-NAME-3-of-64`.
 pub fn shard_folder(name: &str, shard: Shard) -> PathBuf {
     let (number, n_shards) = shard.parts();
     format!("bench-{name}-{number}-of-{n_shards}").into()

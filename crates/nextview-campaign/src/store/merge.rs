@@ -12,27 +12,27 @@ use std::collections::BTreeMap;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
-/// Most faults of one kind that are named one by one for each folder.
+/// Maximum number of faults of one kind listed individually for each folder.
 const MAX_NAMED: usize = 3;
 
-/// A campaign that was made of several folders.
+/// A campaign merged from several folders.
 #[derive(Clone, Debug)]
 pub struct Merged {
-    /// Its runs.
+    /// Number of runs.
     pub n_runs: usize,
-    /// Equal repetitions of records in the folders.
+    /// Number of equal repetitions of records in the folders.
     pub n_repeated: usize,
-    /// Folders whose last line was not whole and was left out.
+    /// Folders whose last line was incomplete and was left out.
     pub torn: Vec<PathBuf>,
-    /// The runs that failed, by object and reason.
+    /// Failed runs, by object and reason.
     pub failed: Vec<FailedRuns>,
 }
 
-/// Makes one campaign of the folders of its shards: the same as if one process had done all runs.
+/// Merges the folders of a campaign's shards, as if one process had executed all runs.
 ///
-/// Fails, with all that is wrong, unless the folders are of one specification, their records are of this
-/// build, every run of the campaign is there, and repeated ones are equal. The result appears as a whole or
-/// not at all, and replaces nothing; the folders stay as they are.
+/// Fails, with all faults, unless the folders have the same specification, their records are of this build,
+/// every run of the campaign is present, and repeated records are equal. The result appears as a whole or not
+/// at all, and replaces nothing; the folders stay unchanged.
 pub fn merge(dirs: &[PathBuf], out: &Path) -> Result<Merged, Faults> {
     let inside = dirs.iter().filter(|dir| files::is_within(out, dir)).map(|dir| {
         let fault = Fault::data(format!("is within {}, which is read", dir.display())).in_file(out);
@@ -62,7 +62,7 @@ pub fn merge(dirs: &[PathBuf], out: &Path) -> Result<Merged, Faults> {
     Ok(merged)
 }
 
-/// The records found in the folders so far.
+/// The records found in the folders.
 struct Merging {
     spec: Spec,
     runs: Runs,
@@ -93,7 +93,7 @@ impl Merging {
         })
     }
 
-    /// Reads a folder. What is wrong there does not keep the others from being read.
+    /// Reads a folder. Its faults do not stop the others from being read.
     fn read(&mut self, number: u32, dir: &Path) {
         match Spec::of_folder(dir) {
             Ok(spec) => {
@@ -149,7 +149,7 @@ impl Merging {
         Ok(())
     }
 
-    /// Specification and records, in the order of the runs, if nothing is wrong and none is missing.
+    /// Specification and records, in the order of the runs, if there are no faults and no run is missing.
     fn end(mut self) -> Result<(Spec, RunRecords, Merged), Faults> {
         let n_missing = self.positions.iter().filter(|position| position.is_none()).count();
         if n_missing > 0 {

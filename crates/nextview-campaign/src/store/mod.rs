@@ -4,16 +4,16 @@
 //! rules:
 //!
 //! - One process writes at a time: it holds a lock on the file, which ends with the process.
-//! - A last line without its line feed is an incomplete write. Readers leave it out and report it; who
-//!   resumes cuts it.
-//! - Any other line that is no record is a fault, with line and column.
-//! - Records of one run that are equal apart from times, memory and host count once; unequal ones are a fault
+//! - A last line without a line feed is an incomplete write. Readers leave it out and report it; resuming
+//!   cuts it.
+//! - Any other line that is not a record is a fault, with line and column.
+//! - Records of one run that are equal, ignoring times, memory and host, count once; unequal ones are a fault
 //!   that names both lines.
-//! - Who resumes requires every record to be of its own build, of a run of the specification, and with the
-//!   configuration that this build gives that run. Who reads does not mind.
+//! - Resuming requires every record to be of the same build, of a run of the specification, and with the
+//!   configuration that this build gives that run. Reading does not.
 //!
-//! [`records`] gives the lines of a file one after the other, [`read`] each run once; [`Store`] writes, and
-//! [`merge()`] makes one campaign of the folders of its shards. None of them holds all records in memory.
+//! [`records`] returns the lines of a file one after the other, [`read`] each run once; [`Store`] writes, and
+//! [`merge()`] merges the folders of a campaign's shards. None of them holds all records in memory.
 
 mod checks;
 mod conflict;

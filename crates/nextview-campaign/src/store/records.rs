@@ -8,36 +8,36 @@ use std::fs::File;
 use std::io::{BufRead, BufReader, Read};
 use std::path::{Path, PathBuf};
 
-/// Longest line, bytes: the record of a scan of about 50,000 views.
+/// Maximum line length, bytes: the record of a scan of about 50,000 views.
 const MAX_LINE: u64 = 1 << 26;
 
-/// Fewest bytes of an object in the text of a record, on average. In memory a step takes a thousand, so that
-/// empty ones could fill it.
+/// Minimum average number of bytes per object in the text of a record. A step takes a thousand bytes in
+/// memory, so empty ones could fill it.
 const OBJECT: usize = 64;
 
-/// Objects that a line of any length may have.
+/// Number of objects that a line of any length may have.
 const FREE_OBJECTS: usize = 100;
 
-/// Bytes of lines that are parsed together, by all threads.
+/// Bytes of lines parsed together, by all threads.
 pub(super) const BATCH: usize = 1 << 22;
 
-/// Records of a file, one after the other in the order in which the runs ended; repeated ones as they stand.
+/// Records of a file, in the order in which the runs ended, including repeated ones.
 #[derive(Debug)]
 pub struct Records<R = BufReader<File>> {
     reader: R,
     path: PathBuf,
     /// Number of the file among others.
     file: u32,
-    /// Lines read so far, and their bytes.
+    /// Number of lines read, and their bytes.
     n_lines: usize,
     n_bytes: u64,
     is_torn: bool,
     has_ended: bool,
-    /// Records that were read ahead, by all threads.
+    /// Records read ahead, by all threads.
     ready: VecDeque<Result<StoredRecord, Fault>>,
 }
 
-/// A record and where it stands.
+/// A record and its place.
 #[derive(Clone, Debug, PartialEq)]
 pub struct StoredRecord {
     /// Line in the file, from 1.
@@ -47,7 +47,7 @@ pub struct StoredRecord {
     pub(super) position: Position,
 }
 
-/// Where a record stands.
+/// The place of a record.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Position {
     /// Number of the file.
@@ -56,11 +56,11 @@ pub(super) struct Position {
     pub line: usize,
     /// First byte in the file.
     pub offset: u64,
-    /// Bytes of the line without its line feed.
+    /// Length of the line in bytes without its line feed.
     pub n_bytes: u32,
 }
 
-/// The records in a campaign's folder, also while the campaign runs.
+/// Reads the records in a campaign's folder, even while the campaign runs.
 pub fn records(dir: &Path) -> Result<Records, Fault> {
     let path = dir.join(RUNS);
     let reader =
@@ -69,7 +69,7 @@ pub fn records(dir: &Path) -> Result<Records, Fault> {
 }
 
 impl<R: BufRead> Records<R> {
-    /// What this reader gives from here on, of the file at this path.
+    /// Reads the records of the file at this path from here on.
     pub(super) fn new(reader: R, path: &Path) -> Self {
         Self {
             reader,
@@ -83,17 +83,17 @@ impl<R: BufRead> Records<R> {
         }
     }
 
-    /// The same as the file of this number among others.
+    /// Sets the number of the file among others.
     pub(super) fn of_file(self, file: u32) -> Self {
         Self { file, ..self }
     }
 
-    /// Whether the last line had no line feed and was left out; known at the end.
+    /// Returns whether the last line had no line feed and was left out; known at the end.
     pub fn is_torn(&self) -> bool {
         self.is_torn
     }
 
-    /// Bytes of the whole lines; known at the end.
+    /// Bytes of the complete lines; known at the end.
     pub(super) fn n_bytes(&self) -> u64 {
         self.n_bytes
     }
@@ -124,7 +124,7 @@ impl<R: BufRead> Records<R> {
         self.ready.extend(end.flatten().map(Err));
     }
 
-    /// The next whole line without its line feed.
+    /// The next complete line without its line feed.
     fn read_line(&mut self) -> Result<Option<(Position, Vec<u8>)>, Fault> {
         let mut line = Vec::new();
         let read = self.reader.by_ref().take(MAX_LINE).read_until(b'\n', &mut line);
@@ -191,7 +191,7 @@ pub(super) fn parse_as<T: DeserializeOwned>(text: &[u8], line: usize, path: &Pat
 }
 
 fn malformed(error: &serde_json::Error, line: usize, path: &Path) -> Fault {
-    // The error names its place in the text it was given, which is always the first line of one.
+    // The error states its place in the given text, where it is always in the first line.
     let text = error.to_string();
     let problem = text.split(" at line ").next().unwrap_or_default();
     let place = Place { file: path.to_owned(), position: Some((line, error.column().max(1))) };

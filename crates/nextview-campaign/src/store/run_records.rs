@@ -7,15 +7,15 @@ use std::fs::File;
 use std::io::{BufReader, Read, Seek, SeekFrom};
 use std::path::{Path, PathBuf};
 
-/// Records of a campaign, each of another run: kept in their files and read one after the other, as often as
-/// needed, since those of a large campaign do not fit into memory.
+/// Records of a campaign, each of a different run: stored in their files and read one after the other, as
+/// often as needed, since those of a large campaign do not fit into memory.
 #[derive(Clone, Debug, Default)]
 pub struct RunRecords {
     files: Vec<PathBuf>,
     positions: Vec<Position>,
 }
 
-/// The part of a record that says how the run was configured.
+/// The part of a record with the run's configuration.
 #[derive(Deserialize)]
 struct Configured {
     config: ScanConfig,
@@ -26,27 +26,27 @@ impl RunRecords {
         Self { files, positions }
     }
 
-    /// Number of records.
+    /// Returns the number of records.
     pub fn len(&self) -> usize {
         self.positions.len()
     }
 
-    /// Whether there are none.
+    /// Returns whether there are no records.
     pub fn is_empty(&self) -> bool {
         self.positions.is_empty()
     }
 
-    /// The records one after the other. Fails where a file cannot be read, or was changed.
+    /// Iterates over the records. Fails if a file cannot be read or has changed.
     pub fn iter(&self) -> impl Iterator<Item = Result<RunRecord, Fault>> {
         self.parsed(parse)
     }
 
-    /// Their configurations alone.
+    /// The configurations only.
     pub(crate) fn configs(&self) -> impl Iterator<Item = Result<ScanConfig, Fault>> {
         self.parsed(|line, number, path| Ok(parse_as::<Configured>(line, number, path)?.config))
     }
 
-    /// What is made of each line, number of the line and file, by all threads.
+    /// Parses each line, with the number of the line and the file, by all threads.
     fn parsed<T: Send>(
         &self,
         parse: impl Fn(&[u8], usize, &Path) -> Result<T, Fault> + Sync,
@@ -62,20 +62,20 @@ impl RunRecords {
         })
     }
 
-    /// The lines as they stand, without their line feeds, in batches.
+    /// The lines unchanged, without their line feeds, in batches.
     pub(super) fn lines(&self) -> Lines<'_> {
         Lines { files: &self.files, left: &self.positions, open: None }
     }
 }
 
-/// Reads lines at positions, in batches; as it is read to the end of a line, the next one costs no seek.
+/// Reads lines at positions, in batches. Reading stops at the end of a line, so the next one needs no seek.
 pub(super) struct Lines<'a> {
     files: &'a [PathBuf],
     left: &'a [Position],
     open: Option<OpenFile>,
 }
 
-/// A file and where its reader is.
+/// A file and the position of its reader.
 struct OpenFile {
     number: u32,
     reader: BufReader<File>,
@@ -123,7 +123,7 @@ fn line_at(files: &[PathBuf], position: Position, open: &mut Option<OpenFile>) -
 
 impl OpenFile {
     fn read(&mut self, position: Position) -> std::io::Result<Vec<u8>> {
-        // Short ways stay within the buffer.
+        // Short distances stay within the buffer.
         match i64::try_from(position.offset.abs_diff(self.at)) {
             Ok(forward) if position.offset >= self.at => self.reader.seek_relative(forward)?,
             _ => drop(self.reader.seek(SeekFrom::Start(position.offset))?),

@@ -2,8 +2,8 @@ use nextview_scan::{Fault, files};
 use std::fs;
 use std::path::{Path, PathBuf};
 
-/// A new folder on its way: written beside its place under another name, and renamed when it is whole.
-/// Dropped before, it is removed.
+/// A new folder in progress: written next to its target under another name, and renamed when complete.
+/// Removed if dropped before.
 #[derive(Debug)]
 pub(super) struct Staging {
     target: PathBuf,
@@ -11,7 +11,7 @@ pub(super) struct Staging {
 }
 
 impl Staging {
-    /// Fails if something is there already, or nothing can be written there.
+    /// Fails if the target exists, or if it is not writable.
     pub fn begin(target: &Path) -> Result<Self, Fault> {
         files::check_name(target)?;
         let is_free = match fs::read_dir(target) {
@@ -27,14 +27,14 @@ impl Staging {
         Ok(Self { target: target.to_owned(), path })
     }
 
-    /// Where to write.
+    /// The folder to write to.
     pub fn path(&self) -> &Path {
         &self.path
     }
 
-    /// Shows the folder under its name. Fails if something has appeared there.
+    /// Renames the folder to its target. Fails if the target has appeared.
     pub fn publish(self) -> Result<(), Fault> {
-        // Not every system renames over an empty folder; one that is not empty stays.
+        // Not every system renames over an empty folder; a folder with content stays.
         let _ = fs::remove_dir(&self.target);
         fs::rename(&self.path, &self.target).map_err(|error| Fault::from(error).while_writing(&self.target))
     }
@@ -42,7 +42,7 @@ impl Staging {
 
 impl Drop for Staging {
     fn drop(&mut self) {
-        // Not there any more where it was published.
+        // Gone if it was published.
         let _ = fs::remove_dir_all(&self.path);
     }
 }

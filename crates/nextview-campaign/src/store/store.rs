@@ -12,32 +12,31 @@ use std::io::{self, BufReader, Write};
 use std::path::{Path, PathBuf};
 use std::slice;
 
-/// A campaign's folder that this process alone writes to, however many threads it has. Records stay on the
-/// disk.
+/// A campaign's folder to which only this process writes, with any number of threads. Records stay on disk.
 #[derive(Debug)]
 pub struct Store {
     dir: PathBuf,
     path: PathBuf,
-    /// Locked as long as it is open.
+    /// Locked while it is open.
     file: File,
-    /// Bytes of the file.
+    /// Size of the file, bytes.
     n_bytes: u64,
     n_lines: usize,
     runs: Runs,
-    /// The runs to do here, by the object that they share.
+    /// The runs to execute here, by their common object.
     share: Vec<Vec<usize>>,
     /// By the number of the run.
     positions: Vec<Option<Position>>,
     failures: FailureCounts,
     was_torn: bool,
-    /// After a failed write the end of the file is not known to be whole.
+    /// Whether a write failed: the end of the file may be incomplete.
     is_damaged: bool,
 }
 
 impl Store {
-    /// Opens the folder for this specification: a new one, or, if it may be resumed, one of the very same
-    /// specification. A new one may hold other files, but none that the campaign would replace. The runs of
-    /// the shard are to be done here; the folder may hold records of others, too.
+    /// Opens the folder for this specification: a new one or, if `resume`, one with the same specification. A
+    /// new folder may hold other files, but none that the campaign would replace. The runs of the shard are
+    /// to be executed here; the folder may hold records of others, too.
     pub fn open(dir: &Path, spec: &Spec, shard: Shard, resume: bool) -> Result<Self, Faults> {
         let runs = spec.runs()?;
         let (path, saved) = (dir.join(RUNS), dir.join(Spec::FILE));
@@ -84,50 +83,50 @@ impl Store {
         Ok(store)
     }
 
-    /// The folder.
+    /// Returns the folder of the campaign.
     pub fn dir(&self) -> &Path {
         &self.dir
     }
 
-    /// All runs of the campaign.
+    /// Returns all runs of the campaign.
     pub fn runs(&self) -> &Runs {
         &self.runs
     }
 
-    /// The runs to do here, by their numbers; those of a group share their object.
+    /// Returns the runs to execute here, by their numbers; those of a group have a common object.
     pub fn share(&self) -> &[Vec<usize>] {
         &self.share
     }
 
-    /// Those of the share that have no record yet.
+    /// Runs of the share without a record.
     pub(crate) fn open_groups(&self) -> Vec<Vec<usize>> {
         let is_open = |number: &usize| !self.is_finished(*number);
         let open = |group: &Vec<usize>| group.iter().copied().filter(is_open).collect();
         self.share.iter().map(open).filter(|group: &Vec<usize>| !group.is_empty()).collect()
     }
 
-    /// Whether the run of this number has a record.
+    /// Returns whether the run with this number has a record.
     pub fn is_finished(&self, number: usize) -> bool {
         self.positions.get(number).is_some_and(Option::is_some)
     }
 
-    /// The existing records, in the order of the runs.
+    /// Returns the existing records, in the order of the runs.
     pub fn finished(&self) -> RunRecords {
         RunRecords::new(vec![self.path.clone()], self.positions.iter().flatten().copied().collect())
     }
 
-    /// The runs that failed, by object and reason.
+    /// Returns the failed runs, by object and reason.
     pub fn failed(&self) -> Vec<FailedRuns> {
         self.failures.list()
     }
 
-    /// Whether the last line was not whole when the folder was opened, and was cut.
+    /// Returns whether the last line was incomplete when the folder was opened, and was cut.
     pub fn was_torn(&self) -> bool {
         self.was_torn
     }
 
-    /// Adds the record of a run: on the disk, whole, when this returns. One that equals that of the same run
-    /// changes nothing.
+    /// Adds the record of a run: complete and on disk when this returns. A record equal to that of the same
+    /// run changes nothing.
     pub fn append(&mut self, record: &RunRecord) -> Result<(), Fault> {
         if self.is_damaged {
             return Err(Fault::data("an earlier write failed").while_writing(&self.path));
@@ -157,7 +156,7 @@ impl Store {
         Ok(())
     }
 
-    /// Reads the records that are there, and cuts a last line that is not whole.
+    /// Reads the existing records, and cuts an incomplete last line.
     fn load(&mut self) -> Result<(), Faults> {
         let mut records = Records::new(BufReader::new(self.file.try_clone()?), &self.path);
         for stored in records.by_ref() {
@@ -183,7 +182,7 @@ impl Store {
         Ok(())
     }
 
-    /// The number of the run that this record belongs to; fails if it is not of this campaign and build.
+    /// The number of this record's run; fails if it is not of this campaign and build.
     fn number(&self, record: &RunRecord) -> Result<usize, Fault> {
         check_build(record)?;
         let id = record.id();

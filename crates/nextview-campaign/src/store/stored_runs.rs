@@ -9,7 +9,7 @@ use std::fs;
 use std::path::Path;
 use std::slice;
 
-/// The runs of a campaign so far.
+/// The stored runs of a campaign.
 #[derive(Clone, Debug)]
 pub struct StoredRuns {
     /// Name of the campaign's folder.
@@ -18,12 +18,12 @@ pub struct StoredRuns {
     pub runs: RunRecords,
     /// Labels of their variants.
     pub variants: BTreeSet<String>,
-    /// Whether the last line of the file was not whole and was left out: the campaign may be running.
+    /// Whether the last line of the file was incomplete and was left out: the campaign may be running.
     pub torn: bool,
 }
 
-/// Finds all runs in a campaign's folder, also while the campaign runs. Fails if there is none yet, at a line
-/// that is no record, and if two records of one run are not equal.
+/// Finds all runs in a campaign's folder, even while the campaign runs. Fails if there is none, at a line
+/// that is not a record, and if two records of one run are not equal.
 pub fn read(dir: &Path) -> Result<StoredRuns, Faults> {
     let path = dir.join(RUNS);
     let mut records = records(dir)?;
@@ -47,9 +47,8 @@ pub fn read(dir: &Path) -> Result<StoredRuns, Faults> {
     Ok(StoredRuns { name: name(dir), runs, variants, torn: records.is_torn() })
 }
 
-/// The configuration of the run in a row, from 1, of a campaign's table `runs`, as a scan reads it: with the
-/// seeds that the run drew from, so that the scan is the same. Fails if there is no such row or its run is
-/// not done yet.
+/// Returns the scan configuration of the run in a row, from 1, of a campaign's table `runs`. It has the seeds
+/// of the run's draws, so the scan is the same. Fails if there is no such row or its run is not done.
 pub fn config_of_row(dir: &Path, row: usize) -> Result<String, Faults> {
     let runs = Spec::of_folder(dir)?.runs()?;
     let run = row.checked_sub(1).and_then(|number| runs.get(number)).ok_or_else(|| {

@@ -31,7 +31,7 @@ fn line(record: &RunRecord) -> String {
     serde_json::to_string(record).unwrap() + "\n"
 }
 
-/// All of them, from the disk.
+/// All records, read from disk.
 fn all(records: &RunRecords) -> Vec<RunRecord> {
     records.iter().collect::<Result<_, _>>().unwrap()
 }
@@ -59,7 +59,7 @@ impl Folder {
         Store::open(&self.0, &spec(), Shard::WHOLE, true)
     }
 
-    /// What both a reader and who resumes say.
+    /// The faults reported by a reader and on resuming.
     fn faults(&self) -> [String; 2] {
         [read(&self.0).unwrap_err().to_string(), self.resume().unwrap_err().to_string()]
     }
@@ -67,7 +67,7 @@ impl Folder {
 
 impl Drop for Folder {
     fn drop(&mut self) {
-        // The next run of the tests would do it.
+        // Otherwise the next run of the tests does it.
         let _ = fs::remove_dir_all(&self.0);
     }
 }
@@ -128,7 +128,7 @@ fn a_malformed_line_is_named_wherever_it_is() {
         ),
         (format!("{}\n", good.replace('}', "")), "runs.jsonl, line 1, column "),
         (format!("{good}\n"), "runs.jsonl, line 2, column 1: EOF while parsing a value"),
-        // What an editor may have done to it is no torn line, which would be cut.
+        // A file changed by an editor has no torn line, which would be cut.
         (
             good.replace('\n', "\r"),
             "runs.jsonl, line 1, column 1: has a byte order mark or a carriage return",

@@ -24,7 +24,7 @@ pub(super) fn step_identity(records: &[&RunRecord]) -> Table {
     table
 }
 
-/// Every step of every run that is done.
+/// Every step of every finished run.
 pub(super) fn all_steps<'a>(
     records: &[&'a RunRecord],
 ) -> impl Iterator<Item = (&'a RunRecord, &'a StepRecord)> + Clone {

@@ -5,7 +5,7 @@ use rayon::prelude::*;
 use std::collections::BTreeMap;
 use toml::Value;
 
-/// The values that are set in any configuration, by their dotted keys, and the type that all of each have.
+/// The values set in any configuration, by their dotted keys, with the common type of each.
 #[derive(Clone, Debug, Default)]
 pub(super) struct ConfigKeys(BTreeMap<String, Kind>);
 
@@ -19,7 +19,7 @@ enum Kind {
 }
 
 impl ConfigKeys {
-    /// Those of a configuration come in, too.
+    /// Adds the values of a configuration.
     pub fn add(&mut self, config: &ScanConfig) -> Result<(), Fault> {
         for (key, value) in flat(config)? {
             let kind = Kind::of(&value);
@@ -33,7 +33,7 @@ impl ConfigKeys {
     }
 }
 
-/// A column `config.KEY` for each of the keys.
+/// A column `config.KEY` per key.
 pub(super) fn config_columns(
     table: &mut Table,
     keys: &ConfigKeys,

@@ -8,7 +8,7 @@ use std::path::Path;
 /// The names of the tables.
 const NAMES: [&str; 3] = ["runs", "steps", "times"];
 
-/// The files of the tables on their way; none shows before all rows are written.
+/// The table files in progress; none appears before all rows are written.
 pub(super) struct TableFiles([TableFile; 3]);
 
 struct TableFile {
@@ -34,7 +34,7 @@ impl TableFiles {
         self.0.iter_mut().zip(tables).try_for_each(|(file, table)| file.add(table))
     }
 
-    /// Shows the files under their names.
+    /// Renames the files to their names.
     pub fn publish(self) -> Result<(), Fault> {
         self.0.into_iter().try_for_each(TableFile::publish)
     }

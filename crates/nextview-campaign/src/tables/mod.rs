@@ -18,7 +18,7 @@ use files::TableFiles;
 use nextview_scan::Fault;
 use std::path::Path;
 
-/// The files that [`write()`] makes.
+/// The files written by [`write()`].
 pub const FILES: &[&str] = &[
     "runs.csv",
     "steps.csv",
@@ -31,13 +31,13 @@ pub const FILES: &[&str] = &[
     "times.parquet",
 ];
 
-/// Runs whose rows are held in memory at a time; they are a row group of Parquet.
+/// Number of runs whose rows are held in memory at a time; they form a row group of Parquet.
 const GROUP: usize = 2048;
 
 /// Writes `runs`, `steps` and `times` into a folder as `.csv` and, with the feature `parquet`, as `.parquet`,
-/// in place of those that are there.
+/// replacing existing files.
 ///
-/// Equal campaigns give equal files of runs and steps, and rows in the order of the records.
+/// Equal campaigns give equal files of runs and steps, with rows in the order of the records.
 pub fn write(dir: &Path, records: &RunRecords) -> Result<(), Fault> {
     let mut keys = ConfigKeys::default();
     records.configs().try_for_each(|config| keys.add(&config?))?;

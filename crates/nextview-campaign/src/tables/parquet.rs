@@ -9,7 +9,7 @@ use parquet::schema::types::Type;
 use std::io::Write;
 use std::sync::Arc;
 
-/// A file of Apache Parquet on its way: no compression, every column optional, a row group for each table.
+/// An Apache Parquet file in progress: no compression, every column optional, one row group per table.
 pub(super) struct ParquetFile<W: Write + Send>(SerializedFileWriter<W>);
 
 impl<W: Write + Send> ParquetFile<W> {

@@ -4,14 +4,14 @@ use super::{Column, Table};
 use crate::RunRecord;
 use nextview_scan::{Fault, ScanRecord, StepRecord};
 
-/// A row per run. Equal campaigns give equal rows.
+/// Creates a row per run. Equal campaigns give equal rows.
 pub fn runs(records: &[&RunRecord]) -> Result<Table, Fault> {
     let mut keys = ConfigKeys::default();
     records.iter().try_for_each(|record| keys.add(&record.config))?;
     runs_with(&keys, records)
 }
 
-/// The same with columns for these keys of the configuration.
+/// A row per run, with columns for these keys of the configuration.
 pub(super) fn runs_with(keys: &ConfigKeys, records: &[&RunRecord]) -> Result<Table, Fault> {
     let mut table = identity(records.iter().copied());
     config_columns(&mut table, keys, records)?;
@@ -38,7 +38,7 @@ pub(super) fn runs_with(keys: &ConfigKeys, records: &[&RunRecord]) -> Result<Tab
     Ok(table)
 }
 
-/// A row per view of every run that is done. Equal campaigns give equal rows.
+/// Creates a row per view of every finished run. Equal campaigns give equal rows.
 pub fn steps(records: &[&RunRecord]) -> Result<Table, Fault> {
     let steps = || all_steps(records).map(|(_, step)| step);
     let mut table = step_identity(records);
@@ -50,7 +50,7 @@ pub fn steps(records: &[&RunRecord]) -> Result<Table, Fault> {
     Ok(table)
 }
 
-/// The same rows with what differs between equal campaigns.
+/// Creates a row per view with the values that differ between equal campaigns.
 pub fn times(records: &[&RunRecord]) -> Table {
     let steps = || all_steps(records);
     let mut table = step_identity(records);

@@ -7,7 +7,7 @@ pub struct Table {
     columns: Vec<(String, Column)>,
 }
 
-/// The values of a column; where there is none, `None`.
+/// The values of a column; `None` for a missing value.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Column {
     /// Texts.
@@ -21,7 +21,7 @@ pub enum Column {
 }
 
 impl Table {
-    /// The columns with their names.
+    /// Returns the columns with their names.
     pub fn columns(&self) -> &[(String, Column)] {
         &self.columns
     }
@@ -36,9 +36,9 @@ impl Table {
         self.push(name, Column::Text(values.map(|value| value.into().map(str::to_owned)).collect()));
     }
 
-    /// Adds a column of counts or numbers of things.
+    /// Adds a column of counts or indices.
     pub(super) fn count(&mut self, name: &str, values: impl Iterator<Item = impl Into<Option<usize>>>) {
-        // All are below 2^63: they count things that are in memory.
+        // All are below 2^63: they count things in memory.
         self.push(name, Column::Int(values.map(|value| value.into().map(|n| n as i64)).collect()));
     }
 
@@ -47,25 +47,25 @@ impl Table {
         self.push(name, Column::Float(values.map(Into::into).collect()));
     }
 
-    /// Number of rows.
+    /// Returns the number of rows.
     pub fn n_rows(&self) -> usize {
         self.columns.first().map_or(0, |(_, column)| column.len())
     }
 
-    /// Writes CSV as in RFC 4180, but with plain line feeds: a head line, nothing for a missing value, quotes
-    /// only where they must be. Numbers read back to the same bits.
+    /// Writes CSV as in RFC 4180, but with plain line feeds: a header line, nothing for a missing value,
+    /// quotes only where required. Numbers read back to the same bits.
     pub fn write_csv(&self, writer: &mut impl Write) -> Result<(), Fault> {
         self.write_csv_head(writer)?;
         self.write_csv_rows(writer)
     }
 
-    /// The head line alone.
+    /// The header line only.
     pub(super) fn write_csv_head(&self, writer: &mut impl Write) -> Result<(), Fault> {
         let names: Vec<String> = self.columns.iter().map(|(name, _)| quoted(name)).collect();
         Ok(writeln!(writer, "{}", names.join(","))?)
     }
 
-    /// The lines below it.
+    /// The lines below the header.
     pub(super) fn write_csv_rows(&self, writer: &mut impl Write) -> Result<(), Fault> {
         for row in 0..self.n_rows() {
             let values: Vec<String> = self.columns.iter().map(|(_, column)| column.csv(row)).collect();

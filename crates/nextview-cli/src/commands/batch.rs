@@ -2,10 +2,10 @@
 
 use nextview_scan::{BatchRecord, BatchViewRecord};
 
-/// From this share on the choice is reported as the best: the rest may be rounding.
+/// From this share on, the choice is reported as the best: the rest may be rounding.
 const IS_BEST: f64 = 1.0 - 1e-6;
 
-/// A table of the views, below what they show together.
+/// A table of the views, below a summary of all of them.
 pub(super) fn to_text(batch: &BatchRecord) -> String {
     if batch.views.is_empty() {
         return "next views  none: no candidate gains anything\n".to_owned();
@@ -39,7 +39,7 @@ fn to_row(of: &BatchViewRecord) -> String {
     format!("{view:>6} {share:>6.1} %  {position:<24}  {qx:.6} {qy:.6} {qz:.6} {qw:.6}\n")
 }
 
-/// Down to a tenth, so that "at least" stays true.
+/// Rounds down to a tenth, which keeps "at least" true.
 fn floor(percent: f64) -> f64 {
     (percent * 10.0).floor() / 10.0
 }

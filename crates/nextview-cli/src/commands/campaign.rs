@@ -1,4 +1,4 @@
-//! Code shared by the commands about campaigns.
+//! Code shared by the commands for campaigns.
 
 use crate::Failure;
 use nextview_campaign::FailedRuns;

@@ -17,7 +17,7 @@ Examples:
   nextview completions fish > ~/.config/fish/completions/nextview.fish";
 
 impl CompletionsArgs {
-    /// Prints the script of this program.
+    /// Prints the completion script of this program.
     pub fn run(self, mut program: Command) -> Result<(), Failure> {
         let mut script = Vec::new();
         clap_complete::generate(self.shell, &mut program, "nextview", &mut script);

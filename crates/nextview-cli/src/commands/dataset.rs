@@ -82,7 +82,7 @@ impl DatasetArgs {
     }
 }
 
-/// The fault in the words of the command line.
+/// Words the fault for the command line.
 fn failure(error: DatasetError) -> Failure {
     let hint = match &error {
         DatasetError::Exists { .. } => "pass --resume to resume that data set, or another --out".to_owned(),

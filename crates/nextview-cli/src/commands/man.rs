@@ -18,10 +18,10 @@ pub(super) struct ManArgs {
 }
 
 impl ManArgs {
-    /// Writes the pages of this program.
+    /// Writes the manual pages of this program.
     pub fn run(self, program: Command) -> Result<(), Failure> {
         let (out, rule) = (self.out, Overwrite::forced(self.force));
-        // `help` is a command that needs no page.
+        // The command `help` needs no page.
         let pages = pages(program.disable_help_subcommand(true))?;
         let names: Vec<&str> = pages.iter().map(|(name, _)| name.as_str()).collect();
         let mut folder = ResultFolder::begin(&out, &names, rule)?;
@@ -33,7 +33,7 @@ impl ManArgs {
     }
 }
 
-/// The name of each page and its text.
+/// Returns the name and the text of each page.
 fn pages(mut program: Command) -> Result<Vec<(String, Vec<u8>)>, Failure> {
     program.build();
     let mut pages = Vec::new();

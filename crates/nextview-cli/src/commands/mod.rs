@@ -86,7 +86,7 @@ enum Command {
 }
 
 impl Cli {
-    /// Does what was asked for.
+    /// Runs the requested command.
     pub fn run(self) -> Result<(), Failure> {
         process::limit_is_an_error()?;
         if let Some(n) = process::start_threads(self.threads.map(usize::from))? {

@@ -54,7 +54,7 @@ Examples:
   nextview plan --map map.ot --views views.csv --visited 0,17 --batch 8
   nextview plan --map map.ot --views views.csv --visited 0,17 --batch 8 --theta 0.2";
 
-/// The answer; `view` is none if no candidate gains anything.
+/// The answer; `view` is `None` if no candidate gains anything.
 #[derive(Debug, Serialize)]
 struct Answer {
     planner: PlannerName,
@@ -72,7 +72,7 @@ impl PlanArgs {
         stdout::print(if self.batch.is_some() { self.batch(&map)? } else { self.next(&map)? })
     }
 
-    /// The parameters of all planners, as far as options set them.
+    /// The parameters of all planners, as set by options.
     fn configs(&self) -> PlannerConfigs {
         let (theta, default) = (self.theta, BatchConfig::default());
         PlannerConfigs {

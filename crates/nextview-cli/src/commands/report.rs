@@ -23,7 +23,7 @@ pub(super) struct ReportArgs {
 
 const FILES: &[&str] = &["report.html", "report.md"];
 
-/// Longest report that is recognised, bytes.
+/// Maximum size of a recognised report in bytes.
 const MAX_BYTES: u64 = 1 << 28;
 
 impl ReportArgs {
@@ -42,7 +42,7 @@ impl ReportArgs {
         stdout::print(format!("{} runs; open {}\n", campaign.runs.len(), path.display()))
     }
 
-    /// Whether the file is a report of before, or not there.
+    /// Whether the file is an earlier report, or missing.
     fn may_replace(&self, name: &str) -> bool {
         let path = self.dir.join(name);
         !path.exists() || files::read_text(&path, MAX_BYTES).is_ok_and(|text| is_campaign_report(&text))

@@ -5,7 +5,7 @@ use nextview_server::{Limits, ServerConfig, Started, serve};
 use std::net::SocketAddr;
 use std::path::PathBuf;
 
-/// Largest file of a token, bytes.
+/// Maximum size of a token file in bytes.
 const MAX_TOKEN: u64 = 4096;
 
 /// Serve scans over HTTP: post the frames of any camera, get the next view.

@@ -1,4 +1,4 @@
-//! Values on the command line.
+//! Parsers of values on the command line.
 
 use clap::builder::{OsStringValueParser, PossibleValue, PossibleValuesParser, TypedValueParser};
 use glam::DVec3;
@@ -8,12 +8,12 @@ use nextview_scan::{Fault, Named};
 use serde::de::DeserializeOwned;
 use std::ffi::OsString;
 
-/// A value by its name.
+/// A value by name.
 pub(super) fn named<T: Named + Send + Sync>() -> impl TypedValueParser<Value = T> {
     some_named(|_: T| true)
 }
 
-/// One of the values that are suitable, by its name.
+/// One of the suitable values, by name.
 pub(super) fn some_named<T: Named + Send + Sync>(
     is_suitable: fn(T) -> bool,
 ) -> impl TypedValueParser<Value = T> {
@@ -23,7 +23,7 @@ pub(super) fn some_named<T: Named + Send + Sync>(
         .map(|name| T::of_name(&name).expect("the parser knows all names and no other"))
 }
 
-/// One of the words that stand for values in configurations.
+/// One of the words for values in configurations.
 pub(super) fn word<T: DeserializeOwned>(text: &str) -> Result<T, String> {
     serde_json::from_value(text.into()).map_err(|error| error.to_string())
 }
@@ -33,7 +33,7 @@ pub(super) fn shard(text: &str) -> Result<Shard, String> {
     text.parse().map_err(|fault: Fault| fault.expected.map_or(fault.message, |it| format!("expected {it}")))
 }
 
-/// The name of a file that configurations and results hold, which are text.
+/// The name of a file; it must be text, as in configurations and results.
 pub(super) fn file_name() -> impl TypedValueParser<Value = String> {
     let text = |name: OsString| name.into_string().map_err(|_| "the name is not Unicode: rename the file");
     OsStringValueParser::new().try_map(text)
@@ -51,7 +51,7 @@ pub(super) fn positive(text: &str) -> Result<f64, String> {
     if value > 0.0 { Ok(value) } else { Err(format!("{text} is not positive")) }
 }
 
-/// A finite number from 0 on.
+/// A finite number, at least 0.
 pub(super) fn not_negative(text: &str) -> Result<f64, String> {
     let value = number(text)?;
     if value >= 0.0 { Ok(value) } else { Err(format!("{text} is negative")) }
@@ -63,12 +63,12 @@ pub(super) fn share(text: &str) -> Result<f64, String> {
     if (0.0..=1.0).contains(&value) { Ok(value) } else { Err(format!("{text} is not in 0 to 1")) }
 }
 
-/// A whole number from 0 on.
+/// A whole number, at least 0.
 pub(super) fn count(text: &str) -> Result<usize, String> {
     text.parse().map_err(|_| format!("'{text}' is not a whole number from 0 on"))
 }
 
-/// A seed: up to 2^63 - 1, the largest integer that a TOML file can hold.
+/// A seed: up to 2^63 - 1, the largest integer in a TOML file.
 pub(super) fn seed(text: &str) -> Result<u64, String> {
     let value: i64 =
         text.parse().map_err(|_| format!("'{text}' is not a whole number from 0 to {}", i64::MAX))?;

@@ -1,7 +1,7 @@
 use nextview_scan::BuildIdentity;
 use std::sync::LazyLock;
 
-/// The version with the build that the records of campaigns name, its target and its profile.
+/// The version, with the build as in the records of campaigns, its target and its profile.
 pub(super) fn long() -> &'static str {
     static LONG: LazyLock<String> = LazyLock::new(|| {
         let BuildIdentity { version, source } = BuildIdentity::this();

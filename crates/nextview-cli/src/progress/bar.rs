@@ -2,11 +2,10 @@ use crate::{Failure, stdout};
 use indicatif::{ProgressBar, ProgressStyle};
 use std::time::Duration;
 
-/// A bar on stderr that shows how far the work is; nothing where stderr is no terminal. It disappears when
-/// dropped.
+/// A progress bar on stderr; nothing if stderr is not a terminal. It disappears on drop.
 pub(crate) struct Progress(pub(super) ProgressBar);
 
-/// The bar takes the room that the texts leave: a line that wraps is drawn below itself again and again.
+/// The bar uses the width left by the texts: a wrapped line would be redrawn below itself again and again.
 const BAR: &str = "{msg} [{wide_bar}] {pos}/{len}, {elapsed} ({eta} left)";
 
 impl Progress {
@@ -14,7 +13,7 @@ impl Progress {
         Self::of_template(BAR, work, n)
     }
 
-    /// The looks from every view before a simulated scan, below a line that says what they are for.
+    /// Shows the rendering of every view before a simulated scan, below a line that explains it.
     pub fn of_baselines(n_views: usize) -> Self {
         let reason = "Before the scan, to measure coverage and skill (see --baselines):";
         Self::of_template(&format!("{reason}\n{BAR}"), "looking from every view", n_views)
@@ -24,7 +23,7 @@ impl Progress {
         let style = ProgressStyle::with_template(template);
         let bar = ProgressBar::new(n as u64).with_style(style.expect("the template is well formed"));
         bar.set_message(work);
-        // A single step may take long; the clock shows that it goes on.
+        // A single step may take long; the clock shows activity.
         bar.enable_steady_tick(Duration::from_millis(200));
         Self(bar)
     }

@@ -6,27 +6,27 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
-/// Time between two lines where there is no terminal to show a bar on.
+/// Interval between lines if there is no terminal to show a bar on.
 const BETWEEN_LINES: Duration = Duration::from_secs(30);
 
-/// How far a campaign is, on stderr: a bar, or else a line now and then.
+/// Progress of a campaign on stderr: a bar, or an occasional line.
 pub(crate) struct CampaignProgress {
     pub(super) bar: ProgressBar,
-    /// When the campaign began, and how many runs had been done before.
+    /// Start of the campaign, and the number of runs done before.
     begin: (Instant, Arc<AtomicU64>),
-    /// When the last line was; none where there is a bar.
+    /// Time of the last line; `None` with a bar.
     last_line: Option<Mutex<Instant>>,
 }
 
 impl CampaignProgress {
-    /// A campaign of this many runs.
+    /// Starts the progress of this number of runs.
     pub fn new(n_runs: usize) -> Self {
         let style = ProgressStyle::with_template("{pos} of {len} runs [{wide_bar}] {elapsed} ({left})");
         let style = style.expect("the template is well formed");
         let begin = (Instant::now(), Arc::new(AtomicU64::new(0)));
         let since = begin.clone();
         let left = move |state: &ProgressState, writer: &mut dyn Write| {
-            // Before the first run there is no estimate; a line that cannot be drawn is no failure.
+            // Before the first run there is no estimate; failing to draw a line is not an error.
             let _ = match time_left(&since, state.pos(), n_runs as u64) {
                 Some(time) => write!(writer, "{:#} left", HumanDuration(time)),
                 None => write!(writer, "preparing the first object"),
@@ -38,13 +38,13 @@ impl CampaignProgress {
         Self { bar, begin, last_line }
     }
 
-    /// So many runs were done before.
+    /// Sets the number of runs done before.
     pub fn begin(&self, n_before: usize) {
         self.begin.1.store(n_before as u64, Ordering::Relaxed);
         self.bar.set_position(n_before as u64);
     }
 
-    /// A run is done.
+    /// Advances by one run.
     pub fn step(&self) {
         self.bar.inc(1);
         let Some(last_line) = &self.last_line else { return };
@@ -63,8 +63,8 @@ impl CampaignProgress {
     }
 }
 
-/// By the mean time of all runs since the beginning, because runs come in bursts, when an object has been
-/// looked at; none before the first.
+/// Estimates the time left from the mean over all runs since the beginning, because runs finish in bursts
+/// after each object is rendered; `None` before the first.
 fn time_left((begin, n_before): &(Instant, Arc<AtomicU64>), n_done: u64, n_runs: u64) -> Option<Duration> {
     let n_since = n_done.saturating_sub(n_before.load(Ordering::Relaxed));
     (n_since > 0).then(|| begin.elapsed().mul_f64((n_runs - n_done) as f64 / n_since as f64))

@@ -14,14 +14,14 @@ mod tests {
     use std::sync::Arc;
     use std::sync::atomic::{AtomicU16, Ordering};
 
-    /// Columns of the terminal that users have who chose none.
+    /// Default number of terminal columns.
     const WIDTH: u16 = 80;
 
-    /// A terminal that remembers the longest line written to it.
+    /// A terminal that records the longest line written to it.
     #[derive(Clone, Debug, Default)]
     struct Screen(Arc<AtomicU16>);
 
-    /// Characters of the longest line of a bar that has just begun and of one that is nearly done.
+    /// Length of the longest line of a bar at the beginning and near the end.
     fn widest_line(bar: &ProgressBar) -> u16 {
         let screen = Screen::default();
         bar.set_draw_target(ProgressDrawTarget::term_like(Box::new(screen.clone())));

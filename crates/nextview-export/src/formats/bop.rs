@@ -42,7 +42,7 @@ pub(super) fn write(scanned: &Scanned, out: &mut Out) -> Result<(), Fault> {
         }
         out.add(format!("{SCENE}/mask/{stem}_000000.png"), encode_mask(width, height, &mask.whole));
         out.add(format!("{SCENE}/mask_visib/{stem}_000000.png"), encode_mask(width, height, &mask.visible));
-        // The model lies in the world as it was scanned: one pose for both.
+        // The model lies in the world as scanned: one pose for both.
         let (rotation, translation) = camera_from_world(view);
         cameras.insert(
             number.clone(),
@@ -85,11 +85,11 @@ fn write_model(scanned: &Scanned, out: &mut Out) -> Result<(), Fault> {
     Ok(())
 }
 
-/// Number of directions in which an end of the diameter is looked for: 1.4 degrees apart, so that what is
-/// missed is below a thousandth.
+/// Number of directions in which an end of the diameter is searched: 1.4 degrees apart, which misses less
+/// than a thousandth.
 const DIRECTIONS: usize = 4096;
 
-/// The largest distance between two of the points: from those that lie outermost in some direction to all.
+/// The largest distance between two of the points: from the outermost in some direction to all.
 fn diameter(points: &[DVec3]) -> f64 {
     let outermost = |direction: DVec3| {
         points.iter().copied().max_by(|a, b| a.dot(direction).total_cmp(&b.dot(direction)))
@@ -116,7 +116,7 @@ fn info(view: &View, mask: &Mask, width: u32) -> Value {
     })
 }
 
-/// Left, top, width and height of the box around the true pixels; -1 without any, as the benchmark has it.
+/// Left, top, width and height of the box around the true pixels; -1 if there are none, as in the benchmark.
 fn bounds(mask: &[bool], width: u32) -> [i64; 4] {
     let places = mask.iter().enumerate().filter(|(_, is_object)| **is_object);
     let places = places.map(|(i, _)| [(i % width as usize) as i64, (i / width as usize) as i64]);

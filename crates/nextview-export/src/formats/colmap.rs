@@ -11,27 +11,27 @@ use nextview_recording::{encode_color, encode_mask};
 use nextview_scan::Fault;
 use std::fmt::Write;
 
-/// There, the centre of the first pixel is (0.5, 0.5).
+/// COLMAP's centre of the first pixel is (0.5, 0.5).
 const PIXEL_CENTER: f64 = 0.5;
 
-/// Largest number of points, about.
+/// Approximate maximum number of points.
 const MAX_POINTS: usize = 5000;
 
-/// A pixel shows a point if its depth is within this of the point's: metres, and a share of the depth.
+/// A pixel shows a point if its depth is within this tolerance: metres, and a share of the depth.
 const TOLERANCE: (f64, f64) = (0.001, 0.005);
 
-/// Number of the model PINHOLE.
+/// COLMAP's number of the model PINHOLE.
 const PINHOLE: i32 = 1;
 
-/// A point that at least two images show.
+/// A point shown by at least two images.
 struct Point {
     position: DVec3,
     color: [u8; 3],
-    /// The index of an image, and of the point in it.
+    /// Indices of an image, and of the point in it.
     track: Vec<(usize, usize)>,
 }
 
-/// The points that an image shows.
+/// The points shown by an image.
 struct Seen {
     /// The pixel, and the index of the point.
     points: Vec<(DVec2, usize)>,
@@ -45,7 +45,7 @@ pub(super) fn write(scanned: &Scanned, out: &mut Out) -> Result<(), Fault> {
         if let Some(color) = &view.color {
             out.add(format!("images/{name}"), encode_color(color));
         }
-        // The name that COLMAP looks for.
+        // The name that COLMAP expects.
         out.add(format!("masks/{name}.png"), encode_mask(width, height, &masks.of(view)?.visible));
     }
     let (points, seen) = tracks(scanned);
@@ -84,7 +84,7 @@ fn tracks(scanned: &Scanned) -> (Vec<Point>, Vec<Seen>) {
     (points, seen)
 }
 
-/// The pixel that shows a point; none if something is before it.
+/// The pixel that shows a point; `None` if it is occluded.
 fn pixel_of(view: &View, point: DVec3) -> Option<DVec2> {
     let in_camera = view.world_from_camera().inverse().transform_point(point);
     let intrinsics = view.frame.intrinsics();
@@ -104,7 +104,7 @@ fn parameters(scanned: &Scanned) -> [f64; 4] {
     [focal.x, focal.y, center.x, center.y]
 }
 
-/// Camera from world: quaternion, the scalar first, and translation.
+/// Camera from world: quaternion, scalar first, and translation.
 fn pose(view: &View) -> [f64; 7] {
     let pose = view.world_from_camera().inverse();
     let (q, t) = (pose.rotation(), pose.translation());

@@ -1,5 +1,5 @@
-//! Reference views for FoundationPose (Wen et al. 2024): the folder of an object that its training of a
-//! neural object field reads, and the model and camera file that its demonstration reads.
+//! Reference views for FoundationPose (Wen et al. 2024): an object's folder for the training of a neural
+//! object field, and the model and camera file for its demonstration.
 
 use super::out::Out;
 use crate::masks::Masks;

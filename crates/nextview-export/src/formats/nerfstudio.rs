@@ -1,5 +1,5 @@
-//! `transforms.json` of nerfstudio, which instant-ngp reads as well: cameras with OpenGL axes (x right, y
-//! up, z backward) in our world.
+//! `transforms.json` of nerfstudio, also read by instant-ngp: cameras with OpenGL axes (x right, y up, z
+//! backward) in our world.
 
 use super::out::Out;
 use crate::masks::Masks;
@@ -13,7 +13,7 @@ use serde_json::json;
 /// Metres per unit of depth: nerfstudio's default.
 const UNIT: f64 = 0.001;
 
-/// There, the centre of the first pixel is (0.5, 0.5).
+/// nerfstudio's centre of the first pixel is (0.5, 0.5).
 const PIXEL_CENTER: f64 = 0.5;
 
 pub(super) fn write(scanned: &Scanned, out: &mut Out) -> Result<(), Fault> {
@@ -58,7 +58,7 @@ pub(super) fn write(scanned: &Scanned, out: &mut Out) -> Result<(), Fault> {
     Ok(())
 }
 
-/// The rows of the camera's matrix with OpenGL axes: y and z point the other way.
+/// The rows of the camera's matrix with OpenGL axes: y and z are reversed.
 fn opengl(world_from_camera: &Pose) -> [[f64; 4]; 4] {
     rows_of_pose(world_from_camera).map(|[x, y, z, t]| [x, -y, -z, t])
 }

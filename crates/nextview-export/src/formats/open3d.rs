@@ -52,7 +52,7 @@ fn intrinsic(scanned: &Scanned) -> Value {
     })
 }
 
-/// The entries of a matrix column by column, as Open3D writes them.
+/// The entries of a matrix column by column, as in Open3D.
 fn by_columns<const N: usize>(rows: &[[f64; N]; N]) -> Vec<f64> {
     (0..N).flat_map(|column| rows.iter().map(move |row| row[column])).collect()
 }

@@ -1,7 +1,7 @@
-/// A file of an export: its name, relative to the folder and with `/`, and its content.
+/// A file of an export: its name, relative to the folder with `/`, and its content.
 pub type NamedFile = (String, Vec<u8>);
 
-/// Where files go.
+/// Collects the files of an export.
 #[derive(Default)]
 pub(super) struct Out {
     pub files: Vec<NamedFile>,

@@ -29,7 +29,7 @@ pub(super) fn write(scanned: &Scanned, out: &mut Out) {
     for point in points {
         point.position.to_array().iter().for_each(|x| put(&mut bytes, *x));
         if has_normals {
-            // PCL marks a missing normal so.
+            // PCL's mark for a missing normal.
             let normal = point.normal.map_or([f64::NAN; 3], |normal| normal.to_array());
             normal.iter().for_each(|x| put(&mut bytes, *x));
         }

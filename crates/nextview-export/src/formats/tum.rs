@@ -1,5 +1,5 @@
-//! A sequence of the TUM RGB-D benchmark (Sturm et al. 2012), with the file of intrinsics that
-//! `scan --frames` needs beside it. Times are made up: a second for each step.
+//! A sequence of the TUM RGB-D benchmark (Sturm et al. 2012), with the additional intrinsics file that `scan
+//! --frames` needs. Times are synthetic: one second per step.
 
 use super::out::Out;
 use crate::scanned::Scanned;
@@ -17,7 +17,7 @@ pub(super) fn write(scanned: &Scanned, out: &mut Out) {
         let time = format!("{}.000000", view.number);
         let pose = view.world_from_camera();
         let (t, q) = (pose.translation(), pose.rotation());
-        // To memory, all three.
+        // These write to memory.
         let _ = writeln!(poses, "{time} {} {} {} {} {} {} {}", t.x, t.y, t.z, q.x, q.y, q.z, q.w);
         let _ = writeln!(depths, "{time} depth/{time}.png");
         out.add(format!("depth/{time}.png"), encode_depth(view.frame.image(), UNIT));

@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct DatasetConfig {
-    /// The network to train. Data sets that do not state it are for NBV-Net.
+    /// The network to train; NBV-Net if a data set does not state it.
     #[serde(default)]
     pub network: NetworkName,
     /// Number of objects.
@@ -15,11 +15,11 @@ pub struct DatasetConfig {
 }
 
 impl DatasetConfig {
-    /// Objects of a file: enough for all threads, and few enough to hold their samples in memory and to lose
-    /// little work.
+    /// Number of objects per file: enough for all threads, and few enough to hold their samples in memory and
+    /// to lose little work.
     pub(super) const PER_FILE: u32 = 64;
 
-    /// Number of files of samples.
+    /// Returns the number of files of samples.
     pub fn n_files(&self) -> u32 {
         self.objects.div_ceil(Self::PER_FILE)
     }

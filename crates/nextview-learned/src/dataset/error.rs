@@ -7,7 +7,7 @@ use std::path::PathBuf;
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum DatasetError {
-    /// The folder holds a data set, and it was not asked to resume one.
+    /// The folder holds a data set, and resuming was not requested.
     #[error("{}: is there already", path.display())]
     Exists {
         /// The configuration of that data set.
@@ -21,7 +21,7 @@ pub enum DatasetError {
     Differs {
         /// The configuration of that data set.
         path: PathBuf,
-        /// Its content.
+        /// Its configuration.
         found: DatasetConfig,
     },
     /// The configuration in the folder cannot be read.

@@ -10,12 +10,11 @@ use std::path::{Path, PathBuf};
 /// The file of the configuration.
 const CONFIG: &str = "dataset.toml";
 
-/// The folder of a data set: its configuration, and files of samples, each of which is present as a whole or
-/// not at all.
+/// The folder of a data set: its configuration, and files of samples, each of which is complete or absent.
 pub(super) struct Folder(PathBuf);
 
 impl Folder {
-    /// Opens the folder for this data set, new or, if asked for, one with a part of the very same.
+    /// Opens the folder for this data set: a new one or, with `resume`, one with a part of the same data set.
     pub fn open(dir: &Path, config: &DatasetConfig, resume: bool) -> Result<Self, DatasetError> {
         let path = dir.join(CONFIG);
         if path.exists() {
@@ -28,12 +27,12 @@ impl Folder {
         Ok(Self(dir.to_owned()))
     }
 
-    /// Whether the samples of this object and those after it are there.
+    /// Returns whether the samples of the file that starts with this object exist.
     pub fn has(&self, first: u32) -> bool {
         self.file(first).exists()
     }
 
-    /// Writes the samples of this object and those after it.
+    /// Writes the samples of the file that starts with this object.
     pub fn write(&self, first: u32, network: NetworkName, samples: &[Sample]) -> Result<(), DatasetError> {
         replace(&self.file(first), |writer| npy::write(writer, network, samples))
     }
@@ -43,7 +42,7 @@ impl Folder {
     }
 }
 
-/// Fails unless the data set that is there may be resumed.
+/// Fails unless the existing data set may be resumed.
 fn check_same(path: &Path, config: &DatasetConfig, resume: bool) -> Result<(), DatasetError> {
     if !resume {
         return Err(DatasetError::Exists { path: path.to_owned() });
@@ -65,7 +64,7 @@ fn check_same(path: &Path, config: &DatasetConfig, resume: bool) -> Result<(), D
     Err(DatasetError::Differs { path: path.to_owned(), found })
 }
 
-/// Writes a file beside its place, on the disk, and then renames it.
+/// Writes a temporary file next to the target, synced to disk, and then renames it.
 fn replace(
     path: &Path,
     content: impl FnOnce(&mut BufWriter<File>) -> io::Result<()>,
@@ -78,7 +77,7 @@ fn replace(
         fs::rename(&beside, path)
     };
     whole().map_err(|error| {
-        // The first error is the one to report; the file beside may not even exist.
+        // The first error is reported; the temporary file may not even exist.
         let _ = fs::remove_file(&beside);
         failed(path, error)
     })

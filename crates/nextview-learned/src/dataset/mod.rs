@@ -1,7 +1,7 @@
-//! Data sets for training the networks, made by the simulator: scans of random objects, a sample after each
-//! view.
+//! Data sets for training the networks, made by the simulator: scans of random objects, with a sample after
+//! each view.
 //!
-//! Start with [`make`]. The samples are the same for any number of threads and after interruptions.
+//! Start with [`make`]. The samples do not depend on the number of threads or on interruptions.
 
 mod config;
 mod error;
@@ -21,11 +21,10 @@ use sample::Sample;
 use std::ops::Range;
 use std::path::Path;
 
-/// Makes the files of a data set that are not in the folder yet: `dataset.toml`, and arrays that `numpy.load`
-/// reads.
+/// Makes the missing files of a data set: `dataset.toml`, and arrays for `numpy.load`.
 ///
-/// `progress` is called once for each object, from several threads. With `resume`, the folder may hold a part
-/// of the same data set; without, it must not hold any.
+/// `progress` is called once per object, from several threads. With `resume`, the folder may hold a part of
+/// the same data set; otherwise it must not hold any.
 pub fn make(
     config: &DatasetConfig,
     folder: &Path,
@@ -45,7 +44,7 @@ pub fn make(
     Ok(())
 }
 
-/// The samples of all objects, one object after the other, whichever is finished first.
+/// The samples of all objects, in the order of the objects.
 fn samples(
     config: &DatasetConfig,
     objects: Range<u32>,
@@ -67,13 +66,13 @@ mod tests {
         samples(&DatasetConfig { network, objects: objects.end, seed }, objects, || ()).unwrap()
     }
 
-    /// Of a hundred inputs. Random objects depend on the machine's sine and cosine, which differ in the last
-    /// bit of few values; where more than a tenth of the inputs come out otherwise, it is the inputs that
-    /// have changed.
+    /// Minimum number of equal inputs of a hundred. Random objects depend on the machine's sine and cosine,
+    /// which differ in the last bit of few values; if more than a tenth of the inputs differ, the inputs
+    /// themselves have changed.
     const LEAST_COMPARED: usize = 90;
 
-    /// A grid's network beside the training framework, which wrote for the first hundred grids of seed 0 a
-    /// checksum and `N` outputs in a `reference` file; the largest difference must be below `tolerance`.
+    /// Compares a grid's network with the training framework, which wrote a checksum and `N` outputs for the
+    /// first hundred grids of seed 0 to a `reference` file. The largest difference must be below `tolerance`.
     fn check<const N: usize>(
         (network, reference, tolerance): (NetworkName, &[u8], f32),
         input_sum: impl Fn(&[u8]) -> u32,
@@ -98,7 +97,7 @@ mod tests {
         );
     }
 
-    /// The sum of all bytes, each times its number from 1 on.
+    /// The sum of all bytes, each times its number, from 1.
     fn checksum(bytes: &[u8]) -> u32 {
         let cells = bytes.iter().zip(1_u32..);
         cells.fold(0, |sum, (&byte, number)| sum.wrapping_add(number.wrapping_mul(byte.into())))
@@ -133,7 +132,7 @@ mod tests {
         check((NetworkName::NbvRegression, reference, 1e-5), checksum, |input| network.outputs(&grid(input)));
     }
 
-    /// Neighbours that are almost equally near come in another order there, and so change a little.
+    /// Neighbours that are almost equally near have another order there, and cause small changes.
     #[test]
     fn pc_nbv_gives_what_the_training_framework_gives() {
         let reference = include_bytes!("../pc_nbv/reference.bin");
@@ -145,8 +144,8 @@ mod tests {
         check((NetworkName::PcNbv, reference, 1e-3), |input| checksum(&input[4..]), gains);
     }
 
-    /// The mean gain of the view that a network names, and of all views, as shares of that of the best one,
-    /// on objects of another seed than it learned from.
+    /// The mean gain of the view that a network chooses, and of all views, as shares of the best view's gain,
+    /// on objects with another seed than its training.
     fn judge(network: NetworkName, view: impl Fn(&Sample) -> usize) -> [f64; 2] {
         let samples = samples_of(network, 0..20, 1);
         let (mut named, mut mean) = (0.0, 0.0);

@@ -31,10 +31,10 @@ impl std::fmt::Display for NetworkName {
 }
 
 impl NetworkName {
-    /// Views of a sample for NBV regression, on a Fibonacci sphere.
+    /// Number of views of a sample for NBV regression, on a Fibonacci sphere.
     pub const N_REGRESSION_VIEWS: usize = 128;
 
-    /// The directions of the views whose gains a sample states.
+    /// The directions of the views with gains in a sample.
     pub(super) fn directions(self) -> Vec<DVec3> {
         let n = Self::N_REGRESSION_VIEWS;
         match self {
@@ -53,7 +53,7 @@ impl NetworkName {
         }
     }
 
-    /// The fields that hold the network's input, as NumPy describes them.
+    /// The fields of the network's input, in NumPy's notation.
     pub(super) fn input_fields(self) -> String {
         let (side, points, views) = (Grid::SIDE, Cloud::N_POINTS, pc_nbv::views::N_VIEWS);
         match self {

@@ -1,10 +1,10 @@
-//! NumPy's file format, version 1.0, of an array of records.
+//! NumPy's file format, version 1.0, for an array of records.
 
 use super::NetworkName;
 use super::sample::Sample;
 use std::io::{self, Write};
 
-/// Writes the samples as an array that `numpy.load` reads.
+/// Writes the samples as an array for `numpy.load`.
 pub(super) fn write(writer: &mut impl Write, network: NetworkName, samples: &[Sample]) -> io::Result<()> {
     writer.write_all(&header(network, samples.len()))?;
     for sample in samples {

@@ -16,40 +16,40 @@ use nextview_sim::random_object::random_object;
 use nextview_sim::scene::Scene;
 use nextview_sim::truth::ObjectVoxels;
 
-/// A training sample: the known state after a few views, and the gain of each of the network's views then.
+/// A training sample: the known state after a few views, and the gain of each of the network's views.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Sample {
     /// Number of the object.
     pub object: u32,
     /// Number of views taken.
     pub n_views: u8,
-    /// The view of the largest gain among those that see enough voxels that were seen before.
+    /// The view with the largest gain among those that see enough previously seen voxels.
     pub label: u8,
-    /// Object voxels that each view sees.
+    /// Number of object voxels that each view sees.
     pub seen: Vec<u32>,
-    /// Those of them that were not seen before.
+    /// Number of those not seen before.
     pub gains: Vec<u32>,
     /// The known state: the [input](NetworkName::input_fields) of the network.
     pub input: Vec<u8>,
 }
 
-/// Views of a scan, each followed by a sample.
+/// Number of views of a scan, each followed by a sample.
 const MAX_VIEWS: u8 = 8;
 
-/// A view is a label only if one in this many of the voxels it sees was seen before. The paper asks for an
-/// overlap that its registration can work with, and we do not know how much that was; this much is ours.
-/// Compared with the best view regardless of overlap, it costs 11 % of the gain after one view and 2 % over
-/// all, on the first 100 objects of seed 0.
+/// A view is a label only if one in this many of the voxels it sees was seen before. The paper requires an
+/// overlap sufficient for its registration, without stating it; this value is ours. Compared with the best
+/// view regardless of overlap, it costs 11 % of the gain after one view and 2 % overall, on the first 100
+/// objects of seed 0.
 const OVERLAP: u32 = 10;
 
-/// Voxel sizes that a scan may have, metres: 26 to 48 voxels along the box around the object, whose longest
-/// side is 0.2 m.
+/// Voxel sizes of scans, metres: 26 to 48 voxels along the box around the object, whose longest side is 0.2
+/// m.
 const VOXEL_SIZES: [f64; 4] = [0.01, 0.008, 0.006, 0.005];
 
-/// Separates the draws from those that others make with the same seed.
+/// Separates these draws from others with the same seed.
 const STREAM: u64 = 31;
 
-/// The samples of an object: a scan of views that chance decides on.
+/// The samples of an object: a scan of random views.
 pub(super) fn samples(network: NetworkName, object: u32, seed: u32) -> Result<Vec<Sample>, SimError> {
     let seed = object_seed(network, object, seed);
     let mut random = Random::new(seed, STREAM);
@@ -82,20 +82,20 @@ pub(super) fn samples(network: NetworkName, object: u32, seed: u32) -> Result<Ve
     Ok(samples)
 }
 
-/// The seed of the random object of this number in the data set of this seed.
+/// The seed of the random object with this number in the data set with this seed.
 fn object_seed(network: NetworkName, object: u32, seed: u32) -> u64 {
     network.seeds().start + (u64::from(seed) << 24) + u64::from(object)
 }
 
-/// The view of the largest gain among those of which a tenth, at least, was seen before; the first on ties.
-/// None if no such view gains anything.
+/// The view with the largest gain among those of which at least a tenth was seen before; the first on ties.
+/// `None` if no such view gains anything.
 fn label(seen: &[u32], gains: &[u32]) -> Option<usize> {
     let overlaps = |view: &usize| OVERLAP * (seen[*view] - gains[*view]) >= seen[*view];
     let best = (0..seen.len()).filter(overlaps).max_by_key(|&view| (gains[view], std::cmp::Reverse(view)));
     best.filter(|&view| gains[view] > 0)
 }
 
-/// The D435i's field of view with a sixteenth of its pixels: at the farthest view, two of them fit into the
+/// The D435i's field of view with a sixteenth of its pixels: from the farthest view, two of them fit into the
 /// smallest voxel.
 fn camera() -> Result<Intrinsics, Error> {
     Intrinsics::pinhole(160, 120, DVec2::splat(152.5), DVec2::new(79.5, 59.5))
@@ -110,9 +110,9 @@ struct Scan<'a> {
     views: Vec<Pose>,
     /// The object voxels that each view sees.
     seen: Vec<FixedBitSet>,
-    /// The object voxels seen so far.
+    /// The object voxels seen.
     covered: FixedBitSet,
-    /// Where pictures were taken.
+    /// Positions of the pictures taken.
     positions: Vec<DVec3>,
 }
 
@@ -143,7 +143,7 @@ impl<'a> Scan<'a> {
         Ok(())
     }
 
-    /// Number of object voxels that each view would newly show.
+    /// Number of new object voxels that each view would show.
     fn gains(&self) -> Vec<u32> {
         self.seen.iter().map(|seen| seen.difference_count(&self.covered) as u32).collect()
     }

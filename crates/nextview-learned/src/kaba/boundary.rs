@@ -6,8 +6,8 @@ use nextview::planner::Situation;
 use nextview::visibility::{FreeSpace, RayCaster};
 use rayon::prelude::*;
 
-/// Number of frontier voxels that would remain after each of these views, if all unknown voxels on its rays
-/// turned out to be free. `ray_spacing`: in voxels of the finest size, checked.
+/// Number of frontier voxels that would remain after each of these views if all unknown voxels on its rays
+/// turned out to be free. `ray_spacing` is in voxels of the finest size, checked.
 pub(super) fn boundaries(
     situation: &Situation<'_>,
     views: &[usize],
@@ -30,10 +30,10 @@ pub(super) fn boundaries(
     views.par_iter().map_init(|| Seen::new(snapshot.block().n_voxels()), after).collect()
 }
 
-/// The unknown voxels that touch an occupied one: each that touches a free one, too, is of the frontier.
+/// The unknown voxels that touch an occupied one: each that also touches a free one is a frontier voxel.
 struct Rim {
     block: VoxelBlock,
-    /// Indices, and whether the voxel is of the frontier already.
+    /// Indices, and whether the voxel is already a frontier voxel.
     voxels: Vec<(usize, bool)>,
 }
 
@@ -59,7 +59,7 @@ impl Rim {
     }
 }
 
-/// The voxels of the block that touch this one by a face, an edge or a corner.
+/// The voxels of the block that share a face, an edge or a corner with this one.
 fn around(block: VoxelBlock, voxel: usize) -> impl Iterator<Item = usize> {
     let key = block.key(voxel);
     let offsets = (0..27).filter(|&n| n != 13).map(|n| IVec3::new(n % 3, n / 3 % 3, n / 9) - 1);
@@ -78,7 +78,7 @@ impl Seen {
         Self { view: vec![0; n_voxels], n_views: 0 }
     }
 
-    /// Begins with another view.
+    /// Starts another view.
     fn forget(&mut self) {
         self.n_views += 1;
     }
@@ -112,7 +112,7 @@ mod tests {
         Snapshot::from_fn(Lattice::new(0.01).unwrap(), block, state)
     }
 
-    /// The definition, word for word: what the view sees is made free, and the frontier counted anew.
+    /// The literal definition: makes the voxels that the view sees free, and counts the frontier again.
     fn twin(situation: &Situation<'_>, view: usize) -> usize {
         let snapshot = situation.snapshot();
         let sight = FreeSpace::Clear;

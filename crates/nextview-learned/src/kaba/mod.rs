@@ -1,9 +1,9 @@
 //! View planning by reinforcement learning (Kaba, Uzunbas & Lim, *A reinforcement learning approach to the
-//! view planning problem*, CVPR 2017): a view is worth its gain less a weight times the boundary that it
+//! view planning problem*, CVPR 2017): the value of a view is its gain minus a weight times the boundary it
 //! leaves, and a learned policy chooses the weight before each view.
 //!
-//! Start with the planner [`Kaba`]. A [`Surveyor`] measures what the policy decides on, and [`Policy`] is
-//! what was learned. `docs/methods/kaba.md` states the formulas and how the policy was trained.
+//! Start with the planner [`Kaba`]. A [`Surveyor`] measures the policy's input, and [`Policy`] is the learned
+//! policy. `docs/methods/kaba.md` states the formulas and describes the training.
 
 mod boundary;
 mod planner;

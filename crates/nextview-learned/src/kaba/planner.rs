@@ -2,8 +2,8 @@ use super::{BOUNDARY_WEIGHTS, Policy, Surveyor};
 use nextview::Error;
 use nextview::planner::{Plan, Situation, ViewPlanner};
 
-/// Takes the view of largest gain less a weight times the boundary that it leaves; a learned policy chooses
-/// the weight anew before each view.
+/// Takes the view with the largest gain minus a weight times the boundary it leaves; a learned policy chooses
+/// the weight before each view.
 #[derive(Clone, Debug)]
 pub struct Kaba {
     surveyor: Surveyor,
@@ -17,18 +17,18 @@ enum Rule {
 }
 
 impl Kaba {
-    /// A planner with the library's own policy. Its rays are this far apart at the far side of the box, in
-    /// voxels of the finest size, at least 0.1.
+    /// Creates a planner with the library's policy. `ray_spacing` is the distance between rays at the far
+    /// side of the box, in voxels of the finest size, at least 0.1.
     pub fn new(ray_spacing: f64) -> Result<Self, Error> {
         Self::with_policy(ray_spacing, Policy::default())
     }
 
-    /// The same with a policy of your own.
+    /// Creates a planner with a custom policy.
     pub fn with_policy(ray_spacing: f64, policy: Policy) -> Result<Self, Error> {
         Ok(Self { surveyor: Surveyor::new(ray_spacing)?, rule: Rule::Learned(policy) })
     }
 
-    /// A planner that always uses this weight, at least 0: with 0, the greedy one.
+    /// Creates a planner with a fixed weight, at least 0; with 0, it is greedy.
     pub fn with_boundary_weight(ray_spacing: f64, boundary_weight: f64) -> Result<Self, Error> {
         if !(boundary_weight >= 0.0 && boundary_weight.is_finite()) {
             return Err(Error::InvalidParameter {

@@ -1,32 +1,32 @@
 use super::N_FEATURES;
 use serde::{Deserialize, Serialize};
 
-/// The boundary weights that a policy chooses from.
+/// The boundary weights available to a policy.
 pub const BOUNDARY_WEIGHTS: [f64; 5] = [0.0, 0.25, 0.5, 1.0, 2.0];
 
-/// A learned choice of the boundary weight: for each weight, a linear function of the state that estimates
-/// the negative number of views still needed.
+/// A learned choice of the boundary weight: for each weight, a linear function of the state estimates the
+/// negative number of views still needed.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Policy {
-    /// A row of weights of the features for each of [`BOUNDARY_WEIGHTS`].
+    /// A row of feature weights for each of [`BOUNDARY_WEIGHTS`].
     rows: Vec<Vec<f64>>,
 }
 
 impl Default for Policy {
-    /// The library's own.
+    /// The library's policy.
     fn default() -> Self {
         Self::from_json(include_str!("../../weights/kaba.json")).expect("the file is a policy")
     }
 }
 
 impl Policy {
-    /// A policy with these weights of the features.
+    /// Creates a policy with these feature weights.
     pub fn new(rows: &[[f64; N_FEATURES]; BOUNDARY_WEIGHTS.len()]) -> Self {
         Self { rows: rows.iter().map(|row| row.to_vec()).collect() }
     }
 
-    /// The policy that [`to_json`](Self::to_json) wrote; none if it is something else.
+    /// Reads a policy written by [`to_json`](Self::to_json); `None` if the text is anything else.
     pub fn from_json(text: &str) -> Option<Self> {
         let policy: Self = serde_json::from_str(text).ok()?;
         let fits = policy.rows.len() == BOUNDARY_WEIGHTS.len()
@@ -34,20 +34,20 @@ impl Policy {
         fits.then_some(policy)
     }
 
-    /// The policy as JSON text, a line for each boundary weight; from it comes the same one to the bit.
+    /// Returns the policy as JSON text, with a line for each boundary weight; it reads back bit for bit.
     pub fn to_json(&self) -> String {
         let rows: Vec<String> =
             self.rows.iter().map(|row| serde_json::to_string(row).expect("numbers are finite")).collect();
         format!("{{\"rows\": [\n{}\n]}}\n", rows.join(",\n"))
     }
 
-    /// The negative number of views still needed, by boundary weight.
+    /// Returns the negative number of views still needed, by boundary weight.
     pub fn values(&self, features: &[f64; N_FEATURES]) -> [f64; BOUNDARY_WEIGHTS.len()] {
         std::array::from_fn(|action| self.rows[action].iter().zip(features).map(|(w, x)| w * x).sum())
     }
 
-    /// The boundary weight of the largest value, as its place in [`BOUNDARY_WEIGHTS`]; the smaller one on
-    /// ties.
+    /// Returns the boundary weight with the largest value, as its index in [`BOUNDARY_WEIGHTS`]; the smaller
+    /// one on ties.
     pub fn choice(&self, features: &[f64; N_FEATURES]) -> usize {
         let values = self.values(features);
         let better = |best: usize, action: usize| if values[action] > values[best] { action } else { best };

@@ -8,7 +8,7 @@ use nextview::{Cancelled, Error};
 pub const N_FEATURES: usize = 1 + N_NUMBERS + N_NUMBERS * (N_NUMBERS + 1) / 2;
 const N_NUMBERS: usize = 8;
 
-/// Values the views of one situation after the other of a scan, and describes the state that they are in.
+/// Evaluates the views of a scan's successive situations, and describes the state.
 #[derive(Clone, Debug)]
 pub struct Surveyor {
     gain: Greedy<UnobservedVoxel>,
@@ -16,24 +16,24 @@ pub struct Surveyor {
     before: Option<Before>,
 }
 
-/// Of earlier situations of the scan.
+/// Data of the scan's earlier situations.
 #[derive(Clone, Copy, Debug)]
 struct Before {
-    /// The largest gain in the first one.
+    /// The largest gain in the first situation.
     first_gain: f64,
-    /// The shares of the last one.
+    /// The shares in the last situation.
     unknown: f64,
     frontier: f64,
 }
 
-/// The open views of a situation with their gains and the boundaries that they leave, and its features.
+/// The open views of a situation with their gains and boundaries, and the features of the situation.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Survey {
     views: Vec<ViewValue>,
     features: [f64; N_FEATURES],
 }
 
-/// Of a view: what it gains and what boundary it leaves, as shares of the largest of all open views.
+/// Gain and boundary of a view, as shares of the largest of all open views.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct ViewValue {
     view: usize,
@@ -42,15 +42,15 @@ struct ViewValue {
 }
 
 impl Surveyor {
-    /// A surveyor of a new scan. Its rays are this far apart at the far side of the box, in voxels of the
-    /// finest size, at least 0.1.
+    /// Creates a surveyor for a new scan. `ray_spacing` is the distance between rays at the far side of the
+    /// box, in voxels of the finest size, at least 0.1.
     pub fn new(ray_spacing: f64) -> Result<Self, Error> {
         let config = GreedyConfig { ray_spacing, ..GreedyConfig::default() };
         Ok(Self { gain: Greedy::new(config)?, ray_spacing, before: None })
     }
 
-    /// Surveys the next situation of the scan; none if no open view gains anything. One that was cancelled
-    /// leaves the surveyor as it was.
+    /// Surveys the next situation of the scan; `None` if no open view gains anything. If cancelled, the
+    /// surveyor stays unchanged.
     pub fn survey(&mut self, situation: &Situation<'_>) -> Result<Option<Survey>, Cancelled> {
         let open = situation.open_views();
         let gains = self.gain.gains(situation, &open)?;
@@ -88,14 +88,14 @@ impl Surveyor {
 }
 
 impl Survey {
-    /// The features of the state, of a linear value function: 1, the eight numbers of `docs/methods/kaba.md`,
-    /// and the products of each with itself and those after it. All are in 0..=1.
+    /// Returns the features of the state for a linear value function: 1, the eight numbers of
+    /// `docs/methods/kaba.md`, and the products of each with itself and the later ones. All are in 0..=1.
     pub fn features(&self) -> &[f64; N_FEATURES] {
         &self.features
     }
 
-    /// The view of largest gain less `boundary_weight` times the boundary that it leaves, both as shares of
-    /// the largest; the first on ties. Views that gain nothing are left out.
+    /// Returns the view with the largest gain minus `boundary_weight` times the boundary it leaves, both as
+    /// shares of the largest; the first on ties. Views that gain nothing are left out.
     pub fn choice(&self, boundary_weight: f64) -> Option<Choice> {
         let score = |value: &ViewValue| value.gain - boundary_weight * value.boundary;
         let mut ranked: Vec<&ViewValue> = self.views.iter().filter(|value| value.gain > 0.0).collect();
@@ -123,7 +123,7 @@ fn shares(situation: &Situation<'_>) -> (f64, f64) {
 }
 
 /// The largest angle, radians, between the direction of an open view from the middle of the box and that of
-/// the nearest visited one; pi before the first.
+/// the nearest visited one; pi before the first view.
 fn largest_gap(situation: &Situation<'_>, open: &[usize]) -> f64 {
     let snapshot = situation.snapshot();
     let center = snapshot.lattice().bounds(&snapshot.block()).center();

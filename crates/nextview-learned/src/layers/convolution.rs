@@ -1,6 +1,6 @@
 use crate::weights::Layer;
 
-/// A convolution of channels of N x N x N cells, rectified, and the largest of each 2 x 2 x 2 cells.
+/// A convolution of channels of N x N x N cells, rectified, and the maximum of each 2 x 2 x 2 cells.
 #[inline(always)]
 pub(crate) fn convolve<const N: usize>(channels: &[f32], layer: &Layer) -> Vec<f32> {
     let padded = padded::<N>(channels);
@@ -16,7 +16,7 @@ pub(crate) fn convolve<const N: usize>(channels: &[f32], layer: &Layer) -> Vec<f
     pooled
 }
 
-/// The channels with a border of zeros around each.
+/// The channels with zero padding.
 #[inline(always)]
 fn padded<const N: usize>(channels: &[f32]) -> Vec<f32> {
     let side = N + 2;
@@ -29,8 +29,8 @@ fn padded<const N: usize>(channels: &[f32]) -> Vec<f32> {
     padded
 }
 
-/// A row of the convolution, all its cells beside each other: for each, the bias and then, one after the
-/// other, the contribution of each cell around it in each channel.
+/// A row of the convolution, all its cells in parallel: for each, the bias and then, in order, the
+/// contribution of each cell around it in each channel.
 #[inline(always)]
 #[allow(clippy::needless_range_loop, reason = "iterators are not always inlined into vector instructions")]
 fn row_of_channel<const N: usize>(padded: &[f32], row: usize, weights: &[f32], bias: f32) -> [f32; N] {
@@ -49,7 +49,7 @@ fn row_of_channel<const N: usize>(padded: &[f32], row: usize, weights: &[f32], b
     sums
 }
 
-/// Adds the largest of each 2 x 2 x 2 values, or 0 if that is larger.
+/// Adds the maximum of each 2 x 2 x 2 values, at least 0.
 #[inline(always)]
 fn pool<const N: usize>(values: &[f32], pooled: &mut Vec<f32>) {
     let half = N / 2;
@@ -68,7 +68,7 @@ fn pool<const N: usize>(values: &[f32], pooled: &mut Vec<f32>) {
 pub(crate) mod tests {
     use super::*;
 
-    /// The slow twin of a convolution with its rectifier, as the definition says.
+    /// The slow reference of a convolution with its rectifier, by definition.
     pub fn slow_convolution(input: &[f32], side: usize, layer: &Layer) -> Vec<f32> {
         let n_in = input.len() / side.pow(3);
         let mut output = Vec::new();
@@ -79,7 +79,7 @@ pub(crate) mod tests {
                         let mut sum = layer.bias[o];
                         for c in 0..n_in {
                             for around in 0..27 {
-                                // One too high, so that they are positive; beside the grid are zeros.
+                                // One too high, to be positive; outside the grid are zeros.
                                 let at = [i + around / 9, j + around / 3 % 3, k + around % 3];
                                 let is_in = at.iter().all(|at| (1..=side).contains(at));
                                 let index = ((c * side + at[0].max(1) - 1) * side + at[1].max(1) - 1) * side;
@@ -95,7 +95,7 @@ pub(crate) mod tests {
         output
     }
 
-    /// The slow twin of pooling.
+    /// The slow reference of pooling.
     pub fn slow_pool(input: &[f32], side: usize) -> Vec<f32> {
         let mut output = vec![f32::NEG_INFINITY; input.len() / 8];
         for (index, &value) in input.iter().enumerate() {

@@ -3,13 +3,13 @@ use crate::weights::Layer;
 /// A fully connected layer.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Dense {
-    /// Those of an input beside each other.
+    /// Weights; those of an input are contiguous.
     weight: Vec<f32>,
     bias: Vec<f32>,
 }
 
 impl Dense {
-    /// The layer with these weights.
+    /// Creates a layer with these weights.
     pub fn new(layer: Layer) -> Self {
         let n_out = layer.bias.len();
         let n_in = layer.weight.len() / n_out;
@@ -17,13 +17,13 @@ impl Dense {
         Self { weight, bias: layer.bias }
     }
 
-    /// Number of outputs.
+    /// Returns the number of outputs.
     pub fn n_outputs(&self) -> usize {
         self.bias.len()
     }
 
-    /// Appends the outputs for these inputs: for each the bias and then, one after the other, the
-    /// contribution of each input.
+    /// Appends the outputs for these inputs: for each the bias and then, in order, the contribution of each
+    /// input.
     #[inline(always)]
     #[allow(
         clippy::needless_range_loop,
@@ -41,7 +41,7 @@ impl Dense {
         }
     }
 
-    /// The outputs of all rows of so many inputs each, one row after the other.
+    /// Returns the outputs of all rows of `n_in` inputs each, one row after the other.
     #[inline(always)]
     pub fn rows(&self, inputs: &[f32], n_in: usize) -> Vec<f32> {
         let mut outputs = Vec::with_capacity(inputs.len() / n_in * self.n_outputs());
@@ -51,7 +51,7 @@ impl Dense {
         outputs
     }
 
-    /// The weights, for tests that change them.
+    /// Returns the weights, mutable for tests.
     #[cfg(test)]
     pub fn weight_mut(&mut self) -> &mut [f32] {
         &mut self.weight
@@ -62,7 +62,7 @@ impl Dense {
 pub(crate) mod tests {
     use super::*;
 
-    /// The slow twin, as the definition says.
+    /// The slow reference, by definition.
     pub fn slow_dense(inputs: &[f32], layer: &Layer) -> Vec<f32> {
         let output = |(o, &bias): (usize, &f32)| {
             let weights = &layer.weight[o * inputs.len()..];

@@ -1,8 +1,8 @@
-//! The layers that the networks are made of.
+//! The layers of the networks.
 //!
-//! All are plain loops that the instructions of the CPU make fast: call them from within
+//! All are plain loops that are fast with the CPU's instructions: call them from within
 //! [`WithSimd::with_simd`](pulp::WithSimd). Every number is computed in the same order of operations on every
-//! CPU, by one thread, so that the results have the same bits.
+//! CPU, by one thread, so the results have the same bits.
 
 mod convolution;
 mod dense;

@@ -3,7 +3,7 @@
 //! state of the box around an object and chooses one of 14 views.
 //!
 //! Start with the planner [`NbvNet`]; its input is a [`Grid`](crate::Grid), its output one of the [`views`].
-//! How its weights were learned is described in `docs/methods/nbv-net.md`.
+//! `docs/methods/nbv-net.md` describes the training of its weights.
 
 mod network;
 mod planner;

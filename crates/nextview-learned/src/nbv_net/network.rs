@@ -3,15 +3,15 @@ use crate::grid::Grid;
 use crate::grid_network::{self, GridNetwork, N_FEATURES};
 use crate::weights::{Layout, WeightsError};
 
-/// The network of the paper: from a [`Grid`] to a number for each of the 14 views, the larger, the better.
+/// The network of the paper: maps a [`Grid`] to a number for each of the 14 views; larger is better.
 ///
-/// Three 3D convolutions (10, 12 and 8 filters of 3 x 3 x 3 cells, a border of zeros), each followed by the
-/// larger of 0 and the value, and by the largest of eight neighbours; then five fully connected layers of
-/// 1500, 500, 100, 50 and 14 units, rectified except the last. The authors' code rectifies the last one, too,
-/// which separates views no better and makes training harder.
+/// Three 3D convolutions (10, 12 and 8 filters of 3 x 3 x 3 cells, zero padding), each followed by a
+/// rectifier and max pooling over eight neighbours; then five fully connected layers of 1500, 500, 100, 50
+/// and 14 units, rectified except the last. The authors' code also rectifies the last one, which separates
+/// views no better and makes training harder.
 ///
-/// Every number is computed in the same order of operations on every CPU, by one thread, so that the results
-/// have the same bits.
+/// Every number is computed in the same order of operations on every CPU, by one thread, so the results have
+/// the same bits.
 ///
 /// ```
 /// use nextview_learned::Grid;
@@ -41,13 +41,13 @@ impl Default for Network {
 }
 
 impl Network {
-    /// The network whose weights are the content of a safetensors file: the tensors of the published network,
-    /// by its names (`conv1.weight` to `fc5.bias`), in single or half precision.
+    /// Creates the network from the content of a safetensors file: the tensors of the published network, by
+    /// its names (`conv1.weight` to `fc5.bias`), in single or half precision.
     pub fn from_safetensors(file: &[u8]) -> Result<Self, WeightsError> {
         GridNetwork::read(file, &layout()).map(Self)
     }
 
-    /// A number for each view, whose exponential is proportional to the probability of the view.
+    /// Returns a number for each view, whose exponential is proportional to the view's probability.
     pub fn logits(&self, grid: &Grid) -> [f32; N_VIEWS] {
         self.0.outputs(grid).try_into().expect("as many as views")
     }

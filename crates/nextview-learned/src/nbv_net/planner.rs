@@ -7,16 +7,16 @@ use nextview::planner::{Plan, Situation, ViewPlanner};
 
 /// Takes the view that NBV-Net chooses.
 ///
-/// Each of its 14 [`views`](super::views) stands for the view candidate nearest to it (the first on ties),
-/// visited or not; it skips views that stand for a visited one. So it takes 14 candidates at most, however
-/// many there are, and then none.
+/// Each of its 14 [`views`](super::views) stands for the nearest view candidate (the first on ties), visited
+/// or not; views that stand for a visited one are skipped. The planner therefore takes at most 14 candidates,
+/// however many there are, and then none.
 #[derive(Clone, Debug, Default)]
 pub struct NbvNet {
     network: Network,
 }
 
 impl NbvNet {
-    /// A planner with weights of your own.
+    /// Creates a planner with a custom network.
     pub fn new(network: Network) -> Self {
         Self { network }
     }

@@ -1,19 +1,19 @@
-//! The 14 views that NBV-Net knows: its classes.
+//! The 14 views of NBV-Net: its classes.
 
 use glam::DVec3;
 
 /// Number of views.
 pub const N_VIEWS: usize = 14;
 
-/// Where view `k` is as seen from the centre of the box: point `k` of a spiral of 20 on the unit sphere,
+/// Direction of view `k` from the centre of the box: point `k` of a spiral of 20 on the unit sphere,
 ///
 /// ```text
 /// z = 1 - (2 k + 1) / 20    azimuth = -(k + 1/2) pi (3 - sqrt 5)
 /// ```
 ///
 /// of which NBV-Net uses the upper 14, down to 21 degrees below the horizon. On a sphere of radius 0.4 these
-/// are the points that its authors publish with their code, to the six digits they state (z is 0.38, 0.34,
-/// ..., -0.14), and in their order: so their weights refer to the same views. Written out, because sine and
+/// are the points published with the authors' code, to the six digits stated there (z is 0.38, 0.34, ...,
+/// -0.14), and in the same order: the authors' weights refer to the same views. Written out, because sine and
 /// cosine differ between machines.
 pub const DIRECTIONS: [DVec3; N_VIEWS] = [
     DVec3::new(0.113_151_523_161_122, -0.291_027_031_057_801, 0.95),

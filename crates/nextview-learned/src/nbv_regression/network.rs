@@ -3,11 +3,11 @@ use crate::grid_network::{self, GridNetwork, N_FEATURES};
 use crate::weights::{Layout, WeightsError};
 use glam::DVec3;
 
-/// The network: from a [`Grid`] to the direction of the next view.
+/// The network: maps a [`Grid`] to the direction of the next view.
 ///
 /// The convolutions of [NBV-Net](crate::nbv_net::Network), then fully connected layers of 500, 100 and 3
 /// units, rectified except the last. Every number is computed in the same order of operations on every CPU,
-/// by one thread, so that the results have the same bits.
+/// by one thread, so the results have the same bits.
 ///
 /// ```
 /// use nextview_learned::Grid;
@@ -37,14 +37,14 @@ impl Default for Network {
 }
 
 impl Network {
-    /// The network whose weights are the content of a safetensors file: the tensors `conv1.weight` to
-    /// `fc3.bias`, in single or half precision.
+    /// Creates the network from the content of a safetensors file: the tensors `conv1.weight` to `fc3.bias`,
+    /// in single or half precision.
     pub fn from_safetensors(file: &[u8]) -> Result<Self, WeightsError> {
         GridNetwork::read(file, &layout()).map(Self)
     }
 
-    /// The direction of the next view as seen from the middle of the box, a unit vector: the three outputs
-    /// divided by their norm. Upwards where they have none.
+    /// Returns the direction of the next view from the middle of the box, a unit vector: the three outputs
+    /// divided by their norm. Upwards if the norm is zero.
     pub fn direction(&self, grid: &Grid) -> DVec3 {
         let outputs = self.outputs(grid).map(f64::from);
         DVec3::from_array(outputs).try_normalize().unwrap_or(DVec3::Z)

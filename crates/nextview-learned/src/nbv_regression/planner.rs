@@ -4,8 +4,8 @@ use glam::DVec3;
 use nextview::Error;
 use nextview::planner::{Choice, Plan, Situation, ViewPlanner};
 
-/// Takes the view nearest to the direction that the network names: of the candidates that were not visited
-/// and are within reach, the one of the smallest angle at the middle of the box, the first on ties.
+/// Takes the view nearest to the network's direction: the unvisited reachable candidate with the smallest
+/// angle at the middle of the box, the first on ties.
 ///
 /// The score is the cosine of that angle, at most 1.
 #[derive(Clone, Debug, Default)]
@@ -20,7 +20,7 @@ impl ViewPlanner for NbvRegression {
     }
 }
 
-/// The open candidate of the smallest angle to this direction, and the second one.
+/// The open candidate with the smallest angle to this direction, and the second one.
 fn nearest(situation: &Situation<'_>, direction: DVec3) -> Option<Choice> {
     let snapshot = situation.snapshot();
     let center = snapshot.lattice().bounds(&snapshot.block()).center();

@@ -2,12 +2,12 @@ use glam::IVec3;
 use nextview::map::{Occupancy, Snapshot};
 use nextview::{Cancel, Cancelled};
 
-/// The points that PC-NBV takes: 128 of the surface seen so far.
+/// The input points of PC-NBV: 128 points of the seen surface.
 ///
-/// They are the middles of occupied voxels, relative to the middle of the snapshot's box, in units of its
-/// longest side; z is up. If there are more voxels, those that are farthest from each other: the first is
-/// that of the lowest index, and each next one the farthest from all before it, the one of the lowest index
-/// on ties. If there are fewer, they are repeated in this order; if there are none, the middle of the box is.
+/// They are the centres of occupied voxels, relative to the centre of the snapshot's box, in units of its
+/// longest side; z is up. If there are more voxels, farthest-point sampling selects them: the first has the
+/// lowest index, and each next one is the farthest from all before it, with the lowest index on ties. If
+/// there are fewer, they are repeated in this order; if there are none, the centre of the box is.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Cloud(Vec<[f32; 3]>);
 
@@ -15,7 +15,7 @@ impl Cloud {
     /// Number of points.
     pub const N_POINTS: usize = 128;
 
-    /// The cloud of a map.
+    /// Creates the cloud of a map.
     pub fn new(snapshot: &Snapshot, cancel: &Cancel) -> Result<Self, Cancelled> {
         let block = snapshot.block();
         let keys = (0..block.n_voxels()).filter(|&v| snapshot.occupancy()[v] == Occupancy::Occupied);
@@ -28,14 +28,14 @@ impl Cloud {
         Ok(Self(points.into_iter().cycle().take(Self::N_POINTS).collect()))
     }
 
-    /// The cloud of these points; none unless they are as many as needed and finite.
+    /// Creates a cloud of these points; `None` unless their number is right and all are finite.
     pub fn from_points(points: Vec<[f32; 3]>) -> Option<Self> {
         let is_whole =
             points.len() == Self::N_POINTS && points.iter().flatten().all(|number| number.is_finite());
         is_whole.then_some(Self(points))
     }
 
-    /// The points.
+    /// Returns the points.
     pub fn points(&self) -> &[[f32; 3]] {
         &self.0
     }
@@ -79,7 +79,7 @@ mod tests {
         Cloud::new(snapshot, &Cancel::default()).unwrap()
     }
 
-    /// The definition, word for word.
+    /// The literal definition.
     fn twin(keys: &[IVec3], n: usize) -> Vec<IVec3> {
         let mut chosen = vec![keys[0]];
         while chosen.len() < n {

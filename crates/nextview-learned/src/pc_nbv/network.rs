@@ -4,16 +4,16 @@ use crate::layers::{Dense, rectify};
 use crate::weights::{self, Layout, WeightsError};
 use pulp::{Arch, Simd, WithSimd};
 
-/// The network: from a [`Cloud`] and the visited views to the share of the surface that each of the 33 views
-/// would newly show.
+/// The network: maps a [`Cloud`] and the visited views to the share of new surface that each of the 33 views
+/// would show.
 ///
-/// The parts are the paper's, and smaller: two edge blocks, each of which finds the 16 nearest points in the
-/// space of its features and takes the largest of what three layers make of each pair; the largest over all
-/// points and the visited views beside the features of each point; attention of all points to all; two layers
-/// for each point, the largest over all points, and three layers. `docs/methods/pc-nbv.md` has the formulas.
+/// The parts are the paper's, but smaller: two edge blocks, each of which finds the 16 nearest points in the
+/// space of its features and takes the maximum of three layers over each pair; the maximum over all points
+/// and the visited views, appended to the features of each point; attention of all points to all; two layers
+/// for each point, the maximum over all points, and three layers. `docs/methods/pc-nbv.md` has the formulas.
 ///
-/// Every number is computed in the same order of operations on every CPU, by one thread, so that the results
-/// have the same bits.
+/// Every number is computed in the same order of operations on every CPU, by one thread, so the results have
+/// the same bits.
 ///
 /// ```
 /// use nextview_learned::pc_nbv::{Cloud, Network, views};
@@ -37,18 +37,18 @@ pub struct Network {
 /// Number of neighbours in an edge block.
 const N_NEIGHBORS: usize = 16;
 
-/// Features of a point before an edge block, and those that each of its layers adds.
+/// Features of a point before an edge block, and those added by each of its layers.
 const N_FEATURES: usize = 24;
 const GROWTH: usize = 12;
 
-/// Features of a point after an edge block, and after both with what was before.
+/// Features of a point after an edge block, and after both together with its input.
 const N_EDGE: usize = N_FEATURES + 3 * GROWTH;
 const N_LOCAL: usize = 2 * N_EDGE + N_FEATURES;
 
-/// Features of a point with the largest of all points and the visited views.
+/// Features of a point with the maximum over all points and the visited views.
 const N_JOINED: usize = 2 * N_LOCAL + N_VIEWS;
 
-/// Units of attention, of the layers after it, and of the hidden one before the last.
+/// Units of attention, of the layers after it, and of the hidden layer before the last.
 const N_ATTENTION: usize = N_JOINED / 4;
 const N_LIFTED: usize = 256;
 const N_HIDDEN: usize = 128;
@@ -89,8 +89,8 @@ impl Default for Network {
 }
 
 impl Network {
-    /// The network whose weights are the content of a safetensors file: the tensors that
-    /// `training/pc_nbv.py` writes, in single or half precision.
+    /// Creates the network from the content of a safetensors file: the tensors written by
+    /// `training/pc_nbv.py`, in single or half precision.
     pub fn from_safetensors(file: &[u8]) -> Result<Self, WeightsError> {
         let mut layers = weights::read(file, &layout())?.into_iter().map(Dense::new);
         let mut next = || layers.next().expect("as many as in the layout");
@@ -107,13 +107,13 @@ impl Network {
         })
     }
 
-    /// For each view, the share of the object's surface that it would newly show; not bounded.
+    /// Returns for each view the share of new surface of the object that it would show; not bounded.
     pub fn gains(&self, cloud: &Cloud, visited: &[bool; N_VIEWS]) -> [f32; N_VIEWS] {
         Arch::new().dispatch(Forward { network: self, cloud, visited })
     }
 }
 
-/// Computes the gains, with the instructions of the CPU.
+/// Computes the gains with the CPU's instructions.
 #[derive(Clone, Copy)]
 struct Forward<'a> {
     network: &'a Network,
@@ -150,8 +150,8 @@ impl WithSimd for Forward<'_> {
     }
 }
 
-/// For each point, the largest over its neighbours of what three layers make of the pair; each layer takes
-/// what it and those before it were given, too: its own output comes first.
+/// For each point, the maximum over its neighbours of three layers of the pair; each layer also takes the
+/// inputs of the earlier layers, after its own output.
 #[inline(always)]
 fn edge_block(features: &[f32], layers: &[Dense; 3]) -> Vec<f32> {
     let mut found = Vec::with_capacity(features.len() / N_FEATURES * N_EDGE);
@@ -179,7 +179,7 @@ fn edge_block(features: &[f32], layers: &[Dense; 3]) -> Vec<f32> {
     found
 }
 
-/// The nearest points of each in the space of the features, without itself; of equally near ones the first.
+/// The nearest points of each in feature space, without itself; the first on ties.
 #[inline(always)]
 #[allow(clippy::needless_range_loop, reason = "iterators are not always inlined into vector instructions")]
 fn neighbors(features: &[f32]) -> Vec<usize> {
@@ -203,8 +203,8 @@ fn neighbors(features: &[f32]) -> Vec<usize> {
     nearest
 }
 
-/// Each row of `n` numbers as it is, and what all points attend to on top: the values of all points, weighted
-/// by the softmax over them of the product of their keys with the point's query.
+/// Each row of `n` numbers plus the attention of all points: the values of all points, weighted by the
+/// softmax over the products of their keys with the point's query.
 #[inline(always)]
 #[allow(clippy::needless_range_loop, reason = "iterators are not always inlined into vector instructions")]
 fn attended(joined: &[f32], network: &Network) -> Vec<f32> {
@@ -245,7 +245,7 @@ fn beside(a: &[f32], n_a: usize, b: &[f32], n_b: usize) -> Vec<f32> {
     found
 }
 
-/// The features of each point, each followed by what all points share.
+/// The features of each point, each followed by the shared ones.
 #[inline(always)]
 fn joined(local: &[f32], shared: &[f32]) -> Vec<f32> {
     let mut found = Vec::with_capacity(local.len() / N_LOCAL * N_JOINED);
@@ -256,7 +256,7 @@ fn joined(local: &[f32], shared: &[f32]) -> Vec<f32> {
     found
 }
 
-/// The largest over all rows of `n` numbers.
+/// The maximum over all rows of `n` numbers.
 #[inline(always)]
 fn largest(rows: &[f32], n: usize) -> Vec<f32> {
     let mut found = vec![f32::NEG_INFINITY; n];
@@ -299,7 +299,7 @@ mod tests {
         (Network::from_safetensors(&file).unwrap(), layers)
     }
 
-    /// Points some of which are repeated, and visited views.
+    /// Points, some of them repeated, and visited views.
     fn input(seed: u64) -> (Cloud, [bool; N_VIEWS]) {
         let mut random = Random::new(seed, 8);
         let points: Vec<[f32; 3]> = (0..90).map(|_| (0.5 * random.in_cube()).as_vec3().to_array()).collect();
@@ -311,12 +311,12 @@ mod tests {
         values.into_iter().map(|value| value.max(0.0)).collect()
     }
 
-    /// For each number of a row, the largest of all rows.
+    /// For each number of a row, the maximum over all rows.
     fn slow_largest(rows: &[Vec<f32>]) -> Vec<f32> {
         (0..rows[0].len()).map(|i| rows.iter().map(|row| row[i]).fold(f32::NEG_INFINITY, f32::max)).collect()
     }
 
-    /// An edge block for one point, as docs/methods/pc-nbv.md states it.
+    /// An edge block for one point, as in docs/methods/pc-nbv.md.
     fn slow_edges(layers: &Layers, block: usize, features: &[Vec<f32>], point: usize) -> Vec<f32> {
         let own = &features[point];
         let dist_sq = |other: usize| {
@@ -335,7 +335,7 @@ mod tests {
         slow_largest(&others[..16].iter().map(pair).collect::<Vec<_>>())
     }
 
-    /// The network, as docs/methods/pc-nbv.md states it: one point after the other.
+    /// The network, as in docs/methods/pc-nbv.md: one point after the other.
     fn slow_gains(layers: &Layers, cloud: &Cloud, visited: &[bool; N_VIEWS]) -> Vec<f32> {
         let on_each = |name: &str, rows: &[Vec<f32>]| -> Vec<Vec<f32>> {
             rows.iter().map(|row| slow_dense(row, &layers[name])).collect()

@@ -5,12 +5,12 @@ use crate::fixed_views;
 use nextview::Error;
 use nextview::planner::{Plan, Situation, ViewPlanner};
 
-/// Takes the view for which PC-NBV predicts most new surface, among those that were not visited.
+/// Takes the unvisited view for which PC-NBV predicts the most new surface.
 ///
-/// Each of its 33 [`views`] stands for the view candidate nearest to it (the first on ties), visited or not.
-/// A view was visited if its candidate was, or if it is the nearest in angle to a candidate that was. So the
-/// planner takes 33 candidates at most, however many there are, and then none. The score is the share of the
-/// surface that the view would newly show, according to the network.
+/// Each of its 33 [`views`] stands for the nearest view candidate (the first on ties), visited or not. A view
+/// is visited if its candidate is, or if it is the nearest in angle to a visited candidate. The planner
+/// therefore takes at most 33 candidates, however many there are, and then none. The score is the predicted
+/// share of new surface.
 #[derive(Clone, Debug, Default)]
 pub struct PcNbv {
     network: Network,

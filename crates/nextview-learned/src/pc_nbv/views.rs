@@ -1,4 +1,4 @@
-//! The 33 views that PC-NBV knows.
+//! The 33 views of PC-NBV.
 
 use glam::DVec3;
 use nextview::geometry::Aabb;
@@ -7,8 +7,8 @@ use std::f64::consts::FRAC_1_SQRT_2;
 /// Number of views.
 pub const N_VIEWS: usize = 33;
 
-/// Where view `k` is as seen from the centre of the box, z up: the pole, and then eight azimuths, 45 degrees
-/// apart from that of the x axis on, at each of the elevations 60, 30, 0 and -30 degrees.
+/// Direction of view `k` from the centre of the box, z up: the pole, and then eight azimuths, 45 degrees
+/// apart starting at the x axis, at each of the elevations 60, 30, 0 and -30 degrees.
 pub const DIRECTIONS: [DVec3; N_VIEWS] = {
     let mut directions = [DVec3::Z; N_VIEWS];
     let mut view = 1;
@@ -38,7 +38,8 @@ const ELEVATIONS: [[f64; 2]; 4] = [[0.5, COS_30], [COS_30, 0.5], [1.0, 0.0], [CO
 /// Half the square root of 3.
 const COS_30: f64 = 0.866_025_403_784_438_6;
 
-/// Which views are nearest in angle to a camera at one of these positions around the box: the visited ones.
+/// Returns which views are nearest in angle to a camera at one of these positions around the box: the visited
+/// ones.
 pub fn visited(bounds: &Aabb, positions: impl IntoIterator<Item = DVec3>) -> [bool; N_VIEWS] {
     let mut visited = [false; N_VIEWS];
     for position in positions {

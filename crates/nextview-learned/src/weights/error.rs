@@ -2,20 +2,20 @@
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum WeightsError {
-    /// It is not a safetensors file, or a damaged one.
+    /// The file is not a safetensors file, or is damaged.
     #[error("{place}: {problem}")]
     Format {
         /// The byte offset or part of the file.
         place: String,
-        /// The fault, and the content expected.
+        /// The fault, and the expected content.
         problem: String,
     },
-    /// A tensor of the network is not there.
+    /// A tensor of the network is missing.
     #[error("there is no tensor {name}, expected {expected}")]
     Missing {
         /// Its name.
         name: String,
-        /// The shape it should have.
+        /// The expected shape.
         expected: Shape,
     },
     /// A tensor that the network does not have.
@@ -38,10 +38,10 @@ pub enum WeightsError {
         name: String,
         /// The shape in the file.
         found: Shape,
-        /// The shape it should have.
+        /// The expected shape.
         expected: Shape,
     },
-    /// A tensor's numbers are of a kind that is not read.
+    /// A tensor has an unsupported number type.
     #[error("the tensor {name} is of type {found}, expected F32 or F16")]
     WrongType {
         /// Its name.
@@ -54,7 +54,7 @@ pub enum WeightsError {
     NotFinite {
         /// Name of the tensor.
         name: String,
-        /// Which of its numbers, counted from 0.
+        /// Index of the number in the tensor, from 0.
         index: usize,
         /// The number.
         value: f32,

@@ -1,8 +1,8 @@
-//! Reads weights from the safetensors format: eight bytes with the length of a header, the header, which
-//! is JSON, and numbers.
+//! Reads weights from the safetensors format: eight bytes with the length of a header, the header in JSON,
+//! and numbers.
 //!
-//! The reader is our own, since the checks are its main part and the format takes a few lines: the crate of
-//! its authors would bring more than it saves.
+//! The reader is our own, since the checks are its main part and the format takes a few lines: its authors'
+//! crate would add more than it saves.
 
 mod error;
 
@@ -12,14 +12,14 @@ use half::f16;
 use serde::Deserialize;
 use std::collections::BTreeMap;
 
-/// The weights of a layer, as PyTorch has them: those of an output beside each other.
+/// The weights of a layer in PyTorch's order: those of an output are contiguous.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Layer {
     pub weight: Vec<f32>,
     pub bias: Vec<f32>,
 }
 
-/// The layers of a network. A file of its weights has a tensor `weight` and a tensor `bias` of each.
+/// The layers of a network. A file of its weights has the tensors `weight` and `bias` of each.
 #[derive(Clone, Debug)]
 pub(crate) struct Layout {
     /// Its name.
@@ -33,11 +33,11 @@ pub(crate) struct Layout {
 struct Entry {
     dtype: String,
     shape: Vec<usize>,
-    /// Its first byte and the one after its last, counted from the end of the header.
+    /// Offsets of its first byte and of the end of its data, counted from the end of the header.
     data_offsets: [usize; 2],
 }
 
-/// Longest header, bytes: thirty times that of the network of most layers.
+/// Maximum header length, bytes: thirty times that of the network with the most layers.
 const MAX_HEADER: u64 = 100_000;
 
 /// The layers of a network, from the first to the last.
@@ -64,7 +64,7 @@ pub(crate) fn read(file: &[u8], layout: &Layout) -> Result<Vec<Layer>, WeightsEr
     }
 }
 
-/// The tensors that the header names, and the bytes after it.
+/// The tensors in the header, and the bytes after it.
 fn split(file: &[u8]) -> Result<(BTreeMap<String, Entry>, &[u8]), WeightsError> {
     let (length, rest) = file.split_first_chunk().ok_or_else(|| {
         format_error("the file", format!("has {} bytes, expected a safetensors file", file.len()))
@@ -89,7 +89,7 @@ fn split(file: &[u8]) -> Result<(BTreeMap<String, Entry>, &[u8]), WeightsError> 
     Ok((entries.collect::<Result<_, _>>()?, data))
 }
 
-/// The numbers of a tensor, which must be finite and as many as expected.
+/// The numbers of a tensor, which must be finite and match the expected shape.
 fn numbers(name: String, entry: Entry, expected: Shape, data: &[u8]) -> Result<Vec<f32>, WeightsError> {
     let found = Shape(entry.shape);
     if found != expected {
@@ -129,10 +129,10 @@ pub(crate) mod tests {
     use super::*;
     use nextview::geometry::random::Random;
 
-    /// A tensor of a made-up file: its name, type, shape and bytes.
+    /// A tensor of a synthetic file: its name, type, shape and bytes.
     type Tensor = (String, &'static str, Vec<usize>, Vec<u8>);
 
-    /// The tensors of such a network with small random weights, in single precision.
+    /// Returns the tensors of such a network with small random weights, in single precision.
     pub fn tensors(seed: u64, layout: &Layout) -> Vec<Tensor> {
         let mut random = Random::new(seed, 0);
         let mut tensor = |name: String, shape: Vec<usize>, bound: f64| {
@@ -141,7 +141,7 @@ pub(crate) mod tests {
             (name, "F32", shape, numbers.iter().flat_map(|number| number.to_le_bytes()).collect())
         };
         let layers = layout.layers.iter().flat_map(|(name, shape)| {
-            // This bound keeps the magnitude of the values about the same from layer to layer.
+            // This bound keeps the magnitude of the values about constant from layer to layer.
             let bound = (6.0 / shape[1..].iter().product::<usize>() as f64).sqrt();
             let bias = tensor(format!("{name}.bias"), vec![shape[0]], 0.1);
             [tensor(format!("{name}.weight"), shape.clone(), bound), bias]

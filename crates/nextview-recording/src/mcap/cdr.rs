@@ -3,16 +3,16 @@
 use super::cursor::Cursor;
 use crate::RecordingError;
 
-/// Reads a message value by value.
+/// Reads the values of a message.
 #[derive(Debug)]
 pub(super) struct Cdr<'a> {
-    /// After the four bytes that say how the message is encoded, where alignment begins.
+    /// Starts after the four bytes of the encoding header, where alignment begins.
     cursor: Cursor<'a>,
     is_little_endian: bool,
 }
 
 impl<'a> Cdr<'a> {
-    /// Begins a message; fails if it is not in plain CDR.
+    /// Begins a message. Fails if it is not in plain CDR.
     pub fn new(message: &'a [u8]) -> Result<Self, RecordingError> {
         let mut head = Cursor::new(message);
         let is_little_endian = match head.array::<4>()? {
@@ -43,7 +43,7 @@ impl<'a> Cdr<'a> {
         self.number().map(f64::from_le_bytes)
     }
 
-    /// As many numbers as the array has.
+    /// Reads a fixed number of values.
     pub fn f64s<const N: usize>(&mut self) -> Result<[f64; N], RecordingError> {
         let mut values = [0.0; N];
         for value in &mut values {
@@ -52,27 +52,27 @@ impl<'a> Cdr<'a> {
         Ok(values)
     }
 
-    /// A list of numbers, preceded by its length.
+    /// Reads a list of numbers, preceded by its length.
     pub fn f64_list(&mut self) -> Result<Vec<f64>, RecordingError> {
         let length = self.u32()?;
-        // No memory is reserved on the basis of a length: reading fails where the message ends.
+        // Lengths are not trusted for reserving memory: reading fails at the end of the message.
         (0..length).map(|_| self.f64()).collect()
     }
 
-    /// Bytes, preceded by their number.
+    /// Reads bytes, preceded by their number.
     pub fn bytes(&mut self) -> Result<&'a [u8], RecordingError> {
         let length = self.u32()?;
         self.cursor.take(length as usize)
     }
 
-    /// A text, preceded by its length, which counts the zero at its end.
+    /// Reads a text, preceded by its length including the final zero.
     pub fn text(&mut self) -> Result<&'a str, RecordingError> {
         let bytes = self.bytes()?;
         let text = bytes.strip_suffix(&[0]).unwrap_or(bytes);
         str::from_utf8(text).map_err(|_| RecordingError::Content("a text is not UTF-8".into()))
     }
 
-    /// A number's bytes, the lowest first.
+    /// Reads the bytes of a number, lowest first.
     fn number<const N: usize>(&mut self) -> Result<[u8; N], RecordingError> {
         self.cursor.take(self.cursor.at().next_multiple_of(N) - self.cursor.at())?;
         let mut bytes = self.cursor.array()?;

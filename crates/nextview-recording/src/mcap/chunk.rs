@@ -2,7 +2,7 @@ use super::cursor::Cursor;
 use crate::{RecordingError, limits};
 use std::io::Read;
 
-/// The records that a chunk holds, decompressed.
+/// Decompresses the records of a chunk.
 pub(super) fn records(content: &[u8]) -> Result<Vec<u8>, RecordingError> {
     let mut cursor = Cursor::new(content);
     cursor.take(8 + 8)?; // times of the first and the last message
@@ -23,7 +23,7 @@ pub(super) fn records(content: &[u8]) -> Result<Vec<u8>, RecordingError> {
     Ok(plain)
 }
 
-/// No more than a byte over `size`, whatever the content would expand to.
+/// Decompresses at most one byte more than `size`, however large the content.
 fn decompressed(compression: &str, packed: &[u8], size: u64) -> Result<Vec<u8>, RecordingError> {
     let damaged = |error: String| {
         RecordingError::Content(format!("a chunk cannot be decompressed ({compression}): {error}"))

@@ -1,6 +1,7 @@
 use crate::RecordingError;
 
-/// Longest name of a topic, a type or an encoding, bytes: each message is named by its topic.
+/// Maximum length of the name of a topic, a type or an encoding, in bytes: each message is named by its
+/// topic.
 const MAX_NAME: u32 = 256;
 
 /// Reads bytes from front to back and never past the end.
@@ -25,7 +26,7 @@ impl<'a> Cursor<'a> {
         &self.bytes[self.at..]
     }
 
-    /// The next `n` bytes.
+    /// Reads the next `n` bytes.
     pub fn take(&mut self, n: usize) -> Result<&'a [u8], RecordingError> {
         let Some(taken) = self.rest().get(..n) else {
             let problem = format!("{n} bytes expected, but only {} are left", self.rest().len());
@@ -35,12 +36,12 @@ impl<'a> Cursor<'a> {
         Ok(taken)
     }
 
-    /// The next `N` bytes.
+    /// Reads the next `N` bytes.
     pub fn array<const N: usize>(&mut self) -> Result<[u8; N], RecordingError> {
         Ok(self.take(N)?.try_into().expect("as many were taken"))
     }
 
-    /// A text, preceded by its length.
+    /// Reads a text, preceded by its length.
     pub fn text(&mut self) -> Result<&'a str, RecordingError> {
         let length = u32::from_le_bytes(self.array()?);
         if length > MAX_NAME {

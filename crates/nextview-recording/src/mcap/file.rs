@@ -1,7 +1,7 @@
-//! The container: records in a file, one after the other, most of them in compressed chunks (mcap.dev/spec).
+//! The container: consecutive records in a file, most of them in compressed chunks (mcap.dev/spec).
 //!
-//! A reader of our own: the crate `mcap` takes 26 s of CPU time to build with its dependencies, decompresses
-//! with C code, and wants the whole file in memory; we need four kinds of records.
+//! Our own reader: the crate `mcap` takes 26 s of CPU time to build with its dependencies, decompresses with
+//! C code, and requires the whole file in memory. We need only four kinds of records.
 
 use super::chunk;
 use super::cursor::Cursor;
@@ -13,16 +13,16 @@ use std::path::Path;
 
 const MAGIC: [u8; 8] = *b"\x89MCAP0\r\n";
 
-/// Where a record is.
+/// Position of a record.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Place {
-    /// Byte in the file at which it, or the chunk that holds it, begins.
+    /// Offset in the file of the record, or of the chunk that contains it.
     byte: u64,
-    /// Byte among the chunk's records, if there is a chunk.
+    /// Offset among the chunk's records, if in a chunk.
     in_chunk: Option<usize>,
     /// Size of the record, or of the chunk's records.
     pub(crate) n_bytes: usize,
-    /// Check sum of the message: the file may change until it is read again.
+    /// Checksum of the message: the file may change before it is read again.
     crc: u32,
 }
 
@@ -37,14 +37,14 @@ pub(super) enum Record<'a> {
 /// An open file, read from record to record.
 struct Records {
     file: BufReader<File>,
-    /// Where the next record begins, and the size of the file.
+    /// Offset of the next record, and the size of the file.
     byte: u64,
     size: u64,
-    /// Check sum of what was read from some record on.
+    /// Checksum of everything read since a certain record.
     crc: Hasher,
 }
 
-/// Values of a record's first byte.
+/// Values of the first byte of a record.
 mod opcode {
     pub const SCHEMA: u8 = 0x03;
     pub const CHANNEL: u8 = 0x04;
@@ -55,8 +55,8 @@ mod opcode {
     pub const DATA_END: u8 = 0x0f;
 }
 
-/// Visits every schema, channel and message, in the order of the file, until the end of its data. Fails in
-/// the end, too, if the data is not what its check sum or the file's summary says.
+/// Visits every schema, channel and message, in file order, until the end of the data. Also fails at the end
+/// if the data contradicts its checksum or the file's summary.
 pub(super) fn walk(
     path: &Path,
     mut visit: impl FnMut(Place, Record<'_>) -> Result<(), RecordingError>,
@@ -99,7 +99,7 @@ pub(super) fn walk(
     }
 }
 
-/// Fails if these bytes, of which this is the sum, have another one in the file; 0 stands for none.
+/// Fails if the file states another checksum for these bytes; 0 stands for none.
 fn check_sum(what: &str, stated: u32, of_bytes: Hasher) -> Result<(), RecordingError> {
     let found = of_bytes.finalize();
     if stated == 0 || stated == found {
@@ -109,7 +109,8 @@ fn check_sum(what: &str, stated: u32, of_bytes: Hasher) -> Result<(), RecordingE
     Err(RecordingError::Content(problem))
 }
 
-/// Reads what follows the data. A file without a whole summary may have whole data, and is taken.
+/// Reads everything after the data. A file without a whole summary is accepted, because its data may be
+/// whole.
 fn check_summary(records: &mut Records, n_messages: u64) -> Result<(), RecordingError> {
     let start = records.byte;
     records.crc = Hasher::new();
@@ -150,7 +151,7 @@ fn check_summary(records: &mut Records, n_messages: u64) -> Result<(), Recording
     }
 }
 
-/// The data of the message that [`walk`] found there. Fails if it is another one by now.
+/// Reads the message that [`walk`] found at this place. Fails if it has changed.
 pub(super) fn message(path: &Path, place: Place) -> Result<Vec<u8>, RecordingError> {
     let mut records = Records::open(path)?;
     records.byte = place.byte;
@@ -176,7 +177,7 @@ fn data(opcode: u8, content: &[u8], crc: u32) -> Result<Vec<u8>, RecordingError>
     }
 }
 
-/// A record; none if its kind is not needed here.
+/// Parses a record; `None` if its kind is not needed here.
 fn parse(opcode: u8, content: &[u8]) -> Result<Option<Record<'_>>, RecordingError> {
     let mut cursor = Cursor::new(content);
     Ok(Some(match opcode {
@@ -221,7 +222,7 @@ impl Records {
         }
     }
 
-    /// Kind and content of the next record.
+    /// Reads kind and content of the next record.
     fn next(&mut self) -> Result<(u8, Vec<u8>), RecordingError> {
         const HEAD: u64 = 9;
         let left = self.size.saturating_sub(self.byte);
@@ -235,7 +236,7 @@ impl Records {
         if length > left - HEAD {
             return Err(self.cut());
         }
-        // No more than the file holds, whatever the record states.
+        // Limited to the size of the file, whatever the record states.
         let mut content = vec![0; length as usize];
         self.file.read_exact(&mut content)?;
         self.crc.update(&head);

@@ -1,4 +1,4 @@
-//! Chunks and messages without a file, for `fuzz/` alone.
+//! Chunks and messages without a file, for `fuzz/` only.
 
 use super::chunk;
 use super::messages::{AnyImage, Packing, camera_info, pose_stamped, transforms};
@@ -9,7 +9,7 @@ pub fn chunk(content: &[u8]) {
     let _ = chunk::records(content);
 }
 
-/// Reads a message as each of the types that recordings hold; images are those of this camera.
+/// Reads a message as each of the types in recordings; images are those of this camera.
 pub fn messages(message: &[u8], camera: &Intrinsics) {
     let _ = camera_info(message);
     let _ = pose_stamped(message);

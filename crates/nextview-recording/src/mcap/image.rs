@@ -4,7 +4,7 @@ use crate::RecordingError;
 use nextview::sensor::{ColorImage, DepthImage, Intrinsics};
 use std::path::Path;
 
-/// An image of a file, and where it is in it.
+/// Position of an image in a file.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct ImagePlace {
     pub place: Place,

@@ -1,4 +1,4 @@
-//! The ROS 2 messages that are read.
+//! The ROS 2 messages that are parsed.
 
 use super::cdr::Cdr;
 use crate::ros::{CameraInfo, CompressedImage, Image};
@@ -9,9 +9,9 @@ use nextview::sensor::{ColorImage, DepthImage, Intrinsics};
 
 /// The header of a message.
 pub(super) struct Header<'a> {
-    /// When the content was taken, seconds.
+    /// Time of the content in seconds.
     pub time: f64,
-    /// The frame in which it is, or which took it.
+    /// The frame of the content, or of its source.
     pub frame: &'a str,
 }
 
@@ -22,7 +22,7 @@ impl<'a> Header<'a> {
     }
 }
 
-/// The optics of a camera, of `sensor_msgs/msg/CameraInfo`.
+/// Reads the optics of a camera from `sensor_msgs/msg/CameraInfo`.
 pub(super) fn camera_info(message: &[u8]) -> Result<Intrinsics, RecordingError> {
     let mut cdr = Cdr::new(message)?;
     Header::read(&mut cdr)?;
@@ -31,7 +31,7 @@ pub(super) fn camera_info(message: &[u8]) -> Result<Intrinsics, RecordingError> 
     CameraInfo { width, height, distortion_model, d: &d, k: cdr.f64s()? }.intrinsics()
 }
 
-/// Where the camera was, and when, of `geometry_msgs/msg/PoseStamped`.
+/// Reads time and pose of the camera from `geometry_msgs/msg/PoseStamped`.
 pub(super) fn pose_stamped(message: &[u8]) -> Result<(f64, Pose), RecordingError> {
     let mut cdr = Cdr::new(message)?;
     let time = Header::read(&mut cdr)?.time;
@@ -39,12 +39,12 @@ pub(super) fn pose_stamped(message: &[u8]) -> Result<(f64, Pose), RecordingError
     Ok((time, rigid::from_quaternion(position, rotation).map_err(RecordingError::Content)?))
 }
 
-/// A transform of `tf2_msgs/msg/TFMessage`, as it stands there.
+/// A transform of `tf2_msgs/msg/TFMessage`, unchanged.
 pub(super) struct Transform<'a> {
     /// The header's frame is the parent.
     pub header: Header<'a>,
     pub child: &'a str,
-    /// Takes points of the child to the parent; or the reason why it is invalid.
+    /// Takes points from child to parent; or the reason why it is invalid.
     pub parent_from_child: Result<Pose, nextview::Error>,
 }
 
@@ -56,7 +56,7 @@ pub(super) fn transforms(message: &[u8]) -> Result<Vec<Transform<'_>>, Recording
         let (position, rotation) = position_and_rotation(&mut cdr)?;
         Ok(Transform { header, child, parent_from_child: Pose::new(rotation, position) })
     };
-    // No memory is reserved on the basis of a length: reading fails where the message ends.
+    // Lengths are not trusted for reserving memory: reading fails at the end of the message.
     (0..length).map(|_| transform()).collect()
 }
 
@@ -64,7 +64,7 @@ fn position_and_rotation(cdr: &mut Cdr<'_>) -> Result<(DVec3, DQuat), RecordingE
     Ok((DVec3::from_array(cdr.f64s()?), DQuat::from_array(cdr.f64s()?)))
 }
 
-/// How images are packed.
+/// Encodings of images.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Packing {
     /// `sensor_msgs/msg/Image`.
@@ -73,7 +73,7 @@ pub(crate) enum Packing {
     Compressed,
 }
 
-/// An image of either packing as it is in its message.
+/// An image of either encoding, as in its message.
 pub(super) enum AnyImage<'a> {
     Plain(Image<'a>),
     Compressed(CompressedImage<'a>),

@@ -1,4 +1,4 @@
-//! Where the camera was: from a topic of poses, or from transforms.
+//! Poses of the camera: from a topic of poses, or from transforms.
 
 use super::messages::Transform;
 use crate::ros::TransformTree;
@@ -14,7 +14,7 @@ pub(super) enum Poses {
 }
 
 impl Poses {
-    /// From transforms: the camera's frame in the world's, by default the root of the tree that it is in.
+    /// Uses transforms: the camera's frame in the world's, by default the root of its tree.
     pub fn of_transforms(
         tree: TransformTree,
         camera: &str,
@@ -29,7 +29,7 @@ impl Poses {
                 .map_err(|error| RecordingError::Content(of_camera(error.to_string())))?
                 .to_owned(),
         };
-        // At any time: what can be found only at some times is another fault, of single images.
+        // At any time: a missing pose at some times is a fault of single images.
         if let Err(error) = tree.check_connected(&world, camera) {
             let problem = of_camera(format!("{error}; choose the frame of the world"));
             return Err(RecordingError::Option { key: "world_frame", problem });
@@ -37,7 +37,7 @@ impl Poses {
         Ok(Self::Transforms { tree, world, camera: camera.to_owned() })
     }
 
-    /// The pose at a time, seconds; or why there is none.
+    /// The pose at a time in seconds; or why there is none.
     pub fn at(&self, time: f64) -> Result<Pose, String> {
         match self {
             Self::Topic(trajectory) => trajectory.at(time),
@@ -49,11 +49,11 @@ impl Poses {
     }
 }
 
-/// The transforms of a file, and what was left out of them.
+/// The transforms of a file, and notes on those left out.
 pub(super) struct Transforms {
     pub tree: TransformTree,
     pub n_transforms: usize,
-    /// By frame, the first fault and the number of transforms that have one.
+    /// By frame, the first fault and the number of faulty transforms.
     faults: BTreeMap<String, (String, usize)>,
 }
 
@@ -64,7 +64,7 @@ impl Default for Transforms {
 }
 
 impl Transforms {
-    /// Adds a transform. Invalid ones are skipped: those of joints that are not needed are often wrong.
+    /// Adds a transform. Invalid ones are skipped: those of unneeded joints are often wrong.
     pub fn add(&mut self, transform: Transform<'_>, is_static: bool) {
         let Transform { header, child, parent_from_child } = transform;
         let added = parent_from_child.map_err(|error| error.to_string()).and_then(|pose| {
@@ -80,7 +80,7 @@ impl Transforms {
         }
     }
 
-    /// The skipped transforms, a sentence for each frame.
+    /// The skipped transforms, one sentence per frame.
     pub fn notes(&self) -> Vec<String> {
         let note = |(frame, (error, n)): (&String, &(String, usize))| {
             format!("{n} transforms of '{frame}' are left out, the first because {error}")

@@ -16,7 +16,7 @@ use std::path::Path;
 struct Topics {
     cameras: BTreeMap<String, Intrinsics>,
     depths: BTreeMap<String, Images>,
-    /// Images that are no depth.
+    /// Images without depth.
     others: BTreeMap<String, Images>,
     poses: BTreeMap<String, Vec<Stamped<Pose>>>,
     transforms: Transforms,
@@ -67,7 +67,7 @@ pub(crate) fn read(path: &Path, options: &ReadOptions) -> Result<Recording, Reco
     Ok(Recording { intrinsics, frames, skipped, notes })
 }
 
-/// From the topic of poses, unless there is none or the options name a frame of the world.
+/// Uses the topic of poses, unless there is none or the options name a world frame.
 fn poses_of(
     mut topics: BTreeMap<String, Vec<Stamped<Pose>>>,
     transforms: Transforms,
@@ -182,7 +182,7 @@ impl Topics {
     }
 }
 
-/// The topic that was asked for, or else the only one.
+/// The requested topic, or the only one.
 fn chosen<T>(
     what: &str,
     topics: &BTreeMap<String, T>,
@@ -205,8 +205,8 @@ fn chosen<T>(
     Err(RecordingError::Option { key: option, problem })
 }
 
-/// The optics of a depth topic: those beside it, or else the only ones. A compressed topic is one level below
-/// the image's.
+/// The optics of a depth topic: those next to it, or the only ones. A compressed topic is one level below the
+/// image's.
 fn camera_topic(cameras: &BTreeMap<String, Intrinsics>, depth_topic: &str) -> Result<String, RecordingError> {
     let folder = |topic: &str| topic.rsplit_once('/').map_or(String::new(), |(folder, _)| folder.to_owned());
     let image = ["/compressedDepth", "/compressed"].iter().find_map(|end| depth_topic.strip_suffix(end));

@@ -2,29 +2,29 @@ use crate::{RecordingError, lens};
 use glam::DVec2;
 use nextview::sensor::{Distortion, Intrinsics};
 
-/// The optics of a camera, as of `sensor_msgs/msg/CameraInfo`.
+/// The optics of a camera, as in `sensor_msgs/msg/CameraInfo`.
 #[derive(Clone, Copy, Debug)]
 pub struct CameraInfo<'a> {
-    /// Pixels of a row.
+    /// Number of columns.
     pub width: u32,
-    /// Rows.
+    /// Number of rows.
     pub height: u32,
-    /// ROS's name for the distortion (REP 104).
+    /// ROS name of the distortion model (REP 104).
     pub distortion_model: &'a str,
-    /// The distortion's coefficients; k1, k2, p1, p2, k3 of `plumb_bob`.
+    /// Distortion coefficients; k1, k2, p1, p2, k3 for `plumb_bob`.
     pub d: &'a [f64],
-    /// The camera matrix by rows, pixels; 0, 0 is the centre of the first pixel.
+    /// The camera matrix by rows in pixels; 0, 0 is the centre of the first pixel.
     pub k: [f64; 9],
 }
 
-/// Most coefficients of a distortion that OpenCV knows.
+/// Maximum number of distortion coefficients in OpenCV.
 const MAX_COEFFICIENTS: usize = 14;
 
 impl CameraInfo<'_> {
-    /// The optics.
+    /// Converts to intrinsics.
     ///
     /// # Errors
-    /// If they cannot be those of a camera, or if their distortion model is unknown.
+    /// If they cannot be those of a camera, or the distortion model is unknown.
     pub fn intrinsics(&self) -> Result<Intrinsics, RecordingError> {
         let [fx, _, cx, _, fy, cy, ..] = self.k;
         let intrinsics =

@@ -1,35 +1,35 @@
-//! Compressed images, as the plugins of `image_transport` send them.
+//! Compressed images, as sent by the plugins of `image_transport`.
 
 use crate::{RecordingError, decode_color, decode_depth, depth_png};
 use nextview::sensor::{ColorImage, DepthImage, Intrinsics};
 
-/// A compressed image, as of `sensor_msgs/msg/CompressedImage`.
+/// A compressed image, as in `sensor_msgs/msg/CompressedImage`.
 #[derive(Clone, Copy, Debug)]
 pub struct CompressedImage<'a> {
     /// The format stated by the sender, such as `16UC1; compressedDepth png` or `rgb8; jpeg compressed bgr8`.
     pub format: &'a str,
-    /// A JPEG or PNG file; of `compressedDepth`, twelve bytes before it.
+    /// A JPEG or PNG file; for `compressedDepth`, preceded by twelve bytes.
     pub data: &'a [u8],
 }
 
 /// Bytes before the PNG file of `compressedDepth`: its kind, and two numbers, A and B.
 const HEAD: usize = 12;
 
-/// The kind of a `compressedDepth` whose pixels are A / depth + B, depth in metres.
+/// The kind of a `compressedDepth` with pixels A / depth + B, depth in metres.
 const INVERSE_DEPTH: i32 = 0;
 
 impl CompressedImage<'_> {
-    /// Whether its pixels are depths: `compressedDepth`, or a PNG file of 16 bits a pixel without colour.
+    /// Whether its pixels are depths: `compressedDepth`, or a PNG file with 16-bit pixels without colour.
     pub fn is_depth(&self) -> bool {
         self.is_compressed_depth() || depth_png::is_depth(self.data)
     }
 
-    /// The depth. `compressedDepth` of `16UC1`, and plain PNG, are millimetres; of `32FC1`, the inverse depth
-    /// in steps, as the plugin `compressed_depth_image_transport` writes it.
+    /// Decodes the depth. `compressedDepth` of `16UC1` and plain PNG are in millimetres; `32FC1` is quantized
+    /// inverse depth, as written by the plugin `compressed_depth_image_transport`.
     ///
     /// # Errors
-    /// If it is no depth image, not of the size that the intrinsics are for, compressed in another way, or
-    /// damaged.
+    /// If it is not a depth image, does not match the size in the intrinsics, is compressed in another way,
+    /// or is damaged.
     pub fn depth(&self, intrinsics: &Intrinsics) -> Result<DepthImage, RecordingError> {
         if !self.is_compressed_depth() {
             return decode_depth(self.data, None, intrinsics, 0.001);
@@ -51,7 +51,7 @@ impl CompressedImage<'_> {
         }
     }
 
-    /// The colours of a JPEG or PNG file of 8 bits of red, green and blue each.
+    /// Decodes a JPEG or PNG file with 8 bits each of red, green and blue.
     ///
     /// # Errors
     /// If it is damaged, or of another kind or size.
@@ -135,7 +135,7 @@ mod tests {
 
     #[test]
     fn inverse_depth_is_undone() {
-        // As the plugin writes it with its defaults: depths up to 10 m, most exact at 100 of its units.
+        // As written by the plugin with its defaults: depths up to 10 m, most accurate at 100 of its units.
         let (a, max) = (100.0_f32 * 101.0, 10.0_f32);
         let b = 1.0 - a / max;
         let depths = [0.4_f32, 1.25, 9.0];
@@ -146,7 +146,7 @@ mod tests {
         let found = image.depth(&intrinsics()).unwrap();
         for (i, depth) in depths.into_iter().enumerate() {
             let Depth::Surface(found) = found.get(i as u32 % 2, i as u32 / 2) else { panic!("{i}") };
-            // A pixel more is this much nearer.
+            // The depth difference of one pixel value.
             assert!((found - depth).abs() <= depth * depth / a, "{found} for {depth}");
         }
         assert_eq!(found.get(1, 1), Depth::Missing);

@@ -3,20 +3,20 @@ use crate::color_file::check_size as check_color_size;
 use crate::depth_png::check_size;
 use nextview::sensor::{ColorImage, DepthImage, Intrinsics};
 
-/// An image without compression, as of `sensor_msgs/msg/Image`.
+/// An uncompressed image, as in `sensor_msgs/msg/Image`.
 #[derive(Clone, Copy, Debug)]
 pub struct Image<'a> {
-    /// Pixels of a row.
+    /// Number of columns.
     pub width: u32,
-    /// Rows.
+    /// Number of rows.
     pub height: u32,
     /// The format of a pixel; see [`is_depth`](Self::is_depth).
     pub encoding: &'a str,
-    /// Whether a pixel's highest byte comes first.
+    /// Whether the highest byte of a pixel comes first.
     pub is_big_endian: bool,
-    /// Bytes from row to row.
+    /// Bytes from one row to the next.
     pub step: u32,
-    /// The rows, one after the other.
+    /// Consecutive rows.
     pub data: &'a [u8],
 }
 
@@ -26,11 +26,11 @@ impl Image<'_> {
         matches!(self.encoding, "16UC1" | "32FC1")
     }
 
-    /// The depth. Of depths in metres, those that are infinite are missing, since that says only that they
-    /// are beyond an unknown range.
+    /// Decodes the depth. Infinite depths in metres are missing, since they only mean beyond an unknown
+    /// range.
     ///
     /// # Errors
-    /// If it is no depth image, not of the size that the intrinsics are for, or shorter than it says.
+    /// If it is not a depth image, does not match the size in the intrinsics, or is shorter than stated.
     pub fn depth(&self, intrinsics: &Intrinsics) -> Result<DepthImage, RecordingError> {
         check_size(self.width, self.height, intrinsics)?;
         match self.encoding {
@@ -47,10 +47,10 @@ impl Image<'_> {
         }
     }
 
-    /// The colours, of `rgb8` or `bgr8`.
+    /// Decodes the colours of `rgb8` or `bgr8`.
     ///
     /// # Errors
-    /// If it is of another encoding, not of the size that the intrinsics are for, or shorter than it says.
+    /// If it has another encoding, does not match the size in the intrinsics, or is shorter than stated.
     pub fn color(&self, intrinsics: &Intrinsics) -> Result<ColorImage, RecordingError> {
         check_color_size((self.width, self.height), intrinsics)?;
         let rgb: fn([u8; 3]) -> [u8; 3] = match self.encoding {
@@ -62,7 +62,7 @@ impl Image<'_> {
         Ok(ColorImage::new(self.width, self.height, pixels)?)
     }
 
-    /// The bytes of the pixels, each with its lowest byte first.
+    /// The bytes of the pixels, lowest byte first.
     fn pixels<const N: usize>(&self) -> Result<impl Iterator<Item = [u8; N]>, RecordingError> {
         let is_big_endian = self.is_big_endian;
         Ok(self.rows()?.map(move |mut pixel| {
@@ -73,7 +73,7 @@ impl Image<'_> {
         }))
     }
 
-    /// The bytes of the pixels as they stand.
+    /// The bytes of the pixels, unchanged.
     fn rows<const N: usize>(&self) -> Result<impl Iterator<Item = [u8; N]>, RecordingError> {
         let (row, step) = (N * self.width as usize, self.step as usize);
         let needed = step * (self.height as usize - 1) + row;

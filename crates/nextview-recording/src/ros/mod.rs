@@ -1,5 +1,4 @@
-//! The content of ROS 2 messages, from a file or from a network: images, optics, and where frames are to each
-//! other.
+//! The content of ROS 2 messages, from a file or a network: images, optics, and transforms between frames.
 
 mod camera_info;
 mod compressed;

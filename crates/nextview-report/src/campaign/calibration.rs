@@ -1,14 +1,14 @@
-//! How well planners estimate the completeness of their scans, now and after their next views.
+//! Accuracy of the planners' estimates of completeness, current and after their next views.
 
 use super::document::{Block, Cell, Column, Figure, Row, Section, Table};
 use crate::plot::{Axis, Curve, Marker, Plot};
 use crate::text::fixed;
 use nextview_campaign::statistics::{Study, StudyVariant, mean, percentile};
 
-/// Bounds between classes of estimates. They are close near 1, where estimates stop scans.
+/// Bounds between classes of estimates, closer near 1, where estimates stop scans.
 const BOUNDS: [f64; 11] = [0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 0.95, 0.98];
 
-/// The section; none if no planner of the campaign estimates.
+/// The section; `None` if no planner of the campaign estimates.
 pub(crate) fn section(study: &Study) -> Option<Section> {
     let of_variant = |variant: &StudyVariant| {
         let classes = classes(&estimates(variant));
@@ -32,7 +32,7 @@ pub(crate) fn section(study: &Study) -> Option<Section> {
     })
 }
 
-/// Forecasts beside what came of them; none if no planner makes any.
+/// Forecasts against the true outcome; `None` if no planner makes any.
 fn forecasts(study: &Study) -> Option<Block> {
     let rows: Vec<Row> = study.variants.iter().flat_map(forecast_rows).collect();
     let caption = "Estimated completeness after the next views, as the planner forecast it before the first \
@@ -75,7 +75,7 @@ fn forecast_rows(variant: &StudyVariant) -> Vec<Row> {
     ahead.into_iter().enumerate().map(row).collect()
 }
 
-/// Pairs of an estimate and the true coverage, of all runs of a variant after all their views but the last.
+/// Pairs of an estimate and the true coverage, for all runs of a variant after all their views but the last.
 fn estimates(variant: &StudyVariant) -> Vec<(f64, f64)> {
     let pairs = variant.measured().flat_map(|run| run.steps.windows(2));
     pairs.filter_map(|steps| Some((steps[1].estimated_completeness?, steps[0].reachable_coverage?))).collect()
@@ -89,7 +89,7 @@ struct Class {
     truths: Vec<f64>,
 }
 
-/// The classes that are not empty.
+/// The non-empty classes.
 fn classes(estimates: &[(f64, f64)]) -> Vec<Class> {
     let lows = std::iter::once(0.0).chain(BOUNDS);
     let highs = BOUNDS.into_iter().chain([1.0]);

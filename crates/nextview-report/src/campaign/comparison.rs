@@ -4,7 +4,7 @@ use nextview_campaign::statistics::{Comparison, MeasureComparison, VariantCompar
 /// Maximum number of runs in a list.
 const MAX_NAMED: usize = 10;
 
-/// The comparison of two campaigns as text; `a` and `b` are the names to show.
+/// Formats the comparison of two campaigns; `a` and `b` are the displayed names.
 pub fn comparison_text(comparison: &Comparison, a: &str, b: &str) -> String {
     let runs = |n: usize| if n == 1 { "1 run".to_owned() } else { format!("{n} runs") };
     let mut out = format!(
@@ -77,7 +77,7 @@ fn measure_text(comparison: &MeasureComparison) -> String {
     line(comparison.name, numbers, &format!("{}, {}, {}", p_value(test), test.n_pairs, verdict(comparison)))
 }
 
-/// Whether B differs from A. An interval that includes "no difference" does not show that there is none.
+/// Whether B differs from A. An interval that includes "no difference" does not prove that there is none.
 fn verdict(comparison: &MeasureComparison) -> &'static str {
     match (comparison.b_is_better, comparison.is_more_than_noise, comparison.interval) {
         _ if comparison.test.n_different == 0 => "the same on every object",
@@ -93,7 +93,7 @@ fn signed(value: f64, decimals: usize) -> String {
     number(value, |value| format!("{:+.decimals$}", value + 0.0).replace('-', "−"))
 }
 
-/// The number as text; a dash where it is too large for one.
+/// The number as text; a dash if it is too large.
 fn number(value: f64, show: impl Fn(f64) -> String) -> String {
     if value.is_finite() { show(value) } else { "–".to_owned() }
 }
@@ -104,7 +104,7 @@ mod tests {
     use super::*;
     use nextview_campaign::statistics::compare;
 
-    /// The lines of two campaigns of six objects whose runs of B are changed by the object's number.
+    /// The lines of two campaigns of six objects, with the runs of B changed by the object's number.
     fn lines(change: impl Fn(usize, &mut nextview_scan::ScanRecord)) -> Vec<String> {
         let a = campaign(&["max-flow"], 6);
         let mut b = a.clone();

@@ -10,7 +10,7 @@ pub(crate) struct Document {
     pub sections: Vec<Section>,
 }
 
-/// A part of it with a heading.
+/// A part of the page with a heading.
 #[derive(Clone, Debug)]
 pub(crate) struct Section {
     pub title: String,
@@ -22,7 +22,7 @@ pub(crate) enum Block {
     Text(String),
     Table(Table),
     Figure(Figure),
-    /// Literal text, folded away on the page: a title and the text.
+    /// Literal text, collapsed on the page: a title and the text.
     Aside(String, String),
 }
 
@@ -37,7 +37,7 @@ pub(crate) struct Table {
 #[derive(Clone, Debug)]
 pub(crate) struct Column {
     pub name: String,
-    /// Numbers stand at the right.
+    /// Whether it is right-aligned, as numbers are.
     pub is_number: bool,
 }
 
@@ -59,7 +59,7 @@ pub(crate) struct Cell {
 #[derive(Clone, Debug)]
 pub(crate) struct Figure {
     pub caption: String,
-    /// A drawing of all curves; none where there are too many.
+    /// A drawing of all curves; `None` if there are too many.
     pub overview: Option<Plot>,
     /// Small drawings with their titles.
     pub panels: Vec<(String, Plot)>,

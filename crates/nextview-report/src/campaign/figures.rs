@@ -12,7 +12,7 @@ const MAX_IN_OVERVIEW: usize = N_STYLES;
 /// Maximum number of variants with bands: more would overlap.
 const MAX_BANDS: usize = 3;
 
-/// The section; figures without a single value are left out.
+/// The section; figures without any value are left out.
 pub(crate) fn section(study: &Study) -> Section {
     let figures = [
         (
@@ -96,7 +96,7 @@ fn range<'a>(lines: impl Iterator<Item = &'a Line>) -> [f64; 2] {
     [low, ((10.0 * high).ceil() / 10.0).max(low + 0.1)]
 }
 
-/// Room for the longest label with its number, at about 7.5 units a letter.
+/// Room for the longest label with its number, at about 7.5 units per letter.
 fn label_room(lines: &[Line]) -> f64 {
     let longest = lines.iter().map(|line| shortened(&line.name).chars().count()).max().unwrap_or(0);
     7.5 * (longest.max("clairvoyant (baseline)".len()) + 5) as f64

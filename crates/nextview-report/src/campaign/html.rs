@@ -1,4 +1,4 @@
-//! The report as one HTML page that needs no network and no script.
+//! The report as one HTML page, without network access or scripts.
 
 use super::document::{Block, Cell, Document, Figure, Row, Section, Table};
 use crate::plot::Plot;

@@ -22,7 +22,7 @@ pub(crate) struct Line {
 }
 
 impl Line {
-    /// The line of a variant, with the style of this index.
+    /// The line of a variant, with the style with this index.
     pub fn of_variant(i: usize, variant: &StudyVariant, of: Curve) -> Self {
         let style = i % N_STYLES;
         Self::new(&variant.name, &format!("v{style}"), MARKERS[style], &variant.curve(of))
@@ -38,13 +38,13 @@ impl Line {
         }
     }
 
-    /// Its name with the last mean.
+    /// Returns its name with the last mean.
     pub fn title(&self) -> String {
         let last = self.means.last().copied().unwrap_or_default();
         format!("{}: {} %", self.name, fixed(100.0 * last, 1))
     }
 
-    /// The curve of the drawing.
+    /// Returns the curve of the drawing.
     pub fn curve(&self, with_band: bool, label: &str) -> plot::Curve {
         let band = self.intervals.iter().enumerate().filter(|_| with_band);
         plot::Curve {
@@ -56,7 +56,7 @@ impl Line {
         }
     }
 
-    /// The same as a thin curve behind others.
+    /// A thin curve behind others.
     pub fn ghost(&self) -> plot::Curve {
         plot::Curve { class: "other".to_owned(), marker: Marker::None, ..self.curve(false, "") }
     }
@@ -72,7 +72,7 @@ pub(crate) fn baselines(study: &Study, of: Curve) -> Vec<Line> {
     let scaled = |curve: &Option<Vec<f64>>, share: f64| -> Option<Vec<f64>> {
         Some(curve.as_ref()?.iter().map(|coverage| share * coverage).collect())
     };
-    // They are the same for all variants; the one with most objects says most.
+    // They are the same for all variants; the variant with the most objects says most.
     let Some(variant) = study.variants.iter().max_by_key(|variant| variant.n_objects()) else {
         return Vec::new();
     };

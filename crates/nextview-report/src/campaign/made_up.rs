@@ -1,4 +1,4 @@
-//! Campaigns that never happened.
+//! Synthetic campaigns for tests.
 
 use nextview::session::StopReason;
 use nextview_campaign::store::{StoredRuns, read};
@@ -15,7 +15,7 @@ const OBJECTS: [(&str, &str); 6] = [
     ("stanford", "happy_buddha"),
 ];
 
-/// The planner of each variant by its name: APORA, RSE or random for these, or else max-flow.
+/// The planner of each variant by its name: APORA, RSE or random, and max-flow for any other.
 fn planner(variant: &str) -> PlannerName {
     match variant {
         "apora" => PlannerName::Apora,
@@ -25,7 +25,7 @@ fn planner(variant: &str) -> PlannerName {
     }
 }
 
-/// A campaign in memory, to change it.
+/// A mutable campaign in memory.
 #[derive(Clone)]
 pub(crate) struct Campaign {
     pub name: String,
@@ -34,7 +34,7 @@ pub(crate) struct Campaign {
 }
 
 impl Campaign {
-    /// What is made of the campaign as a folder holds it.
+    /// Passes the campaign, as stored in a folder, to `make`.
     pub fn stored<T>(&self, make: impl FnOnce(&StoredRuns) -> T) -> T {
         static NUMBER: AtomicUsize = AtomicUsize::new(0);
         let number = NUMBER.fetch_add(1, Ordering::Relaxed);
@@ -49,7 +49,7 @@ impl Campaign {
     }
 }
 
-/// A campaign of these variants, the later the better, on the first few of six objects.
+/// A campaign of these variants, each better than the one before, on the first `n_objects` of six objects.
 pub(crate) fn campaign(variants: &[&str], n_objects: usize) -> Campaign {
     let runs = variants.iter().enumerate().flat_map(|(i, variant)| {
         OBJECTS[..n_objects].iter().enumerate().map(move |(j, object)| run(variant, *object, i, j))
@@ -59,7 +59,7 @@ pub(crate) fn campaign(variants: &[&str], n_objects: usize) -> Campaign {
     Campaign { name: "made-up".to_owned(), runs, torn: false }
 }
 
-/// The record of a run, to change it.
+/// The record of a run, mutable.
 pub(crate) fn record_mut(run: &mut RunRecord) -> &mut ScanRecord {
     match &mut run.result {
         RunResult::Done(done) => &mut done.record,

@@ -1,4 +1,4 @@
-//! The report as Markdown: figures are the tables of their numbers.
+//! The report as Markdown; figures become tables of their numbers.
 
 use super::document::{Block, Cell, Document, Row, Table};
 
@@ -45,7 +45,7 @@ fn join(cell: &Cell) -> String {
     }
 }
 
-/// Text that Markdown shows as it is, on one line.
+/// Text that Markdown shows literally, on one line.
 fn escape(text: &str) -> String {
     let mut out = String::with_capacity(text.len());
     for c in text.chars() {

@@ -1,7 +1,7 @@
 //! Many scans: the report of a campaign, and the comparison of two as text.
 //!
-//! The numbers come from [`nextview_campaign::statistics`]; this module makes text, tables and drawings of
-//! them.
+//! The numbers come from [`nextview_campaign::statistics`]; this module turns them into text, tables and
+//! drawings.
 
 mod calibration;
 mod comparison;

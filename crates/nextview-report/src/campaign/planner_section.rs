@@ -1,9 +1,9 @@
 use nextview_scan::{PlannerChoice, PlannerName};
 
-/// Sections of the configuration that hold the parameters of planners.
+/// Configuration sections with planner parameters.
 pub(super) const PLANNER_SECTIONS: [&str; 5] = ["most_surface", "max_flow", "greedy", "batch", "nbv_net"];
 
-/// The section that this planner reads; none where it has no parameters.
+/// The section that this planner reads; `None` if it has no parameters.
 pub(super) fn section_of(planner: &PlannerChoice) -> Option<&'static str> {
     use PlannerName as Name;
     match planner.built_in() {
@@ -14,7 +14,7 @@ pub(super) fn section_of(planner: &PlannerChoice) -> Option<&'static str> {
         Some(Name::PbNbv | Name::See | Name::NbvRegression | Name::PcNbv) => None,
         Some(Name::EvenViews | Name::Inspection) => None,
         Some(Name::InOrder | Name::Random | Name::Clairvoyant) => None,
-        // Those named after a gain, and those written in Python.
+        // Planners named after a gain, and planners in Python.
         _ => Some("greedy"),
     }
 }

@@ -5,8 +5,8 @@ use nextview_campaign::statistics::{Study, StudyBuilder};
 use nextview_campaign::store::StoredRuns;
 use nextview_scan::Fault;
 
-/// The report of a campaign as HTML and as Markdown, also of one that is still running. Equal campaigns give
-/// equal bytes. Fails where a record cannot be read.
+/// Returns the report of a campaign as HTML and as Markdown, even while it is running. Equal campaigns give
+/// equal bytes. Fails if a record cannot be read.
 pub fn campaign_report(campaign: &StoredRuns) -> Result<[String; 2], Fault> {
     let (mut study, mut setup) = (StudyBuilder::default(), Setup::default());
     for run in campaign.runs.iter() {
@@ -18,7 +18,7 @@ pub fn campaign_report(campaign: &StoredRuns) -> Result<[String; 2], Fault> {
     Ok([html::render(&document), markdown::render(&document)])
 }
 
-/// Whether a text is such a report, so that a newer one may take its place.
+/// Returns whether a text is such a report, which a newer one may replace.
 pub fn is_campaign_report(text: &str) -> bool {
     let is_html = text.starts_with("<!DOCTYPE html>") && text.contains(" – nextview campaign</title>");
     let is_markdown =
@@ -26,7 +26,7 @@ pub fn is_campaign_report(text: &str) -> bool {
     is_html || is_markdown
 }
 
-/// How the line below the title begins.
+/// Start of the line below the title.
 const SUBTITLE: &str = "campaign of ";
 
 fn document(campaign: &StoredRuns, setup: &Setup, study: &Study) -> Document {

@@ -8,10 +8,10 @@ use nextview_scan::PlannerName;
 use serde_json::Value;
 use std::collections::{BTreeMap, BTreeSet};
 
-/// Most entries of a list and most rows of failed runs.
+/// Maximum number of list entries and of rows of failed runs.
 const MAX_LISTED: usize = 200;
 
-/// The configurations and hosts of the runs, gathered record by record.
+/// The configurations and hosts of the runs, collected record by record.
 #[derive(Default)]
 pub(crate) struct Setup {
     n_runs: usize,
@@ -21,7 +21,7 @@ pub(crate) struct Setup {
     first_views: BTreeSet<usize>,
     hosts: BTreeSet<String>,
     builds: BTreeSet<String>,
-    /// Of the first failed runs.
+    /// Rows of the first failed runs.
     failures: Vec<Row>,
     parameters: Parameters,
 }
@@ -99,7 +99,7 @@ fn overview(setup: &Setup, study: &Study) -> Table {
     }
 }
 
-/// The first values, with the number of the others.
+/// The first values, and the number of the others.
 fn listed<'a, T: ToString + 'a>(
     values: impl IntoIterator<Item = &'a T, IntoIter: ExactSizeIterator>,
 ) -> String {
@@ -132,7 +132,7 @@ fn failure(run: &RunRecord, reason: &str) -> Row {
 /// The values of all parameters in all runs, sorted by the parameter's name.
 #[derive(Default)]
 struct Parameters {
-    /// Values by variant: one, or two where there are more.
+    /// Values by variant: one, or two if there are more.
     values: BTreeMap<String, BTreeMap<String, BTreeSet<String>>>,
 }
 
@@ -159,8 +159,7 @@ impl Parameters {
         self.values.iter().filter_map(line).collect::<Vec<_>>().join("\n")
     }
 
-    /// Values that all runs of this variant share and those of another variant do not, without the planner's
-    /// name.
+    /// Values common to all runs of this variant but not to another variant, without the planner's name.
     fn own(&self, variant: &str, n_variants: usize) -> String {
         let part = |(key, by_variant): (&String, &BTreeMap<String, BTreeSet<String>>)| {
             let own = by_variant.get(variant).filter(|own| own.len() == 1)?;
@@ -174,14 +173,14 @@ impl Parameters {
     }
 }
 
-/// The parameters of a run as names with dots and values, without those of other planners.
+/// The parameters of a run as dotted names and values, without those of other planners.
 fn flat(run: &RunRecord) -> Vec<(String, String)> {
     let mut config = serde_json::to_value(&run.config).unwrap_or_default();
     let own = section_of(&run.config.planner);
     let others = PLANNER_SECTIONS.into_iter().filter(|section| Some(*section) != own);
     if let Value::Object(fields) = &mut config {
         others.for_each(|section| drop(fields.remove(section)));
-        // The gain alone is max-flow without its gamma.
+        // The gain alone is max-flow without gamma.
         if run.config.planner == PlannerName::Local
             && let Some(Value::Object(max_flow)) = fields.get_mut("max_flow")
         {

@@ -1,10 +1,9 @@
-//! Cells with a mean, its interval, its median and a test. None of them shows a number that does not exist: a
-//! dash comes with the reason.
+//! Cells with a mean, its interval, its median and a test. A missing number is a dash with the reason.
 
 use super::document::Cell;
 use nextview_campaign::statistics::{Interval, Measure, Sample, SignedRank};
 
-/// The reason why a cell is empty where runs have no such number.
+/// The reason for an empty cell if runs have no such number.
 pub(super) const NOT_MEASURED: &str = "not measured";
 
 /// A dash with the reason.
@@ -12,7 +11,7 @@ pub(super) fn dash(reason: &str) -> Cell {
     Cell::with_note("–", reason)
 }
 
-/// Mean of the sample, with its interval and the median where there are several objects or runs.
+/// Mean of the sample, with its interval and the median if there are several objects or runs.
 pub(super) fn with_median(sample: &Sample, measure: &Measure) -> Cell {
     let (Some(mean), Some(median)) = (sample.mean(), sample.median()) else { return dash(NOT_MEASURED) };
     if !(measure.factor * mean).is_finite() {

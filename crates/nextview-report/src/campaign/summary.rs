@@ -11,10 +11,10 @@ use nextview_campaign::statistics::{Interval, Measure, SignedRank, Study, StudyV
 use nextview_scan::PlannerName;
 use rayon::prelude::*;
 
-/// The shares of the reachable object voxels whose views are counted.
+/// Shares of the reachable object voxels for which views are counted.
 const LEVELS: [f64; 3] = [0.9, 0.95, 0.99];
 
-/// The measures shown for the last view; measures that no run has are left out.
+/// The measures after the last view; measures that no run has are left out.
 const REACHED: [Measure; 7] =
     [VOXEL_COVERAGE, REACHABLE_COVERAGE, SKILL, SURFACE_2MM, SURFACE_5MM, ACCURACY, COMPLETENESS];
 
@@ -56,7 +56,7 @@ pub(crate) fn section(study: &Study) -> Section {
     }
 }
 
-/// A row for each variant, made by all threads: intervals of many runs take seconds.
+/// A row per variant, computed by all threads: intervals of many runs take seconds.
 fn table(
     study: &Study,
     caption: &str,
@@ -86,7 +86,7 @@ fn reached(study: &Study) -> Table {
     })
 }
 
-/// The measures of map and model; none if no run has any of them.
+/// The measures of map and model; `None` if no run has any of them.
 fn has(study: &Study) -> Option<Table> {
     let measures = measured(study, &HAS);
     let head: Vec<&str> = measures.iter().map(|measure| measure.name).collect();
@@ -98,7 +98,7 @@ fn has(study: &Study) -> Option<Table> {
     })
 }
 
-/// The worst object of every variant by every measure.
+/// The worst object of every variant for every measure.
 fn worst(study: &Study) -> Table {
     let measures = measured(study, &[&REACHED[..], &[VIEWS_TO_95, PATH]].concat());
     let head: Vec<&str> = measures.iter().map(|measure| measure.name).collect();
@@ -113,7 +113,7 @@ fn worst(study: &Study) -> Table {
     })
 }
 
-/// Those of the measures that any variant has.
+/// The measures that any variant has.
 fn measured(study: &Study, measures: &[Measure]) -> Vec<Measure> {
     let is_measured =
         |measure: &&Measure| study.variants.iter().any(|variant| variant.mean(measure).is_some());
@@ -155,7 +155,7 @@ fn costs(study: &Study) -> Table {
     })
 }
 
-/// Each variant beyond random views, beyond a variant of random views, and beyond its best rivals.
+/// Differences of each variant from random views, from a variant of random views, and from its best rivals.
 fn against(study: &Study) -> Table {
     let random = study.variants.iter().find(|variant| variant.planner == PlannerName::Random);
     let mut head = vec!["reachable coverage beyond random views, points"];
@@ -182,26 +182,25 @@ fn against(study: &Study) -> Table {
     })
 }
 
-/// The variant of largest mean, apart from this one and the clairvoyant.
+/// The variant with the largest mean, except this one and the clairvoyant.
 fn best_other<'s>(study: &'s Study, variant: &StudyVariant, measure: &Measure) -> Option<&'s StudyVariant> {
     let rivals = study
         .variants
         .iter()
         .filter(|other| other.name != variant.name && other.planner != PlannerName::Clairvoyant);
     let with_mean = rivals.filter_map(|other| Some((other, other.mean(measure)?)));
-    // Of equal ones the first.
+    // The first if several are equal.
     Some(with_mean.rev().max_by(|a, b| a.1.total_cmp(&b.1))?.0)
 }
 
-/// The differences of a variant from another one, if there is one; a name that is not empty stands in the
-/// note.
+/// The differences between a variant and another one, if there is one; a non-empty name appears in the note.
 fn beyond(variant: &StudyVariant, other: Option<&StudyVariant>, measure: &Measure, name: &str) -> [Cell; 2] {
     let Some(other) = other else { return [dash("nothing to compare with"), Cell::default()] };
     let pairs = other.beside(variant, measure);
     differences(measure, &pairs.differences(), pairs.interval(), pairs.signed_rank(), name)
 }
 
-/// The mean difference with its statistics, and on how many objects it is better, worse and tied.
+/// The mean difference with its statistics, and the numbers of objects on which it is better, worse and tied.
 fn differences(
     measure: &Measure,
     differences: &[f64],

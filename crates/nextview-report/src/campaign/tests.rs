@@ -13,7 +13,7 @@ fn campaign_report(campaign: &Campaign) -> [String; 2] {
     campaign.stored(|campaign| super::campaign_report(campaign).unwrap())
 }
 
-/// Writes a page into the temporary folder, for a look at it.
+/// Writes a page into the temporary folder for inspection.
 fn write(name: &str, page: &str) {
     std::fs::write(std::env::temp_dir().join(name), page).unwrap();
 }
@@ -44,8 +44,8 @@ fn of_gamma(values: &[f64]) -> Campaign {
     campaign
 }
 
-/// The Markdown of a made-up campaign is exactly that of `golden.md`. After a change on purpose, look at the
-/// file that the test writes into the temporary folder, and keep it.
+/// The Markdown of a synthetic campaign must equal `golden.md`. After an intended change, check the file that
+/// the test writes into the temporary folder, and keep it.
 #[test]
 fn the_report_is_as_it_was() {
     let [html, markdown] = campaign_report(&varied());
@@ -93,7 +93,7 @@ fn the_page_is_whole_and_loads_nothing() {
     }
 }
 
-/// Lengths and shares whose sums are too large for a number are dashes with a reason.
+/// Lengths and shares whose sums overflow are dashes with a reason.
 #[test]
 fn no_page_shows_what_is_no_number() {
     let campaign = changed(&campaign(&["apora", "max-flow", "random"], 6), |run| {
@@ -293,7 +293,7 @@ fn two_single_variants_are_compared_with_each_other() {
     assert_eq!((comparison.n_pairs, comparison.variants.len()), (0, 0));
 }
 
-/// The campaign with so many seeds, and with so many objects in the place of each.
+/// The campaign with `n_seeds` seeds, and with `n_objects` objects in place of each.
 fn multiplied(campaign: &Campaign, n_seeds: u64, n_objects: usize) -> Campaign {
     let copies = campaign.runs.iter().flat_map(|run| {
         let of_object = move |i| RunRecord { object: format!("{}-{i}", run.object), ..run.clone() };
@@ -304,8 +304,8 @@ fn multiplied(campaign: &Campaign, n_seeds: u64, n_objects: usize) -> Campaign {
     Campaign { runs: copies.collect(), ..campaign.clone() }
 }
 
-/// A page of half a million runs has to open in a browser: it is as large as that of few, and has no row for
-/// each of many objects.
+/// A page of half a million runs must open in a browser: it is as small as that of few runs, without a row
+/// for each of many objects.
 #[test]
 fn the_page_of_many_runs_is_as_small_as_that_of_few() {
     let few = campaign(&["apora", "max-flow"], 6);
@@ -314,7 +314,7 @@ fn the_page_of_many_runs_is_as_small_as_that_of_few() {
         campaign_report(&campaign).map(|text| text.len())
     };
     let of_few = size(3, 1);
-    // Of 24,000 runs, and of 12,000 objects.
+    // 24,000 runs, and 12,000 objects.
     for of_many in [size(2000, 1), size(1, 2000)] {
         for (few, many) in of_few.into_iter().zip(of_many) {
             assert!(many < few + 20_000, "{many} bytes, {few} of a few runs");

@@ -9,7 +9,7 @@ use crate::text::{escape, percent};
 const FOOT: f64 = 44.0;
 
 impl Plot {
-    /// The drawing.
+    /// Draws the plot.
     pub fn draw(&self) -> String {
         let [plot, room, height] = self.size;
         let mut svg = format!(
@@ -78,7 +78,7 @@ impl Plot {
         let at = |&(x, value): &(usize, f64)| (self.x(x), self.y(value));
         let line = polyline(curve.points.iter().map(at));
         let mut svg = format!(r#"<g class="{}"><path class="line" d="{line}"/>"#, curve.class);
-        // More than about thirty markers would run into each other; the last point always has one.
+        // More than about thirty markers would overlap; the last point always has one.
         let marked = curve.points.iter().rev().step_by(curve.points.len().div_ceil(30).max(1));
         for point in marked.filter(|_| curve.marker != Marker::None) {
             let (x, y) = at(point);

@@ -1,4 +1,4 @@
-//! The names of curves beside their ends.
+//! The names of curves next to their ends.
 
 use super::layout::{Curve, Plot};
 use crate::text::{escape, fixed};
@@ -7,7 +7,7 @@ use crate::text::{escape, fixed};
 const STEP: f64 = 17.0;
 
 impl Plot {
-    /// The name and last value of each curve, right of the plot, pushed apart where they would overlap.
+    /// The name and last value of each curve, to the right of the plot, spread out to avoid overlap.
     pub(super) fn labels(&self) -> String {
         let named = self.curves.iter().filter(|curve| !curve.label.is_empty());
         let mut ends: Vec<(&Curve, usize, f64)> =
@@ -33,7 +33,7 @@ impl Plot {
     }
 }
 
-/// Moves sorted heights apart to [`STEP`], above the bottom.
+/// Spreads sorted heights to [`STEP`], above the bottom.
 fn spread(heights: &mut [f64], bottom: f64) {
     for i in 1..heights.len() {
         heights[i] = heights[i].max(heights[i - 1] + STEP);

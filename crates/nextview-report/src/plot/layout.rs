@@ -1,11 +1,11 @@
-//! Curves in one pair of axes, and where they lie in the drawing.
+//! Curves in one pair of axes, and their layout in the drawing.
 
 use super::marker::Marker;
 
-/// Where the plot begins at the left.
+/// Left edge of the plot.
 pub(super) const LEFT: f64 = 52.0;
 
-/// Where it begins at the top.
+/// Top edge of the plot.
 pub(super) const TOP: f64 = 12.0;
 
 /// Curves in one pair of axes. All values are shares.
@@ -16,9 +16,9 @@ pub(crate) struct Plot {
     pub y_label: String,
     /// Lowest and highest value on the axis; tens of percent.
     pub y_range: [f64; 2],
-    /// Width of the plot and of the room for labels right of it, height of the plot.
+    /// Width of the plot and of the label area to its right, and height of the plot.
     pub size: [f64; 3],
-    /// The first is drawn last, so that it lies on top.
+    /// Curves, the first of which is drawn last, on top.
     pub curves: Vec<Curve>,
 }
 
@@ -36,17 +36,17 @@ pub(crate) enum Axis {
 pub(crate) struct Curve {
     /// CSS class.
     pub class: String,
-    /// Its name, also right of its end; an empty one is not shown.
+    /// Name, also shown to the right of the end; not shown if empty.
     pub label: String,
     pub marker: Marker,
     /// Place on the axis and value.
     pub points: Vec<(usize, f64)>,
-    /// Place on the axis, lower and upper value of the area around the curve; may be empty.
+    /// Place on the axis, lower and upper value of the band around the curve; may be empty.
     pub band: Vec<(usize, f64, f64)>,
 }
 
 impl Plot {
-    /// Where the horizontal axis begins and ends.
+    /// Returns the ends of the horizontal axis.
     pub fn x_range(&self) -> [usize; 2] {
         let last = || self.curves.iter().flat_map(|c| &c.points).map(|p| p.0).max();
         match self.x_axis {
@@ -55,24 +55,23 @@ impl Plot {
         }
     }
 
-    /// Where the plot ends at the right.
+    /// Right edge of the plot.
     pub fn right(&self) -> f64 {
         LEFT + self.size[0]
     }
 
-    /// Where the plot ends at the bottom.
+    /// Bottom edge of the plot.
     pub fn bottom(&self) -> f64 {
         TOP + self.size[2]
     }
 
-    /// The horizontal position of a place on the axis.
+    /// Returns the horizontal position of a place on the axis.
     pub fn x(&self, place: usize) -> f64 {
         let [low, high] = self.x_range();
         LEFT + 8.0 + (self.size[0] - 16.0) * (place - low) as f64 / (high - low) as f64
     }
 
-    /// The vertical position of a value; values outside the axis lie on its end, and those that are no number
-    /// at the bottom.
+    /// The vertical position of a value. Values outside the axis lie at its end, NaN at the bottom.
     pub fn y(&self, value: f64) -> f64 {
         let [low, high] = self.y_range;
         let share = Some((value - low) / (high - low)).filter(|share| !share.is_nan());

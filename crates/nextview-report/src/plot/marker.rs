@@ -1,4 +1,4 @@
-//! Shapes at the points of curves, and the legend that shows them.
+//! Shapes at the points of curves, and the legend that explains them.
 
 use crate::text::escape;
 
@@ -15,7 +15,7 @@ pub(crate) enum Marker {
 }
 
 impl Marker {
-    /// The shape around a point.
+    /// Draws the shape around a point.
     pub fn draw(self, x: f64, y: f64) -> String {
         let path = |d: &str, x: f64, y: f64| format!(r#"<path class="mark" d="M{x:.1} {y:.1}{d}"/>"#);
         match self {
@@ -30,7 +30,7 @@ impl Marker {
     }
 }
 
-/// An item of a legend: a piece of a curve of this class, with a band or else a line and its marker.
+/// A legend item: a piece of a curve of this class, with a band or with a line and its marker.
 pub(crate) fn legend_item(class: &str, marker: Option<Marker>, text: &str) -> String {
     let drawing = match marker {
         Some(marker) => format!(r#"<path class="line" d="M1 6H37"/>{}"#, marker.draw(19.0, 6.0)),

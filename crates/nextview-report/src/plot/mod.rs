@@ -1,6 +1,6 @@
 //! Curves over the number of views, or over a share, as an SVG drawing.
 //!
-//! Curves differ in dash and marker as well as in colour, which the style sheet gives their classes.
+//! Curves differ in dash and marker as well as in colour; the style sheet sets them by class.
 
 mod draw;
 mod labels;

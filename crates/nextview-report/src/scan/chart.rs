@@ -1,4 +1,4 @@
-//! The coverage curve of a scan beside the baselines.
+//! The coverage curve of a scan against the baselines.
 
 use super::coverage::{self, Coverage};
 use super::input::ScanPage;
@@ -23,7 +23,7 @@ pub(super) fn draw(page: &ScanPage<'_>) -> String {
     plot.draw() + &legend
 }
 
-/// The curve of this scan, the planner's estimate, then the baselines; those with a point.
+/// The curve of this scan, the planner's estimate, and the baselines, if they have points.
 fn curves(page: &ScanPage<'_>, coverage: Option<&Coverage>) -> Vec<Curve> {
     let record = page.record;
     let curve = |class: &str, label: &str, marker, coverage: Vec<Option<f64>>| Curve {

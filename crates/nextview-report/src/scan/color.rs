@@ -3,7 +3,7 @@
 /// An sRGB colour.
 pub type Rgb = [u8; 3];
 
-/// Depth from near to far. Lightness falls all the way, so that the order survives a black-and-white print,
+/// Depth from near to far. Lightness decreases throughout, so the order survives black-and-white printing,
 /// and starts below white, which stands for "nothing there".
 pub const DEPTH: [Rgb; 4] = [[252, 205, 97], [226, 122, 80], [138, 50, 108], [34, 18, 72]];
 
@@ -11,7 +11,7 @@ pub const DEPTH: [Rgb; 4] = [[252, 205, 97], [226, 122, 80], [138, 50, 108], [34
 pub const VIEWS: [Rgb; 6] =
     [[58, 104, 214], [26, 152, 178], [58, 164, 84], [196, 158, 34], [222, 104, 44], [196, 46, 96]];
 
-/// The colour at `t` in 0..=1 on a ramp of evenly spaced stops.
+/// Returns the colour at `t` in 0..=1 on a ramp of evenly spaced stops.
 pub fn color(stops: &[Rgb], t: f64) -> Rgb {
     let at = t.clamp(0.0, 1.0) * (stops.len() - 1) as f64;
     let low = (at as usize).min(stops.len() - 2);
@@ -19,12 +19,12 @@ pub fn color(stops: &[Rgb], t: f64) -> Rgb {
     std::array::from_fn(|c| mix(stops[low][c], stops[low + 1][c]))
 }
 
-/// The colour of view `i` of `n` views.
+/// Returns the colour of view `i` of `n` views.
 pub fn view(i: usize, n: usize) -> Rgb {
     color(&VIEWS, i as f64 / (n.max(2) - 1) as f64)
 }
 
-/// The colour as CSS writes it.
+/// The colour in CSS notation.
 pub fn css([r, g, b]: Rgb) -> String {
     format!("#{r:02x}{g:02x}{b:02x}")
 }

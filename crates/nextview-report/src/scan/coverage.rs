@@ -1,4 +1,4 @@
-//! The measure of a scan's progress: the best one that is known.
+//! The measure of a scan's progress: the best known one.
 
 use super::input::ScanPage;
 use nextview::planner::Outlook;
@@ -6,7 +6,7 @@ use nextview_scan::StepRecord;
 
 /// A share of the surface after each view.
 pub(super) struct Coverage {
-    /// The whole that it is a share of, as its heading.
+    /// Heading that names the whole of which it is a share.
     pub name: &'static str,
     /// By step.
     pub values: Vec<Option<f64>>,
@@ -16,15 +16,15 @@ pub(super) struct Coverage {
 
 type Measure = (&'static str, fn(&StepRecord) -> Option<f64>);
 
-/// From the fairest on. Without baselines nobody knows what can be reached, without the truth nobody knows
-/// the surface; then the planner's estimate takes its place.
+/// From the fairest on. Without baselines the reachable part is not known, without the truth the surface is
+/// not; the planner's estimate then takes its place.
 const MEASURES: [Measure; 3] = [
     ("Reachable coverage", |step| step.reachable_coverage),
     ("Surface within 2 mm", |step| step.surface_coverage_2mm),
     ("Voxel coverage", |step| step.voxel_coverage),
 ];
 
-/// The best measure that is known; none where the truth is not.
+/// The best known measure; `None` if the truth is not known.
 pub(super) fn known(page: &ScanPage<'_>) -> Option<Coverage> {
     let of = |(i, (name, measure)): (usize, &Measure)| {
         let values: Vec<Option<f64>> = page.steps().iter().map(measure).collect();
@@ -33,8 +33,8 @@ pub(super) fn known(page: &ScanPage<'_>) -> Option<Coverage> {
     MEASURES.iter().enumerate().find_map(of)
 }
 
-/// The planner's estimate of the share of the visible surface that was seen after each view: what it said
-/// when it chose the next one.
+/// The planner's estimate of the share of the visible surface seen after each view, made when it chose the
+/// next one.
 pub(super) fn estimated(page: &ScanPage<'_>) -> Vec<Option<f64>> {
     let next = page.next.and_then(|next| next.outlook.as_ref()).map(Outlook::completeness);
     let after = page.steps().iter().skip(1).map(|step| step.estimated_completeness);

@@ -1,4 +1,4 @@
-//! The figures at the top of the page.
+//! The key figures at the top of the page.
 
 use super::coverage;
 use super::input::ScanPage;
@@ -24,7 +24,7 @@ pub(super) fn draw(page: &ScanPage<'_>) -> String {
     }
     figure(count(steps.len()), "Views", format!("{} candidates", count(page.record.candidates)));
     figure(metres(steps.last().map_or(0.0, |step| step.path_length_m)), "Path length", String::new());
-    // A first view that was given and not chosen took no time and says nothing about the planner.
+    // A given first view took no time and says nothing about the planner.
     let mut times: Vec<f64> = steps.iter().map(|step| step.plan_time_ms / 1e3).filter(|&t| t > 0.0).collect();
     times.sort_by(f64::total_cmp);
     if let Some(longest) = times.last() {

@@ -1,4 +1,4 @@
-//! The scene of the live page: what the 3D view shows, and the texts around it.
+//! The scene of the live page: the content of the 3D view, and the texts around it.
 
 use super::input::ScanPage;
 use super::new_points::NewPoints;
@@ -13,29 +13,29 @@ use nextview::geometry::{Aabb, Pose};
 use nextview::sensor::Frame;
 use serde_json::json;
 
-/// Maximum number of vertices of the surface, 26 bytes each: an update is to stay below 300 kB.
+/// Maximum number of vertices of the surface, 26 bytes each: an update must stay below 300 kB.
 const MAX_VERTICES: usize = 7000;
 
 /// Maximum number of points in an update, 8 bytes each, and of all points.
 const MAX_POINTS: [usize; 2] = [6000, 60_000];
 
-/// The scene of a scan, with what is kept from one time to the next: frames that were fused are not fused
-/// again unless registration has moved one of them, or the box around the object has grown.
+/// The scene of a scan, with data kept between updates: fused frames are not fused again unless registration
+/// has moved one of them, or the box around the object has grown.
 #[derive(Default)]
 pub struct LiveScene {
     place: Option<(Aabb, f64)>,
-    /// Of the frames of the model.
+    /// Poses of the model's frames.
     poses: Vec<Pose>,
     fused: FusedFrames,
     points: NewPoints,
-    /// Number of views when frames had last moved: pages that have fewer have what is no longer right.
+    /// Number of views when frames last moved: pages with fewer views are outdated.
     right_since: usize,
 }
 
 impl LiveScene {
-    /// The content of the page, as JSON: the surface so far, measured and expected, the candidates with their
-    /// expected gains, the view to take next, the curves and tables, the cameras, and the points and pictures
-    /// of the views after number `after`; 0 is everything, and so is sent where frames have moved since.
+    /// Returns the content of the page as JSON: the current surface, measured and expected, the candidates
+    /// with their expected gains, the next view, the curves and tables, the cameras, and the points and
+    /// pictures of the views after number `after`. 0 sends everything, as does a move of frames since then.
     ///
     /// An update by one view of 640 x 480 pixels takes less than 300 kB.
     pub fn json(&mut self, source: &SceneSource, after: usize) -> String {
@@ -69,9 +69,9 @@ impl LiveScene {
     }
 }
 
-/// The parts of the page around the 3D view, as HTML; pictures of the views after number `after` only.
+/// The parts of the page around the 3D view, as HTML, with pictures only of the views after number `after`.
 fn panels(page: &ScanPage<'_>, after: usize) -> serde_json::Value {
-    // Of the first view alone, so that the colours of pictures that were sent stay right.
+    // Based on the first view alone, so the colours of pictures already sent stay right.
     let range = thumbnail::Range::of(page.views.first().map(|picture| &picture.depth));
     let pictures: Vec<String> =
         (after..page.steps().len()).map(|i| steps::pictures(page, range, i)).collect();

@@ -2,8 +2,8 @@ use super::scan_copy::ScanCopy;
 use glam::{IVec3, Vec3};
 use std::collections::{BTreeMap, HashSet};
 
-/// The measured points of each frame of the model that none before saw, told apart by the cells of the final
-/// model. Those of a scan before the object was turned are known from the first step on.
+/// The new measured points of each frame of the model, distinguished by the cells of the final model. Those
+/// of a scan before the object was turned are known from the first step on.
 #[derive(Default)]
 pub(super) struct NewPoints {
     known: HashSet<IVec3>,
@@ -13,7 +13,7 @@ pub(super) struct NewPoints {
 }
 
 impl NewPoints {
-    /// Adds the frames that are not among them yet. Box and poses must be unchanged.
+    /// Adds the new frames. Box and poses must be unchanged.
     pub fn update(&mut self, scan: &ScanCopy) {
         let Some((bounds, cell)) = scan.place else { return };
         for (frame, step_idx, _) in scan.model_views().skip(self.n_frames) {
@@ -24,7 +24,7 @@ impl NewPoints {
         }
     }
 
-    /// Those of a step; none if its frame is not in the map.
+    /// The new points of a step; empty if its frame is not in the map.
     pub fn of_step(&self, step_idx: usize) -> &[Vec3] {
         self.by_step.get(&step_idx).map_or(&[], Vec::as_slice)
     }

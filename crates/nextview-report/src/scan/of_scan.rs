@@ -9,7 +9,7 @@ use nextview_scan::{FinishedScan, ScanConfig, ScanRecord};
 /// Maximum number of vertices of the surface on a page. A vertex costs 26 bytes, so they take 1 MB.
 const MAX_VERTICES: usize = 40_000;
 
-/// The [page](scan_page) of a scan and of its record, with the command that runs it again and its resolved
+/// Returns the [page](scan_page) of a scan and its record, with the command that repeats it and its resolved
 /// configuration as text.
 pub fn page_of_scan(
     scan: &FinishedScan<'_>,

@@ -6,9 +6,9 @@ use crate::text::{STYLE, escape, fill};
 use base64::prelude::{BASE64_STANDARD, Engine};
 use sha2::{Digest, Sha256};
 
-/// The page of a scan as one HTML file that needs no network. Equal scans give equal bytes.
+/// Returns the page of a scan as one HTML file that needs no network. Equal scans give equal bytes.
 ///
-/// Above 100 000 points it shows an even choice of them, so that it stays below 3 MB.
+/// Above 100 000 points it shows an even selection of them and stays below 3 MB.
 ///
 /// ```
 /// use nextview_report::{ScanPage, ShownModel, scan_page};
@@ -50,7 +50,7 @@ pub fn scan_page(page: &ScanPage<'_>) -> String {
     fill(include_str!("page.html"), &values)
 }
 
-/// The hash by which the page's policy knows its script, so that no other one runs.
+/// The hash of the script in the page's policy: no other script runs.
 fn hash(script: &str) -> String {
     BASE64_STANDARD.encode(Sha256::digest(format!("\n{script}")))
 }
@@ -69,7 +69,7 @@ pub(super) fn subtitle(page: &ScanPage<'_>) -> String {
     )
 }
 
-/// Labels and values, one pair a row.
+/// Labels and values, one pair per row.
 pub(super) fn summary_table(rows: &[(String, String)]) -> String {
     let row = |(label, value): &(String, String)| {
         let class = if label.starts_with(' ') { r#" class="part""# } else { "" };

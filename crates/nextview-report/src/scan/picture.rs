@@ -6,24 +6,24 @@ use nextview::sensor::{ColorImage, DepthImage, Frame};
 use nextview_scan::FinishedScan;
 use std::collections::BTreeMap;
 
-/// One view of a scan as it looks.
+/// A picture of a view of a scan.
 #[derive(Clone, Debug)]
 pub struct ViewPicture {
-    /// Its depth image; shown as a thumbnail.
+    /// The depth image, shown as a thumbnail.
     pub depth: DepthImage,
-    /// Its colour image, of the same size; none without colours.
+    /// The colour image, of the same size; `None` without colours.
     pub color: Option<ColorImage>,
-    /// The measured points that no frame in the map before saw, world frame, metres; none if the frame is not
+    /// The measured points that no earlier mapped frame saw, world frame, metres; empty if the frame is not
     /// in the map.
     pub points: Vec<Vec3>,
-    /// The trajectory from the view before, both ends included, world frame, metres. If empty, a straight
+    /// The trajectory from the previous view, both ends included, world frame, metres. If empty, a straight
     /// line is drawn.
     pub path: Vec<DVec3>,
 }
 
 impl ViewPicture {
-    /// The pictures of all views of a scan. Points are distinguished by the cells of its final model; those
-    /// outside its box are left out, and without a box there are none.
+    /// Returns the pictures of all views of a scan. Points are distinguished by the cells of its final model;
+    /// those outside its box are left out. Without a box there are none.
     pub fn of_scan(scan: &FinishedScan<'_>) -> Vec<Self> {
         let copy = ScanCopy::of(scan);
         let mut points = NewPoints::default();
@@ -46,7 +46,7 @@ impl ViewPicture {
     }
 }
 
-/// The positions along a trajectory; none if it goes nowhere.
+/// The positions along a trajectory; empty if it goes nowhere.
 fn positions(trajectory: &Trajectory) -> Vec<DVec3> {
     let points = trajectory.waypoints().iter().map(|point| point.world_from_camera.translation());
     if trajectory.length() > 0.0 { points.collect() } else { Vec::new() }

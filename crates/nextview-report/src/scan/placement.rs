@@ -1,4 +1,4 @@
-//! The request to lay the object down in another way, and how it was turned.
+//! The request to place the object differently, and a description of its turn.
 
 use super::input::ScanPage;
 use super::placement_picture::picture;
@@ -7,11 +7,10 @@ use glam::DVec3;
 use nextview::placement::TurnRefusal;
 use nextview_scan::{PlacementRecord, ScanRecord, TurnRecord};
 
-/// An object is turned upside down if its underside then looks up within this angle, radians.
+/// An object is turned upside down if its underside then faces up within this angle, radians.
 const UPSIDE_DOWN: f64 = 0.5;
 
-/// What cannot be seen as the object lies, and how to lay it down so that it can; none where nothing is asked
-/// for.
+/// The hidden surface, and the placement that exposes it; `None` if nothing is requested.
 pub(super) fn request(record: &ScanRecord) -> Option<String> {
     let PlacementRecord { down, freed_share, unseen_share } = record.next_placement?;
     let share = |share: f64| fixed(100.0 * share, 0);
@@ -33,7 +32,7 @@ fn lay(record: &ScanRecord, down: DVec3) -> String {
     format!("lay it on the side that now faces ({x}, {y}, {z})")
 }
 
-/// How the object was turned since the scan before; none without one.
+/// The turn of the object since the previous scan; `None` if there was none.
 pub(super) fn turn(record: &ScanRecord) -> Option<String> {
     let turn = record.turn?;
     if let Some(refusal) = turn.refusal {

@@ -12,20 +12,20 @@ const HEIGHT: usize = 240;
 /// Free space around the model, pixels.
 const MARGIN: f64 = 24.0;
 
-/// How far the eye is above the table, and where it is around it, radians.
+/// Elevation of the eye above the table, and its azimuth, radians.
 const EYE: (f64, f64) = (0.45, 0.6);
 
 const SKY: Rgb = [246, 248, 250];
 const TABLE: Rgb = [221, 226, 231];
 const SURFACE: Rgb = [190, 202, 216];
-/// The inside of what is open, where nothing was seen.
+/// Colour of the inside of open parts, where nothing was seen.
 const UNSEEN: Rgb = [232, 146, 60];
 
-/// Light that comes from nowhere, as a share.
+/// Share of ambient light.
 const AMBIENT: f64 = 0.35;
 
-/// The `figure` element of a model whose table's normal is `up`, laid down so that the direction `down`, of
-/// now, points into the table. What was not seen is open, and its inside orange.
+/// The `figure` element of a model on a table with the normal `up`, placed so that its current direction
+/// `down` points into the table. Unseen parts are open, and their inside is orange.
 pub(super) fn picture(model: &ShownModel, up: DVec3, down: DVec3, caption: &str) -> String {
     let vertices: Vec<DVec3> = model.vertices.iter().map(|vertex| vertex.position).collect();
     let pixels = Drawing::of(&vertices, &model.triangles, up, down).pixels;
@@ -44,7 +44,7 @@ struct Drawing {
 
 impl Drawing {
     fn of(vertices: &[DVec3], triangles: &[[u32; 3]], up: DVec3, down: DVec3) -> Self {
-        // Upright, then as seen by the eye: x to the right, y down, z away.
+        // Upright, then in the eye's frame: x to the right, y down, z away.
         let laid = DQuat::from_rotation_arc(down.normalize_or(-up), -up);
         let upright = DQuat::from_rotation_arc(up, DVec3::Z) * laid;
         let (height, around) = EYE;
@@ -83,7 +83,8 @@ impl Drawing {
             let corners = triangle.map(|i| placed[i as usize]);
             let [a, b, c] = corners.map(seen);
             let normal = (b - a).cross(c - a).normalize_or_zero();
-            // What faces the eye is the surface; of what is open, the inside faces it.
+            // A triangle that faces the eye is the surface; one that faces away shows the inside of an open
+            // part.
             let (color, normal) = if normal.z < 0.0 { (SURFACE, normal) } else { (UNSEEN, -normal) };
             let shade = AMBIENT + (1.0 - AMBIENT) * normal.dot(light).max(0.0);
             drawing.fill(corners.map(pixel), color.map(|c| (f64::from(c) * shade.min(1.0)).round() as u8));
@@ -91,7 +92,7 @@ impl Drawing {
         drawing
     }
 
-    /// Fills a triangle, of which x and y are in pixels.
+    /// Fills a triangle, with x and y in pixels.
     fn fill(&mut self, [a, b, c]: [DVec3; 3], color: Rgb) {
         let area = (b - a).truncate().perp_dot((c - a).truncate());
         if area == 0.0 {
@@ -122,7 +123,7 @@ impl Drawing {
 mod tests {
     use super::*;
 
-    /// A cube without its underside, seen from outside counter-clockwise.
+    /// A cube without its underside, counter-clockwise seen from outside.
     fn open_cube() -> (Vec<DVec3>, Vec<[u32; 3]>) {
         let corner = |i: u32| DVec3::new((i & 1) as f64, (i >> 1 & 1) as f64, (i >> 2) as f64);
         let sides = [[0, 1, 5, 4], [1, 3, 7, 5], [3, 2, 6, 7], [2, 0, 4, 6], [4, 5, 7, 6]];

@@ -1,6 +1,6 @@
 use png::{BitDepth, ColorType, Compression};
 
-/// A PNG file with 8 bits for each sample: red, green and blue of each pixel, or its entry in a palette.
+/// Encodes a PNG file with 8 bits per sample: red, green and blue of each pixel, or its palette entry.
 pub fn png_file(
     [width, height]: [u32; 2],
     samples: &[u8],

@@ -6,42 +6,40 @@ use nextview::session::TableTops;
 use nextview::view::ViewSpace;
 use nextview_scan::{FinishedScan, ModelFrames};
 
-/// A copy of everything that a page shows of a scan, so that the scan can continue while the page is made.
-/// Images are shared.
+/// A copy of everything that a page shows of a scan: the scan continues while the page is made. Images are
+/// shared.
 pub(crate) struct ScanCopy {
-    /// The frames in the map, in the poses in which they were mapped.
+    /// The frames in the map, at their mapped poses.
     pub frames: Vec<Frame>,
-    /// The index of the step of each.
+    /// The step index of each.
     pub step_idxs: Vec<usize>,
-    /// The frames that the model is made of: first those of the scan before the object was turned, then those
-    /// in the map.
+    /// The frames of the model: first those of the scan before the object was turned, then those in the map.
     pub model_frames: Vec<Frame>,
-    /// The colours of those of the scan before; none without.
+    /// The colours of the frames of the earlier scan; `None` without colours.
     pub earlier_colors: Vec<Option<ColorImage>>,
-    /// Step and frame where the frame could not be aligned.
+    /// Step and frame for each frame that could not be aligned.
     pub set_aside: Vec<(usize, Frame)>,
-    /// By step; none without colours.
+    /// By step; `None` without colours.
     pub colors: Vec<Option<ColorImage>>,
-    /// By step, from the view before.
+    /// By step, from the previous view.
     pub trajectories: Vec<Trajectory>,
     pub candidates: ViewSpace,
-    /// None before an object was found.
+    /// `None` before an object was found.
     pub snapshot: Option<Snapshot>,
-    /// The box that the model is made in, and the edge of the final model's cells, metres; none if no object
-    /// was found.
+    /// The box of the model, and the edge of the final model's cells, metres; `None` if no object was found.
     pub place: Option<(Aabb, f64)>,
     /// Edge of the finest voxels, metres.
     pub voxel_size: f64,
     pub depth_range: DepthRange,
     pub table: Option<Plane>,
-    /// Where the frames of the model show it; none where they show nothing but the object.
+    /// The table in the frames of the model; `None` if they show nothing but the object.
     pub table_tops: Option<TableTops>,
 }
 
 impl ScanCopy {
     pub fn of(scan: &FinishedScan<'_>) -> Self {
         let session = &scan.session;
-        // If that is cancelled, a page without the scan before is better than none.
+        // If cancelled, a page without the earlier scan is better than none.
         let of_map = ModelFrames { frames: session.frames().into(), n_earlier: 0 };
         let model = scan.model_frames().unwrap_or(of_map);
         let earlier_color = |i: usize| scan.model_color(i, model.n_earlier).ok().flatten();
@@ -51,7 +49,7 @@ impl ScanCopy {
             earlier_colors: (0..model.n_earlier).map(earlier_color).collect(),
             model_frames: model.frames.into_owned(),
             set_aside: session.set_aside().iter().map(|a| (a.number, a.frame.clone())).collect(),
-            // A page without the colours of an image that can no longer be read is better than none.
+            // A page without the colours of an unreadable image is better than none.
             colors: (0..scan.steps.len()).map(|step_idx| scan.color(step_idx).ok().flatten()).collect(),
             trajectories: scan.trajectories.clone(),
             candidates: session.views().clone(),
@@ -64,8 +62,8 @@ impl ScanCopy {
         }
     }
 
-    /// The frames that the model is made of, with the index of their step, none for those of the scan before,
-    /// and their colours, none without.
+    /// The frames of the model, with the index of their step (`None` for the earlier scan) and their colours,
+    /// if any.
     pub fn model_views(&self) -> impl Iterator<Item = (&Frame, Option<usize>, Option<&ColorImage>)> {
         let earlier = self.earlier_colors.iter().map(|color| (None, color.as_ref()));
         let now = self.step_idxs.iter().map(|&step_idx| (Some(step_idx), self.colors[step_idx].as_ref()));

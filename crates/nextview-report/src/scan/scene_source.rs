@@ -2,7 +2,7 @@ use super::scan_copy::ScanCopy;
 use nextview::session::NextView;
 use nextview_scan::{FinishedScan, Measured, ScanConfig, ScanRecord, short_name};
 
-/// What a [scene](crate::live::LiveScene) shows: a scan as it stands, copied, so that no frame has to wait
+/// The source of a [scene](crate::live::LiveScene): a copy of a scan's current state, so that no frame waits
 /// while the scene is made.
 pub struct SceneSource {
     pub(super) copy: ScanCopy,
@@ -12,7 +12,7 @@ pub struct SceneSource {
 }
 
 impl SceneSource {
-    /// Of a scan and the view to take next, if there is one. Takes milliseconds.
+    /// Copies a scan and the next view, if there is one. Takes milliseconds.
     pub fn of_scan(scan: &FinishedScan<'_>, config: &ScanConfig, next: Option<NextView>) -> Self {
         let record = scan.record(config, Measured::Nothing).unwrap_or_else(|_| ScanRecord {
             object: short_name(&config.object),

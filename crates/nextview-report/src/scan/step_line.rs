@@ -1,11 +1,12 @@
 use nextview::registration::Verdict;
 use nextview_scan::{ScanConfig, StepRecord};
 
-/// A description of the object, how it is scanned, and the head of the table of steps; see [`step_line`].
+/// Returns a description of the object and of its scan, and the header of the table of steps; see
+/// [`step_line`].
 ///
 /// The description ends with a line break, as the heading does.
 pub fn heading(config: &ScanConfig, description: &str, candidates: usize) -> String {
-    // To a nanometre, so that 5 mm do not read 5.000000000000001.
+    // To a nanometre: 5 mm must not read 5.000000000000001.
     let voxel_mm = (config.voxel_size_m.unwrap_or_default() * 1e9).round() / 1e6;
     format!(
         "{description}planner {}, profile {}, {candidates} candidate views, voxels of {voxel_mm} mm\n\n\
@@ -22,9 +23,9 @@ pub fn heading(config: &ScanConfig, description: &str, candidates: usize) -> Str
     )
 }
 
-/// The line of a step in the table: its number, its view, `reachable_coverage`, `surface_coverage_2mm`,
-/// `new_voxels`, `plan_time_ms` and `path_length_m`, with a dash for unknown values, and the reason if
-/// registration set the frame aside. Ends with a line break.
+/// Returns the line of a step in the table: its number, its view, `reachable_coverage`,
+/// `surface_coverage_2mm`, `new_voxels`, `plan_time_ms` and `path_length_m`, with a dash for unknown values,
+/// and the reason if registration set the frame aside. Ends with a line break.
 pub fn step_line(step: &StepRecord) -> String {
     let percent =
         |share: Option<f64>| share.map_or("-".to_owned(), |share| format!("{:.1} %", 100.0 * share));

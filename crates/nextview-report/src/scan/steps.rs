@@ -1,4 +1,4 @@
-//! The table of views: one row each.
+//! The table of views, one row each.
 
 use super::input::ScanPage;
 use super::step_line::verdict_phrase;
@@ -12,7 +12,7 @@ pub(super) fn table(page: &ScanPage<'_>) -> String {
     table_with(page, range, |i| pictures(page, range, i))
 }
 
-/// The table with the picture that a function gives for each view, counted from 0; their depths are in this
+/// The table with the picture that a function returns for each view, counted from 0; their depths are in this
 /// range.
 pub(super) fn table_with(
     page: &ScanPage<'_>,
@@ -108,7 +108,7 @@ fn baseline(curve: Option<&[f64]>, i: usize) -> String {
     percent(curve.and_then(|curve| curve.get(i)).copied().unwrap_or(f64::NAN))
 }
 
-/// The number of voxels that the view made occupied, and the number that the planner expected.
+/// The number of voxels that the view made occupied, and the planner's expected number.
 fn new_voxels(step: &StepRecord) -> String {
     let expected = step.expected_new_voxels.map_or(String::new(), |expected| {
         format!("<small>{} expected</small>", count(expected.round() as usize))

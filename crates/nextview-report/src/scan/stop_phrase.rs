@@ -1,6 +1,6 @@
 use nextview::session::StopReason;
 
-/// The reason why a scan stopped, as a clause that follows "because".
+/// Returns the reason why a scan stopped, as a clause that follows "because".
 pub fn stop_phrase(reason: StopReason) -> &'static str {
     match reason {
         StopReason::ViewLimit => "the view limit was reached",

@@ -5,9 +5,9 @@ use crate::text::fixed;
 use glam::DVec3;
 use nextview_scan::{BoxRule, OtherBodyRecord, QualityMm, ScanConfig, ScanRecord, StepRecord, TableRule};
 
-/// The quantities of a scan, finished or under way, as label and value with unit, in the order to show them.
+/// Returns the quantities of a scan, finished or in progress, as label and value with unit, in display order.
 ///
-/// Labels are the names in the record. Two spaces before a label make it a part of the row above.
+/// Labels are the names in the record. Two spaces before a label make it part of the row above.
 pub fn summary(record: &ScanRecord, config: &ScanConfig) -> Vec<(String, String)> {
     let last = record.steps.last();
     let mut rows = vec![
@@ -41,7 +41,7 @@ pub fn summary(record: &ScanRecord, config: &ScanConfig) -> Vec<(String, String)
     rows.into_iter().map(|(label, value)| (label.to_owned(), value)).collect()
 }
 
-/// The same as text, a line each.
+/// Returns the quantities as text, one per line.
 pub fn summary_text(record: &ScanRecord, config: &ScanConfig) -> String {
     summary(record, config).iter().map(|(label, value)| format!("{label:<22} {value}\n")).collect()
 }
@@ -52,8 +52,7 @@ fn percent(share: f64) -> String {
     format!("{} %", fixed(100.0 * share, 1))
 }
 
-/// Coverage beside that of random views and of the planner that knows the object, with the same number of
-/// views.
+/// Coverage against random views and the clairvoyant planner with the same number of views.
 fn coverage(record: &ScanRecord) -> Vec<Row> {
     let (Some(last), Some(random), Some(clairvoyant)) =
         (record.steps.last(), &record.random_curve, &record.clairvoyant_curve)
@@ -69,7 +68,7 @@ fn coverage(record: &ScanRecord) -> Vec<Row> {
     ]
 }
 
-/// The measures beside the true object after a step, as far as they are known.
+/// The known measures against the true object after a step.
 fn truth(step: &StepRecord) -> Vec<Row> {
     let rows = [
         ("voxel coverage", step.voxel_coverage.map(percent)),
@@ -99,12 +98,12 @@ fn expected_error(record: &ScanRecord) -> Option<Row> {
     Some(("expected error", format!("median {median} mm, 95 % at most {p95} mm{at_goal}")))
 }
 
-/// How much of the closed mesh was not measured.
+/// The unmeasured share of the closed mesh.
 fn filled(share: f64) -> Row {
     ("filled in", format!("{} of the mesh, which is watertight", percent(share)))
 }
 
-/// F-scores and Chamfer distance; none without baselines.
+/// F-scores and Chamfer distance; `None` without baselines.
 fn score_phrase(quality: QualityMm) -> Option<String> {
     let at = [quality.f_score_1mm?, quality.f_score_2mm?, quality.f_score_5mm?].map(percent);
     Some(format!(
@@ -121,14 +120,15 @@ fn areas(record: &ScanRecord) -> Option<Row> {
     Some(("mean coverage", phrase))
 }
 
-/// How the model was moved before it was measured; nothing where it was not.
+/// The motion of the model before its evaluation; `None` if it was not moved.
 fn alignment(record: &ScanRecord) -> Option<Row> {
     let (moved, turned) = (record.alignment_moved_mm?, record.alignment_turned_deg?);
     let phrase = format!("by {moved:.1} mm and {turned:.2} degrees to the true object, to measure it");
     (moved > 0.0 || turned > 0.0).then_some(("model aligned", phrase))
 }
 
-/// How many frames registration could use, and the others with the reason; nothing without registration.
+/// The number of frames that registration could use, and the others with the reason; `None` without
+/// registration.
 fn registered(record: &ScanRecord) -> Option<Row> {
     let n_aside = record.frames_set_aside?;
     let n_used = record.steps.len().saturating_sub(n_aside);
@@ -173,12 +173,12 @@ fn recorded(record: &ScanRecord) -> Vec<Row> {
     rows
 }
 
-/// A body that was not scanned, and the gap that would make it a part of the object.
+/// A body that was not scanned, and the gap that would make it part of the object.
 fn other_body(body: &OtherBodyRecord) -> Row {
     let [size, center] = [body.size_m.map(|m| 1e3 * m), body.center_m];
     let size = format!("{:.0} x {:.0} x {:.0} mm", size[0], size[1], size[2]);
     let center = format!("({:.3}, {:.3}, {:.3}) m", center[0], center[1], center[2]);
-    // Rounded up, so that it is enough.
+    // Rounded up, to be large enough.
     let gap = (1e3 * body.gap_m).ceil();
     ("other body", format!("{size} at {center}; `object_box.max_gap_m` from {} on joins it", gap / 1e3))
 }
@@ -194,11 +194,11 @@ fn found(config: &ScanConfig, last: Option<&StepRecord>) -> Vec<Row> {
         rows.push(("box found", size.unwrap_or("none".to_owned())));
     }
     if config.object_box.table == TableRule::Fit {
-        // Below the object, where one was found.
+        // Below the object if one was found.
         let place = bounds.map_or(DVec3::ZERO, |bounds| bounds.center().with_z(0.0));
         let height = table.map(|table| -table.height(place) / table.normal().z * 1e3);
         let height = height.map_or("none".to_owned(), |mm| {
-            // Rounded first, so that it does not read -0.0.
+            // Rounded first, to avoid -0.0.
             format!("at z = {} mm", fixed((mm * 10.0).round() / 10.0, 1))
         });
         rows.push(("table found", height));
@@ -229,7 +229,7 @@ fn costs(record: &ScanRecord) -> Vec<Row> {
     rows
 }
 
-/// The middle value; zero for an empty slice.
+/// The median; zero for an empty slice.
 fn median(values: &[f64]) -> f64 {
     let mut sorted = values.to_vec();
     sorted.sort_by(f64::total_cmp);

@@ -6,26 +6,26 @@ use crate::text;
 use base64::prelude::{BASE64_STANDARD, Engine};
 use nextview::sensor::{ColorImage, Depth, DepthImage};
 
-/// Width and height, pixels, that a picture has at most.
+/// Maximum width and height of a picture, pixels.
 pub type Size = [u32; 2];
 
-/// As large as the table shows it.
+/// The size in the table.
 pub const SMALL: Size = [160, 120];
 
-/// Twice that, for a look at it.
+/// Twice that, for an enlarged view.
 const LARGE: Size = [320, 240];
 
-/// Above so many views, pictures are small, so that the page stays below 3 MB.
+/// Maximum number of views with large pictures, which keeps the page below 3 MB.
 const MOST_LARGE: usize = 30;
 
-/// Entries of the palette: the ramp, then the three colours that are no depth.
+/// Number of depth entries of the palette: the ramp, followed by the three colours that are not depths.
 const N_DEPTHS: usize = 253;
 const BEYOND: u8 = 253;
 const MISSING: u8 = 254;
 const MISSING_STRIPE: u8 = 255;
 const NO_DEPTH: [Rgb; 3] = [[255, 255, 255], [168, 173, 178], [96, 102, 108]];
 
-/// The depths in metres that the colours span.
+/// The depths in metres spanned by the colours.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Range {
     near: f32,
@@ -33,8 +33,8 @@ pub struct Range {
 }
 
 impl Range {
-    /// The range of all images, without the lowest and the highest hundredth, in which single wrong pixels
-    /// lie; none if no pixel shows a surface.
+    /// Returns the range of all images without the lowest and the highest hundredth, which contain single
+    /// wrong pixels; `None` if no pixel shows a surface.
     pub fn of<'a>(images: impl IntoIterator<Item = &'a DepthImage>) -> Option<Self> {
         let mut depths = Vec::new();
         for image in images {
@@ -52,13 +52,13 @@ impl Range {
     }
 }
 
-/// The size of depth images on a page with so many views.
+/// Returns the size of depth images on a page with this number of views.
 pub fn depth_size(n_views: usize) -> Size {
     if n_views <= MOST_LARGE { LARGE } else { SMALL }
 }
 
-/// The `img` element of a depth image of view number `view`, counted from 1; empty for an image without
-/// pixels.
+/// Returns the `img` element of a depth image of view number `view`, counted from 1; empty for an image
+/// without pixels.
 pub fn depth(image: &DepthImage, range: Range, view: usize, size: Size) -> String {
     let small = shrink(image, size);
     if small.pixels.is_empty() {
@@ -74,17 +74,17 @@ pub fn depth(image: &DepthImage, range: Range, view: usize, size: Size) -> Strin
     img(small.width, small.height, ("depth", &alt), &small.png(range))
 }
 
-/// The whole image as a PNG file in the same colours. They span the depths of another image, such as the
-/// first of a scan, so that pictures can be compared.
+/// Returns the whole image as a PNG file in the same colours. They span the depths of another image, such as
+/// the first of a scan, which makes pictures comparable.
 pub fn depth_png(image: &DepthImage, first: &DepthImage) -> Vec<u8> {
     shrink(image, [u32::MAX; 2]).png(Range::of([first]).unwrap_or_default())
 }
 
-/// The `img` element of a colour image of view number `view`.
+/// Returns the `img` element of a colour image of view number `view`.
 pub fn color(image: &ColorImage, view: usize) -> String {
     let (step, [width, height]) = step(image.width(), image.height(), SMALL);
     let pixel = |i: u32| image.get((i % width) * step, (i / width) * step);
-    // The lower bits are noise, which takes half of the bytes.
+    // The lower bits are noise, and take half of the bytes.
     let bytes: Vec<u8> = (0..width * height).flat_map(pixel).map(|c| c & 0xF8 | c >> 5).collect();
     if bytes.is_empty() {
         return String::new();
@@ -101,7 +101,7 @@ fn img(width: u32, height: u32, (kind, alt): (&str, &str), png: &[u8]) -> String
     )
 }
 
-/// The legend of the colours.
+/// Returns the legend of the colours.
 pub fn legend(range: Option<Range>) -> String {
     let scale = range.map_or_else(String::new, |Range { near, far }| {
         let stop = |(i, color)| format!(r#"<stop offset="{}" stop-color="{}"/>"#, i as f64 / 3.0, color::css(color));
@@ -130,7 +130,7 @@ struct Small {
     pixels: Vec<Depth>,
 }
 
-/// Takes single pixels: a mean over the edge of an object would show a depth that nobody measured.
+/// Takes single pixels: a mean across the edge of an object would show a depth that was not measured.
 fn shrink(image: &DepthImage, size: Size) -> Small {
     let (step, [width, height]) = step(image.width(), image.height(), size);
     let at = |i: u32, side: u32| (i * step + step / 2).min(side - 1);
@@ -138,7 +138,7 @@ fn shrink(image: &DepthImage, size: Size) -> Small {
     Small { width, height, pixels: (0..width * height).map(pixel).collect() }
 }
 
-/// Every how many pixels one is taken so that an image fits, and its size then.
+/// The step between the pixels taken to make an image fit, and its resulting size.
 fn step(width: u32, height: u32, [max_width, max_height]: Size) -> (u32, Size) {
     let step = width.div_ceil(max_width).max(height.div_ceil(max_height)).max(1);
     (step, [width.div_ceil(step), height.div_ceil(step)])
@@ -152,8 +152,7 @@ impl Small {
         })
     }
 
-    /// The entry of the palette for each pixel. Missing pixels are striped, so that they differ from depths
-    /// in print.
+    /// The palette entry of each pixel. Missing pixels are striped, to differ from depths in print.
     fn entries(&self, range: Range) -> Vec<u8> {
         let entry = |(i, pixel): (usize, &Depth)| match pixel {
             Depth::Surface(depth) => range.entry(*depth),

@@ -1,12 +1,12 @@
 use glam::{DQuat, DVec3};
 use nextview::geometry::Pose;
 
-/// A joint that moves: the link after it turns about an axis, or slides along it.
+/// A moving joint: the link after it turns about an axis, or slides along it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Joint {
     /// Name, unique within the arm.
     pub name: String,
-    /// Turning or sliding.
+    /// The type of motion.
     pub kind: JointKind,
     /// The frame of the joint at value 0 in the frame of the link before it.
     pub parent_from_joint: Pose,
@@ -25,16 +25,16 @@ pub enum JointKind {
     Prismatic,
 }
 
-/// The range of a joint's values, and how fast they may change.
+/// The range, speed and acceleration of a joint.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct JointLimits {
-    /// Least value, radians or metres.
+    /// Lower limit, radians or metres.
     pub lower: f64,
-    /// Largest value, radians or metres, at least `lower`.
+    /// Upper limit, radians or metres, at least `lower`.
     pub upper: f64,
-    /// Highest speed, radians or metres a second, positive.
+    /// Maximum speed, radians or metres per second, positive.
     pub velocity: f64,
-    /// Highest acceleration, radians or metres a second squared, positive. A URDF does not state it.
+    /// Maximum acceleration, radians or metres per second squared, positive. A URDF does not state it.
     pub acceleration: f64,
 }
 
@@ -46,8 +46,7 @@ impl JointLimits {
 }
 
 impl Joint {
-    /// The frame of the link after the joint, which is that of the joint at this value, in the frame of the
-    /// link before it.
+    /// The frame of the link after the joint at this value, in the frame of the link before it.
     pub fn parent_from_child(&self, value: f64) -> Pose {
         let moved = match self.kind {
             JointKind::Revolute => Pose::new(DQuat::from_axis_angle(self.axis, value), DVec3::ZERO),

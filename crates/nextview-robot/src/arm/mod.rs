@@ -1,4 +1,4 @@
-//! A serial arm: joints, links and where they are.
+//! A serial arm: joints, links and forward kinematics.
 
 mod joint;
 mod link;

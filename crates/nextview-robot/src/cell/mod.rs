@@ -1,4 +1,4 @@
-//! An arm in its surroundings: where it stands, what it carries, what it must not touch.
+//! An arm in its surroundings: its pose, its load, its obstacles.
 
 mod mount;
 mod robot_cell;

@@ -1,28 +1,28 @@
 use crate::Arm;
 use nextview::geometry::Pose;
 
-/// The load of an arm's flange, and the poses of everything else. The world is where the object does not
-/// move.
+/// The load of an arm's flange, and the poses of everything else. The object does not move in the world
+/// frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Mount {
     /// The flange carries the camera.
     Camera {
-        /// Where the base of the arm stands.
+        /// Pose of the arm's base.
         world_from_base: Pose,
         /// The hand-eye matrix.
         flange_from_camera: Pose,
     },
-    /// The flange carries the object, before a camera that stands still.
+    /// The flange carries the object in front of a fixed camera.
     Object {
-        /// Where the object, and with it the world, is on the flange.
+        /// Pose on the flange of the object, and so of the world.
         flange_from_world: Pose,
-        /// Where the camera stands.
+        /// Pose of the camera.
         base_from_camera: Pose,
     },
 }
 
 impl Mount {
-    /// Where the flange must be for the camera to be there.
+    /// Returns the flange pose that puts the camera at this pose.
     pub fn base_from_flange(&self, world_from_camera: &Pose) -> Pose {
         match self {
             Self::Camera { world_from_base, flange_from_camera } => {
@@ -34,11 +34,11 @@ impl Mount {
         }
     }
 
-    /// Where the camera is, seen from the object, with these joint values.
+    /// Returns the camera pose, relative to the object, at these joint values.
     ///
     /// # Panics
     ///
-    /// If there are not as many values as joints.
+    /// If the number of values is not that of joints.
     pub fn world_from_camera(&self, arm: &Arm, values: &[f64]) -> Pose {
         let base_from_flange = arm.forward(values);
         match self {

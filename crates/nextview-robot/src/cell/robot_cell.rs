@@ -7,23 +7,22 @@ use nextview::view::Reachability;
 use std::collections::HashMap;
 use std::f64::consts::{FRAC_PI_4, TAU};
 
-/// An arm where it stands, with what it carries and what is declared to be around it.
+/// An arm with its pose, its load and its declared obstacles.
 #[derive(Clone, Debug)]
 pub struct RobotCell {
     mount: Mount,
     attached: Vec<Attachment>,
     obstacles: Vec<Obstacle>,
     clearance_m: f64,
-    /// Of the declared obstacles alone.
+    /// Checks against the declared obstacles only.
     checker: Checker,
 }
 
-/// Angles by which a camera may be turned about its optical axis, in eighths of a turn, in order of
-/// preference.
+/// Possible rotations of a camera about its optical axis, in eighths of a turn, in order of preference.
 const ROLLS: [i32; 8] = [0, 1, -1, 2, -2, 3, -3, 4];
 
 impl RobotCell {
-    /// A cell of this arm; obstacles are in the frame of its base. Fails as [`Checker::new`].
+    /// Creates a cell of this arm; obstacles are in the frame of its base. Fails like [`Checker::new`].
     pub fn new(
         arm: Arm,
         mount: Mount,
@@ -45,25 +44,25 @@ impl RobotCell {
         &self.mount
     }
 
-    /// Where the camera is, seen from the object, with these joint values.
+    /// Returns the camera pose, relative to the object, at these joint values.
     ///
     /// # Panics
     ///
-    /// If there are not as many values as joints.
+    /// If the number of values is not that of joints.
     pub fn world_from_camera(&self, values: &[f64]) -> Pose {
         self.mount.world_from_camera(self.arm(), values)
     }
 
-    /// All joint values with which the camera is there, and the arm touches neither itself nor anything that
-    /// is declared to be around it.
+    /// All joint values that put the camera at this pose without a collision of the arm with itself or a
+    /// declared obstacle.
     pub fn solutions(&self, world_from_camera: &Pose) -> Vec<Vec<f64>> {
         self.free_solutions(world_from_camera, &self.checker)
     }
 
-    /// The same where nothing of this checker is touched.
+    /// As [`solutions`](Self::solutions), but without contact in this checker.
     pub fn free_solutions(&self, world_from_camera: &Pose, checker: &Checker) -> Vec<Vec<f64>> {
         let mut solutions = self.arm().inverse(&self.mount.base_from_flange(world_from_camera));
-        // Whole turns of joints make dozens of solutions that take up the same space.
+        // Full turns of joints give dozens of solutions that occupy the same space.
         let mut known: HashMap<Vec<i64>, bool> = HashMap::new();
         solutions.retain(|values| {
             *known.entry(self.turned_back(values)).or_insert_with(|| checker.contact(values).is_none())
@@ -71,7 +70,7 @@ impl RobotCell {
         solutions
     }
 
-    /// Joint values but for whole turns, in billionths.
+    /// Joint values without full turns, in billionths.
     fn turned_back(&self, values: &[f64]) -> Vec<i64> {
         let within_turn = |(joint, value): (&Joint, &f64)| match joint.kind {
             JointKind::Revolute => ((value / TAU).rem_euclid(1.0) * 1e9).round() as i64 % 1_000_000_000,
@@ -80,7 +79,7 @@ impl RobotCell {
         self.arm().joints.iter().zip(values).map(within_turn).collect()
     }
 
-    /// The checker of the cell with more around the arm and more on its flange: what a scan has measured.
+    /// Extends the checker of the cell with obstacles and attachments measured by a scan.
     pub fn checker_with(
         &self,
         attached: impl IntoIterator<Item = Attachment>,
@@ -93,8 +92,8 @@ impl RobotCell {
 }
 
 impl Reachability for RobotCell {
-    /// The pose, or one turned about the optical axis, for which there are [solutions](RobotCell::solutions):
-    /// turned as little as possible.
+    /// The pose, rotated about the optical axis as little as possible, for which there are
+    /// [solutions](RobotCell::solutions).
     fn held(&self, world_from_camera: &Pose) -> Option<Pose> {
         ROLLS
             .into_iter()

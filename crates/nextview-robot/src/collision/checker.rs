@@ -5,19 +5,19 @@ use super::{CellError, Contact, Obstacle, ObstacleKind};
 use crate::{Arm, Joint, JointKind, JointLimits, Shape};
 use std::ops::Range;
 
-/// Something mounted on the flange of an arm, for example the body of a camera.
+/// Something mounted on an arm's flange, such as the body of a camera.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Attachment {
-    /// Name, for messages.
+    /// Name for messages.
     pub name: String,
-    /// The space that it takes up; `link_from_shape` of each is `flange_from_shape`.
+    /// Its shapes; `link_from_shape` of each is `flange_from_shape`.
     pub shapes: Vec<Shape>,
 }
 
-/// Knows whether an arm with what it carries touches itself or something around it.
+/// Checks an arm and its payload for collisions.
 ///
 /// Everything keeps the clearance from obstacles, and [`SELF_CLEARANCE`](Self::SELF_CLEARANCE) from other
-/// parts of the arm. The base of the arm does not move and may touch obstacles; pairs of links in
+/// parts of the arm. The fixed base of the arm may touch obstacles. Pairs of links in
 /// [`may_touch`](Arm::may_touch) may touch, and so may an attachment and the last link.
 #[derive(Clone, Debug)]
 pub struct Checker {
@@ -25,7 +25,7 @@ pub struct Checker {
     parts: Vec<Part>,
     /// All solids, in the frames of their links.
     solids: Vec<(Solid, Placement)>,
-    /// Parts that must not touch each other, the one nearer to the base first.
+    /// Parts that must not touch each other, the one closer to the base first.
     pairs: Vec<[usize; 2]>,
     barriers: Vec<(String, Barrier)>,
     clearance: f64,
@@ -37,29 +37,30 @@ struct Part {
     name: String,
     link: usize,
     solids: Range<usize>,
-    /// How far each joint moves its points at most, metres per unit of the joint.
+    /// Maximum motion of its points by each joint, in metres per unit of the joint.
     sweeps: Vec<f64>,
 }
 
-/// How far parts move at most along a straight line between joint values, metres.
+/// Maximum motion of parts along a straight line between joint values, in metres.
 #[derive(Clone, Debug)]
 pub(crate) struct Motion {
     of_parts: Vec<f64>,
-    /// Of the second part of a pair as the first sees it.
+    /// Motion of the second part of a pair relative to the first.
     of_pairs: Vec<f64>,
 }
 
 impl Checker {
-    /// Distance that parts of the arm keep from each other, metres. Shapes of links are simpler than links,
-    /// and joints often have less play than a clearance from obstacles.
+    /// Minimum distance between parts of the arm in metres. Shapes of links are simpler than links, and
+    /// joints often have less play than the clearance from obstacles.
     pub const SELF_CLEARANCE: f64 = 1e-3;
 
-    /// Along a motion, distances may be below the clearance by this, metres. A motion that just keeps the
-    /// clearance could otherwise not be checked in finite time.
+    /// Maximum deficit of distances below the clearance along a motion, in metres. Without it, a motion that
+    /// just keeps the clearance could not be checked in finite time.
     pub const SLACK: f64 = 5e-4;
 
-    /// Checks an arm that carries `attached` among `obstacles`, from which it keeps `clearance_m`, 0.001..=1;
-    /// 0.02 suits most arms. Fails on shapes without size, joints without limits, a clearance out of range.
+    /// Creates a checker for an arm with the load `attached` among `obstacles`, at a minimum distance of
+    /// `clearance_m`, 0.001..=1; 0.02 suits most arms. Fails if a shape has no size, a joint has no limits,
+    /// or the clearance is out of range.
     pub fn new(
         arm: Arm,
         attached: Vec<Attachment>,
@@ -92,26 +93,26 @@ impl Checker {
         Ok(Self { arm, parts, solids, pairs, barriers, clearance: clearance_m })
     }
 
-    /// The arm that is checked.
+    /// The checked arm.
     pub fn arm(&self) -> &Arm {
         &self.arm
     }
 
-    /// The first two things found that are nearer to each other than they may be; none if there are none.
+    /// Returns the first pair found that is closer than allowed; `None` if there is none.
     ///
     /// # Panics
     ///
-    /// If there are not as many values as joints, or one is not finite.
+    /// If the number of values is not that of joints, or one is not finite.
     pub fn contact(&self, values: &[f64]) -> Option<Contact> {
         self.clear_share(values, &self.motion(values, values), 1.0).err()
     }
 
-    /// A lower bound of the least distance between any two things that must not touch, metres, within 1e-4 of
-    /// it; 0 if some touch, infinite if there is nothing to touch.
+    /// Returns a lower bound on the minimum distance in metres between any two things that must not touch,
+    /// within 1e-4 of it; 0 if some touch, infinite if there are no such pairs.
     ///
     /// # Panics
     ///
-    /// If there are not as many values as joints, or one is not finite.
+    /// If the number of values is not that of joints, or one is not finite.
     pub fn distance(&self, values: &[f64]) -> f64 {
         let placed = self.place(values);
         let pairs = self.pairs.iter();
@@ -120,7 +121,7 @@ impl Checker {
         parts.fold(least, |least, (part, barrier)| least.min(self.aside(&placed, part, barrier, least, 0.0)))
     }
 
-    /// How far each part moves at most on the straight line between joint values.
+    /// Maximum motion of each part on the straight line between joint values.
     pub(crate) fn motion(&self, from: &[f64], to: &[f64]) -> Motion {
         let moved = |part: &Part, first: usize| -> f64 {
             let joints = first..part.link;
@@ -133,8 +134,8 @@ impl Checker {
         }
     }
 
-    /// The share of a motion that is free at least from these values on, forwards and backwards, at most
-    /// `most`; or what is in contact already.
+    /// The guaranteed free share of a motion forwards and backwards from these values, at most `most`; or the
+    /// contact there.
     pub(crate) fn clear_share(&self, values: &[f64], motion: &Motion, most: f64) -> Result<f64, Contact> {
         let placed = self.place(values);
         let mut share = most;
@@ -155,7 +156,7 @@ impl Checker {
         Ok(share)
     }
 
-    /// The pairs of links, lower number first, that touch with these joint values and may not.
+    /// The pairs of links, lower number first, that touch at these joint values and must not.
     pub(super) fn touching(&self, values: &[f64]) -> impl Iterator<Item = [usize; 2]> {
         let placed = self.place(values);
         let touch = move |pair: &[usize; 2]| self.apart(&placed, *pair, Self::SELF_CLEARANCE);
@@ -178,7 +179,7 @@ impl Checker {
         placed
     }
 
-    /// A lower bound of the distance of a part from an obstacle, exact to 1e-4, at least `limit`, or below
+    /// A lower bound on the distance of a part from an obstacle: within 1e-4, at least `limit`, or below
     /// `enough`.
     fn aside(&self, placed: &[Placement], part: usize, barrier: &Barrier, limit: f64, enough: f64) -> f64 {
         let nearer =
@@ -186,7 +187,7 @@ impl Checker {
         self.parts[part].solids.clone().fold(limit, nearer)
     }
 
-    /// A lower bound of the distance of two parts, exact to 1e-4 or at least `limit`.
+    /// A lower bound on the distance of two parts: within 1e-4, or at least `limit`.
     fn apart(&self, placed: &[Placement], [a, b]: [usize; 2], limit: f64) -> f64 {
         let mut least = limit;
         for i in self.parts[a].solids.clone() {
@@ -199,13 +200,13 @@ impl Checker {
     }
 }
 
-/// The share of a motion of at most `moved` metres after which the distance may be below the clearance, less
-/// the slack; none if the distance is below the clearance.
+/// The share of a motion of at most `moved` metres during which the distance stays above the clearance less
+/// the slack; `None` if the distance is below the clearance.
 fn free_share(distance: f64, clearance: f64, moved: f64) -> Option<f64> {
     (distance >= clearance).then(|| (distance - clearance + Checker::SLACK) / moved)
 }
 
-/// Parts of the arm that move against each other and must not touch.
+/// Parts of the arm with relative motion that must not touch.
 fn pairs(arm: &Arm, parts: &[Part]) -> Vec<[usize; 2]> {
     let n_links = arm.links.len();
     let may_touch = |a: usize, b: usize| b < n_links && arm.may_touch.contains(&[a, b]);
@@ -245,7 +246,7 @@ fn check(
     CellError::unless_empty(faults)
 }
 
-/// The reason why motions of a joint cannot be bounded or timed, if there is one.
+/// The reason why motions of a joint cannot be bounded or timed, if any.
 fn joint_fault(joint: &Joint) -> Option<String> {
     let JointLimits { lower, upper, velocity, acceleration } = joint.limits;
     let is_limit = |limit: f64| limit > 0.0 && limit.is_finite();
@@ -253,7 +254,7 @@ fn joint_fault(joint: &Joint) -> Option<String> {
         let found = format!("velocity {velocity} and acceleration {acceleration}");
         return Some(format!("{}: {found}, expected positive numbers", joint.name));
     }
-    // A joint may turn without end, but it cannot slide without end.
+    // A joint may turn without limits, but not slide without limits.
     let is_bounded = joint.kind == JointKind::Revolute || lower.is_finite() && upper.is_finite();
     let is_range = lower <= upper && is_bounded;
     (!is_range).then(|| format!("{}: range {lower} to {upper}, expected one that has ends", joint.name))

@@ -1,9 +1,9 @@
 use std::fmt;
 
-/// Two things that are nearer to each other than they may be.
+/// Two things that are closer than allowed.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Contact {
-    /// Name of a link or of an attachment.
+    /// Name of a link or an attachment.
     pub part: String,
     /// Name of an obstacle, or of another link or attachment.
     pub other: String,

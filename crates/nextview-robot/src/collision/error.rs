@@ -1,9 +1,9 @@
 use std::fmt;
 
-/// The reasons why a cell cannot be checked; all faults at once.
+/// Reasons why a cell cannot be checked; all faults at once.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub struct CellError {
-    /// What, where, the value and what would be right, one entry for each fault.
+    /// One entry per fault: the place, the value and the expected value.
     pub faults: Vec<String>,
 }
 

@@ -1,24 +1,24 @@
-//! The distance of convex solids by the algorithm of Gilbert, Johnson and Keerthi (1988).
+//! The distance between convex solids by the algorithm of Gilbert, Johnson and Keerthi (1988).
 
 use super::simplex::Simplex;
 use super::solid::{Placement, Solid};
 use glam::DVec3;
 
-/// Most pairs need about ten steps. Where these do not suffice, the bound is low, but still a bound.
+/// Maximum number of steps; most pairs need about ten. After these, the bound is low but still valid.
 const MOST_STEPS: usize = 64;
 
-/// A bound this close to the distance is good enough, as a share of it.
+/// Relative accuracy at which a bound is good enough.
 const ACCURACY: f64 = 1e-4;
 
-/// Numbers below this are zero, metres.
+/// Values below this are zero, in metres.
 const NOTHING: f64 = 1e-9;
 
-/// A lower bound of the distance of two solids, metres: within 1e-4 of it, or at least `limit`; 0 if they
-/// touch.
+/// A lower bound on the distance between two solids in metres: within 1e-4 of it, or at least `limit`; 0 if
+/// they touch.
 ///
-/// The distance of two convex solids is that of their Minkowski difference from the origin. For any
-/// direction, the plane that supports the difference there bounds it, so that the result is a lower bound
-/// whether or not the search has converged, and whatever the rounding in the simplex.
+/// The distance of two convex solids is that of their Minkowski difference from the origin. In any direction,
+/// the supporting plane of the difference bounds it. The result is therefore a lower bound even without
+/// convergence, and despite rounding in the simplex.
 pub(super) fn distance(a: &Solid, b: &Solid, a_from_b: &Placement, limit: f64) -> f64 {
     let b_from_a = a_from_b.rotation.transpose();
     let lowest = |direction: DVec3| {
@@ -79,8 +79,8 @@ mod tests {
         Pose::new(turn.normalize(), 0.8 * random.in_cube()).unwrap().into()
     }
 
-    /// The twin descends along the surface of both solids by alternating supports of Frank and Wolfe, the
-    /// simplest way to the nearest points, which converges slowly.
+    /// The slow twin descends along both surfaces with alternating Frank-Wolfe supports, the simplest way to
+    /// the nearest points, which converges slowly.
     fn slow_distance(a: &Solid, b: &Solid, a_from_b: &Placement) -> f64 {
         let r = a_from_b.rotation;
         let lowest = |v: DVec3| a.support(-v) - (r * b.support(r.transpose() * v) + a_from_b.translation);
@@ -115,7 +115,7 @@ mod tests {
         assert!(n_apart > 150, "{n_apart}");
     }
 
-    /// Points drawn in both solids are never nearer than the distance, and drawn densely, hardly farther.
+    /// Random points in both solids are never closer than the distance and, if dense, hardly farther.
     #[test]
     fn sampled_points_are_never_nearer() {
         let mut random = Random::new(12, 0);

@@ -1,8 +1,8 @@
 //! Collisions of an arm with itself, solids, tables and blocked voxels. Start with [`Checker`].
 //!
-//! Distances are lower bounds, so that an error shows as a false contact, never as a missed one. The
-//! algorithm is our own: libraries with one state an upper bound (the distance of the nearest points found),
-//! and cost more build time than the rest of this crate.
+//! Distances are lower bounds: errors cause false contacts, never missed ones. The algorithm is our own.
+//! Libraries that have one return an upper bound (the distance of the nearest points found), and take longer
+//! to build than the rest of this crate.
 
 mod checker;
 mod contact;

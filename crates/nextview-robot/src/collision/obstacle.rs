@@ -5,23 +5,23 @@ use crate::ShapeKind;
 use glam::DVec3;
 use nextview::geometry::{Plane, Pose};
 
-/// Something around an arm that it must not touch, in the frame of its base.
+/// An obstacle for an arm, in the frame of its base.
 #[derive(Clone, Debug)]
 pub struct Obstacle {
-    /// Name, for messages.
+    /// Name for messages.
     pub name: String,
-    /// The space that it takes up.
+    /// Its shape.
     pub kind: ObstacleKind,
 }
 
-/// The space that an obstacle takes up.
+/// The shape of an obstacle.
 #[derive(Clone, Debug)]
 pub enum ObstacleKind {
     /// A convex solid: a box, a wall, a post.
     Solid {
         /// The frame of the solid in that of the base.
         base_from_shape: Pose,
-        /// Its form and size.
+        /// Its kind and size.
         kind: ShapeKind,
     },
     /// Everything below a plane: a table or the floor.
@@ -30,7 +30,7 @@ pub enum ObstacleKind {
     Voxels(BlockedVoxels),
 }
 
-/// An obstacle as it is checked.
+/// An obstacle prepared for checking.
 #[derive(Clone, Debug)]
 pub(super) enum Barrier {
     Solid(Solid, Placement),
@@ -52,7 +52,7 @@ impl From<ObstacleKind> for Barrier {
 }
 
 impl Barrier {
-    /// A lower bound of the distance of a solid: within 1e-4 of it, at least `limit`, or below `enough`.
+    /// A lower bound on the distance of a solid: within 1e-4 of it, at least `limit`, or below `enough`.
     pub fn distance(&self, solid: &Solid, base_from_solid: &Placement, limit: f64, enough: f64) -> f64 {
         match self {
             Self::Solid(barrier, base_from_barrier) => {
@@ -70,8 +70,8 @@ impl Barrier {
     }
 }
 
-/// A lower bound of the distance of two solids, metres: within 1e-4 of it, or at least `limit`. Balls around
-/// them save most of the work.
+/// A lower bound on the distance between two solids in metres: within 1e-4 of it, or at least `limit`.
+/// Bounding spheres save most of the work.
 pub(super) fn solid_distance(a: &Solid, b: &Solid, a_from_b: &Placement, limit: f64) -> f64 {
     let bound = a.outside(a_from_b.translation) - b.radius();
     if bound >= limit { bound } else { gjk::distance(a, b, a_from_b, limit) }

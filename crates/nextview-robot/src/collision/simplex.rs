@@ -25,8 +25,8 @@ impl Simplex {
         self.n += 1;
     }
 
-    /// The point of the hull nearest to the origin. Only the points that it lies between are kept: all four
-    /// only if the origin is inside.
+    /// Returns the point of the hull nearest to the origin. Keeps only the points that span it: all four only
+    /// if the origin is inside.
     pub fn reduce(&mut self) -> DVec3 {
         let (nearest, kept) = match *self.points() {
             [a, b] => on_segment(a, b),
@@ -52,7 +52,7 @@ fn on_segment(a: DVec3, b: DVec3) -> (DVec3, Simplex) {
     }
 }
 
-/// By the regions of a triangle (Ericson, Real-Time Collision Detection, 2005, section 5.1.5).
+/// Uses the regions of a triangle (Ericson, Real-Time Collision Detection, 2005, section 5.1.5).
 fn on_triangle(a: DVec3, b: DVec3, c: DVec3) -> (DVec3, Simplex) {
     let (ab, ac, bc) = (b - a, c - a, c - b);
     let normal = ab.cross(ac);
@@ -72,7 +72,7 @@ fn in_tetrahedron(a: DVec3, b: DVec3, c: DVec3, d: DVec3) -> (DVec3, Simplex) {
     let faces = [(a, b, c, d), (a, c, d, b), (a, d, b, c), (b, d, c, a)];
     let candidates = faces.into_iter().filter(|&(a, b, c, inner)| {
         let normal = (b - a).cross(c - a);
-        // Of a flat tetrahedron, no side of a face is the inside.
+        // In a flat tetrahedron, no side of a face is the inside.
         let height = normal.dot(inner - a);
         let is_flat = height.abs() <= 1e-10 * normal.length() * (inner - a).length();
         is_flat || normal.dot(-a) * height <= 0.0
@@ -96,7 +96,7 @@ mod tests {
     use super::*;
     use nextview::geometry::random::Random;
 
-    /// The slow twin tries all mixtures of the points on a grid.
+    /// The slow twin tries all combinations of the points on a grid.
     #[test]
     fn the_nearest_point_is_nearest() {
         let mut random = Random::new(3, 0);

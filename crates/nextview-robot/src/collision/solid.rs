@@ -2,12 +2,12 @@ use crate::ShapeKind;
 use glam::{DMat3, DVec3};
 use nextview::geometry::Pose;
 
-/// A convex solid around the origin of its frame: a core and everything within `round` of it.
+/// A convex solid around the origin of its frame: a core, expanded by `round`.
 #[derive(Clone, Debug)]
 pub(super) struct Solid {
     core: Core,
     round: f64,
-    /// No point is farther from the origin, metres.
+    /// Maximum distance of a point from the origin in metres.
     radius: f64,
 }
 
@@ -19,7 +19,7 @@ enum Core {
     Hull { points: Vec<DVec3>, half: DVec3 },
 }
 
-/// A rigid transform whose rotation is a matrix, the faster form for many points.
+/// A rigid transform with a rotation matrix, which is faster for many points.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Placement {
     pub rotation: DMat3,
@@ -33,17 +33,17 @@ impl From<Pose> for Placement {
 }
 
 impl Placement {
-    /// `self` is `a_from_b`, the other `b_from_c`; gives `a_from_c`.
+    /// Multiplies `a_from_b` by `b_from_c` to get `a_from_c`.
     pub fn times(&self, b_from_c: &Self) -> Self {
         Self { rotation: self.rotation * b_from_c.rotation, ..self.moved(b_from_c.translation) }
     }
 
-    /// The same rotation with its origin at this point of its frame.
+    /// Moves the origin to this point of the frame and keeps the rotation.
     pub fn moved(&self, origin: DVec3) -> Self {
         Self { rotation: self.rotation, translation: self.rotation * origin + self.translation }
     }
 
-    /// `self` is `a_from_b`, the other `a_from_c`; gives `b_from_c`.
+    /// Multiplies the inverse of `a_from_b` by `a_from_c` to get `b_from_c`.
     pub fn inverse_times(&self, a_from_c: &Self) -> Self {
         let back = self.rotation.transpose();
         Self {
@@ -54,7 +54,8 @@ impl Placement {
 }
 
 impl Solid {
-    /// The solid, and its origin in the frame of the shape: the middle of a hull's bounding box.
+    /// Returns the solid, and its origin in the frame of the shape: for a hull, the middle of its bounding
+    /// box.
     pub fn new(kind: &ShapeKind) -> (Self, DVec3) {
         let mut middle = DVec3::ZERO;
         let (core, round, radius) = match kind {
@@ -75,23 +76,23 @@ impl Solid {
         (Self { core, round, radius }, middle)
     }
 
-    /// The cube whose faces are `half` metres away from the origin.
+    /// The cube with faces `half` metres from the origin.
     pub fn cube(half: f64) -> Self {
         let half = DVec3::splat(half);
         Self { core: Core::Box(half), round: 0.0, radius: half.length() }
     }
 
-    /// Thickness of what is around the core, metres.
+    /// Thickness of the layer around the core in metres.
     pub fn round(&self) -> f64 {
         self.round
     }
 
-    /// No point of the solid is farther from its origin, metres.
+    /// Maximum distance of a point from the origin in metres.
     pub fn radius(&self) -> f64 {
         self.radius
     }
 
-    /// A point of the core that is farthest in a direction, which need not be of unit length.
+    /// The farthest point of the core in a direction, which need not have unit length.
     pub fn support(&self, direction: DVec3) -> DVec3 {
         match &self.core {
             Core::Point => DVec3::ZERO,
@@ -113,7 +114,7 @@ impl Solid {
         }
     }
 
-    /// How far a point is from the solid, metres: exactly, or for a hull, at least that from its bounding
+    /// Distance of a point from the solid in metres: exact or, for a hull, a lower bound from its bounding
     /// box; 0 inside.
     pub fn outside(&self, point: DVec3) -> f64 {
         match self.core {
@@ -140,7 +141,7 @@ impl Solid {
     }
 }
 
-/// The fault in the size of a shape, if there is one.
+/// The fault in the size of a shape, if any.
 pub(super) fn fault(kind: &ShapeKind) -> Option<String> {
     let is_size = |size: f64| size > 0.0 && size < 1e6;
     let fault = |what: &str, value: String| Some(format!("{what} is {value}, expected positive metres"));

@@ -1,15 +1,15 @@
-//! How far joints move what is after them.
+//! Maximum motion of links by each joint.
 
 use super::solid::{Placement, Solid};
 use crate::{Arm, Joint, JointKind};
 use glam::DVec3;
 
-/// For each joint, how far it moves any point of these solids at most, metres per radian or metre, wherever
-/// the other joints are. The solids are on a link, in its frame.
+/// For each joint, the maximum motion of any point of these solids in metres per radian or metre, for any
+/// values of the other joints. The solids are on a link, in its frame.
 ///
-/// A turning joint moves a point as far as that is from its axis. The way from the axis to the point leads
-/// along the frames of the joints between: the first part, which does not depend on values, counts across the
-/// axis, the others in full.
+/// A turning joint moves a point in proportion to its distance from the axis. The path from the axis to the
+/// point follows the frames of the joints in between. The first part does not depend on joint values: only
+/// its component across the axis counts. The others count in full.
 pub(super) fn sweeps(arm: &Arm, link: usize, solids: &[(Solid, Placement)]) -> Vec<f64> {
     let corners: Vec<DVec3> = solids
         .iter()
@@ -17,7 +17,7 @@ pub(super) fn sweeps(arm: &Arm, link: usize, solids: &[(Solid, Placement)]) -> V
         .collect();
     let farthest = |size: &dyn Fn(DVec3) -> f64| corners.iter().map(|p| size(*p)).fold(0.0, f64::max);
     let mut sweeps = vec![0.0; arm.n_joints()];
-    // How far the points are from the frame of the joint after.
+    // Maximum distance of the points from the frame of the next joint.
     let mut reach = 0.0;
     for (i, joint) in arm.joints[..link].iter().enumerate().rev() {
         let across = |point: DVec3| (point - joint.axis * joint.axis.dot(point)).length();
@@ -34,7 +34,7 @@ pub(super) fn sweeps(arm: &Arm, link: usize, solids: &[(Solid, Placement)]) -> V
     sweeps
 }
 
-/// How far a joint slides from its value 0, metres.
+/// Maximum travel of a joint from its value 0 in metres.
 fn travel(joint: &Joint) -> f64 {
     match joint.kind {
         JointKind::Revolute => 0.0,

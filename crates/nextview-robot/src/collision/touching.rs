@@ -3,16 +3,16 @@ use crate::Arm;
 use nextview::geometry::random::Random;
 use std::f64::consts::TAU as TURN;
 
-/// Configurations that are tried.
+/// Number of configurations tried.
 const N_TRIED: usize = 1000;
 
-/// A pair that touches in more of them than this share is taken to touch by its shapes, not by the joints.
+/// A pair that touches in more than this share of them is assumed to touch by its shapes, not by the joints.
 const ALWAYS: f64 = 0.95;
 
-/// The pairs of links that may touch: those that the arm states, neighbours, and those that touch in almost
-/// all of a thousand random configurations, always the same ones. Sorted, lower number first.
+/// The pairs of links that may touch: those stated by the arm, neighbours, and those that touch in almost all
+/// of a thousand random but fixed configurations. Sorted, lower number first.
 ///
-/// Fails if a shape has no size or a joint no limits.
+/// Fails if a shape has no size or a joint has no limits.
 pub fn touching_links(arm: &Arm) -> Result<Vec<[usize; 2]>, CellError> {
     let mut may_touch = arm.may_touch.clone();
     may_touch.extend((1..arm.links.len()).map(|link| [link - 1, link]));
@@ -22,7 +22,7 @@ pub fn touching_links(arm: &Arm) -> Result<Vec<[usize; 2]>, CellError> {
     let mut random = Random::new(0, 0);
     for _ in 0..N_TRIED {
         let limits = arm.joints.iter().map(|joint| joint.limits);
-        // The range of a joint that turns without end is infinite; one turn shows all of it.
+        // The range of a joint without limits is infinite; one turn covers all of it.
         let ranges = limits.map(|limits| (limits.lower.max(-TURN), limits.upper.min(TURN)));
         let values: Vec<f64> = ranges.map(|(low, high)| random.range(low, high)).collect();
         checker.touching(&values).for_each(|[a, b]| n_touching[a * n + b] += 1);

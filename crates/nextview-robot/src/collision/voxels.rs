@@ -4,15 +4,15 @@ use super::solid::{Placement, Solid};
 use glam::{DVec3, UVec3};
 use nextview::geometry::Pose;
 
-/// Voxels of a regular grid that nothing may enter: measured surface, or space that has not been seen yet.
+/// Blocked voxels of a regular grid: measured surface, or space not yet seen.
 ///
-/// Blocks of blocked voxels are merged to an octree, so that solid space costs little.
+/// Blocks of blocked voxels are merged into an octree, which keeps solid space cheap.
 #[derive(Clone, Debug)]
 pub struct BlockedVoxels {
     base_from_grid: Placement,
     root: Node,
     branches: Vec<[Node; 8]>,
-    /// Half of the side of the root, metres.
+    /// Half the side of the root in metres.
     half: f64,
 }
 
@@ -20,7 +20,7 @@ pub struct BlockedVoxels {
 enum Node {
     Free,
     Blocked,
-    /// Number of the branch that holds the eight parts, x varying fastest.
+    /// Number of the branch with the eight parts, x varying fastest.
     Mixed(usize),
 }
 
@@ -28,8 +28,8 @@ impl BlockedVoxels {
     /// Maximum number of voxels along an axis.
     pub const MOST_ALONG: u32 = 1024;
 
-    /// The grid has its lowest corner at the origin of its frame; voxel `[x, y, z]` covers `[x, y, z]` to
-    /// `[x + 1, y + 1, z + 1]` times `voxel_size_m`, 1e-4 to 10. `blocked` has a value for each voxel, x
+    /// Creates a grid with its lowest corner at the origin of its frame; voxel `[x, y, z]` covers `[x, y, z]`
+    /// to `[x + 1, y + 1, z + 1]` times `voxel_size_m`, 1e-4 to 10. `blocked` has a value for each voxel, x
     /// varying fastest, and 1 to [`MOST_ALONG`](Self::MOST_ALONG) voxels along each axis.
     pub fn new(
         base_from_grid: Pose,
@@ -54,8 +54,8 @@ impl BlockedVoxels {
         Ok(Self { base_from_grid: base_from_grid.into(), root, branches, half })
     }
 
-    /// A lower bound of the distance of a solid to the nearest blocked voxel: within 1e-4 of it, or at least
-    /// `limit`. Below `enough`, any blocked voxel that is as near may be meant instead of the nearest.
+    /// A lower bound on the distance of a solid to the nearest blocked voxel: within 1e-4 of it, or at least
+    /// `limit`. Below `enough`, it may be that of any blocked voxel this close.
     pub(super) fn distance(
         &self,
         solid: &Solid,
@@ -99,14 +99,14 @@ impl BlockedVoxels {
 /// A search for the blocked cube nearest to a solid, in the frame of the solid.
 struct Search<'a> {
     solid: &'a Solid,
-    /// Of the grid in the frame of the solid.
+    /// Pose of the grid in the frame of the solid.
     placement: Placement,
     least: f64,
     enough: f64,
 }
 
 impl Search<'_> {
-    /// No point of the cube is nearer.
+    /// A lower bound on the distance of the cube.
     fn bound(&self, center: DVec3, half: f64) -> f64 {
         self.solid.outside(center) - half * 3.0_f64.sqrt()
     }
@@ -145,7 +145,7 @@ mod tests {
     use glam::DQuat;
     use nextview::geometry::random::Random;
 
-    /// The slow twin goes through all voxels.
+    /// The slow twin visits all voxels.
     #[test]
     fn the_distance_is_that_of_the_nearest_blocked_voxel() {
         let mut random = Random::new(5, 0);

@@ -2,15 +2,15 @@ use crate::{Arm, JointKind};
 use glam::{DQuat, DVec3};
 use nextview::geometry::Pose;
 
-/// Axes whose directions differ by less, radians, are parallel.
+/// Maximum angle between parallel axes in radians.
 const PARALLEL: f64 = 0.01;
-/// Axes that pass each other at less, metres, meet.
+/// Maximum distance between meeting axes in metres.
 const MEETING: f64 = 0.005;
 
-/// The axis of a turning joint in the frame of the base, while all joints are at 0.
+/// The axis of a turning joint in the frame of the base, with all joints at 0.
 #[derive(Clone, Copy)]
 pub(super) struct Axis {
-    /// Of unit length.
+    /// Unit vector.
     pub direction: DVec3,
     pub point: DVec3,
 }
@@ -20,18 +20,18 @@ impl Axis {
         DQuat::from_axis_angle(self.direction, angle)
     }
 
-    /// Where turning about the axis takes a point.
+    /// Turns a point about the axis.
     pub fn turned(&self, angle: f64, point: DVec3) -> DVec3 {
         self.point + self.rotation(angle) * (point - self.point)
     }
 
-    /// Turning about the axis as a transform.
+    /// Rotation about the axis as a transform.
     pub fn motion(&self, angle: f64) -> Pose {
         let rotation = self.rotation(angle);
         Pose::new(rotation, self.point - rotation * self.point).expect("axes of an arm are within reach")
     }
 
-    /// The axis in the other direction.
+    /// The axis in the opposite direction.
     pub fn reversed(&self) -> Self {
         Self { direction: -self.direction, point: self.point }
     }
@@ -40,7 +40,7 @@ impl Axis {
         self.direction.cross(other.direction).length() < PARALLEL
     }
 
-    /// The point where two axes meet, if they do in one point.
+    /// The point where two axes meet, if they do.
     pub fn meets(&self, other: &Self) -> Option<DVec3> {
         if self.is_parallel(other) {
             return None;
@@ -58,14 +58,14 @@ impl Axis {
     }
 }
 
-/// Six turning axes and the pose of the flange while all of them are at 0.
+/// Six turning axes and the pose of the flange with all of them at 0.
 pub(super) struct SixAxes {
     pub axes: [Axis; 6],
     pub base_from_flange: Pose,
 }
 
 impl SixAxes {
-    /// The axes of an arm of six joints, or of seven of which one is held at a value; none if one slides.
+    /// The axes of an arm with six joints, or with seven if one is held at a value; `None` if any slides.
     pub fn of(arm: &Arm, held: Option<(usize, f64)>) -> Option<Self> {
         let mut values = vec![0.0; arm.n_joints()];
         if let Some((joint, value)) = held {

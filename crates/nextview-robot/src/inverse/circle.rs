@@ -1,17 +1,16 @@
-//! The angle by which a vector turns about an axis to be where it should: what closed forms consist of.
+//! Angles of rotation about an axis that bring a vector to a target: the building blocks of closed forms.
 
 use glam::{DQuat, DVec3};
 
-/// Vectors whose product is shorter, metres or metres squared, determine no angle.
+/// Vectors with a shorter product, in metres or metres squared, determine no angle.
 const SINGULAR: f64 = 1e-7;
-/// A target that is missed by this share of the circle's radius is touched: a pose at the border of what
-/// can be reached is there in spite of rounding, and of axes that are slightly off. Newton steps and a test
-/// of every solution follow.
+/// Maximum miss of a target, as a share of the circle's radius, that counts as touching. A pose at the border
+/// of the reachable space is found despite rounding and slightly misaligned axes. Newton steps and a test of
+/// every solution follow.
 const TOUCHED: f64 = 1e-2;
 
-/// The angles by which `vector` turns about the unit vector `axis` until its product with `other` is
-/// `product`: none, two (equal ones where the circle is touched), or if it is independent of the angle and
-/// right, those of `free`.
+/// Angles about the unit vector `axis` at which the product of the turned `vector` with `other` is `product`:
+/// none or two (equal if the circle is touched). If any angle is right, those of `free`.
 pub(super) fn angles_to_product(
     axis: DVec3,
     vector: DVec3,
@@ -33,7 +32,7 @@ pub(super) fn angles_to_product(
     vec![middle - half, middle + half]
 }
 
-/// The angles by which `point` turns about an axis through `center` until it is as far from `target` as told.
+/// Angles about an axis through `center` at which the turned `point` has this distance from `target`.
 pub(super) fn angles_to_distance(
     axis: DVec3,
     center: DVec3,
@@ -47,8 +46,8 @@ pub(super) fn angles_to_distance(
     angles_to_product(axis, arm, other, product, free)
 }
 
-/// The angle by which `from` turns about the unit vector `axis` until it is in the half-plane of `to`; those
-/// of `free` if one of them is along the axis.
+/// The angle about the unit vector `axis` that turns `from` into the half-plane of `to`; those of `free` if
+/// either vector is along the axis.
 pub(super) fn angles_between(axis: DVec3, from: DVec3, to: DVec3, free: &[f64]) -> Vec<f64> {
     let flat = |vector: DVec3| vector - axis * axis.dot(vector);
     let (from, to) = (flat(from), flat(to));

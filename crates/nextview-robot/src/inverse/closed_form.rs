@@ -9,16 +9,16 @@ enum Form {
     ParallelAxes(ParallelAxes),
 }
 
-/// A way to solve six turning axes by formulas.
+/// A closed-form solution for six turning axes.
 pub(super) struct ClosedForm {
     form: Form,
-    /// The formulas are for the arm from the flange to the base.
+    /// Whether it solves the arm from the flange to the base.
     is_reversed: bool,
     flange_from_base: Pose,
 }
 
 impl ClosedForm {
-    /// The form that fits the axes, if one does.
+    /// Returns the form that fits the axes, if any.
     pub fn of(arm: &SixAxes) -> Option<Self> {
         let flange_from_base = arm.base_from_flange.inverse();
         let mut backward = arm.axes.map(|axis| axis.reversed());
@@ -30,7 +30,8 @@ impl ClosedForm {
         })
     }
 
-    /// All angles, up to whole turns, that bring the flange to a pose, and some that nearly do: candidates.
+    /// Returns all candidate angles, up to full turns, that bring the flange to a pose, and some that nearly
+    /// do.
     pub fn solve(&self, base_from_flange: &Pose, near: Option<[f64; 6]>) -> Vec<[f64; 6]> {
         let motion = *base_from_flange * self.flange_from_base;
         let free = Free::new(near);

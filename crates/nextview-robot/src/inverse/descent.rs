@@ -3,22 +3,23 @@ use crate::{Arm, JointKind};
 use glam::{DQuat, DVec3};
 use nextview::geometry::Pose;
 
-/// A solution's pose may be off by this much, metres and radians.
+/// Maximum pose error of a solution in metres and radians.
 pub(super) const TOLERANCE: f64 = 1e-6;
-/// No step is taken below this error: rounding begins.
+/// Error below which no step is taken, because of rounding.
 const EXACT: f64 = 1e-11;
-/// Damping of the first step, and the bound beyond which there is no way on.
+/// Damping of the first step, and the bound beyond which the search stops.
 const FIRST_DAMPING: f64 = 1e-4;
 const LAST_DAMPING: f64 = 1e4;
 
-/// A step to larger values, radians or metres, is rejected: near a singular pose, steps have no bounds.
+/// Maximum value in radians or metres; larger steps are rejected, because steps near a singular pose are
+/// unbounded.
 const FARTHEST: f64 = 1e6;
 
-/// How far a pose is from another: metres and, as a vector along the axis, radians.
+/// Pose error: metres and, as a vector along the axis, radians.
 type Error = [f64; 6];
 
-/// Goes from `values` towards a pose by at most `n_steps` steps of damped least squares (Levenberg-Marquardt;
-/// Nakamura and Hanafusa 1986). Returns the values if they reach it.
+/// Descends from `values` towards a pose in at most `n_steps` steps of damped least squares
+/// (Levenberg-Marquardt; Nakamura and Hanafusa 1986). Returns the values if they reach it.
 pub(super) fn descend(
     arm: &Arm,
     target: &Pose,
@@ -72,14 +73,14 @@ fn error_of(arm: &Arm, target: &Pose, values: &[f64]) -> Error {
     [offset.x, offset.y, offset.z, turn.x, turn.y, turn.z]
 }
 
-/// A rotation as axis times angle, the shorter way round, exact for small angles.
+/// A rotation as axis times angle, by the shorter way, accurate for small angles.
 fn scaled_axis(rotation: DQuat) -> DVec3 {
     let shorter = if rotation.w < 0.0 { -rotation } else { rotation };
     let sine = shorter.xyz().length();
     if sine < f64::MIN_POSITIVE { DVec3::ZERO } else { shorter.xyz() * (2.0 * sine.atan2(shorter.w) / sine) }
 }
 
-/// The change of the values that reduces an error: J^T (J J^T + damping)^-1 error.
+/// The step that reduces an error: J^T (J J^T + damping)^-1 error.
 fn step(arm: &Arm, values: &[f64], error: &Error, damping: f64) -> Vec<f64> {
     let columns = jacobian(arm, values);
     let mut matrix = [[0.0; 6]; 6];
@@ -93,7 +94,7 @@ fn step(arm: &Arm, values: &[f64], error: &Error, damping: f64) -> Vec<f64> {
     columns.iter().map(|joint| (0..6).map(|row| joint[row] * weights[row]).sum()).collect()
 }
 
-/// How the flange moves with each joint.
+/// Motion of the flange by each joint.
 fn jacobian(arm: &Arm, values: &[f64]) -> Vec<Error> {
     let base_from_links = arm.link_poses(values);
     let flange = (base_from_links[arm.n_joints()] * arm.last_link_from_flange).translation();
@@ -111,7 +112,7 @@ fn jacobian(arm: &Arm, values: &[f64]) -> Vec<Error> {
         .collect()
 }
 
-/// Solves a positive definite system by Cholesky's decomposition.
+/// Solves a positive definite system by Cholesky decomposition.
 fn solve(matrix: [[f64; 6]; 6], right: Error) -> Error {
     let mut lower = matrix;
     for row in 0..6 {

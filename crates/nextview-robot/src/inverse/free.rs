@@ -1,9 +1,9 @@
 use std::f64::consts::TAU;
 
-/// Values for a joint that may have any in a singular pose.
+/// Number of values for a joint that is arbitrary in a singular pose.
 const N_FREE: usize = 8;
 
-/// The values of joints without influence: equal steps, and the values that the caller is near to.
+/// Values of joints without influence: evenly spaced, plus the caller's reference values.
 pub(super) struct Free {
     near: Option<[f64; 6]>,
 }
@@ -13,13 +13,13 @@ impl Free {
         Self { near }
     }
 
-    /// Values for a joint, by its number.
+    /// Values for a joint by number.
     pub fn values(&self, joint: usize) -> Vec<f64> {
         let steps = (0..N_FREE).map(|step| (step as f64 / N_FREE as f64 - 0.5) * TAU);
         self.near.iter().map(|near| near[joint]).chain(steps).collect()
     }
 
-    /// For the joints in the opposite order.
+    /// Reverses the order of the joints.
     pub fn reversed(&self) -> Self {
         let near = self.near.map(|mut near| {
             near.reverse();

@@ -1,7 +1,8 @@
 //! Inverse kinematics: the joint values that bring the flange to a pose.
 //!
-//! The geometry of an arm decides how, not its name: closed forms for six turning axes of which three meet
-//! (a wrist) or three are parallel, the same with a seventh joint sampled, and numbers for all other arms.
+//! The geometry of an arm selects the method, not its name: closed forms for six turning axes of which three
+//! meet (a wrist) or three are parallel, closed forms with a sampled seventh joint, and numerical search for
+//! all other arms.
 
 mod axis;
 mod circle;
@@ -19,36 +20,37 @@ use crate::Arm;
 use nextview::geometry::Pose;
 
 impl Arm {
-    /// All joint values within the limits that bring the flange to a pose, in lexicographic order; empty if
-    /// none do. Each reproduces the pose to 1e-6, in metres and in radians.
+    /// Returns all joint values within the limits that bring the flange to a pose, in lexicographic order;
+    /// empty if none do. Each reproduces the pose to 1e-6 in metres and radians.
     ///
     /// - Six turning axes with a wrist (three axes that meet, first or last) or with three parallel axes
     ///   between a first one and two that meet: every solution, from a closed form. Axes count as parallel
-    ///   within 0.01 rad and as meeting within 5 mm, so that calibrated arms, whose axes are slightly off,
-    ///   are solved by it, too; damped Newton steps then remove the difference. Of such an arm, off by 1 mrad
-    ///   and 0.5 mm, some solutions near singular poses are missed, up to 2 %, and all of 0.3 % of the poses.
-    /// - Seven joints of which one can be held so that such an arm remains: that joint is sampled at 64
-    ///   values, or at 1024 if none of these has a solution, and every solution for each is returned.
-    /// - All other arms: what damped least squares find from 50 seeded starts, not necessarily all solutions.
+    ///   within 0.01 rad and as meeting within 5 mm. This also covers calibrated arms with slightly
+    ///   misaligned axes; damped Newton steps remove the difference. For an arm misaligned by 1 mrad and 0.5
+    ///   mm, up to 2 % of the solutions near singular poses are missed, and all solutions of 0.3 % of the
+    ///   poses.
+    /// - Seven joints, one of which can be held to leave such an arm: that joint is sampled at 64 values, or
+    ///   at 1024 if none of these has a solution, and every solution for each value is returned.
+    /// - All other arms: the solutions found by damped least squares from 50 seeded starts, possibly not all.
     ///
-    /// Where limits allow further turns, each is a solution of its own, up to 2π to either side of the value
-    /// nearest to 0. In a singular pose, where a joint may have any value, eight values stand for all.
+    /// If limits allow further turns, each is a separate solution, up to 2π on either side of the value
+    /// nearest to 0. In a singular pose, eight values stand for a joint with arbitrary value.
     ///
-    /// Sources: Brandstötter, Angerer and Hofbaur 2014 (arms with a wrist); Hawkins 2013 (parallel axes);
-    /// He and Liu 2021 (a seventh axis held). Their formulas need the axes of the text book; here, the same
-    /// circles are intersected for axes in any place (the subproblems of Paden and Kahan; Murray, Li and
-    /// Sastry 1994, section 3.2).
+    /// Sources: Brandstötter, Angerer and Hofbaur 2014 (arms with a wrist); Hawkins 2013 (parallel axes); He
+    /// and Liu 2021 (a seventh axis held). Their formulas require textbook axes; here, the same circles are
+    /// intersected for arbitrary axes (the subproblems of Paden and Kahan; Murray, Li and Sastry 1994,
+    /// section 3.2).
     pub fn inverse(&self, base_from_flange: &Pose) -> Vec<Vec<f64>> {
         solutions::all(self, base_from_flange, None)
     }
 
-    /// As [`inverse`](Self::inverse), the nearest solution first: the one that the slowest joint reaches
-    /// soonest at full speed. A seventh axis, a joint without influence and the first numerical start take
-    /// their values from `near` as well.
+    /// As [`inverse`](Self::inverse), but nearest solution first: the one that the slowest joint reaches
+    /// soonest at full speed. A seventh axis, a joint without influence and the first numerical start also
+    /// try their values in `near`.
     ///
     /// # Panics
     ///
-    /// If there are not as many values as joints, or one is not a finite number.
+    /// If the number of values is not that of joints, or one is not finite.
     pub fn inverse_near(&self, base_from_flange: &Pose, near: &[f64]) -> Vec<Vec<f64>> {
         assert_eq!(near.len(), self.joints.len(), "a value for each joint");
         assert!(near.iter().all(|value| value.is_finite()), "finite values, not {near:?}");
@@ -56,11 +58,11 @@ impl Arm {
             let times = self.joints.iter().zip(values.iter().zip(near));
             times.map(|(joint, (a, b))| (a - b).abs() / joint.limits.velocity).fold(0.0, f64::max)
         };
-        // A start, or a value of a joint that is held, must be one that the arm can have.
+        // A start, or the value of a held joint, must be within the limits.
         let joints = self.joints.iter().zip(near);
         let within = joints.map(|(joint, value)| value.clamp(joint.limits.lower, joint.limits.upper));
         let mut found = solutions::all(self, base_from_flange, Some(&within.collect::<Vec<_>>()));
-        // Stable: equal times stay in lexicographic order.
+        // Stable: equal times keep their lexicographic order.
         found.sort_by(|a, b| time(a).total_cmp(&time(b)));
         found
     }

@@ -3,12 +3,12 @@ use crate::Arm;
 use nextview::geometry::Pose;
 use nextview::geometry::random::Random;
 
-/// Random starts, as the documentation of [`Arm::inverse`] states.
+/// Number of random starts, as documented in [`Arm::inverse`].
 const N_STARTS: usize = 50;
-/// Steps from each start; a start that leads somewhere takes about ten.
+/// Maximum number of steps from each start; a successful one takes about ten.
 const N_STEPS: usize = 100;
 
-/// The solutions that descent finds from random values and from those that the caller is near to.
+/// The solutions found by descent from random values and from the caller's reference values.
 pub(super) fn search(arm: &Arm, base_from_flange: &Pose, near: Option<&[f64]>) -> Vec<Vec<f64>> {
     let mut random = Random::new(0, 0);
     let mut draw = |_| {

@@ -8,7 +8,7 @@ use nextview::geometry::Pose;
 /// Robots (Hawkins 2013).
 pub(super) struct ParallelAxes {
     axes: [Axis; 6],
-    /// Where the last two axes meet.
+    /// Intersection of the last two axes.
     center: DVec3,
 }
 
@@ -22,10 +22,11 @@ impl ParallelAxes {
         Some(Self { axes: *axes, center: fifth.meets(sixth)? })
     }
 
-    /// The angles of the axes that move everything by `motion`, as seen from the base.
+    /// The joint angles that produce `motion`, as seen from the base.
     pub fn solve(&self, motion: &Pose, free: &Free) -> Vec<[f64; 6]> {
         let [first, second, _, _, fifth, sixth] = &self.axes;
-        // Turning about the parallel axes keeps a point's place along them, and the last two keep the center.
+        // Turning about the parallel axes preserves a point's position along them, and the last two fix the
+        // center.
         let normal = second.direction;
         let height = normal.dot(self.center - first.point);
         let to_target = motion.transform_point(self.center) - first.point;
@@ -50,7 +51,7 @@ impl ParallelAxes {
     fn move_in_plane(&self, motion: &Pose, free: &Free) -> Vec<[f64; 3]> {
         let [_, second, third, fourth, ..] = &self.axes;
         let normal = second.direction;
-        // Turning about the fourth axis does not move it.
+        // Turning about the fourth axis does not move this point.
         let target = motion.transform_point(fourth.point);
         // Only distances in the plane count.
         let level = |point: DVec3| point - normal * normal.dot(point - second.point);

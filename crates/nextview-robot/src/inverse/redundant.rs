@@ -3,14 +3,14 @@ use super::closed_form::ClosedForm;
 use crate::Arm;
 use nextview::geometry::Pose;
 
-/// How many values of the joint that is held are tried.
+/// Number of values tried for the held joint.
 pub(super) const N_SAMPLES: usize = 64;
-/// How many are tried where these have no solution.
+/// Number of values tried if these have no solution.
 pub(super) const N_FINE_SAMPLES: usize = 1024;
-/// Where in its range a joint is held for a look at the others: nowhere special.
+/// Share of its range at which a joint is held to examine the others: an arbitrary, generic position.
 const LOOK: f64 = 0.3819;
 
-/// The joint of an arm of seven that can be held so that the others have a closed form, the last such one.
+/// The last joint of a seven-joint arm that can be held to leave a closed form for the others.
 pub(super) fn held_joint(arm: &Arm) -> Option<usize> {
     (0..7).rev().find(|&joint| {
         let limits = arm.joints[joint].limits;
@@ -19,7 +19,7 @@ pub(super) fn held_joint(arm: &Arm) -> Option<usize> {
     })
 }
 
-/// Candidates for equally many values of the joint that is held, and for the one that the caller is near to.
+/// Candidates for evenly spaced values of the held joint, and for the caller's reference value.
 pub(super) fn candidates(
     arm: &Arm,
     held: usize,

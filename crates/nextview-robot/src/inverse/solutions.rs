@@ -6,9 +6,10 @@ use crate::{Arm, JointKind};
 use nextview::geometry::Pose;
 use std::f64::consts::TAU;
 
-/// Most steps after a closed form. Exact axes need none or one, calibrated ones near singular poses many.
+/// Maximum number of steps after a closed form. Exact axes need none or one, calibrated ones near singular
+/// poses many.
 const N_POLISH: usize = 50;
-/// Solutions whose joints differ by less are one: a double root, found twice.
+/// Maximum joint difference between equal solutions: a double root is found twice.
 const SAME: f64 = 1e-6;
 
 /// All solutions in lexicographic order.
@@ -52,7 +53,7 @@ fn accept(arm: &Arm, base_from_flange: &Pose, candidates: Vec<Vec<f64>>) -> Vec<
     found
 }
 
-/// Whether two solutions are the same up to whole turns.
+/// Whether two solutions are equal up to full turns.
 fn is_same(arm: &Arm, a: &[f64], b: &[f64]) -> bool {
     arm.joints.iter().zip(a.iter().zip(b)).all(|(joint, (a, b))| {
         let difference = a - b;

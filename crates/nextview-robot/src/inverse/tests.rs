@@ -30,7 +30,7 @@ fn is_near(a: &[f64], b: &[f64], tolerance: f64) -> bool {
     a.iter().zip(b).all(|(a, b)| (a - b).abs() <= tolerance)
 }
 
-/// What became of the poses of random joint values.
+/// Outcomes for the poses of random joint values.
 #[derive(Debug, Default)]
 struct Tally {
     n_poses: usize,
@@ -66,8 +66,8 @@ impl Tally {
     }
 }
 
-/// `NEXTVIEW_IK_POSES` is the number of poses (2000 if it is not set), spread over the arms. All are solved,
-/// and the joint values that made them are found again: an independent measure of completeness.
+/// `NEXTVIEW_IK_POSES` is the number of poses (2000 by default), spread over the arms. All are solved, and
+/// their original joint values are found again: an independent measure of completeness.
 #[test]
 fn arms_of_six_axes_are_solved_completely() {
     for (seed, name) in SIX_AXES.into_iter().enumerate() {
@@ -79,7 +79,7 @@ fn arms_of_six_axes_are_solved_completely() {
     }
 }
 
-/// One pose of the seven-axis arm for fifty of the others: each takes as long as 64.
+/// One pose of the seven-axis arm per fifty of the others: each takes as long as 64.
 #[test]
 fn an_arm_of_seven_axes_is_solved() {
     let arm = Arm::preset("panda").unwrap();
@@ -88,7 +88,7 @@ fn an_arm_of_seven_axes_is_solved() {
     assert!(tally.share(tally.n_solved) >= 0.999, "{tally:?}");
 }
 
-/// The slow twin: whatever descent from random starts finds, the closed form has found.
+/// The slow twin: closed forms find every solution found by descent from random starts.
 #[test]
 fn closed_forms_miss_nothing_that_descent_finds() {
     let mut random = Random::new(3, 0);
@@ -107,7 +107,7 @@ fn closed_forms_miss_nothing_that_descent_finds() {
     }
 }
 
-/// An arm whose joints are slightly off, as a maker's calibration states them.
+/// An arm with slightly misaligned joints, as in a manufacturer's calibration.
 fn calibrated(arm: &Arm, random: &mut Random) -> Arm {
     let mut arm = arm.clone();
     for joint in &mut arm.joints {
@@ -154,7 +154,7 @@ fn singular_poses_have_solutions() {
     }
 }
 
-/// The wrist of a KUKA above its first axis, which may then have any value.
+/// The wrist of a KUKA above its first axis, which is then arbitrary.
 #[test]
 fn a_first_axis_without_influence_takes_any_value() {
     let arm = Arm::preset("kr6_r900").unwrap();
@@ -232,7 +232,7 @@ fn arm(joints: Vec<Joint>) -> Arm {
     Arm { name: "made".into(), joints, links, last_link_from_flange, may_touch: Vec::new() }
 }
 
-/// Arms that are no text book's: fewer joints, sliding ones, skew axes.
+/// Arms that are not in textbooks: fewer joints, sliding ones, skew axes.
 #[test]
 fn other_arms_are_solved_by_numbers() {
     let turning = |offset: [f64; 3], axis: [f64; 3]| {
@@ -263,7 +263,8 @@ fn other_arms_are_solved_by_numbers() {
     }
 }
 
-/// A held joint may be any: a rail under an arm, or the third axis of an arm whose shoulder and wrist meet.
+/// Any joint may be held: a rail under an arm, or the third axis of an arm with meeting shoulder and wrist
+/// axes.
 #[test]
 fn a_seventh_joint_is_found_by_the_geometry() {
     let panda = Arm::preset("panda").unwrap();
@@ -298,7 +299,7 @@ fn a_seventh_joint_is_found_by_the_geometry() {
 }
 
 proptest! {
-    /// Any pose and any values to be near to, the absurd included.
+    /// Any pose and any reference values, including absurd ones.
     #[test]
     fn any_pose_is_solved_or_not(
         which in 0..crate::presets::NAMES.len(),

@@ -1,10 +1,10 @@
 use crate::{Joint, JointKind};
 use std::f64::consts::TAU;
 
-/// A value beyond a limit by less is at the limit.
+/// Tolerance at which a value beyond a limit counts as at the limit.
 const AT_LIMIT: f64 = 1e-9;
 
-/// All values of a joint that mean the same as one, within its limits; at most three.
+/// All equivalent values of a joint within its limits; at most three.
 pub(super) fn values(joint: &Joint, value: f64) -> Vec<f64> {
     let limits = joint.limits;
     let clamp = |value: f64| value.clamp(limits.lower, limits.upper);
@@ -18,7 +18,7 @@ pub(super) fn values(joint: &Joint, value: f64) -> Vec<f64> {
     turned.take_while(|value| *value <= upper + AT_LIMIT).map(clamp).collect()
 }
 
-/// Every combination of the values of the joints.
+/// All combinations of the joints' values.
 pub(super) fn combinations(choices: &[Vec<f64>]) -> Vec<Vec<f64>> {
     choices.iter().fold(vec![Vec::new()], |begun, choice| {
         let longer = |values: &Vec<f64>| {

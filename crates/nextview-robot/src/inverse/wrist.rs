@@ -4,13 +4,13 @@ use super::free::Free;
 use glam::{DQuat, DVec3};
 use nextview::geometry::Pose;
 
-/// Six axes of which the last three meet: the first three bring their meeting point to its place, the others
-/// turn the flange about it (Brandstötter et al. 2014).
+/// Six axes of which the last three meet: the first three position their intersection, the others turn the
+/// flange about it (Brandstötter et al. 2014).
 pub(super) struct Wrist {
     axes: [Axis; 6],
-    /// Where the last three axes meet.
+    /// Intersection of the last three axes.
     center: DVec3,
-    /// Where the first two axes meet; none if instead the second and the third are parallel.
+    /// Intersection of the first two axes; `None` if the second and third are parallel instead.
     shoulder: Option<DVec3>,
 }
 
@@ -25,7 +25,7 @@ impl Wrist {
         Some(Self { axes: *axes, center, shoulder })
     }
 
-    /// The angles of the axes that move everything by `motion`, as seen from the base.
+    /// The joint angles that produce `motion`, as seen from the base.
     pub fn solve(&self, motion: &Pose, free: &Free) -> Vec<[f64; 6]> {
         let target = motion.transform_point(self.center);
         let firsts = match self.shoulder {
@@ -41,7 +41,8 @@ impl Wrist {
         solutions
     }
 
-    /// Turning about the second and third axes keeps a point's place along them; this gives the first angle.
+    /// Turning about the second and third axes preserves a point's position along them; this gives the first
+    /// angle.
     fn place_in_plane(&self, target: DVec3, free: &Free) -> Vec<[f64; 3]> {
         let [first, second, third, ..] = &self.axes;
         let height = second.direction.dot(self.center - first.point);
@@ -62,7 +63,7 @@ impl Wrist {
         solutions
     }
 
-    /// Turning about the first two axes keeps the distance from the shoulder; this gives the third angle.
+    /// Turning about the first two axes preserves the distance from the shoulder; this gives the third angle.
     fn place_by_shoulder(&self, shoulder: DVec3, target: DVec3, free: &Free) -> Vec<[f64; 3]> {
         let [first, second, third, ..] = &self.axes;
         let (distance, to_target) = (target.distance(shoulder), target - shoulder);

@@ -1,11 +1,11 @@
-/// A path of joint values that is straight between corners.
+/// A piecewise straight path of joint values.
 #[derive(Clone, Debug, PartialEq)]
 pub struct JointPath {
     corners: Vec<Vec<f64>>,
 }
 
 impl JointPath {
-    /// A path through at least one corner.
+    /// Creates a path through at least one corner.
     pub(super) fn new(corners: Vec<Vec<f64>>) -> Self {
         debug_assert!(!corners.is_empty());
         Self { corners }

@@ -3,16 +3,15 @@ use crate::collision::{Checker, Contact};
 use nextview::{Cancel, Cancelled};
 use std::collections::VecDeque;
 
-/// The first collision on the straight line between joint values, in the order of checking; none if the line
-/// is free.
+/// Returns the first collision found on the straight line between joint values; `None` if the line is free.
 ///
-/// The whole line is checked and not only samples: at each sample, all distances together with how far each
-/// part can move at most tell how much of the line around it is free (Schwarzer, Saha and Latombe 2005). On
-/// a free line, distances are nowhere below the clearance by more than [`Checker::SLACK`].
+/// The whole line is checked, not only samples: all distances at a sample, and the maximum motion of each
+/// part, bound how much of the line around it is free (Schwarzer, Saha and Latombe 2005). On a free line,
+/// distances are nowhere below the clearance by more than [`Checker::SLACK`].
 ///
 /// # Panics
 ///
-/// If there are not as many values as joints, or one is not finite.
+/// If the number of values is not that of joints, or one is not finite.
 pub fn line_contact(
     checker: &Checker,
     from: &[f64],
@@ -32,7 +31,7 @@ pub fn line_contact(
         Ok(share) => share,
         Err(contact) => return Ok(Some(contact)),
     };
-    // The widest gaps first: contacts are found early.
+    // Widest gaps first, to find contacts early.
     let mut unknown = VecDeque::from([(start, end)]);
     while let Some((low, high)) = unknown.pop_front() {
         if low >= high {

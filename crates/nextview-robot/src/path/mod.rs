@@ -1,4 +1,4 @@
-//! Paths of joint values on which an arm touches nothing, and their times. Start with [`plan_path`].
+//! Collision-free paths of joint values, and their timing. Start with [`plan_path`].
 
 mod joint_path;
 mod line;

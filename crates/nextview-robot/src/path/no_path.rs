@@ -1,22 +1,22 @@
 use crate::collision::Contact;
 use nextview::Cancelled;
 
-/// The reason why there is no path.
+/// Reasons why there is no path.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum NoPath {
-    /// Start or goals are no joint values of the arm; all faults at once.
+    /// Start or goals are not joint values of the arm; all faults at once.
     #[error("{}", .0.join("; "))]
     Invalid(Vec<String>),
-    /// The arm touches something where it starts.
+    /// The arm is in collision at the start.
     #[error("at the start, {0}")]
     StartTouches(Contact),
-    /// The arm would touch something at every goal.
+    /// The arm would be in collision at every goal.
     #[error("at the end, {}", list(.0))]
     EndTouches(Vec<Contact>),
-    /// None was found; there may be one.
+    /// No path was found; there may be one.
     #[error("no path was found with {n_samples} samples")]
     NotFound {
-        /// Joint values that were tried.
+        /// Number of joint values tried.
         n_samples: usize,
     },
     /// The search was cancelled.

@@ -8,14 +8,14 @@ use crate::collision::Checker;
 use nextview::geometry::random::Random;
 use nextview::{Cancel, Cancelled};
 
-/// Number of searches for a path that is not straight; the fastest path is taken.
+/// Number of searches for a path that is not straight; the fastest is kept.
 const N_ATTEMPTS: u64 = 4;
 
-/// Changes tried to make a path faster.
+/// Number of changes tried to speed up a path.
 const N_CHANGES: usize = 150;
 
-/// A path on which the arm touches nothing: straight in joint values if that is free, else by random search,
-/// with up to `effort` samples (1000 is plenty in most cells). The same seed gives the same path.
+/// Plans a collision-free path: straight in joint values if that is free, otherwise by random search with up
+/// to `effort` samples (1000 is plenty in most cells). The same seed gives the same path.
 pub fn plan_path(
     checker: &Checker,
     from: &[f64],
@@ -27,9 +27,9 @@ pub fn plan_path(
     plan_path_to_any(checker, from, &[to.to_vec()], seed, effort, cancel).map(|(_, path)| path)
 }
 
-/// A path to one of several goals, for example to all joint values that bring a camera to a view, and the
-/// number of the goal. Straight lines come first, and among them, or if there are none, the goal that the
-/// joints reach first.
+/// Plans a path to one of several goals, for example all joint values that bring a camera to a view; returns
+/// the path and the number of the goal. Prefers straight lines and, among them or without any, the goal that
+/// the joints reach first.
 pub fn plan_path_to_any(
     checker: &Checker,
     from: &[f64],
@@ -68,7 +68,7 @@ pub fn plan_path_to_any(
     Err(NoPath::NotFound { n_samples: effort * free.len() })
 }
 
-/// The fastest of several paths. Later attempts may take as many samples as the first one left.
+/// The fastest of several paths. Later attempts may use as many samples as the first one left over.
 fn search(
     checker: &Checker,
     from: &[f64],
@@ -104,7 +104,7 @@ fn check(arm: &Arm, from: &[f64], goals: &[Vec<f64>]) -> Result<(), NoPath> {
         }
         for (joint, value) in arm.joints.iter().zip(values) {
             let limits = joint.limits;
-            // An infinite range does not make an infinite value one.
+            // An infinite range does not make an infinite value valid.
             if !limits.contains(*value) || !value.is_finite() {
                 let range = format!("expected {} to {}", limits.lower, limits.upper);
                 faults.push(format!("{name}: {} is {value}, {range}", joint.name));

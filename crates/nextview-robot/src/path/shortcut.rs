@@ -4,11 +4,10 @@ use crate::collision::Checker;
 use nextview::geometry::random::Random;
 use nextview::{Cancel, Cancelled};
 
-/// A corner is moved by at most this much, radians or metres.
+/// Maximum displacement of a corner in radians or metres.
 const FARTHEST: f64 = 1.0;
 
-/// Makes a free path faster by `n_tries` random changes that keep it free: cuts from one point to another,
-/// and moved corners.
+/// Speeds up a free path by `n_tries` random changes that keep it free: shortcuts, and moved corners.
 pub(super) fn shorten(
     checker: &Checker,
     mut corners: Vec<Vec<f64>>,
@@ -41,8 +40,8 @@ pub(super) fn shorten(
     Ok(corners)
 }
 
-/// The path with a straight line from a random point, half of the time a corner, to another; and the legs
-/// that are new.
+/// Shortcuts a path with a straight line from a random point, half of the time a corner, to another; returns
+/// the new legs, too.
 fn cut(corners: &[Vec<f64>], random: &mut Random) -> (Vec<Vec<f64>>, Vec<usize>) {
     let n_legs = corners.len() - 1;
     let mut point = || {
@@ -68,7 +67,7 @@ fn cut(corners: &[Vec<f64>], random: &mut Random) -> (Vec<Vec<f64>>, Vec<usize>)
     (changed, legs)
 }
 
-/// The path with a random inner corner moved; and the legs that are new.
+/// Moves a random inner corner of a path; returns the new legs, too.
 fn moved(corners: &[Vec<f64>], random: &mut Random) -> (Vec<Vec<f64>>, Vec<usize>) {
     let corner = 1 + random.index(corners.len() - 2);
     let size = FARTHEST * random.unit().powi(2);

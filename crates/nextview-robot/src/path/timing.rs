@@ -7,23 +7,23 @@ use nextview::motion::Profile;
 pub struct JointTrajectory {
     /// Names of the joints, in the order of the values.
     pub names: Vec<String>,
-    /// Seconds from the start, and the value of each joint then, radians or metres. Times increase; the first
-    /// is 0. Between points, values change evenly.
+    /// Seconds from the start, and the value of each joint then, radians or metres. Times increase from 0.
+    /// Between points, values change linearly.
     pub points: Vec<(f64, Vec<f64>)>,
 }
 
 impl JointTrajectory {
-    /// Points are at most this far apart, seconds.
+    /// Maximum time between points in seconds.
     pub const LONGEST_STEP: f64 = 0.1;
 
-    /// The fastest motion along a path within the limits of the joints that rests at every corner.
+    /// Returns the fastest motion along a path within the joint limits that stops at every corner.
     ///
     /// Every point is on the path, and every corner is a point: the motion is as free as the path. Rounded
-    /// corners would be faster, but leave it.
+    /// corners would be faster, but leave the path.
     ///
     /// # Panics
     ///
-    /// If there are not as many values as joints.
+    /// If the number of values is not that of joints.
     pub fn along(path: &JointPath, arm: &Arm) -> Self {
         let corners = path.corners();
         let mut points = vec![(0.0, corners[0].clone())];
@@ -44,28 +44,28 @@ impl JointTrajectory {
         Self { names: arm.joints.iter().map(|joint| joint.name.clone()).collect(), points }
     }
 
-    /// Time at the end, seconds.
+    /// Duration in seconds.
     pub fn duration(&self) -> f64 {
         self.points.last().map_or(0.0, |(time, _)| *time)
     }
 }
 
-/// How long the straight motion between joint values takes, from rest to rest, seconds.
+/// Duration of the straight motion between joint values, from rest to rest, in seconds.
 pub fn motion_time(arm: &Arm, from: &[f64], to: &[f64]) -> f64 {
     profile(arm, from, to).duration()
 }
 
-/// How long straight motions along all of these corners take, seconds.
+/// Duration of straight motions along all of these corners in seconds.
 pub(super) fn duration(arm: &Arm, corners: &[Vec<f64>]) -> f64 {
     corners.windows(2).map(|leg| motion_time(arm, &leg[0], &leg[1])).sum()
 }
 
-/// The values at a share of the way.
+/// Values at a share of the way.
 pub(super) fn between(from: &[f64], to: &[f64], share: f64) -> Vec<f64> {
     from.iter().zip(to).map(|(from, to)| from + share * (to - from)).collect()
 }
 
-/// The share of the way over time. All joints move in proportion, so that the slowest one decides.
+/// Share of the way over time. All joints move in proportion: the slowest one decides.
 fn profile(arm: &Arm, from: &[f64], to: &[f64]) -> Profile {
     assert_eq!(from.len(), arm.n_joints(), "a value for each joint");
     let least = |limit: &dyn Fn(&Joint) -> f64| {

@@ -6,25 +6,25 @@ use nextview::geometry::random::Random;
 use nextview::{Cancel, Cancelled};
 use std::f64::consts::PI;
 
-/// A tree grows by at most this much of any joint at a time, radians or metres.
+/// Maximum growth of a tree per step in any joint, radians or metres.
 const STEP: f64 = 0.5;
 
-/// Joint values that are free, and the free lines between them.
+/// Free joint values, and the free lines between them.
 struct Tree {
-    /// Values, and the number of the node before; the root is its own.
+    /// Values, and the number of the preceding node; the root is its own.
     nodes: Vec<(Vec<f64>, usize)>,
 }
 
-/// How far a tree got towards joint values.
+/// Result of growing a tree towards joint values.
 enum Grown {
     Blocked,
-    /// The number of the new node.
+    /// Number of the new node.
     Nearer(usize),
     There(usize),
 }
 
-/// A free path found by two trees that grow towards each other (RRT-Connect, Kuffner and LaValle 2000), as
-/// corners; none after `n_samples`.
+/// Finds a free path with two trees that grow towards each other (RRT-Connect, Kuffner and LaValle 2000), and
+/// returns its corners; `None` after `n_samples`.
 pub(super) fn connect(
     checker: &Checker,
     from: &[f64],
@@ -62,8 +62,8 @@ pub(super) fn connect(
     Ok(None)
 }
 
-/// Values in a box around both ends, which is drawn, too: most paths stay near their ends, and some lead far
-/// away.
+/// Samples values in a box of random size around both ends: most paths stay near their ends, and some lead
+/// far away.
 fn sample(arm: &Arm, from: &[f64], to: &[f64], random: &mut Random) -> Vec<f64> {
     let margin = PI * random.unit();
     let ends = from.iter().zip(to);
@@ -94,7 +94,7 @@ impl Tree {
         Ok(if is_there { Grown::There(node) } else { Grown::Nearer(node) })
     }
 
-    /// The node from which the joints get to these values fastest, all in all.
+    /// The node from which the joints reach these values soonest in total.
     fn nearest(&self, arm: &Arm, to: &[f64]) -> usize {
         let away = |node: &[f64]| -> f64 {
             let each = arm.joints.iter().zip(node.iter().zip(to));
@@ -110,7 +110,7 @@ impl Tree {
         best.0
     }
 
-    /// The values from a node to the root, both included.
+    /// The values from a node to the root, inclusive.
     fn to_root(&self, mut node: usize) -> Vec<Vec<f64>> {
         let mut way = vec![self.nodes[node].0.clone()];
         while node != 0 {

@@ -1,13 +1,13 @@
-//! Well-known arms, as URDF files of our own: kinematics and limits as their makers publish them, and solids
-//! that enclose their links roughly. Each file names its sources.
+//! Well-known arms, as our own URDF files: kinematics and limits as published by the manufacturers, and
+//! solids that roughly enclose the links. Each file names its sources.
 
 use crate::Arm;
 use crate::urdf::UrdfOptions;
 
-/// Names that [`Arm::preset`] knows.
+/// Names accepted by [`Arm::preset`].
 pub const NAMES: [&str; 6] = ["ur3e", "ur5e", "ur10e", "kr6_r900", "lr_mate_200id", "panda"];
 
-/// The URDF of a preset, to be changed or extended with a camera; none for an unknown name.
+/// Returns the URDF of a preset, to modify or to extend with a camera; `None` for an unknown name.
 pub fn urdf(name: &str) -> Option<&'static str> {
     match name {
         "ur3e" => Some(include_str!("../../presets/ur3e.urdf")),
@@ -20,7 +20,7 @@ pub fn urdf(name: &str) -> Option<&'static str> {
     }
 }
 
-/// A name that no preset has.
+/// The error for an unknown preset.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("no arm is called {name:?}, expected one of {}, or an own URDF file", NAMES.join(", "))]
 pub struct UnknownPreset {
@@ -29,8 +29,8 @@ pub struct UnknownPreset {
 }
 
 impl Arm {
-    /// A well-known arm by one of the [names](NAMES), without tools. Its acceleration limits are the default
-    /// of [`UrdfOptions`].
+    /// Returns a well-known arm by one of the [names](NAMES), without tools. Its acceleration limits follow
+    /// from the defaults of [`UrdfOptions`].
     pub fn preset(name: &str) -> Result<Self, UnknownPreset> {
         let text = urdf(name).ok_or_else(|| UnknownPreset { name: name.to_owned() })?;
         Ok(Self::from_urdf(text, &UrdfOptions::default()).expect("a test reads every preset"))

@@ -19,8 +19,8 @@ fn every_preset_is_an_arm_with_solids() {
     assert!(error.starts_with("no arm is called \"ur5\", expected one of ur3e, ur5e"), "{error}");
 }
 
-/// A row of a Denavit-Hartenberg table: d, a and alpha beside the joint's theta, in the order of the text
-/// book (turn and move along z, then along x), or in Craig's (x first).
+/// A row of a Denavit-Hartenberg table: d, a and alpha of the joint with its theta, in the textbook order
+/// (turn and move along z, then along x), or in Craig's (x first).
 struct Row(f64, f64, f64);
 
 fn by_table(rows: &[Row], values: &[f64], is_craig: bool) -> DMat4 {
@@ -40,7 +40,7 @@ fn random_values(arm: &Arm, random: &mut Random) -> Vec<f64> {
     arm.joints.iter().map(|joint| random.range(joint.limits.lower, joint.limits.upper)).collect()
 }
 
-/// The tables of the makers.
+/// The manufacturers' tables.
 #[test]
 fn presets_follow_the_tables_of_their_makers() {
     let ur = |[d1, a2, a3, d4, d5, d6]: [f64; 6]| {
@@ -80,7 +80,7 @@ fn presets_follow_the_tables_of_their_makers() {
     }
 }
 
-/// Reach and posture as the data sheets of KUKA and Fanuc draw them.
+/// Reach and posture as drawn in the data sheets of KUKA and Fanuc.
 #[test]
 fn arms_without_a_table_stand_as_drawn() {
     let kuka = Arm::preset("kr6_r900").unwrap();

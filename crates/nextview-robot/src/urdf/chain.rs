@@ -2,25 +2,26 @@ use super::error::{UrdfError, UrdfFault};
 use super::model::{Model, Motion};
 use std::collections::BTreeMap;
 
-/// The tree of a URDF, and the way through it from the base to the tip.
+/// The tree of a URDF, and the path through it from base to tip.
 pub(super) struct Chain {
-    /// The joints that carry a link further out, for each link.
+    /// For each link, the joints that carry a link further out.
     pub joints_below: Vec<Vec<usize>>,
     /// The link below each joint.
     pub child: Vec<usize>,
     pub base: usize,
     pub tip: usize,
-    /// The joints from the base to the tip, fixed ones included.
+    /// The joints from base to tip, including fixed ones.
     pub joints: Vec<usize>,
 }
 
-/// The joint above each link and its parent, none for the root.
+/// The joint above each link and its parent; `None` for the root.
 type Above = Vec<Option<(usize, usize)>>;
 
 impl Chain {
     /// # Errors
     ///
-    /// All faults that prevent a tree; then those of base and tip; then those of the joints between them.
+    /// All faults that prevent a tree; otherwise those of base and tip; otherwise those of the joints between
+    /// them.
     pub fn find(model: &Model, base: Option<&str>, tip: Option<&str>) -> Result<Self, UrdfError> {
         let links = names(model)?;
         let (above, child) = tree(model, &links)?;
@@ -48,7 +49,7 @@ impl Chain {
     }
 }
 
-/// The number of each link by its name.
+/// The number of each link by name.
 fn names(model: &Model) -> Result<BTreeMap<&str, usize>, UrdfError> {
     let mut faults = Vec::new();
     let mut seen = BTreeMap::new();
@@ -133,7 +134,7 @@ fn root(
     }
 }
 
-/// The joints from the base down to a link, or none if it is not below the base.
+/// The joints from the base down to a link; `None` if it is not below the base.
 fn joints_to(base: usize, link: usize, above: &Above) -> Option<Vec<usize>> {
     let mut joints = Vec::new();
     let mut at = link;
@@ -146,7 +147,7 @@ fn joints_to(base: usize, link: usize, above: &Above) -> Option<Vec<usize>> {
     Some(joints)
 }
 
-/// The only link that moves against the base and has none below it.
+/// The only link that moves relative to the base and has none below it.
 fn only_tip(
     model: &Model,
     base: usize,
@@ -176,7 +177,7 @@ fn no_joints(base: &str, tip: &str) -> UrdfFault {
     UrdfFault::new(None, "robot", problem)
 }
 
-/// The joints from the base to the tip, all of them fixed or with one value.
+/// The joints from base to tip, all of them fixed or with one value.
 fn way(model: &Model, base: usize, tip: usize, above: &Above) -> Result<Vec<usize>, UrdfError> {
     let name = |link: usize| &model.links[link].name;
     let Some(joints) = joints_to(base, tip, above) else {

@@ -1,17 +1,17 @@
 use std::fmt;
 
-/// The reasons why a URDF is not an arm: all faults that could be found at once.
+/// Reasons why a URDF is not an arm: all faults that can be found at once.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("{}", listed(faults))]
 pub struct UrdfError {
-    /// The faults in the order of the file, at least one.
+    /// The faults in file order, at least one.
     pub faults: Vec<UrdfFault>,
 }
 
 /// One fault of a URDF.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct UrdfFault {
-    /// The line of the element, counted from 1; none where it is about the options or the whole tree.
+    /// The line of the element, counted from 1; `None` for a fault in the options or the whole tree.
     pub line: Option<u32>,
     /// The element, such as `joint "elbow"`, or the option.
     pub place: String,
@@ -40,7 +40,7 @@ impl From<UrdfFault> for UrdfError {
     }
 }
 
-/// The faults as one text, a line each.
+/// The faults as a text, one per line.
 fn listed(faults: &[UrdfFault]) -> String {
     faults.iter().map(UrdfFault::to_string).collect::<Vec<_>>().join("\n")
 }

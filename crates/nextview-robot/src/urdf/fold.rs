@@ -3,15 +3,15 @@ use super::model::{Model, Motion};
 use crate::{Arm, Joint, Link, Shape};
 use nextview::geometry::Pose;
 
-/// Where a link of the file is: on which link of the arm, and its frame there.
+/// The position of a link of the file: its link of the arm, and its frame there.
 #[derive(Clone, Copy)]
 struct Place {
     arm_link: usize,
     arm_from_link: Pose,
 }
 
-/// The arm of a chain: each moving joint of the chain begins a link, and all else belongs to the link that it
-/// hangs on.
+/// Builds the arm of a chain: each moving joint of the chain begins a link, and everything else belongs to
+/// the link connected to it.
 pub(super) fn fold(model: &Model, chain: &Chain) -> Arm {
     let link = |link: usize| Link { name: model.links[link].name.clone(), shapes: Vec::new() };
     let mut links = vec![link(chain.base)];
@@ -34,7 +34,7 @@ pub(super) fn fold(model: &Model, chain: &Chain) -> Arm {
             link_from_shape: place.arm_from_link * shape.link_from_shape,
             kind: shape.kind.clone(),
         }));
-        // The stack takes the last one first; shapes are to be in the order of the file.
+        // A stack reverses the order; shapes must be in file order.
         for &number in chain.joints_below[link].iter().rev() {
             let joint = &model.joints[number];
             let parent_from_joint = place.arm_from_link * joint.parent_from_joint;

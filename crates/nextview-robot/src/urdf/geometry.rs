@@ -3,11 +3,11 @@ use crate::{Shape, ShapeKind};
 use glam::DVec3;
 use roxmltree::Node;
 
-/// A hull thinner than this share of its length is flat.
+/// Relative thickness below which a hull is flat.
 const FLAT: f64 = 1e-9;
 
 impl Reader<'_> {
-    /// The solid of a `collision` element; none where it is at fault or takes up no space.
+    /// The solid of a `collision` element; `None` if it is invalid or takes up no space.
     pub fn shape(&mut self, node: Node, place: &str) -> Option<Shape> {
         let place = format!("{place}, collision");
         let link_from_shape = self.origin(node, &place);
@@ -42,7 +42,7 @@ impl Reader<'_> {
         kind.map(|kind| Shape { link_from_shape, kind })
     }
 
-    /// Numbers that must be positive.
+    /// Reads numbers that must be positive.
     fn sizes<const N: usize>(&mut self, node: Node, attribute: &str, place: &str) -> Option<[f64; N]> {
         let sizes = self.numbers(node, attribute, place, None)?;
         if sizes.iter().any(|size| *size <= 0.0) {
@@ -70,7 +70,7 @@ impl Reader<'_> {
             return None;
         }
         let points: Vec<DVec3> = points.into_iter().map(|point| point * scale).collect();
-        // Of NaN, no comparison is true.
+        // Comparisons with NaN are false.
         let is_near = |point: &DVec3| point.abs().cmple(DVec3::splat(LARGEST)).all();
         if let Some(point) = points.iter().find(|point| !is_near(point)) {
             self.add(node, place, format!("{file:?} has a point at {point}, expected at most 1e6 m"));

@@ -5,7 +5,7 @@ use glam::DVec3;
 use roxmltree::Node;
 use std::f64::consts::TAU;
 
-/// An axis shorter than this has no direction.
+/// Minimum length of an axis to have a direction.
 const SHORTEST_AXIS: f64 = 1e-9;
 
 impl Reader<'_> {
@@ -57,7 +57,7 @@ impl Reader<'_> {
         Motion::Moves { kind, axis: self.axis(node, place), limits: self.limits(node, place, is_continuous) }
     }
 
-    /// The direction of the axis; x if none is stated, as the format defines.
+    /// The direction of the axis; by default x, as the format defines.
     fn axis(&mut self, node: Node, place: &str) -> DVec3 {
         let Some(axis) = children(node, "axis").next() else { return DVec3::X };
         let place = format!("{place}, axis");

@@ -17,19 +17,19 @@ use chain::Chain;
 use reader::Reader;
 
 impl Arm {
-    /// The arm between two links of a URDF.
+    /// Reads the arm between two links of a URDF.
     ///
-    /// Links that fixed joints connect become one link with the shapes of all. Joints between base and tip
-    /// must be `revolute`, `continuous` (its limits become ±2π) or `prismatic`. What is attached beside the
-    /// chain or beyond the tip takes up its space as well; joints there are held at the value nearest to 0
-    /// that their limits allow. What is above the base is left out. Neighbouring links may touch.
+    /// Links connected by fixed joints become one link with all their shapes. Joints between base and tip
+    /// must be `revolute`, `continuous` (its limits become ±2π) or `prismatic`. Parts attached to the side of
+    /// the chain or beyond the tip take up space, too; their joints are held at the value nearest to 0 within
+    /// their limits. Parts above the base are left out. Neighbouring links may touch.
     ///
-    /// Solids of collision shapes count, visual ones do not. The axis of a joint need not be of unit length.
+    /// Collision shapes count, visual ones do not. The axis of a joint need not have unit length.
     ///
     /// # Errors
     ///
-    /// All faults of the file's elements at once, or all faults of the tree that they form, each with its
-    /// line. Xacro files must be expanded first.
+    /// All faults of the file's elements, or all faults of the tree that they form, each with its line.
+    /// Expand Xacro files first.
     ///
     /// ```
     /// use nextview_robot::{Arm, urdf::UrdfOptions};

@@ -2,7 +2,7 @@ use crate::{JointKind, JointLimits, Shape};
 use glam::{DQuat, DVec3};
 use nextview::geometry::Pose;
 
-/// A URDF as it is written: valid elements, not yet a tree.
+/// A URDF as written: valid elements, not yet a tree.
 pub(super) struct Model {
     pub name: String,
     pub links: Vec<ModelLink>,
@@ -18,14 +18,14 @@ pub(super) struct ModelLink {
 pub(super) struct ModelJoint {
     pub name: String,
     pub line: u32,
-    /// Names of links, not yet looked up.
+    /// Names of links, not yet resolved.
     pub parent: String,
     pub child: String,
     pub parent_from_joint: Pose,
     pub motion: Motion,
 }
 
-/// The motion that a joint of a URDF allows.
+/// The motion of a joint in a URDF.
 pub(super) enum Motion {
     Fixed,
     Moves {
@@ -33,12 +33,12 @@ pub(super) enum Motion {
         axis: DVec3,
         limits: JointLimits,
     },
-    /// Follows another joint, or moves in several directions; named as the file does.
+    /// Follows another joint, or moves in several directions; named as in the file.
     Unsupported(&'static str),
 }
 
 impl Motion {
-    /// The frame after the joint in that before it, at the value nearest to 0.
+    /// The frame after the joint relative to that before it, at the value nearest to 0.
     pub fn at_rest(&self) -> Pose {
         let Self::Moves { kind, axis, limits } = self else { return Pose::IDENTITY };
         let value = 0.0_f64.clamp(limits.lower, limits.upper);

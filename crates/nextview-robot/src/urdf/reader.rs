@@ -5,18 +5,18 @@ use glam::{DQuat, DVec3, EulerRot};
 use nextview::geometry::Pose;
 use roxmltree::{Document, Node};
 
-/// Largest number that a URDF may state: a thousand kilometres, so that no chain leaves [`Pose::REACH`].
+/// Maximum number in a URDF: a thousand kilometres, which keeps all chains within [`Pose::REACH`].
 pub(super) const LARGEST: f64 = 1e6;
 
-/// The names of elements and attributes that are read below a robot.
+/// Names of elements and attributes that are read inside a robot.
 const NAMES: &str = "axis box child collision cylinder filename geometry joint length limit link lower \
     mesh mimic name origin parent radius rpy scale size sphere type upper velocity xyz";
 
-/// Reads the elements of a URDF and collects their faults. What is at fault is replaced by a harmless value,
-/// so that reading continues.
+/// Reads the elements of a URDF and collects their faults. An invalid value is replaced by a harmless one,
+/// and reading continues.
 pub(super) struct Reader<'a> {
     pub options: &'a UrdfOptions<'a>,
-    /// The byte at which each line begins.
+    /// The offset at which each line begins.
     line_starts: Vec<usize>,
     faults: Vec<UrdfFault>,
 }
@@ -59,8 +59,7 @@ impl<'a> Reader<'a> {
         }
     }
 
-    /// Names in other letters than the format's: as XML tells capitals apart, they would be skipped as
-    /// unknown.
+    /// Checks for names in the wrong case: XML is case-sensitive, so they would be skipped as unknown.
     fn check_case(&mut self, robot: Node) {
         let is_part = |node: &Node| {
             ["link", "joint"].iter().any(|part| node.tag_name().name().eq_ignore_ascii_case(part))
@@ -84,7 +83,7 @@ impl<'a> Reader<'a> {
         ModelLink { name, line: self.line(node), shapes }
     }
 
-    /// The pose that an element's `origin` states: rotations about the fixed axes x, y, z, in this order.
+    /// The pose in an element's `origin`: rotations about the fixed axes x, y, z, in this order.
     pub fn origin(&mut self, node: Node, place: &str) -> Pose {
         let Some(origin) = children(node, "origin").next() else { return Pose::IDENTITY };
         let place = format!("{place}, origin");
@@ -95,7 +94,7 @@ impl<'a> Reader<'a> {
         Pose::new(rotation, DVec3::from(xyz)).expect("numbers are of at most 1e6")
     }
 
-    /// The numbers of an attribute, or where it is missing the default; none where they are at fault.
+    /// The numbers of an attribute, or the default if it is missing; `None` if they are invalid.
     pub fn numbers<const N: usize>(
         &mut self,
         node: Node,
@@ -120,7 +119,7 @@ impl<'a> Reader<'a> {
         numbers
     }
 
-    /// An attribute that must be there and not be empty.
+    /// A required, non-empty attribute.
     pub fn text(&mut self, node: Node, attribute: &str, place: &str) -> String {
         let text = node.attribute(attribute).unwrap_or_default();
         if text.is_empty() {
@@ -133,18 +132,19 @@ impl<'a> Reader<'a> {
         self.faults.push(UrdfFault::new(Some(self.line(node)), place, problem));
     }
 
-    /// The line of an element, counted from 1. The document's own `text_pos_at` counts all lines each time.
+    /// The line of an element, counted from 1. The document's own `text_pos_at` counts all lines on each
+    /// call.
     pub fn line(&self, node: Node) -> u32 {
         self.line_starts.partition_point(|start| *start <= node.range().start) as u32
     }
 }
 
-/// The elements of this name directly below another.
+/// The direct children of this name.
 pub(super) fn children<'d>(node: Node<'d, 'd>, name: &'static str) -> impl Iterator<Item = Node<'d, 'd>> {
     node.children().filter(move |child| child.has_tag_name(name))
 }
 
-/// At most 60 characters, so that a message stays readable.
+/// At most 60 characters, to keep messages readable.
 pub(super) fn shortened(text: &str) -> String {
     text.chars().take(60).collect()
 }

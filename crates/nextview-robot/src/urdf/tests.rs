@@ -4,8 +4,8 @@ use glam::{DQuat, DVec3};
 use proptest::prelude::*;
 use std::f64::consts::TAU;
 
-/// Base, column (fixed), a turning joint, a sliding one, a flange (fixed), and beside them a finger that
-/// turns and a lamp on the base.
+/// Base, column (fixed), a turning joint, a sliding one, a flange (fixed); on the side, a turning finger, and
+/// a lamp on the base.
 const ROBOT: &str = r#"<?xml version="1.0"?>
 <robot name="crane">
   <link name="base"><collision><geometry><box size="2 4 6"/></geometry></collision></link>
@@ -107,7 +107,7 @@ fn base_and_tip_may_be_anywhere() {
     assert_eq!(arm.n_joints(), 3, "the finger is the only end that moves");
 }
 
-/// The faults of a changed file, without their lines.
+/// The faults of a modified file, without their lines.
 fn faults(text: &str, options: &UrdfOptions) -> Vec<String> {
     let faults = Arm::from_urdf(text, options).unwrap_err().faults;
     faults.iter().map(|fault| format!("{}: {}", fault.place, fault.problem)).collect()
@@ -251,7 +251,7 @@ fn a_robot_without_joints_or_links_is_refused() {
     assert_eq!(other, ["root element: is <model>, expected <robot>"]);
 }
 
-/// As deep and as long as a file may get; neither the stack nor the time may suffer.
+/// As deep and as long as a file may get, without harm to the stack or the run time.
 #[test]
 fn deep_and_long_files_are_read() {
     let n = 20_000;
@@ -294,7 +294,7 @@ proptest! {
         let _ = read(&text);
     }
 
-    /// Names and numbers exchanged for others: well-formed, and mostly senseless.
+    /// Names and numbers replaced by others: well-formed, and mostly nonsense.
     #[test]
     fn senseless_files_are_read_or_refused(
         swaps in proptest::collection::vec((0..60_usize, 0..60_usize), 1..4),

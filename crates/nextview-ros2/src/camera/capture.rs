@@ -1,4 +1,4 @@
-//! One image that was asked for, until its pose is known.
+//! A requested image, until its pose is known.
 
 use super::whereabouts::Whereabouts;
 use crate::messages::Header;
@@ -15,7 +15,7 @@ pub struct Taken {
     pub world_from_camera: Pose,
 }
 
-/// An image that waits for its pose.
+/// An image without a known pose yet.
 pub struct Shot {
     pub header: Header,
     pub depth: DepthImage,
@@ -23,15 +23,14 @@ pub struct Shot {
     pub came: Instant,
 }
 
-/// How long an image waits for transforms of a time before its own, which hardly come after those of later
-/// times.
+/// Maximum wait for missing transforms when later ones are already known: they hardly ever arrive then.
 const PATIENCE: Duration = Duration::from_millis(500);
 
-/// An image that is wanted.
+/// A request for an image.
 pub struct Capture {
     until: Instant,
     shot: Option<Shot>,
-    /// The reason why there is none yet.
+    /// The reason why there is no image yet.
     why: String,
 }
 
@@ -43,12 +42,12 @@ impl Capture {
         Self { until: Instant::now() + timeout, shot: None, why }
     }
 
-    /// Whether an image would be of use.
+    /// Whether an image would be useful.
     pub fn wants_image(&self) -> bool {
         self.shot.is_none()
     }
 
-    /// An image came; or one that cannot be used, and why.
+    /// Records an image, or why one cannot be used.
     pub fn saw(&mut self, shot: Result<Shot, String>) {
         match shot {
             Ok(shot) => self.shot = Some(shot),
@@ -56,7 +55,7 @@ impl Capture {
         }
     }
 
-    /// The image, once its pose is known; or, when time is up, the reason why there is none.
+    /// The image, once its pose is known; after the timeout, the reason why there is none.
     pub fn done(&mut self, whereabouts: &Whereabouts) -> Option<Result<Taken, String>> {
         if let Some(Shot { header, depth, intrinsics, came }) = self.shot.take() {
             match whereabouts.at(&header.frame_id, header.stamp.seconds()) {
@@ -65,7 +64,7 @@ impl Capture {
                 }
                 Err(error) => {
                     self.why = format!("the pose of the image is not known: {error}");
-                    // Then only the next image can help; else what lacks may come.
+                    // Only a later image can help then; otherwise the missing transform may still arrive.
                     let is_past = matches!(error, TransformError::Before { .. } | TransformError::Gap { .. });
                     let is_lost = is_past && came.elapsed() > PATIENCE;
                     self.shot = (!is_lost).then_some(Shot { header, depth, intrinsics, came });

@@ -10,14 +10,14 @@ use nextview::sensor::{DepthImage, Intrinsics};
 use nextview_recording::RecordingError;
 use std::time::Instant;
 
-/// The camera as its messages describe it. Of images, one is kept at most, and only while one is wanted.
+/// The camera as described by its messages. At most one image is kept, and only while one is requested.
 pub struct Camera {
     whereabouts: Whereabouts,
-    /// As the last camera_info says.
+    /// From the last camera_info.
     pub intrinsics: Option<Intrinsics>,
-    /// The header of the last image: its frame and its time.
+    /// Header of the last image: its frame and its time.
     last: Option<Header>,
-    /// Number of images so far.
+    /// Number of images received.
     pub n_images: u64,
     rest: Rest,
     capture: Option<Capture>,
@@ -35,7 +35,7 @@ impl Camera {
         }
     }
 
-    /// Takes in a message.
+    /// Processes a message.
     pub fn take(&mut self, message: Message, notes: &mut Notes) {
         match message {
             Message::Info(info) => match info.content().intrinsics() {
@@ -65,7 +65,7 @@ impl Camera {
         let shot = match (is_backwards, self.intrinsics) {
             (true, _) => Err("the stamp is before that of the image before, expected a later one".to_owned()),
             (_, None) => Err("there is no camera_info yet, expected it on depth/camera_info".to_owned()),
-            // Nobody wants it: what can be said without reading it is said all the same.
+            // Not requested: report what is known without decoding it.
             _ if !is_wanted => image.check().map(|()| None),
             (_, Some(intrinsics)) => match image.depth(&intrinsics) {
                 Ok(depth) => {
@@ -83,7 +83,7 @@ impl Camera {
         }
     }
 
-    /// From now on, the next image is wanted.
+    /// Requests the next image.
     pub fn capture(&mut self, timeout: f64) {
         self.capture = Some(Capture::begin(timeout));
     }
@@ -92,14 +92,14 @@ impl Camera {
         self.capture.is_some()
     }
 
-    /// The requested image, once; or the reason why there is none.
+    /// Returns the requested image once, or the reason why there is none.
     pub fn taken(&mut self) -> Option<Result<Taken, String>> {
         let done = self.capture.as_mut()?.done(&self.whereabouts)?;
         self.capture = None;
         Some(done)
     }
 
-    /// Whether the camera rests near a pose, as far as its pose is known. Must be called regularly.
+    /// Whether the camera rests near a pose, if its pose is known. Must be called regularly.
     pub fn rests_near(&mut self, wanted: &Pose, distance: f64, angle: f64) -> bool {
         let Some(Header { stamp, frame_id }) = &self.last else { return false };
         if let Ok(pose) = self.whereabouts.at(frame_id, stamp.seconds()) {
@@ -113,7 +113,7 @@ impl Camera {
 trait Picture {
     fn header(&self) -> &Header;
     fn depth(&self, intrinsics: &Intrinsics) -> Result<DepthImage, RecordingError>;
-    /// Fails if it is no depth image.
+    /// Fails if it is not a depth image.
     fn check(&self) -> Result<(), String>;
 }
 

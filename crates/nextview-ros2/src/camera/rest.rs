@@ -1,21 +1,21 @@
-//! Whether the camera stands still near where it should.
+//! Detects a camera at rest near the wanted pose.
 
 use nextview::geometry::Pose;
 use std::collections::VecDeque;
 
-/// Where the camera was in the last moments, the oldest first.
+/// Recent poses of the camera, oldest first.
 #[derive(Default)]
 pub struct Rest(VecDeque<(f64, Pose)>);
 
-/// A camera rests that has moved by no more than this, metres and radians, for so long, seconds: a blurred
+/// Maximum motion of a resting camera, in metres and radians, and its minimum duration in seconds: a blurred
 /// image, or a pose of another moment, is worse than waiting.
 const MOVED: f64 = 0.002;
 const TURNED: f64 = 0.005;
 const TIME: f64 = 0.4;
 
 impl Rest {
-    /// The camera was there at this time, seconds. Times that are not later than the last are ignored, and
-    /// what is older than need be is forgotten.
+    /// Records the camera's pose at this time in seconds. Times not later than the last are ignored, and old
+    /// entries are dropped.
     pub fn saw(&mut self, time: f64, pose: Pose) {
         match self.0.back() {
             Some((last, _)) if time <= *last && time > last - TIME => return,
@@ -28,7 +28,7 @@ impl Rest {
         }
     }
 
-    /// Where it rests; none if it moves, or has not been seen for long enough.
+    /// Its pose at rest; `None` if it moves, or has not been seen for long enough.
     pub fn place(&self) -> Option<Pose> {
         let (last, now) = self.0.back()?;
         let (first, _) = self.0.front()?;
@@ -40,8 +40,8 @@ impl Rest {
     }
 }
 
-/// Whether a camera at one pose takes nearly what one at the other does: positions within a distance, metres,
-/// directions within an angle, radians. How it is turned about its axis does not matter.
+/// Whether a camera sees nearly the same at both poses: positions within a distance in metres, directions
+/// within an angle in radians. Rotation about the optical axis is ignored.
 pub fn is_near(a: &Pose, b: &Pose, distance: f64, angle: f64) -> bool {
     let axis = |pose: &Pose| pose.rotation() * glam::DVec3::Z;
     a.translation().distance(b.translation()) <= distance && axis(a).angle_between(axis(b)) <= angle
@@ -60,10 +60,10 @@ mod tests {
     fn a_camera_rests_after_a_while() {
         let mut rest = Rest::default();
         for i in 0..60 {
-            // It comes to a stop at 1 s.
+            // It stops at 1 s.
             let time = i as f64 / 30.0;
             rest.saw(time, at(0.1 * (1.0 - time).max(0.0)));
-            // A moment before, it has nearly stopped.
+            // A moment earlier, it has nearly stopped.
             assert!(rest.place().is_none() || time >= 1.35, "{time}");
             assert!(rest.place().is_some() || time <= 1.45, "{time}");
         }
@@ -72,7 +72,7 @@ mod tests {
         assert!(rest.place().is_some(), "an old image does not count");
         rest.saw(2.0, at(0.01));
         assert!(rest.place().is_none());
-        // The clock begins anew.
+        // The clock restarts.
         rest.saw(0.1, at(0.0));
         assert_eq!(rest.0.len(), 1);
     }

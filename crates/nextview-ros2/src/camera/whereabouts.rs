@@ -1,20 +1,20 @@
-//! Where the camera is in the world.
+//! Pose of the camera in the world.
 
 use crate::messages::{PoseStamped, TfMessage};
 use crate::notes::Notes;
 use nextview::geometry::Pose;
 use nextview_recording::ros::{TransformError, TransformTree};
 
-/// How long transforms are kept, seconds, as tf2 does.
+/// How long transforms are kept in seconds, as in tf2.
 const HISTORY: f64 = 10.0;
 
-/// The frame of the camera on the topic of poses.
+/// The camera's frame for the topic of poses.
 const CAMERA: &str = "the camera";
 
 pub struct Whereabouts {
     tree: TransformTree,
     world: String,
-    /// Whether the frame of images counts, or else what the topic of poses says.
+    /// Whether poses come from transforms to the images' frame, not from the topic of poses.
     from_transforms: bool,
 }
 
@@ -44,13 +44,13 @@ impl Whereabouts {
         }
     }
 
-    /// Where the frame was at a time, seconds.
+    /// The pose of the frame at a time in seconds.
     pub fn at(&self, frame: &str, time: f64) -> Result<Pose, TransformError> {
         let frame = if self.from_transforms { frame } else { CAMERA };
         self.tree.lookup(&self.world, frame, time)
     }
 
-    /// Adds a transform; without a time, a static one.
+    /// Adds a transform; static if it has no time.
     fn insert(&mut self, parent: &str, child: &str, time: Option<f64>, pose: Pose, notes: &mut Notes) {
         let about = if self.from_transforms { "/tf" } else { "pose" };
         let inserted = match time {
@@ -62,7 +62,7 @@ impl Whereabouts {
             (Err(error @ TransformError::ClockBackwards { .. }), Some(time)) => {
                 notes.add(about, format!("{error}; what was known of moving frames is forgotten"));
                 self.tree.forget_motion();
-                // In an empty history, any time is right.
+                // Any time is valid in an empty history.
                 let _ = self.tree.insert(parent, child, time, pose);
             }
             (Err(error), _) => notes.add(about, error.to_string()),

@@ -1,4 +1,4 @@
-//! How the node joins the network, and the qualities of service of its topics.
+//! Joins the network, and defines the quality of service of the node's topics.
 
 use crate::names::Names;
 use ros2_client::dds::{Publisher, Subscription, rustdds::Topic};
@@ -20,7 +20,7 @@ pub fn join(names: &Names) -> Result<Node, String> {
         .map_err(|error| format!("cannot join the ROS domain {domain}: {error:?}"))?;
     let name = NodeName::new(&names.namespace, &names.node);
     let name = name.map_err(|error| format!("the node's name {}: {error:?}", names.full()))?;
-    // Parameters hold from the start on, and what is said goes to stderr and to the topic `status`.
+    // Parameters are fixed at the start, and messages go to stderr and to the topic `status`.
     let options = NodeOptions::new().enable_rosout(false).start_parameter_services(false);
     context
         .new_node(name, options)
@@ -64,17 +64,17 @@ impl Connector<'_> {
     }
 }
 
-/// Images: what is lost is lost.
+/// For images: lost ones are not sent again.
 pub fn sensor_data() -> QosProfile {
     QosProfile::subscription_default()
 }
 
-/// What must all arrive; so many wait to be read.
+/// For messages that must all arrive; `depth` of them may wait to be read.
 pub fn reliable(depth: usize) -> QosProfile {
     QosProfile::publisher_default().history(History::KeepLast { depth })
 }
 
-/// The last message reaches those who come later, too.
+/// Late subscribers also receive the last message.
 fn latched() -> QosProfile {
     let waiting = WhenFull::Fail;
     QosProfile::publisher_default().reliability_reliable(waiting).durability(Durability::TransientLocal)

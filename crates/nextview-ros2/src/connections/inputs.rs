@@ -5,7 +5,7 @@ use futures_util::stream::{LocalBoxStream, SelectAll, select_all};
 use ros2_client::dds::Subscription;
 use ros2_client::qos::Durability;
 
-/// A message that came.
+/// An incoming message.
 pub enum Message {
     Image(Image),
     Compressed(CompressedImage),
@@ -15,11 +15,11 @@ pub enum Message {
         is_static: bool,
     },
     Pose(PoseStamped),
-    /// One of this topic that cannot be read, and why.
+    /// An unreadable message of this topic, and why.
     Unreadable(&'static str, String),
 }
 
-/// The topics that the node reads.
+/// The subscribed topics.
 pub struct Inputs {
     image: Subscription<Image>,
     compressed: Subscription<CompressedImage>,
@@ -28,12 +28,12 @@ pub struct Inputs {
 }
 
 enum Poses {
-    /// Each with whether it is of static frames.
+    /// Subscriptions, each with whether its frames are static.
     Transforms(Vec<(bool, Subscription<TfMessage>)>),
     Topic(Box<Subscription<PoseStamped>>),
 }
 
-/// Transforms that wait to be read: those of a second of a robot with many joints.
+/// Maximum number of unread transforms: those of a second of a robot with many joints.
 const TRANSFORMS: usize = 200;
 
 impl Inputs {
@@ -69,7 +69,7 @@ impl Inputs {
         })
     }
 
-    /// All messages, as they come.
+    /// All messages in order of arrival.
     pub fn messages(&self) -> SelectAll<LocalBoxStream<'_, Message>> {
         let mut streams = vec![
             stream("depth/image", &self.image, Message::Image),

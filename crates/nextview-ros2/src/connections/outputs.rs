@@ -4,7 +4,7 @@ use crate::messages::{
 };
 use ros2_client::dds::Publisher;
 
-/// A message to be published.
+/// A message to publish.
 pub enum Output {
     NextView(PoseStamped),
     Candidates(PoseArray),
@@ -17,7 +17,7 @@ pub enum Output {
     Status(Text),
 }
 
-/// The topics that the node writes; those who come later get the last message of each.
+/// The published topics; late subscribers receive the last message of each.
 pub struct Outputs {
     next_view: Publisher<PoseStamped>,
     candidates: Publisher<PoseArray>,
@@ -46,7 +46,7 @@ impl Outputs {
         })
     }
 
-    /// Publishes a message; or says why it cannot be.
+    /// Publishes a message. Fails with the reason.
     pub fn publish(&self, output: Output) -> Result<(), String> {
         match output {
             Output::NextView(message) => sent("~/next_view", self.next_view.publish(message)),
@@ -65,7 +65,7 @@ impl Outputs {
 }
 
 fn sent<M>(topic: &str, result: Result<(), ros2_client::WriteError<M>>) -> Result<(), String> {
-    // The message itself, which the error holds, may be megabytes.
+    // The error contains the message itself, which may be megabytes.
     result.map_err(|error| match error {
         ros2_client::WriteError::WouldBlock { .. } => {
             format!("{topic}: no subscriber has taken the previous messages")

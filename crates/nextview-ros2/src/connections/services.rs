@@ -10,7 +10,7 @@ use ros2_client::{RmwRequestId, ServiceTypeName};
 pub enum Service {
     /// Takes the next image.
     Capture,
-    /// Says the next view.
+    /// Returns the next view.
     Plan,
     /// Never proposes the next view again.
     Skip,
@@ -50,7 +50,7 @@ impl Services {
         Service::ALL.into_iter().map(server).collect::<Result<_, String>>().map(Self)
     }
 
-    /// All requests, as they come; those that cannot be read are left out.
+    /// All requests in order of arrival; unreadable ones are left out.
     pub fn requests(&self) -> SelectAll<LocalBoxStream<'_, (Service, RmwRequestId)>> {
         select_all(self.0.iter().map(|(service, server)| {
             let requests = server.receive_request_stream();
@@ -58,7 +58,7 @@ impl Services {
         }))
     }
 
-    /// Answers a request; an asker who has gone meanwhile gets nothing.
+    /// Answers a request; does nothing if the client has gone.
     pub fn answer(&self, service: Service, id: RmwRequestId, response: TriggerResponse) {
         if let Some((_, server)) = self.0.iter().find(|(of, _)| *of == service) {
             let _ = server.send_response(id, response);
@@ -66,8 +66,8 @@ impl Services {
     }
 }
 
-/// How requests are matched to answers, which implementations of DDS do in two ways: that of the one that
-/// ROS's other programs use, by the same variable of the environment.
+/// How requests are matched to answers, which differs between DDS implementations: that of the implementation
+/// used by other ROS programs, selected by the same environment variable.
 fn mapping() -> ServiceMapping {
     match std::env::var("RMW_IMPLEMENTATION") {
         Ok(name) if name.contains("cyclonedds") => ServiceMapping::Cyclone,

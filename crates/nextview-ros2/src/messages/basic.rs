@@ -14,10 +14,10 @@ impl Time {
         self.sec as f64 + 1e-9 * self.nanosec as f64
     }
 
-    /// From a time that is not negative, seconds.
+    /// Converts from a non-negative time in seconds.
     pub fn from_seconds(seconds: f64) -> Self {
         let whole = seconds.floor();
-        // Rounded, a nanosecond less than a second may be one.
+        // A nanosecond less than a second may round up to one.
         let nanosec = (1e9 * (seconds - whole)).round().min(999_999_999.0);
         Self { sec: whole as i32, nanosec: nanosec as u32 }
     }
@@ -31,7 +31,7 @@ pub struct Header {
 }
 
 impl Header {
-    /// Of what holds at any time in this frame: the time 0, which transforms take for the latest one.
+    /// For content valid at any time in this frame: time 0, which transforms interpret as the latest.
     pub fn of(frame: &str) -> Self {
         Self { stamp: Time::default(), frame_id: frame.to_owned() }
     }

@@ -28,7 +28,7 @@ impl Default for Quaternion {
     }
 }
 
-/// `geometry_msgs/msg/Pose`, and with the same fields `geometry_msgs/msg/Transform`.
+/// `geometry_msgs/msg/Pose`, and `geometry_msgs/msg/Transform` with the same fields.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Pose {
     pub position: Point,

@@ -42,7 +42,7 @@ impl CompressedImage {
     }
 }
 
-/// `sensor_msgs/msg/CameraInfo` up to the matrix `k`: what follows is not used.
+/// `sensor_msgs/msg/CameraInfo` up to the matrix `k`; the rest is unused.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct CameraInfo {
     pub header: Header,
@@ -79,7 +79,7 @@ pub struct TfMessage {
     pub transforms: Vec<TransformStamped>,
 }
 
-/// The request of `std_srvs/srv/Trigger`: nothing, which takes one byte.
+/// The request of `std_srvs/srv/Trigger`: empty, which takes one byte.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct TriggerRequest {
     pub structure_needs_at_least_one_member: u8,

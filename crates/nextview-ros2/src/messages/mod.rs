@@ -1,4 +1,4 @@
-//! The messages of ROS 2 that the node reads and writes, field by field in the order of their definitions.
+//! The ROS 2 messages of the node, field by field in the order of their definitions.
 
 mod basic;
 mod geometry;

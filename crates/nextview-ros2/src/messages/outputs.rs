@@ -75,7 +75,7 @@ pub struct Duration {
 }
 
 impl Duration {
-    /// From a time that is not negative, seconds.
+    /// Converts from a non-negative time in seconds.
     pub fn from_seconds(seconds: f64) -> Self {
         let Time { sec, nanosec } = Time::from_seconds(seconds);
         Self { sec, nanosec }

@@ -3,11 +3,11 @@ use crate::names::{Names, is_name, is_part};
 use nextview::text;
 use toml::Value;
 
-/// The arguments after `--ros-args`: names, and parameters in the order in which they were given.
+/// The arguments after `--ros-args`: names, and parameters in the given order.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct RosArguments {
     pub names: Names,
-    /// A name may come several times: the last one holds.
+    /// A name may occur several times: the last value applies.
     pub parameters: Vec<(String, Value)>,
 }
 
@@ -15,17 +15,17 @@ const EXPECTED: &str =
     "expected --ros-args with -r FROM:=TO, -p NAME:=VALUE, --params-file FILE, or --log-level LEVEL";
 
 impl RosArguments {
-    /// Reads the arguments, and the files that they name.
+    /// Parses the arguments, and reads the files that they name.
     ///
     /// # Errors
-    /// All that is wrong, a line each.
+    /// All faults, one per line.
     pub fn parse(arguments: impl Iterator<Item = String>) -> Result<Self, String> {
         let mut parsed = Self::default();
         let (mut faults, mut files, mut given) = (Vec::new(), Vec::new(), Vec::new());
         let mut arguments = arguments.filter(|argument| argument != "--ros-args").take_while(|a| a != "--");
         while let Some(argument) = arguments.next() {
             let (flag, value) = match argument.split_once(":=") {
-                // A remap without its flag, as ROS 1 had it and launch files still do.
+                // A remap without its flag, as in ROS 1 and still in launch files.
                 Some((from, _)) if !from.starts_with('-') => ("-r".to_owned(), Some(argument)),
                 _ => (argument, None),
             };
@@ -42,11 +42,11 @@ impl RosArguments {
                 "-r" | "--remap" => faults.extend(parsed.remap(&value).err()),
                 "-p" | "--param" => given.push(value),
                 "--params-file" => files.push(value),
-                // Faults are always told, and nothing else is.
+                // Faults are always reported; other log settings have no effect.
                 _ => (),
             }
         }
-        // The node's name decides which parameters of a file are its own.
+        // The node's name selects its own parameters in a file.
         for path in files {
             let bytes = std::fs::read(&path).map_err(|error| format!("cannot be read: {error}"));
             let text = bytes.and_then(|bytes| text::utf8(bytes).map_err(|error| error.to_string()));
@@ -61,7 +61,7 @@ impl RosArguments {
 
     fn remap(&mut self, text: &str) -> Result<(), String> {
         let (from, to) = assigned(text, "FROM:=TO")?;
-        // `node:from:=to` is meant for the node of that name alone.
+        // `node:from:=to` applies only to the node of that name.
         let from = match from.split_once(':') {
             Some((node, _)) if node != self.names.node => return Ok(()),
             Some((_, from)) => from,

@@ -1,12 +1,12 @@
-//! Files of parameters: `node: { ros__parameters: { name: value } }`.
+//! Parameter files: `node: { ros__parameters: { name: value } }`.
 
 use super::value::{documents, value};
 use crate::names::Names;
 use saphyr::Yaml;
 use toml::Value;
 
-/// Adds the parameters of a file that are this node's, in their order: those below `/**`, below its name with
-/// its namespace, or below its bare name. Names of inner maps are joined by dots.
+/// Adds the parameters of a file for this node, in order: those below `/**`, below its name with namespace,
+/// or below its bare name. Names of nested maps are joined by dots.
 pub fn add(text: &str, names: &Names, parameters: &mut Vec<(String, Value)>) -> Result<(), String> {
     for document in &documents(text)? {
         let Some(nodes) = document.as_mapping() else {
@@ -28,7 +28,7 @@ pub fn add(text: &str, names: &Names, parameters: &mut Vec<(String, Value)>) -> 
     Ok(())
 }
 
-/// Deeper than any parameter's name.
+/// Deeper than the name of any parameter.
 const MAX_DEPTH: usize = 16;
 
 fn flatten(prefix: &str, yaml: &Yaml<'_>, parameters: &mut Vec<(String, Value)>) -> Result<(), String> {

@@ -1,4 +1,4 @@
-//! The input of the node when it starts: arguments, parameter files, and their meaning.
+//! The input of the node at startup: arguments, parameter files, and their meaning.
 
 mod arguments;
 mod file;

@@ -4,29 +4,28 @@ use nextview_scan::{Faults, ScanConfig, merged, nested};
 use std::path::PathBuf;
 use toml::{Table, Value};
 
-/// The settings of the node, from its parameters.
+/// The settings of the node, derived from its parameters.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Parameters {
-    /// The frame of the world, in which boxes, views and maps are. Default `map`.
+    /// The world frame of boxes, views and maps. Default `map`.
     pub global_frame: String,
-    /// Whether poses come as transforms, and not on the topic `pose`. Default true.
+    /// Whether poses come from transforms instead of the topic `pose`. Default true.
     pub use_tf_transforms: bool,
-    /// The folder of the scan: its journal, and its results. Without it, nothing is kept.
+    /// The folder of the scan: its journal, and its results. By default, nothing is kept.
     pub directory: Option<PathBuf>,
-    /// Whether an image is taken as soon as the camera rests near the next view. Default false.
+    /// Whether to take an image as soon as the camera rests near the next view. Default false.
     pub auto_capture: bool,
-    /// How near, metres. Default 0.01.
+    /// Maximum distance from the next view in metres. Default 0.01.
     pub capture_distance: f64,
-    /// How near, radians, between the directions in which the camera looks and should look. Default 3
-    /// degrees.
+    /// Maximum angle between actual and wanted viewing direction in radians. Default 3 degrees.
     pub capture_angle: f64,
-    /// How long to wait for an image, and for its pose, seconds. Default 5.
+    /// Maximum wait in seconds for an image and its pose. Default 5.
     pub capture_timeout: f64,
     /// All other parameters: keys of a configuration.
     config: Table,
 }
 
-/// Parameters that octomap_server and nvblox name otherwise than a configuration does.
+/// Parameters named differently in octomap_server and nvblox than in a configuration.
 const OTHER_NAMES: [(&str, &str); 8] = [
     ("voxel_size", "voxel_size_m"),
     ("resolution", "voxel_size_m"),
@@ -39,10 +38,10 @@ const OTHER_NAMES: [(&str, &str); 8] = [
 ];
 
 impl Parameters {
-    /// From what was given.
+    /// Builds the settings from the arguments.
     ///
     /// # Errors
-    /// All values that cannot be, a line each.
+    /// All invalid values, one per line.
     pub fn new(arguments: &RosArguments) -> Result<Self, String> {
         let mut faults = Vec::new();
         let mut own = Table::new();
@@ -83,19 +82,19 @@ impl Parameters {
         if faults.is_empty() { Ok(parameters) } else { Err(faults.join("\n")) }
     }
 
-    /// The configuration of a scan by this camera.
+    /// The configuration of a scan with this camera.
     pub fn scan_config(&self, camera: Intrinsics) -> Result<ScanConfig, Faults> {
         let named = nested("object", Value::String("object".to_owned()));
         let live = nested("live", Value::Table(Table::new()));
         let mut config = ScanConfig::from_table(merged(merged(named, live), self.config.clone()))?;
         config.camera = camera;
-        // What else a scan needs is known to the camera that is opened.
+        // Opening the camera checks all other requirements of a scan.
         nextview_scan::OwnCamera::open(&mut config.clone())?;
         Ok(config)
     }
 }
 
-/// The parameters that are no keys of a configuration.
+/// The parameters that are not keys of a configuration.
 const OWN: [&str; 7] = [
     "global_frame",
     "use_tf_transforms",
@@ -106,7 +105,7 @@ const OWN: [&str; 7] = [
     "capture_timeout_s",
 ];
 
-/// Reads the node's own parameters, and notes those of another kind.
+/// Reads the node's own parameters, and records faults in their types.
 struct Reader<'a> {
     own: &'a Table,
     faults: &'a mut Vec<String>,
@@ -174,7 +173,7 @@ mod tests {
         }
         let unknown = parameters(&format!("{BOX} viewz:=3")).unwrap_err();
         assert!(unknown.contains("viewz") && unknown.contains("views"), "{unknown}");
-        // Where the object is must be known somehow.
+        // The object's place must be known somehow.
         assert!(parameters("views:=3").unwrap_err().contains("live.box_m"));
     }
 }

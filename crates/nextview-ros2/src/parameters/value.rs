@@ -1,14 +1,14 @@
-//! YAML as values of a configuration.
+//! YAML as configuration values.
 
 use saphyr::{LoadableYamlNode, Scalar, Yaml};
 use toml::Value;
 
-/// The documents of a YAML text; or what is wrong with it.
+/// Parses the documents of a YAML text, or describes the fault.
 pub fn documents(text: &str) -> Result<Vec<Yaml<'_>>, String> {
     Yaml::load_from_str(text).map_err(|error| format!("is no YAML: {error}"))
 }
 
-/// The value of a parameter, as it stands behind `:=`.
+/// Parses the value of a parameter after `:=`.
 pub fn parse(text: &str) -> Result<Value, String> {
     match documents(text)?.first() {
         Some(yaml) => value(yaml),
@@ -16,7 +16,7 @@ pub fn parse(text: &str) -> Result<Value, String> {
     }
 }
 
-/// A parameter's value: a scalar or a list of them.
+/// Converts the value of a parameter: a scalar or a list of them.
 pub fn value(yaml: &Yaml<'_>) -> Result<Value, String> {
     match yaml {
         Yaml::Value(Scalar::Boolean(value)) => Ok(Value::Boolean(*value)),

@@ -7,10 +7,10 @@ const FLOAT32: u8 = 7;
 /// Bytes of a point.
 const STEP: usize = 12;
 
-/// Most points: larger messages do not pass best-effort networks whole.
+/// Maximum number of points: larger messages do not pass best-effort networks whole.
 const MAX_POINTS: usize = 200_000;
 
-/// Points as x, y, z; of too many, every second, third, ... one.
+/// Points as x, y, z; if there are too many, every second, third, ... one.
 pub fn message(points: &[DVec3], frame: &str) -> PointCloud2 {
     let points: Vec<&DVec3> = points.iter().step_by(points.len().div_ceil(MAX_POINTS).max(1)).collect();
     let field = |(i, name): (u32, &str)| PointField {

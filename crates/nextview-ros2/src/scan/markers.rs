@@ -1,4 +1,4 @@
-//! Markers of the box, the next view and the frames that were taken.
+//! Markers of the box, the next view and the frames taken.
 
 use crate::messages::{ColorRgba, Header, Marker, MarkerArray, Point, Pose, Quaternion, Vector3};
 use glam::{DQuat, DVec3};
@@ -9,7 +9,7 @@ const ARROW: i32 = 0;
 const CUBE: i32 = 1;
 const SPHERE_LIST: i32 = 7;
 
-/// The action of a marker: shown, or removed.
+/// Actions of a marker: shown, or removed.
 const ADD: i32 = 0;
 const DELETE: i32 = 2;
 

@@ -1,4 +1,4 @@
-//! The scan itself, on a thread of its own: planning takes longer than an image.
+//! The scan itself, on a separate thread: planning takes longer than an image.
 
 mod cloud;
 mod markers;

@@ -1,4 +1,4 @@
-//! Maps as `octomap_msgs` has them: a file of OctoMap without its head.
+//! Maps in the form of `octomap_msgs`: an OctoMap file without its header.
 
 use crate::messages::{Bytes, Header, Octomap};
 use nextview::map::{OccupancyMap, Octree};
@@ -6,7 +6,7 @@ use nextview::map::{OccupancyMap, Octree};
 /// The line after which the tree begins.
 const END_OF_HEAD: &[u8] = b"\ndata\n";
 
-/// The map with P(occupied) of each voxel, and with free and occupied ones only.
+/// The map with P(occupied) of each voxel, and with free and occupied voxels only.
 pub fn messages(map: &OccupancyMap, frame: &str) -> Result<[Octomap; 2], nextview::Error> {
     let octree = map.to_octree()?.pruned();
     let (mut full, mut binary) = (Vec::new(), Vec::new());

@@ -10,8 +10,8 @@ use nextview::session::NextView;
 use nextview::surface::downsample;
 use nextview_scan::{Fault, LiveScan};
 
-/// Everything to show after a decision, in this frame. When the scan is over, there is no next view, and its
-/// path is empty.
+/// All messages after a decision, in this frame. When the scan is over, there is no next view, and its path
+/// is empty.
 pub fn outputs(scan: &LiveScan, next: Option<&NextView>, frame: &str) -> Result<Vec<Output>, Fault> {
     let session = &scan.scan().session;
     let stamped =
@@ -21,7 +21,7 @@ pub fn outputs(scan: &LiveScan, next: Option<&NextView>, frame: &str) -> Result<
     if let Some(next) = next {
         outputs.push(Output::NextView(stamped(Time::default(), (&next.world_from_camera).into())));
         let trajectory = scan.trajectory_to(next)?;
-        // The times are those since the camera set off.
+        // Times are relative to the camera's start.
         let waypoint = |at: &nextview::motion::Waypoint| {
             stamped(Time::from_seconds(at.time), (&at.world_from_camera).into())
         };
@@ -44,7 +44,7 @@ pub fn outputs(scan: &LiveScan, next: Option<&NextView>, frame: &str) -> Result<
     Ok(outputs)
 }
 
-/// It is not of a frame, and begins when it is received: its header is empty.
+/// It has no frame, and begins on receipt: its header is empty.
 fn joint_trajectory(joints: &nextview_robot::path::JointTrajectory) -> JointTrajectory {
     let point = |(time, values): &(f64, Vec<f64>)| JointTrajectoryPoint {
         positions: values.clone(),
@@ -55,7 +55,7 @@ fn joint_trajectory(joints: &nextview_robot::path::JointTrajectory) -> JointTraj
     JointTrajectory { header: Header::default(), joint_names: joints.names.clone(), points }
 }
 
-/// The measured points in the box, one a voxel.
+/// The measured points in the box, one per voxel.
 fn points(scan: &LiveScan) -> Result<Vec<DVec3>, Fault> {
     let session = &scan.scan().session;
     let Some(bounds) = session.bounds() else { return Ok(Vec::new()) };

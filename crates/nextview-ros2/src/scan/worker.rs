@@ -15,14 +15,14 @@ use serde::Serialize;
 use std::sync::mpsc;
 use tokio::sync::mpsc::UnboundedSender;
 
-/// Something to be done with the scan, and who waits for the answer.
+/// A job for the scan, and who waits for the answer.
 pub struct Order<T> {
     pub job: Job,
     pub askers: Vec<T>,
 }
 
 pub enum Job {
-    /// Goes on with the interrupted scan of the folder, if there is one.
+    /// Resumes the interrupted scan of the folder, if there is one.
     Resume,
     /// Starts with this camera, or resumes if the interrupted scan used the same camera.
     Begin(Intrinsics),
@@ -36,35 +36,35 @@ pub enum Job {
 
 /// The messages of the thread.
 pub enum Report<T> {
-    /// To be published.
+    /// Messages to publish.
     Outputs(Vec<Output>),
     State(State),
-    /// An order is done.
+    /// A finished order.
     Done {
         askers: Vec<T>,
         answer: TriggerResponse,
     },
 }
 
-/// Where the scan is.
+/// The state of the scan.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct State {
     pub state: Stage,
-    /// Number of frames that were taken.
+    /// Number of frames taken.
     pub frames: usize,
-    /// Number of the next view among the candidates; none if it is no candidate, or if there is none.
+    /// Number of the next view among the candidates; `None` if it is no candidate, or if there is none.
     pub view: Option<usize>,
-    /// Estimated share of the surface that can be seen that has been seen.
+    /// Estimated share of the visible surface seen so far.
     pub estimated_completeness: Option<f64>,
-    /// The same after the next view and each of those expected to follow.
+    /// Estimated completeness after the next view and each expected later view.
     pub forecast_completeness: Option<Vec<f64>>,
     pub stop_reason: Option<StopReason>,
-    /// Where the camera should stand.
+    /// The wanted pose of the camera.
     #[serde(skip)]
     pub wanted: Option<Pose>,
 }
 
-/// In the words of the status.
+/// The stage, in the words of the status.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Stage {
@@ -73,11 +73,11 @@ pub enum Stage {
     WaitingForCamera,
     /// The next view is known.
     View,
-    /// Nothing is left to do.
+    /// The scan is over.
     Finished,
 }
 
-/// Starts the thread. Orders are done one after the other, in the order in which they come.
+/// Starts the thread. Orders are processed one after the other, in order of arrival.
 pub fn start<T: Send + 'static>(
     parameters: Parameters,
     reports: UnboundedSender<Report<T>>,
@@ -102,11 +102,11 @@ struct Worker {
 }
 
 impl Worker {
-    /// Does something, and reports what there is to see then.
+    /// Does a job, and reports its visible results.
     fn tell<T>(&mut self, reports: &UnboundedSender<Report<T>>, job: Job) -> TriggerResponse {
         match self.work(job).and_then(|has_changed| self.show(has_changed)) {
             Ok((outputs, state)) => {
-                // Numbers and names can always be written.
+                // Numbers and names can always be serialized.
                 let message = serde_json::to_string(&state).unwrap_or_default();
                 let _ = reports.send(Report::Outputs(outputs));
                 let _ = reports.send(Report::State(state));
@@ -116,7 +116,7 @@ impl Worker {
         }
     }
 
-    /// Whether anything has changed that can be seen.
+    /// Does a job; returns whether any visible state has changed.
     fn work(&mut self, job: Job) -> Result<bool, Faults> {
         match job {
             Job::Resume => self.resume(),
@@ -154,7 +154,7 @@ impl Worker {
         }
     }
 
-    /// Begins the scan, unless it is under way with this camera.
+    /// Begins the scan, unless it is in progress with this camera.
     fn begin_or_check(&mut self, camera: Intrinsics) -> Result<bool, Faults> {
         match &self.scan {
             None => self.begin(camera),
@@ -195,7 +195,7 @@ impl Worker {
         })
     }
 
-    /// Plans, if need be; and saves what is over.
+    /// Plans if needed, and saves a scan that is over.
     fn show(&mut self, has_changed: bool) -> Result<(Vec<Output>, State), Faults> {
         let Some(scan) = &mut self.scan else { return Ok((Vec::new(), State::default())) };
         let next = scan.next()?;
@@ -220,7 +220,7 @@ impl Worker {
         Ok((seen, state))
     }
 
-    /// Writes the results. Those of a scan that is over are final: its journal is removed.
+    /// Writes the results. Those of a finished scan are final: its journal is removed.
     fn save(&mut self) -> Result<(), Faults> {
         let Some(directory) = self.parameters.directory.clone() else {
             let fault = Fault::request("there is no folder to save in");
@@ -237,7 +237,7 @@ impl Worker {
     }
 }
 
-/// All faults in a line, with what to do about them.
+/// All faults in one line, with their remedies.
 fn told(faults: &Faults) -> String {
     let fault = |fault: &Fault| match &fault.remedy {
         Some(remedy) => format!("{fault}: {remedy}"),

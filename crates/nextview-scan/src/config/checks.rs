@@ -17,7 +17,7 @@ use nextview_recording::FARTHEST_POSITION;
 use nextview_sim::inspection::SurfaceDemand;
 
 impl ScanConfig {
-    /// Everything that is out of its range or contradicts something else.
+    /// Fails with every value that is out of range or contradicts another.
     pub fn check(&self) -> Result<(), Faults> {
         let faults = self.out_of_range().into_iter().chain(self.contradictions());
         Faults::of(faults.collect()).map_or(Ok(()), Err)
@@ -28,13 +28,13 @@ impl ScanConfig {
         Faults::of(of_views(self, n_views)).map_or(Ok(()), Err)
     }
 
-    /// All single values that are out of their range. Of a part of the library, the first one: without it,
-    /// another may come up.
+    /// All single values that are out of range. The library's checks report only their first fault;
+    /// correcting it may reveal another.
     pub(super) fn out_of_range(&self) -> Vec<Fault> {
         out_of_range(self)
     }
 
-    /// Everything that contradicts something else.
+    /// All contradictions between values.
     pub(super) fn contradictions(&self) -> Vec<Fault> {
         contradictions(self)
     }
@@ -70,7 +70,7 @@ fn out_of_range(config: &ScanConfig) -> Vec<Fault> {
         ("motion", config.motion.check()),
         ("registration", config.registration.check()),
         ("max_flow", MaxFlow::new(config.max_flow).map(drop)),
-        // Alike for every gain.
+        // Independent of the gain.
         ("greedy", Greedy::<Apora>::new(config.greedy).map(drop)),
         ("most_surface", MostSurface::new(config.most_surface).map(drop)),
         ("batch", Batch::new(config.batch).map(drop)),
@@ -91,7 +91,7 @@ fn contradictions(config: &ScanConfig) -> Vec<Fault> {
     faults.extend(config.planner.check().err());
     let knows_no_part = config.planner == PlannerName::Inspection && config.reference.is_none();
     faults.extend(knows_no_part.then(no_reference));
-    // The library's own weights need no check, which would cost tens of milliseconds.
+    // The library's own weights need no check: it would take tens of milliseconds.
     faults.extend(config.nbv_net.weights.as_ref().and_then(|_| config.nbv_net.planner().err()));
     #[cfg(feature = "simulated")]
     faults.extend(config.reference.iter().flat_map(of_reference));
@@ -110,7 +110,7 @@ fn contradictions(config: &ScanConfig) -> Vec<Fault> {
     faults
 }
 
-/// All values out of range in the demands on the surfaces of a part.
+/// All values out of range in the surface demands of a part.
 #[cfg(feature = "simulated")]
 fn of_reference(reference: &ReferenceConfig) -> impl Iterator<Item = Fault> + '_ {
     let of_demand = |(key, demand): (String, SurfaceDemand)| -> Vec<Fault> {
@@ -119,7 +119,7 @@ fn of_reference(reference: &ReferenceConfig) -> impl Iterator<Item = Fault> + '_
     reference.keyed_demands().flat_map(of_demand)
 }
 
-/// A planner must estimate what the scan is to stop by.
+/// The planner must estimate the quantity that stops the scan.
 fn of_stop(config: &ScanConfig) -> Option<Fault> {
     let is_estimated = config.stop.completeness.or(config.stop.expected_gain).is_some();
     (is_estimated && !config.planner.estimates_completeness()).then(|| {
@@ -131,7 +131,7 @@ fn of_stop(config: &ScanConfig) -> Option<Fault> {
     })
 }
 
-/// A distance needs a rule that has one, and a box that stays.
+/// A distance requires a rule that uses one, and a fixed box.
 fn of_view_distance(config: &ScanConfig) -> Option<Fault> {
     let stated = [("view_distance_m", config.view_distance_m), ("view_standoff_m", config.view_standoff_m)];
     let mut stated = stated.into_iter().filter_map(|(key, value)| value.map(|_| key));
@@ -169,7 +169,7 @@ fn of_seconds(config: &ScanConfig) -> Option<Fault> {
     })
 }
 
-/// A goal needs a planner that takes second looks, and the error of the camera.
+/// A goal requires a planner that takes second looks, and the error of the camera.
 fn of_goal(config: &ScanConfig) -> Option<Fault> {
     let goal = config.goal_mm?;
     if !(goal > 0.0 && goal.is_finite()) {
@@ -185,7 +185,7 @@ fn of_goal(config: &ScanConfig) -> Option<Fault> {
     })
 }
 
-/// Looks need a planner that takes second ones.
+/// Looks require a planner that takes second looks.
 fn of_looks(config: &ScanConfig) -> Option<Fault> {
     config.looks.and_then(|_| takes_second_looks(config, "looks"))
 }
@@ -199,7 +199,7 @@ fn takes_second_looks(config: &ScanConfig, key: &str) -> Option<Fault> {
     })
 }
 
-/// Everything that does not fit this number of candidates.
+/// All faults for this number of candidates.
 fn of_views(config: &ScanConfig, n_views: usize) -> Vec<Fault> {
     let mut faults = Vec::new();
     // Recorded poses stay candidates wherever the table is.
@@ -226,7 +226,7 @@ fn of_views(config: &ScanConfig, n_views: usize) -> Vec<Fault> {
     faults
 }
 
-/// Everything that is wrong with a recording, and everything that only a simulation can have.
+/// All faults of a recording, and all keys that only a simulation can have.
 fn of_recording(recording: &RecordingConfig, config: &ScanConfig) -> Vec<Fault> {
     let mut faults = of_place("recording", recording.bounds(), recording.table_z_m, config);
     if recording.truth.is_none() && recording.truth_from_world.is_some() {
@@ -265,7 +265,7 @@ fn of_live(live: &LiveConfig, config: &ScanConfig) -> Vec<Fault> {
         let expected = "a finite number of metres above `live.min_depth_m`";
         faults.push(Fault::of_value("live.max_depth_m", live.max_depth_m, expected));
     }
-    // Recorded frames may have the mesh of a true shape, which it is the unit of.
+    // Recorded frames may come with a true mesh, whose unit this is.
     let has_unit = config.unit != ScanConfig::of_profile(config.profile).unit;
     let given = simulated_keys(config).chain(has_unit.then_some("unit"));
     faults.extend(given.map(|key| only_simulated(key, "live")));
@@ -296,7 +296,7 @@ fn of_turntable(config: &ScanConfig) -> Vec<Fault> {
     faults
 }
 
-/// What is wrong with the object's place, as this section of the configuration states it.
+/// All faults in the object's place, as stated by this section of the configuration.
 fn of_place(section: &str, bounds: Option<Aabb>, table_z_m: Option<f64>, config: &ScanConfig) -> Vec<Fault> {
     let mut faults = Vec::new();
     if let Some(Aabb { min, max }) = bounds {

@@ -17,7 +17,7 @@ named! {
 }
 
 named! {
-    /// How the box around the object comes about.
+    /// How the object's box is determined.
     #[derive(Default)]
     pub enum BoxRule {
         #[default] Known = "known": "Planning knows the box",
@@ -26,7 +26,7 @@ named! {
 }
 
 named! {
-    /// What the object stands on.
+    /// The surface below the object.
     #[derive(Default)]
     pub enum TableRule {
         #[default] None = "none": "The object floats in the room",
@@ -57,7 +57,7 @@ impl From<UnitName> for nextview_sim::mesh::Unit {
 }
 
 named! {
-    /// The length of an object that `size_m` states.
+    /// The length that `size_m` sets.
     #[derive(Default)]
     pub enum SizeOf {
         #[default] LongestSide = "longest-side": "The longest side of its box",
@@ -67,7 +67,7 @@ named! {
 }
 
 named! {
-    /// A rule that makes view candidates.
+    /// A rule that generates view candidates.
     #[derive(Default)]
     pub enum ViewRule {
         #[default] Shell = "shell": "The paper's random shell: outside the cube of half-side 2 x size, inside the sphere of radius 4 x size",
@@ -86,15 +86,15 @@ impl SizeOf {
     }
 }
 
-/// Half-sides of objects that there can be views of, metres.
+/// Half-sides of objects that views can be generated for, in metres.
 const SIZES_M: RangeInclusive<f64> = 1e-6..=1e6;
 
-/// How far above an object's middle the ring is, seen from there: sides and top are then in view.
+/// Elevation of the ring above the object's middle: sides and top are then in view.
 const RING_ELEVATION_DEG: f64 = 30.0;
 
 impl ViewRule {
-    /// The candidates around an object of this centre and half-side, metres. All but those of the shell are
-    /// at this distance from the centre, metres; by default three times the half-side.
+    /// Generates the candidates around an object of this centre and half-side in metres. All but those of the
+    /// shell are at this distance from the centre in metres; the default is three times the half-side.
     pub fn views(
         self,
         center: DVec3,
@@ -106,7 +106,7 @@ impl ViewRule {
         if !SIZES_M.contains(&size) {
             return Err(Fault::of_value("size_m", size, "0.000001 to 1000000 m"));
         }
-        // Farther away, positions are not exact beside the smallest objects.
+        // Farther away, rounding of positions is too coarse for the smallest objects.
         if !(center.is_finite() && center.abs().max_element() <= *SIZES_M.end()) {
             return Err(Fault::of_value("center", center, "coordinates of -1000000 to 1000000 m"));
         }
@@ -129,7 +129,7 @@ impl ViewRule {
 pub struct ViewSpaceName(pub String);
 
 impl ViewSpaceName {
-    /// The rule; none if it is a file.
+    /// The rule; `None` if it is a file.
     pub fn rule(&self) -> Option<ViewRule> {
         ViewRule::of_name(&self.0)
     }

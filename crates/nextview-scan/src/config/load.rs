@@ -1,4 +1,4 @@
-//! From a text or a table to a configuration, with everything that is wrong in it at once.
+//! Reads a configuration from a text or a table and reports all its faults at once.
 
 use super::value::{self, Problem, What, read_value};
 use super::{Positions, Profile, ScanConfig};
@@ -10,8 +10,8 @@ use serde::de::DeserializeOwned;
 use std::path::Path;
 use toml::{Table, Value};
 
-/// Largest configuration file, bytes: two hundred times that of a scan with all its keys. Reading one takes a
-/// hundred times its size.
+/// Maximum size of a configuration file in bytes: two hundred times that of a scan with all keys. Reading one
+/// takes a hundred times its size in memory.
 const MAX_BYTES: u64 = 1 << 20;
 
 impl ScanConfig {
@@ -20,10 +20,10 @@ impl ScanConfig {
         Self::parse(&files::read_text(file, MAX_BYTES)?, Some(file), profile)
     }
 
-    /// The values of a TOML text over those of its profile. Every fault says where it is, where the text is a
-    /// file's.
+    /// Applies the values of a TOML text over those of its profile. If the text is a file's, every fault
+    /// states its place in it.
     ///
-    /// `profile` takes the place of the text's own.
+    /// `profile` overrides the profile in the text.
     pub fn parse(text: &str, file: Option<&Path>, profile: Option<Profile>) -> Result<Self, Faults> {
         let (positions, mut table) = Positions::read(text, file)?;
         if let Some(profile) = profile {
@@ -37,15 +37,15 @@ impl ScanConfig {
         })
     }
 
-    /// The values of a table over those of its sensor, if it names one, over those of its profile, or else of
-    /// the default one.
+    /// Applies the values of a table over those of its sensor, if any, and over those of its profile or the
+    /// default one.
     pub fn from_table(mut table: Table) -> Result<Self, Faults> {
         let mut faults = Vec::new();
         let profile = take_wrong(&mut table, "profile", &mut faults).unwrap_or_default();
         let base = Self::of_profile(profile);
         #[cfg(feature = "simulated")]
         let base = with_sensor(base, &mut table, &mut faults);
-        // What a misspelt profile or sensor would have decided is not known.
+        // The defaults of a misspelt profile or sensor are unknown.
         let knows_defaults = faults.is_empty();
         let base = Table::try_from(base).map_err(Fault::data)?;
         let config: Option<Self> = read_over(&base, &mut table, Self::out_of_range, &mut faults);
@@ -58,7 +58,7 @@ impl ScanConfig {
         }
     }
 
-    /// Whether a configuration has this key at its top.
+    /// Whether a configuration has this top-level key.
     pub fn has_key(key: &str) -> bool {
         let table = Table::from_iter([(key.to_owned(), Value::Table(Table::new()))]);
         let problem = value::read::<Self>(&Value::Table(table)).err();
@@ -66,7 +66,7 @@ impl ScanConfig {
     }
 }
 
-/// The value of a key, if there is one; one that cannot be is taken out of the table.
+/// Returns the value of a key, if present; removes an invalid one from the table.
 fn take_wrong<T: DeserializeOwned>(table: &mut Table, key: &str, faults: &mut Vec<Fault>) -> Option<T> {
     let read = read_value(key, table.get(key)?);
     read.map_err(|fault| {
@@ -76,7 +76,7 @@ fn take_wrong<T: DeserializeOwned>(table: &mut Table, key: &str, faults: &mut Ve
     .ok()
 }
 
-/// The values with those of the sensor that a table names.
+/// Adds the values of the sensor that a table names.
 #[cfg(feature = "simulated")]
 fn with_sensor(base: ScanConfig, table: &mut Table, faults: &mut Vec<Fault>) -> ScanConfig {
     let Some(name) = take_wrong(table, "sensor", faults) else { return base };
@@ -91,12 +91,11 @@ fn with_sensor(base: ScanConfig, table: &mut Table, faults: &mut Vec<Fault>) -> 
     }
 }
 
-/// From so many faults on, the rest of a table is not read: a table of nothing else would take minutes.
+/// After this number of faults, the rest of a table is skipped: a table full of faults would take minutes.
 const MOST_FAULTS: usize = 100;
 
-/// A table over its defaults, checked by `out_of_range`. A value that is wrong is taken out of the table and
-/// the rest is read again, until all that is left is right. None if something is wrong that is no value of
-/// the table.
+/// Reads a table over its defaults, checked by `out_of_range`. A wrong value is removed from the table and
+/// the rest is read again until all is valid. `None` if the fault is in no value of the table.
 pub(super) fn read_over<T: DeserializeOwned>(
     base: &Table,
     table: &mut Table,
@@ -115,7 +114,7 @@ pub(super) fn read_over<T: DeserializeOwned>(
             }
             Err(problem) => {
                 let found = of_camera(&problem, &whole).unwrap_or_else(|| vec![problem.fault()]);
-                // Of a table that had to lose what was wrong, a key may be missing.
+                // A table that lost its wrong values may lack a key.
                 let table_of_key = problem.parent();
                 if matches!(problem.what, What::Missing)
                     && is_within(faults, &table_of_key)
@@ -137,13 +136,13 @@ pub(super) fn read_over<T: DeserializeOwned>(
     }
 }
 
-/// Whether one of the faults is about something in a table.
+/// Whether any of the faults lies in a table.
 fn is_within(faults: &[Fault], table: &str) -> bool {
     let rest = |key: &String| key.strip_prefix(table).is_some_and(|rest| rest.starts_with('.'));
     faults.iter().filter_map(|fault| fault.key.as_ref()).any(rest)
 }
 
-/// All that is wrong in the optics of a camera, which fail as a whole.
+/// All faults in the optics of a camera, which fail as a whole.
 fn of_camera(problem: &Problem, whole: &Value) -> Option<Vec<Fault>> {
     #[derive(Deserialize)]
     struct Optics {
@@ -164,10 +163,10 @@ fn of_camera(problem: &Problem, whole: &Value) -> Option<Vec<Fault>> {
 }
 
 impl Fault {
-    /// An unknown key, with its nearest neighbour among the known ones, or else all of few. The prefix leads
+    /// An unknown key, with the nearest known key, or with all known keys if they are few. The prefix leads
     /// to all of them.
     pub fn unknown_key<'a>(prefix: &str, word: &str, known: impl Iterator<Item = &'a str> + Clone) -> Self {
-        // A word is likelier to be cut short than misspelt: what both begin with counts for it.
+        // Words are truncated more often than misspelt, so a common prefix counts for a candidate.
         let alike = |known: &&str| word.chars().zip(known.chars()).take_while(|(a, b)| a == b).count();
         let farness = |known: &&str| distance(word, known) as i64 - alike(known) as i64;
         let nearest = known.clone().min_by_key(farness).filter(|nearest| farness(nearest) <= FARTHEST);
@@ -185,13 +184,13 @@ impl Fault {
     }
 }
 
-/// A known key is what was meant if it is no farther away than this.
+/// Maximum edit distance of a suggested key.
 const FARTHEST: i64 = 3;
 
-/// Most known keys that a remedy lists.
+/// Maximum number of known keys in a remedy.
 const MOST_LISTED: usize = 20;
 
-/// Levenshtein's distance between two words.
+/// Levenshtein distance between two words.
 fn distance(a: &str, b: &str) -> usize {
     let mut row: Vec<usize> = (0..=b.chars().count()).collect();
     for (i, x) in a.chars().enumerate() {
@@ -205,11 +204,11 @@ fn distance(a: &str, b: &str) -> usize {
     row.last().copied().unwrap_or_default()
 }
 
-/// Takes what a key leads to out of a table: of the tables that it leads through, the innermost loses its
-/// part of the key. False if there is nothing to lose.
+/// Removes the target of a key from a table, from the innermost table on its path. Returns false if there is
+/// nothing to remove.
 fn remove(table: &mut Table, key: &str) -> bool {
     let (first, rest) = key.split_once('.').unwrap_or((key, ""));
-    // A key may have a dot of its own.
+    // A key may itself contain a dot.
     if table.remove(key).is_some() {
         return true;
     }
@@ -222,7 +221,7 @@ fn remove(table: &mut Table, key: &str) -> bool {
     table.remove(first).is_some()
 }
 
-/// The table in which the dotted key leads to the value.
+/// Returns a table in which the dotted key leads to the value.
 pub fn nested(key: &str, value: Value) -> Table {
     match key.split_once('.') {
         Some((key, rest)) => Table::from_iter([(key.to_owned(), Value::Table(nested(rest, value)))]),
@@ -230,10 +229,10 @@ pub fn nested(key: &str, value: Value) -> Table {
     }
 }
 
-/// The kind of lens: its value replaces another kind as a whole.
+/// The kind of lens: a value replaces a different kind as a whole.
 const SUM_TYPE: &str = "distortion";
 
-/// The first table with the second's values in place of its own.
+/// Returns the first table, overridden by the values of the second.
 pub fn merged(mut base: Table, over: Table) -> Table {
     for (key, value) in over {
         let value = match (base.remove(&key), value) {
@@ -248,7 +247,7 @@ pub fn merged(mut base: Table, over: Table) -> Table {
 }
 
 impl Positions {
-    /// The fault where its key stands, which `prefix` leads to; a value of a file is the file's fault.
+    /// Places the fault at its key below `prefix`; a fault in a file's value becomes the file's.
     pub fn place(&self, fault: Fault, prefix: &str) -> Fault {
         let key = fault.key.as_ref().map(|key| format!("{prefix}{key}"));
         let position = key.and_then(|key| self.find(&key));

@@ -1,4 +1,4 @@
-//! Everything that decides a scan.
+//! The configuration of a scan.
 
 mod checks;
 mod choices;

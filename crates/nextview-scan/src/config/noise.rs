@@ -5,24 +5,24 @@ use nextview::sensor::DepthRange;
 use nextview_sim::noise::{DepthNoise, Noise, PoseError};
 use serde::{Deserialize, Serialize};
 
-/// The errors of the simulated camera. Their seed is their own, so that planners with several seeds face the
-/// same errors.
+/// Errors of the simulated camera. They have their own seed: planners with several seeds face the same
+/// errors.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(default, deny_unknown_fields)]
 pub struct NoiseConfig {
-    /// Of the depth.
+    /// Model of the depth errors.
     pub model: NoiseModel,
-    /// Of all draws.
+    /// Seed of all draws.
     pub seed: u64,
-    /// Standard deviation along each axis of the position that a frame claims, 0..=1000.
+    /// Standard deviation, along each axis, of the position that a frame claims, 0..=1000.
     pub pose_error_mm: f64,
-    /// Standard deviation about each axis of the rotation that a frame claims.
+    /// Standard deviation, about each axis, of the rotation that a frame claims.
     pub pose_error_deg: f64,
-    /// Whether the first frame claims the right pose all the same, so that all errors are relative to it.
+    /// Whether the first frame claims the true pose, which makes all errors relative to it.
     #[serde(skip_serializing_if = "std::ops::Not::not")]
     pub first_pose_is_right: bool,
-    /// Of the model, unless it is none. Defaults are those of the sensor, where one is named.
+    /// Parameters of the model, unless it is none. Defaults are those of the named sensor, if any.
     #[serde(deserialize_with = "DepthNoise::deserialize")]
     pub depth: DepthNoise,
 }
@@ -38,7 +38,7 @@ named! {
 }
 
 impl NoiseConfig {
-    /// The errors in the simulator's terms.
+    /// The errors as simulator settings.
     pub fn noise(&self) -> Noise {
         Noise {
             seed: self.seed,
@@ -51,7 +51,7 @@ impl NoiseConfig {
         }
     }
 
-    /// The depths that the camera measures: without errors, all.
+    /// The range of depths that the camera measures: unlimited without errors.
     pub fn depth_range(&self) -> DepthRange {
         self.noise().depth.map_or_else(DepthRange::default, |depth| depth.range())
     }
@@ -61,7 +61,7 @@ impl NoiseConfig {
         self.pose_error_mm > 0.0 || self.pose_error_deg > 0.0
     }
 
-    /// Everything that is out of its range, of a model that is off as well.
+    /// All values out of range, including those of a disabled model.
     pub(crate) fn faults(&self) -> Vec<Fault> {
         let limit_deg = 1_f64.to_degrees().floor();
         let errors = [

@@ -5,7 +5,7 @@ use serde::de::value::StringDeserializer;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 use std::fmt;
 
-/// How the next view is chosen: by a planner of the library, or by one that is written in Python.
+/// The planner that chooses the next view: one of the library, or one written in Python.
 ///
 /// ```
 /// use nextview_scan::{PlannerChoice, PlannerName, ScanConfig};
@@ -19,9 +19,9 @@ use std::fmt;
 /// ```
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum PlannerChoice {
-    /// One of the library.
+    /// A planner of the library.
     BuiltIn(PlannerName),
-    /// One that is written in Python.
+    /// A planner written in Python.
     Provided(ProvidedPlanner),
 }
 
@@ -34,7 +34,7 @@ impl PlannerChoice {
         }
     }
 
-    /// Whether the planner estimates how complete the scan is, which some rules to stop need.
+    /// Whether the planner estimates completeness, which some stop rules require.
     pub fn estimates_completeness(&self) -> bool {
         self.built_in().is_some_and(PlannerName::estimates_completeness)
     }
@@ -47,7 +47,7 @@ impl PlannerChoice {
         }
     }
 
-    /// The planner, for a scan of this seed; see [`PlannerName::build`].
+    /// Builds the planner for a scan with this seed; see [`PlannerName::build`].
     pub fn build(
         &self,
         configs: PlannerConfigs,

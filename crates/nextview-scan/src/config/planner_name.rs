@@ -17,7 +17,7 @@ use serde::{Deserialize, Serialize};
 use std::path::PathBuf;
 
 named! {
-    /// A planner, by the name users give it.
+    /// A planner by name.
     #[derive(Default)]
     pub enum PlannerName {
         #[default] MostSurface = "most-surface": "Ours: the most surface that a learned prior expects to be newly seen",
@@ -55,34 +55,34 @@ named! {
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(default, deny_unknown_fields)]
 pub struct NbvNetConfig {
-    /// A safetensors file; by default the library's own weights.
+    /// A safetensors file. Default: the library's own weights.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub weights: Option<PathBuf>,
 }
 
-/// Largest file of weights, bytes: ten times that of NBV-Net in 32 bits.
+/// Maximum size of a weights file in bytes: ten times that of NBV-Net in 32 bits.
 const MAX_WEIGHTS_BYTES: u64 = 1 << 26;
 
 /// The parameters of all planners.
 #[derive(Clone, Debug, Default)]
 pub struct PlannerConfigs {
-    /// Of the default planner.
+    /// Parameters of the default planner.
     pub most_surface: MostSurfaceConfig,
-    /// Of the paper's planner.
+    /// Parameters of the paper's planner.
     pub max_flow: MaxFlowConfig,
-    /// Of all planners that are named after a gain, and of gains that are written in Python; the ray spacing
-    /// also of frontier-tour, receding-horizon and kaba.
+    /// Parameters of all planners named after a gain, and of gains written in Python. The ray spacing also
+    /// applies to frontier-tour, receding-horizon and kaba.
     pub greedy: GreedyConfig,
-    /// Of the planner that chooses several views at once.
+    /// Parameters of the planner that chooses several views at once.
     pub batch: BatchConfig,
-    /// Of NBV-Net.
+    /// Parameters of NBV-Net.
     pub nbv_net: NbvNetConfig,
-    /// Of the planner inspection; none where no CAD model is named.
+    /// Parameters of the planner inspection; `None` without a CAD model.
     pub reference: Option<ReferenceConfig>,
 }
 
 impl NbvNetConfig {
-    /// The planner; fails if the weights cannot be read.
+    /// Builds the planner. Fails if the weights cannot be read.
     pub fn planner(&self) -> Result<NbvNet, Fault> {
         let Some(path) = &self.weights else { return Ok(NbvNet::default()) };
         let file = files::read(path, MAX_WEIGHTS_BYTES)?;
@@ -96,27 +96,27 @@ impl NbvNetConfig {
 }
 
 impl PlannerName {
-    /// Whether the planner needs the depth images behind the map.
+    /// Whether the planner requires the depth images behind the map.
     pub fn needs_frames(self) -> bool {
         matches!(self, Self::ProximityCount | Self::See | Self::Inspection)
     }
 
-    /// Whether a map is all that the planner needs: neither frames nor the true object.
+    /// Whether the planner needs only a map: neither frames nor the true object.
     pub fn plans_from_map(self) -> bool {
         !self.needs_frames() && self != Self::Clairvoyant
     }
 
-    /// Whether the planner names a view even where nothing of an object was seen: a network does.
+    /// Whether the planner proposes a view even before any surface was seen, as networks do.
     pub(crate) fn names_views_of_nothing(self) -> bool {
         matches!(self, Self::NbvNet | Self::NbvRegression | Self::PcNbv)
     }
 
-    /// Whether the planner estimates how complete the scan is, which some rules to stop need.
+    /// Whether the planner estimates completeness, which some stop rules require.
     pub fn estimates_completeness(self) -> bool {
         self == Self::MostSurface
     }
 
-    /// The planner. The clairvoyant one comes from whoever knows the truth; none where it is not known.
+    /// Builds the planner. The caller provides the clairvoyant one; `None` if the truth is unknown.
     pub fn build(
         self,
         configs: PlannerConfigs,

@@ -5,17 +5,17 @@ use std::path::{Path, PathBuf};
 use toml::Table;
 use toml::de::{DeTable, DeValue};
 
-/// Where the keys of a TOML text stand.
+/// Positions of keys in a TOML text.
 #[derive(Clone, Debug, Default)]
 pub struct Positions {
-    /// The file that holds the text, if there is one.
+    /// The file of the text, if there is one.
     pub(super) file: Option<PathBuf>,
     /// Line and column by dotted key.
     by_key: BTreeMap<String, (usize, usize)>,
 }
 
 impl Positions {
-    /// Reads a text; fails with all that is wrong in its syntax.
+    /// Reads a text. Fails with all its syntax errors.
     pub fn read(text: &str, file: Option<&Path>) -> Result<(Self, Table), Faults> {
         let (document, errors) = DeTable::parse_recoverable(text);
         let faults = errors.iter().map(|error| {
@@ -32,7 +32,7 @@ impl Positions {
         Ok((positions, table))
     }
 
-    /// Line and column, from 1, of the key, or else of the nearest one above it.
+    /// Returns the line and column, counted from 1, of the key or of its nearest ancestor.
     pub fn find(&self, key: &str) -> Option<(usize, usize)> {
         let mut key = key;
         loop {
@@ -63,7 +63,7 @@ impl Positions {
     }
 }
 
-/// Line and column, counted from 1, at which this part of the text begins.
+/// Line and column, counted from 1, of the start of this part of the text.
 fn line_and_column(text: &str, span: &Range<usize>) -> (usize, usize) {
     let before = text.get(..span.start).unwrap_or(text);
     let line_start = before.rfind('\n').map_or(0, |at| at + 1);

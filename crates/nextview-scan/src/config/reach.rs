@@ -4,23 +4,22 @@ use nextview::geometry::Aabb;
 use nextview::view::{Reach, ReachSphere, Reachability, ViewSpace};
 use serde::{Deserialize, Serialize};
 
-/// Where a robot can hold the camera. Candidates elsewhere are dropped, and the others numbered anew.
+/// Where a robot can hold the camera. Other candidates are dropped, and the rest are renumbered.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(default, deny_unknown_fields)]
 pub struct ReachConfig {
-    /// Where the robot's arm stands, and how near and how far away the camera can be.
+    /// Position of the robot's base; enables the radii.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub base_m: Option<[f64; 3]>,
-    /// The camera can be no nearer to the base.
+    /// Minimum distance of the camera from the base.
     pub min_radius_m: f64,
-    /// The camera can be no farther from the base.
+    /// Maximum distance of the camera from the base.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub max_radius_m: Option<f64>,
-    /// The camera must be in one of these boxes, by their lowest and highest corners; everywhere if there are
-    /// none.
+    /// Boxes that may contain the camera, given by their lowest and highest corners. Anywhere if empty.
     pub allowed_boxes_m: Vec<[f64; 6]>,
-    /// The camera must be in none of these.
+    /// Boxes that must not contain the camera.
     pub forbidden_boxes_m: Vec<[f64; 6]>,
 }
 
@@ -30,12 +29,12 @@ impl ReachConfig {
         *self == Self::default()
     }
 
-    /// An arm at x, y, z that reaches so far, in place of the one that there was.
+    /// Sets an arm at x, y, z with this radius.
     pub fn set_sphere(&mut self, [x, y, z, radius]: [f64; 4]) {
         (self.base_m, self.min_radius_m, self.max_radius_m) = (Some([x, y, z]), 0.0, Some(radius));
     }
 
-    /// The rule in the library's terms.
+    /// Converts to the library's type.
     pub fn rule(&self) -> Reach {
         let boxes = |boxes: &[[f64; 6]]| boxes.iter().map(bounds).collect();
         let sphere = self.base_m.zip(self.max_radius_m).map(|(base, max_radius)| ReachSphere {
@@ -46,7 +45,7 @@ impl ReachConfig {
         Reach { sphere, allowed: boxes(&self.allowed_boxes_m), forbidden: boxes(&self.forbidden_boxes_m) }
     }
 
-    /// Everything that is out of its range or lacks its counterpart.
+    /// All values out of range and all values that lack their counterpart.
     pub(crate) fn faults(&self) -> Vec<Fault> {
         if self.base_m.is_some() != self.max_radius_m.is_some() {
             return vec![Fault::request("`reach.base_m` and `reach.max_radius_m` need each other")];
@@ -60,7 +59,7 @@ impl ReachConfig {
         self.rule().check().err().map(fault).into_iter().collect()
     }
 
-    /// Those of the positions that are within reach; fails if there are none.
+    /// Keeps the candidates within reach. Fails if there are none.
     pub fn filter<T>(&self, candidates: Vec<T>, position: impl Fn(&T) -> DVec3) -> Result<Vec<T>, Fault> {
         let (reach, n) = (self.rule(), candidates.len());
         let around = Aabb::around(candidates.iter().map(&position));
@@ -77,7 +76,7 @@ impl ReachConfig {
         }
     }
 
-    /// The same of view candidates, with a note on how many are left, unless all may stay.
+    /// Keeps the view candidates within reach, with a note on the number left unless reach is unlimited.
     pub fn views(&self, views: ViewSpace) -> Result<(ViewSpace, Option<String>), Fault> {
         if self.is_default() {
             return Ok((views, None));
@@ -87,7 +86,7 @@ impl ReachConfig {
         Ok((ViewSpace::new(left)?, note))
     }
 
-    /// How many candidates are left, in words.
+    /// A note on the number of candidates left.
     pub fn note(&self, n_left: usize, n: usize) -> Option<String> {
         (!self.is_default()).then(|| format!("within reach: {n_left} of {n} candidates"))
     }

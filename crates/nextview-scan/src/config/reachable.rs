@@ -4,7 +4,7 @@ use nextview::geometry::Pose;
 use nextview::view::{Reach, Reachability, ViewSpace};
 use nextview_robot::RobotCell;
 
-/// Where the camera can be: what `reach` says, and, with a robot, what that can.
+/// Possible camera positions: those of `reach`, limited by the robot if there is one.
 #[derive(Debug)]
 pub(crate) struct Held {
     reach: Reach,
@@ -29,8 +29,8 @@ impl ScanConfig {
         Ok(Held { reach: change(self.reach.rule()), robot })
     }
 
-    /// The candidates where the camera can be, renumbered, and a note on how many are left, unless all may
-    /// stay. Fails if none is left.
+    /// Keeps the candidates within reach, renumbered, with a note on the number left unless reach is
+    /// unlimited. Fails if none is left.
     pub(crate) fn within_reach(&self, views: ViewSpace) -> Result<(ViewSpace, Option<String>), Fault> {
         let (views, note) = self.reach.views(views)?;
         let Some(robot) = &self.robot else { return Ok((views, note)) };

@@ -3,27 +3,27 @@ use nextview::geometry::Pose;
 use serde::{Deserialize, Serialize};
 use std::path::PathBuf;
 
-/// The CAD model of the part that is scanned, and how its surfaces are to be seen. The planner inspection
-/// plans by it, and an inspection of the results says how much was seen like that.
+/// The CAD model of the scanned part and the demands on views of its surfaces. The planner inspection plans
+/// by it, and an inspection of the results reports how far the demands were met.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct ReferenceConfig {
-    /// A mesh file, whose triangles run counter-clockwise seen from outside.
+    /// A mesh file with triangles counter-clockwise seen from outside.
     pub mesh: PathBuf,
     /// Unit of the file. Default: auto.
     #[serde(default)]
     pub unit: UnitName,
-    /// Where the part stands. By default, it is found in the frames.
+    /// Pose of the part. By default, it is found in the frames.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub world_from_reference: Option<Pose>,
-    /// Largest angle between the line of sight and the surface's normal, above 0 and below 90. Default: 60.
+    /// Maximum angle between the line of sight and the surface normal, above 0 and below 90. Default: 60.
     #[serde(default = "default_angle")]
     pub angle_deg: f64,
-    /// Least number of pixels of one picture on each square millimetre, at least 0. Default: 0.
+    /// Minimum number of pixels per square millimetre in one picture, at least 0. Default: 0.
     #[serde(default)]
     pub points_per_mm2: f64,
-    /// The surfaces that are to be seen. By default, all of the part.
+    /// The surfaces to see. By default, all of the part.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub surfaces: Vec<ReferenceSurface>,
 }
@@ -33,14 +33,14 @@ pub struct ReferenceConfig {
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct ReferenceSurface {
-    /// Its name.
+    /// Name of the surface.
     pub name: String,
-    /// The box around it in the coordinates of the CAD model, by its lowest and its highest corner.
+    /// The box around the surface in CAD coordinates, given by its lowest and highest corners.
     pub box_m: [f64; 6],
-    /// Largest angle between the line of sight and its normal. Default: that of the whole part.
+    /// Maximum angle between the line of sight and the surface normal. Default: that of the whole part.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub angle_deg: Option<f64>,
-    /// Least number of pixels of one picture on each square millimetre. Default: that of the whole part.
+    /// Minimum number of pixels per square millimetre in one picture. Default: that of the whole part.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub points_per_mm2: Option<f64>,
 }
@@ -50,7 +50,7 @@ fn default_angle() -> f64 {
 }
 
 impl ReferenceConfig {
-    /// Of this file, with the defaults.
+    /// A reference with this file and defaults.
     pub fn of(mesh: PathBuf) -> Self {
         Self {
             mesh,
@@ -74,8 +74,8 @@ mod known {
     use nextview_sim::mesh::{self, TriangleMesh};
 
     impl ReferenceConfig {
-        /// The CAD model, metres, and how the file's numbers became metres. A closed one that is inside out
-        /// is turned over, and the text says so.
+        /// Loads the CAD model in metres, with a note on the conversion of the file's numbers. A closed mesh
+        /// that is inside out is flipped, and the note says so.
         pub fn load(&self) -> Result<(TriangleMesh, String), Fault> {
             let (mesh, scaling) = mesh::load(&self.mesh)?.to_metres(self.unit.into())?;
             Ok(match mesh.is_inside_out() {
@@ -87,14 +87,14 @@ mod known {
             })
         }
 
-        /// How its surfaces are to be seen.
+        /// The demands on views of its surfaces.
         pub fn demands(&self, mesh: &TriangleMesh) -> Result<SurfaceDemands, Fault> {
             let demands = self.keyed_demands().skip(usize::from(!self.surfaces.is_empty()));
             SurfaceDemands::new(mesh, demands.map(|(_, demand)| demand).collect())
                 .map_err(|error| Fault::from(error).within("reference"))
         }
 
-        /// A demand for the whole part and for each of its surfaces, by key.
+        /// One demand for the whole part and one for each of its surfaces, by key.
         pub(in super::super) fn keyed_demands(&self) -> impl Iterator<Item = (String, SurfaceDemand)> + '_ {
             let demand = |name: &str, bounds, angle: Option<f64>, density: Option<f64>| SurfaceDemand {
                 name: name.to_owned(),
@@ -112,7 +112,7 @@ mod known {
             [whole].into_iter().chain(self.surfaces.iter().enumerate().map(of_surface))
         }
 
-        /// The planner of views that show them like that.
+        /// The planner that plans views to meet the demands.
         pub(crate) fn planner(&self) -> Result<Box<dyn ViewPlanner>, Fault> {
             let (mesh, _) = self.load()?;
             let demands = self.demands(&mesh)?;

@@ -1,4 +1,4 @@
-//! Which keys a request from outside may have.
+//! The keys that an external request may have.
 
 use super::{PlannerName, ScanConfig, ViewRule};
 use crate::{Fault, FaultKind, Named};
@@ -6,7 +6,7 @@ use nextview::sensor::Sensor;
 use nextview_robot::presets;
 use toml::{Table, Value};
 
-/// Keys whose values are numbers, truth values or one of a few words: none of them can name a file.
+/// Keys whose values are numbers, booleans or one of a few words: none can name a file.
 const HARMLESS: &str = "
 baseline_seed baselines candidates first_view goal_mm memory_limit_mb min_overlap profile seed size_m
 size_of time_limit_s unit view_distance_m view_seed view_standoff_m views voxel_size_m
@@ -45,13 +45,13 @@ turntable.plate_radius_m turntable.table_from_camera.rotation_xyzw
 turntable.table_from_camera.translation_m
 ";
 
-/// Keys whose value is a text that names nothing outside of the scan.
+/// Keys whose value is a text that names nothing outside the scan.
 const TEXTS: [&str; 3] = ["object", "robot.base_link", "robot.tip_link"];
 
-/// All names that a key takes.
+/// All names that a key accepts.
 type Names = fn() -> Vec<&'static str>;
 
-/// Keys that take one of these names from a request; in a configuration, they take a file or a class, too.
+/// Keys that accept only these names in a request; in a configuration, they also accept a file or a class.
 const NAMES: [(&str, Names); 4] = [
     ("planner", || PlannerName::ALL.iter().map(|planner| planner.name()).collect()),
     ("robot.arm", || presets::NAMES.to_vec()),
@@ -63,9 +63,9 @@ const NAMES: [(&str, Names); 4] = [
 const OF_FILES: [&str; 4] = ["after", "nbv_net.weights", "recording", "reference"];
 
 impl ScanConfig {
-    /// Everything in the keys of a request that a request must not have: whoever sent it could find out by
-    /// the answers which files there are here, and what they hold. A key is refused unless it is declared
-    /// here to be harmless. No file is looked at.
+    /// Reports everything that a request must not contain: from the answers, the sender could learn which
+    /// files exist here, and their content. A key is refused unless it is declared harmless here. No file is
+    /// accessed.
     pub fn faults_of_request(keys: &Table) -> Vec<Fault> {
         let mut faults = Vec::new();
         look("", keys, &mut faults);
@@ -73,7 +73,7 @@ impl ScanConfig {
     }
 }
 
-/// All keys that a request may have, in some cases with certain values only.
+/// All keys that a request may have, some only with certain values.
 fn declared() -> impl Iterator<Item = &'static str> {
     HARMLESS.split_whitespace().chain(TEXTS).chain(NAMES.map(|(key, _)| key))
 }
@@ -106,14 +106,14 @@ fn look_at(key: &str, value: &Value, faults: &mut Vec<Fault>) {
     }
 }
 
-/// A value that is none of the names that its key takes from a request.
+/// The fault of a value that is none of the names that its key accepts in a request.
 fn of_name(key: &str, value: &Value) -> Option<Fault> {
     let (_, names) = NAMES.iter().find(|(named, _)| *named == key)?;
     let (name, names) = (value.as_str()?, names());
     (!names.contains(&name)).then(|| Fault::of_value(key, name, format!("one of {}", names.join(", "))))
 }
 
-/// A key that is declared nowhere: there is none of this name, or nobody has said that it is harmless.
+/// The fault of an undeclared key: it does not exist or was never declared harmless.
 fn unknown(key: &str) -> Fault {
     let (section, word) = key.rsplit_once('.').unwrap_or(("", key));
     let prefix = if section.is_empty() { String::new() } else { format!("{section}.") };
@@ -162,7 +162,7 @@ mod tests {
         assert_eq!(refused(text), [""; 0]);
     }
 
-    /// Every key of the schema, whatever its kind, is declared either harmless or as one that names files.
+    /// Every key of the schema is declared either as harmless or as one that names files.
     #[cfg(feature = "schema")]
     #[test]
     fn every_key_is_declared() {
@@ -182,7 +182,7 @@ mod tests {
         assert!(texts.is_empty(), "these take any text, so they may name files: {texts:?}");
     }
 
-    /// The dotted keys of a schema, and those of them that take any text.
+    /// Collects the dotted keys of a schema, and those that accept any text.
     #[cfg(feature = "schema")]
     fn collect(
         root: &serde_json::Value,

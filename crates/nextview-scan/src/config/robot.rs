@@ -8,48 +8,49 @@ use nextview_robot::{Arm, Mount, RobotCell, Shape, ShapeKind, UrdfOptions};
 use serde::{Deserialize, Serialize};
 use std::path::Path;
 
-/// The arm that moves the camera, or the object before a camera that stands still. Views that it does not
-/// reach are no candidates, and every view comes with a joint trajectory that touches nothing.
+/// The arm that moves the camera, or the object in front of a fixed camera. Views out of its reach are no
+/// candidates. Every view comes with a collision-free joint trajectory.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(default, deny_unknown_fields)]
 pub struct RobotConfig {
     /// The name of a common arm, or a URDF file.
     pub arm: String,
-    /// The link of the URDF where the arm begins; by default the root.
+    /// The URDF link where the arm begins. Default: the root.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub base_link: Option<String>,
-    /// The link of the URDF that is the flange; by default the last one.
+    /// The URDF link of the flange. Default: the last one.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub tip_link: Option<String>,
-    /// Where the base of the arm stands. Default: at the origin of the world.
+    /// Pose of the arm's base. Default: at the origin of the world.
     pub world_from_base: Pose,
-    /// Where the camera is on the flange: the hand-eye matrix. Default: its origin is that of the flange.
+    /// The hand-eye matrix: pose of the camera on the flange. Default: identity.
     pub flange_from_camera: Pose,
-    /// Where a camera stands that does not move, while the flange carries the object; needs
-    /// `flange_from_world`, and takes the place of the two poses above.
+    /// Pose of a fixed camera while the flange carries the object. Requires `flange_from_world` and replaces
+    /// the two poses above.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub base_from_camera: Option<Pose>,
-    /// Where the object, and with it the world, is on the flange that carries it.
+    /// Pose on the flange of the object it carries, and so of the world.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub flange_from_world: Option<Pose>,
-    /// The joint values before the first view, radians or metres. By default the arm is at the first view.
+    /// The joint values before the first view, in radians or metres. By default, the arm starts at the first
+    /// view.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub home: Vec<f64>,
-    /// The camera's body, by its lowest and its highest corner in the frame of the camera. Default: that of a
+    /// The camera's body, given by its lowest and highest corners in the camera frame. Default: that of a
     /// RealSense D435i, 90 x 25 x 25 mm behind its glass.
     pub camera_body_m: [f64; 6],
-    /// Height, in the frame of the base, of a table that the arm must not touch; besides that of the object.
+    /// Height, in the frame of the base, of a table to avoid, in addition to the object's.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub table_z_m: Option<f64>,
-    /// Boxes in the frame of the base that the arm must not touch, by their lowest and highest corners.
+    /// Boxes to avoid in the frame of the base, given by their lowest and highest corners.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub boxes_m: Vec<[f64; 6]>,
-    /// Least distance from everything around, 0.001 to 1.
+    /// Minimum distance to everything around the arm, 0.001 to 1.
     pub clearance_m: f64,
 }
 
-/// Bytes of a URDF file.
+/// Maximum size of a URDF file in bytes.
 const MOST_BYTES: u64 = 10_000_000;
 
 impl Default for RobotConfig {
@@ -72,7 +73,7 @@ impl Default for RobotConfig {
 }
 
 impl RobotConfig {
-    /// An arm whose base stands here, upright, and looks along x.
+    /// Places the base here, upright and facing along x.
     pub fn set_base(&mut self, position: DVec3) -> Result<(), Fault> {
         let pose = Pose::new(DQuat::IDENTITY, position);
         self.world_from_base = pose.map_err(|error| Fault::from(error).within("robot.world_from_base"))?;
@@ -85,12 +86,12 @@ impl RobotConfig {
         Ok(())
     }
 
-    /// The URDF file; none of a preset.
+    /// The URDF file; `None` for a preset.
     pub fn file(&self) -> Option<&Path> {
         (!presets::NAMES.contains(&self.arm.as_str())).then(|| Path::new(&self.arm))
     }
 
-    /// Everything that cannot be; what only the arm itself shows where nothing else is wrong.
+    /// All faults; those of the arm itself only if there are no others.
     pub(crate) fn faults(&self) -> Vec<Fault> {
         let boxes = self.boxes_m.iter().map(|corners| solid("robot.boxes_m", corners));
         let body = solid("robot.camera_body_m", &self.camera_body_m);
@@ -99,7 +100,7 @@ impl RobotConfig {
         if faults.is_empty() { self.cell().err().into_iter().collect() } else { faults }
     }
 
-    /// The arm in its surroundings; fails on the first value that cannot be.
+    /// Builds the arm in its surroundings. Fails on the first invalid value.
     pub fn cell(&self) -> Result<RobotCell, Fault> {
         let arm = self.arm()?;
         if !self.home.is_empty() && (self.home.len() != arm.n_joints() || !arm.is_within_limits(&self.home)) {
@@ -134,7 +135,7 @@ impl RobotConfig {
             .map_err(|error| Fault { key: Some("robot".to_owned()), ..Fault::request(error) })
     }
 
-    /// Fails if the base stands where the object is, as it does where nobody stated where it stands.
+    /// Fails if the base is inside the object, as happens if its position was not stated.
     pub(crate) fn check_beside(&self, object: &Aabb) -> Result<(), Fault> {
         let place = self.world_from_base.translation();
         if self.base_from_camera.is_some() || !object.contains(place) {
@@ -185,7 +186,7 @@ impl RobotConfig {
     }
 }
 
-/// The points of a mesh that a URDF names, by a path from its folder, or by one of a package around it.
+/// The points of a mesh that a URDF names by a path from its folder or from a package around it.
 #[cfg(feature = "simulated")]
 fn mesh_points(folder: &Path, name: &str) -> Result<Vec<DVec3>, String> {
     let in_package =
@@ -210,7 +211,7 @@ fn box_obstacle((i, corners): (usize, &[f64; 6])) -> Result<Obstacle, Fault> {
     Ok(Obstacle { name: format!("box {i}"), kind })
 }
 
-/// A box by its lowest and its highest corner.
+/// A box given by its lowest and highest corners.
 fn solid(key: &str, &[x0, y0, z0, x1, y1, z1]: &[f64; 6]) -> Result<Shape, Fault> {
     let bounds = Aabb { min: DVec3::new(x0, y0, z0), max: DVec3::new(x1, y1, z1) };
     let is_box = bounds.min.is_finite() && bounds.max.is_finite() && bounds.min.cmplt(bounds.max).all();

@@ -18,134 +18,133 @@ use nextview::visibility::FreeSpace;
 use serde::{Deserialize, Deserializer, Serialize};
 use std::path::{Path, PathBuf};
 
-/// Maximum number of views, where none is stated.
+/// Default maximum number of views.
 const DEFAULT_VIEWS: usize = 10;
 
-/// Minimum overlap of views whose frames are to be aligned. With 0.3, a scan of a recorded bunny took views
-/// that could be aligned only by chance; with 0.6 and more, scans advance too slowly.
+/// Minimum overlap of views if frames are aligned. With 0.3, a scan of a recorded bunny took views that
+/// aligned only by chance; with 0.6 and more, scans advance too slowly.
 const OVERLAP_TO_ALIGN: f64 = 0.5;
 
-/// Everything that decides a scan: what a configuration file holds, and `config.toml` in the results.
+/// The configuration of a scan: the content of a configuration file, and of `config.toml` in the results.
 ///
-/// Numbers are in SI units, and their keys say so. A file is read by [`ScanConfig::parse`].
-// The types of the library would check themselves when they are read, and fail without saying which key is
-// wrong: `check` does that for all of them.
+/// Numbers are in SI units, and their keys say so. [`ScanConfig::parse`] reads a file.
+// The library's types could check themselves on reading, but would fail without naming the key: `check` does
+// that for all of them.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(default, deny_unknown_fields)]
 pub struct ScanConfig {
-    /// A mesh file or `builtin:NAME`; with a recording, where its frames are; with a user's camera, the name
-    /// of the object.
+    /// A mesh file or `builtin:NAME`; with a recording, its path; with a user's camera, the name of the
+    /// object.
     pub object: String,
-    /// The named set of defaults that all other values started from.
+    /// The profile that provides the defaults of all other values.
     pub profile: Profile,
-    /// How the next view is chosen.
+    /// The planner that chooses the next view.
     pub planner: PlannerChoice,
-    /// Maximum number of views; by default 10, or all candidates where there are fewer.
+    /// Maximum number of views. Default: 10, or all candidates if there are fewer.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub views: Option<usize>,
-    /// Number of view candidates, where a rule makes them.
+    /// Number of view candidates that a rule generates.
     pub candidates: usize,
-    /// Number of the candidate to begin with, from 0: of recorded frames, the place among those in use.
+    /// Number of the first candidate, from 0; in a recording, its place among the frames in use.
     pub first_view: usize,
-    /// Edge of a voxel; by default about a fortieth of the object's longest side.
+    /// Edge of a voxel. Default: about a fortieth of the object's longest side.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub voxel_size_m: Option<f64>,
-    /// Where candidates are: the name of a rule, or a file of poses.
+    /// View space: the name of a rule, or a file of poses.
     pub view_space: ViewSpaceName,
-    /// Distance of the candidates of a rule, except the shell, from the object's middle; by default 3 x size.
+    /// Distance of a rule's candidates, except the shell's, from the object's middle. Default: 3 x size.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub view_distance_m: Option<f64>,
-    /// The same distance, stated as the excess over half the diagonal of the object's box.
+    /// That distance, as the excess over half the diagonal of the object's box.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub view_standoff_m: Option<f64>,
     /// Seed of the planners random and receding-horizon and, without `view_seed`, of the random shell.
     pub seed: u64,
-    /// Seed of the random views that define skill 0. The same number as `seed` gives different draws.
+    /// Seed of the random views that define skill 0. With the same number, `seed` gives different draws.
     pub baseline_seed: u64,
-    /// Seed of the random shell alone, so that random planners of several seeds may choose among the same
-    /// candidates; by default `seed`.
+    /// Seed of the random shell alone: random planners with different seeds can share candidates. Default:
+    /// `seed`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub view_seed: Option<u64>,
     /// Unit of the mesh file.
     pub unit: UnitName,
-    /// Length that the object's longest side is scaled to, or that which `size_of` names.
+    /// Length to which the object is scaled: its longest side, or the length that `size_of` names.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub size_m: Option<f64>,
-    /// The length that `size_m` states.
+    /// The length that `size_m` sets.
     #[serde(skip_serializing_if = "SizeOf::is_default")]
     pub size_of: SizeOf,
-    /// Least share, 0..=1, of known surface in what the next view shows; 0 for none. By default 0.5 with
-    /// registration, which can align no frame without overlap, except in the order of the numbers; else none.
+    /// Minimum share, 0..=1, of known surface in the next view; 0 for none. Default: 0.5 with registration,
+    /// which cannot align frames without overlap, except for the planner in-order; otherwise none.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub min_overlap: Option<f64>,
-    /// How accurate the surface in each voxel is to be: its expected error along the normal, standard
-    /// deviation; the planner most-surface spends views on it. By default, no second looks.
+    /// Required accuracy of the surface in each voxel: the standard deviation of its expected error along the
+    /// normal. The planner most-surface spends views on it. By default, no second looks.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub goal_mm: Option<f64>,
-    /// Required number of looks at each part of the surface; the planner most-surface spends views on it. By
+    /// Required number of looks at each part of the surface. The planner most-surface spends views on it. By
     /// default, no second looks.
     #[serde(skip_serializing_if = "Option::is_none", deserialize_with = "looks")]
     pub looks: Option<LooksGoal>,
     /// Whether to compute the random and clairvoyant curves.
     pub baselines: bool,
-    /// Limit on the memory that the planning box may need.
+    /// Limit on the memory for the planning box.
     pub memory_limit_mb: u64,
-    /// Longest time from the first decision on, at least 0; with it, a scan is not the same every time. By
-    /// default there is no limit.
+    /// Maximum time from the first decision, at least 0; makes a scan irreproducible. By default, no limit.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub time_limit_s: Option<f64>,
-    /// The results of a scan of the same object, which has been turned since: as soon as it is known how, the
-    /// frames of that scan come into map and model. There are no baselines then: other planners would not
-    /// know what that scan has shown. In a file, a path that begins with `..` starts at the file's folder.
+    /// The results of a scan of the same object, which was turned afterwards. Once the turn is found, that
+    /// scan's frames are added to map and model. This disables baselines: other planners would not know that
+    /// scan's content. In a file, a path that begins with `..` is relative to the file's folder.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub after: Option<PathBuf>,
-    /// How frames are written into the map.
+    /// How frames are integrated into the map.
     pub map: MapConfig,
-    /// Whether planning goes from coarse voxels to fine ones.
+    /// Coarse-to-fine planning.
     #[serde(deserialize_with = "MultiResolutionConfig::deserialize")]
     pub multi_resolution: MultiResolutionConfig,
-    /// What planning knows of the object's place.
+    /// Prior knowledge of the object's place.
     pub object_box: ObjectBoxConfig,
-    /// What the final mesh is like.
+    /// Options of the final mesh.
     #[serde(skip_serializing_if = "ModelConfig::is_default")]
     pub model: ModelConfig,
     /// Where a robot can hold the camera.
     #[serde(skip_serializing_if = "ReachConfig::is_default")]
     pub reach: ReachConfig,
-    /// The arm that holds the camera or the object; without one, the camera can be everywhere.
+    /// The arm that holds the camera or the object. By default, the camera can be anywhere.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub robot: Option<RobotConfig>,
-    /// How a robot would move the camera, where no arm is stated.
+    /// Motion model of a robot, if no arm is stated.
     #[serde(deserialize_with = "MotionConfig::deserialize")]
     pub motion: MotionConfig,
-    /// Whether frames are aligned to what was measured before, and how.
+    /// Whether and how frames are aligned to earlier measurements.
     #[serde(deserialize_with = "RegistrationConfig::deserialize")]
     pub registration: RegistrationConfig,
-    /// Of the planner most-surface.
+    /// Parameters of the planner most-surface.
     #[serde(deserialize_with = "MostSurfaceConfig::deserialize")]
     pub most_surface: MostSurfaceConfig,
-    /// Of the planners max-flow and local.
+    /// Parameters of the planners max-flow and local.
     #[serde(deserialize_with = "MaxFlowConfig::deserialize")]
     pub max_flow: MaxFlowConfig,
-    /// Of all planners that are named after a gain, and of gains that are written in Python; the ray spacing
-    /// also of frontier-tour and receding-horizon.
+    /// Parameters of all planners named after a gain, and of gains written in Python. The ray spacing also
+    /// applies to frontier-tour, receding-horizon and kaba.
     #[serde(deserialize_with = "GreedyConfig::deserialize")]
     pub greedy: GreedyConfig,
-    /// Of the planner batch.
+    /// Parameters of the planner batch.
     #[serde(deserialize_with = "BatchConfig::deserialize")]
     pub batch: BatchConfig,
-    /// Of the planner nbv-net.
+    /// Parameters of the planner nbv-net.
     pub nbv_net: NbvNetConfig,
-    /// The CAD model of the part: the planner inspection needs it.
+    /// The CAD model of the part, required by the planner inspection.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub reference: Option<ReferenceConfig>,
     /// When the scan stops before its last view.
     #[serde(deserialize_with = "StopConfig::deserialize")]
     pub stop: StopConfig,
-    /// Depth camera: it decides the defaults of `camera` and `noise`. Without one, those are the optics of
-    /// the D435i, and no noise. Of recorded and live frames, `noise.depth` is not simulated but is the known
-    /// error, which `goal_mm` needs.
+    /// Depth camera, which sets the defaults of `camera` and `noise`. Without one, these are the optics of
+    /// the D435i, and no noise. For recorded and live frames, `noise.depth` is the known error, which
+    /// `goal_mm` requires, and is not simulated.
     #[cfg(feature = "simulated")]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub sensor: Option<super::SensorName>,
@@ -154,52 +153,52 @@ pub struct ScanConfig {
     /// Errors of the simulated camera.
     #[cfg(feature = "simulated")]
     pub noise: super::NoiseConfig,
-    /// The frames are recorded; without it and `live`, they are simulated.
+    /// Uses recorded frames. Without this or `live`, frames are simulated.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub recording: Option<RecordingConfig>,
-    /// The frames come from a user's camera while the scan is under way.
+    /// Uses frames from a user's camera during the scan.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub live: Option<LiveConfig>,
-    /// That camera stands still, and the object turns: candidates are angles. Needs `view_space` = ring.
+    /// That camera is fixed, and the object turns: candidates are angles. Requires `view_space` = ring.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub turntable: Option<TurntableConfig>,
 }
 
-/// How frames are written into the map.
+/// How frames are integrated into the map.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(default, deny_unknown_fields)]
 pub struct MapConfig {
-    /// Which rays of a frame are traced.
+    /// The rays of a frame to trace.
     pub rays: RayRule,
-    /// What rays past the object do.
+    /// Effect of rays past the object.
     pub background: Background,
-    /// How measurements change voxels.
+    /// How measurements change the log-odds of voxels.
     #[serde(deserialize_with = "SensorModel::deserialize")]
     pub sensor_model: SensorModel,
 }
 
-/// The object's place, as far as planning knows it.
+/// The object's place, as known to planning.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(default, deny_unknown_fields)]
 pub struct ObjectBoxConfig {
-    /// How the box around the object comes about.
+    /// How the object's box is determined.
     pub rule: BoxRule,
-    /// What the object stands on.
+    /// The surface below the object.
     pub table: TableRule,
-    /// Where the box grows, parts of the object may be this far apart, 0..=1000. By default they must touch.
+    /// Maximum gap between parts of the object if the box grows, 0..=1000. By default, they must touch.
     #[serde(skip_serializing_if = "is_zero")]
     pub max_gap_m: f64,
 }
 
-/// What the final mesh is like.
+/// Options of the final mesh.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(default, deny_unknown_fields)]
 pub struct ModelConfig {
-    /// Whether the mesh is closed where nothing was measured, so that it has no border and can be printed; a
-    /// column of its file says where. By default it is open there.
+    /// Whether to close the mesh where nothing was measured, for printing. A column of its file marks these
+    /// vertices. By default, it stays open.
     pub watertight: bool,
 }
 
@@ -209,7 +208,7 @@ impl ModelConfig {
     }
 }
 
-/// Looks whose ranges the configuration checks.
+/// Reads looks; the configuration checks their ranges.
 fn looks<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Option<LooksGoal>, D::Error> {
     #[derive(Deserialize)]
     struct Unchecked(#[serde(deserialize_with = "LooksGoal::deserialize")] LooksGoal);
@@ -221,7 +220,7 @@ fn is_zero(number: &f64) -> bool {
 }
 
 impl ScanConfig {
-    /// The profile's values.
+    /// Returns the profile's values.
     pub fn of_profile(profile: Profile) -> Self {
         let config = Self {
             object: "builtin:teapot".to_owned(),
@@ -273,8 +272,8 @@ impl ScanConfig {
         };
         match profile {
             Profile::Default => config,
-            // The box is known and the voxel size fixed, as in the paper's comparison of view quality
-            // functions (table I).
+            // A known box and a fixed voxel size, as in the paper's comparison of view quality functions
+            // (table I).
             Profile::Paper => Self {
                 planner: PlannerName::MaxFlow.into(),
                 candidates: 5000,
@@ -293,8 +292,8 @@ impl ScanConfig {
         }
     }
 
-    /// The folder for the results of this scan where those of both placements of its object are for another
-    /// one; fails where the object stands on no table.
+    /// The folder for the results of this scan if those of both placements go to another one. Fails if the
+    /// object has no table.
     pub fn first_placement(&self, results: &Path) -> Result<PathBuf, Fault> {
         if self.object_box.table == TableRule::None {
             let fault = Fault::request("an object that stands on no table has no underside to turn up");
@@ -305,7 +304,7 @@ impl ScanConfig {
         Ok(dir.into())
     }
 
-    /// The scan that goes on after this one, whose results are in a folder: the camera errs anew.
+    /// The scan that continues this one, whose results are in a folder, with new camera errors.
     pub fn going_on_after(mut self, results: PathBuf) -> Self {
         self.after = Some(results);
         #[cfg(feature = "simulated")]
@@ -315,7 +314,7 @@ impl ScanConfig {
         self
     }
 
-    /// Names the CAD model of the part; how its surfaces are to be seen stays as it is.
+    /// Sets the CAD model of the part and keeps the demands on its surfaces.
     pub fn set_reference(&mut self, mesh: PathBuf) {
         match &mut self.reference {
             Some(reference) => reference.mesh = mesh,
@@ -323,17 +322,17 @@ impl ScanConfig {
         }
     }
 
-    /// Whether the scan needs the truth: what every candidate truly sees.
+    /// Whether the scan requires the truth: the surface that every candidate truly sees.
     pub fn needs_truth(&self) -> bool {
         self.baselines && self.after.is_none() || self.planner == PlannerName::Clairvoyant
     }
 
-    /// Maximum number of views, where there are so many candidates.
+    /// Maximum number of views for this number of candidates.
     pub fn max_views(&self, n_candidates: usize) -> usize {
         self.views.unwrap_or(DEFAULT_VIEWS.min(n_candidates))
     }
 
-    /// The files and folders that the configuration names, which a scan reads.
+    /// All files and folders named by the configuration that a scan reads.
     pub fn inputs(&self) -> Vec<PathBuf> {
         let is_file = self.recording.is_some() || !self.object.starts_with("builtin:");
         let object = (is_file && self.live.is_none()).then_some(&self.object);
@@ -350,8 +349,8 @@ impl ScanConfig {
         named.collect()
     }
 
-    /// The part of the configuration that decides the simulated object and its truth; all else is as in the
-    /// default profile. Scans with equal ones can share them.
+    /// The part of the configuration that determines the simulated object and its truth; the rest is as in
+    /// the default profile. Scans with equal parts can share them.
     pub fn of_object(&self) -> Self {
         let neutral = Self::of_profile(Profile::Default);
         Self {
@@ -384,7 +383,7 @@ impl ScanConfig {
         }
     }
 
-    /// The planner. The clairvoyant one comes from whoever knows the truth.
+    /// Builds the planner. The caller provides the clairvoyant one.
     pub fn planner(&self, clairvoyant: Option<Box<dyn ViewPlanner>>) -> Result<Box<dyn ViewPlanner>, Fault> {
         let configs = PlannerConfigs {
             most_surface: self.most_surface,
@@ -405,15 +404,15 @@ impl ScanConfig {
         })
     }
 
-    /// When frames are aligned: those of a camera or a recording as soon as their poses disagree, and others
-    /// not at all, unless something else is stated.
+    /// When frames are aligned. By default, those of a camera or a recording as soon as their poses disagree,
+    /// and others never.
     pub(crate) fn registration_mode(&self) -> RegistrationMode {
         let is_given = self.recording.is_some() || self.live.is_some();
         let usual = if is_given { RegistrationMode::Auto } else { RegistrationMode::Off };
         self.registration.enabled.unwrap_or(usual)
     }
 
-    /// The random error of the camera, as far as the configuration states it.
+    /// The random error of the camera, as far as it is configured.
     pub fn surface_error(&self) -> SurfaceError {
         #[cfg(feature = "simulated")]
         if let Some(depth) = self.noise.noise().depth {
@@ -422,7 +421,7 @@ impl ScanConfig {
         SurfaceError::default()
     }
 
-    /// The stated distance of candidates from the middle of an object with this box, metres.
+    /// The configured distance of candidates from the middle of an object with this box, in metres.
     pub(crate) fn view_distance(&self, bounds: &Aabb) -> Option<f64> {
         let beyond_box = self.view_standoff_m.map(|standoff| 0.5 * bounds.size().length() + standoff);
         self.view_distance_m.or(beyond_box)

@@ -1,4 +1,4 @@
-//! The part of a configuration that a sensor decides.
+//! The part of a configuration that a sensor sets.
 
 use super::load::read_over;
 use super::{NoiseConfig, NoiseModel, Positions, ScanConfig, SensorName, read_value};
@@ -9,12 +9,11 @@ use serde::{Deserialize, Serialize};
 use std::path::Path;
 use toml::Table;
 
-/// Largest file of a sensor, bytes: a hundred times that of one with all its keys.
+/// Maximum size of a sensor file in bytes: a hundred times that of one with all keys.
 const MAX_BYTES: u64 = 1 << 16;
 
 impl ScanConfig {
-    /// Puts the sensor's optics, range and noise in the place of those that there were. Fails if there is no
-    /// such sensor.
+    /// Sets optics, range and noise to those of the sensor. Fails if there is no such sensor.
     pub fn set_sensor(&mut self, name: SensorName) -> Result<(), Faults> {
         let camera = Camera::load(&name)?;
         self.sensor = Some(name);
@@ -24,7 +23,7 @@ impl ScanConfig {
         Ok(())
     }
 
-    /// Whether there is more noise than the error of the sensor, which a real camera has by itself.
+    /// Whether there is noise beyond the error of the sensor, which a real camera has anyway.
     pub(super) fn simulates_noise(&self) -> bool {
         let NoiseConfig { model, depth, .. } = match self.sensor {
             Some(_) => self.noise,
@@ -33,7 +32,7 @@ impl ScanConfig {
         self.noise != NoiseConfig { model, depth, ..NoiseConfig::default() }
     }
 
-    /// The fault of a sensor together with the noise model, if there is one.
+    /// The fault of combining a sensor with the noise model, if any.
     pub(super) fn of_sensor(&self) -> Option<Fault> {
         match (&self.sensor, self.noise.model) {
             (None, NoiseModel::Sensor) => {
@@ -52,14 +51,14 @@ impl ScanConfig {
     }
 }
 
-/// The optics and the depth noise of a sensor.
+/// Optics and depth noise of a sensor.
 struct Camera {
     intrinsics: Intrinsics,
     depth: DepthNoise,
 }
 
 impl Camera {
-    /// Fails if there is no such sensor, or the file is none of a sensor.
+    /// Fails if there is no such sensor, or the file does not describe one.
     fn load(name: &SensorName) -> Result<Self, Faults> {
         match name.file() {
             Some(file) => {
@@ -80,7 +79,7 @@ impl Camera {
     }
 }
 
-/// The file of a sensor, with the values of the one that it is like where it has none.
+/// The file of a sensor; missing values are those of the sensor it is like.
 #[derive(Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct SensorFile {
@@ -121,7 +120,7 @@ fn of_text(text: &str, file: &Path) -> Result<Camera, Faults> {
     }
 }
 
-/// The fault of the name of a sensor that there is not.
+/// The fault of an unknown sensor name.
 fn of_like(error: nextview::Error) -> Fault {
     match error {
         nextview::Error::InvalidParameter { value, expected, .. } => Fault::of_value("like", value, expected),

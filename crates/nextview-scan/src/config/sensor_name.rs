@@ -9,7 +9,7 @@ use std::path::Path;
 pub struct SensorName(pub String);
 
 impl SensorName {
-    /// The file; none if it is a name.
+    /// The file; `None` if it is a name.
     pub fn file(&self) -> Option<&Path> {
         self.0.ends_with(".toml").then(|| Path::new(&self.0))
     }

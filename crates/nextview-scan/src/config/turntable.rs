@@ -6,25 +6,25 @@ use nextview::view::ViewSpace;
 use serde::{Deserialize, Serialize};
 use std::f64::consts::TAU;
 
-/// A turntable in front of a camera that stands still. The world is the plate: its origin is the middle of
-/// the plate's surface, z is the axis, upwards, and it turns with the object.
+/// A turntable in front of a fixed camera. The world is the plate and turns with the object: its origin is
+/// the middle of the plate's surface, and z is the axis, upwards.
 ///
-/// Angles are counter-clockwise, seen from above.
+/// Angles are counter-clockwise seen from above.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct TurntableConfig {
-    /// Where the camera stands, seen from the plate at angle 0.
+    /// Pose of the camera relative to the plate at angle 0.
     pub table_from_camera: Pose,
-    /// Radius of the plate. Everything beside it does not turn, and is ignored.
+    /// Radius of the plate. Everything beyond it does not turn, and is ignored.
     pub plate_radius_m: f64,
 }
 
-/// Farther from the axis than its camera, a plate would hit it.
+/// The camera is nearer to the axis than this: a larger plate would hit it.
 const LARGEST_RADIUS_M: f64 = 100.0;
 
 impl TurntableConfig {
-    /// Where the camera is, seen from the object, after the plate was turned by this angle, degrees.
+    /// The pose of the camera relative to the object with the plate at this angle in degrees.
     pub fn pose_at(&self, angle_deg: f64) -> Result<Pose, Fault> {
         if !angle_deg.is_finite() {
             return Err(Fault::of_value("angle_deg", angle_deg, "a finite number of degrees"));
@@ -33,23 +33,23 @@ impl TurntableConfig {
         Ok(back * self.table_from_camera)
     }
 
-    /// The angle to turn the plate to, degrees, 0 to 360, so that the camera is there, seen from the object.
+    /// The plate angle in degrees, 0 to 360, that puts the camera at this pose relative to the object.
     pub fn angle_deg(&self, world_from_camera: &Pose) -> f64 {
         let turned = world_from_camera.rotation() * self.table_from_camera.rotation().conjugate();
         let angle = -2.0 * turned.z.atan2(turned.w);
         let degrees = angle.rem_euclid(TAU).to_degrees();
-        // Rounding must make 0 neither a whole turn nor negative.
+        // Rounding must turn 0 neither into a full turn nor negative.
         if degrees > 360.0 - 1e-9 { 0.0 } else { degrees.abs() }
     }
 
-    /// As many candidates, evenly around; candidate i is at i / n of a turn.
+    /// This number of evenly spaced candidates; candidate i is at i / n of a turn.
     pub(crate) fn views(&self, n: usize) -> Result<ViewSpace, Fault> {
         let pose = |i: usize| self.pose_at(360.0 * i as f64 / n as f64);
         Ok(ViewSpace::new((0..n).map(pose).collect::<Result<_, _>>()?)?)
     }
 
-    /// The image without what does not turn: a pixel that shows something beyond the space above the plate
-    /// shows that this space is free there; one that shows something before or beside it shows nothing.
+    /// Removes everything that does not turn from the image. A pixel beyond the space above the plate shows
+    /// that this space is free there; a pixel in front of or next to it shows nothing.
     pub(crate) fn turning_part(&self, image: &DepthImage, camera: &Intrinsics) -> Result<DepthImage, Fault> {
         let mut depths = Vec::with_capacity(camera.n_pixels());
         for v in 0..image.height() {
@@ -111,7 +111,7 @@ mod tests {
         for angle in [0.0, 1e-6, 30.0, 90.0, 179.0, 180.0, 181.0, 270.0, 359.0] {
             let pose = turntable.pose_at(angle).unwrap();
             assert!((turntable.angle_deg(&pose) - angle).abs() < 1e-6, "{angle}");
-            // What turned with the plate is seen where it was turned to.
+            // Points that turned with the plate appear at their turned positions.
             let on_plate = DVec3::new(0.05, 0.02, 0.04);
             let turned = DQuat::from_rotation_z(angle.to_radians()) * on_plate;
             let seen = pose.inverse().transform_point(on_plate);
@@ -124,7 +124,7 @@ mod tests {
         assert!((turntable.angle_deg(&views.pose(3)) - 135.0).abs() < 1e-9);
     }
 
-    /// The object stays; a wall behind shows free space; a post before the plate shows nothing.
+    /// The object stays; a wall behind shows free space; a post in front of the plate shows nothing.
     #[test]
     fn what_does_not_turn_is_left_out() {
         let turntable = turntable();

@@ -1,4 +1,4 @@
-//! From a TOML value to a type, with what does not fit as data: where it is, and what was expected there.
+//! Converts TOML values to types; a mismatch is reported as data: its place and the expected value.
 
 use crate::{Fault, FaultKind};
 use serde::de::value::MapAccessDeserializer;
@@ -27,23 +27,23 @@ fn read_by<'de, T: DeserializeSeed<'de>>(seed: T, value: &Value) -> Result<T::Va
     seed.deserialize(Node(value)).map_err(|problem| problem.of(value))
 }
 
-/// The first thing that does not fit.
+/// The first mismatch.
 #[derive(Clone, Debug)]
 pub(super) struct Problem {
-    /// Keys and places in lists that lead to it, the innermost first.
+    /// Path of keys and list indices to it, innermost first.
     path: Vec<String>,
     pub what: What,
 }
 
 #[derive(Clone, Debug)]
 pub(super) enum What {
-    /// The last part of the path is no key; these are.
+    /// The last part of the path is not a key; these are.
     Unknown(&'static [&'static str]),
-    /// The last part of the path is a key that must be there.
+    /// The last part of the path is a required key.
     Missing,
-    /// A value is of another kind or out of range.
+    /// A value of another kind or out of range.
     Unfit { value: Option<String>, expected: String },
-    /// A type says by itself what is wrong.
+    /// An error in the type's own words.
     Other(String),
 }
 
@@ -56,13 +56,13 @@ impl Problem {
         Self::new(What::Unfit { value: None, expected: expected.into() })
     }
 
-    /// The same one level up.
+    /// Adds an outer level to the path.
     fn under(mut self, key: impl Into<String>) -> Self {
         self.path.push(key.into());
         self
     }
 
-    /// Adds the value that does not fit, unless the problem already has a deeper one.
+    /// Sets the mismatched value, unless the problem already has a deeper one.
     fn of(mut self, unfit: &Value) -> Self {
         if let What::Unfit { value: value @ None, .. } = &mut self.what
             && self.path.is_empty()
@@ -77,12 +77,12 @@ impl Problem {
         dotted(&self.path)
     }
 
-    /// The dotted key of the table that it is in.
+    /// The dotted key of the table that contains it.
     pub fn parent(&self) -> String {
         dotted(self.path.get(1..).unwrap_or_default())
     }
 
-    /// The problem in words, with the nearest known key for one that is unknown.
+    /// The problem as a fault, with the nearest known key for an unknown one.
     pub fn fault(&self) -> Fault {
         let key = self.key();
         match &self.what {
@@ -150,7 +150,7 @@ impl de::Error for Problem {
     }
 }
 
-/// What a value should have been, where serde names a type of Rust.
+/// Describes the expected value where serde names a Rust type.
 fn in_words(expected: &dyn Expected) -> String {
     let expected = expected.to_string();
     match expected.as_str() {
@@ -174,10 +174,10 @@ fn in_words(expected: &dyn Expected) -> String {
     }
 }
 
-/// Longest text of a value in a message, characters.
+/// Maximum length of a value in a message, in characters.
 const MOST_SHOWN: usize = 80;
 
-/// A value as a message shows it: the beginning of one that is long.
+/// Formats a value for a message, truncated if long.
 fn shown(value: &Value) -> String {
     let text = value.to_string();
     match text.char_indices().nth(MOST_SHOWN) {
@@ -186,7 +186,7 @@ fn shown(value: &Value) -> String {
     }
 }
 
-/// A value that is read.
+/// A value being read.
 struct Node<'a>(&'a Value);
 
 impl<'de> Deserializer<'de> for Node<'_> {
@@ -245,7 +245,7 @@ impl<'de> Deserializer<'de> for Node<'_> {
         visitor: V,
     ) -> Result<V::Value, Problem> {
         match self.0 {
-            // A struct could be read from a list of its fields, but no configuration is written so.
+            // A struct could be read from a list of its fields, but no configuration is written that way.
             Value::Array(_) => Err(de::Error::invalid_type(Unexpected::Seq, &visitor)),
             _ => self.deserialize_any(visitor),
         }
@@ -274,7 +274,7 @@ impl<'de> SeqAccess<'de> for &mut List<'_> {
 
 struct Keys<'a> {
     entries: Iter<'a, String, Value>,
-    /// The key that was read last, and its value.
+    /// The key read last, and its value.
     open: Option<(&'a String, &'a Value)>,
 }
 

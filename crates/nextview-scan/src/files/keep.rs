@@ -3,9 +3,9 @@ use std::fs;
 use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 
-/// Files that may be overwritten: never a file that is read, and other files only on request.
+/// The rule for overwriting files: never an input file, and other files only on request.
 ///
-/// A file counts as the one that is read under any of its names, through symbolic and hard links.
+/// An input file is recognised under any name, through symbolic and hard links.
 ///
 /// ```
 /// use nextview_scan::files::{Overwrite, write};
@@ -27,27 +27,27 @@ pub struct Overwrite {
 }
 
 impl Overwrite {
-    /// No file that exists.
+    /// Allows no existing file.
     pub fn nothing() -> Self {
         Self { replaces: false, inputs: Vec::new() }
     }
 
-    /// Existing files, such as earlier results.
+    /// Allows existing files, such as earlier results.
     pub fn results() -> Self {
         Self { replaces: true, inputs: Vec::new() }
     }
 
-    /// All of them if that is forced, or else none.
+    /// Allows existing files if forced, otherwise none.
     pub fn forced(is_forced: bool) -> Self {
         if is_forced { Self::results() } else { Self::nothing() }
     }
 
-    /// The same, but none of these files, which are read.
+    /// Protects these input files.
     pub fn but(self, inputs: Vec<PathBuf>) -> Self {
         Self { inputs, ..self }
     }
 
-    /// Fails if a file must not be written here.
+    /// Fails if this file must not be written.
     pub fn check_file(&self, file: &Path) -> Result<(), Fault> {
         check_name(file)?;
         if self.is_input(file) {
@@ -60,7 +60,7 @@ impl Overwrite {
         Ok(())
     }
 
-    /// Fails if files of these names must not be written into this folder.
+    /// Fails if files of these names must not be written to this folder.
     pub fn check_folder(&self, folder: &Path, names: &[&str]) -> Result<(), Faults> {
         check_name(folder)?;
         let inputs = names.iter().map(|name| folder.join(name)).filter(|file| self.is_input(file));
@@ -81,7 +81,7 @@ impl Overwrite {
     }
 }
 
-/// Fails if the system takes no file or folder of this name, so that nothing could be written there later.
+/// Fails if the system accepts no file or folder of this name: writing to it later would fail.
 pub fn check_name(path: &Path) -> Result<(), Fault> {
     match path.symlink_metadata() {
         Err(error) if error.kind() == ErrorKind::InvalidFilename => {
@@ -91,7 +91,7 @@ pub fn check_name(path: &Path) -> Result<(), Fault> {
     }
 }
 
-/// Whether a path is a folder or leads into it; nothing need be at the path yet.
+/// Whether a path is a folder or leads into it; the path need not exist.
 pub fn is_within(path: &Path, folder: &Path) -> bool {
     let above = path.ancestors().find(|path| path.exists()).unwrap_or(Path::new("."));
     match (fs::canonicalize(above), fs::canonicalize(folder)) {
@@ -104,7 +104,7 @@ fn input(file: &Path) -> Fault {
     Fault::data("is read, and would be written over").in_file(file)
 }
 
-/// Whether two paths lead to one file.
+/// Whether two paths lead to the same file.
 #[cfg(unix)]
 fn is_same(a: &Path, b: &Path) -> bool {
     use std::os::unix::fs::MetadataExt;
@@ -112,7 +112,7 @@ fn is_same(a: &Path, b: &Path) -> bool {
     a.is_some() && a == b
 }
 
-/// Whether two paths lead to one file; hard links are not recognised.
+/// Whether two paths lead to the same file; hard links are not recognised.
 #[cfg(not(unix))]
 fn is_same(a: &Path, b: &Path) -> bool {
     let [a, b] = [a, b].map(|path| fs::canonicalize(path).ok());

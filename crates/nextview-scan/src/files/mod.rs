@@ -1,5 +1,5 @@
-//! Files: those that are read are regular and of bounded size; those that are written are never half
-//! written, and replace nothing that must stay.
+//! Files. Those that are read are regular and of bounded size; those that are written appear as a whole, and
+//! never replace protected files.
 
 mod keep;
 mod numbered;

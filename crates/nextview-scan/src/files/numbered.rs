@@ -1,6 +1,6 @@
 use std::path::{Path, PathBuf};
 
-/// The folders `name`, `name-2`, `name-3`, ...: those that are taken, and the first that is not.
+/// The folders `name`, `name-2`, `name-3`, ...: those that are taken, and the first free one.
 pub fn numbered(name: &str, is_taken: impl Fn(&Path) -> bool) -> (Vec<PathBuf>, PathBuf) {
     let (mut taken, mut folder) = (Vec::new(), PathBuf::from(name));
     while is_taken(&folder) {

@@ -1,23 +1,23 @@
-//! Names of files, given and found again.
+//! Resolving and assigning names of files.
 
 use std::fs::{self, File};
 use std::io::{self, ErrorKind};
 use std::path::{Path, PathBuf};
 
-/// What the path of an open file leads to by now.
+/// What the path of an open file leads to.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Whereabouts {
     /// The file.
     There,
     /// Another file.
     Replaced,
-    /// Nothing; the file has another name.
+    /// Nothing; the file has been renamed.
     Moved,
-    /// Nothing; the file has no name any more, and is gone when it is closed.
+    /// Nothing; the file has no name left, and disappears when closed.
     Removed,
 }
 
-/// What this path leads to, through which the file was opened.
+/// What the path leads to through which the file was opened.
 pub(crate) fn whereabouts(path: &Path, file: &File) -> io::Result<Whereabouts> {
     let own = file.metadata()?;
     let is_named = n_names(&own) > 0;
@@ -40,7 +40,7 @@ fn n_names(of: &fs::Metadata) -> u64 {
     std::os::unix::fs::MetadataExt::nlink(of)
 }
 
-/// Elsewhere files have no number that `std` knows of.
+/// On other systems, `std` knows no number of a file.
 #[cfg(not(unix))]
 fn is_same(a: &fs::Metadata, b: &fs::Metadata) -> bool {
     (a.created().ok(), a.len()) == (b.created().ok(), b.len())
@@ -51,13 +51,13 @@ fn n_names(_: &fs::Metadata) -> u64 {
     1
 }
 
-/// Gives a whole file this name instead of the one that it has: on the disk when this returns. Fails if
-/// there is a file of this name, whoever made it when.
+/// Renames a finished file; the new name is on the disk on return. Fails if a file of this name exists, even
+/// one created concurrently.
 pub(crate) fn name_new(from: &Path, to: &Path) -> io::Result<()> {
     match fs::hard_link(from, to) {
         Ok(()) => _ = fs::remove_file(from),
         Err(error) if error.kind() == ErrorKind::AlreadyExists => return Err(error),
-        // Some file systems have no hard links: an empty file of ours, locked, keeps others away.
+        // Some file systems have no hard links: an empty, locked file of ours reserves the name.
         Err(_) => {
             let ours = File::create_new(to)?;
             _ = ours.try_lock();
@@ -67,8 +67,7 @@ pub(crate) fn name_new(from: &Path, to: &Path) -> io::Result<()> {
     sync_folder(to)
 }
 
-/// Makes a folder and all above it that are missing: on the disk when this returns. Returns the topmost one
-/// that was made.
+/// Creates a folder and its missing parents; they are on the disk on return. Returns the topmost one created.
 pub(crate) fn create_folder(dir: &Path) -> io::Result<Option<PathBuf>> {
     let missing: Vec<&Path> =
         dir.ancestors().take_while(|dir| !dir.as_os_str().is_empty() && !dir.exists()).collect();
@@ -77,10 +76,10 @@ pub(crate) fn create_folder(dir: &Path) -> io::Result<Option<PathBuf>> {
     Ok(missing.last().map(|&dir| dir.to_owned()))
 }
 
-/// Makes sure that the folder of a file or folder knows of its name, also after a power failure.
+/// Syncs the folder of a file or folder: its name then survives a power failure.
 pub(crate) fn sync_folder(path: &Path) -> io::Result<()> {
     let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
-    // Elsewhere a folder cannot be opened, nor need it be.
+    // On other systems a folder cannot be opened, and need not be.
     if cfg!(unix) { File::open(folder)?.sync_all() } else { Ok(()) }
 }
 

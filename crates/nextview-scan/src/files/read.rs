@@ -17,7 +17,7 @@ pub fn open(path: &Path) -> Result<BufReader<File>, Fault> {
     open().map_err(|fault| unreadable(path, &fault))
 }
 
-/// Reads a regular file that may have at most this many bytes.
+/// Reads a regular file of at most this many bytes.
 pub fn read(path: &Path, max_bytes: u64) -> Result<Vec<u8>, Fault> {
     let mut bytes = Vec::new();
     let read = open(path)?.take(max_bytes.saturating_add(1)).read_to_end(&mut bytes);
@@ -30,7 +30,7 @@ pub fn read(path: &Path, max_bytes: u64) -> Result<Vec<u8>, Fault> {
     Ok(bytes)
 }
 
-/// Reads a text without its byte order mark; a carriage return alone becomes a line feed.
+/// Reads a text without its byte order mark; a lone carriage return becomes a line feed.
 pub fn read_text(path: &Path, max_bytes: u64) -> Result<String, Fault> {
     text::utf8(read(path, max_bytes)?).map_err(|error| unreadable(path, &error.into()))
 }

@@ -7,21 +7,21 @@ use std::fs::{self, File};
 use std::io::{self, ErrorKind, Write};
 use std::path::{Path, PathBuf};
 
-/// A folder of results that appears as a whole or not at all. Until then its files are kept in memory.
+/// A folder of results that appears as a whole or not at all. Its files are kept in memory until then.
 #[derive(Debug)]
 pub struct ResultFolder {
     target: PathBuf,
-    /// The files and folders that it will hold.
+    /// The files and folders that it will contain.
     names: Vec<String>,
     rule: Overwrite,
-    /// Where the files are written first: on the same file system as the target.
+    /// Where the files are written first, on the target's file system.
     staging: PathBuf,
     files: Vec<(String, Vec<u8>)>,
 }
 
 impl ResultFolder {
-    /// Begins a folder of these files and folders. Fails at once if it could not be written later, or if the
-    /// rule does not allow it.
+    /// Begins a folder of these files and folders. Fails immediately if it could not be written later, or if
+    /// the rule forbids it.
     pub fn begin(target: &Path, names: &[&str], rule: Overwrite) -> Result<Self, Faults> {
         if target.exists() && !target.is_dir() {
             let fault = Fault::data("exists and is no folder").in_file(target);
@@ -36,12 +36,12 @@ impl ResultFolder {
         Ok(Self { target: target.to_owned(), names, rule, staging, files: Vec::new() })
     }
 
-    /// Where it is shown when it is published.
+    /// The path under which it is published.
     pub fn target(&self) -> &Path {
         &self.target
     }
 
-    /// Adds a file, which must be one of those the folder was begun with, or lie in such a folder:
+    /// Adds a file: one that the folder was begun with, or one inside such a folder, such as
     /// `frames/poses.csv`.
     pub fn add(
         &mut self,
@@ -57,8 +57,8 @@ impl ResultFolder {
         Ok(())
     }
 
-    /// Shows the finished folder under its name: on the disk when this returns. Fails if files of its names
-    /// have appeared there that the rule does not allow to replace.
+    /// Publishes the finished folder under its name; it is on the disk on return. Fails if files have
+    /// appeared there that the rule does not allow to replace.
     pub fn publish(self) -> Result<(), Faults> {
         let names: Vec<&str> = self.names.iter().map(String::as_str).collect();
         self.rule.check_folder(&self.target, &names)?;
@@ -85,7 +85,7 @@ impl ResultFolder {
         self.sync().map_err(|e| Fault::from(e).while_writing(&self.target))
     }
 
-    /// Makes sure that the folders know of all files.
+    /// Syncs the folders of all files.
     fn sync(&self) -> io::Result<()> {
         let folders = self.files.iter().flat_map(|(name, _)| Path::new(name).ancestors().skip(1));
         let folders: BTreeSet<&Path> = folders.collect();
@@ -114,7 +114,7 @@ impl ResultFolder {
     }
 }
 
-/// A folder cannot be renamed over another one: that one is moved aside first.
+/// A folder cannot be renamed over another one, so the old one is moved aside first.
 fn replace_folder(new: &Path, old: &Path) -> io::Result<()> {
     let aside = new.with_extension("replaced");
     fs::rename(old, &aside)?;
@@ -122,8 +122,8 @@ fn replace_folder(new: &Path, old: &Path) -> io::Result<()> {
     fs::remove_dir_all(aside)
 }
 
-/// Removes the unfinished files and folders of these names that a killed process has left in a folder. No
-/// process may be writing to them.
+/// Removes unfinished files and folders of these names, left in a folder by a killed process. No process may
+/// be writing to them.
 pub fn remove_unfinished(folder: &Path, names: &[&str]) -> io::Result<()> {
     for entry in fs::read_dir(folder)? {
         let entry = entry?;
@@ -144,7 +144,7 @@ pub fn remove_unfinished(folder: &Path, names: &[&str]) -> io::Result<()> {
     Ok(())
 }
 
-/// The path itself if it exists, or else the nearest folder above it that does.
+/// The path itself if it exists, otherwise its nearest existing parent.
 fn nearest_existing(path: &Path) -> &Path {
     path.ancestors().find(|path| path.exists()).unwrap_or(Path::new("."))
 }
@@ -187,7 +187,7 @@ mod tests {
         let mut names: Vec<_> = names.map(|name| name.into_string().unwrap()).collect();
         names.sort();
         assert_eq!(names, [".a.csv.partial", ".a.csv.x.partial", ".b.csv.12.partial", "a.csv"]);
-        // By several at once.
+        // Several writers at once.
         (0..200).for_each(|i| fs::write(folder.join(format!(".a.csv.{i}.partial")), "half").unwrap());
         (0..50).for_each(|i| fs::create_dir_all(folder.join(format!(".out.{i}.partial/deep"))).unwrap());
         let remove = || remove_unfinished(&folder, &["a.csv", "out"]).unwrap();

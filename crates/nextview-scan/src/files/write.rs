@@ -6,8 +6,8 @@ use std::hash::{BuildHasher, DefaultHasher, Hash, Hasher, RandomState};
 use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
 
-/// Writes a file as a whole or not at all, where the rule allows it. A device or a pipe must not be replaced:
-/// it is written to as it is, and so is `/dev/stdout`, even where it stands for a regular file.
+/// Writes a file as a whole or not at all, if the rule allows it. A device or a pipe must not be replaced: it
+/// is written to directly, and so is `/dev/stdout`, even if it is a regular file.
 pub fn write(
     path: &Path,
     rule: &Overwrite,
@@ -18,7 +18,7 @@ pub fn write(
         File::create(path).map_err(Fault::from).and_then(|file| fill(file, content))
     } else {
         rule.check_file(path)?;
-        // Of a link, the file it names is replaced.
+        // The target of a link is replaced.
         replace(&fs::canonicalize(path).unwrap_or_else(|_| path.to_owned()), content)
     };
     result.map_err(|fault| fault.while_writing(path))
@@ -33,7 +33,7 @@ fn replace(
     Ok(file.finish()?)
 }
 
-/// A file on its way: it appears under its name as a whole, when it is published. Dropped before, it leaves
+/// An unfinished file: it appears under its name as a whole when published. Dropping it earlier leaves
 /// nothing.
 #[derive(Debug)]
 pub struct NewFile {
@@ -43,7 +43,7 @@ pub struct NewFile {
 }
 
 impl NewFile {
-    /// Begins a file where the rule allows it.
+    /// Begins a file if the rule allows it.
     pub fn begin(path: &Path, rule: &Overwrite) -> Result<Self, Fault> {
         rule.check_file(path)?;
         Self::beside(path).map_err(|error| Fault::from(error).while_writing(path))
@@ -54,19 +54,19 @@ impl NewFile {
         Ok(Self { writer: BufWriter::new(File::create(&beside)?), path: path.to_owned(), beside })
     }
 
-    /// Shows the file under its name.
+    /// Publishes the file under its name.
     pub fn publish(mut self) -> Result<(), Fault> {
         self.finish().map_err(|error| Fault::from(error).while_writing(&self.path))
     }
 
-    /// The fault as one of writing this file.
+    /// Marks the fault as one of writing this file.
     pub fn fault(&self, fault: Fault) -> Fault {
         fault.while_writing(&self.path)
     }
 
     fn finish(&mut self) -> io::Result<()> {
         self.writer.flush()?;
-        // On the disk before it takes the old one's place.
+        // On the disk before it replaces the old one.
         self.writer.get_ref().sync_all()?;
         fs::rename(&self.beside, &self.path)?;
         sync_folder(&self.path)
@@ -85,7 +85,7 @@ impl Write for NewFile {
 
 impl Drop for NewFile {
     fn drop(&mut self) {
-        // Not there any more where it was published; there is nobody to tell.
+        // Already gone if published; there is nobody to report a failure to.
         let _ = fs::remove_file(&self.beside);
     }
 }
@@ -96,8 +96,8 @@ fn fill(file: File, content: impl FnOnce(&mut BufWriter<File>) -> Result<(), Fau
     Ok(writer.flush()?)
 }
 
-/// A name under which something can be written until it is whole, as short as file systems require: another
-/// one each time, since processes of different machines, or of different times, may have the same number.
+/// A unique name for an unfinished file, as short as file systems require. Process numbers are not unique
+/// across machines or over time.
 pub fn unfinished(path: &Path) -> String {
     let (name, number) = (name_of(path), RandomState::new().build_hasher().finish() as u32);
     if name.len() <= MOST_BYTES {
@@ -109,10 +109,10 @@ pub fn unfinished(path: &Path) -> String {
     format!(".{}-{:x}.{number}.partial", &name[..start], hasher.finish())
 }
 
-/// Longest part of a name, bytes, that the name of an unfinished file begins with.
+/// Maximum length, in bytes, of the part of a name that begins an unfinished file's name.
 const MOST_BYTES: usize = 200;
 
-/// The name of the file that one of an [`unfinished`] name was to become.
+/// The final name of a file with an [`unfinished`] name.
 pub(super) fn written_name(unfinished: &str) -> Option<&str> {
     let (name, number) = unfinished.strip_prefix('.')?.strip_suffix(".partial")?.rsplit_once('.')?;
     number.parse::<u32>().is_ok().then_some(name)

@@ -11,7 +11,7 @@ pub(super) enum Entry<'a> {
     Heading(&'a str),
     /// A frame.
     Frame(&'a KeptFrame),
-    /// A view that is not to be proposed again.
+    /// A view that must not be proposed again.
     Skip(&'a SkippedView),
 }
 
@@ -21,7 +21,7 @@ pub(super) enum Entry<'a> {
 enum Head {
     /// A frame without its image, which follows.
     Frame(About),
-    /// A view that is not to be proposed again.
+    /// A view that must not be proposed again.
     Skip(SkippedView),
 }
 
@@ -34,18 +34,18 @@ struct About {
     world_from_camera: Pose,
     range_m: f64,
     intrinsics: Intrinsics,
-    /// Length of the depth, where colours follow it.
+    /// Length of the depth in bytes, if colours follow it.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     depth_bytes: Option<usize>,
     #[serde(default, skip_serializing_if = "Option::is_none")]
     name: Option<String>,
 }
 
-/// Of the layout of entries.
+/// Version of the layout of entries.
 const VERSION: u8 = 2;
 
 impl Entry<'_> {
-    /// Its bytes. Of a frame: version, length of its head, head, and the depth and the colours, compressed.
+    /// Its bytes. For a frame: version, length of the head, head, and compressed depth and colours.
     pub fn to_bytes(&self) -> Vec<u8> {
         match self {
             Self::Heading(text) => [&[VERSION], text.as_bytes()].concat(),
@@ -75,13 +75,13 @@ fn with_head(head: &Head, rest: &[u8]) -> Vec<u8> {
     [&[VERSION], &length[..], &head, rest].concat()
 }
 
-/// The text that these bytes hold.
+/// The text in these bytes.
 pub(super) fn read_heading(bytes: &[u8]) -> Result<String, String> {
     let text = versioned(bytes)?;
     String::from_utf8(text.to_vec()).map_err(|error| format!("the heading is no text: {error}"))
 }
 
-/// The frame or the skipped view that these bytes hold.
+/// The frame or the skipped view in these bytes.
 pub(super) fn read_entry(bytes: &[u8]) -> Result<JournalEntry, String> {
     let rest = versioned(bytes)?;
     let cut = || "the entry ends within its head".to_owned();
@@ -114,8 +114,8 @@ fn versioned(bytes: &[u8]) -> Result<&[u8], String> {
     }
 }
 
-/// The depths as little-endian numbers, the first byte of all pixels first, and so on: similar bytes lie
-/// together.
+/// The depths as little-endian numbers, the first byte of all pixels first, and so on: similar bytes are
+/// adjacent.
 fn compressed(image: &DepthImage) -> Vec<u8> {
     let depths: Vec<[u8; 4]> = image.pixels().map(|pixel| pixel.metres().to_le_bytes()).collect();
     let planes: Vec<u8> = (0..4).flat_map(|i| depths.iter().map(move |depth| depth[i])).collect();
@@ -141,9 +141,9 @@ fn decompressed_color(bytes: &[u8], intrinsics: &Intrinsics) -> Result<ColorImag
     ColorImage::new(intrinsics.width(), intrinsics.height(), pixels).map_err(|error| error.to_string())
 }
 
-/// The bytes of an image of so many bytes a pixel.
+/// The bytes of an image with this number of bytes per pixel.
 fn unpacked(bytes: &[u8], per_pixel: usize, n: usize) -> Result<Vec<u8>, String> {
-    // The format cannot hold more: without this, a few bytes could claim gigabytes.
+    // The format's maximum: without this check, a few bytes could claim gigabytes.
     if n.saturating_mul(per_pixel) > bytes.len().saturating_mul(256).saturating_add(64) {
         return Err(format!("{} bytes cannot hold an image of {n} pixels", bytes.len()));
     }

@@ -10,12 +10,12 @@ use std::path::{Path, PathBuf};
 use std::thread;
 use std::time::Duration;
 
-/// The file in which a scan keeps its frames, each before it counts.
+/// The file that stores the frames of a scan, each before it counts.
 ///
-/// A frame that was [kept](Self::keep) is on the disk, whatever happens to the program or the machine then,
-/// in the file that the journal's path leads to: if that file was removed, moved or replaced, or its folder
-/// was, no frame is kept until it is back. The file begins with a text of the scan's own, such as its
-/// configuration. Every entry has a checksum: damage is found, and everything before it can be used.
+/// A frame that was [kept](Self::keep) is on the disk, whatever happens to the program or the machine, in the
+/// file at the journal's path. If that file or its folder was removed, moved or replaced, no frame is kept
+/// until it is back. The file begins with the scan's own text, such as its configuration. Every entry has a
+/// checksum: damage is detected, and everything before it remains usable.
 ///
 /// ```
 /// use glam::DVec2;
@@ -40,47 +40,46 @@ use std::time::Duration;
 /// ```
 #[derive(Debug)]
 pub struct Journal {
-    /// As it was given.
+    /// The path as given.
     path: PathBuf,
-    /// The same from the root: the working directory may change.
+    /// The absolute path: the working directory may change.
     place: PathBuf,
     file: File,
-    /// Number of entries, the heading's included.
+    /// Number of entries, including the heading.
     n_entries: u64,
-    /// Where the next one begins.
+    /// Where the next entry begins.
     end: u64,
 }
 
-/// Largest journal without entries: a configuration may have a megabyte.
+/// Maximum size of a journal without entries: a configuration may have a megabyte.
 const MAX_BARE: u64 = 1 << 22;
 
 /// The content of a journal.
 #[derive(Debug)]
 pub struct Kept {
-    /// The text it was begun with.
+    /// The text at its beginning.
     pub heading: String,
     /// Frames and skipped views, oldest first.
     pub entries: Vec<JournalEntry>,
-    /// The damage behind the last of them, which was moved to a file of its own; none if the journal was
-    /// whole.
+    /// The damage after the last entry, moved to a separate file; `None` if the journal was whole.
     pub damage: Option<Damage>,
 }
 
 /// Bytes at the end of a journal that could not be read.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Damage {
-    /// Where it begins, in bytes.
+    /// Its offset in bytes.
     pub at: u64,
     /// Its length, in bytes.
     pub length: u64,
-    /// The fault there.
+    /// The fault at that offset.
     pub problem: String,
     /// Where these bytes are now.
     pub moved_to: PathBuf,
 }
 
 impl fmt::Display for Damage {
-    /// Without the path of the journal.
+    /// Omits the path of the journal.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let Self { at, length, problem, moved_to } = self;
         let moved_to = moved_to.display();
@@ -89,7 +88,7 @@ impl fmt::Display for Damage {
 }
 
 impl Journal {
-    /// Begins a journal. It appears as a whole; fails if there is one already.
+    /// Creates a journal, which appears as a whole. Fails if one exists.
     pub fn create(path: &Path, heading: &str) -> Result<Self, Fault> {
         if path.exists() {
             return Err(Fault::data("exists already").in_file(path));
@@ -97,37 +96,37 @@ impl Journal {
         Self::begin(path, heading).map_err(|error| Fault::from(error).while_writing(path))
     }
 
-    /// Opens the journal of a scan that was interrupted, to resume it. Damage at its end is moved to a file
-    /// beside it; fails if not even the heading is whole, or if it is open already.
+    /// Opens the journal of an interrupted scan to resume it. Damage at its end is moved to a file next to
+    /// it. Fails if even the heading is damaged, or if the journal is already open.
     pub fn open(path: &Path) -> Result<(Self, Kept), Fault> {
         Self::reopen(path).map_err(|fault| fault.in_file(path))
     }
 
-    /// Keeps a frame: when this returns, it is on the disk. After a failure, such as a full disk or a folder
-    /// that was moved, the journal is as it was before.
+    /// Keeps a frame: it is on the disk on return. A failure, such as a full disk or a moved folder, leaves
+    /// the journal as it was.
     pub fn keep(&mut self, kept: &KeptFrame) -> Result<(), Fault> {
         self.add(&Entry::Frame(kept))
     }
 
-    /// Keeps that a view is not to be proposed again, in the same way.
+    /// Keeps a skipped view in the same way.
     pub fn skip(&mut self, skipped: &SkippedView) -> Result<(), Fault> {
         self.add(&Entry::Skip(skipped))
     }
 
-    /// Whether somebody has the journal there open.
+    /// Whether any process has this journal open.
     pub(super) fn is_open(path: &Path) -> bool {
         let is_locked =
             |file: BufReader<File>| matches!(file.get_ref().try_lock_shared(), Err(TryLockError::WouldBlock));
         files::open(path).is_ok_and(is_locked)
     }
 
-    /// Whether there is a whole journal that holds nothing but its heading.
+    /// Whether there is a whole journal that contains only its heading.
     pub(super) fn is_bare(path: &Path) -> bool {
         let found = files::read(path, MAX_BARE).and_then(|bytes| read::read(&bytes));
         found.is_ok_and(|found| found.entries.is_empty() && found.problem.is_none())
     }
 
-    /// Its path from the root.
+    /// Its absolute path.
     pub(super) fn place(&self) -> &Path {
         &self.place
     }
@@ -137,7 +136,7 @@ impl Journal {
         whereabouts(&self.place, &self.file)
     }
 
-    /// Fails if the path of the journal leads to it no longer: what is written to it would not be found.
+    /// Fails if the path of the journal no longer leads to it: anything written to it would not be found.
     pub(super) fn check(&self) -> Result<(), Fault> {
         let found = self.whereabouts().map_err(|error| Fault::from(error).in_file(&self.path))?;
         let (problem, remedy) = match found {
@@ -162,9 +161,9 @@ impl Journal {
                 false => "is the disk full?",
             })
         });
-        // Last: what is on the disk then can be found there.
+        // Last, to ensure that everything on the disk can be found there.
         if let Err(fault) = written.and_then(|()| self.check()) {
-            // A part that was written is not whole, and would be taken for damage.
+            // A partly written entry would be taken for damage.
             let _ = self.file.set_len(self.end);
             return Err(fault);
         }
@@ -208,7 +207,7 @@ impl Journal {
         let place = std::path::absolute(path)?;
         let mut journal = Self { path: path.to_owned(), place, file, n_entries: 0, end: 0 };
         journal.lock()?;
-        // Whoever had the lock before may have removed it.
+        // The previous owner of the lock may have removed it.
         journal.check()?;
         let mut bytes = Vec::new();
         journal.file.read_to_end(&mut bytes)?;
@@ -218,7 +217,7 @@ impl Journal {
         Ok((journal, Kept { heading: found.heading, entries: found.entries, damage }))
     }
 
-    /// Moves the bytes behind the last whole entry to a file beside the journal.
+    /// Moves the bytes after the last whole entry to a file next to the journal.
     fn cut(&mut self, bytes: &[u8], problem: String) -> io::Result<Damage> {
         let moved_to = free_name(&self.path);
         let mut file = File::create_new(&moved_to)?;
@@ -231,7 +230,7 @@ impl Journal {
     }
 
     fn lock(&self) -> io::Result<()> {
-        // Whoever looks whether it is open holds the lock for an instant.
+        // A check whether the journal is open holds the lock for an instant.
         for _ in 0..20 {
             match self.file.try_lock() {
                 Err(TryLockError::WouldBlock) => thread::sleep(Duration::from_millis(2)),
@@ -245,7 +244,7 @@ impl Journal {
     }
 }
 
-/// The first of `journal.damaged-1`, `journal.damaged-2`, ... that is not there.
+/// The first free name of `journal.damaged-1`, `journal.damaged-2` and so on.
 fn free_name(path: &Path) -> PathBuf {
     let name = path.file_name().unwrap_or_default().to_string_lossy();
     let mut names = (1..).map(|i| path.with_file_name(format!("{name}.damaged-{i}")));

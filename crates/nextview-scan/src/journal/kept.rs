@@ -13,19 +13,19 @@ pub enum JournalEntry {
 /// A frame of a journal.
 #[derive(Clone, Debug)]
 pub struct KeptFrame {
-    /// Number of the view that it was taken for; none if it was no candidate.
+    /// Number of the view it was taken for; `None` if that was no candidate.
     pub view: Option<usize>,
-    /// Whether it answers a proposed view, rather than being pushed without one.
+    /// Whether it answers a proposed view; otherwise it was pushed without one.
     pub was_asked: bool,
-    /// The frame, to the bit.
+    /// The frame, bit for bit.
     pub frame: Frame,
-    /// The colours that were pushed with it.
+    /// The colours pushed with it.
     pub color: Option<ColorImage>,
     /// The name given by the client that took it.
     pub name: Option<String>,
 }
 
-/// A view that is not to be proposed again.
+/// A view that must not be proposed again.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct SkippedView {
@@ -34,6 +34,6 @@ pub struct SkippedView {
     /// The reason, in the words of the client that skipped it.
     pub reason: String,
     /// Whether a view had been decided on when it was skipped. A resumed scan decides in the same order,
-    /// since planners may remember their decisions.
+    /// because planners may remember their decisions.
     pub was_decided: bool,
 }

@@ -1,4 +1,4 @@
-//! The journal of a scan under way: its frames, safe on the disk before they count.
+//! The journal of a scan in progress: its frames are on the disk before they count.
 
 mod entry;
 mod file;

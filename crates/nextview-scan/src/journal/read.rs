@@ -1,16 +1,16 @@
-//! The layout of a journal: entries with checksums, one behind the other.
+//! The layout of a journal: consecutive entries with checksums.
 
 use super::entry::{read_entry, read_heading};
 use super::kept::JournalEntry;
 use crate::Fault;
 
-/// The first bytes of every journal.
+/// The first bytes of a journal.
 pub(super) const MAGIC: &[u8; 8] = b"nvframes";
 
 /// Bytes before each entry: its length and its checksum.
 const FRAMING: usize = 8;
 
-/// An entry as it is written: length, checksum of its number and its content, content.
+/// The bytes of an entry: length, checksum of its number and its content, content.
 pub(super) fn framed(number: u64, payload: &[u8]) -> Vec<u8> {
     let length = u32::try_from(payload.len()).expect("an image of at most 2^30 pixels, compressed");
     let mut bytes = Vec::with_capacity(FRAMING + payload.len());
@@ -24,13 +24,13 @@ pub(super) fn framed(number: u64, payload: &[u8]) -> Vec<u8> {
 pub(super) struct Found {
     pub heading: String,
     pub entries: Vec<JournalEntry>,
-    /// Where it ends.
+    /// The offset of its end.
     pub end: usize,
-    /// The fault there; none at the end of the file.
+    /// The fault at that offset; `None` at the end of the file.
     pub problem: Option<String>,
 }
 
-/// Reads up to the first entry that is not whole. That must not be the heading.
+/// Reads up to the first damaged entry, which must not be the heading.
 pub(super) fn read(bytes: &[u8]) -> Result<Found, Fault> {
     if !bytes.starts_with(MAGIC) {
         return Err(Fault::data("is no journal of a scan: it does not begin with nvframes"));
@@ -58,7 +58,7 @@ pub(super) fn read(bytes: &[u8]) -> Result<Found, Fault> {
     Ok(found)
 }
 
-/// The content of the entry that begins here.
+/// The content of the entry at this offset.
 fn next(bytes: &[u8], at: usize, number: u64) -> Result<&[u8], String> {
     let rest = &bytes[at..];
     let Some((framing, rest)) = rest.split_at_checked(FRAMING) else {
@@ -77,7 +77,7 @@ fn next(bytes: &[u8], at: usize, number: u64) -> Result<&[u8], String> {
     }
 }
 
-/// Includes the number, so that entries that swapped places are damage, too.
+/// Includes the number, which makes swapped entries detectable.
 fn checksum(number: u64, payload: &[u8]) -> u32 {
     let mut hasher = crc32fast::Hasher::new();
     hasher.update(&number.to_le_bytes());

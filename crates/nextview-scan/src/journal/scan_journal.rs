@@ -9,34 +9,34 @@ use std::path::{Path, PathBuf};
 /// The journal in the folder of a scan's results, from the first frame until the results are on the disk.
 pub struct ScanJournal {
     dir: PathBuf,
-    /// The topmost folder that was not there before the scan.
+    /// The topmost folder created for the scan.
     created: Option<PathBuf>,
     journal: Journal,
-    /// Entries from before the interruption that the scan has not reached again.
+    /// Entries from before the interruption that the scan has not yet replayed.
     replays: VecDeque<JournalEntry>,
     /// Number of frames that would be lost with the journal.
     n_needed: usize,
 }
 
-/// Who has a folder of results.
+/// The occupant of a folder of results.
 pub(crate) enum Occupant {
-    /// Nobody: the journal of a scan that was killed before its first frame is of no use.
+    /// Nobody: the journal of a scan killed before its first frame is useless.
     Nobody,
-    /// A scan under way, in this process or another one.
+    /// A scan in progress, in this process or another one.
     Scan,
-    /// A scan that was interrupted, with its frames.
+    /// An interrupted scan, with its frames.
     Interrupted,
 }
 
-/// A scan that was interrupted.
+/// An interrupted scan.
 pub struct Interrupted {
-    /// The text that the journal was begun with: the configuration.
+    /// The text at the beginning of the journal: the configuration.
     pub heading: String,
-    /// To resume it.
+    /// The journal, to resume the scan.
     pub journal: ScanJournal,
-    /// Number of frames that are kept.
+    /// Number of kept frames.
     pub n_frames: usize,
-    /// Damage that was found at the journal's end.
+    /// Damage found at the end of the journal.
     pub damage: Option<Damage>,
 }
 
@@ -49,8 +49,8 @@ impl ScanJournal {
         dir.join(Self::FILE).exists()
     }
 
-    /// Begins the journal of a scan. Fails if the folder holds an interrupted one, which would be lost, or if
-    /// it is being scanned: until the journal is dropped, no other scan can begin there.
+    /// Begins the journal of a scan. Fails if the folder holds an interrupted scan, which would be lost, or a
+    /// scan in progress: no other scan can begin there until the journal is dropped.
     pub fn begin(dir: &Path, heading: &str) -> Result<Self, Fault> {
         Self::check_free(dir)?;
         let path = dir.join(Self::FILE);
@@ -58,19 +58,19 @@ impl ScanJournal {
         let writing = |error: io::Error| Fault::from(error).while_writing(dir);
         let place = std::path::absolute(&path).map_err(writing)?;
         let created = files::create_folder(place.parent().unwrap_or(&place)).map_err(writing)?;
-        // Another scan may have begun there in between.
+        // Another scan may have begun there in the meantime.
         let journal =
             Journal::create(&path, heading).map_err(|fault| Self::check_free(dir).err().unwrap_or(fault))?;
         files::remove_unfinished(dir, &[Self::FILE]).map_err(writing)?;
         Ok(Self { dir: dir.to_owned(), created, journal, replays: VecDeque::new(), n_needed: 0 })
     }
 
-    /// Removes the journal of a scan that was killed before its first frame.
+    /// Removes the journal of a scan killed before its first frame.
     fn remove_bare(path: &Path) {
         if !Journal::is_bare(path) {
             return;
         }
-        // Once it is open here, nobody else can write to it. If that fails, it is somebody's.
+        // Once it is open here, nobody else can write to it. If opening fails, it is in use.
         if let Ok((_journal, kept)) = Journal::open(path)
             && kept.entries.is_empty()
         {
@@ -78,7 +78,7 @@ impl ScanJournal {
         }
     }
 
-    /// Fails if the folder holds an interrupted scan, or is being scanned.
+    /// Fails if the folder holds an interrupted scan or a scan in progress.
     pub fn check_free(dir: &Path) -> Result<(), Fault> {
         match Self::occupant(dir) {
             Occupant::Nobody => Ok(()),
@@ -92,7 +92,7 @@ impl ScanJournal {
         }
     }
 
-    /// Who has the folder.
+    /// The occupant of the folder.
     pub(crate) fn occupant(dir: &Path) -> Occupant {
         let path = dir.join(Self::FILE);
         match () {
@@ -123,40 +123,40 @@ impl ScanJournal {
         Ok(Interrupted { heading, journal, n_frames, damage })
     }
 
-    /// The next entry from before the interruption that the scan has not reached again.
+    /// The next entry from before the interruption that the scan has not yet replayed.
     pub(crate) fn replay(&self) -> Option<&JournalEntry> {
         self.replays.front()
     }
 
-    /// The scan has reached that entry.
+    /// Marks that entry as replayed.
     pub(crate) fn replayed(&mut self) {
         self.replays.pop_front();
     }
 
-    /// The scan comes to this frame, which is kept, again.
+    /// Replays this kept frame again.
     pub(crate) fn replay_again(&mut self, kept: KeptFrame) {
         self.replays.push_front(JournalEntry::Frame(Box::new(kept)));
     }
 
-    /// Keeps a frame: on the disk when this returns.
+    /// Keeps a frame: it is on the disk on return.
     pub(crate) fn keep(&mut self, kept: &KeptFrame) -> Result<(), Fault> {
         self.journal.keep(kept).map_err(|fault| self.not_kept(fault))?;
         self.n_needed += 1;
         Ok(())
     }
 
-    /// Keeps that a view is not to be proposed again.
+    /// Keeps a skipped view.
     pub(crate) fn skip(&mut self, skipped: &SkippedView) -> Result<(), Fault> {
         self.journal.skip(skipped).map_err(|fault| self.not_kept(fault))
     }
 
-    /// Fails if the frames that were kept cannot be found any more where they should be.
+    /// Fails if the kept frames are no longer where they should be.
     pub(crate) fn check(&self) -> Result<(), Fault> {
         self.journal.check()
     }
 
-    /// Fails if the folder is another scan's by now, or elsewhere. Where the journal is gone, the results are
-    /// all that is left of the scan, and may be written.
+    /// Fails if the folder belongs to another scan or has moved. If the journal is gone, the results are all
+    /// that is left of the scan, and may be written.
     pub(crate) fn check_results(&self) -> Result<(), Fault> {
         match self.journal.whereabouts() {
             Ok(Whereabouts::Removed) => Ok(()),
@@ -169,7 +169,7 @@ impl ScanJournal {
         self.dir.join(Self::FILE)
     }
 
-    /// The results are on the disk, or there will be none: the journal is removed.
+    /// Removes the journal: the results are on the disk, or there will be none.
     pub fn finish(mut self) {
         self.n_needed = 0;
     }
@@ -188,8 +188,8 @@ impl ScanJournal {
 }
 
 impl Drop for ScanJournal {
-    /// Without frames the journal is of no use, nor is a folder that holds nothing else. One that is not this
-    /// scan's stays.
+    /// Removes a journal without frames, and a folder that contains nothing else, unless it belongs to
+    /// another scan.
     fn drop(&mut self) {
         if self.n_needed > 0 || self.journal.check().is_err() {
             return;

@@ -2,8 +2,8 @@ use nextview::geometry::Pose;
 use nextview::sensor::{ColorImage, Depth, DepthImage};
 use std::hash::{DefaultHasher, Hash, Hasher};
 
-/// A number of what a camera has taken and of where it says it stood: the same for the same bits, and hardly
-/// ever for others. It is no secret, and must not leave the process.
+/// A hash of a camera's images and its stated pose: equal for equal bits, and almost never for others. It is
+/// not cryptographic, and must not leave the process.
 pub fn fingerprint(pose: Option<&Pose>, depth: &DepthImage, color: Option<&ColorImage>) -> u64 {
     let mut hasher = DefaultHasher::new();
     if let Some(pose) = pose {
@@ -12,7 +12,7 @@ pub fn fingerprint(pose: Option<&Pose>, depth: &DepthImage, color: Option<&Color
     }
     (depth.width(), depth.height()).hash(&mut hasher);
     for (u, v) in pixels(depth.width(), depth.height()) {
-        // Missing pixels may come as any number that is none.
+        // Missing pixels may have any non-number value.
         let bits = match depth.get(u, v) {
             Depth::Missing => f32::NAN.to_bits(),
             Depth::Beyond => f32::INFINITY.to_bits(),

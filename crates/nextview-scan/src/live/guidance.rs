@@ -1,31 +1,31 @@
 use nextview::geometry::Pose;
 use serde::Serialize;
 
-/// How to move a camera that is held in a hand to the view that is wanted.
+/// The motion from a hand-held camera to the wanted view.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Guidance {
-    /// From the camera to the wanted place, in the frame of the camera: right, down, forward.
+    /// From the camera to the wanted position, in the camera frame: right, down, forward.
     pub arrow_m: [f64; 3],
     /// Length of the arrow.
     pub distance_m: f64,
-    /// How far to turn to the right, -180..=180, and then down, -90..=90, to look along the wanted axis.
+    /// The turn to the right, -180..=180, then down, -90..=90, that aligns the camera with the wanted axis.
     pub turn_deg: [f64; 2],
-    /// The angle between where the camera looks and where it should, 0..=180.
+    /// The angle between the camera's actual and wanted viewing directions, 0..=180.
     pub angle_deg: f64,
     /// Whether the camera is near enough: the image would show nearly the same.
     pub reached: bool,
 }
 
-/// A camera is near enough up to this share of the distance that it looks from.
+/// Maximum offset of a camera that is near enough, as a share of its viewing distance.
 const NEAR: f64 = 0.1;
 
-/// A camera that looks this many degrees past the wanted point is near enough.
+/// Maximum angle, in degrees, by which a camera that is near enough looks past the wanted point.
 const NEAR_ANGLE: f64 = 10.0;
 
 impl Guidance {
-    /// From where the camera is to the wanted pose, which looks at something at a distance, metres. How the
-    /// camera is turned about its axis does not matter.
+    /// Guides the camera to the wanted pose, which looks at something at a distance in metres. Rotation about
+    /// the optical axis is ignored.
     pub(super) fn to(wanted: &Pose, world_from_camera: &Pose, distance: f64) -> Self {
         let camera_from_wanted = world_from_camera.inverse() * *wanted;
         let arrow = camera_from_wanted.translation();
@@ -56,7 +56,7 @@ mod tests {
         let guidance = Guidance::to(&wanted, &camera, 0.5);
         let there = camera.transform_point(DVec3::from_array(guidance.arrow_m));
         assert!(there.distance(wanted.translation()) < 1e-12 && !guidance.reached);
-        // Turned as it says, the camera looks along the wanted axis.
+        // After the turn, the camera looks along the wanted axis.
         let [right, down] = guidance.turn_deg.map(f64::to_radians);
         let turned = camera.rotation() * DQuat::from_rotation_y(right) * DQuat::from_rotation_x(-down);
         assert!((turned * DVec3::Z).distance(wanted.rotation() * DVec3::Z) < 1e-12);

@@ -15,11 +15,11 @@ use nextview::session::{NextView, StopReason};
 use nextview_robot::path::JointTrajectory;
 use std::path::Path;
 
-/// A scan with a user's camera, described by a configuration with a section `live`.
+/// A scan with a user's camera, configured with a section `live`.
 ///
-/// The owner of the camera asks for the [`next`](Self::next) view, takes a depth image there, and has it
-/// [`observe`](Self::observe)d. In a folder, every frame is on the disk before it counts, and an interrupted
-/// scan is [resumed](Self::resume): it asks for no old view again.
+/// The owner of the camera requests the [`next`](Self::next) view, takes a depth image there, and passes it
+/// to [`observe`](Self::observe). With a folder, every frame is on the disk before it counts, and an
+/// interrupted scan can be [resumed](Self::resume) without requesting old views again.
 ///
 /// ```
 /// use nextview::Cancel;
@@ -43,7 +43,7 @@ pub struct LiveScan {
     run: ScanRun<'static>,
     cancel: Cancel,
     damage: Option<Damage>,
-    /// By step, that of the frame as it was given.
+    /// By step, the fingerprint of the frame as given.
     fingerprints: Vec<u64>,
     pub(super) whereabouts: Whereabouts,
     /// Its journal is gone: a further frame would be in no file.
@@ -51,7 +51,7 @@ pub struct LiveScan {
 }
 
 impl LiveScan {
-    /// Begins a scan; with a folder, its frames are kept there until its results are
+    /// Begins a scan. With a folder, its frames are kept there until its results are
     /// [published](Self::forget_journal). Fails if the folder holds an interrupted scan.
     pub fn begin(mut config: ScanConfig, dir: Option<&Path>, cancel: Cancel) -> Result<Self, Faults> {
         let camera = OwnCamera::open(&mut config)?;
@@ -63,8 +63,8 @@ impl LiveScan {
         Self::with_journal(camera, config, journal, cancel)
     }
 
-    /// Resumes the scan in a folder: the frames that are kept there are observed again. Fails if it is no
-    /// scan with a user's camera.
+    /// Resumes the scan in a folder and observes the frames kept there again. Fails if it is not a scan with
+    /// a user's camera.
     ///
     /// If cancelled, it can be resumed again.
     pub fn resume(dir: &Path, cancel: Cancel) -> Result<Self, Faults> {
@@ -99,21 +99,21 @@ impl LiveScan {
         Ok(Self { camera, config, run, cancel, damage, fingerprints, whereabouts, is_closed })
     }
 
-    /// What could not be read at the end of the journal when the scan was resumed: the frames there are lost.
+    /// The unreadable end of the journal when the scan was resumed: the frames there are lost.
     pub fn damage(&self) -> Option<&Damage> {
         self.damage.as_ref()
     }
 
-    /// The view to take next; none if the scan is over, for the [reason](Self::stop_reason). Asked again
-    /// before a frame is observed or a view skipped, the answer is the same.
+    /// Returns the next view; `None` if the scan is over, for the [reason](Self::stop_reason). Repeated calls
+    /// return the same view until a frame is observed or a view skipped.
     ///
-    /// Fails if it is cancelled: it can then be asked again.
+    /// Fails if cancelled; it can then be called again.
     #[expect(clippy::should_implement_trait, reason = "an iterator could be neither asked again nor fail")]
     pub fn next(&mut self) -> Result<Option<NextView>, Fault> {
         self.run.scan_mut().stop_reason = None;
         loop {
             match self.run.next()? {
-                // Its observation was cancelled after it had been kept.
+                // The observation was cancelled after the frame had been kept.
                 Next::Replay(frame) => _ = self.push(frame.into())?,
                 Next::Capture(view) => {
                     self.whereabouts.asked = Some(view.world_from_camera);
@@ -128,11 +128,12 @@ impl LiveScan {
         }
     }
 
-    /// Takes in a frame from any pose; one without a pose is [located](Self::locate) first. If a view was
-    /// asked for, it counts as taken. Fails before anything has changed if an image is not of the camera's
-    /// size, cannot be kept, or if it is cancelled.
+    /// Observes a frame from any pose; one without a pose is [located](Self::locate) first. The requested
+    /// view, if any, counts as taken. Fails before any change if an image is not of the camera's size or
+    /// cannot be kept, or if cancelled.
     ///
-    /// A cancelled frame that was kept in a folder is taken in by [`next`](Self::next), or observed again.
+    /// A cancelled frame that was kept in a folder is observed by [`next`](Self::next), or can be observed
+    /// again.
     pub fn observe(&mut self, taken: LiveFrame) -> Result<&StepRecord, Fault> {
         if self.is_closed {
             let fault = Fault::request("the scan is finished and saved, and takes no more frames");
@@ -144,10 +145,10 @@ impl LiveScan {
         self.push(TakenFrame { frame, color, name })
     }
 
-    /// The step of a frame that was taken in before, recognised by its name; none of a new one, or of one
-    /// without a name. So a frame that is sent again, because its answer was lost, counts once.
+    /// Returns the step of an already observed frame, recognised by its name; `None` for a new or unnamed
+    /// frame. A frame sent again after a lost answer therefore counts once.
     ///
-    /// Fails if the frame of that name had another content, or cannot be found on the disk any more.
+    /// Fails if the frame of that name had other content, or can no longer be found on the disk.
     pub fn known(&self, frame: &LiveFrame) -> Result<Option<&StepRecord>, Fault> {
         let named = |step: &&StepRecord| frame.name.is_some() && step.frame == frame.name;
         let Some(step) = self.scan().steps.iter().find(named) else { return Ok(None) };
@@ -171,31 +172,31 @@ impl LiveScan {
         Ok(&self.run.steps()[step_idx])
     }
 
-    /// Tracked poses are not given ones.
+    /// Tracked poses are not given poses.
     fn fingerprint(&self, pose: Option<&Pose>, depth: &DepthImage, color: Option<&ColorImage>) -> u64 {
         let is_given = self.config.registration.given_poses != GivenPoses::Tracked;
         fingerprint(pose.filter(|_| is_given), depth, color)
     }
 
-    /// Skips a candidate, for example because a robot cannot go there: it is never proposed again.
+    /// Skips a candidate, for example one out of a robot's reach: it is never proposed again.
     pub fn skip(&mut self, view: usize, reason: &str) -> Result<(), Fault> {
         self.run.skip(view, reason)
     }
 
-    /// The trajectory from the last frame to a view: that of the robot, of a view that was asked for; else
-    /// see [`Session::trajectory_to`].
+    /// The trajectory from the last frame to a view: that of the robot, for a requested view; otherwise see
+    /// [`Session::trajectory_to`].
     ///
     /// [`Session::trajectory_to`]: nextview::session::Session::trajectory_to
     pub fn trajectory_to(&self, view: &NextView) -> Result<Trajectory, Fault> {
         self.run.trajectory_to(view)
     }
 
-    /// The view to take next, for a robot and for a page.
+    /// The record of the next view, for a robot and for a page.
     pub fn record_of(&self, view: &NextView) -> Result<ViewRecord, Fault> {
         Ok(self.completed(view, &self.trajectory_to(view)?, self.joints_to(view)))
     }
 
-    /// The record of a view with the angle of the turntable.
+    /// The record of a view with the turntable angle.
     fn completed(
         &self,
         view: &NextView,
@@ -206,11 +207,11 @@ impl LiveScan {
         ViewRecord { turntable_angle_deg, ..ViewRecord::new(view, trajectory, joints) }
     }
 
-    /// The views to take after one that was [asked for](Self::next), if nothing were learned on the way, in
-    /// the order of a short tour: at most `n_views`; see [`Session::legs_after`]. For whoever wants to plan
-    /// ahead, or to take several frames at once: they are [observed](Self::observe) like frames from any
-    /// pose, and count for the [number of views](ScanConfig::views) no more than these. With a robot, the
-    /// trajectories are those of the camera alone.
+    /// The views to take after a [requested](Self::next) one if nothing were learned on the way, in the order
+    /// of a short tour: at most `n_views`; see [`Session::legs_after`]. For planning ahead, or for taking
+    /// several frames at once: they are [observed](Self::observe) like frames from any pose, and count no
+    /// more than those towards the [number of views](ScanConfig::views). With a robot, the trajectories are
+    /// those of the camera alone.
     ///
     /// [`Session::legs_after`]: nextview::session::Session::legs_after
     pub fn following(&self, view: &NextView, n_views: usize) -> Result<Vec<ViewRecord>, Fault> {
@@ -231,36 +232,36 @@ impl LiveScan {
         session.legs_after(view, n_views)?.into_iter().map(record).collect()
     }
 
-    /// The motion of the robot to a view that was asked for; none without a robot.
+    /// The motion of the robot to a requested view; `None` without a robot.
     pub fn joints_to(&self, view: &NextView) -> Option<&JointTrajectory> {
         self.run.joints_to(view)
     }
 
-    /// The angle to turn the plate of the [turntable](crate::TurntableConfig) to for a view, degrees, 0 to
-    /// 360; none without a turntable.
+    /// The angle of the [turntable](crate::TurntableConfig) for a view in degrees, 0 to 360; `None` without a
+    /// turntable.
     pub fn turntable_angle_deg(&self, world_from_camera: &Pose) -> Option<f64> {
         self.config.turntable.map(|turntable| turntable.angle_deg(world_from_camera))
     }
 
-    /// Where the camera is, seen from the object, after the plate of the turntable was turned by this angle.
-    /// Fails without a turntable.
+    /// The pose of the camera relative to the object with the turntable at this angle. Fails without a
+    /// turntable.
     pub fn turntable_pose(&self, angle_deg: f64) -> Result<Pose, Fault> {
         let none =
             || Fault { key: Some("turntable".to_owned()), ..Fault::request("there is no `turntable`") };
         self.config.turntable.ok_or_else(none)?.pose_at(angle_deg)
     }
 
-    /// The scan as it stands: its map, its model, its record.
+    /// The scan in its current state: map, model, record.
     pub fn scan(&self) -> &FinishedScan<'static> {
         self.run.scan()
     }
 
-    /// The reason why the scan ended; none while it is under way.
+    /// The reason why the scan ended; `None` while it is in progress.
     pub fn stop_reason(&self) -> Option<StopReason> {
         self.scan().stop_reason
     }
 
-    /// The configuration, completed by what was decided when the scan was begun.
+    /// The configuration, completed by the decisions made at the beginning.
     pub fn config(&self) -> &ScanConfig {
         &self.config
     }
@@ -275,12 +276,12 @@ impl LiveScan {
         &self.cancel
     }
 
-    /// Ends the scan, if it is not over for another [reason](Self::stop_reason).
+    /// Ends the scan, unless it is already over for another [reason](Self::stop_reason).
     pub fn end(&mut self) {
         self.run.scan_mut().stop_reason.get_or_insert(StopReason::Ended);
     }
 
-    /// Adds the results of the scan as it stands; see [`write_results`].
+    /// Adds the results of the scan in its current state; see [`write_results`].
     pub fn write_results(&self, folder: &mut ResultFolder) -> Result<Results, Fault> {
         write_results(folder, &self.config, self.scan())
     }

@@ -1,5 +1,4 @@
-//! A scan with a user's camera, from a configuration to the results: what a server, a ROS node and Python
-//! drive.
+//! A scan with a user's camera, from configuration to results: driven by the server, the ROS node and Python.
 
 mod fingerprint;
 mod guidance;

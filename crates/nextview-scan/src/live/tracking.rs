@@ -1,4 +1,4 @@
-//! Where a camera stands that does not know it itself: by the surface known so far.
+//! Tracking: the pose of a camera that does not know it, from the known surface.
 
 use super::whereabouts::Whereabouts;
 use super::{Guidance, LiveScan};
@@ -7,12 +7,12 @@ use nextview::geometry::Pose;
 use nextview::registration::{GivenPoses, Registration, RegistrationMode, Verdict};
 use nextview::sensor::DepthImage;
 
-/// Where depth cameras mostly look from, metres: as long as it is not known where the object is.
+/// The usual viewing distance of depth cameras in metres, until the object's place is known.
 const USUAL_DISTANCE: f64 = 0.5;
 
 impl LiveScan {
-    /// How to move the camera from this pose to the next view; none if the scan is over. Plans, if no view
-    /// was asked for yet.
+    /// The motion from this pose to the next view; `None` if the scan is over. Plans if no view was requested
+    /// yet.
     pub fn guidance(&mut self, world_from_camera: &Pose) -> Result<Option<Guidance>, Fault> {
         let Some(next) = self.next()? else { return Ok(None) };
         let wanted = next.world_from_camera;
@@ -21,11 +21,11 @@ impl LiveScan {
         Ok(Some(Guidance::to(&wanted, world_from_camera, distance)))
     }
 
-    /// Finds out where a depth image was taken: where it fits the surface known so far, near where the last
-    /// image was located, the last frame was taken, or the view was that was asked for. It is not taken in.
+    /// Returns the pose of a depth image, without observing it: where it fits the known surface, near the
+    /// last located image, the last frame, or the requested view.
     ///
-    /// Needs registration with poses that are [tracked](GivenPoses::Tracked). Fails if the camera is lost: if
-    /// the image fits nowhere near there, or the surface does not hold it in place.
+    /// Requires registration with [tracked](GivenPoses::Tracked) poses. Fails if the camera is lost: if the
+    /// image fits nowhere near these poses, or the surface does not constrain it.
     pub fn locate(&mut self, depth: &DepthImage) -> Result<Pose, Fault> {
         let registration = self.config().registration;
         if registration.mode() != RegistrationMode::On || registration.given_poses != GivenPoses::Tracked {

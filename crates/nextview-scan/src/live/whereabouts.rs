@@ -1,10 +1,10 @@
 use nextview::geometry::Pose;
 
-/// Where the camera was asked to go, and where it was last.
+/// The requested and the last known pose of the camera.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Whereabouts {
-    /// The view that was asked for last, if its frame did not come yet.
+    /// The view requested last, if its frame has not arrived yet.
     pub asked: Option<Pose>,
-    /// Where the last image was taken that was located after the last frame.
+    /// Pose of the last image located after the last frame.
     pub located: Option<Pose>,
 }

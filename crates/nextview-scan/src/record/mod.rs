@@ -1,4 +1,4 @@
-//! The record of a scan: all that front ends, tables and reports read.
+//! The record of a scan: the input of front ends, tables and reports.
 
 mod build;
 mod placement_record;
@@ -17,7 +17,7 @@ pub use view_record::{ViewRecord, WaypointRecord};
 
 use std::time::Duration;
 
-/// A time as records hold it.
+/// A time in the unit of records.
 pub(crate) fn milliseconds(time: Duration) -> f64 {
     time.as_secs_f64() * 1e3
 }

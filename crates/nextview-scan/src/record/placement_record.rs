@@ -3,42 +3,42 @@ use nextview::geometry::Pose;
 use nextview::placement::{NextPlacement, Turn, TurnRefusal};
 use serde::{Deserialize, Serialize};
 
-/// How an object was turned since the scan before.
+/// How an object was turned since the previous scan.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct TurnRecord {
-    /// Why that is not known; none if it is. The model then holds this scan alone.
+    /// Why the turn is unknown; `None` if it is known. If unknown, the model contains only this scan.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub refusal: Option<TurnRefusal>,
-    /// Where the origin of the scan before is now; this and all else none if it is not known.
+    /// Current position of the previous scan's origin; this and all else `None` if the turn is unknown.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub position_m: Option<[f64; 3]>,
-    /// The rotation from then to now.
+    /// The rotation from the previous scan to this one.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub quaternion_xyzw: Option<[f64; 4]>,
-    /// Share, 0..=1, of the surface shown now that was known before.
+    /// Share, 0..=1, of the surface shown in this scan that was known before.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub overlap: Option<f64>,
-    /// Root mean square distance of that from the surface known before.
+    /// Root mean square distance of that share from the surface known before.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub residual_mm: Option<f64>,
-    /// Mean distance by which it misplaces the true surface; none where that is not known. Of a symmetric
-    /// object, every pose is right that puts it onto itself.
+    /// Mean distance by which the turn misplaces the true surface; `None` if that is unknown. For a symmetric
+    /// object, every pose that maps it onto itself is right.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub error_mm: Option<f64>,
 }
 
-/// How to lay an object down, so that what cannot be seen now can be seen then.
+/// The placement that exposes most of the hidden surface.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct PlacementRecord {
-    /// The side to lay it on: a direction of unit length in the world of now, from the middle of the object.
+    /// The side to lay the object on: a unit vector in the current world, from the object's middle.
     pub down: [f64; 3],
-    /// Share, 0..=1, of the unseen surface that it frees.
+    /// Share, 0..=1, of the unseen surface that it exposes.
     pub freed_share: f64,
-    /// Share, 0..=1, of the surface that is unseen now.
+    /// Share, 0..=1, of the surface that is unseen so far.
     pub unseen_share: f64,
 }
 
@@ -58,12 +58,12 @@ impl From<Result<Turn, TurnRefusal>> for TurnRecord {
 }
 
 impl TurnRecord {
-    /// Whether it is known.
+    /// Whether the turn is known.
     pub fn is_known(&self) -> bool {
         self.refusal.is_none()
     }
 
-    /// Takes points of the scan before to where they are now; none if it is not known.
+    /// Takes points of the previous scan to their current position; `None` if the turn is unknown.
     pub fn now_from_before(&self) -> Option<Pose> {
         let rotation = DQuat::from_array(self.quaternion_xyzw?);
         Pose::new(rotation, DVec3::from_array(self.position_m?)).ok()

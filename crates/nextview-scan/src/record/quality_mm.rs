@@ -1,7 +1,7 @@
 use super::ScanRecord;
 use nextview::geometry::Pose;
 
-/// Quality of a cloud or a mesh beside the true surface. Records of older versions lack what is optional.
+/// Quality of a cloud or a mesh against the true surface. Records of older versions lack the optional fields.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct QualityMm {
     /// Mean distance from the points of the model to the true surface.
@@ -12,38 +12,38 @@ pub struct QualityMm {
     pub accuracy_p95_mm: f64,
     /// Share, 0..=1, of the points of the model within 1 mm of the true surface.
     pub precision_1mm: Option<f64>,
-    /// The same within 2 mm.
+    /// As `precision_1mm`, but within 2 mm.
     pub precision_2mm: Option<f64>,
-    /// The same within 5 mm.
+    /// As `precision_1mm`, but within 5 mm.
     pub precision_5mm: Option<f64>,
-    /// Share, 0..=1, of the true surface, all of it, with a point of the model within 1 mm.
+    /// Share, 0..=1, of the whole true surface with a point of the model within 1 mm.
     pub completeness_1mm: f64,
-    /// The same within 2 mm.
+    /// As `completeness_1mm`, but within 2 mm.
     pub completeness_2mm: f64,
-    /// The same within 5 mm.
+    /// As `completeness_1mm`, but within 5 mm.
     pub completeness_5mm: f64,
     /// Mean distance from the true surface to the model.
     pub completeness_mean_mm: f64,
     /// Share, 0..=1, of the reachable surface with a point of the model within 1 mm.
     pub recall_1mm: Option<f64>,
-    /// The same within 2 mm.
+    /// As `recall_1mm`, but within 2 mm.
     pub recall_2mm: Option<f64>,
-    /// The same within 5 mm.
+    /// As `recall_1mm`, but within 5 mm.
     pub recall_5mm: Option<f64>,
     /// Mean distance from the reachable surface to the model.
     pub reachable_completeness_mean_mm: Option<f64>,
     /// Harmonic mean of precision and recall at 1 mm, 0..=1.
     pub f_score_1mm: Option<f64>,
-    /// The same at 2 mm.
+    /// As `f_score_1mm`, but at 2 mm.
     pub f_score_2mm: Option<f64>,
-    /// The same at 5 mm.
+    /// As `f_score_1mm`, but at 5 mm.
     pub f_score_5mm: Option<f64>,
     /// Chamfer distance: mean of `accuracy_mean_mm` and `reachable_completeness_mean_mm`.
     pub chamfer_mm: Option<f64>,
 }
 
 impl ScanRecord {
-    /// Quality of the final cloud; none where it was not measured.
+    /// Quality of the final cloud; `None` if it was not measured.
     pub fn cloud(&self) -> Option<QualityMm> {
         Some(QualityMm {
             accuracy_mean_mm: self.cloud_accuracy_mean_mm?,
@@ -67,7 +67,7 @@ impl ScanRecord {
         })
     }
 
-    /// Quality of the final mesh; none where it was not measured.
+    /// Quality of the final mesh; `None` if it was not measured.
     pub fn mesh(&self) -> Option<QualityMm> {
         Some(QualityMm {
             accuracy_mean_mm: self.mesh_accuracy_mean_mm?,
@@ -135,8 +135,7 @@ impl ScanRecord {
         self.mesh_chamfer_mm = quality.and_then(|q| q.chamfer_mm);
     }
 
-    /// Sets the motion by which the model was moved before it was measured, for an object with this middle,
-    /// metres.
+    /// Sets the rigid motion of the model before measuring, for an object with this middle in metres.
     pub fn set_alignment(&mut self, truth_from_model: &Pose, middle: glam::DVec3) {
         let (rotation, moved) = (truth_from_model.rotation(), truth_from_model.transform_point(middle));
         let turned = 2.0 * rotation.xyz().length().atan2(rotation.w.abs());

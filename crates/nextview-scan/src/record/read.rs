@@ -2,7 +2,7 @@ use crate::{Fault, ScanRecord, files};
 use nextview::geometry::Plane;
 use std::path::Path;
 
-/// Largest record that is read, bytes.
+/// Maximum size of a record in bytes.
 const MAX_RECORD: u64 = 1 << 28;
 
 impl ScanRecord {
@@ -17,8 +17,8 @@ impl ScanRecord {
         serde_json::from_str(&text).map_err(|error| Fault::data(error).in_file(&path))
     }
 
-    /// The table that the model shows, as it was known in the end; none without one, and where the model is
-    /// of two placements, in which it shows nothing but the object.
+    /// The table in the model, as last known; `None` without one, or if the model combines two placements and
+    /// shows only the object.
     pub fn table(&self) -> Option<Plane> {
         if self.turn.is_some_and(|turn| turn.is_known()) {
             return None;

@@ -4,72 +4,69 @@ use nextview::registration::{Registration, Verdict};
 use nextview::session::StepReport;
 use serde::{Deserialize, Serialize};
 
-/// Everything about one view of a scan: a line of `steps.jsonl`, an entry of `steps` of a
-/// [`ScanRecord`](super::ScanRecord).
+/// One view of a scan: a line of `steps.jsonl`, an entry of `steps` of a [`ScanRecord`](super::ScanRecord).
 ///
-/// Quantities that are not known are left out. Two equal scans differ in the entries that end in `_time_ms`
-/// only.
+/// Unknown quantities are left out. Two equal scans differ only in the entries that end in `_time_ms`.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(default, deny_unknown_fields)]
 pub struct StepRecord {
     /// Number of the step, from 1.
     pub step: usize,
-    /// Number of the view among the candidates, from 0; none for a first view that is no candidate, or a
-    /// frame that was not asked for.
+    /// Number of the view among the candidates, from 0; `None` for a first view that is no candidate, or a
+    /// frame that was not requested.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub view: Option<usize>,
-    /// Name of the recorded frame, or that which whoever took it gave it.
+    /// Name of the recorded frame, or the name given by the caller.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub frame: Option<String>,
-    /// Position of the camera in the world, metres, as the map has it: with registration, the corrected one.
+    /// Mapped position of the camera in the world in metres: with registration, the corrected one.
     pub position_m: [f64; 3],
     /// Rotation of the camera, world from camera, with the scalar last.
     pub quaternion_xyzw: [f64; 4],
 
-    /// Where the robot's joints are, radians or metres; none without a robot.
+    /// Joint values of the robot, radians or metres; `None` without a robot.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub joint_values: Option<Vec<f64>>,
-    /// The angle of a turntable, 0 to 360, counter-clockwise seen from above; none without one.
+    /// The angle of a turntable, 0 to 360, counter-clockwise seen from above; `None` without one.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub turntable_angle_deg: Option<f64>,
 
-    /// The quantity that the planner maximised, of this view; none for the first one.
+    /// The planner's score of this view, the quantity it maximised; `None` for the first view.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub score: Option<f64>,
     /// The second best view.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub runner_up: Option<usize>,
-    /// What else the planner says about its choice, with units in the names.
+    /// Further quantities that explain the planner's choice, with units in the names.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub explanation: Option<Explanation>,
-    /// Voxels seen before this view, of the size that the planner thinks in; this and the next four none for
-    /// planners that do not estimate.
+    /// Voxels seen before this view, in the planner's voxel size; this and the next four `None` for planners
+    /// without estimates.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub planner_seen_voxels: Option<usize>,
-    /// Voxels that this view was expected to add to them.
+    /// Number of voxels that this view was expected to add.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub expected_new_voxels: Option<f64>,
-    /// Voxels that all views together were expected to add.
+    /// Number of voxels that all views together were expected to add.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub expected_unseen_voxels: Option<f64>,
-    /// Estimated share, 0..=1, of the surface that can be seen that had been seen before this view.
+    /// Estimated share, 0..=1, of the visible surface seen before this view.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub estimated_completeness: Option<f64>,
-    /// The same after this view and each of those expected to follow.
+    /// Estimated completeness after this view and each expected later view.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub forecast_completeness: Option<Vec<f64>>,
 
-    /// Edge of the voxels in which the view was planned.
+    /// Edge of the voxels used to plan the view.
     pub voxel_size_m: f64,
-    /// Lowest and highest corner of the box around the object after the frame; none before an object was
-    /// found.
+    /// Lowest and highest corners of the object's box after the frame; `None` before an object was found.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub box_min_m: Option<[f64; 3]>,
     /// See `box_min_m`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub box_max_m: Option<[f64; 3]>,
-    /// The table: unit normal `n` and offset `d` of the plane `n . p = d`; none without one.
+    /// The table: unit normal `n` and offset `d` of the plane `n . p = d`; `None` without one.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub table_normal: Option<[f64; 3]>,
     /// See `table_normal`.
@@ -78,50 +75,50 @@ pub struct StepRecord {
 
     /// Voxels that the frame hit.
     pub hit_voxels: usize,
-    /// Voxels that its rays passed.
+    /// Voxels that its rays passed through.
     pub missed_voxels: usize,
     /// Voxels that it measured for the first time.
     pub first_measured_voxels: usize,
     /// Voxels that became occupied.
     pub new_voxels: usize,
-    /// Occupied voxels of the box after the frame.
+    /// Occupied voxels in the box after the frame.
     pub occupied_voxels: usize,
-    /// Free voxels of the box.
+    /// Free voxels in the box.
     pub free_voxels: usize,
-    /// Voxels of the box that were never measured.
+    /// Voxels in the box that were never measured.
     pub unknown_voxels: usize,
     /// Entropy of the box: the paper's eq. (8).
     pub entropy_nats: f64,
-    /// The same as a share, 0..=1, of that of an unknown box.
+    /// The entropy as a share, 0..=1, of that of an unknown box.
     pub entropy_share: f64,
 
-    /// Share, 0..=1, of the voxels with measured surface whose expected error is within the goal, and that
-    /// have all looks; none without such goals.
+    /// Share, 0..=1, of the voxels with measured surface that meet the accuracy goal and have all looks;
+    /// `None` without such goals.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub share_at_goal: Option<f64>,
 
-    /// Whether the frame was aligned; this and the next nine none without registration.
+    /// Whether the frame was aligned; this and the next nine `None` without registration.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub registration_accepted: Option<bool>,
-    /// `aligned`, or why the given pose stayed, in part (`sliding`) or at all.
+    /// `aligned`, or why the given pose was kept, in part (`sliding`) or entirely.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub registration_verdict: Option<Verdict>,
-    /// Root mean square distance of the frame's points from the known surface, in the given pose.
+    /// Root mean square distance of the frame's points from the known surface in the given pose.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub registration_residual_before_mm: Option<f64>,
-    /// The same in the aligned pose.
+    /// Root mean square distance in the aligned pose.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub registration_residual_after_mm: Option<f64>,
     /// Share, 0..=1, of the frame's points on the known surface.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub registration_overlap: Option<f64>,
-    /// How far the alignment moves the camera.
+    /// Distance by which the alignment moves the camera.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub registration_moved_mm: Option<f64>,
-    /// How far it turns the camera.
+    /// Angle by which the alignment turns the camera.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub registration_turned_deg: Option<f64>,
-    /// How well the surface holds the frame in place, 0..=1.
+    /// How well the surface constrains the frame's pose, 0..=1.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub registration_stiffness: Option<f64>,
     /// Iterations of the alignment.
@@ -130,21 +127,21 @@ pub struct StepRecord {
     /// Whether the frame was set aside: it is not in the map, unless a later step recovers it.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub registration_set_aside: Option<bool>,
-    /// Numbers of the steps whose frames had been set aside and came into the map with this one.
+    /// Numbers of the steps with frames that had been set aside and were added to the map with this one.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub registration_recovered_steps: Vec<usize>,
 
-    /// Occupied object voxels of the map over object voxels, 0..=1; this and what follows up to the path none
-    /// where the true object is not known.
+    /// Occupied object voxels of the map over object voxels, 0..=1; this and the following up to the path
+    /// `None` if the true object is unknown.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub voxel_coverage: Option<f64>,
-    /// Occupied voxels that are no object voxels.
+    /// Occupied voxels that are not object voxels.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub false_voxels: Option<usize>,
-    /// Share, 0..=1, of the occupied voxels that are object voxels; none if no voxel is occupied.
+    /// Share, 0..=1, of the occupied voxels that are object voxels; `None` if no voxel is occupied.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub map_precision: Option<f64>,
-    /// Share, 0..=1, of the reachable object voxels that are occupied; this and the next none without
+    /// Share, 0..=1, of the reachable object voxels that are occupied; this and the next `None` without
     /// baselines.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub map_recall: Option<f64>,
@@ -153,54 +150,54 @@ pub struct StepRecord {
     #[serde(skip_serializing_if = "Option::is_none")]
     pub map_iou: Option<f64>,
     /// Share, 0..=1, of the reachable surface that was seen: object voxels truly seen over those that any
-    /// candidate sees; none without baselines.
+    /// candidate sees; `None` without baselines.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub reachable_coverage: Option<f64>,
     /// Share, 0..=1, of the true surface with a measured point within 1 mm.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub surface_coverage_1mm: Option<f64>,
-    /// The same within 2 mm.
+    /// As `surface_coverage_1mm`, but within 2 mm.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub surface_coverage_2mm: Option<f64>,
-    /// The same within 5 mm.
+    /// As `surface_coverage_1mm`, but within 5 mm.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub surface_coverage_5mm: Option<f64>,
-    /// Root mean square distance of the object's points from where they are, for the pose in which the frame
-    /// was mapped; none where poses are right or the true ones are not known.
+    /// Root mean square displacement of the object's points due to the error of the mapped pose; `None` if
+    /// poses are right or the true ones unknown.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub misplaced_mm: Option<f64>,
-    /// Why the frames probably show nothing of the object, or do not fit together, and what to do about it;
-    /// keys of the configuration stand in backticks.
+    /// Why the frames probably show nothing of the object or do not fit together, and a remedy; configuration
+    /// keys are in backticks.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub warning: Option<String>,
-    /// Mean distance from all points measured so far to the true surface; this and the next two of recordings
-    /// only.
+    /// Mean distance from all points measured so far to the true surface; this and the next two for
+    /// recordings only.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub accuracy_mean_mm: Option<f64>,
-    /// Median of the same.
+    /// Median of these distances.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub accuracy_median_mm: Option<f64>,
-    /// 95th percentile of the same.
+    /// 95th percentile of these distances.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub accuracy_p95_mm: Option<f64>,
 
-    /// Length of the straight path through the positions of all frames so far, as they are mapped: where the
-    /// poses are measured, not where the views were asked for.
+    /// Length of the straight path through the mapped positions of all frames so far: the measured poses, not
+    /// the requested ones.
     pub path_length_m: f64,
     /// Length of the trajectory so far, around the object and above its table.
     pub trajectory_length_m: f64,
-    /// Time that a robot would take for it.
+    /// Time that a robot would take for the trajectory.
     pub trajectory_time_s: f64,
     /// Time to choose this view.
     pub plan_time_ms: f64,
-    /// Time to write its frame into the map.
+    /// Time to integrate its frame into the map.
     pub map_time_ms: f64,
-    /// Time from asking for the frame until it came: to render it, to load it, or to take it.
+    /// Time from the request to the frame: to render, load or take it.
     pub capture_time_ms: f64,
 }
 
 impl StepRecord {
-    /// The session's part: everything but what is known of the truth, lengths and times.
+    /// The session's part: everything except measures against the truth, lengths and times.
     pub(crate) fn of_report(step: usize, report: &StepReport) -> Self {
         let choice = report.choice.as_ref();
         let outlook = report.outlook.as_ref();
@@ -266,17 +263,17 @@ impl StepRecord {
         self.map_iou = score.iou();
     }
 
-    /// The pose of the camera as the map has it.
+    /// The mapped pose of the camera.
     pub fn world_from_camera(&self) -> Option<Pose> {
         Pose::new(glam::DQuat::from_array(self.quaternion_xyzw), self.position_m.into()).ok()
     }
 
-    /// The box around the object after the frame.
+    /// The object's box after the frame.
     pub fn bounds(&self) -> Option<Aabb> {
         Some(Aabb { min: self.box_min_m?.into(), max: self.box_max_m?.into() })
     }
 
-    /// The table that the object stands on.
+    /// The object's table.
     pub fn table(&self) -> Option<Plane> {
         let normal = glam::DVec3::from_array(self.table_normal?);
         Plane::new(normal, normal * self.table_offset_m?).ok()

@@ -5,54 +5,54 @@ use nextview::session::NextView;
 use nextview_robot::path::JointTrajectory;
 use serde::{Deserialize, Serialize};
 
-/// A view that is to be taken next, and why: what a robot and a page are told.
+/// The next view and the reasons for it, for a robot and a page.
 ///
-/// Quantities that are not known are left out.
+/// Unknown quantities are left out.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(default, deny_unknown_fields)]
 pub struct ViewRecord {
-    /// Number among the candidates, from 0; none for a first view that is no candidate.
+    /// Number among the candidates, from 0; `None` for a first view that is no candidate.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub view: Option<usize>,
-    /// Where the camera should stand: the rows of the 4 x 4 matrix that takes points of the camera, which
-    /// looks along z with y downwards, to the world; metres.
+    /// Pose of the camera: the rows of the 4 x 4 matrix that takes points from camera to world in metres. The
+    /// camera looks along z, with y downwards.
     pub world_from_camera: [[f64; 4]; 4],
-    /// The angle to turn the plate of a turntable to, 0 to 360, counter-clockwise seen from above; none
-    /// without one.
+    /// The turntable angle for the view, 0 to 360, counter-clockwise seen from above; `None` without a
+    /// turntable.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub turntable_angle_deg: Option<f64>,
-    /// The quantity that the planner maximised, in its unit; none for the first view.
+    /// The planner's score, the quantity it maximised, in its unit; `None` for the first view.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub score: Option<f64>,
     /// The second best view.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub runner_up: Option<usize>,
-    /// What else the planner says about its choice, with units in the names.
+    /// Further quantities that explain the planner's choice, with units in the names.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub explanation: Option<Explanation>,
-    /// Voxels that this view is expected to add; this and the next three none for planners that do not
-    /// estimate.
+    /// Number of voxels that this view is expected to add; this and the next three `None` for planners
+    /// without estimates.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub expected_new_voxels: Option<f64>,
-    /// Voxels that all views together are expected to add.
+    /// Number of voxels that all views together are expected to add.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub expected_unseen_voxels: Option<f64>,
-    /// Estimated share, 0..=1, of the surface that can be seen that has been seen.
+    /// Estimated share, 0..=1, of the visible surface seen so far.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub estimated_completeness: Option<f64>,
-    /// The same after this view and each of those expected to follow.
+    /// Estimated completeness after this view and each expected later view.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub forecast_completeness: Option<Vec<f64>>,
-    /// Length of the trajectory to this view, around the object and above its table: from the last frame or,
-    /// of a view that follows another one, from there.
+    /// Length of the trajectory to this view, around the object and above its table: from the last frame, or
+    /// from the preceding view of a sequence.
     pub trajectory_length_m: f64,
-    /// Time that a robot would take for it.
+    /// Time that a robot would take for the trajectory.
     pub trajectory_time_s: f64,
-    /// The names of the robot's joints; none without a robot.
+    /// Names of the robot's joints; `None` without a robot.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub joint_names: Option<Vec<String>>,
-    /// That trajectory.
+    /// The waypoints of the trajectory.
     pub waypoints: Vec<WaypointRecord>,
 }
 
@@ -67,7 +67,7 @@ pub struct WaypointRecord {
     pub position_m: [f64; 3],
     /// Rotation of the camera, world from camera, with the scalar last.
     pub quaternion_xyzw: [f64; 4],
-    /// Where the robot's joints are, radians or metres; none without a robot.
+    /// Joint values of the robot, radians or metres; `None` without a robot.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub joint_values: Option<Vec<f64>>,
 }

@@ -9,7 +9,7 @@ use std::path::Path;
 /// The files that the folder may hold.
 const CONTENT: [&str; 5] = ["intrinsics.txt", "poses.csv", "depth", "mask", "color"];
 
-/// Fails if replacing the folder would remove what no scan has left there.
+/// Fails if replacing the folder would remove files that no scan has left there.
 pub(super) fn check_replaceable(dir: &Path) -> Result<(), Faults> {
     let folder = dir.join(FRAMES_FOLDER);
     if !folder.is_dir() {
@@ -26,7 +26,8 @@ pub(super) fn check_replaceable(dir: &Path) -> Result<(), Faults> {
     }
 }
 
-/// Adds the frames of the map. One whose colours cannot be had goes without them, and that is reported.
+/// Adds the frames of the map. A frame with unavailable colours is added without them, and the fault is
+/// reported.
 pub(super) fn add(folder: &mut ResultFolder, scan: &FinishedScan<'_>) -> Result<(), Fault> {
     let ModelFrames { frames, n_earlier } = scan.model_frames()?;
     let steps = scan.session.frame_numbers();

@@ -31,23 +31,23 @@ const ENTRIES: &[&str] = &[
     FRAMES_FOLDER,
 ];
 
-/// The files of a scan's results: those of [`write_results`] and a page that shows them. The
-/// [`FRAMES_FOLDER`] lies beside them.
+/// The result files of a scan: those of [`write_results`] and a page that shows them. The [`FRAMES_FOLDER`]
+/// lies next to them.
 pub const RESULT_FILES: &[&str] = match ENTRIES.split_last() {
     Some((_, files)) => files,
     None => &[],
 };
 
-/// Begins the folder for the results of a scan. Fails at once if it could not be written later, if the rule
-/// does not allow it, or if `frames` in it holds more than a scan leaves there.
+/// Begins the folder for the results of a scan. Fails immediately if it could not be written later, if the
+/// rule forbids it, or if its `frames` contains more than a scan leaves there.
 pub fn begin_results(dir: &Path, rule: Overwrite) -> Result<ResultFolder, Faults> {
     frames::check_replaceable(dir)?;
     ResultFolder::begin(dir, ENTRIES, rule)
 }
 
-/// The folder for the results of a scan where none is named: `scan-OBJECT-PLANNER`, followed by -2, -3, ...
-/// where that one is being scanned, or holds results that the rule does not allow to replace. One that holds
-/// an interrupted scan is not skipped, because that scan must be resumed or removed first.
+/// The default folder for the results of a scan: `scan-OBJECT-PLANNER`, followed by -2, -3, ... if that one
+/// is being scanned, or holds results that the rule does not allow to replace. A folder with an interrupted
+/// scan is not skipped, because that scan must be resumed or removed first.
 pub fn result_folder(config: &ScanConfig, rule: &Overwrite) -> PathBuf {
     let is_refused = |dir: &Path| dir.is_file() || rule.check_folder(dir, ENTRIES).is_err();
     let is_taken = |dir: &Path| match ScanJournal::occupant(dir) {
@@ -58,22 +58,21 @@ pub fn result_folder(config: &ScanConfig, rule: &Overwrite) -> PathBuf {
     numbered(&format!("scan-{}-{}", short_name(&config.object), config.planner), is_taken).1
 }
 
-/// A folder that is one scan's alone.
+/// A folder that belongs to a single scan.
 pub struct ScanFolder {
-    /// Where it is.
+    /// The path of the folder.
     pub dir: PathBuf,
-    /// The configuration as the journal has it: as a text that names files from there.
+    /// The configuration as stored in the journal: as a text with paths relative to the folder.
     pub heading: String,
-    /// Where the scan keeps its frames.
+    /// The journal for the scan's frames.
     pub journal: ScanJournal,
-    /// Where its results will be.
+    /// The folder for its results.
     pub results: ResultFolder,
 }
 
 impl ScanFolder {
-    /// Takes a folder before the work begins; with the journal of an interrupted scan, its folder. If the
-    /// name may change, since nobody chose it, and another scan has taken it by now, takes the
-    /// [next](result_folder) one.
+    /// Takes a folder before the work begins; with the journal of an interrupted scan, the folder of that
+    /// scan. If nobody chose the name and another scan has taken it, takes the [next](result_folder) one.
     pub fn take(
         mut dir: PathBuf,
         may_change: bool,
@@ -99,7 +98,7 @@ impl ScanFolder {
     ) -> Result<Self, Faults> {
         let heading = toml::to_string(&config.kept_in(dir)).map_err(|e| Fault::data(e.to_string()))?;
         let journal = journal.map_or_else(|| ScanJournal::begin(dir, &heading), Ok)?;
-        // Only now: results may have appeared before.
+        // Last, because results may have appeared in the meantime.
         let results = begin_results(dir, rule.clone())?;
         Ok(Self { dir: dir.to_owned(), heading, journal, results })
     }
@@ -107,18 +106,18 @@ impl ScanFolder {
 
 /// The results of a scan.
 pub struct Results {
-    /// The record; without measures of the model where there is none.
+    /// The record; without measures of the model if there is none.
     pub record: ScanRecord,
-    /// The faults; none if the results are complete.
+    /// The faults; `None` if the results are complete.
     pub faults: Option<Faults>,
 }
 
-/// Adds everything that a scan leaves, but for pages that show it: configuration, record, poses, waypoints,
-/// map, model, frames. What fails is left out and reported; all else is added.
+/// Adds all results of a scan except the pages that show it: configuration, record, poses, waypoints, map,
+/// model, frames. Failures are reported, and everything else is added.
 ///
 /// # Errors
-/// If the scan is cancelled: what is missing then could be made, so the folder must not be published. If the
-/// folder of the scan was moved, or holds the journal of another scan by now.
+/// If the scan is cancelled: the missing results could be made, so the folder must not be published. If the
+/// folder of the scan was moved, or holds the journal of another scan.
 pub fn write_results(
     folder: &mut ResultFolder,
     config: &ScanConfig,
@@ -155,11 +154,11 @@ pub fn write_results(
     }
 }
 
-/// One of the [`RESULT_FILES`] of a scan as it stands, but `report.html`. The record is without measures of
-/// the model.
+/// Returns one of the [`RESULT_FILES`] of a scan in its current state, except `report.html`. The record has
+/// no measures of the model.
 ///
 /// # Errors
-/// If the scan has none of this name, or it cannot be made, as a cloud before an object was found.
+/// If the scan has none of this name, or it cannot be made, such as a cloud before an object was found.
 pub fn result_file(name: &str, config: &ScanConfig, scan: &FinishedScan<'_>) -> Result<Vec<u8>, Fault> {
     let w = &mut Vec::new();
     let octree = || scan.session.map().to_octree().map(|octree| octree.pruned());
@@ -202,7 +201,7 @@ fn write_views(writer: &mut Vec<u8>, steps: &[StepRecord]) -> Result<(), Fault> 
     Ok(())
 }
 
-/// The trajectory to each view, from the view before, with times since the camera set off there.
+/// The trajectory from the preceding view to each view, with times since the camera set off there.
 fn write_waypoints(writer: &mut Vec<u8>, scan: &FinishedScan<'_>) -> Result<(), Fault> {
     let names = scan.joint_trajectories.iter().flatten().next().map_or(&[][..], |joints| &joints.names);
     write!(writer, "step,time_s,x_m,y_m,z_m,qx,qy,qz,qw")?;
@@ -222,7 +221,7 @@ fn write_waypoints(writer: &mut Vec<u8>, scan: &FinishedScan<'_>) -> Result<(), 
     Ok(())
 }
 
-/// A name as a cell of CSV.
+/// Quotes a name for a CSV cell.
 fn quoted(name: &str) -> String {
     match name.contains([',', '"', '\n']) {
         true => format!("\"{}\"", name.replace('"', "\"\"")),
@@ -230,7 +229,7 @@ fn quoted(name: &str) -> String {
     }
 }
 
-/// Position and quaternion, with commas.
+/// Position and quaternion, separated by commas.
 fn numbers(world_from_camera: &Pose) -> String {
     let (t, q) = (world_from_camera.translation(), world_from_camera.rotation());
     format!("{},{},{},{},{},{},{}", t.x, t.y, t.z, q.x, q.y, q.z, q.w)

@@ -8,25 +8,25 @@ use nextview_robot::collision::{Attachment, BlockedVoxels, Checker, Obstacle, Ob
 use nextview_robot::path::{JointTrajectory, NoPath, motion_time, plan_path_to_any};
 use nextview_robot::{Mount, RobotCell, Shape, ShapeKind};
 
-/// Samples of a search for a path: beyond them, it is given up.
+/// Maximum number of samples in a path search.
 const EFFORT: usize = 2000;
 
-/// Joint values for one pose that a path is searched to.
+/// Maximum number of joint values per pose as goals of a path search.
 const MOST_GOALS: usize = 16;
 
-/// A pose that a robot states may be off by this much, metres, and the camera still be where it was sent.
+/// Maximum error of a robot's stated pose, in metres, to count as the pose it was sent to.
 const SAME_PLACE: f64 = 0.05;
 
-/// Surface beside the planning box is kept clear of in cells of at least this size, metres: a robot needs no
-/// finer ones, and a room has few of them.
+/// Minimum size, in metres, of the cells for surface outside the planning box: a robot needs no finer ones,
+/// and they keep a room small.
 const COARSE: f64 = 0.02;
 
-/// The arm during a scan: where it is, and where it can go.
+/// The arm during a scan: its position and its possible moves.
 pub(super) struct Arm {
     cell: RobotCell,
-    /// Its joint values; none while it is not known where it is.
+    /// The current joint values; `None` if unknown.
     values: Option<Vec<f64>>,
-    /// By candidate, how it can be reached now; of the map after the last frame.
+    /// By candidate, its reachability in the map after the last frame.
     survey: Option<Survey>,
 }
 
@@ -39,7 +39,7 @@ struct Survey {
 /// The motion to a view.
 pub(super) struct Way {
     pub trajectory: Trajectory,
-    /// Of a robot.
+    /// Motion of a robot.
     pub joints: Option<JointTrajectory>,
 }
 
@@ -50,12 +50,12 @@ impl Arm {
         Ok(Self { cell: config.cell()?, values, survey: None })
     }
 
-    /// Its joint values; none while it is not known where it is.
+    /// The current joint values; `None` if unknown.
     pub fn values(&self) -> Option<&[f64]> {
         self.values.as_deref()
     }
 
-    /// By candidate, how long the arm needs there, seconds; none of those where it cannot go now.
+    /// The arm's travel time to each candidate in seconds; `None` if it cannot be reached.
     pub fn times(&mut self, session: &Session) -> Result<Vec<Option<f64>>, Fault> {
         let survey = match self.survey.take() {
             Some(survey) => survey,
@@ -76,7 +76,7 @@ impl Arm {
         Ok(Survey { checker, solutions, times })
     }
 
-    /// The time to the nearest of these values; 0 from anywhere.
+    /// The time to the nearest of these values; 0 if the current ones are unknown.
     fn time_to(&self, solutions: &[Vec<f64>]) -> Option<f64> {
         let time = |values: &Vec<f64>| {
             self.values.as_ref().map_or(0.0, |from| motion_time(self.cell.arm(), from, values))
@@ -84,11 +84,11 @@ impl Arm {
         solutions.iter().map(time).min_by(f64::total_cmp)
     }
 
-    /// The motion to a view; none if there is none to a candidate, which is then given up until the next
-    /// frame.
+    /// Plans the motion to a view. `None` if there is none to a candidate, which is then given up until the
+    /// next frame.
     ///
-    /// Fails if the arm touches something where it is, if it does not get to a first view that is no
-    /// candidate, or if it is cancelled.
+    /// Fails if the arm is in collision now, if it cannot reach a first view that is no candidate, or if
+    /// cancelled.
     pub fn way_to(&mut self, next: &NextView, session: &Session) -> Result<Option<Way>, Fault> {
         self.times(session)?;
         let survey = self.survey.as_ref().expect("times makes a survey");
@@ -126,7 +126,7 @@ impl Arm {
         }
     }
 
-    /// The solutions that take the least time from here: more than a few do not help a search.
+    /// The solutions nearest in time; more than a few do not help a search.
     fn nearest(&self, from: &[f64], solutions: Vec<Vec<f64>>) -> Vec<Vec<f64>> {
         let time = |values: Vec<f64>| (motion_time(self.cell.arm(), from, &values), values);
         let mut timed: Vec<_> = solutions.into_iter().map(time).collect();
@@ -143,9 +143,9 @@ impl Arm {
         Ok(Way { trajectory, joints: Some(joints) })
     }
 
-    /// A frame was taken from this pose, as it claims: at the end of this motion, or, where that is another
-    /// place, at the nearest joint values that hold the camera there. It is not known where the arm is if
-    /// there are none.
+    /// Records that a frame was taken at this stated pose. The arm is at the end of this motion or, if the
+    /// pose is elsewhere, at the nearest joint values that hold the camera there. If there are none, its
+    /// position is unknown.
     pub fn arrive(&mut self, joints: Option<&JointTrajectory>, world_from_camera: &Pose) {
         let is_there = |values: &Vec<f64>| {
             let place = self.cell.world_from_camera(values).translation();
@@ -163,7 +163,7 @@ impl Arm {
     }
 }
 
-/// Of several values, those farthest from the limits of the joints.
+/// Of several values, those farthest from the joint limits.
 fn most_central(cell: &RobotCell, solutions: &[Vec<f64>]) -> Option<Vec<f64>> {
     let off = |values: &Vec<f64>| {
         let joints = cell.arm().joints.iter().zip(values);
@@ -184,7 +184,7 @@ fn why_not(cell: &RobotCell, checker: &Checker, pose: &Pose) -> String {
     }
 }
 
-/// The checker of the cell with everything that the scan has measured.
+/// The checker of the cell, including all obstacles that the scan has measured.
 fn checker(cell: &RobotCell, session: &Session) -> Result<Checker, Fault> {
     let (mut attached, mut obstacles) = (Vec::new(), Vec::new());
     match cell.mount() {
@@ -212,7 +212,7 @@ fn checker(cell: &RobotCell, session: &Session) -> Result<Checker, Fault> {
     cell.checker_with(attached, obstacles).map_err(Fault::request)
 }
 
-/// The voxels of the box around the object that are not known to be free.
+/// The voxels in the object's box that are not known to be free.
 fn unseen_or_occupied(session: &Session, base_from_world: &Pose) -> Result<Option<Obstacle>, Fault> {
     let Some(snapshot) = session.snapshot() else { return Ok(None) };
     let blocked: Vec<bool> = snapshot.occupancy().iter().map(|state| *state != Occupancy::Free).collect();
@@ -229,7 +229,7 @@ fn unseen_or_occupied(session: &Session, base_from_world: &Pose) -> Result<Optio
     .map(Some)
 }
 
-/// The occupied voxels outside of the box, in coarser cells.
+/// The occupied voxels outside the box, in coarser cells.
 fn surface_beside(session: &Session, base_from_world: &Pose) -> Result<Option<Obstacle>, Fault> {
     let (map, bounds) = (session.map(), session.bounds());
     let lattice = map.lattice();

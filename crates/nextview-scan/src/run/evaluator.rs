@@ -2,12 +2,12 @@ use crate::{Fault, StepRecord};
 use nextview::sensor::Frame;
 use nextview::session::{NextView, Session};
 
-/// Measures a run beside the truth, frame by frame.
+/// Evaluates a run against ground truth, frame by frame.
 pub trait Evaluator: Send {
-    /// Fills in the parts of the record that a session cannot know, after this frame was observed.
+    /// Fills in the parts of the record unknown to a session, after this frame was observed.
     ///
-    /// `frame` has the pose in which it was mapped, or the given one if it was set aside. `taken` is the view
-    /// that it answers; none if it was not asked for.
+    /// `frame` has its mapped pose, or the given one if it was set aside. `taken` is the requested view;
+    /// `None` if there was no request.
     fn measure(
         &mut self,
         session: &Session,

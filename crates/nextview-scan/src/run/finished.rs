@@ -14,52 +14,52 @@ use nextview::surface::{SurfaceMesh, WatertightMesh};
 use nextview_robot::path::JointTrajectory;
 use std::borrow::Cow;
 
-/// A scan that is over, or as it stands.
+/// A scan in its current state, finished or not.
 pub struct FinishedScan<'a> {
-    /// The scan: its map, its frames in the poses in which they were mapped, its candidates.
+    /// The session: its map, its frames in their mapped poses, its candidates.
     pub session: Session,
-    /// Where the frames came from; none if they were pushed by a user's camera.
+    /// The source of the frames; `None` if a user's camera pushed them.
     pub(crate) source: Option<&'a dyn FrameSource>,
     pub(crate) journal: Option<ScanJournal>,
     /// The scan before the object was turned.
     pub(crate) earlier: Option<EarlierScan>,
-    /// What the configuration states of the frames.
+    /// What the configuration states about the frames.
     pub(crate) stated: Stated,
-    /// The trajectory to each view, from the view before.
+    /// The trajectory from the preceding view to each view.
     pub trajectories: Vec<Trajectory>,
-    /// By step, the motion of the robot to its view; none without a robot, and of frames that were not asked
-    /// for.
+    /// By step, the motion of the robot to its view; `None` without a robot, or if the frame was not
+    /// requested.
     pub joint_trajectories: Vec<Option<JointTrajectory>>,
     /// The views.
     pub steps: Vec<StepRecord>,
-    /// By step, the colours that were pushed with its frame.
+    /// By step, the colours pushed with its frame.
     pub(crate) colors: Vec<Option<ColorImage>>,
-    /// The reason why the scan ended; none while it is under way.
+    /// The reason why the scan ended; `None` while it is in progress.
     pub stop_reason: Option<StopReason>,
 }
 
-/// The frames that a model is made of, as they lie now.
+/// The frames for a model, in their current poses.
 pub struct ModelFrames<'a> {
-    /// Those of the map. Once it is known how the object was turned, those of the scan before that come
-    /// first, and all show nothing but the object.
+    /// The frames of the map. Once the object's turn is known, those of the previous scan come first, and all
+    /// show only the object.
     pub frames: Cow<'a, [Frame]>,
-    /// How many of them, the first ones, are of the scan before the object was turned.
+    /// Number of frames, at the beginning, from the scan before the turn.
     pub n_earlier: usize,
 }
 
-/// How much of the final model is measured beside the truth.
+/// The part of the final model that is evaluated against ground truth.
 #[derive(Clone, Copy, Debug)]
 pub enum Measured<'a> {
     /// Nothing.
     Nothing,
-    /// The cloud, made for this without normals and colours, which take most of the time.
+    /// The cloud, without normals and colours, which take most of the time.
     CloudOnly,
     /// Cloud and mesh of this model.
     Model(&'a FinalModel),
 }
 
 impl FinishedScan<'_> {
-    /// The scan of this session, before its first view.
+    /// The scan of this session before its first view.
     pub(crate) fn new(session: Session) -> Self {
         Self {
             session,
@@ -75,18 +75,18 @@ impl FinishedScan<'_> {
         }
     }
 
-    /// The same scan without the source of its frames, and with it without its colours and its truth.
+    /// Drops the source of the frames, and with it their colours and the truth.
     pub fn without_source(self) -> FinishedScan<'static> {
         FinishedScan { source: None, ..self }
     }
 
-    /// The box around the object, metres; none if no object was found.
+    /// The object's box in metres; `None` if no object was found.
     pub fn bounds(&self) -> Option<Aabb> {
         self.session.bounds().or_else(|| self.source.and_then(FrameSource::bounds))
     }
 
-    /// The box that the model is made in, metres; none if no object was found. It is that around the object,
-    /// and where both placements of a turned object are known, it holds what lies on the table as well.
+    /// The box of the model in metres; `None` if no object was found. This is the object's box; if both
+    /// placements of a turned object are known, it extends to just below the table.
     pub fn model_bounds(&self) -> Option<Aabb> {
         let mut bounds = self.bounds()?;
         if let (Some(table), false) = (self.session.table(), self.session.earlier_frames().is_empty()) {
@@ -98,17 +98,16 @@ impl FinishedScan<'_> {
         Some(bounds)
     }
 
-    /// Edge of the cells, metres, of the final cloud and mesh: a quarter of a
-    /// voxel, since the map's voxels are larger than what the camera resolves, but no more than 128 along the
-    /// box, so that the mesh takes a second or two.
+    /// Edge of the cells of the final cloud and mesh in metres: a quarter of a voxel, since the map's voxels
+    /// are larger than the camera's resolution, but at most 128 cells along the box, which limits meshing to
+    /// a second or two.
     pub fn detail(&self, bounds: Aabb) -> f64 {
         let voxel_size = self.session.map().lattice().voxel_size();
         (0.25 * voxel_size).max(bounds.longest_side() / 128.0)
     }
 
-    /// Makes cloud and mesh, closed if the configuration wants it; fails if no object was found, a colour
-    /// image cannot be loaded, or if it is cancelled: reset the flag to make the model of a scan that was
-    /// cancelled.
+    /// Makes cloud and mesh, closed if configured. Fails if no object was found, if a colour image cannot be
+    /// loaded, or if cancelled; to make the model of a cancelled scan, reset the flag.
     pub fn model(&self, config: ModelConfig) -> Result<FinalModel, Fault> {
         let extent = self.extent().ok_or_else(|| self.no_object())?;
         let ModelFrames { frames, n_earlier } = self.model_frames()?;
@@ -116,14 +115,14 @@ impl FinishedScan<'_> {
         FinalModel::new(&frames, color, extent, config, self.session.cancel())
     }
 
-    /// Where the model is made, and how finely; none before an object was found.
+    /// The extent and resolution of the model; `None` before an object was found.
     fn extent(&self) -> Option<Extent> {
         let bounds = self.model_bounds()?;
         let (detail, error) = (self.detail(bounds), self.session.surface_error());
         Some(Extent { bounds, table: self.table(), tops: self.table_tops(), detail, error })
     }
 
-    /// The frames that the model is made of; fails if it is cancelled.
+    /// The frames for the model. Fails if cancelled.
     pub fn model_frames(&self) -> Result<ModelFrames<'_>, Fault> {
         Ok(match self.session.frames_of_object()? {
             None => ModelFrames { frames: self.session.frames().into(), n_earlier: 0 },
@@ -133,7 +132,8 @@ impl FinishedScan<'_> {
         })
     }
 
-    /// The colours of a frame of the model, by its index, where so many are of the scan before; none without.
+    /// The colours of a frame of the model by index, given the number of frames of the previous scan; `None`
+    /// without colours.
     pub fn model_color(&self, i: usize, n_earlier: usize) -> Result<Option<ColorImage>, Fault> {
         match (i.checked_sub(n_earlier), &self.earlier) {
             (Some(now), _) => self.color(self.session.frame_numbers()[now]),
@@ -142,12 +142,12 @@ impl FinishedScan<'_> {
         }
     }
 
-    /// The top of the table in each frame of the model; none where they show nothing but the object.
+    /// The table top in each frame of the model; `None` if frames show only the object.
     pub fn table_tops(&self) -> Option<TableTops> {
         self.session.table_tops().filter(|_| self.session.earlier_frames().is_empty())
     }
 
-    /// The record. Fails if the cloud to be measured cannot be made, or if it is cancelled.
+    /// The record. Fails if the cloud to be measured cannot be made, or if cancelled.
     pub fn record(&self, config: &ScanConfig, measured: Measured<'_>) -> Result<ScanRecord, Fault> {
         let mut record = self.bare_record(config);
         record.other_bodies = self.session.other_bodies()?.into_iter().map(Into::into).collect();
@@ -209,14 +209,14 @@ impl FinishedScan<'_> {
         record
     }
 
-    /// The results are on the disk, or there will be none: the journal is removed.
+    /// Removes the journal: the results are on the disk, or there will be none.
     pub fn forget_journal(&mut self) {
         if let Some(journal) = self.journal.take() {
             journal.finish();
         }
     }
 
-    /// The frame of a step, by its index from 0, in the pose in which it was mapped, or set aside.
+    /// The frame of a step by its index from 0, in its mapped pose, or set aside.
     pub fn frame(&self, step_idx: usize) -> Result<&Frame, Fault> {
         let mapped = self.session.frame_numbers().iter().copied().zip(self.session.frames());
         let aside = self.session.set_aside().iter().map(|aside| (aside.number, &aside.frame));
@@ -228,7 +228,7 @@ impl FinishedScan<'_> {
         found.map(|(_, frame)| frame).ok_or_else(|| Fault::of_value("step_idx", step_idx, expected()))
     }
 
-    /// The colours of a step, by its index from 0: those that were pushed, or else those of the source.
+    /// The colours of a step by its index from 0: the pushed ones, otherwise those of the source.
     ///
     /// # Panics
     /// If there is no such step.
@@ -246,13 +246,13 @@ impl FinishedScan<'_> {
         cloud_positions(&self.model_frames()?.frames, extent, self.session.cancel())
     }
 
-    /// The points that are not the table's.
+    /// The points that do not belong to the table.
     fn of_object(&self, points: impl IntoIterator<Item = DVec3>) -> Vec<DVec3> {
         let table = self.table();
         points.into_iter().filter(|point| is_above(table, *point)).collect()
     }
 
-    /// The fault of a scan whose first frame shows no object.
+    /// The fault of a scan with no object in its first frame.
     fn no_object(&self) -> Fault {
         let first = self.session.frames().first();
         let key = |key: &str| self.stated.section.map(|section| format!("`{section}.{key}`"));
@@ -279,13 +279,13 @@ impl FinishedScan<'_> {
         ))
     }
 
-    /// The table that frames of the model show; none where they show nothing but the object.
+    /// The table in the frames of the model; `None` if they show only the object.
     fn table(&self) -> Option<Plane> {
         self.session.table().filter(|_| self.session.earlier_frames().is_empty())
     }
 }
 
-/// What is known of the box around an object in front of a user's camera.
+/// Describes the object's box in front of a user's camera.
 fn describe_box(record: &mut ScanRecord, rule: BoxRule) {
     let grows = rule == BoxRule::Grows;
     record.box_rule = Some(rule);
@@ -307,7 +307,7 @@ fn set_seeds(record: &mut ScanRecord, config: &ScanConfig) {
     }
 }
 
-/// The median of the depths of a frame, metres; none if none was measured.
+/// Median depth of a frame in metres; `None` if none was measured.
 fn middle_depth(frame: &Frame) -> Option<f32> {
     let image = frame.image();
     let pixels = (0..image.height()).flat_map(|v| (0..image.width()).map(move |u| image.get(u, v)));
@@ -317,8 +317,8 @@ fn middle_depth(frame: &Frame) -> Option<f32> {
     (!depths.is_empty()).then(|| *depths.select_nth_unstable_by(middle, f32::total_cmp).1)
 }
 
-/// The height above a table, metres, that 95 % of the points in the middle half of a frame do not exceed;
-/// none if nothing was measured there.
+/// The 95 % quantile of the height above a table, in metres, of the points in the middle half of a frame;
+/// `None` if nothing was measured there.
 fn middle_height(table: Plane, frame: &Frame) -> Option<f64> {
     let camera_from_world = frame.world_from_camera().inverse();
     let size = DVec2::new(frame.image().width().into(), frame.image().height().into());
@@ -336,7 +336,7 @@ fn is_above(table: Option<Plane>, point: DVec3) -> bool {
     table.is_none_or(|table| table.height(point) > ON_TABLE)
 }
 
-/// The part of a mesh that is not the table.
+/// The part of a mesh above the table.
 fn above(table: Option<Plane>, mesh: &SurfaceMesh) -> SurfaceMesh {
     let is_above =
         |triangle: &&[u32; 3]| triangle.iter().all(|&i| is_above(table, mesh.vertices[i as usize]));
@@ -352,7 +352,7 @@ mod tests {
     use nextview::session::{ObjectBox, SessionConfig, Table};
     use nextview::view::{ViewSpace, look_at};
 
-    /// A scan that has seen a flat table from above, 0.5 m away.
+    /// A scan that saw a flat table from above, 0.5 m away.
     fn of_flat(table: Table, section: Option<&'static str>) -> Fault {
         let (width, height) = (64, 48);
         let camera = Intrinsics::pinhole(width, height, DVec2::splat(60.0), DVec2::new(31.5, 23.5)).unwrap();

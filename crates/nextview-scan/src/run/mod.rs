@@ -1,4 +1,4 @@
-//! The run: one scan from the first view to the last, pushed by the owner of the camera.
+//! The run: a scan from the first view to the last, pushed by the owner of the camera.
 
 mod arm;
 mod evaluator;

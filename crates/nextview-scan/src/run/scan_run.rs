@@ -17,11 +17,11 @@ use std::time::{Duration, Instant};
 /// Number of frames that are checked for wrong poses and units.
 const MOST_SUSPECTED: usize = 8;
 
-/// One scan under way. It never blocks: the owner of the camera asks for the [`next`](Self::next) step, takes
+/// A scan in progress. It never blocks: the owner of the camera requests the [`next`](Self::next) step, takes
 /// the picture, and [`push`](Self::push)es it.
 ///
-/// With a [journal](Self::with_journal), every frame is on the disk before it counts, and after an
-/// interruption the journal replays its frames before any capture is requested.
+/// With a [journal](Self::with_journal), every frame is on the disk before it counts. After an interruption,
+/// the journal replays its frames before any capture is requested.
 ///
 /// ```
 /// use glam::DVec3;
@@ -54,7 +54,7 @@ pub struct ScanRun<'a> {
     scan: FinishedScan<'a>,
     evaluator: Option<Box<dyn Evaluator + 'a>>,
     time_limit: Option<Duration>,
-    /// When the first decision was asked for.
+    /// Time of the first request for a decision.
     began: Option<Instant>,
     asked: Option<Asked>,
     path: Path,
@@ -62,34 +62,34 @@ pub struct ScanRun<'a> {
     arm: Option<Arm>,
 }
 
-/// What to do next.
+/// The next step of a run.
 #[derive(Clone, Debug)]
 pub enum Next {
-    /// Push this frame, which was taken before an interruption, as it is.
+    /// Push this frame, taken before an interruption, unchanged.
     Replay(Frame),
-    /// Take a frame of this view, or of another pose, and push it.
+    /// Take a frame from this view, or from another pose, and push it.
     Capture(NextView),
     /// The scan is over. After [`StopReason::NoObject`] or [`StopReason::Cancelled`] it can continue.
     Stop(StopReason),
 }
 
-/// How a run begins.
+/// Options to begin a run.
 #[derive(Default)]
 pub struct Begin {
-    /// Where its frames are kept; none to keep them in memory only.
+    /// The journal for its frames; `None` to keep them in memory only.
     pub journal: Option<ScanJournal>,
-    /// Stops long computations.
+    /// Flag that cancels long computations.
     pub cancel: Cancel,
 }
 
-/// A frame with what belongs to it.
+/// A frame with its optional colours and name.
 #[derive(Clone, Debug)]
 pub struct TakenFrame {
     /// The depth image and its pose.
     pub frame: Frame,
-    /// A colour image of the frame's size, which the final model takes its colours from.
+    /// A colour image of the frame's size, used by the final model.
     pub color: Option<ColorImage>,
-    /// A name for it, which its record has.
+    /// A name for its record.
     pub name: Option<String>,
 }
 
@@ -99,18 +99,18 @@ impl From<Frame> for TakenFrame {
     }
 }
 
-/// A view that was asked for.
+/// A requested view.
 struct Asked {
     next: NextView,
     trajectory: Trajectory,
-    /// Of the robot, with that trajectory of the camera.
+    /// Motion of the robot along that trajectory of the camera.
     joints: Option<JointTrajectory>,
     plan_time: Duration,
     since: Instant,
 }
 
 impl<'a> ScanRun<'a> {
-    /// A run of this session with a user's camera.
+    /// Creates a run of this session with a user's camera.
     pub fn new(session: Session) -> Self {
         let scan = FinishedScan::new(session);
         let path = Path::default();
@@ -118,7 +118,7 @@ impl<'a> ScanRun<'a> {
         Self { scan, evaluator: None, time_limit: None, began: None, asked: None, path, turntable, arm }
     }
 
-    /// The run that a configuration describes, with frames from this source.
+    /// Begins the configured run with frames from this source.
     pub fn begin(source: &'a dyn FrameSource, config: &ScanConfig, begin: Begin) -> Result<Self, Faults> {
         let mut run = Self::of_session(source.session(config)?, config, begin)?;
         run.scan.source = Some(source);
@@ -126,7 +126,7 @@ impl<'a> ScanRun<'a> {
         Ok(run)
     }
 
-    /// The run of this session with a user's camera, with the time limit of a configuration.
+    /// The run of this session with a user's camera and the configured time limit.
     pub(crate) fn of_session(session: Session, config: &ScanConfig, begin: Begin) -> Result<Self, Fault> {
         let earlier = config.after.as_deref().map(|dir| EarlierScan::open(dir, &begin.cancel)).transpose()?;
         let session = match &earlier {
@@ -143,23 +143,23 @@ impl<'a> ScanRun<'a> {
         Ok(run)
     }
 
-    /// The same with every frame kept in this journal.
+    /// Sets the journal that keeps every frame.
     pub fn with_journal(mut self, journal: ScanJournal) -> Self {
         self.scan.journal = Some(journal);
         self
     }
 
-    /// The same with an end after this time, counted from the first decision on.
+    /// Sets the time limit, counted from the first decision.
     pub fn with_time_limit(self, limit: Duration) -> Self {
         Self { time_limit: Some(limit), ..self }
     }
 
-    /// The same measured beside the truth.
+    /// Sets the evaluator that compares the run with ground truth.
     pub fn with_evaluator(self, evaluator: Box<dyn Evaluator + 'a>) -> Self {
         Self { evaluator: Some(evaluator), ..self }
     }
 
-    /// What to do next. Asked again before a frame is pushed or a view skipped, the answer is the same.
+    /// Returns the next step. Repeated calls return the same step until a frame is pushed or a view skipped.
     ///
     /// Fails if the scan decides otherwise than before its interruption.
     #[expect(clippy::should_implement_trait, reason = "an iterator could be neither asked again nor fail")]
@@ -199,12 +199,11 @@ impl<'a> ScanRun<'a> {
         }
     }
 
-    /// Takes in a frame, in any pose: keeps it, writes it into the map, measures. If a view was asked for, it
-    /// counts as visited. A frame that is [replayed](Next::Replay) has the colours and the name that were
-    /// kept with it.
+    /// Keeps, maps and evaluates a frame in any pose. The requested view, if any, counts as visited. A
+    /// [replayed](Next::Replay) frame has the colours and the name kept with it.
     ///
-    /// Fails before anything has changed if the frame cannot be kept, and if it is
-    /// [cancelled](Begin::cancel): it is then asked for again, or [replayed](Next::Replay) from the journal.
+    /// Fails before any change if the frame cannot be kept, or if [cancelled](Begin::cancel): the frame is
+    /// then requested again, or [replayed](Next::Replay) from the journal.
     pub fn push(&mut self, taken: impl Into<TakenFrame>) -> Result<&StepRecord, Fault> {
         let taken = taken.into();
         check_size(&taken.frame, taken.color.as_ref())?;
@@ -303,23 +302,23 @@ impl<'a> ScanRun<'a> {
         &self.scan.session
     }
 
-    /// The current state of the run, ended for this reason; none if it is inspected while under way.
+    /// Returns the state of the run, ended for this reason; `None` to inspect it in progress.
     pub fn finish(self, stop_reason: Option<StopReason>) -> FinishedScan<'a> {
         FinishedScan { stop_reason, ..self.scan }
     }
 
-    /// The scan as it stands, without an end: its model and its record so far.
+    /// The scan in its current state: its model and its record so far.
     pub fn scan(&self) -> &FinishedScan<'a> {
         &self.scan
     }
 
-    /// The same, to say why the scan ended, and to forget the journal.
+    /// Mutable access, to set the stop reason and to forget the journal.
     pub(crate) fn scan_mut(&mut self) -> &mut FinishedScan<'a> {
         &mut self.scan
     }
 
-    /// The suspected fault of the frames so far; none if it was reported before, or if there are many frames:
-    /// then there is nothing new to find.
+    /// The suspected fault of the frames so far; `None` if already reported, or if there are too many frames
+    /// to find a new one.
     fn warning(&self) -> Option<String> {
         let suspicion =
             (self.scan.steps.len() < MOST_SUSPECTED).then(|| self.scan.session.suspicion()).flatten()?;
@@ -331,8 +330,8 @@ impl<'a> ScanRun<'a> {
         self.scan.journal.as_ref().and_then(ScanJournal::replay)
     }
 
-    /// Decides on the next view; a reason if the scan stops instead. A robot says first which candidates it
-    /// can go to; one that it finds no path to is given up until the next frame.
+    /// Decides on the next view, or returns the reason if the scan stops. With a robot, only candidates that
+    /// it can reach are considered; one without a path is given up until the next frame.
     fn decide(&mut self) -> Result<Option<StopReason>, Fault> {
         let start = Instant::now();
         loop {
@@ -358,7 +357,7 @@ impl<'a> ScanRun<'a> {
         }
     }
 
-    /// The trajectory to a view: that of the robot, if the view was asked for.
+    /// The trajectory to a view: that of the robot for a requested view.
     pub(crate) fn trajectory_to(&self, view: &NextView) -> Result<Trajectory, Fault> {
         match self.asked.as_ref().filter(|asked| asked.next == *view) {
             Some(asked) => Ok(asked.trajectory.clone()),
@@ -366,13 +365,12 @@ impl<'a> ScanRun<'a> {
         }
     }
 
-    /// The motion of the robot to a view that was asked for; none without a robot.
+    /// The motion of the robot to a requested view; `None` without a robot.
     pub(crate) fn joints_to(&self, view: &NextView) -> Option<&JointTrajectory> {
         self.asked.as_ref().filter(|asked| asked.next == *view)?.joints.as_ref()
     }
 
-    /// The frame and its colours, once they are on the disk: those of the journal where the scan was there
-    /// before.
+    /// Returns the frame and its colours, once they are on the disk; during a replay, those of the journal.
     fn keep(&mut self, taken: TakenFrame) -> Result<TakenFrame, Fault> {
         let (view, was_asked) = (self.asked.as_ref().and_then(|asked| asked.next.view), self.asked.is_some());
         let Some(journal) = &mut self.scan.journal else { return Ok(taken) };
@@ -397,7 +395,7 @@ impl<'a> ScanRun<'a> {
         }
     }
 
-    /// The frame comes again, since it does not count.
+    /// Queues the frame again, since it does not count.
     fn put_back(&mut self, taken: TakenFrame, cancelled: Cancelled) -> Fault {
         let TakenFrame { frame, color, name } = taken;
         let (view, was_asked) = (self.asked.as_ref().and_then(|asked| asked.next.view), self.asked.is_some());
@@ -412,7 +410,7 @@ impl<'a> ScanRun<'a> {
         self.asked = None;
     }
 
-    /// Fails if the frame is not of the view that is decided on now.
+    /// Fails if the frame does not belong to the current decision.
     fn check_replay(&self, kept: &KeptFrame, next: &NextView) -> Result<(), Fault> {
         let name =
             |view: Option<usize>| view.map_or("no candidate".to_owned(), |view| format!("view {view}"));
@@ -422,7 +420,7 @@ impl<'a> ScanRun<'a> {
         Err(self.differs(&name(kept.view), &format!("the planner now chooses {}", name(next.view))))
     }
 
-    /// Fails if the scan stops although it went on before its interruption.
+    /// Fails if the scan stops although it continued before its interruption.
     fn check_stop(&self, reason: StopReason) -> Result<(), Fault> {
         match self.replay() {
             Some(_) if reason != StopReason::Cancelled => {
@@ -453,12 +451,12 @@ fn check_size(frame: &Frame, color: Option<&ColorImage>) -> Result<(), Fault> {
     }
 }
 
-/// Depths are not compared: a missing one equals nothing, not even itself.
+/// Compares without depths: a missing one equals nothing, not even itself.
 fn is_same_place(a: &Frame, b: &Frame) -> bool {
     a.world_from_camera() == b.world_from_camera() && a.intrinsics() == b.intrinsics()
 }
 
-/// The length of a path that grows.
+/// The length of a growing path.
 #[derive(Default)]
 struct Path {
     length: f64,

@@ -1,19 +1,19 @@
 use crate::{ScanConfig, TableRule};
 use nextview_recording::ReadOptions;
 
-/// What a configuration states of the frames and of what they show: advice must not repeat it.
+/// What a configuration states about the frames and their content: advice must not repeat it.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Stated {
-    /// How recorded frames are read; none of frames that are not recorded.
+    /// Options for reading recorded frames; `None` for other frames.
     pub read: Option<ReadOptions>,
-    /// The section that can state where object and table are; none for a simulation.
+    /// The section that can state the place of object and table; `None` for a simulation.
     pub section: Option<&'static str>,
-    /// Whether a table is stated, or is to be found.
+    /// Whether a table is stated or must be found.
     pub has_table: bool,
 }
 
 impl Stated {
-    /// By this configuration.
+    /// What this configuration states.
     pub fn of(config: &ScanConfig) -> Self {
         let (recording, live) = (config.recording.as_ref(), config.live.as_ref());
         let height = recording.and_then(|recording| recording.table_z_m);

@@ -3,7 +3,7 @@ use nextview::diagnosis::{Reading, Suspicion};
 use nextview::sensor::CameraAxes;
 use nextview_recording::{PoseDirection, ReadOptions};
 
-/// The suspicion and its remedy; where the frames are recorded, by keys of the configuration.
+/// The suspicion and its remedy; for recorded frames, by configuration keys.
 pub(super) fn warning(suspicion: &Suspicion, stated: &Stated) -> String {
     let remedy = match suspicion {
         Suspicion::Misread(reading) => match stated.read.as_ref().and_then(|read| of_key(*reading, read)) {
@@ -34,8 +34,7 @@ pub(super) fn warning(suspicion: &Suspicion, stated: &Stated) -> String {
     format!("{suspicion}; {remedy}")
 }
 
-/// States that the poses are wrong, by the distance in metres between surfaces in them, and what follows from
-/// it.
+/// States that the poses are wrong, with the distance in metres between surfaces, and the consequences.
 pub(super) fn poses_are_wrong(distance: f64) -> String {
     format!("{}; from here on, all frames are aligned to each other", Suspicion::Apart { distance })
 }
@@ -44,15 +43,15 @@ pub(super) fn poses_are_wrong(distance: f64) -> String {
 pub(super) const POSES_AS_GIVEN: &str =
     "most frames cannot be aligned to each other: all poses are used as given";
 
-/// What to do about the way in which recorded poses are read.
+/// A remedy for how recorded poses are read.
 enum Advice {
     /// Set a key to a value.
     Try(&'static str),
-    /// What the poses look like as they are in the files, and the key that made them something else.
+    /// What the poses in the files look like, and the key that converts them wrongly.
     LeaveOut(&'static str, &'static str),
 }
 
-/// The key that reads the poses right; none if no value of it does. The reading was found for poses that had
+/// The key that reads the poses correctly; `None` if no value does. The reading was found for poses that had
 /// been read as stated.
 fn of_key(reading: Reading, read: &ReadOptions) -> Option<Advice> {
     const AXES: &str = "recording.read.camera_axes";
@@ -63,7 +62,7 @@ fn of_key(reading: Reading, read: &ReadOptions) -> Option<Advice> {
         (Reading::Axes(CameraAxes::Ros), CameraAxes::OpenCv) => {
             Some(Advice::Try("`recording.read.camera_axes` = ros"))
         }
-        // Two half turns are none.
+        // Two half turns cancel out.
         (Reading::Axes(CameraAxes::OpenGl), CameraAxes::OpenGl)
         | (Reading::TurnedFromRos, CameraAxes::Ros) => {
             Some(Advice::LeaveOut("those of cameras with OpenCV axes", AXES))
@@ -76,7 +75,7 @@ fn of_key(reading: Reading, read: &ReadOptions) -> Option<Advice> {
     }
 }
 
-/// What would be right.
+/// The correct meaning.
 fn right(reading: Reading) -> &'static str {
     match reading {
         Reading::Axes(_) | Reading::TurnedFromRos => "turn them to OpenCV axes: x right, y down, z forward",

@@ -9,11 +9,11 @@ use nextview::session::{ObjectBox, Session, SessionConfig, Table, Views};
 use nextview::view::ViewSpace;
 use std::sync::Arc;
 
-/// A user's camera in front of an unknown object: it takes its frames elsewhere, and they are pushed into the
-/// run. See [`LiveScan`](crate::LiveScan).
+/// A user's camera in front of an unknown object: its frames are taken elsewhere and pushed into the run. See
+/// [`LiveScan`](crate::LiveScan).
 pub struct OwnCamera {
     intrinsics: Intrinsics,
-    /// The depth up to which a pixel from which nothing came back is free, metres.
+    /// Depth up to which a pixel without return is free, in metres.
     range: f64,
     turntable: Option<TurntableConfig>,
     session_config: SessionConfig,
@@ -22,12 +22,12 @@ pub struct OwnCamera {
     reach_note: Option<String>,
 }
 
-/// How far above the table the lowest candidates of a rule are, metres.
+/// Minimum height of a rule's candidates above the table in metres.
 const LOWEST_VIEW: f64 = 0.03;
 
 impl OwnCamera {
-    /// The camera that the configuration describes, which is completed by what is decided here: number of
-    /// views, voxel size, whether the box grows. Fails if the object cannot be scanned as configured.
+    /// Opens the configured camera and completes the configuration: number of views, voxel size, whether the
+    /// box grows. Fails if the object cannot be scanned as configured.
     pub fn open(config: &mut ScanConfig) -> Result<Self, Faults> {
         let Some(live) = config.live.clone() else {
             return Err(Fault::request("there is no `live` in the configuration").into());
@@ -53,14 +53,13 @@ impl OwnCamera {
         Ok(Self { intrinsics, range, turntable, session_config, views, n_views, reach_note })
     }
 
-    /// The session that the configuration describes, which must be the one that [`open`](Self::open)
-    /// completed.
+    /// Builds the session of a configuration completed by [`open`](Self::open).
     pub fn session(&self, config: &ScanConfig) -> Result<Session, Faults> {
         let planner = config.planner(None)?;
         Ok(Session::new(self.session_config, self.intrinsics, self.views.clone(), planner)?)
     }
 
-    /// The frame of a depth image that was taken here; fails if it is not of the camera's size.
+    /// Makes a frame from a depth image. Fails if it is not of the camera's size.
     pub fn frame(&self, image: DepthImage, world_from_camera: Pose) -> Result<Frame, Fault> {
         let (width, height) = (image.width(), image.height());
         let expected = (self.intrinsics.width(), self.intrinsics.height());
@@ -80,13 +79,13 @@ impl OwnCamera {
         self.n_views
     }
 
-    /// Name of the object, size of the images.
+    /// Name of the object and size of the images.
     pub fn description(&self, config: &ScanConfig) -> String {
         let (width, height) = (self.intrinsics.width(), self.intrinsics.height());
         format!("{}: a camera of {width} x {height} pixels", short_name(&config.object))
     }
 
-    /// Remarks for the user: candidates that are out of reach.
+    /// Notes for the user: candidates out of reach.
     pub fn notes(&self) -> Vec<String> {
         self.reach_note.iter().cloned().collect()
     }
@@ -104,12 +103,12 @@ fn table(config: &ScanConfig, live: &LiveConfig) -> Table {
 struct Candidates {
     views: Views,
     n_views: usize,
-    /// How many are within reach, where that is limited.
+    /// Note on the number of candidates within reach, if that is limited.
     reach_note: Option<String>,
 }
 
 impl Candidates {
-    /// Those of these poses that are within reach.
+    /// The poses within reach.
     fn fixed(views: ViewSpace, config: &ScanConfig) -> Result<Self, Fault> {
         let (views, reach_note) = config.within_reach(views)?;
         Ok(Self { n_views: views.len(), views: Views::Fixed(views), reach_note })
@@ -137,13 +136,13 @@ fn candidates(config: &ScanConfig, live: &LiveConfig) -> Result<Candidates, Faul
     }
 }
 
-/// Those of a rule around a known box: where the camera measures it, and above its table.
+/// The candidates of a rule around a known box: within the camera's depth range and above its table.
 fn around(rule: ViewRule, bounds: Aabb, config: &ScanConfig, live: &LiveConfig) -> Result<ViewSpace, Fault> {
     let (center, size) = (bounds.center(), 0.5 * bounds.longest_side());
     let views =
         rule.views(center, size, config.view_distance(&bounds), config.candidates, config.view_seed())?;
     let views = views.within_range(center, size, live.depth_range());
-    // A table that is still to be found is not below the object.
+    // A table that must still be found is not below the object.
     let fitted = (config.object_box.table == TableRule::Fit).then_some(bounds.min.z);
     let Some(table) = live.table_z_m.or(fitted) else { return Ok(views) };
     let above = views.poses().iter().filter(|pose| pose.translation().z >= table + LOWEST_VIEW);
@@ -151,7 +150,7 @@ fn around(rule: ViewRule, bounds: Aabb, config: &ScanConfig, live: &LiveConfig) 
         .map_err(|_| Fault::request("no view candidate is above the table").with_remedy("check `live.box_m`"))
 }
 
-/// Those of a rule that move along with the box.
+/// The candidates of a rule that follow the box.
 fn following(rule: ViewRule, config: &ScanConfig, live: &LiveConfig) -> Result<Candidates, Fault> {
     let Some(first) = live.first_pose else {
         let message =

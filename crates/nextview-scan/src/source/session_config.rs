@@ -4,12 +4,12 @@ use nextview::registration::RegistrationConfig;
 use nextview::sensor::{DepthRange, SurfaceError};
 use nextview::session::{ObjectBox, SessionConfig, Table};
 
-/// Where the box grows, nothing is known of the object's size when the voxels are chosen: they suit one of
-/// 0.2 m.
+/// Voxel size in metres if the box grows: the object's size is unknown when the voxels are chosen, and this
+/// suits one of 0.2 m.
 pub(super) const VOXEL_SIZE: f64 = 0.005;
 
-/// The session's part of a configuration, for so many candidates and an object in this box on this table, for
-/// a camera that measures all depths.
+/// The session's part of a configuration, for this number of candidates and an object in this box on this
+/// table, with a camera of unlimited depth range.
 pub(super) fn session_config(
     config: &ScanConfig,
     n_candidates: usize,
@@ -40,7 +40,7 @@ pub(super) fn session_config(
     }
 }
 
-/// If a right first pose is simulated, it is known to be right.
+/// A simulated first pose that is right is known to be right.
 fn registration(config: &ScanConfig) -> RegistrationConfig {
     let registration =
         RegistrationConfig { enabled: Some(config.registration_mode()), ..config.registration };
@@ -52,7 +52,7 @@ fn registration(config: &ScanConfig) -> RegistrationConfig {
     registration
 }
 
-/// The voxels to plan in, if they are not too many.
+/// The voxels to plan in, if there are not too many.
 pub(super) fn voxel_block(config: &SessionConfig, bounds: &Aabb) -> Result<VoxelBlock, Fault> {
     config.block(bounds).map_err(|error| match error {
         nextview::Error::TooLarge { .. } => Fault::from(error)
@@ -61,7 +61,7 @@ pub(super) fn voxel_block(config: &SessionConfig, bounds: &Aabb) -> Result<Voxel
     })
 }
 
-/// About a fortieth of an object's longest side, metres: 1, 2 or 5 times a power of ten, the nearest in
+/// About a fortieth of an object's longest side in metres: 1, 2 or 5 times a power of ten, the nearest in
 /// ratio.
 pub(super) fn suitable_voxel_size(longest_side: f64) -> f64 {
     let wanted = longest_side / 40.0;
@@ -69,6 +69,6 @@ pub(super) fn suitable_voxel_size(longest_side: f64) -> f64 {
     let steps = [1.0, 2.0, 5.0, 10.0].map(|step| step * power);
     let ratio = |step: &f64| (step / wanted).ln().abs();
     let nearest = steps.into_iter().min_by(|a, b| ratio(a).total_cmp(&ratio(b)));
-    // Through text, so that 0.005 is the number a user would write.
+    // Through text, to make 0.005 the number a user would write.
     format!("{:.0e}", nearest.unwrap_or(wanted)).parse().unwrap_or(wanted)
 }

@@ -1,10 +1,10 @@
 use std::net::{IpAddr, SocketAddr};
 
-/// The names that a server goes by. A page of somebody else's, whose name leads to this address (DNS
-/// rebinding), asks for another name.
+/// Names of the server. A foreign page whose name resolves to this address (DNS rebinding) requests another
+/// name.
 pub(crate) struct Hosts {
     address: SocketAddr,
-    /// Names that were added, with any port: a proxy has another one.
+    /// Additional names, with any port: a proxy has another one.
     names: Vec<String>,
 }
 
@@ -27,7 +27,8 @@ impl Hosts {
         }
         let address = name.trim_start_matches('[').trim_end_matches(']').parse::<IpAddr>();
         let is_name = match address {
-            // Of a server that listens everywhere; an address is no name that somebody else could lead here.
+            // For a server that listens on all addresses; an address is not a name that others could redirect
+            // here.
             Ok(ip) => ip == self.address.ip() || self.address.ip().is_unspecified(),
             Err(_) => {
                 name == "localhost" && (self.address.ip().is_loopback() || self.address.ip().is_unspecified())

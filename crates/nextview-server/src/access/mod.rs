@@ -1,4 +1,4 @@
-//! Which clients may send requests, and for which host.
+//! Access control: the clients that may send requests, and the hosts they may name.
 
 mod host;
 mod token;
@@ -6,12 +6,12 @@ mod token;
 pub(crate) use host::Hosts;
 pub(crate) use token::{Token, random_hex};
 
-/// Which clients may send requests.
+/// The clients that may send requests.
 pub(crate) struct Access {
-    /// The names that the server goes by.
+    /// The names of the server.
     pub hosts: Hosts,
     /// The token of the page.
     pub page: Token,
-    /// The token of all other clients; none where they need none.
+    /// The token of all other clients; `None` if they need none.
     pub clients: Option<Token>,
 }

@@ -1,19 +1,19 @@
 use nextview_scan::Fault;
 use subtle::ConstantTimeEq;
 
-/// A secret that shows who asks.
+/// A secret that identifies a client.
 pub(crate) struct Token(String);
 
-/// Fewest characters of a token that somebody chose.
+/// Minimum number of characters of a chosen token.
 const LEAST: usize = 16;
 
 impl Token {
-    /// 256 random bits.
+    /// Generates 256 random bits.
     pub fn random() -> Result<Self, Fault> {
         Ok(Self(random_hex(32)?))
     }
 
-    /// One that was chosen: at least 16 visible ASCII characters, without white space around them.
+    /// Checks a chosen token: at least 16 visible ASCII characters, without surrounding white space.
     pub fn chosen(text: &str) -> Result<Self, Fault> {
         let text = text.trim();
         if text.len() < LEAST || !text.bytes().all(|byte| byte.is_ascii_graphic()) {
@@ -25,18 +25,18 @@ impl Token {
         Ok(Self(text.to_owned()))
     }
 
-    /// Whether somebody else has the same, in a time that does not depend on how much of it is right.
+    /// Compares in a time that does not depend on the number of matching bytes.
     pub fn is(&self, other: &[u8]) -> bool {
         self.0.as_bytes().ct_eq(other).into()
     }
 
-    /// To be told to whom it is for.
+    /// The secret, for its owner only.
     pub fn reveal(&self) -> &str {
         &self.0
     }
 }
 
-/// So many random bytes, as hexadecimal digits.
+/// This number of random bytes in hexadecimal digits.
 pub(crate) fn random_hex(n_bytes: usize) -> Result<String, Fault> {
     let mut bytes = vec![0; n_bytes];
     getrandom::fill(&mut bytes)

@@ -1,4 +1,4 @@
-//! Connections: as many as there may be, none of which waits for ever or keeps others out.
+//! Connections of bounded number; none waits for ever or keeps others out.
 
 mod patient;
 mod places;
@@ -28,11 +28,11 @@ use tokio::net::{TcpListener, TcpStream};
 use tokio::sync::watch;
 use watched::Watched;
 
-/// The answer to connections when there is no room.
+/// The answer to connections if there is no room.
 const FULL: &str = "{\"faults\":[{\"kind\":\"request\",\"message\":\"as many clients are connected as the server has \
                     room for\",\"remedy\":\"close connections, or ask again in a second\"}]}";
 
-/// Serves connections until the end is asked for, and then those requests that are under way.
+/// Serves connections until shutdown is requested, then finishes requests in progress.
 pub(crate) async fn accept(
     listener: TcpListener,
     router: Router,
@@ -47,7 +47,7 @@ pub(crate) async fn accept(
         let stream = tokio::select! {
             accepted = listener.accept() => match accepted {
                 Ok((stream, _)) => stream,
-                // No file handle is left, for example: it is better in a moment.
+                // No file handle is left, for example: retry shortly.
                 Err(_) => {
                     places.give_way();
                     tokio::time::sleep(Duration::from_millis(50)).await;
@@ -60,7 +60,7 @@ pub(crate) async fn accept(
             tokio::spawn(refuse(stream));
             continue;
         };
-        // An answer is not held back until there is more of it.
+        // Sends answers without waiting for more data.
         let _ = stream.set_nodelay(true);
         let router = router.clone();
         let io = TokioIo::new(Patient::new(stream, limits.body_time, place.clone()));
@@ -71,7 +71,7 @@ pub(crate) async fn accept(
         let connection = graceful.watch(http.serve_connection(io, service));
         tokio::spawn(async move {
             tokio::select! {
-                // What is wrong with a connection is the client's to know.
+                // Errors of a connection are the client's concern.
                 _ = connection => (),
                 () = place.gives_way() => (),
             }
@@ -82,7 +82,7 @@ pub(crate) async fn accept(
     let _ = tokio::time::timeout(limits.answer_time, graceful.shutdown()).await;
 }
 
-/// A panic is answered, too.
+/// A panic also gets an answer.
 async fn answer(
     router: Router,
     request: hyper::Request<hyper::body::Incoming>,

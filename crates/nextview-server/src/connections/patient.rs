@@ -8,12 +8,12 @@ use tokio::io::{AsyncRead, AsyncWrite, ReadBuf};
 use tokio::net::TcpStream;
 use tokio::time::Sleep;
 
-/// A connection that ends if the other side takes nothing of an answer for too long: it would be held for
-/// ever.
+/// A connection that ends if the client accepts nothing of an answer for too long; it would otherwise be held
+/// for ever.
 pub(crate) struct Patient {
     stream: TcpStream,
     patience: Duration,
-    /// Since the other side takes nothing; none while it does.
+    /// Timer since the client stopped accepting data; `None` while it accepts.
     waiting: Option<Pin<Box<Sleep>>>,
     place: Arc<Place>,
 }
@@ -23,7 +23,7 @@ impl Patient {
         Self { stream, patience, waiting: None, place }
     }
 
-    /// The result of writing, or an error where it took too long.
+    /// The result of writing, or an error on a timeout.
     fn checked<T>(&mut self, context: &mut Context<'_>, result: Poll<io::Result<T>>) -> Poll<io::Result<T>> {
         if result.is_ready() {
             if self.waiting.take().is_some() {

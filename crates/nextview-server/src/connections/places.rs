@@ -3,12 +3,12 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 use tokio::sync::Notify;
 
-/// A client that has been waited for this long is slow. A shorter wait says nothing: its bytes may just not have
-/// been read yet.
+/// A client that keeps the server waiting this long is slow. A shorter wait says nothing: its bytes may be on
+/// their way.
 const SLOW: Duration = Duration::from_secs(1);
 
-/// The places for connections. Where all are taken, one on which the server waits for its client gives way:
-/// clients that do nothing, or do it slowly, keep nobody out.
+/// The places for connections. If all are taken, one waiting for its client gives way: idle or slow clients
+/// keep nobody out.
 pub(super) struct Places {
     most: usize,
     taken: Mutex<Taken>,
@@ -20,7 +20,7 @@ struct Taken {
     places: BTreeMap<u64, Arc<State>>,
 }
 
-/// What is going on at a place.
+/// State of a place.
 struct State {
     now: Mutex<Now>,
     gives_way: Notify,
@@ -29,24 +29,24 @@ struct State {
 #[derive(Clone, Copy)]
 struct Now {
     turn: Turn,
-    /// When the turn began.
+    /// Start of the turn.
     since: Instant,
-    /// Since when the client takes nothing of an answer; none while it does.
+    /// Time since which the client accepts nothing of an answer; `None` while it accepts.
     stuck_since: Option<Instant>,
 }
 
-/// Whose turn it is.
+/// The side that must act next.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) enum Turn {
-    /// The client's, to send a head.
+    /// The client must send a head.
     Head,
-    /// The client's, to send a body.
+    /// The client must send a body.
     Body,
-    /// The server's.
+    /// The server must act.
     Server,
 }
 
-/// The place of a connection, given back when this is dropped.
+/// The place of a connection, released on drop.
 pub(super) struct Place {
     all: Arc<Places>,
     number: u64,
@@ -58,7 +58,7 @@ impl Places {
         Arc::new(Self { most, taken: Mutex::default() })
     }
 
-    /// A place; none if all connections wait for the server.
+    /// Takes a place; `None` if all connections wait for the server.
     pub fn take(self: &Arc<Self>) -> Option<Arc<Place>> {
         let mut taken = self.lock();
         if taken.places.len() >= self.most && !taken.give_way() {
@@ -72,7 +72,7 @@ impl Places {
         Some(Arc::new(Place { all: self.clone(), number, state }))
     }
 
-    /// Frees a place, if there is one on which the server waits for its client.
+    /// Frees a place, if the server is waiting for any client.
     pub fn give_way(&self) {
         self.lock().give_way();
     }
@@ -83,8 +83,8 @@ impl Places {
 }
 
 impl Taken {
-    /// Frees the place of the slow client that is waited for longest, for a head first, or else for a body or to
-    /// take an answer. If no client is slow, of all the one that is waited for longest.
+    /// Frees the place of the slow client that has kept the server waiting longest: first one that owes a head,
+    /// otherwise one that owes a body or takes no answer. If no client is slow, the one waited for longest.
     fn give_way(&mut self) -> bool {
         let now = Instant::now();
         let waiting = self.places.iter().filter_map(|(number, state)| {
@@ -101,7 +101,7 @@ impl Taken {
 }
 
 impl State {
-    /// For what the server waits, and since when; none if it does not wait.
+    /// The event that the server waits for, and since when; `None` if it does not wait.
     fn waits(&self) -> Option<(Turn, Instant)> {
         let Now { turn, since, stuck_since } = *self.lock();
         match (turn, stuck_since) {
@@ -117,7 +117,7 @@ impl State {
 }
 
 impl Place {
-    /// From now on it is this one's turn, if it was not before.
+    /// Starts this side's turn, unless it already has it.
     pub fn turn(&self, turn: Turn) {
         let mut now = self.state.lock();
         if now.turn != turn {
@@ -125,13 +125,13 @@ impl Place {
         }
     }
 
-    /// Whether the client takes what it is sent.
+    /// Records whether the client is stuck and accepts nothing of an answer.
     pub fn is_stuck(&self, is_stuck: bool) {
         let mut now = self.state.lock();
         now.stuck_since = is_stuck.then(|| now.stuck_since.unwrap_or_else(Instant::now));
     }
 
-    /// Returns when the connection has to end.
+    /// Returns when the connection must end.
     pub async fn gives_way(&self) {
         self.state.gives_way.notified().await;
     }

@@ -4,12 +4,12 @@ use std::pin::Pin;
 use std::sync::Arc;
 use std::task::{Context, Poll};
 
-/// A body that says whose turn it is: while more of a request's body is awaited, it is the client's, and from
-/// the end of an answer's body on as well.
+/// A body that records whose turn it is: the client's while more of a request's body is awaited, and after
+/// the end of an answer's body.
 pub(super) struct Watched<B> {
     inner: B,
     place: Arc<Place>,
-    /// Whose turn it is while it is awaited, and after its end.
+    /// The turns while the body is awaited, and after its end.
     turns: (Turn, Turn),
 }
 
@@ -51,7 +51,7 @@ impl<B: Body + Unpin> Body for Watched<B> {
 }
 
 impl<B> Drop for Watched<B> {
-    /// It is of no more interest, as that of a request that is refused.
+    /// Abandoned, as the body of a refused request is.
     fn drop(&mut self) {
         self.place.turn(self.turns.1);
     }

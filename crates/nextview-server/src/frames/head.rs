@@ -9,19 +9,19 @@ use serde::Deserialize;
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct FrameHead {
-    /// A name that no other frame of the scan has, 1 to 128 characters: a frame that is sent again under it
-    /// counts once. Only an image that is located needs none.
+    /// A name unique among the frames of the scan, 1 to 128 characters: a frame sent again under it counts
+    /// once. Required except to locate an image.
     #[serde(default)]
     pub id: Option<String>,
-    /// Where the camera stood: the rows of the 4 x 4 matrix that takes points of the camera, which looks
-    /// along z with y downwards, to the world; metres. None if it is to be found out: the scan needs
+    /// Pose of the camera: the rows of the 4 x 4 matrix that takes points from camera to world in metres. The
+    /// camera looks along z, with y downwards. `None` to locate the frame, which requires
     /// `registration.given_poses` = tracked.
     #[serde(default)]
     pub world_from_camera: Option<[[f64; 4]; 4]>,
-    /// Length of a unit of 16-bit depth, metres. Default 0.001.
+    /// Metres per unit of 16-bit depth. Default 0.001.
     #[serde(default = "millimetre")]
     pub depth_scale_m: f64,
-    /// The optics; stated, they must be those of the scan.
+    /// The optics; if stated, they must equal those of the scan.
     #[serde(default)]
     #[schemars(with = "Option<std::collections::BTreeMap<String, serde_json::Value>>")]
     pub camera: Option<Intrinsics>,
@@ -32,7 +32,7 @@ pub(super) fn millimetre() -> f64 {
 }
 
 impl FrameHead {
-    /// The id, which a frame that is taken in needs.
+    /// The id, required to observe a frame.
     pub fn id(&self) -> Result<&str, Refusal> {
         let expected = "1 to 128 characters, none of them a control character";
         let id = self.id.as_deref().ok_or_else(|| {
@@ -46,7 +46,7 @@ impl FrameHead {
         Ok(id)
     }
 
-    /// The pose, if there is one. Fails on whatever of the head cannot be, or is not of this camera.
+    /// The pose, if there is one. Fails if anything in the head is invalid or does not match this camera.
     pub fn pose(&self, camera: &Intrinsics) -> Result<Option<Pose>, Refusal> {
         let scale = self.depth_scale_m;
         if !(scale > 0.0 && scale <= 1.0) {

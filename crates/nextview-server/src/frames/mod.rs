@@ -1,4 +1,4 @@
-//! Frames as requests bring them.
+//! Frames in requests.
 
 mod head;
 mod multipart;
@@ -17,7 +17,7 @@ use axum::body::Body;
 use axum::http::{HeaderMap, header};
 use posted::DepthBytes;
 
-/// Receives a frame, whose content type says how it comes, with its share of the memory for bodies.
+/// Receives a frame in the format of its content type, with its share of the memory for bodies.
 pub(crate) async fn receive_frame(
     app: &App,
     headers: &HeaderMap,

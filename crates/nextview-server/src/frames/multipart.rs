@@ -16,7 +16,7 @@ struct Parts {
     mask: Option<Vec<u8>>,
 }
 
-/// The frame of a body of parts: `frame`, JSON; `depth`, a PNG; optional `color` and `mask`.
+/// Reads a multipart frame: `frame`, JSON; `depth`, a PNG; optional `color` and `mask`.
 pub(super) async fn read(headers: &HeaderMap, bytes: Vec<u8>) -> Result<PostedFrame, Refusal> {
     let parts = parts(headers, bytes).await?;
     let frame = parts.frame.ok_or_else(|| missing("frame", "JSON with `id` and `world_from_camera`"))?;

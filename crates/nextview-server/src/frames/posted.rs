@@ -6,7 +6,7 @@ use nextview_scan::{Fault, LiveFrame};
 use schemars::JsonSchema;
 use serde::Deserialize;
 
-/// A frame as it came, not decoded yet: that is computing, and needs to know the camera.
+/// A frame as received, not yet decoded: decoding is expensive and requires the camera.
 pub(crate) struct PostedFrame {
     pub head: FrameHead,
     pub(super) depth: DepthBytes,
@@ -14,7 +14,7 @@ pub(crate) struct PostedFrame {
     pub(super) mask: Option<Vec<u8>>,
 }
 
-/// A depth image as it came.
+/// A depth image as received.
 pub(crate) enum DepthBytes {
     /// A PNG file.
     Png(Vec<u8>),
@@ -22,7 +22,7 @@ pub(crate) enum DepthBytes {
     Raw(Shape, Vec<u8>),
 }
 
-/// Size and numbers of an image without a head.
+/// Size and data type of an image without a header.
 #[derive(Clone, Copy)]
 pub(crate) struct Shape {
     pub width: u32,
@@ -30,23 +30,23 @@ pub(crate) struct Shape {
     pub dtype: Dtype,
 }
 
-/// The numbers of an image.
+/// Data type of the pixels.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, JsonSchema)]
 #[serde(rename_all = "lowercase")]
 pub(crate) enum Dtype {
     /// 16-bit units of `depth_scale_m`; 0 is a missing pixel.
     U16,
-    /// 32-bit metres; NaN is a missing pixel, infinity one from which nothing came back.
+    /// 32-bit metres; NaN is a missing pixel, infinity one without return.
     F32,
 }
 
 impl PostedFrame {
-    /// One without colours and mask.
+    /// A frame without colours and mask.
     pub fn of_depth(head: FrameHead, depth: DepthBytes) -> Self {
         Self { head, depth, color: None, mask: None }
     }
 
-    /// The frame, where it can be one of this camera. Images take no more memory than the camera's do.
+    /// Decodes the frame if it fits this camera. Images take no more memory than the camera's do.
     pub fn decode(&self, camera: &Intrinsics) -> Result<LiveFrame, Refusal> {
         let world_from_camera = self.head.pose(camera)?;
         let mask = self.mask.as_deref();

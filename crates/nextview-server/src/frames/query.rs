@@ -5,22 +5,22 @@ use nextview_scan::Fault;
 use schemars::JsonSchema;
 use serde::Deserialize;
 
-/// A frame's head in the query, where the body is an image alone.
+/// The head of a frame in the query, if the body is only an image.
 #[derive(Clone, Debug, Default, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct FrameQuery {
-    /// A name that no other frame of the scan has. Only an image that is located needs none.
+    /// A name unique among the frames of the scan. Required except to locate an image.
     id: Option<String>,
-    /// Where the camera stood: the 16 numbers of the matrix by rows, with commas between them. None if it is
-    /// to be found out: the scan needs `registration.given_poses` = tracked.
+    /// Pose of the camera: the 16 numbers of the matrix by rows, separated by commas. `None` to locate the
+    /// frame, which requires `registration.given_poses` = tracked.
     world_from_camera: Option<String>,
-    /// Length of a unit of 16-bit depth, metres. Default 0.001.
+    /// Metres per unit of 16-bit depth. Default 0.001.
     depth_scale_m: Option<f64>,
-    /// Of raw numbers, the width in pixels.
+    /// For raw numbers, the width in pixels.
     width: Option<u32>,
-    /// Of raw numbers, the height in pixels.
+    /// For raw numbers, the height in pixels.
     height: Option<u32>,
-    /// Of raw numbers, their type.
+    /// For raw numbers, their type.
     dtype: Option<Dtype>,
 }
 

@@ -21,7 +21,7 @@ pub(super) fn routes() -> Vec<Route> {
     )]
 }
 
-/// A listener with what it holds.
+/// A listener and the resources it holds.
 struct Listener {
     scan: Arc<Scan>,
     stream: EventStream,

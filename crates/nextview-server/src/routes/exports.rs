@@ -40,7 +40,7 @@ async fn get(
     Ok(([(header::CONTENT_TYPE, kind), (header::CONTENT_DISPOSITION, &named)], bytes.await?).into_response())
 }
 
-/// The files as an archive, without times and owners.
+/// Archives the files without times and owners.
 fn archive(files: &[(String, Vec<u8>)]) -> Result<Vec<u8>, Fault> {
     let mut archive = tar::Builder::new(Vec::new());
     for (name, bytes) in files {

@@ -18,7 +18,7 @@ async fn get(
     Path((id, name)): Path<(String, String)>,
 ) -> Result<Response, Refusal> {
     let scan = app.scans.find(&id)?;
-    // One of ours, so that no other file can be meant.
+    // A known name, so no other file can be requested.
     let Some(name) = RESULT_FILES.iter().copied().find(|known| *known == name) else {
         let name: String = name.chars().take(80).collect();
         let fault = Fault::of_value("name", name, format!("one of {}", RESULT_FILES.join(", ")));

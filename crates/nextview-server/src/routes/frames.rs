@@ -15,13 +15,13 @@ use std::sync::Arc;
 #[derive(JsonSchema)]
 #[expect(dead_code, reason = "describes what is received")]
 struct FrameParts {
-    /// Everything but the images, as JSON.
+    /// Everything except the images, as JSON.
     frame: FrameHead,
-    /// PNG of 16 bits a pixel, without colour, of the camera's size.
+    /// PNG with 16-bit pixels, without colour, of the camera's size.
     depth: String,
-    /// PNG or JPEG of 8 bits of red, green and blue each, of the same size.
+    /// PNG or JPEG with 8 bits each of red, green and blue, of the same size.
     color: Option<String>,
-    /// PNG of 8 bits a pixel, of the same size: where it is 0, there is nothing of the object.
+    /// PNG with 8-bit pixels, of the same size: 0 marks pixels that miss the object.
     mask: Option<String>,
 }
 

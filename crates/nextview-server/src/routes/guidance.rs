@@ -1,4 +1,4 @@
-//! Where a camera in a hand is, and where it should go.
+//! Actual and wanted pose of a hand-held camera.
 
 use super::route::{Content, Doc, Method, Route};
 use crate::answers::{GuidanceAnswer, Place, Tracking};
@@ -74,7 +74,7 @@ async fn post_locate(
     Ok(Json(answer.await?))
 }
 
-/// The way from there, which is sent to listeners.
+/// Returns the guidance from this pose, and sends it to listeners.
 fn guided(scan: &mut LiveScan, pose: &Pose, listened: &Scan) -> Result<GuidanceAnswer, Refusal> {
     let guidance = scan.guidance(pose)?;
     let answer = GuidanceAnswer { world_from_camera: rows_of_pose(pose), guidance };

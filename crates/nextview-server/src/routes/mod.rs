@@ -1,4 +1,4 @@
-//! The routes: what the router serves and what the OpenAPI document describes are one list.
+//! The routes: a single list defines both the router and the OpenAPI document.
 
 mod control;
 mod events;
@@ -41,7 +41,7 @@ pub(crate) fn routes() -> Vec<Route> {
     groups.into_iter().flatten().collect()
 }
 
-/// What serves all routes to those who may ask.
+/// The service of all routes behind access control.
 pub(crate) fn service(app: Arc<App>) -> Router {
     let add = |router: Router<Arc<App>>, route: Route| router.route(route.path, route.handlers);
     let router = routes().into_iter().fold(Router::new(), add);
@@ -50,7 +50,7 @@ pub(crate) fn service(app: Arc<App>) -> Router {
     guarded.with_state(app)
 }
 
-/// What the library refuses, with a text alone, in the form of all other refusals.
+/// Converts plain-text refusals of the library to the form of all others.
 async fn explain(request: Request, next: Next) -> Response {
     let response = next.run(request).await;
     let (status, headers) = (response.status(), response.headers());

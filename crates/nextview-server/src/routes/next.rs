@@ -12,18 +12,18 @@ use schemars::JsonSchema;
 use serde::Deserialize;
 use std::sync::Arc;
 
-/// Most characters of a reason, which the journal keeps.
+/// Maximum number of characters of a reason, which the journal keeps.
 const LONGEST_REASON: usize = 1000;
 
-/// Most views of a batch.
+/// Maximum number of views of a batch.
 const MOST_VIEWS: usize = 100;
 
-/// How many views.
+/// Number of views.
 #[derive(Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 struct NextQuery {
-    /// Number of views, the next one included, 1 to 100. Those after it are what is planned now: once a frame
-    /// has come, others may be better. By default, only the next one is answered.
+    /// Number of views, including the next one, 1 to 100. The later ones are the current plan: after a frame,
+    /// others may be better. By default, only the next view is returned.
     #[serde(default)]
     batch: Option<usize>,
 }

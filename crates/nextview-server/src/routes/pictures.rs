@@ -11,11 +11,11 @@ use schemars::JsonSchema;
 use serde::Deserialize;
 use std::sync::Arc;
 
-/// Which part of a scene.
+/// The part of a scene.
 #[derive(Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 struct SceneQuery {
-    /// Number of frames that the page has already. Default 0.
+    /// Number of frames that the page already has. Default 0.
     #[serde(default)]
     after: usize,
 }

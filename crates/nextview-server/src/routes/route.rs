@@ -4,14 +4,14 @@ use axum::routing::{MethodFilter, MethodRouter};
 use schemars::{JsonSchema, Schema, SchemaGenerator};
 use std::sync::Arc;
 
-/// A path with what can be done there.
+/// A path and its operations.
 pub(crate) struct Route {
     pub path: &'static str,
     pub operations: Vec<Operation>,
     pub handlers: MethodRouter<Arc<App>>,
 }
 
-/// What a method does at a path.
+/// The operation of a method at a path.
 pub(crate) struct Operation {
     pub method: Method,
     pub doc: Doc,
@@ -24,10 +24,10 @@ pub(crate) enum Method {
     Delete,
 }
 
-/// Its description.
+/// Description of an operation.
 pub(crate) struct Doc {
     pub summary: &'static str,
-    /// Name and meaning of the parameters in the query.
+    /// Names and meanings of the query parameters.
     pub query: Option<SchemaOf>,
     pub bodies: Vec<Content>,
     pub status: &'static str,
@@ -37,7 +37,7 @@ pub(crate) struct Doc {
 /// Makes the schema of a type.
 pub(crate) type SchemaOf = fn(&mut SchemaGenerator) -> Schema;
 
-/// A body by its content type; without a schema, it is bytes or text.
+/// A body by content type; without a schema, it is bytes or text.
 pub(crate) struct Content {
     pub kind: &'static str,
     pub schema: Option<SchemaOf>,

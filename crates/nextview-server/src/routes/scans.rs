@@ -12,16 +12,15 @@ use nextview_scan::{Fault, Measured, ScanConfig, ScanRecord};
 use schemars::JsonSchema;
 use std::sync::Arc;
 
-/// A scan to create: the keys of a configuration with its section `live`, and three of the server's own.
+/// A new scan: the keys of a configuration with its section `live`, and three of the server's own.
 #[derive(JsonSchema)]
 #[expect(dead_code, reason = "describes what `NewScan::from_json` reads")]
 struct NewScanBody {
-    /// Its name in paths, 1 to 64 of a-z, 0-9, - and _; by default one is made.
+    /// Id of the scan in paths, 1 to 64 of a-z, 0-9, - and _; by default, one is generated.
     id: Option<String>,
-    /// Whether a proposed view must be accepted before it is given out. Default false.
+    /// Whether a proposed view must be accepted before it is returned. Default false.
     confirm_views: Option<bool>,
-    /// The finished scan of the same object, which has been turned since; keys that are not given are those
-    /// of that scan.
+    /// The finished scan of the same object before it was turned, which provides the defaults of all keys.
     after: Option<String>,
     #[schemars(flatten)]
     config: ScanConfig,
@@ -64,7 +63,7 @@ async fn post(
     app.check_room()?;
     let received = receive(&app, &headers, body).await?;
     let creating = app.clone();
-    // To its end, even if nobody waits for it: half a scan is none.
+    // Completed even if nobody waits for it: half a scan is useless.
     let created =
         tokio::task::spawn_blocking(move || creating.scans.create(NewScan::from_json(&received.bytes)?));
     let failed =
@@ -91,7 +90,7 @@ async fn record(State(app): State<Arc<App>>, Path(id): Path<String>) -> Result<J
     Ok(Json(app.scans.find(&id)?.with(record_so_far).await?))
 }
 
-/// That of the file of a scan that is finished.
+/// The record, from its file if the scan is finished.
 pub(super) fn record_so_far(work: &mut Work) -> Result<ScanRecord, Refusal> {
     if work.is_finished() {
         let bytes = std::fs::read(work.dir().join("record.json")).map_err(Fault::from)?;

@@ -4,22 +4,22 @@ use serde::{Deserialize, Serialize};
 use std::io::Write;
 use std::path::Path;
 
-/// What the server keeps of a scan beside its journal, in the scan's folder.
+/// Metadata of a scan, stored next to its journal in the scan's folder.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct About {
-    /// When it was created: UTC, RFC 3339.
+    /// Time of creation: UTC, RFC 3339.
     pub created: String,
-    /// Whether a proposed view must be accepted before it is given out.
+    /// Whether a proposed view must be accepted before it is returned.
     pub confirm_views: bool,
-    /// Whether no views are given out for now.
+    /// Whether views are withheld for now.
     pub is_paused: bool,
-    /// Number of frames after which the next view was accepted; none where none is.
+    /// Number of frames after which the next view was accepted; `None` if it is not.
     pub accepted_after: Option<usize>,
-    /// Number of frames after which a view was asked for: the next frame is that view's, also after a kill.
+    /// Number of frames after which a view was requested: the next frame belongs to it, even after a kill.
     #[serde(default)]
     pub asked_after: Option<usize>,
-    /// The configuration as it was given, as TOML; `after` as it is [kept](ScanConfig::kept_in) there.
+    /// The configuration as given, as TOML; `after` as it is [kept](ScanConfig::kept_in) there.
     pub config: String,
 }
 
@@ -27,10 +27,10 @@ impl About {
     /// Name of the file.
     pub const FILE: &str = "server.json";
 
-    /// Largest file: a configuration may have a megabyte.
+    /// Maximum size of the file: a configuration may have a megabyte.
     const MAX_BYTES: u64 = 1 << 22;
 
-    /// What the folder of a scan says, and the configuration that it has.
+    /// Loads the metadata in the folder of a scan, with its configuration.
     pub fn load(dir: &Path) -> Result<(Self, ScanConfig), Faults> {
         let path = dir.join(Self::FILE);
         let text = files::read_text(&path, Self::MAX_BYTES)?;
@@ -39,7 +39,7 @@ impl About {
         Ok((about, config))
     }
 
-    /// On the disk when this returns.
+    /// Saves the metadata; it is on the disk on return.
     pub fn save(&self, dir: &Path) -> Result<(), Fault> {
         files::write(&dir.join(Self::FILE), &Overwrite::results(), |w| {
             serde_json::to_writer(&mut *w, self).map_err(Fault::data)?;
@@ -47,7 +47,7 @@ impl About {
         })
     }
 
-    /// The configuration, of the scan in this folder.
+    /// The configuration of the scan in this folder.
     pub fn config(&self, dir: &Path) -> Result<ScanConfig, Faults> {
         Ok(ScanConfig::parse(&self.config, None, None)?.found_from(dir))
     }

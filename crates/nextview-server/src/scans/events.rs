@@ -3,45 +3,45 @@ use std::collections::VecDeque;
 use std::sync::{Mutex, MutexGuard, PoisonError};
 use tokio::sync::watch;
 
-/// Number of events that are kept for listeners that come back.
+/// Number of events kept for listeners that reconnect.
 const KEPT: usize = 1000;
 
-/// What has happened to a scan since the server began to work on it.
+/// Events of a scan since the server began to work on it.
 pub(crate) struct Events {
-    /// Tells the events of this process from those of one before.
+    /// Distinguishes the events of this process from those of an earlier one.
     run: String,
     kept: Mutex<VecDeque<Told>>,
     /// Number of all events.
     n_told: watch::Sender<u64>,
-    /// Where the camera is. It is only sent to current listeners, because it is soon outdated.
+    /// Pose of the camera. It is only sent to current listeners, because it is soon outdated.
     whereabouts: watch::Sender<Option<Passing>>,
 }
 
-/// Something that is not kept.
+/// An event that is not kept.
 #[derive(Clone, Debug)]
 struct Passing {
     name: &'static str,
     data: String,
 }
 
-/// Something that happened.
+/// A kept event.
 #[derive(Clone, Debug)]
 pub(crate) struct Told {
-    /// From 1.
+    /// Counted from 1.
     pub number: u64,
     pub name: &'static str,
-    /// JSON.
+    /// Payload as JSON.
     pub data: String,
 }
 
 impl Told {
-    /// Events up to this one were missed.
+    /// Reports that events up to this one were missed.
     fn gap(number: u64) -> Self {
         Self { number, name: "gap", data: "{}".to_owned() }
     }
 }
 
-/// A listener's place in the events.
+/// A listener's position in the events.
 pub(crate) struct EventStream {
     last: u64,
     n_told: watch::Receiver<u64>,
@@ -56,13 +56,13 @@ impl Events {
         Self { run, kept: Mutex::default(), n_told, whereabouts }
     }
 
-    /// Tells those who listen now where the camera is; of several at once, the last.
+    /// Sends an event to current listeners; of several at once, only the last.
     pub fn pass(&self, name: &'static str, data: &impl Serialize) {
         let data = serde_json::to_string(data).expect("records are numbers and names");
         self.whereabouts.send_replace(Some(Passing { name, data }));
     }
 
-    /// Tells all listeners, also those that come back later, what happened.
+    /// Sends an event to all listeners, including those that reconnect later.
     pub fn tell(&self, name: &'static str, data: &impl Serialize) {
         let data = serde_json::to_string(data).expect("records are numbers and names");
         let mut kept = self.kept();
@@ -75,7 +75,7 @@ impl Events {
         self.n_told.send_replace(number);
     }
 
-    /// Listens from the event after this one on, as a listener was told it; from now on without one.
+    /// Listens from the event after this id; without one, from the current event.
     pub fn listen(&self, last_id: Option<&str>) -> EventStream {
         let (n_told, whereabouts) = (self.n_told.subscribe(), self.whereabouts.subscribe());
         let newest = *n_told.borrow();
@@ -94,7 +94,7 @@ impl Events {
         format!("{}-{number}", self.run)
     }
 
-    /// The events that a listener has not been told, once there are some.
+    /// Returns the events that a listener has not received, once there are some.
     pub async fn next(&self, stream: &mut EventStream) -> Vec<Told> {
         if std::mem::take(&mut stream.has_gap) {
             return vec![Told::gap(stream.last)];
@@ -104,7 +104,7 @@ impl Events {
             let new: Vec<Told> =
                 self.kept().iter().filter(|told| told.number > stream.last).cloned().collect();
             if let [first, ..] = &*new {
-                // It was so slow that events it was not told have been forgotten.
+                // The listener was too slow: events it did not receive have been dropped.
                 let has_gap = first.number > stream.last + 1;
                 stream.last = new[new.len() - 1].number;
                 return if has_gap { vec![Told::gap(stream.last)] } else { new };

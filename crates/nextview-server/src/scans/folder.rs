@@ -4,20 +4,20 @@ use std::fs::{self, File, OpenOptions, TryLockError};
 use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 
-/// The folder of all scans, which no other server works in at the same time.
+/// The folder of all scans, used by one server at a time.
 pub(crate) struct ScansFolder {
-    /// Without links, so that a folder in it has one path.
+    /// Without links: a folder in it has a unique path.
     path: PathBuf,
-    /// Locked for as long as it is open. The file stays: another one of its name would have another lock.
+    /// Locked while it is open. The file is never removed: a new one of its name would have a separate lock.
     lock: File,
 }
 
 impl ScansFolder {
-    /// Name of the file that is locked; no scan can have it.
+    /// Name of the locked file; no scan can have it.
     const LOCK: &str = ".nextview-serve.lock";
 
-    /// Takes the folder, which is made where it is missing. Fails if another server has it, or if it is a
-    /// scan's own: that scan may be deleted with all that is in it.
+    /// Takes the folder, which is created if missing. Fails if another server has it, or if it belongs to a
+    /// scan, which may be deleted with all its content.
     pub fn take(dir: &Path) -> Result<Self, Fault> {
         fs::create_dir_all(dir).map_err(|e| Fault::from(e).while_writing(dir))?;
         let path = dir.canonicalize().map_err(|e| Fault::from(e).in_file(dir))?;
@@ -47,7 +47,7 @@ impl ScansFolder {
         &self.path
     }
 
-    /// Fails if another folder has taken its place: what is there is not this server's.
+    /// Fails if the folder was replaced: the new one does not belong to this server.
     pub fn check_in_place(&self) -> Result<(), Fault> {
         match self.is_in_place() {
             Ok(true) => Ok(()),
@@ -69,7 +69,7 @@ impl ScansFolder {
         Ok((there.dev(), there.ino()) == (locked.dev(), locked.ino()))
     }
 
-    /// Elsewhere, a folder with an open file cannot be moved.
+    /// On other systems, a folder with an open file cannot be moved.
     #[cfg(not(unix))]
     fn is_in_place(&self) -> std::io::Result<bool> {
         self.lock.metadata().map(|of| of.is_file())

@@ -1,4 +1,4 @@
-//! What the page shows of a scan that is finished, as files in the scan's folder.
+//! The page content of a finished scan, as files in the scan's folder.
 
 use crate::refusal::Refusal;
 use axum::http::StatusCode;
@@ -9,12 +9,12 @@ use std::fs;
 use std::io::ErrorKind;
 use std::path::Path;
 
-/// The folder, below that of the scan.
+/// The subfolder of the scan's folder.
 const FOLDER: &str = "page";
 
 const SCENE: &str = "scene.json";
 
-/// An image that a camera took.
+/// An image taken by a camera.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Picture {
     Depth,
@@ -22,8 +22,8 @@ pub(crate) enum Picture {
 }
 
 impl Picture {
-    /// That of the step with this index from 0, as PNG; none if the frame came without it. Depth is in the
-    /// colours of the first step, as on the page.
+    /// The picture of the step with this index from 0, as PNG; `None` if the frame has none. Depth uses the
+    /// colour scale of the first step, as on the page.
     pub fn of_scan(self, scan: &LiveScan, step_idx: usize) -> Result<Option<Vec<u8>>, Fault> {
         let scan = scan.scan();
         match self {
@@ -32,7 +32,7 @@ impl Picture {
         }
     }
 
-    /// The same of a scan that was [kept](keep).
+    /// Reads the picture of a scan that was [kept](keep).
     pub fn of_folder(self, dir: &Path, step_idx: usize) -> Result<Option<Vec<u8>>, Fault> {
         read(dir, &self.name(step_idx))
     }
@@ -63,7 +63,7 @@ pub(super) fn keep(scan: &LiveScan, dir: &Path) -> Result<(), Fault> {
     Ok(())
 }
 
-/// The scene of a scan that was [kept](keep).
+/// Reads the scene of a scan that was [kept](keep).
 pub(crate) fn scene(dir: &Path) -> Result<Vec<u8>, Refusal> {
     read(dir, SCENE)?.ok_or_else(|| {
         let fault = Fault::request("the scan was finished by a server that kept no scene");
@@ -71,7 +71,7 @@ pub(crate) fn scene(dir: &Path) -> Result<Vec<u8>, Refusal> {
     })
 }
 
-/// None without such a file.
+/// Reads a file; `None` if there is none.
 fn read(dir: &Path, name: &str) -> Result<Option<Vec<u8>>, Fault> {
     let path = dir.join(FOLDER).join(name);
     match fs::read(&path) {

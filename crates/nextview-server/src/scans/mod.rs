@@ -1,4 +1,4 @@
-//! All scans of a server: on the disk, in memory, and one request after the other for each.
+//! All scans of a server, on the disk and in memory, with one request at a time for each.
 
 mod about;
 mod creation;

@@ -20,7 +20,7 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::SystemTime;
 use tokio::sync::Semaphore;
 
-/// Whether a folder holds no more than what a kill leaves of a scan that was just being created.
+/// Whether a folder contains only the remains of a scan killed during its creation.
 fn is_stillborn(dir: &Path) -> bool {
     let prefix = format!(".{}.", About::FILE);
     let is_remnant = |name: &str| name.starts_with(&prefix) && name.ends_with(".partial");
@@ -32,23 +32,23 @@ fn is_stillborn(dir: &Path) -> bool {
     names.all(|name| name.is_ok_and(|name| is_remnant(&name)))
 }
 
-/// All scans of a server, each in a folder of its own.
+/// All scans of a server, each in its own folder.
 pub(crate) struct Scans {
     folder: ScansFolder,
     limits: Limits,
-    /// Tells what happens in this process from what happened in one before.
+    /// Distinguishes the events of this process from those of an earlier one.
     run: String,
     cores: Cores,
     scans: Mutex<BTreeMap<String, Entry>>,
 }
 
-/// What is known of an id.
+/// The state of an id.
 struct Entry {
-    /// None while it is being created.
+    /// The scan; `None` while it is being created.
     scan: Option<Arc<Scan>>,
     /// The id of the scan that it continues, which it needs until it is finished.
     after: Option<String>,
-    /// Whether it is being deleted: nothing may begin that needs it.
+    /// Whether it is being deleted: nothing that needs it may begin.
     is_leaving: bool,
 }
 
@@ -57,13 +57,13 @@ impl Entry {
         self.scan.as_ref().is_some_and(|scan| scan.summary().state == ScanState::Finished)
     }
 
-    /// Whether the files of this scan are needed.
+    /// Whether it needs the files of this scan.
     fn needs(&self, id: &str) -> bool {
         self.after.as_deref() == Some(id) && !self.is_finished()
     }
 }
 
-/// An id that is taken for a scan that is being created, and with it the scan that it continues.
+/// An id reserved for a scan being created, and with it the scan that it continues.
 struct Place<'a> {
     scans: &'a Scans,
     id: &'a str,
@@ -78,7 +78,7 @@ impl Place<'_> {
 }
 
 impl Drop for Place<'_> {
-    /// Given back if no scan was created, also after a panic.
+    /// Releases the id if no scan was created, even after a panic.
     fn drop(&mut self) {
         let mut scans = self.scans.lock();
         if scans.get(self.id).is_some_and(|entry| entry.scan.is_none()) {
@@ -87,7 +87,7 @@ impl Drop for Place<'_> {
     }
 }
 
-/// A scan that is being deleted. Unless it is [gone](Self::gone), it goes on when this is dropped.
+/// A scan being deleted. Unless it is [gone](Self::gone), it continues when this is dropped.
 pub(crate) struct Leaving {
     scans: Arc<Scans>,
     id: String,
@@ -95,7 +95,7 @@ pub(crate) struct Leaving {
 }
 
 impl Leaving {
-    /// It is no more on the disk.
+    /// Marks it as removed from the disk.
     pub fn gone(self) {
         self.scans.lock().remove(&self.id);
     }
@@ -111,8 +111,8 @@ impl Drop for Leaving {
 }
 
 impl Scans {
-    /// Those in the folder, and what is wrong with scans that cannot be read: these are left out. Their
-    /// folders, and folders of something else, stay as they are.
+    /// Opens the scans in the folder. Returns faults for those that cannot be read, which are left out. Their
+    /// folders, and unrelated ones, are not touched.
     pub fn open(folder: ScansFolder, limits: Limits) -> Result<(Self, Vec<Faults>), Faults> {
         let n_cores = std::thread::available_parallelism().map_or(1, usize::from);
         let [requests, scenes] = [n_cores, 1].map(|n| Arc::new(Semaphore::new(n)));
@@ -134,8 +134,8 @@ impl Scans {
         Ok((all, left_out))
     }
 
-    /// The scan that is kept in a folder. Fails if it cannot be resumed, because the one that it continues is
-    /// not there.
+    /// Opens the scan kept in a folder. Fails if it cannot be resumed because the scan that it continues is
+    /// missing.
     fn kept(&self, id: &str, dir: PathBuf) -> Result<Entry, Faults> {
         let (about, config) = About::load(&dir)?;
         let work = Work::kept(dir, about);
@@ -148,14 +148,14 @@ impl Scans {
         Ok(Entry { scan: Some(Arc::new(scan)), after, is_leaving: false })
     }
 
-    /// The id of the scan in a folder, if it is one of these, whatever its path is.
+    /// The id of the scan in a folder, if it is one of these, for any form of its path.
     fn id_of(&self, dir: &Path) -> Option<String> {
         let dir = dir.canonicalize().ok()?;
         let is_one = dir.parent() == Some(self.dir());
         is_one.then(|| dir.file_name().unwrap_or_default().to_string_lossy().into_owned())
     }
 
-    /// All, by id.
+    /// Lists all scans by id.
     pub fn list(&self) -> Vec<ScanSummary> {
         self.all().iter().map(|scan| scan.summary()).collect()
     }
@@ -164,7 +164,7 @@ impl Scans {
         self.lock().get(id).and_then(|entry| entry.scan.clone()).ok_or_else(|| unknown(id))
     }
 
-    /// Begins a scan: on the disk when this returns. Takes a while.
+    /// Begins a scan; it is on the disk on return. This is slow.
     pub fn create(&self, new: NewScan) -> Result<Arc<Scan>, Refusal> {
         self.folder.check_in_place()?;
         let place = self.reserve(&new.id, new.after.as_deref())?;
@@ -178,8 +178,8 @@ impl Scans {
         Ok(scan)
     }
 
-    /// Takes a scan out of the others' reach, to delete it, and stops what is being computed for it. Fails if
-    /// an unfinished scan continues it, or one that is being created.
+    /// Hides a scan from other requests to delete it, and stops its computations. Fails if an unfinished
+    /// scan, or one being created, continues it.
     pub fn leave(self: &Arc<Self>, id: &str) -> Result<Leaving, Refusal> {
         self.folder.check_in_place()?;
         let mut scans = self.lock();
@@ -203,17 +203,17 @@ impl Scans {
         self.list().iter().filter(|scan| scan.state != ScanState::Finished).count()
     }
 
-    /// Resumes all scans that were interrupted, one after the other.
+    /// Resumes all interrupted scans, one after the other.
     pub async fn resume_all(&self) {
         for scan in self.all() {
             if scan.summary().state != ScanState::Finished {
-                // Whoever asks for the scan is told what is wrong with it.
+                // A fault is reported to the next request for the scan.
                 let _ = scan.with(|work| work.under_way().map(drop)).await;
             }
         }
     }
 
-    /// Free space of the disk; none where it is not known.
+    /// Free disk space; `None` if unknown.
     pub fn free_disk_mb(&self) -> Option<u64> {
         #[cfg(unix)]
         return rustix::fs::statvfs(self.dir()).ok().map(|disk| (disk.f_bavail * disk.f_frsize) >> 20);
@@ -221,8 +221,7 @@ impl Scans {
         None
     }
 
-    /// Takes an id, so that no two scans are created in one folder, and keeps the scan that is to be
-    /// continued from being deleted.
+    /// Reserves an id, which prevents two scans in one folder, and protects the continued scan from deletion.
     fn reserve<'a>(&'a self, id: &'a str, after: Option<&str>) -> Result<Place<'a>, Refusal> {
         let mut scans = self.lock();
         let n_open = scans.values().filter(|entry| !entry.is_finished()).count();
@@ -244,7 +243,7 @@ impl Scans {
         Ok(Place { scans: self, id })
     }
 
-    /// Whether there is something else under this name, be it a link that leads nowhere.
+    /// Whether the name is taken by anything, even a dangling link.
     fn is_taken(&self, id: &str) -> bool {
         let dir = self.dir().join(id);
         dir.symlink_metadata().is_ok() && !is_stillborn(&dir)
@@ -263,7 +262,7 @@ impl Scans {
         };
         let summary_config = config.clone();
         self.make_folder(id, &dir)?;
-        // First what says that the folder is a scan's: a kill then leaves one that goes on.
+        // First the file that marks the folder as a scan's: a scan killed here can continue.
         let begun = about.save(&dir).map_err(Refusal::from).and_then(|()| {
             let cancel = Cancel::default();
             LiveScan::begin(config, Some(&dir), cancel).map_err(Refusal::content)
@@ -278,14 +277,14 @@ impl Scans {
         Ok(Arc::new(Scan::new(id.to_owned(), self.run.clone(), work, &summary_config, shared)))
     }
 
-    /// Makes the folder of a scan; fails if another program has made it in the meantime.
+    /// Creates the folder of a scan. Fails if another program has created it in the meantime.
     fn make_folder(&self, id: &str, dir: &Path) -> Result<(), Refusal> {
         match fs::create_dir(dir) {
             Err(error) if error.kind() == ErrorKind::AlreadyExists && is_stillborn(dir) => {
                 files::remove_unfinished(dir, &[About::FILE])
             }
             Err(error) if error.kind() == ErrorKind::AlreadyExists => return Err(taken(id)),
-            // The frames in it are on the disk only if it is.
+            // The frames in it are safe on the disk only if the folder is.
             Ok(()) if cfg!(unix) => fs::File::open(self.dir()).and_then(|folder| folder.sync_all()),
             result => result,
         }

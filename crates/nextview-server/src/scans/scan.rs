@@ -12,33 +12,33 @@ use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Duration;
 use tokio::sync::{Mutex as AsyncMutex, Semaphore};
 
-/// How much is computed at once; shared by all scans.
+/// Limits on parallel computation, shared by all scans.
 #[derive(Clone)]
 pub(crate) struct Cores {
-    /// Requests to different scans.
+    /// Limit on requests to different scans.
     pub requests: Arc<Semaphore>,
-    /// Scenes: those who look on do not slow down those who scan.
+    /// Limit on scenes: viewers do not slow down scans.
     pub scenes: Arc<Semaphore>,
 }
 
-/// What the page is to show of a scan.
+/// The content of a scan's page.
 pub(crate) enum Shown {
-    /// A copy to make the scene from.
+    /// A copy from which the scene is made.
     UnderWay(Box<SceneSource>),
-    /// The scene, as JSON.
+    /// The scene as JSON.
     Finished(Vec<u8>),
 }
 
-/// A scan of the server. Requests to it are worked on one after the other, in the order in which they came.
+/// A scan of the server. Requests to it are processed one at a time, in order of arrival.
 pub(crate) struct Scan {
     pub events: Events,
     work: Arc<AsyncMutex<Work>>,
     queue: Arc<Semaphore>,
-    /// What the page shows, which is made beside the other requests.
+    /// The content of its page, which is made in parallel with other requests.
     scene: Arc<AsyncMutex<LiveScene>>,
     cores: Cores,
     answer_time: Duration,
-    /// As of the last request that was done: to be listed without waiting.
+    /// State after the last completed request, to list it without waiting.
     summary: Mutex<ScanSummary>,
     cancel: Cancel,
 }
@@ -65,12 +65,12 @@ impl Scan {
         }
     }
 
-    /// The scan as of the last request that was done.
+    /// The state after the last completed request.
     pub fn summary(&self) -> ScanSummary {
         self.summary.lock().unwrap_or_else(PoisonError::into_inner).clone()
     }
 
-    /// Does this with the scan, after all earlier requests. It is completed, even if nobody waits for it any
+    /// Runs a closure on the scan after all earlier requests. It completes even if nobody waits for it any
     /// more.
     pub async fn with<T: Send + 'static>(
         self: &Arc<Self>,
@@ -88,7 +88,7 @@ impl Scan {
                 let _held = (place, core);
                 work.look();
                 let done = catch_unwind(AssertUnwindSafe(|| job(&mut work)));
-                // What was kept without being counted is taken in when the scan is resumed.
+                // Frames kept but not counted are observed when the scan is resumed.
                 if done.as_ref().map_or(true, |done| done.as_ref().is_err_and(Refusal::is_cancelled)) {
                     work.forget();
                 }
@@ -100,14 +100,14 @@ impl Scan {
         tokio::time::timeout(self.answer_time, done).await.unwrap_or_else(|_| Err(self.too_late()))
     }
 
-    /// What the page shows of the scan, with the views after number `after`. While it is made, frames are
-    /// taken in: they wait for no more than a copy.
+    /// The content of the page, with the views after number `after`. Meanwhile, frames are observed: they
+    /// wait only for a copy.
     pub async fn scene(
         self: &Arc<Self>,
         shown: impl FnOnce(&mut Work) -> Result<Shown, Refusal> + Send + 'static,
         after: usize,
     ) -> Result<Vec<u8>, Refusal> {
-        // In this order, so that no scene is of an earlier time than the one before.
+        // In this order, to ensure that no scene is older than the one before.
         let mut kept = self.scene.clone().lock_owned().await;
         let source = match self.with(shown).await? {
             Shown::UnderWay(source) => source,
@@ -119,7 +119,7 @@ impl Scan {
         let core = self.cores.scenes.clone().acquire_owned().await;
         let made = tokio::task::spawn_blocking(move || {
             let _held = core;
-            // If this fails, nothing half-made is kept.
+            // If this fails, no partial scene is kept.
             let mut scene = std::mem::take(&mut *kept);
             let json = scene.json(&source, after);
             *kept = scene;
@@ -128,12 +128,12 @@ impl Scan {
         made.await.map_err(|_| panicked())
     }
 
-    /// Stops what is being computed, for the scan is to be deleted.
+    /// Stops the current computation, because the scan is being deleted.
     pub fn cancel(&self) {
         self.cancel.cancel();
     }
 
-    /// It is not deleted after all.
+    /// Resets the cancellation: the scan is not deleted after all.
     pub fn go_on(&self) {
         self.cancel.reset();
     }
@@ -163,7 +163,7 @@ mod tests {
     use super::super::about::About;
     use super::*;
 
-    /// What was in memory is forgotten, and the next request is answered.
+    /// After a panic, the state in memory is discarded, and the next request is answered.
     #[test]
     fn a_request_that_panics_is_answered_and_the_scan_goes_on() {
         let about = About {

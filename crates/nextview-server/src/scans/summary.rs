@@ -1,29 +1,29 @@
 use schemars::JsonSchema;
 use serde::Serialize;
 
-/// A scan in the list of all.
+/// An entry in the list of scans.
 #[derive(Clone, Debug, Serialize, JsonSchema)]
 pub(crate) struct ScanSummary {
-    /// Its name in paths.
+    /// Id of the scan in paths.
     pub id: String,
     /// Name of the object.
     pub object: String,
-    /// Whether it is under way.
+    /// State of the scan.
     pub state: ScanState,
-    /// Number of frames; none until an interrupted scan is resumed.
+    /// Number of frames; `None` until an interrupted scan is resumed.
     pub n_frames: Option<usize>,
-    /// When it was created: UTC, RFC 3339.
+    /// Time of creation: UTC, RFC 3339.
     pub created: String,
 }
 
-/// Whether a scan is under way.
+/// State of a scan.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub(crate) enum ScanState {
-    /// It takes frames and gives out views.
+    /// Accepts frames and returns views.
     Running,
-    /// It takes frames and gives out no views.
+    /// Accepts frames and returns no views.
     Paused,
-    /// Its results are on the disk: it takes no frames.
+    /// Its results are on the disk: it accepts no frames.
     Finished,
 }

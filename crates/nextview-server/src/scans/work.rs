@@ -12,14 +12,14 @@ use nextview_scan::{Fault, Faults, LiveScan, Results, ScanJournal, begin_results
 use std::io::{ErrorKind, Write};
 use std::path::{Path, PathBuf};
 
-/// The end of the name of a folder whose files are being removed.
+/// Suffix of a folder whose files are being removed.
 pub(super) const DELETED: &str = ".deleted";
 
-/// A scan as one request has it to itself.
+/// Exclusive access of one request to a scan.
 pub(crate) struct Work {
     dir: PathBuf,
     pub about: About,
-    /// None where it is to be resumed from the disk, or is finished.
+    /// `None` if it must be resumed from the disk, or is finished.
     scan: Option<Box<LiveScan>>,
     phase: Phase,
     pub cancel: Cancel,
@@ -41,7 +41,7 @@ impl Work {
         Self { dir, about, scan: Some(Box::new(scan)), phase: Phase::UnderWay, cancel, told: None }
     }
 
-    /// One that is on the disk.
+    /// A scan on the disk.
     pub fn kept(dir: PathBuf, about: About) -> Self {
         let (phase, cancel) = (Phase::UnderWay, Cancel::default());
         let mut work = Self { dir, about, scan: None, phase, cancel, told: None };
@@ -74,7 +74,7 @@ impl Work {
         }
     }
 
-    /// Number of frames: those in memory or, of a scan that is finished, the lines of its file.
+    /// Number of frames: those in memory or, for a finished scan, the lines of its file.
     pub fn n_frames(&self) -> Option<usize> {
         if let Some(scan) = &self.scan {
             return Some(scan.scan().steps.len());
@@ -83,12 +83,12 @@ impl Work {
         self.is_finished().then(steps)?.map(|steps| steps.lines().count())
     }
 
-    /// What was damaged in the journal of the scan in memory when it was resumed.
+    /// The damage in the journal of the scan in memory when it was resumed.
     pub fn damage(&self) -> Option<String> {
         self.scan.as_ref()?.damage().map(ToString::to_string)
     }
 
-    /// The scan to continue with, resumed if it is not in memory.
+    /// Returns the scan, resumed if it is not in memory.
     pub fn under_way(&mut self) -> Result<(&mut LiveScan, &mut About), Refusal> {
         match self.phase {
             Phase::UnderWay => (),
@@ -101,8 +101,8 @@ impl Work {
         Ok((self.scan.as_mut().expect("it was resumed"), &mut self.about))
     }
 
-    /// The view to take next; none if the scan is over. That it was asked for is on the disk when this
-    /// returns: the frame that comes then is that view's, whatever happens to the server before.
+    /// Returns the next view; `None` if the scan is over. The request is on the disk on return: the next
+    /// frame belongs to this view, even if the server is killed before.
     pub fn next_view(&mut self) -> Result<Option<NextView>, Refusal> {
         let dir = self.dir.clone();
         let (scan, about) = self.under_way()?;
@@ -114,13 +114,13 @@ impl Work {
         Ok(next)
     }
 
-    /// Whether listeners have not been told of this view yet. Now they are.
+    /// Whether listeners have not yet been told of this view; marks it as told.
     pub fn is_news(&mut self, view: Option<usize>) -> bool {
         let n_frames = self.scan.as_ref().map_or(0, |scan| scan.scan().steps.len());
         self.told.replace((n_frames, view)) != Some((n_frames, view))
     }
 
-    /// Writes the results; the scan is finished even if some could not be written, which is reported.
+    /// Writes the results. The scan is finished even if some could not be written, which is reported.
     pub fn finish(&mut self) -> Result<Option<Faults>, Refusal> {
         if self.phase == Phase::Finished {
             return Ok(None);
@@ -140,14 +140,14 @@ impl Work {
         Ok(faults)
     }
 
-    /// Removes everything of it.
+    /// Removes the scan with all its files.
     pub fn delete(&mut self) -> Result<(), Refusal> {
         if self.phase == Phase::Deleted {
             return Err(deleted());
         }
         self.scan = None;
-        // At once for whoever looks, even if the server is killed while it removes the files. The name is
-        // new: of a scan of the same id that was deleted before, something may be left.
+        // Atomic for observers, even if the server is killed while it removes the files. The name is new: a
+        // deleted scan with the same id may have left files.
         let name = self.dir.file_name().unwrap_or_default().to_string_lossy();
         let aside = self.dir.with_file_name(format!(".{name}.{}{DELETED}", random_hex(4)?));
         match std::fs::rename(&self.dir, &aside) {
@@ -156,12 +156,13 @@ impl Work {
             }
             _ => self.phase = Phase::Deleted,
         }
-        // What cannot be removed now is removed when the server starts again.
+        // Files that cannot be removed now are removed when the server restarts.
         let _ = std::fs::remove_dir_all(&aside);
         Ok(())
     }
 
-    /// It is resumed from the disk when it is needed again: after a panic, what is in memory may be anything.
+    /// Discards the scan in memory, which may be in any state after a panic. It is resumed from the disk when
+    /// needed.
     pub fn forget(&mut self) {
         self.scan = None;
     }
@@ -169,7 +170,7 @@ impl Work {
     fn resumed(&self) -> Result<LiveScan, Refusal> {
         let mut scan = match ScanJournal::is_in(&self.dir) {
             true => LiveScan::resume(&self.dir, self.cancel.clone())?,
-            // A scan that has no frames yet leaves no journal.
+            // A scan without frames leaves no journal.
             false => LiveScan::begin(self.about.config(&self.dir)?, Some(&self.dir), self.cancel.clone())?,
         };
         if self.about.asked_after == Some(scan.scan().steps.len()) {

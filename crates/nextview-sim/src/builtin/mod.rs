@@ -1,10 +1,10 @@
 //! Objects that need no file, for examples, tests and a first look: 0.15 to 0.2 m large, standing on z = 0,
 //! centred in x and y.
 //!
-//! Each of those with a name of its own is a signed distance function (negative inside), meshed by surface
-//! nets; so its surface is closed, smooth, and has no parts hidden inside the material. Beside them there is
-//! a [random object](random_object) for every number, by the name `random-N`. Their seeds are
-//! [apart](crate::random_object::seeds) from all that planners are trained on.
+//! Each named object is a signed distance function (negative inside) meshed by surface nets. Its surface is
+//! closed and smooth, and no part is hidden inside the material. In addition, `random-N` names a [random
+//! object](random_object) for every number. Their seeds are [separate](crate::random_object::seeds) from all
+//! seeds that planners are trained on.
 
 mod bracket;
 mod mug;
@@ -17,13 +17,13 @@ use crate::mesh::TriangleMesh;
 use crate::random_object::{random_object, seeds};
 use glam::DVec3;
 
-/// The names of the objects, except the random ones.
+/// Returns the names of the objects, except the random ones.
 pub fn names() -> impl Iterator<Item = &'static str> {
     OBJECTS.iter().map(|(name, _)| *name)
 }
 
-/// The object with this name, one of [`names`] or `random-N` with a whole number below 2^63; none if there is
-/// no such object.
+/// Returns the object with this name: one of [`names`], or `random-N` with a whole number below 2^63. `None`
+/// if there is no such object.
 ///
 /// ```
 /// let mug = nextview_sim::builtin::by_name("mug").unwrap();
@@ -58,7 +58,7 @@ mod tests {
     use super::*;
     use std::collections::BTreeMap;
 
-    /// Every edge has two triangles, which run along it in opposite directions.
+    /// Every edge has two triangles, which traverse it in opposite directions.
     fn assert_closed(mesh: &TriangleMesh) {
         let mut n_uses = BTreeMap::new();
         for &[a, b, c] in mesh.triangles() {
@@ -111,7 +111,7 @@ mod tests {
         }
     }
 
-    /// The planner's prior learned from the objects of the seeds 0 to 199.
+    /// The planner's prior was learned from the objects with the seeds 0 to 199.
     #[test]
     fn no_named_object_is_one_that_was_learned_from() {
         let sizes: Vec<DVec3> = (0..200).map(|seed| random_object(seed).bounds().size()).collect();

@@ -24,7 +24,7 @@ pub(super) fn make() -> TriangleMesh {
     })
 }
 
-/// The middle of bottom and wall, from the axis to the rim, with a rounded corner.
+/// The centre line of bottom and wall, from the axis to the rim, with a rounded corner.
 fn profile() -> Vec<DVec2> {
     let corner = 0.014;
     let arc = (0..=12).map(|i| {

@@ -1,6 +1,6 @@
-//! Signed distances to simple bodies, and ways to join them: metres, negative inside. Outside of a body the
-//! value may be smaller than the true distance, never larger by much (Quilez, "distance functions", gives the
-//! formulas).
+//! Signed distances to simple bodies, and ways to join them: metres, negative inside. Outside a body the
+//! value may be smaller than the true distance, but never much larger (formulas: Quilez, "distance
+//! functions").
 
 use glam::{DVec2, DVec3};
 
@@ -10,7 +10,7 @@ pub(super) fn rounded_box(p: DVec3, half: DVec3, rounding: f64) -> f64 {
     beyond.max(DVec3::ZERO).length() + beyond.max_element().min(0.0) - rounding
 }
 
-/// An endless cylinder, from the offset to its axis.
+/// An infinite cylinder, from the offset to its axis.
 pub(super) fn cylinder(offset: DVec2, radius: f64) -> f64 {
     offset.length() - radius
 }
@@ -39,8 +39,7 @@ pub(super) fn line(p: DVec2, points: &[DVec2]) -> f64 {
     flat.sqrt()
 }
 
-/// Points of a cubic Bezier curve, `n + 1` of them, with a radius that changes evenly from one end to the
-/// other.
+/// `n + 1` points of a cubic Bezier curve, with a radius that changes evenly from one end to the other.
 pub(super) fn bezier(control: [DVec3; 4], radius: [f64; 2], n: usize) -> Vec<(DVec3, f64)> {
     (0..=n)
         .map(|i| {

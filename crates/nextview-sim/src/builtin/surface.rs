@@ -8,8 +8,7 @@ use nextview::surface::surface_nets;
 /// Voxels per side of a part that is skipped if the surface is far from its middle.
 const PART: i32 = 4;
 
-/// The surface where `distance` is zero, which must lie more than a cell inside `bounds`; sides show
-/// outwards.
+/// The zero level of `distance`, which must lie more than a cell inside `bounds`; sides face outwards.
 ///
 /// Parts thinner than two cells may get holes. Distances may be too large by a fifth.
 pub(super) fn surface(bounds: Aabb, cell: f64, distance: impl Fn(DVec3) -> f64) -> TriangleMesh {
@@ -21,7 +20,7 @@ pub(super) fn surface(bounds: Aabb, cell: f64, distance: impl Fn(DVec3) -> f64) 
     TriangleMesh::new(mesh.vertices, mesh.triangles).expect("a body in the box has a surface")
 }
 
-/// The distance at every voxel's centre. In parts far from the surface only its sign is right.
+/// The distance at every voxel's centre. In parts far from the surface only the sign is right.
 fn sample(lattice: &Lattice, block: &VoxelBlock, distance: impl Fn(DVec3) -> f64) -> Vec<f64> {
     let part_of = |key: VoxelKey| key.div_euclid(VoxelKey::splat(PART));
     let coarse = Lattice::new(PART as f64 * lattice.voxel_size()).expect("coarser than a lattice");

@@ -31,7 +31,7 @@ fn nearest_on_course(p: DVec3, start: f64) -> DVec3 {
     course(turn).0
 }
 
-/// The middle of the tube after a share of a turn (0 to 2 pi), and its derivative.
+/// The centre line of the tube after a share of a turn (0 to 2 pi), and its derivative.
 fn course(turn: f64) -> (DVec3, DVec3) {
     let ((sin, cos), (sin_winding, cos_winding)) = ((2.0 * turn).sin_cos(), (3.0 * turn).sin_cos());
     let (ring, winding) = (0.054, 0.026);

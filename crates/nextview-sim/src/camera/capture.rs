@@ -5,14 +5,14 @@ use nextview::Error;
 use nextview::geometry::Pose;
 use nextview::sensor::{DepthImage, Frame};
 
-/// A frame, and its pixels of the object.
+/// A frame and its object pixels.
 #[derive(Clone, Debug)]
 pub struct Capture {
-    /// The measured frame: all that a planner may know.
+    /// The measured frame: everything a planner may know.
     pub frame: Frame,
-    /// The same with only the pixels that show the object; nothing comes back from the others.
+    /// The frame with only the object pixels; all others have no return.
     pub of_object: Frame,
-    /// The exact depth of all pixels of the object that were measured, and the pose from which they were.
+    /// The exact depth of all measured object pixels, and the pose they were measured from.
     pub truth: Frame,
 }
 
@@ -24,13 +24,13 @@ impl SimulatedCamera {
         capture(self, world_from_camera)
     }
 
-    /// The same, with the pixels of the object and the true measurement.
+    /// Captures a frame, with its object pixels and the true measurement.
     pub fn capture_with_truth(&self, world_from_camera: &Pose) -> Result<Capture, Error> {
         Capture::new(self, world_from_camera)
     }
 
-    /// What a [`capture`](Self::capture) from this pose would truly measure of the object, in less time than
-    /// a capture.
+    /// Returns the true measurement of the object that a [`capture`](Self::capture) from this pose gives, in
+    /// less time than a capture.
     ///
     /// Fails if there is a room and the camera stands outside.
     pub fn look(&self, world_from_camera: &Pose) -> Result<Look<'_>, Error> {
@@ -72,7 +72,7 @@ fn truly_measured(camera: &SimulatedCamera, world_from_camera: &Pose) -> Result<
     Ok(readings(camera, noise, &exact.all, world_from_camera).truly_measured(&exact.object))
 }
 
-/// The measurement of an exact image, and the pixels that are read if there is noise.
+/// The measurement of an exact image, and the readings if there is noise.
 fn reported(
     camera: &SimulatedCamera,
     exact: Vec<f32>,

@@ -13,7 +13,7 @@ pub(super) fn clip(corners: [DVec3; 3]) -> ([DVec3; 4], usize) {
         if here.z >= MIN_DEPTH {
             push(here);
         }
-        // Always from the visible end, so that both triangles at the edge are cut at the same point.
+        // Always from the visible end: both triangles at the edge are cut at the same point.
         match (here.z >= MIN_DEPTH, next.z >= MIN_DEPTH) {
             (true, false) => push(cut(here, next)),
             (false, true) => push(cut(next, here)),

@@ -1,5 +1,5 @@
-//! The colours that the camera sees: a second pass after the depth, which looks for the triangle of each
-//! pixel without regard to speed.
+//! The camera's colours: a second pass after the depth, which finds each pixel's triangle. It is not
+//! optimised for speed.
 
 use super::clip::clip;
 use super::projection::ToCamera;
@@ -13,12 +13,12 @@ use nextview::sensor::ColorImage;
 /// Colour of the walls of a room, and of a table.
 const WALLS: [u8; 3] = [128; 3];
 
-/// Share of the light that reaches a surface turned up, to the side and down: as of a wide bright sky above a
-/// bright ground.
+/// Share of light on a surface that faces up, sideways and down, as under a wide bright sky above a bright
+/// ground.
 const LIGHT_ABOVE: f32 = 1.0;
 const LIGHT_BELOW: f32 = 0.6;
 
-/// How far outside a triangle a sample counts as in it, as a share of the triangle: rounding.
+/// Tolerance outside a triangle within which a sample counts as inside, as a share of the triangle: rounding.
 const MARGIN: f64 = 1e-9;
 
 /// The triangle that a pixel shows.
@@ -26,27 +26,28 @@ const MARGIN: f64 = 1e-9;
 struct Hit {
     inverse_depth: f64,
     triangle: usize,
-    /// Of the triangle's corners; they add up to 1.
+    /// Weights of the triangle's corners; they add up to 1.
     weights: [f64; 3],
 }
 
 impl SimulatedCamera {
-    /// The colour image from a pose, aligned with the depth, without noise; none if the mesh has no colours.
+    /// Returns the colour image from a pose, aligned with the depth, without noise; `None` if the mesh has no
+    /// colours.
     ///
-    /// The light is fixed in the world and falls from all sides, 1 on surfaces turned up down to 0.6 on those
-    /// turned down, so that a place has the same colour in all views. Room and table are grey; pixels without
-    /// anything, or for which the lens model has no answer, are black. Fails if there is a room and the
+    /// The light is fixed in the world and falls from all sides, from 1 on surfaces that face up to 0.6 on
+    /// those that face down. A place has the same colour in all views. Room and table are grey. Pixels that
+    /// show nothing, or for which the lens model has no answer, are black. Fails if there is a room and the
     /// camera stands outside.
     pub fn color(&self, world_from_camera: &Pose) -> Result<Option<ColorImage>, Error> {
         self.colors(world_from_camera, light_on)
     }
 
-    /// The same in even light of strength 1: the colours of the mesh themselves.
+    /// Returns the image in even light of strength 1: the colours of the mesh itself.
     pub fn unlit_color(&self, world_from_camera: &Pose) -> Result<Option<ColorImage>, Error> {
         self.colors(world_from_camera, |_| 1.0)
     }
 
-    /// `light` is that on a surface with this normal towards the camera.
+    /// `light` is the light on a surface with this normal, which points towards the camera.
     fn colors(
         &self,
         world_from_camera: &Pose,
@@ -74,7 +75,7 @@ impl SimulatedCamera {
         ColorImage::new(width, height, pixels.collect()).map(Some)
     }
 
-    /// The nearest triangle at every pixel; of equally near ones the first.
+    /// The nearest triangle at every pixel; the first if several are equally near.
     fn hits(&self, world_from_camera: &Pose) -> Vec<Option<Hit>> {
         let to_camera = ToCamera::new(world_from_camera);
         let samples: Vec<DVec2> = self.samples().ideal_points().collect();
@@ -107,8 +108,8 @@ fn light_on(normal: DVec3) -> f32 {
     LIGHT_BELOW + (LIGHT_ABOVE - LIGHT_BELOW) * up
 }
 
-/// A triangle in camera coordinates, ready to be met by rays from the origin: at the ray (x, y, 1), the
-/// volumes that it spans with two corners each are proportional to the weights of the third.
+/// A triangle in camera coordinates, ready for intersection with rays from the origin. At the ray (x, y, 1),
+/// the volumes spanned with two corners each are proportional to the weights of the third.
 struct Facet {
     sides: [DVec3; 3],
     volume: f64,
@@ -119,7 +120,7 @@ impl Facet {
         Self { sides: [b.cross(c), c.cross(a), a.cross(b)], volume: a.dot(b.cross(c)) }
     }
 
-    /// 1 / depth and the weights of the corners where the ray through a point of the plane z = 1 meets it.
+    /// 1 / depth and corner weights at the intersection with the ray through a point of the plane z = 1.
     fn meet(&self, ideal: DVec2) -> Option<(f64, [f64; 3])> {
         let shares = self.sides.map(|side| side.dot(ideal.extend(1.0)) / self.volume);
         let inverse_depth: f64 = shares.iter().sum();
@@ -129,7 +130,7 @@ impl Facet {
     }
 }
 
-/// The samples in cells of the plane z = 1, so that those in a box are found quickly, whatever the lens.
+/// The samples in cells of the plane z = 1: finds those in a box quickly for any lens.
 struct Grid {
     low: DVec2,
     cell: DVec2,
@@ -152,7 +153,7 @@ impl Grid {
         grid
     }
 
-    /// The cell of a point; those outside have one at the border.
+    /// The cell of a point; points outside get a cell at the border.
     fn place(&self, point: DVec2) -> [usize; 2] {
         let at = (point - self.low) / self.cell;
         [at.x, at.y].map(|x| (x.max(0.0) as usize).min(self.n - 1))

@@ -2,25 +2,25 @@ use super::chunk::{Chunk, LANES};
 use super::pixel_box::PixelBox;
 use super::samples::Samples;
 
-/// The nearest surface found so far at every sample, and bounds for square tiles of the image which quickly
-/// identify hidden parts (a hierarchical z-buffer of two levels: Greene, Kass & Miller 1993).
+/// The nearest surface found at every sample, and bounds for square image tiles, which quickly identify
+/// hidden parts (a two-level hierarchical z-buffer: Greene, Kass & Miller 1993).
 pub(super) struct DepthBuffer {
     /// 1 / depth in the order of the samples: 0 where there is no surface, infinite where there is no sample.
     nearest: Vec<Chunk>,
-    /// For each tile of [`LANES`] by [`LANES`] samples a number that none of them is below.
+    /// For each tile of [`LANES`] by [`LANES`] samples, a lower bound of its samples.
     tiles: Vec<f64>,
     chunks_in_row: usize,
 }
 
 impl DepthBuffer {
-    /// No surface yet.
+    /// Creates a buffer without surfaces.
     pub fn new(samples: &Samples) -> Self {
         let chunks_in_row = samples.chunks_in_row();
         let n_tiles = chunks_in_row * samples.size()[1].div_ceil(LANES);
         Self { nearest: samples.blank().to_vec(), tiles: vec![0.0; n_tiles], chunks_in_row }
     }
 
-    /// 1 / depth of the nearest surface at every sample.
+    /// Returns 1 / depth of the nearest surface at every sample.
     #[inline(always)]
     pub fn nearest(&mut self) -> &mut [Chunk] {
         &mut self.nearest
@@ -31,7 +31,8 @@ impl DepthBuffer {
         self.nearest
     }
 
-    /// Whether all samples in a box, which must not be empty, show something nearer than 1 / `inverse_depth`.
+    /// Returns whether all samples in a box, which must not be empty, show something nearer than 1 /
+    /// `inverse_depth`.
     #[inline(always)]
     pub fn hides(&self, pixels: PixelBox, inverse_depth: f64) -> bool {
         let (columns, rows) = (pixels.columns(), pixels.rows());
@@ -41,7 +42,7 @@ impl DepthBuffer {
         })
     }
 
-    /// Brings the bounds in a box, which must not be empty, up to date. Without this they still hold.
+    /// Updates the bounds in a box, which must not be empty. Outdated bounds still hold.
     #[inline(always)]
     pub fn update_bounds(&mut self, pixels: PixelBox) {
         let (columns, rows) = (pixels.columns(), pixels.rows());
@@ -69,7 +70,7 @@ mod tests {
     use nextview::geometry::random::Random;
     use nextview::sensor::Intrinsics;
 
-    /// The dumb twin: check all samples.
+    /// The brute-force reference checks all samples.
     #[test]
     fn hides_only_what_every_sample_hides() {
         let (width, height) = (43, 27);

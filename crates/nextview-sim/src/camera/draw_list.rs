@@ -3,11 +3,10 @@ use crate::mesh::TriangleMesh;
 use glam::DVec3;
 use std::ops::Range;
 
-/// A mesh in the order in which it is drawn: cut into clusters of triangles that lie close together, so that
-/// parts that are hidden or outside the image are skipped in large pieces, and all work on one piece stays in
-/// the cache.
+/// A mesh in drawing order: clusters of nearby triangles. Hidden parts and parts outside the image are
+/// skipped in large pieces, and all work on one piece stays in the cache.
 ///
-/// The vertices are stored in chunks; the last chunk of a cluster is filled up with its first vertex.
+/// The vertices are stored in chunks; the last chunk of a cluster is padded with its first vertex.
 #[derive(Default)]
 pub(super) struct DrawList {
     pub vertices: Vec<[Chunk; 3]>,
@@ -36,7 +35,7 @@ impl Cluster {
 }
 
 impl DrawList {
-    /// Cuts the mesh.
+    /// Cuts the mesh into clusters.
     pub fn new(mesh: &TriangleMesh) -> Self {
         let centroid = |i: usize| mesh.corners(i).into_iter().sum::<DVec3>() / 3.0;
         let mut order: Vec<(DVec3, usize)> = (0..mesh.triangles().len()).map(|i| (centroid(i), i)).collect();
@@ -50,7 +49,7 @@ impl DrawList {
         list
     }
 
-    /// Appends a cluster. `number_of` gives the mesh's vertices their numbers in it and is left empty.
+    /// Appends a cluster. `number_of` maps the mesh's vertices to their numbers in it and is left empty.
     fn push(
         &mut self,
         mesh: &TriangleMesh,
@@ -83,15 +82,15 @@ impl DrawList {
         });
     }
 
-    /// Vertex `i` of a cluster in world coordinates.
+    /// Returns vertex `i` of a cluster in world coordinates.
     pub fn vertex(&self, cluster: &Cluster, i: u16) -> DVec3 {
         let (chunk, lane) = (cluster.vertices.start + i as usize / LANES, i as usize % LANES);
         DVec3::from_array(self.vertices[chunk].map(|coordinate| coordinate[lane]))
     }
 }
 
-/// Sorts triangles so that every run of [`Cluster::MAX_TRIANGLES`] lies close together: halves them along the
-/// longest side of their box until they are such a run.
+/// Sorts triangles so that each run of [`Cluster::MAX_TRIANGLES`] is compact: halves them along the longest
+/// side of their box down to such runs.
 fn sort_into_clusters(triangles: &mut [(DVec3, usize)]) {
     if triangles.len() <= Cluster::MAX_TRIANGLES {
         return;

@@ -4,26 +4,25 @@ use super::polynomial::Polynomial;
 use glam::DVec2;
 use nextview::sensor::{Distortion, Intrinsics};
 
-/// Finds the pixels that lie near a point of the ideal plane z = 1, without the lens model, which is slow to
-/// invert and does not have an answer everywhere.
+/// Finds the pixels near a point of the ideal plane z = 1 without the lens model, which is slow to invert and
+/// does not have an answer everywhere.
 ///
-/// The position of a point in the image is that of an ideal pinhole camera plus, for a real lens, a
-/// polynomial. The error of this is known for every sample, since each was tested; so no sample is ever
-/// missed.
+/// The image position of a point is that of an ideal pinhole camera plus, for a real lens, a polynomial. The
+/// error is known because every sample was tested, so no sample is ever missed.
 pub(super) struct Locator {
     focal: DVec2,
     center: DVec2,
     /// Width and height of the image in pixels.
     size: DVec2,
     bend: Option<Bend>,
-    /// Pixels by which the position of a sample may be wrong.
+    /// Upper bound on the position error of a sample, pixels.
     error: f64,
 }
 
 /// The deviation of the lens from a pinhole camera's position.
 struct Bend {
-    /// Takes the box around all samples to the square -1..1. Outside the value of the nearest point inside
-    /// holds.
+    /// Maps the box around all samples to the square -1..1. A point outside gets the value of the nearest
+    /// point inside.
     middle: DVec2,
     half: DVec2,
     per_half: DVec2,
@@ -37,7 +36,7 @@ impl Locator {
     /// Points for the fit: many more than terms.
     const N_FIT: usize = 4000;
 
-    /// A locator for these samples, given as pixel and ideal point; none if there is no sample.
+    /// Creates a locator for these samples, given as pixel and ideal point; `None` if there is no sample.
     pub fn new(intrinsics: &Intrinsics, samples: &[(DVec2, DVec2)]) -> Option<Self> {
         let first = samples.first()?.1;
         let (low, high) = samples.iter().fold((first, first), |(l, h), (_, s)| (l.min(*s), h.max(*s)));
@@ -51,7 +50,7 @@ impl Locator {
             let pairs =
                 some.map(|&(pixel, ideal)| ((ideal - middle) * per_half, pixel - locator.position(ideal)));
             let bend = Bend { middle, half, per_half, pixels: Polynomial::fit(pairs) };
-            // Extreme lenses overflow; the deviation from the pinhole camera then counts as error.
+            // Extreme lenses overflow; their deviation from the pinhole camera then counts as error.
             locator.bend = Some(bend).filter(|bend| bend.pixels.steepest().is_finite());
         }
         let error_of =
@@ -60,9 +59,9 @@ impl Locator {
         Some(Self { error, ..locator })
     }
 
-    /// The margin for [`box_of`](Self::box_of), in pixels, with which the joined boxes of a triangle's
-    /// corners hold every sample inside the triangle. The triangle's extent along both axes must be at most
-    /// `extent`, in the ideal plane, and `reach` at least as large as the [`reach`](Self::reach) of each
+    /// Returns the margin for [`boxes_of`](Self::boxes_of), in pixels, with which the joined boxes of a
+    /// triangle's corners hold every sample inside the triangle. The triangle's extent along both axes must
+    /// be at most `extent`, in the ideal plane, and `reach` at least the [`reach`](Self::reach) of each
     /// corner.
     pub fn margin(&self, extent: f64, reach: f64) -> f64 {
         let bending = self.bend.as_ref().map_or(0.0, |bend| {
@@ -75,7 +74,7 @@ impl Locator {
         bending + self.error + Self::SLACK
     }
 
-    /// Raises `reach` to the extent of the points: at most 1 within the box around all samples.
+    /// Raises `reach` to the extent of the points, which is at most 1 within the box around all samples.
     #[inline(always)]
     pub fn reach(&self, x: &Chunk, y: &Chunk, reach: &mut Chunk) {
         if let Some(bend) = &self.bend {
@@ -86,12 +85,13 @@ impl Locator {
         }
     }
 
-    /// A bound on the coordinates of points with this [`reach`](Self::reach).
+    /// Returns a bound on the coordinates of points with this [`reach`](Self::reach).
     pub fn farthest(&self, reach: f64) -> f64 {
         self.bend.as_ref().map_or(f64::INFINITY, |b| (b.middle.abs() + reach * b.half).max_element())
     }
 
-    /// The pixels whose samples may have the same x or y as a point, or are less than the margin away.
+    /// Returns the pixels whose samples may have the same x or y as a point, or are less than the margin
+    /// away.
     #[inline(always)]
     pub fn boxes_of(&self, x: &Chunk, y: &Chunk, margin: f64) -> [PixelBox; LANES] {
         let [mut first_u, mut first_v, mut end_u, mut end_v] = [[0; LANES]; 4];
@@ -129,8 +129,8 @@ impl Bend {
     }
 }
 
-/// The whole number nearest to a value, at least 0 and at most `limit`: in the last bits of the value plus
-/// 2^52. This takes fewer instructions than a cast, which handles NaN, and than `floor`.
+/// The whole number nearest to a value, from 0 to `limit`, read from the last bits of the value plus 2^52.
+/// This takes fewer instructions than a cast, which handles NaN, and than `floor`.
 #[inline(always)]
 fn rounded(value: f64, limit: f64) -> i32 {
     let clamped = larger(smaller(value, limit), 0.0);
@@ -179,7 +179,7 @@ mod tests {
         assert!(margin < 0.15, "the polynomial fits the lens only within {margin} pixels");
     }
 
-    /// The dumb twin: check all samples.
+    /// The brute-force reference checks all samples.
     #[test]
     fn a_box_holds_every_sample_in_a_triangle() {
         let strong = Distortion::BrownConrady([-0.2, 0.05, 0.01, -0.01, 0.0]);

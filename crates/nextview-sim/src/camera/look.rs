@@ -19,9 +19,9 @@ impl<'a> Look<'a> {
         Self { camera, rotation, position: world_from_camera.translation(), depth }
     }
 
-    /// The measured points inside the box, in world coordinates, row by row: those of
-    /// [`Frame::points_in`](nextview::sensor::Frame::points_in) of
-    /// [`Capture::truth`](super::Capture::truth), in less time because the camera knows every pixel's ray.
+    /// Returns the measured points inside the box, in world coordinates, row by row. They are those of
+    /// [`Frame::points_in`](nextview::sensor::Frame::points_in) of [`Capture::truth`](super::Capture::truth),
+    /// in less time because the camera knows every pixel's ray.
     pub fn points_in(&self, bounds: Aabb) -> impl Iterator<Item = DVec3> + '_ {
         let pixels = self.depth.iter().zip(self.camera.samples().ideal_points());
         let surface = pixels.filter(|(depth, _)| depth.is_finite());
@@ -30,8 +30,8 @@ impl<'a> Look<'a> {
         points.filter(move |point| bounds.contains(*point))
     }
 
-    /// Whether a point (world coordinates, metres) is shown: the pixel nearest to it measures the object at
-    /// most `distance` metres before or behind it.
+    /// Returns whether a point (world coordinates, metres) is visible: the nearest pixel measures the object
+    /// within `distance` metres in depth.
     pub fn shows(&self, point: DVec3, distance: f64) -> bool {
         let point = self.rotation.transpose() * (point - self.position);
         let intrinsics = self.camera.intrinsics();

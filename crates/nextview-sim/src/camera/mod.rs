@@ -1,6 +1,6 @@
 //! A depth camera that looks at a triangle mesh.
 //!
-//! Start with [`SimulatedCamera`]. It is exact, no noise and no loss at silhouettes, unless it is given
+//! Start with [`SimulatedCamera`]. It is exact, without noise or loss at silhouettes, unless it is given
 //! [`Noise`](crate::noise::Noise).
 
 mod capture;

@@ -1,6 +1,6 @@
 use glam::DVec2;
 
-/// The highest power: with 5 the D435i's lens is fitted to 0.1 pixels, with 3 to 2.6 and with 7 to 0.05.
+/// The highest power: degree 5 fits the D435i's lens to 0.1 pixels, 3 to 2.6 and 7 to 0.05.
 const DEGREE: usize = 5;
 
 const N_TERMS: usize = (DEGREE + 1) * (DEGREE + 2) / 2;
@@ -15,7 +15,7 @@ pub(super) struct Polynomial {
 }
 
 impl Polynomial {
-    /// The best fit to pairs of argument and value, in the sense of least squares.
+    /// Fits pairs of argument and value by least squares.
     pub fn fit(pairs: impl Iterator<Item = (DVec2, DVec2)>) -> Self {
         // The normal equations, with the right-hand sides for u and v in the last two columns.
         let mut rows = [[0.0; N_TERMS + 2]; N_TERMS];
@@ -35,7 +35,7 @@ impl Polynomial {
         Self { u: coefficients(N_TERMS), v: coefficients(N_TERMS + 1) }
     }
 
-    /// The value at a point of the square.
+    /// Returns the value at a point of the square.
     #[inline(always)]
     pub fn at(&self, point: DVec2) -> DVec2 {
         DVec2::new(value(&self.u, point), value(&self.v, point))
@@ -46,13 +46,13 @@ impl Polynomial {
         self.sum(|i, j| i + j)
     }
 
-    /// In the square, no component departs by more than `s * s` times this from its tangent after a step of
+    /// In the square, no component deviates from its tangent by more than `s * s` times this after a step of
     /// length `s` along both axes.
     pub fn most_bent(&self) -> f64 {
         0.5 * self.sum(|i, j| (i + j) * (i + j).saturating_sub(1))
     }
 
-    /// A bound by the sum over all terms, as none is larger than 1 in the square; for the larger component.
+    /// Bounds the larger component by the sum over all terms, since no power exceeds 1 in the square.
     fn sum(&self, weight: impl Fn(usize, usize) -> usize) -> f64 {
         let sum =
             |c: &Coefficients| exponents().map(|(i, j)| c[j][i].abs() * weight(i, j) as f64).sum::<f64>();
@@ -86,9 +86,8 @@ fn terms(point: DVec2) -> [f64; N_TERMS] {
     terms
 }
 
-/// Gauss-Jordan elimination, after which the last two columns hold the solutions. The matrix of normal
-/// equations needs no pivoting; its diagonal grows a little, so that there is a solution for points that lie
-/// on a line.
+/// Gauss-Jordan elimination; the last two columns then hold the solutions. The matrix of normal equations
+/// needs no pivoting. Its diagonal is raised slightly to give a solution for points on a line.
 fn solve(rows: &mut [[f64; N_TERMS + 2]; N_TERMS]) {
     for k in 0..N_TERMS {
         rows[k][k] += 1e-12 * rows[0][0];

@@ -62,7 +62,7 @@ pub(super) struct ProjectedCluster {
 }
 
 impl ProjectedCluster {
-    /// Room for any cluster.
+    /// Creates room for any cluster.
     pub fn new() -> Self {
         let zeros = [[0.0; LANES]; Cluster::MAX_CHUNKS];
         let boxes = [[PixelBox::NOTHING; LANES]; Cluster::MAX_CHUNKS];
@@ -70,7 +70,7 @@ impl ProjectedCluster {
         Self { x: zeros, y: zeros, inverse_depth: zeros, boxes, nearest: 0.0, farthest: 0.0, bounds }
     }
 
-    /// Takes in another cluster.
+    /// Projects another cluster.
     #[inline(always)]
     pub fn project(&mut self, list: &DrawList, cluster: &Cluster, to_camera: ToCamera, locator: &Locator) {
         let vertices = &list.vertices[cluster.vertices.clone()];
@@ -100,7 +100,7 @@ impl ProjectedCluster {
         self.bounds = boxes.as_flattened().iter().fold(PixelBox::NOTHING, |all, pixels| all.join(*pixels));
     }
 
-    /// The corners of a triangle.
+    /// Returns the corners of a triangle.
     #[inline(always)]
     pub fn corners(&self, triangle: [u16; 3]) -> [Projected; 3] {
         let (x, y) = (self.x.as_flattened(), self.y.as_flattened());
@@ -110,7 +110,7 @@ impl ProjectedCluster {
         })
     }
 
-    /// Holds every sample in a triangle of which no corner is behind the camera.
+    /// The box of every sample in a triangle without a corner behind the camera.
     #[inline(always)]
     pub fn pixels(&self, [a, b, c]: [u16; 3]) -> PixelBox {
         let boxes = self.boxes.as_flattened();

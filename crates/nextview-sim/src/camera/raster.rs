@@ -1,10 +1,10 @@
-//! A z-buffer rasteriser that loses no hit: a sample point is covered by a triangle if it lies on the same
-//! side of its three edges or on one of them (Pineda 1988). The side is computed so that the two triangles at
-//! an edge always get opposite answers, and a point on a corner gets an exact zero; so no sample falls
-//! between neighbours, regardless of rounding.
+//! A z-buffer rasteriser that loses no hit. A triangle covers a sample point that lies on the same side of
+//! its three edges or on one of them (Pineda 1988). The two triangles at an edge always compute opposite
+//! sides, and a point on a corner gets an exact zero. No sample falls between neighbours, regardless of
+//! rounding.
 //!
-//! The image is the same in whatever order the triangles are drawn, and whichever hidden ones are left out.
-//! So the clusters nearest to the camera come first, and those that they hide are not drawn.
+//! The image does not depend on the drawing order or on the hidden triangles left out. The clusters nearest
+//! to the camera come first, and the clusters they hide are not drawn.
 
 use super::chunk::{Chunk, LANES};
 use super::clip::clip;
@@ -24,7 +24,7 @@ pub(super) fn nearest_surfaces(samples: &Samples, list: &DrawList, world_from_ca
     Arch::new().dispatch(Raster { samples, list, to_camera })
 }
 
-/// One image to draw, compiled for several kinds of processors.
+/// An image to draw, compiled for several kinds of processors.
 #[derive(Clone, Copy)]
 struct Raster<'a> {
     samples: &'a Samples,
@@ -74,7 +74,7 @@ impl Raster<'_> {
             return;
         }
         let triangles = &self.list.triangles[cluster.triangles.clone()];
-        // Most triangles of a fine mesh fall between the samples: the others are picked out without a branch.
+        // Most triangles of a fine mesh fall between the samples; the others are picked out without a branch.
         let mut with_samples = [(PixelBox::NOTHING, [0; 3]); Cluster::MAX_TRIANGLES];
         let mut n = 0;
         for &triangle in triangles {
@@ -88,8 +88,8 @@ impl Raster<'_> {
         buffer.update_bounds(projected.bounds);
     }
 
-    /// Draws a cluster that lies on both sides of the smallest depth. Such clusters are rare, so this is
-    /// compiled without vector instructions.
+    /// Draws a cluster that crosses the smallest depth. Such clusters are rare, so this is compiled without
+    /// vector instructions.
     #[inline(never)]
     fn draw_around(&self, buffer: &mut DepthBuffer, cluster: &Cluster, projected: &ProjectedCluster) {
         let locator = self.samples.locator();
@@ -116,7 +116,7 @@ impl Raster<'_> {
     }
 }
 
-/// Draws a triangle of which every corner lies in front of the camera.
+/// Draws a triangle entirely in front of the camera.
 #[inline(always)]
 fn draw<S: Simd>(
     simd: S,
@@ -145,8 +145,8 @@ fn draw<S: Simd>(
 /// Draws a triangle at some of the samples of a chunk. The others are left out because rounding may put them
 /// into a triangle seen edge-on that ends before them.
 ///
-/// Written in vector instructions: the compiler vectorises a plain loop only at some levels of optimisation,
-/// and otherwise an image takes three times as long. It uses no closures, since they are compiled without
+/// Vector instructions are explicit: the compiler vectorises a plain loop only at some optimisation levels,
+/// and otherwise an image takes three times as long. Closures are avoided, since they are compiled without
 /// these instructions.
 #[inline(always)]
 fn draw_chunk<S: Simd>(
@@ -236,7 +236,7 @@ mod tests {
     use nextview::geometry::random::Random;
     use nextview::sensor::{Distortion, Intrinsics};
 
-    /// The instructions of every CPU, those of this one, and those of most.
+    /// The instructions of every CPU, of this CPU and of most CPUs.
     #[test]
     fn images_have_the_same_bits_with_all_instructions() {
         let mut archs = vec![Arch::Scalar, Arch::new()];
@@ -250,7 +250,7 @@ mod tests {
             let pinhole = Intrinsics::pinhole(45, 31, DVec2::splat(30.0), DVec2::new(22.0, 15.0)).unwrap();
             let lens = Distortion::BrownConrady([0.1, -0.05, 0.002, -0.001, 0.01]);
             let samples = Samples::new(&pinhole.with_distortion(lens).unwrap()).unwrap();
-            // Triangles before the camera, behind it, and around it.
+            // Triangles in front of the camera, behind it and around it.
             let position = random.in_cube() * 2.0;
             let pose =
                 Pose::new(DQuat::from_rotation_arc(DVec3::Z, -position.normalize()), position).unwrap();

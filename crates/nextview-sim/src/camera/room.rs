@@ -37,7 +37,7 @@ pub(super) fn add_walls(room: &Aabb, samples: &Samples, world_from_camera: &Pose
     let (x, y) = (samples.x().as_flattened(), samples.y().as_flattened());
     for ((&x, &y), nearest) in x.iter().zip(y).zip(nearest.as_flattened_mut()) {
         if *nearest == 0.0 {
-            // Points of the ray are `origin + depth * direction`.
+            // Ray points are `origin + depth * direction`.
             *nearest = inverse_depth_of_wall(rotation * DVec3::new(x, y, 1.0), to_low, to_high);
         }
     }

@@ -3,13 +3,12 @@ use super::locator::Locator;
 use glam::DVec2;
 use nextview::sensor::Intrinsics;
 
-/// The image as a set of sample points in the ideal plane z = 1, one for each pixel centre, row by row in
-/// chunks.
+/// The image as sample points in the ideal plane z = 1, one per pixel centre, row by row in chunks.
 pub(super) struct Samples {
     size: [usize; 2],
     chunks_in_row: usize,
-    /// Ideal coordinates; NaN, which is in no triangle, for pixels without an answer of the lens model and
-    /// for the rest of a row's last chunk.
+    /// Ideal coordinates. NaN, which is in no triangle, for pixels without an answer of the lens model and
+    /// for the padding of a row's last chunk.
     x: Vec<Chunk>,
     y: Vec<Chunk>,
     blank: Vec<Chunk>,
@@ -17,7 +16,7 @@ pub(super) struct Samples {
 }
 
 impl Samples {
-    /// The samples of all pixels; none if the lens model has an answer for no pixel.
+    /// The samples of all pixels; `None` if the lens model has no answer for any pixel.
     pub fn new(intrinsics: &Intrinsics) -> Option<Self> {
         let size = [intrinsics.width() as usize, intrinsics.height() as usize];
         let chunks_in_row = size[0].div_ceil(LANES);
@@ -40,27 +39,27 @@ impl Samples {
         Some(Self { size, chunks_in_row, x, y, blank, locator })
     }
 
-    /// Width and height of the image in pixels.
+    /// Returns the width and height of the image in pixels.
     pub fn size(&self) -> [usize; 2] {
         self.size
     }
 
-    /// Number of chunks in an image row.
+    /// Returns the number of chunks in an image row.
     pub fn chunks_in_row(&self) -> usize {
         self.chunks_in_row
     }
 
-    /// Ideal coordinates x of all samples.
+    /// Returns ideal coordinates x of all samples.
     pub fn x(&self) -> &[Chunk] {
         &self.x
     }
 
-    /// Ideal coordinates y of all samples.
+    /// Returns ideal coordinates y of all samples.
     pub fn y(&self) -> &[Chunk] {
         &self.y
     }
 
-    /// The ideal points of all pixels row by row, NaN for those without an answer.
+    /// Returns the ideal points of all pixels row by row, NaN for those without an answer.
     pub fn ideal_points(&self) -> impl Iterator<Item = DVec2> + '_ {
         let rows = self.x.chunks_exact(self.chunks_in_row).zip(self.y.chunks_exact(self.chunks_in_row));
         rows.flat_map(|(x, y)| {
@@ -69,7 +68,7 @@ impl Samples {
         })
     }
 
-    /// 0 for every sample and infinity where there is none.
+    /// Returns 0 for every sample and infinity where there is none.
     pub fn blank(&self) -> &[Chunk] {
         &self.blank
     }

@@ -13,7 +13,7 @@ use std::sync::Arc;
 /// The background of the object.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Background {
-    /// Nothing: those pixels say that the ray is free up to the camera's range.
+    /// Nothing: those pixels report free space up to the camera's range.
     None,
     /// The inner walls of a closed room around the object and all camera positions.
     Room(Aabb),
@@ -21,9 +21,9 @@ pub enum Background {
 
 /// A depth camera that looks at a mesh in world coordinates.
 ///
-/// A pixel shows the depth where the ray through its centre first meets the mesh, seen from either side, or
-/// the background. Surfaces nearer than 1 mm (in depth) are not seen, surfaces beyond the range give nothing
-/// back. Pixels for which the lens model has no answer are missing.
+/// A pixel shows the depth at which the ray through its centre first meets the mesh, from either side, or the
+/// background. Surfaces nearer than 1 mm (in depth) are not seen; surfaces beyond the range have no return.
+/// Pixels for which the lens model has no answer are missing.
 ///
 /// ```
 /// use glam::{DQuat, DVec2, DVec3};
@@ -55,10 +55,10 @@ pub struct SimulatedCamera {
 }
 
 impl SimulatedCamera {
-    /// A camera with these optics that sees up to `range_m` metres of depth.
+    /// Creates a camera with these optics and a range of `range_m` metres of depth.
     ///
     /// Fails if the range is not a positive number, if the lens model has no answer for any pixel, or if the
-    /// mesh sticks out of the room.
+    /// mesh extends beyond the room.
     pub fn new(
         mesh: Arc<TriangleMesh>,
         intrinsics: Intrinsics,
@@ -79,23 +79,23 @@ impl SimulatedCamera {
         Ok(Self { mesh, intrinsics, background, range: range_m, noise: Noise::default(), list, samples })
     }
 
-    /// The same camera with these errors; fails if one is out of its range.
+    /// Sets the camera's errors; fails if one is out of range.
     pub fn with_noise(self, noise: Noise) -> Result<Self, SimError> {
         noise.check()?;
         Ok(Self { noise, ..self })
     }
 
-    /// The mesh the camera looks at.
+    /// Returns the mesh the camera looks at.
     pub fn mesh(&self) -> &Arc<TriangleMesh> {
         &self.mesh
     }
 
-    /// Its errors.
+    /// Returns the camera's errors.
     pub fn noise(&self) -> &Noise {
         &self.noise
     }
 
-    /// The optics.
+    /// Returns the optics.
     pub fn intrinsics(&self) -> &Intrinsics {
         &self.intrinsics
     }
@@ -113,8 +113,8 @@ impl SimulatedCamera {
         &self.samples
     }
 
-    /// The exact image from a pose, without any noise, as plain numbers, row by row: depth in metres,
-    /// infinite where nothing comes back, NaN where the lens model has no answer.
+    /// Returns the exact image from a pose, without noise, as plain numbers, row by row: depth in metres,
+    /// infinite where there is no return, NaN where the lens model has no answer.
     pub fn render_depth(&self, world_from_camera: &Pose) -> Result<Vec<f32>, Error> {
         let mut nearest = self.nearest_surfaces(world_from_camera)?;
         self.add_background(world_from_camera, &mut nearest);
@@ -129,7 +129,7 @@ impl SimulatedCamera {
         Ok(Rendering { all: self.depth(&nearest), object })
     }
 
-    /// Puts the background where no surface is.
+    /// Adds the background where there is no surface.
     fn add_background(&self, world_from_camera: &Pose, nearest: &mut [Chunk]) {
         if let Background::Room(room) = &self.background {
             room::add_walls(room, &self.samples, world_from_camera, nearest);
@@ -167,9 +167,9 @@ impl SimulatedCamera {
 
 /// Exact images from a pose, in the form of [`SimulatedCamera::render_depth`].
 pub(super) struct Rendering {
-    /// Of the object and the background.
+    /// The object and the background.
     pub all: Vec<f32>,
-    /// Of the object alone. As a room is convex and holds both the object and the camera, no wall hides any
-    /// of it.
+    /// The object alone. As a room is convex and holds both the object and the camera, no wall hides any of
+    /// it.
     pub object: Vec<f32>,
 }

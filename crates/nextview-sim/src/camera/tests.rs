@@ -1,4 +1,5 @@
-//! The rasteriser against its dumb twin, which intersects the ray of every pixel with every triangle.
+//! Compares the rasteriser with a brute-force reference that intersects every pixel's ray with every
+//! triangle.
 
 use super::projection;
 use super::*;
@@ -9,10 +10,10 @@ use nextview::geometry::{Aabb, Pose};
 use nextview::sensor::{Depth, Distortion, Intrinsics};
 use std::sync::Arc;
 
-/// Closeness to a triangle's edge, in the plane z = 1, within which twin and rasteriser may differ.
+/// Distance to a triangle's edge, in the plane z = 1, within which reference and rasteriser may differ.
 const EDGE: f64 = 1e-9;
 
-/// The crossing that the twin found along one ray.
+/// The reference's intersection along one ray.
 struct Crossing {
     depth: f64,
     /// Whether any triangle's edge is close to the ray.
@@ -38,7 +39,7 @@ fn intersect(direction: DVec3, [a, b, c]: [DVec3; 3]) -> Option<Crossing> {
     (margin > -EDGE && depth > 0.0).then_some(Crossing { depth, is_near_edge })
 }
 
-/// Depth of every pixel by brute force; none where the nearest crossing is too close to an edge to be
+/// Depth of every pixel by brute force; `None` if the nearest intersection is too close to an edge to be
 /// certain.
 fn brute_force(camera: &SimulatedCamera, world_from_camera: &Pose) -> Vec<Option<f64>> {
     let camera_from_world = world_from_camera.inverse();
@@ -255,7 +256,7 @@ fn gives_the_points_of_a_frame() {
     assert_eq!(camera.look(&pose).unwrap().points_in(bounds).collect::<Vec<_>>(), expected);
 }
 
-/// The near half of a ball, and nothing that is beside the image.
+/// The near half of a ball, and nothing outside the image.
 #[test]
 fn a_look_shows_the_points_that_nothing_hides() {
     let camera = camera(ball(20), Intrinsics::d435i());
@@ -322,7 +323,7 @@ fn survives_meshes_at_the_limit_of_the_numbers() {
     assert!(camera(huge, pinhole()).render_depth(&pose).unwrap().iter().all(|d| d.is_infinite()));
 }
 
-/// The slow twin: the ray of every pixel with every triangle.
+/// The slow reference intersects every pixel's ray with every triangle.
 #[test]
 fn every_pixel_has_the_colour_of_the_triangle_that_it_shows() {
     let mut random = Random::new(8, 0);

@@ -9,42 +9,43 @@ use nextview::sensor::Intrinsics;
 use rayon::prelude::*;
 use std::f64::consts::FRAC_PI_2;
 
-/// How a surface of a part is to be seen: all of it in pictures that are good enough, each point in one.
+/// A requirement on a surface of a part: all of it in good enough pictures, each point in one.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SurfaceDemand {
     /// The surface's name.
     pub name: String,
-    /// The part of the CAD model, in its coordinates and metres, that lies in this box; none for all of it.
+    /// The box, in the CAD model's coordinates and metres, that holds the surface; `None` for all of the
+    /// model.
     pub bounds: Option<Aabb>,
     /// Largest angle between the line of sight and the surface's normal, radians, above 0 and below a right
     /// angle.
     pub max_angle: f64,
-    /// Least number of pixels for each square metre of the surface, at least 0.
+    /// Minimum number of pixels per square metre of the surface, at least 0.
     pub min_density: f64,
 }
 
-/// The surfaces of a part that are to be seen, as samples.
+/// The demanded surfaces of a part, as samples.
 #[derive(Clone, Debug)]
 pub struct SurfaceDemands {
     demands: Vec<SurfaceDemand>,
-    /// Of each demand, in the coordinates of the CAD model.
+    /// Samples of each demand, in the coordinates of the CAD model.
     samples: Vec<(usize, SurfacePoint)>,
 }
 
 /// Samples of the whole model, uniform by area.
 const N_DRAWN: usize = 100_000;
 
-/// Samples of a demand at most: the standard error of a share of them is at most 1.1 %.
+/// Maximum number of samples per demand: the standard error of a share of them is at most 1.1 %.
 const N_SAMPLES: usize = 2_000;
 
-/// Fewer samples of a surface say nothing of its parts.
+/// Minimum number of samples of a surface: fewer do not represent its parts.
 const FEWEST: usize = 10;
 
 impl SurfaceDemands {
-    /// Of a CAD model in metres whose triangles run counter-clockwise seen from outside.
+    /// Samples a CAD model in metres whose triangles run counter-clockwise seen from outside.
     ///
     /// # Errors
-    /// If a number is out of its range, or if hardly anything of the model lies in the box of a demand.
+    /// If a number is out of range, or if hardly any of the model lies in the box of a demand.
     pub fn new(mesh: &TriangleMesh, demands: Vec<SurfaceDemand>) -> Result<Self, SimError> {
         let drawn = sample_surface(mesh, N_DRAWN, 0);
         let surface = SurfaceDistance::new(mesh);
@@ -69,20 +70,20 @@ impl SurfaceDemands {
         Ok(Self { demands, samples })
     }
 
-    /// The demands.
+    /// Returns the demands.
     pub fn demands(&self) -> &[SurfaceDemand] {
         &self.demands
     }
 
-    /// The samples, each with the number of its demand, in the coordinates of the CAD model; uniform by area
-    /// over each surface.
+    /// Returns the samples, each with the number of its demand, in the coordinates of the CAD model, uniform
+    /// by area over each surface.
     pub fn samples(&self) -> &[(usize, SurfacePoint)] {
         &self.samples
     }
 }
 
 impl SurfaceDemand {
-    /// All numbers that are out of range.
+    /// Returns all out-of-range numbers.
     pub fn faults(&self) -> Vec<Error> {
         let Self { max_angle, min_density, .. } = *self;
         let fault =

@@ -8,26 +8,27 @@ use nextview::geometry::Pose;
 use nextview::registration::SurfacePoint;
 use nextview::sensor::{DepthRange, Frame, Intrinsics};
 
-/// A part in its place before a camera: which samples of its surfaces a picture shows as demanded.
+/// A part at its pose before a camera: determines the samples of its surfaces that a picture shows as
+/// demanded.
 pub struct PlacedPart<'a> {
     demands: &'a SurfaceDemands,
     /// The samples in the world.
     samples: Vec<SurfacePoint>,
-    /// Looks at the part's model.
+    /// Camera that looks at the part's model.
     camera: SimulatedCamera,
     range: DepthRange,
-    /// A reading within this of the model is one of the part, metres.
+    /// Maximum distance of the part's readings from the model, metres.
     near: f64,
 }
 
-/// A sample is shown if its pixel shows the model as near to it as this, metres.
+/// A sample is shown if its pixel shows the model within this distance, metres.
 const SHOWN: f64 = 0.002;
 
-/// Readings within this share of the model's diagonal are the part's: a defect is one, too.
+/// Readings within this share of the model's diagonal belong to the part, defects included.
 const NEAR: f64 = 0.05;
 
 impl<'a> PlacedPart<'a> {
-    /// The CAD model `mesh` in this place, before a camera with these optics and depths.
+    /// Places the CAD model `mesh` before a camera with these optics and depths.
     pub fn new(
         mesh: &TriangleMesh,
         demands: &'a SurfaceDemands,
@@ -42,7 +43,7 @@ impl<'a> PlacedPart<'a> {
         Ok(Self { demands, samples, camera, range, near })
     }
 
-    /// The samples that a picture from this pose would show as demanded.
+    /// Returns the samples that a picture from this pose would show as demanded.
     pub fn shown_from(&self, world_from_camera: &Pose) -> Result<FixedBitSet, Error> {
         let camera_from_world = world_from_camera.inverse();
         let look = self.camera.look(world_from_camera)?;
@@ -58,7 +59,7 @@ impl<'a> PlacedPart<'a> {
         Ok(shown)
     }
 
-    /// The samples that a frame should have shown as demanded, and those of them that it measured.
+    /// Returns the samples that a frame should have shown as demanded, and those it measured.
     pub fn shown_in(&self, frame: &Frame) -> Result<(FixedBitSet, FixedBitSet), Error> {
         let shown = self.shown_from(&frame.world_from_camera())?;
         let camera_from_world = frame.world_from_camera().inverse();

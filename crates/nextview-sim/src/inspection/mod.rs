@@ -1,7 +1,7 @@
-//! Views for the inspection of a part whose CAD model is known.
+//! Views for the inspection of a part with a known CAD model.
 //!
-//! [`SurfaceDemands`] say how the surfaces of the part are to be seen, [`KnownPart`] finds where the part is,
-//! and [`InspectionViews`] plans the fewest views that show all as demanded, and again after each frame.
+//! [`SurfaceDemands`] state the requirements on the surfaces of the part, [`KnownPart`] locates the part, and
+//! [`InspectionViews`] plans the fewest views that meet all demands, and replans after each frame.
 
 mod demand;
 mod looks;

@@ -8,60 +8,60 @@ use nextview::{Cancel, Error};
 use rayon::prelude::*;
 use std::convert::Infallible;
 
-/// A part that is known by its CAD model, wherever it is.
+/// A part known by its CAD model, at any pose.
 pub struct KnownPart {
     surface: SurfaceDistance,
-    /// A few points of it.
+    /// A few points of the model.
     samples: Vec<SurfacePoint>,
     pairs: PointPairs,
     /// Diagonal of the box around the model, metres.
     size: f64,
 }
 
-/// Where the part is.
+/// The pose of the part.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PartFit {
-    /// Takes points of the world to the CAD model.
+    /// Transform from the world to the CAD model.
     pub reference_from_world: Pose,
-    /// Share of the points, 0..=1, that lie near the model there.
+    /// Share of the points, 0..=1, near the model at this pose.
     pub share: f64,
-    /// Share of the model, 0..=1, that would be where the part cannot be.
+    /// Share of the model, 0..=1, in places ruled out for the part.
     pub ruled_out_share: f64,
 }
 
 impl PartFit {
-    /// If a smaller [share](Self::share) of the points lies near the model, it is that of another part.
+    /// Minimum [share](Self::share) of points near the model. Below it, the model is that of another part.
     pub const LEAST_SHARE: f64 = 0.6;
 }
 
-/// Distance of the points whose pairs find the pose, as a share of the model's diagonal.
+/// Spacing of the points whose pairs give the pose, as a share of the model's diagonal.
 const SPACING: f64 = 0.05;
 
-/// Samples of the model from which those points are made.
+/// Number of model samples from which those points are made.
 const N_SAMPLES: usize = 30_000;
 
-/// Number of poses that are tried, besides that of the scan's world.
+/// Number of poses tried, in addition to that of the scan's world.
 const N_POSES: usize = 30;
 
-/// Number of points by which they are compared, and by which the best one is made exact.
+/// Numbers of points used to compare poses and to refine the best one.
 const N_POINTS: [usize; 2] = [600, 20_000];
 
-/// Farthest pairs at first and in the end, as shares of the diagonal: when poses are compared, and when the
-/// best one is made exact.
+/// First and final maximum pair distances, as shares of the diagonal: to compare poses, and to refine the
+/// best one.
 const REACH: [[f64; 2]; 2] = [[0.08, 0.01], [0.01, 0.003]];
 
 /// A point is near the model within this share of the diagonal.
 const NEAR: f64 = 0.01;
 
-/// What a share of the model that is where it cannot be counts, in shares of the points near the model: noise
-/// rules out little, and of two poses with the same points near the model, one with any more is wrong.
+/// Weight of the ruled-out share of the model against the share of points near it. Noise rules out little; of
+/// two poses with the same points near the model, one with any more is wrong.
 const RULED_OUT: f64 = 2.0;
 
-/// Least cosine between the normals of a point and of the model.
+/// Minimum cosine between the normals of a point and of the model.
 const AGREEMENT: f64 = 0.5;
 
 impl KnownPart {
-    /// By a CAD model in metres whose triangles run counter-clockwise seen from outside.
+    /// Creates a part from a CAD model in metres whose triangles run counter-clockwise seen from outside.
     pub fn new(mesh: &TriangleMesh) -> Result<Self, Error> {
         let surface = SurfaceDistance::new(mesh);
         let with_normal = |position: DVec3| SurfacePoint { position, normal: surface.foot(position).1 };
@@ -72,14 +72,14 @@ impl KnownPart {
         Ok(Self { surface, samples: evenly(&samples, N_POINTS[0]), pairs, size })
     }
 
-    /// The distance of any point from the model.
+    /// Returns the model's surface, for the distance of any point.
     pub fn surface(&self) -> &SurfaceDistance {
         &self.surface
     }
 
-    /// The pose in which measured points with normals, in the world, fit the model best. `is_ruled_out` says
-    /// of a place in the world that the part cannot be there: that decides between poses of a part whose
-    /// sides are alike. Of a symmetric part, any of the equally right poses is returned.
+    /// Returns the pose in which measured points with normals, in the world, fit the model best.
+    /// `is_ruled_out` reports whether the part cannot be at a point of the world, which decides between poses
+    /// of a part with similar sides. For a symmetric part, any of the equally right poses is returned.
     pub fn fit(
         &self,
         points: &[SurfacePoint],
@@ -93,7 +93,7 @@ impl KnownPart {
         for start in [Pose::IDENTITY].into_iter().chain(found.iter().map(|voted| voted.known_from_shown)) {
             cancel.check()?;
             let fit = self.fit_from(start, &few, REACH[0], &is_ruled_out);
-            // A later one must be better by more than chance: what is right where it is stays there.
+            // A later pose must be better by more than chance, so that a right initial pose is kept.
             if best.is_none_or(|best| score(&fit) > score(&best) + 0.01) {
                 best = Some(fit);
             }
@@ -123,7 +123,7 @@ impl KnownPart {
     }
 }
 
-/// The mean of the points in each cube, where their normals agree.
+/// The mean of the points in each cube whose normals agree.
 fn spaced(points: &[SurfacePoint], spacing: f64) -> Result<Vec<SurfacePoint>, Error> {
     let point = |p: &SurfacePoint| CloudPoint { normal: Some(p.normal), ..p.position.into() };
     let thinned = downsample(points.iter().map(point), spacing)?;
@@ -145,7 +145,7 @@ fn aligned(start: Pose, points: &[SurfacePoint], surface: &SurfaceDistance, reac
     align(start, reach, pairs).unwrap_or_else(|never| match never {}).0
 }
 
-/// A point in a pose and the nearest one of the model, if it is near and faces the same way.
+/// A point at a pose and the nearest point of the model, if it is near and faces the same way.
 fn pair(pose: &Pose, point: &SurfacePoint, surface: &SurfaceDistance, reach: f64) -> Option<Pair> {
     let (position, normal) = (pose.transform_point(point.position), pose.rotation() * point.normal);
     let (known, known_normal) = surface.foot_within(position, reach)?;

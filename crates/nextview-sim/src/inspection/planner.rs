@@ -13,47 +13,47 @@ use nextview::view::ViewSpace;
 use rayon::prelude::*;
 use std::cmp::Reverse;
 
-/// Plans the fewest views in which all surfaces of a part are seen as required.
+/// Plans the fewest views that show all surfaces of a part as required.
 ///
-/// After each frame, it finds where the part is, which samples of its surfaces were measured as demanded, and
-/// a small set of views that show the rest: the fewest or, where that is more than may be taken, those that
-/// show most. Of these it takes the one that shows most. A sample that two pictures should have shown and did
-/// not is given up.
+/// After each frame, it locates the part, determines the samples measured as demanded, and finds a small set
+/// of views that show the rest: the fewest, or those that show most if that exceeds the maximum number of
+/// views. Of this set, it takes the view that shows most. A sample that two pictures should have shown but
+/// did not is given up.
 pub struct InspectionViews {
     mesh: TriangleMesh,
     demands: SurfaceDemands,
     place: Place,
-    /// As of the plan before.
+    /// The renderings of the previous plan.
     rendered: Option<Rendered>,
 }
 
-/// What each candidate would show of the part.
+/// The part's samples that each candidate would show.
 struct Rendered {
     fit: PartFit,
     views: ViewSpace,
-    /// By candidate, the samples that it would show as demanded.
+    /// By candidate, the samples it would show as demanded.
     shown: Vec<FixedBitSet>,
 }
 
-/// Where the part is.
+/// The part's place.
 enum Place {
     Stated { world_from_reference: Pose },
     ToFind(KnownPart),
 }
 
-/// After so many frames it should have been.
+/// Number of frames after which the part must have been found.
 const N_FRAMES_TO_FIND: usize = 4;
 
-/// Where the part was found to be stays where it is until that moves a corner of its box farther, metres:
-/// pictures of the model from all candidates take longest of all.
+/// The part's pose is kept until a new one moves a corner of its box farther than this, metres: rendering the
+/// model from all candidates is the slowest step.
 const MOTION: f64 = 0.001;
 
-/// Pictures that should have shown a sample, after which it is given up.
+/// Number of pictures that should have shown a sample before it is given up.
 const N_ATTEMPTS: u8 = 2;
 
 impl InspectionViews {
-    /// For a part with this CAD model in metres, whose triangles run counter-clockwise seen from outside, and
-    /// that stands where it is said, or somewhere.
+    /// Creates a planner for a part with this CAD model in metres, whose triangles run counter-clockwise seen
+    /// from outside. The part stands at the given place, or anywhere.
     pub fn new(
         mesh: TriangleMesh,
         demands: SurfaceDemands,
@@ -66,7 +66,7 @@ impl InspectionViews {
         Ok(Self { mesh, demands, place, rendered: None })
     }
 
-    /// Where the part is; none as long as that may still be found. Fails if the part should have been found.
+    /// The part's pose; `None` while it may still be found. Fails if the part should have been found.
     fn find(&self, situation: &Situation<'_>) -> Result<Option<PartFit>, Error> {
         let part = match &self.place {
             Place::Stated { world_from_reference } => {
@@ -89,8 +89,8 @@ impl InspectionViews {
         Ok(Some(fit).filter(|fit| fit.share >= PartFit::LEAST_SHARE))
     }
 
-    /// What each candidate would show of a part that was found like this: as before, where hardly anything
-    /// has changed.
+    /// The samples of a part at this pose that each candidate would show; reused where hardly anything has
+    /// changed.
     fn rendered(&self, fit: PartFit, situation: &Situation<'_>) -> Result<Option<Rendered>, Error> {
         if self.rendered.as_ref().is_some_and(|known| self.is_as_before(known, &fit, situation)) {
             return Ok(None);
@@ -177,7 +177,7 @@ impl ViewPlanner for InspectionViews {
     }
 }
 
-/// Which samples the frames have measured as demanded, and which are not tried again.
+/// The samples measured as demanded, and those not tried again.
 struct State {
     measured: FixedBitSet,
     given_up: FixedBitSet,
@@ -197,7 +197,7 @@ fn state(part: &PlacedPart<'_>, situation: &Situation<'_>, n_samples: usize) -> 
     Ok(State { measured, given_up })
 }
 
-/// A small choice among the sets of samples that together has all samples of all sets.
+/// A small selection of the sets that together holds all their samples.
 fn fewest_views(shown: &[FixedBitSet], situation: &Situation<'_>) -> Result<Vec<usize>, Error> {
     let n_samples = shown.first().map_or(0, FixedBitSet::len);
     let mut views_of_sample = Incidence::new(n_samples, shown.len());
@@ -208,7 +208,7 @@ fn fewest_views(shown: &[FixedBitSet], situation: &Situation<'_>) -> Result<Vec<
     Ok(views.into_iter().map(|view| view as usize).collect())
 }
 
-/// As many of the sets as that, at most, which together have most samples.
+/// At most `n` of the sets that together hold the most samples.
 fn best_views(shown: &[FixedBitSet], n: usize, situation: &Situation<'_>) -> Result<Vec<usize>, Error> {
     let n_samples = shown.first().map_or(0, FixedBitSet::len);
     let of_view = |shown: &FixedBitSet| shown.ones().map(|sample| (sample as u32, 1.0)).collect();
@@ -217,7 +217,7 @@ fn best_views(shown: &[FixedBitSet], n: usize, situation: &Situation<'_>) -> Res
     Ok(coverage.sets.into_iter().map(|view| view as usize).collect())
 }
 
-/// What the frames have measured, with normals, without the table.
+/// The measured points with normals, without the table.
 fn measured_points(situation: &Situation<'_>) -> Result<Vec<SurfacePoint>, Error> {
     let spacing = Some(situation.finest_voxel_size());
     let mut surface = KnownSurface::new(RegistrationConfig { spacing, ..RegistrationConfig::default() })?;
@@ -231,8 +231,8 @@ fn measured_points(situation: &Situation<'_>) -> Result<Vec<SurfacePoint>, Error
     Ok(surface.points().into_iter().filter(is_above).collect())
 }
 
-/// Whether the part cannot be here: in the table, or in space that was seen to be free, with all that is up
-/// to a voxel away.
+/// Whether the part cannot be here: in the table, or in space seen to be free, including everything up to a
+/// voxel away.
 fn rules_out(situation: &Situation<'_>, point: DVec3) -> bool {
     let snapshot = situation.snapshot();
     let is_in = |table: Plane| table.height(point) < -snapshot.lattice().voxel_size();

@@ -2,8 +2,8 @@ use super::srgb;
 use crate::SimError;
 use nextview::sensor::ColorImage;
 
-/// The colour of a mesh: at each point the product, as amounts of light, of the colours of the vertices
-/// around it, of its material, and of the image of that material there. What a list leaves out is white.
+/// The colour of a mesh: at each point the product, in linear light, of the interpolated vertex colours, the
+/// material, and the material's image there. Anything a list omits is white.
 ///
 /// ```
 /// use glam::DVec3;
@@ -24,10 +24,10 @@ pub struct Appearance {
     pub materials: Vec<Material>,
 }
 
-/// The material of a triangle, and where its corners are in the image of that material.
+/// The material of a triangle, and its corners' coordinates in that material's image.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Face {
-    /// Index of the material; none is white.
+    /// Index of the material; `None` is white.
     pub material: Option<u32>,
     /// Texture coordinates of the corners: (0, 0) is the lower left corner of the image and (1, 1) the upper
     /// right; the image repeats beyond.
@@ -37,14 +37,14 @@ pub struct Face {
 /// The colour of a part of a mesh.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Material {
-    /// Share of the light that it reflects, red, green and blue, 0 to 1 (linear).
+    /// Reflectance in red, green and blue, 0 to 1 (linear).
     pub reflectance: [f32; 3],
-    /// The image on it; none is white.
+    /// The image of the material; `None` is white.
     pub image: Option<ColorImage>,
 }
 
 impl Appearance {
-    /// Fails unless the lists fit a mesh of so many vertices and triangles.
+    /// Fails unless the lists fit a mesh with these numbers of vertices and triangles.
     pub(super) fn check(&self, n_vertices: usize, n_triangles: usize) -> Result<(), SimError> {
         let fits = |length: usize, n: usize| length == 0 || length == n;
         if !fits(self.vertex_colors.len(), n_vertices) {
@@ -62,7 +62,7 @@ impl Appearance {
         }
     }
 
-    /// Amounts of light at a point of a triangle with these vertices; the weights of its corners add up to 1.
+    /// Light at a point of a triangle with these vertices; the weights of its corners add up to 1.
     pub(super) fn light(&self, vertices: [u32; 3], triangle: usize, weights: [f64; 3]) -> [f32; 3] {
         let weights = weights.map(|weight| weight as f32);
         let mut light = [1.0; 3];
@@ -82,7 +82,7 @@ impl Appearance {
     }
 }
 
-/// The light of an image between its four nearest pixels; it repeats.
+/// The light of an image interpolated between its four nearest pixels; the image repeats.
 fn texel(image: &ColorImage, u: f32, v: f32) -> [f32; 3] {
     let place = |share: f32, size: u32| {
         let share = if share.is_finite() { share - share.floor() } else { 0.0 };

@@ -5,29 +5,29 @@ use nextview::surface::CloudPoint;
 use std::cell::RefCell;
 use std::path::{Component, Path, PathBuf};
 
-/// A mesh as a file states it, in a unit that the file may not name. [`to_metres`](Self::to_metres) makes it
-/// a [`TriangleMesh`].
+/// A mesh as stored in a file, in a unit that the file may not name. [`to_metres`](Self::to_metres) converts
+/// it to a [`TriangleMesh`].
 #[derive(Debug)]
 pub struct FileMesh {
     path: PathBuf,
-    /// In the file's unit.
+    /// The mesh in the file's unit.
     mesh: TriangleMesh,
     n_dropped: usize,
     color_fault: Option<SimError>,
     has_metres: bool,
 }
 
-/// Reads a mesh file: PLY, OBJ, STL, OFF (text), glTF or GLB, as its extension says.
+/// Reads a mesh file: PLY, OBJ, STL, OFF (text), glTF or GLB, chosen by its extension.
 ///
-/// Polygons are cut into triangles that share their first corner. Colours are those of PLY's and OBJ's
-/// vertices, of OBJ's materials (`Kd`, `map_Kd`), and of glTF's vertices and materials (base colour and its
-/// texture); images are PNG or JPEG, beside the mesh or below its folder. If any of these is missing or
-/// broken, the mesh has no colours at all, and [`FileMesh::color_fault`] says why. Normals are ignored.
-/// glTF is turned from y up to z up; the other formats define no axes and are left as they are. The file is
-/// read into memory as a whole.
+/// Polygons are cut into triangles that share their first corner. Colours come from PLY's and OBJ's vertices,
+/// from OBJ's materials (`Kd`, `map_Kd`), and from glTF's vertices and materials (base colour and its
+/// texture). Images are PNG or JPEG, next to the mesh or below its folder. If any of these is missing or
+/// broken, the mesh has no colours at all, and [`FileMesh::color_fault`] gives the reason. Normals are
+/// ignored. glTF is rotated from y up to z up; the other formats define no axes and are left unchanged. The
+/// whole file is read into memory.
 ///
-/// Fails if the file cannot be read, breaks its format, holds no valid surface, or stands for a mesh of more
-/// than 20 times its size and 100 MB; the error names the file and the place.
+/// Fails if the file cannot be read, breaks its format, holds no valid surface, or describes a mesh of more
+/// than 20 times its size and 100 MB. The error names the file and the place.
 pub fn load(path: &Path) -> Result<FileMesh, SimError> {
     let in_file = |error| SimError::InFile { path: path.to_owned(), error: Box::new(error) };
     let extension = path.extension().unwrap_or_default().to_string_lossy().to_ascii_lowercase();
@@ -40,8 +40,8 @@ pub fn load(path: &Path) -> Result<FileMesh, SimError> {
     Ok(FileMesh { path: path.to_owned(), mesh, n_dropped, color_fault, has_metres })
 }
 
-/// Reads the points of a PLY file, a mesh or a cloud, with their normals, colours and expected errors
-/// (column `error_m`), and its triangles, in the file's unit. Fails as [`load`] does.
+/// Reads the points of a PLY file, a mesh or a cloud, with their normals, colours and expected errors (column
+/// `error_m`), and its triangles, in the file's unit. Fails under the same conditions as [`load`].
 pub fn load_points(path: &Path) -> Result<(Vec<CloudPoint>, Vec<[u32; 3]>), SimError> {
     let files = Files { mesh: path, read: RefCell::default() };
     let parsed = files.read(path).and_then(|bytes| ply::parse_points(&bytes));
@@ -56,17 +56,17 @@ pub fn load_points(path: &Path) -> Result<(Vec<CloudPoint>, Vec<[u32; 3]>), SimE
 }
 
 impl FileMesh {
-    /// Longest side of the box around the mesh, in the file's unit.
+    /// Returns the longest side of the box around the mesh, in the file's unit.
     pub fn longest_side(&self) -> f64 {
         self.mesh.bounds().longest_side()
     }
 
-    /// Number of faces left out because they have no area.
+    /// Returns the number of faces left out because they have no area.
     pub fn n_dropped(&self) -> usize {
         self.n_dropped
     }
 
-    /// Why the mesh has no colours although the file states some.
+    /// Returns the reason why the mesh has no colours although the file has some.
     pub fn color_fault(&self) -> Option<&SimError> {
         self.color_fault.as_ref()
     }
@@ -102,10 +102,10 @@ fn parser(extension: &str) -> Result<Parser, SimError> {
     })
 }
 
-/// The file of a mesh and those that it names.
+/// The file of a mesh and the files it names.
 struct Files<'a> {
     mesh: &'a Path,
-    /// Those that were read, and their sizes.
+    /// The files read, and their sizes.
     read: RefCell<Vec<(PathBuf, u64)>>,
 }
 
@@ -133,13 +133,12 @@ impl Files<'_> {
         Ok(bytes)
     }
 
-    /// Size of all files read so far, bytes.
+    /// Total size of all files read, bytes.
     fn n_bytes(&self) -> u64 {
         self.read.borrow().iter().map(|(_, n_bytes)| n_bytes).sum()
     }
 
-    /// Reads a file that the mesh names, from the folder of the mesh or below: a mesh has no business
-    /// elsewhere.
+    /// Reads a file named by the mesh, in the folder of the mesh or below; no other place is allowed.
     fn read_beside(&self, relative: &Path) -> Result<Vec<u8>, SimError> {
         if relative.components().any(|part| !matches!(part, Component::Normal(_) | Component::CurDir)) {
             return Err(SimError::format(
@@ -151,7 +150,7 @@ impl Files<'_> {
     }
 }
 
-/// Replaces `%20` and its like; invalid codes stay as they are.
+/// Decodes percent escapes such as `%20`; invalid codes stay unchanged.
 fn decode_percent(uri: &str) -> String {
     let mut bytes = Vec::new();
     let mut rest = uri.as_bytes();

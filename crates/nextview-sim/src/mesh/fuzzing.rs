@@ -1,10 +1,10 @@
-//! The parsers without files, for `fuzz/` alone.
+//! The parsers without files, for `fuzz/` only.
 
 use super::raw::RawMesh;
 use super::{TriangleMesh, gltf, obj, off, ply, stl};
 use crate::SimError;
 
-/// The mesh in these bytes; every file that they name holds `beside`.
+/// Parses the mesh in these bytes; every file they name holds `beside`.
 pub fn parse(extension: &str, bytes: &[u8], beside: &[u8]) -> Result<TriangleMesh, SimError> {
     let raw: RawMesh = match extension {
         "ply" => ply::parse(bytes),
@@ -16,7 +16,7 @@ pub fn parse(extension: &str, bytes: &[u8], beside: &[u8]) -> Result<TriangleMes
     Ok(raw.check((bytes.len() + beside.len()) as u64)?.0)
 }
 
-/// Number of points in a PLY file.
+/// Parses a PLY file and returns its number of points.
 pub fn parse_points(bytes: &[u8]) -> Result<usize, SimError> {
     Ok(ply::parse_points(bytes)?.0.len())
 }

@@ -6,10 +6,10 @@ use nextview::sensor::ColorImage;
 use png::{ColorType, Transformations};
 use std::io::Cursor;
 
-/// Most pixels of all images of a mesh together: 200 MB. Sizes are checked before pixels are decoded.
+/// Maximum number of pixels of all images of a mesh: 200 MB. Sizes are checked before pixels are decoded.
 const MAX_PIXELS: u64 = 1 << 26;
 
-/// Loads the file that a relative name in a mesh file stands for.
+/// Loads the file behind a relative name in a mesh file.
 pub(super) type Resolve<'a> = dyn Fn(&str) -> Result<Vec<u8>, SimError> + 'a;
 
 /// The images of one mesh, each decoded once.
@@ -21,7 +21,7 @@ pub(super) struct Images {
 }
 
 impl Images {
-    /// The image of this name, whose bytes are loaded if it is a new one; errors name it.
+    /// Returns the image with this name, loading its bytes on first use; errors name it.
     pub fn get(
         &mut self,
         name: &str,
@@ -53,7 +53,7 @@ fn decode(bytes: &[u8], max_pixels: u64) -> Result<ColorImage, String> {
     ColorImage::new(size[0], size[1], pixels.collect()).map_err(|error| error.to_string())
 }
 
-/// Width and height, numbers of a pixel, and these numbers.
+/// Width and height, values per pixel, and the values.
 type Decoded = ([u32; 2], usize, Vec<u8>);
 
 fn decode_png(bytes: &[u8], max_pixels: u64) -> Result<Decoded, String> {
@@ -73,7 +73,7 @@ fn decode_png(bytes: &[u8], max_pixels: u64) -> Result<Decoded, String> {
     };
     let mut values = vec![0; size[0] as usize * size[1] as usize * channels];
     reader.next_frame(&mut values).map_err(broken)?;
-    // A file that ends here was cut.
+    // A file that ends here was truncated.
     reader.finish().map_err(broken)?;
     Ok((size, channels, values))
 }

@@ -1,18 +1,18 @@
 use crate::SimError;
 
-/// Largest file, bytes.
+/// Maximum file size, bytes.
 pub(super) const MAX_BYTES: u64 = 1 << 32;
 
-/// Memory that a scan takes for a vertex and for a triangle, bytes, rounded up from scans of up to 2.9
-/// million triangles: the mesh in the file's unit and in metres, before the camera, and as the surface that
-/// models are measured against; and its colours, which are stored once.
+/// Memory that a scan takes per vertex and per triangle, bytes, rounded up from scans of up to 2.9 million
+/// triangles: the mesh in the file's unit and in metres, before the camera, and as the reference surface for
+/// models; and its colours, which are stored once.
 const PER_VERTEX: u64 = 83;
 const PER_TRIANGLE: u64 = 182;
 
-/// Memory that a mesh may take however small its file is, bytes.
+/// Memory that any mesh may take, bytes, even with a smaller file.
 const FREE: u64 = 100_000_000;
 
-/// Fails if a mesh takes more than 20 times the memory of its file and 100 MB: a few bytes of a file may
+/// Fails if a mesh takes more than 20 times the memory of its file and 100 MB. A few bytes of a file may
 /// stand for any number of triangles where parts are repeated, and for one triangle each in polygons.
 pub(super) fn check(n_vertices: usize, n_triangles: usize, n_bytes: u64) -> Result<(), SimError> {
     let [n_vertices, n_triangles] = [n_vertices, n_triangles].map(|n| n as u64);

@@ -1,8 +1,8 @@
-//! Triangle meshes, the files they come in, and points on their surface.
+//! Triangle meshes, their files, and points on their surface.
 //!
 //! Start with [`TriangleMesh`], or with [`load`] for a file. Its colours are an [`Appearance`]. The parsers
-//! are our own: they are short, name the line or byte where a file is broken, and never reserve memory on a
-//! header's word.
+//! are our own: they are short, name the line or byte where a file is broken, and never reserve memory based
+//! on a header alone.
 
 mod appearance;
 mod file;

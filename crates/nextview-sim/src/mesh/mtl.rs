@@ -34,7 +34,7 @@ pub(super) fn parse(
     Ok(())
 }
 
-/// The numbers of `Kd` are those that viewers show, as of an image.
+/// The numbers of `Kd` are display values, like an image's.
 fn reflectance(line: &Line) -> Result<[f32; 3], SimError> {
     Ok(line.unit_color(1)?.map(srgb::to_light_of))
 }

@@ -29,7 +29,7 @@ pub(super) fn parse(bytes: &[u8], resolve: &Resolve) -> Result<RawMesh, SimError
     Ok(obj.mesh)
 }
 
-/// The file so far.
+/// The part of the file read.
 #[derive(Default)]
 struct Obj {
     mesh: RawMesh,
@@ -38,12 +38,12 @@ struct Obj {
     libraries: Vec<String>,
     materials: Vec<(String, Material)>,
     images: Images,
-    /// Of the faces that follow.
+    /// Material of the faces that follow.
     material: Option<u32>,
 }
 
 impl Obj {
-    /// A position, perhaps with red, green and blue, 0 to 1 (an extension that scanners write).
+    /// A position, optionally with red, green and blue, 0 to 1 (a scanners' extension).
     fn push_vertex(&mut self, line: &Line) -> Result<(), SimError> {
         if line.words().len() == 7
             && let Some(color) = self.mesh.colors_or_fault(line.unit_color(4))
@@ -72,8 +72,7 @@ impl Obj {
         Ok(())
     }
 
-    /// The texture coordinates of a corner; those of a corner without are zero, as long as the material has
-    /// no image.
+    /// The texture coordinates of a corner; zero if it has none and the material has no image.
     fn texture_of(&self, line: &Line, word: &[u8]) -> Result<[f32; 2], SimError> {
         let is_stated = word.split(|&byte| byte == b'/').nth(1).is_some_and(|number| !number.is_empty());
         if is_stated {
@@ -96,7 +95,7 @@ impl Obj {
         Ok(())
     }
 
-    /// Programs write the name of a library once for each part.
+    /// Reads a library once, although programs write its name once per part.
     fn read_materials(&mut self, line: &Line, resolve: &Resolve) -> Result<(), SimError> {
         let name = line.rest().replace('\\', "/");
         if self.libraries.contains(&name) {
@@ -109,7 +108,7 @@ impl Obj {
         Ok(())
     }
 
-    /// Without any library, materials mean nothing.
+    /// Sets the material; ignored without any library.
     fn use_material(&mut self, line: &Line) -> Result<(), SimError> {
         let name = line.rest();
         let found = self.materials.iter().position(|(other, _)| *other == name);

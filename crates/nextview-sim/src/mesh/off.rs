@@ -64,7 +64,7 @@ mod tests {
     #[test]
     fn reads_the_usual_variants() {
         let body = "0 0 0\n1 0 0\n1 1 0\n0 1 0\n4 0 1 2 3 255 0 0\n3 0 1 2\n";
-        // ModelNet40 has the counts at the word itself.
+        // ModelNet40 puts the counts directly after the word.
         for header in ["OFF\n# c\n4 2 0\n", "OFF 4 2 0\n", "OFF4 2 0\n", "COFF\n4 2\n", "4 2 0\n"] {
             let mesh = parse(format!("{header}{body}").as_bytes()).unwrap();
             assert_eq!(mesh.vertices.len(), 4);

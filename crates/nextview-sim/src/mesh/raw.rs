@@ -2,18 +2,18 @@ use super::{Appearance, Face, Material, TriangleMesh, limit};
 use crate::SimError;
 use glam::DVec3;
 
-/// The output of a parser: vertices in the file's unit and triangles, not checked yet.
+/// A parser's output: vertices in the file's unit and triangles, not yet checked.
 #[derive(Debug, Default)]
 pub(super) struct RawMesh {
     pub vertices: Vec<DVec3>,
     pub triangles: Vec<[u32; 3]>,
-    /// Of the first vertices; the others are white. None have colours if it is empty.
+    /// Colours of the first vertices; the others are white. Empty if no vertex has a colour.
     pub colors: Vec<[u8; 3]>,
-    /// Of the first triangles; the others have no material.
+    /// Materials of the first triangles; the others have none.
     pub faces: Vec<Face>,
-    /// What faces name.
+    /// The materials named by faces.
     pub materials: Vec<Material>,
-    /// What is wrong with the colours, the first of it; the mesh is then without.
+    /// The first error in the colours, which removes all colours.
     pub color_fault: Option<SimError>,
     /// Faces with fewer than three corners.
     pub n_too_small: usize,
@@ -30,18 +30,18 @@ impl RawMesh {
         }
     }
 
-    /// Gives the vertices from `first` on their colours; those before stay as they are.
+    /// Sets the colours of the vertices from `first` on; earlier ones stay unchanged.
     pub fn push_colors(&mut self, first: usize, colors: impl IntoIterator<Item = [u8; 3]>) {
         self.colors.resize(first, [255; 3]);
         self.colors.extend(colors);
     }
 
-    /// What a step of reading colours gives; a fault is no reason to refuse the shape, and kept.
+    /// The result of a step of reading colours. An error does not reject the shape, and is stored.
     pub fn colors_or_fault<T>(&mut self, read: Result<T, SimError>) -> Option<T> {
         read.map_err(|fault| _ = self.color_fault.get_or_insert(fault)).ok()
     }
 
-    /// The colours; none if vertices and triangles have none, or if some are wrong.
+    /// The colours; `None` if neither vertices nor triangles have any, or if some are wrong.
     fn take_appearance(&mut self) -> Option<Appearance> {
         if self.color_fault.is_some() {
             return None;
@@ -60,8 +60,8 @@ impl RawMesh {
         Some(Appearance { vertex_colors, faces, materials: std::mem::take(&mut self.materials) })
     }
 
-    /// The checked mesh of a file of this size, the number of faces left out because they have no area, and
-    /// why it has no colours although the file has some.
+    /// Returns the checked mesh of a file of this size, the number of faces dropped for lack of area, and the
+    /// reason why it has no colours although the file has some.
     pub fn check(mut self, n_bytes: u64) -> Result<(TriangleMesh, usize, Option<SimError>), SimError> {
         limit::check(self.vertices.len(), self.triangles.len(), n_bytes)?;
         let mesh = match self.take_appearance() {

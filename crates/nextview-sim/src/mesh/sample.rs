@@ -3,16 +3,15 @@ use super::triangle_mesh::area;
 use glam::DVec3;
 use nextview::geometry::random::Random;
 
-/// Number of samples that distances from the surface are measured at: the standard error of a share of them
-/// is at most 0.5 %.
+/// Number of samples for surface distances: the standard error of a share of them is at most 0.5 %.
 pub(crate) const N_SAMPLES: usize = 10_000;
 
-/// The samples that all measures share, uniform by area: the same in every scan.
+/// The samples shared by all measures, uniform by area, identical in every scan.
 pub(crate) fn surface_samples(mesh: &TriangleMesh) -> Vec<DVec3> {
     sample_surface(mesh, N_SAMPLES, 0)
 }
 
-/// `n` random points of the surface in metres, uniform by area. The same seed gives the same points.
+/// Returns `n` random points of the surface in metres, uniform by area. The same seed gives the same points.
 pub fn sample_surface(mesh: &TriangleMesh, n: usize, seed: u64) -> Vec<DVec3> {
     let cumulative: Vec<f64> = (0..mesh.triangles().len())
         .scan(0.0, |sum, i| {

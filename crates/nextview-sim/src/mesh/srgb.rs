@@ -1,20 +1,20 @@
-//! Between the numbers of images (sRGB, IEC 61966-2-1) and amounts of light, which may be added and scaled.
+//! Conversion between image values (sRGB, IEC 61966-2-1) and linear light, which may be added and scaled.
 
 use std::sync::LazyLock;
 
 static LIGHT: LazyLock<[f32; 256]> = LazyLock::new(|| std::array::from_fn(|i| to_light_of(i as f32 / 255.0)));
 
-/// The light of a colour of an image, 0 to 1 each.
+/// The linear light of an image colour, 0 to 1 each.
 pub(crate) fn to_light(color: [u8; 3]) -> [f32; 3] {
     color.map(|value| LIGHT[value as usize])
 }
 
-/// The light of a number of an image, both 0 to 1.
+/// The linear light of an image value, both 0 to 1.
 pub(crate) fn to_light_of(value: f32) -> f32 {
     if value <= 0.040_45 { value / 12.92 } else { ((value + 0.055) / 1.055).powf(2.4) }
 }
 
-/// The colour of an image that stands for this light; more than 1 is as bright as 1.
+/// The image colour of this light; values above 1 are as bright as 1.
 pub(crate) fn to_color(light: [f32; 3]) -> [u8; 3] {
     light.map(|light| {
         let light = light.clamp(0.0, 1.0);

@@ -36,8 +36,8 @@ pub(super) fn parse(bytes: &[u8]) -> Result<RawMesh, SimError> {
     }
 }
 
-/// Whether the file begins with the word of texts, in any encoding: not all of them can be read, but the
-/// error should be about that.
+/// Whether the file starts with the keyword of the text format, in any encoding. Not all encodings can be
+/// read, but the error should say so.
 fn is_text(bytes: &[u8]) -> bool {
     let letters = bytes.iter().filter(|byte| byte.is_ascii_graphic()).map(u8::to_ascii_lowercase);
     letters.take(5).eq(*b"solid")

@@ -1,4 +1,4 @@
-//! Files good and bad, through the public entry point, and broken bytes into every parser.
+//! Valid and invalid files through the public entry point, and corrupted bytes into every parser.
 
 use super::raw::RawMesh;
 use super::*;
@@ -6,7 +6,7 @@ use crate::SimError;
 use proptest::prelude::*;
 use std::path::PathBuf;
 
-/// A folder of its own that is removed at the end.
+/// A temporary folder, removed at the end.
 struct Folder(PathBuf);
 
 impl Folder {
@@ -220,7 +220,7 @@ proptest! {
         }
     }
 
-    /// Numbers are where parsers get lost: every number of a text becomes an extreme one.
+    /// Parsers fail on numbers: every number of a text becomes an extreme one.
     #[test]
     fn extreme_numbers_are_survived(place in 0.0..1.0, number in prop::sample::select(vec![
         "-1", "0", "255", "4294967295", "4294967296", "9223372036854775807", "18446744073709551615",
@@ -253,7 +253,7 @@ fn a_mesh_of_ours_reads_back_with_its_colours() {
     assert_eq!(read.appearance().unwrap().vertex_colors, colors);
 }
 
-/// The meshes of the test data, if present: faces as their manifest states.
+/// The meshes of the test data, if present, with the face counts of their manifest.
 #[test]
 fn loads_the_meshes_of_the_test_data() {
     let Some(data) = nextview_checks::data("loads_the_meshes_of_the_test_data", "meshes") else { return };

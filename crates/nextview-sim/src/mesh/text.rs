@@ -4,21 +4,21 @@ use crate::SimError;
 use glam::DVec3;
 use std::str::FromStr;
 
-/// A line with content, with its number counted from 1.
+/// A non-blank line, with its number counted from 1.
 pub(super) struct Line<'a> {
     pub number: usize,
     words: Vec<&'a [u8]>,
 }
 
 /// The lines of a [plain](nextview::text::plain) text, without comments (from `#` on) and blank lines. The
-/// first has the number `first_number`.
+/// first line has the number `first_number`.
 pub(super) fn lines(text: &[u8], first_number: usize) -> impl Iterator<Item = Line<'_>> {
     let lines = text.split(|&byte| byte == b'\n').zip(first_number..);
     lines.map(|(line, number)| Line { number, words: words(line) }).filter(|line| !line.words.is_empty())
 }
 
-/// The same of a text in which a line that ends in a backslash goes on in the next one, as in OBJ and MTL.
-/// A comment does not go on.
+/// The statements of a text in which a backslash at the end of a line continues it in the next one, as in OBJ
+/// and MTL. A comment is not continued.
 pub(super) fn statements(text: &[u8]) -> impl Iterator<Item = Line<'_>> {
     let mut lines = text.split(|&byte| byte == b'\n').zip(1..);
     let joined = std::iter::from_fn(move || {
@@ -41,8 +41,8 @@ fn words(line: &[u8]) -> Vec<&[u8]> {
 }
 
 impl<'a> Line<'a> {
-    /// The line without one of these words at its start, in letters of any case, which a number may follow
-    /// directly; it may then be empty.
+    /// The line without one of these prefixes, in any case, which a number may follow directly; the result
+    /// may be empty.
     pub fn without_prefix(mut self, prefixes: &[&[u8]]) -> Self {
         let n_letters = self.words[0].iter().take_while(|byte| byte.is_ascii_alphabetic()).count();
         let (letters, rest) = self.words[0].split_at(n_letters);
@@ -56,22 +56,22 @@ impl<'a> Line<'a> {
         self
     }
 
-    /// The words; never empty.
+    /// Returns the words, at least one.
     pub fn words(&self) -> &[&'a [u8]] {
         &self.words
     }
 
-    /// Whether the first word is this one, in letters of any case.
+    /// Whether the first word is this one, in any case.
     pub fn is(&self, keyword: &[u8]) -> bool {
         self.words[0].eq_ignore_ascii_case(keyword)
     }
 
-    /// The first word.
+    /// Returns the first word.
     pub fn keyword(&self) -> &'a [u8] {
         self.words[0]
     }
 
-    /// Word `i` as a number.
+    /// Returns word `i` as a number.
     pub fn number<T: FromStr>(&self, i: usize, what: &str) -> Result<T, SimError> {
         let word = self.words.get(i).ok_or_else(|| {
             self.error(format!("has {} words, expected {what} as word {}", self.words.len(), i + 1))
@@ -80,13 +80,13 @@ impl<'a> Line<'a> {
         parsed.ok_or_else(|| self.error(format!("{:?} is not {what}", shown(word))))
     }
 
-    /// Three coordinates from word `i` on.
+    /// Returns three coordinates from word `i` on.
     pub fn point(&self, i: usize) -> Result<DVec3, SimError> {
         let coordinate = |k| self.number(i + k, "a coordinate");
         Ok(DVec3::new(coordinate(0)?, coordinate(1)?, coordinate(2)?))
     }
 
-    /// Red, green and blue from word `i` on, 0 to 1 each.
+    /// Returns red, green and blue from word `i` on, 0 to 1 each.
     pub fn unit_color(&self, i: usize) -> Result<[f32; 3], SimError> {
         let share = |k| match self.number::<f32>(i + k, "a colour")? {
             share if (0.0..=1.0).contains(&share) => Ok(share),
@@ -95,12 +95,12 @@ impl<'a> Line<'a> {
         Ok([share(0)?, share(1)?, share(2)?])
     }
 
-    /// All words but the first.
+    /// Returns all words but the first.
     pub fn rest(&self) -> String {
         String::from_utf8_lossy(&self.words[1..].join(&b' ')).into_owned()
     }
 
-    /// An error at this line.
+    /// Returns an error at this line.
     pub fn error(&self, problem: impl Into<String>) -> SimError {
         SimError::format(format!("line {}", self.number), problem)
     }

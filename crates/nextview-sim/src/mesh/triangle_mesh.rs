@@ -6,8 +6,8 @@ use std::sync::Arc;
 
 /// A surface made of triangles, in metres.
 ///
-/// Always has at least one triangle; every triangle has an area and refers to vertices that exist; all
-/// vertices are finite. It need not be closed, and the triangles' sides have no meaning. It may have colours.
+/// It has at least one triangle; every triangle has an area and refers to existing vertices; all vertices are
+/// finite. It need not be closed, and the triangles' sides have no meaning. It may have colours.
 ///
 /// ```
 /// use glam::DVec3;
@@ -29,18 +29,18 @@ pub struct TriangleMesh {
 }
 
 impl TriangleMesh {
-    /// Coordinates must lie below this, so that areas and distances stay finite numbers.
+    /// Upper bound of coordinates, which keeps areas and distances finite.
     const MAX_COORDINATE: f64 = 1e30;
 
-    /// A mesh from vertices in metres and triangles that name three vertices each, counted from 0.
+    /// Creates a mesh from vertices in metres and triangles of three vertex indices each, counted from 0.
     ///
     /// Degenerate triangles (without an area) are dropped and counted. Fails on a vertex that is not finite
-    /// or beyond 1e30 m, on a vertex number out of range, and if no triangle is left.
+    /// or beyond 1e30 m, on an index out of range, and if no triangle is left.
     pub fn new(vertices: Vec<DVec3>, triangles: Vec<[u32; 3]>) -> Result<Self, SimError> {
         Self::with_appearance(vertices, triangles, None)
     }
 
-    /// The same with colours. Fails, too, if their lists do not fit the vertices and triangles given.
+    /// Creates a mesh with colours. Also fails if their lists do not fit the given vertices and triangles.
     pub fn colored(
         vertices: Vec<DVec3>,
         triangles: Vec<[u32; 3]>,
@@ -73,55 +73,55 @@ impl TriangleMesh {
         Ok(Self { vertices, triangles, n_degenerate, bounds, area, appearance })
     }
 
-    /// The vertices in metres; some may belong to no triangle.
+    /// Returns the vertices in metres; some may belong to no triangle.
     pub fn vertices(&self) -> &[DVec3] {
         &self.vertices
     }
 
-    /// The triangles: three indices into [`vertices`](Self::vertices) each.
+    /// Returns the triangles: three indices into [`vertices`](Self::vertices) each.
     pub fn triangles(&self) -> &[[u32; 3]] {
         &self.triangles
     }
 
-    /// The corners of triangle `i`, which must be below the number of triangles.
+    /// Returns the corners of triangle `i`, which must be below the number of triangles.
     pub fn corners(&self, i: usize) -> [DVec3; 3] {
         corners(&self.vertices, &self.triangles[i])
     }
 
-    /// Its colours; none if it has none.
+    /// Returns the mesh's colours; `None` if it has none.
     pub fn appearance(&self) -> Option<&Appearance> {
         self.appearance.as_deref()
     }
 
-    /// The colour (sRGB) of a point of triangle `i`, which must be below the number of triangles; the weights
-    /// of its corners add up to 1. None if the mesh has no colours.
+    /// Returns the colour (sRGB) of a point of triangle `i`, which must be below the number of triangles. The
+    /// weights of its corners add up to 1. `None` if the mesh has no colours.
     pub fn color(&self, i: usize, weights: [f64; 3]) -> Option<[u8; 3]> {
         self.light(i, weights).map(srgb::to_color)
     }
 
-    /// The same as amounts of light, 0 to 1.
+    /// The colour of a point as linear light, 0 to 1.
     pub(crate) fn light(&self, i: usize, weights: [f64; 3]) -> Option<[f32; 3]> {
         self.appearance.as_ref().map(|look| look.light(self.triangles[i], i, weights))
     }
 
-    /// Number of triangles that were dropped because they have no area.
+    /// Returns the number of triangles dropped for lack of area.
     pub fn n_degenerate(&self) -> usize {
         self.n_degenerate
     }
 
-    /// The smallest box around the triangles.
+    /// Returns the smallest box around the triangles.
     pub fn bounds(&self) -> Aabb {
         self.bounds
     }
 
-    /// The area of the surface in square metres.
+    /// Returns the area of the surface in square metres.
     pub fn area(&self) -> f64 {
         self.area
     }
 
-    /// The centroid of the surface, metres.
+    /// Returns the centroid of the surface, metres.
     pub fn centroid(&self) -> DVec3 {
-        // About the middle of the box, so that sums lose nothing far from the origin.
+        // Relative to the middle of the box: sums lose nothing far from the origin.
         let middle = self.bounds.center();
         let weighted = self.triangles.iter().map(|triangle| {
             let [a, b, c] = corners(&self.vertices, triangle).map(|corner| corner - middle);
@@ -130,11 +130,11 @@ impl TriangleMesh {
         middle + weighted.sum::<DVec3>() / self.area
     }
 
-    /// Whether the surface is closed and its triangles run clockwise seen from outside: their normals point
-    /// inward.
+    /// Returns whether the surface is closed and its triangles run clockwise seen from outside, with their
+    /// normals pointing inward.
     pub fn is_inside_out(&self) -> bool {
-        // The areas of a closed surface cancel each other, and no volume depends on the origin then. Edges
-        // say less: files repeat vertices, and triangles without an area are gone.
+        // The areas of a closed surface cancel each other, and its volume does not depend on the origin.
+        // Edges say less: files repeat vertices, and triangles without an area are gone.
         let middle = self.bounds.center();
         let (mut open_area, mut volume) = (DVec3::ZERO, 0.0);
         for triangle in &self.triangles {
@@ -145,14 +145,14 @@ impl TriangleMesh {
         open_area.length() < CLOSED * self.area && volume < -FLAT * self.area * self.area.sqrt()
     }
 
-    /// The mesh with the other side of every triangle outside, without its colours.
+    /// Flips every triangle, and drops the colours.
     pub fn turned_over(self) -> Self {
         let triangles = self.triangles.into_iter().map(|[a, b, c]| [a, c, b]).collect();
         Self { triangles, appearance: None, ..self }
     }
 
-    /// The mesh grown by a factor about the origin. Fails if the factor is not a positive number, or so
-    /// extreme that the mesh breaks the rules of [`new`](Self::new).
+    /// Scales the mesh about the origin. Fails if the factor is not a positive number, or so extreme that the
+    /// mesh breaks the rules of [`new`](Self::new).
     pub fn scaled(&self, factor: f64) -> Result<Self, SimError> {
         if !(factor > 0.0 && factor.is_finite()) {
             return Err(SimError::parameter("scale", factor, "a positive finite factor"));
@@ -160,12 +160,12 @@ impl TriangleMesh {
         self.moved(|vertex| vertex * factor)
     }
 
-    /// The mesh moved by an offset in metres. Fails if that breaks the rules of [`new`](Self::new).
+    /// Moves the mesh by an offset in metres. Fails if that breaks the rules of [`new`](Self::new).
     pub fn translated(&self, offset: DVec3) -> Result<Self, SimError> {
         self.moved(|vertex| vertex + offset)
     }
 
-    /// The mesh seen from another frame. Fails if that breaks the rules of [`new`](Self::new).
+    /// Transforms the mesh to another frame. Fails if that breaks the rules of [`new`](Self::new).
     pub fn transformed(&self, target_from_mesh: &Pose) -> Result<Self, SimError> {
         self.moved(|vertex| target_from_mesh.transform_point(vertex))
     }
@@ -178,10 +178,10 @@ impl TriangleMesh {
     }
 }
 
-/// Share of the surface that may be missing where it is closed: files have few digits.
+/// Maximum missing share of a closed surface: files have few digits.
 const CLOSED: f64 = 1e-3;
 
-/// What encloses less, as a share of the cube of the root of its area, is flat: it has no inside.
+/// A smaller volume, as a share of the cube of the root of the area, is flat: it has no inside.
 const FLAT: f64 = 1e-6;
 
 /// The area of a triangle.

@@ -5,19 +5,19 @@ use std::fmt;
 /// The unit of the numbers in a mesh file.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub enum Unit {
-    /// As the format defines (glTF: metres); else judged by the longest side: up to 2 is metres, from 20 on
-    /// millimetres, and between them it is an error. Fits objects of 2 cm to 2 m.
+    /// The format's unit (glTF: metres). Otherwise guessed from the longest side: metres up to 2, millimetres
+    /// from 20 on, an error in between. Fits objects of 2 cm to 2 m.
     #[default]
     Auto,
     /// One metre.
     Metres,
     /// One millimetre.
     Millimetres,
-    /// Whatever makes the longest side this many metres; a positive finite number.
+    /// The unit that makes the longest side this many metres; a positive finite number.
     LongestSide(f64),
 }
 
-/// How a file's numbers became metres. Its text describes it in words.
+/// The conversion of a file's numbers to metres. Its text describes it in words.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Scaling {
     /// Metres per unit of the file.
@@ -31,11 +31,11 @@ pub struct Scaling {
 /// The source of a file's unit.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum UnitSource {
-    /// The caller stated it.
+    /// Stated by the caller.
     Stated,
-    /// The file format defines it.
+    /// Defined by the file format.
     Format,
-    /// It was guessed from the mesh's size.
+    /// Guessed from the mesh's size.
     Guessed,
 }
 
@@ -52,9 +52,9 @@ impl fmt::Display for Scaling {
 }
 
 impl FileMesh {
-    /// The mesh in metres, and how its numbers were interpreted.
+    /// Returns the mesh in metres, and the interpretation of its numbers.
     ///
-    /// Fails if [`Unit::Auto`] finds no unit, or if the longest side asked for is not a positive number.
+    /// Fails if [`Unit::Auto`] finds no unit, or if the requested longest side is not a positive number.
     pub fn to_metres(&self, unit: Unit) -> Result<(TriangleMesh, Scaling), SimError> {
         let longest_side = self.longest_side();
         let (metres_per_unit, source) = match unit {

@@ -3,15 +3,15 @@ use nextview::sensor::{DepthError, DepthRange, Principle, Sensor, SurfaceError};
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 use std::f64::consts::{FRAC_PI_2, PI};
 
-/// Errors and losses of a depth camera: noise of the disparity or of the depth itself, part of which
-/// neighbouring pixels may share; depths of neighbouring pixels, or between two of them; loss where a second
-/// camera or a projector cannot see, at edges, at grazing angles, near by and far away; and rounding.
+/// Errors and losses of a depth camera: noise of the disparity or of the depth itself, optionally shared by
+/// neighbouring pixels; depths taken from neighbouring pixels, or between two of them; losses to occlusion of
+/// a second camera or projector, at edges, at grazing angles, near by and far away; and rounding.
 ///
-/// The same steps make stereo, structured light and time of flight: each has those parts that are not 0. The
+/// The same steps model stereo, structured light and time of flight: each uses the parts that are not 0. The
 /// default is [`d435i`](Self::d435i); [`of`](Self::of) has every [`Sensor`].
 ///
-/// Which pixels are lost and whose depth they show is decided before the error along the axis, so the true
-/// measurement is known.
+/// Lost pixels and the source of each depth are decided before the axial error, so the true measurement is
+/// known.
 ///
 /// ```
 /// use nextview_sim::noise::DepthNoise;
@@ -26,56 +26,55 @@ use std::f64::consts::{FRAC_PI_2, PI};
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(default, deny_unknown_fields, remote = "Self")]
 pub struct DepthNoise {
-    /// Distance from the camera to the second one, or to the projector, at its right, metres; 0 if there is
-    /// none, so that nothing is hidden and there is no disparity. Default 0.05.
+    /// Distance from the camera to the second camera or projector at its right, metres; 0 if there is none:
+    /// nothing is hidden and there is no disparity. Default 0.05.
     #[serde(rename = "baseline_m")]
     pub baseline: f64,
-    /// Focal length of the images that are matched, pixels, above 0. Those may be larger than the depth
-    /// image. Default 424.
+    /// Focal length of the matched images, pixels, above 0. They may be larger than the depth image. Default
+    /// 424.
     #[serde(rename = "focal_px")]
     pub focal: f64,
-    /// Standard deviation of the disparity, pixels of the images that are matched, 0 or more. Default 0.08.
+    /// Standard deviation of the disparity, pixels of the matched images, 0 or more. Default 0.08.
     #[serde(rename = "disparity_sigma_px")]
     pub disparity_sigma: f64,
-    /// The disparity is a multiple of this, pixels of the images that are matched; 0 does not round. Default
-    /// 1/32.
+    /// Step to which the disparity is rounded, pixels of the matched images; 0 does not round. Default 1/32.
     #[serde(rename = "disparity_step_px")]
     pub disparity_step: f64,
-    /// The depth is a multiple of this, metres; 0 does not round. Default 0.001.
+    /// Step to which the depth is rounded, metres; 0 does not round. Default 0.001.
     #[serde(rename = "depth_unit_m")]
     pub depth_unit: f64,
-    /// Surfaces nearer than this are lost, metres, 0 or more. Default 0.17.
+    /// Minimum depth, metres, 0 or more; nearer surfaces are lost. Default 0.17.
     #[serde(rename = "min_depth_m")]
     pub min_depth: f64,
-    /// Surfaces farther away than this are lost, metres, above `min_depth`. Default 10.
+    /// Maximum depth, metres, above `min_depth`; farther surfaces are lost. Default 10.
     #[serde(rename = "max_depth_m")]
     pub max_depth: f64,
-    /// A pixel shows the depth of the pixel at a distance with this standard deviation in both directions,
-    /// pixels of the depth image, 0..=4. Default 0.5.
+    /// Standard deviation of the offset, in both directions, to the pixel whose depth a pixel shows, pixels
+    /// of the depth image, 0..=4. Default 0.5.
     #[serde(rename = "lateral_sigma_px")]
     pub lateral_sigma: f64,
-    /// Pixels are next to an edge where the disparity changes by more than this from one pixel to the next (a
-    /// gradient, and the same at any image size), above 0. Default 1.
+    /// Change of the disparity from one pixel to the next above which pixels are next to an edge, above 0. It
+    /// is a gradient, independent of the image size. Default 1.
     pub edge_gradient: f64,
     /// Probability that a pixel next to an edge is lost, 0..=1. Default 0.5.
     pub edge_loss: f64,
-    /// Angle between ray and surface normal from which on pixels may be lost, radians, 0..pi/2. Default 70
+    /// Angle between ray and surface normal above which pixels may be lost, radians, 0..pi/2. Default 70
     /// degrees.
     #[serde(rename = "grazing_from_rad")]
     pub grazing_from: f64,
-    /// Share of the variance along the axis that neighbouring pixels have in common, 0..=1: real surfaces of
-    /// stereo cameras are wavy rather than rough. Default 0.
+    /// Share of the axial variance that neighbouring pixels have in common, 0..=1: real surfaces of stereo
+    /// cameras are wavy rather than rough. Default 0.
     pub correlated_share: f64,
-    /// Distance, pixels of the depth image, at which the correlation of the common part has fallen to 1/e; at
+    /// Distance at which the correlation of the common part has fallen to 1/e, pixels of the depth image; at
     /// a distance r it is exp(-(r / this)^2). 1..=100. Default 7.
     #[serde(rename = "correlation_px")]
     pub correlation: f64,
-    /// Probability that a pixel next to a jump of the depth flies, which means that it shows a depth between
-    /// both sides, 0..=1. Default 0.
+    /// Probability that a pixel next to a depth jump is a flying pixel, with a depth between both sides,
+    /// 0..=1. Default 0.
     pub flying_share: f64,
-    /// A jump is a step to the next pixel of more than this share of the nearer depth, above 0. Default 0.02.
+    /// Minimum step to the next pixel that is a jump, as a share of the nearer depth, above 0. Default 0.02.
     pub flying_jump: f64,
-    /// Error of the depth besides that of the disparity. Default none.
+    /// Depth error in addition to that of the disparity. Default none.
     pub error: DepthError,
 }
 
@@ -101,15 +100,15 @@ impl Default for DepthNoise {
 }
 
 impl DepthNoise {
-    /// The RealSense D435i in its best depth mode, 848 x 480, whatever the size of the image that is made of
-    /// it.
+    /// Returns the noise of the RealSense D435i in its best depth mode, 848 x 480, whatever the size of the
+    /// image derived from it.
     ///
     /// Published: the baseline (data sheet); the focal length, half of 848 pixels over the tangent of half of
-    /// 90 degrees, the step of 1/32 pixel (Intel, subpixel linearity white paper); the noise of 0.08 pixel,
-    /// the least depth of 17 cm and the unit of 1 mm (Grunnet-Jepsen of Intel, librealsense issues 3904 and
-    /// 999); the lateral noise (Barron & Malik 2013 and Handa et al. 2014, for the Kinect); the disparity
-    /// gradient limit of 1 (Burt & Julesz 1980). Chosen by us: the loss of half of the pixels next to an
-    /// edge, and the angle of 70 degrees.
+    /// 90 degrees, and the step of 1/32 pixel (Intel, subpixel linearity white paper); the noise of 0.08
+    /// pixel, the minimum depth of 17 cm and the unit of 1 mm (Grunnet-Jepsen of Intel, librealsense issues
+    /// 3904 and 999); the lateral noise (Barron & Malik 2013 and Handa et al. 2014, for the Kinect); the
+    /// disparity gradient limit of 1 (Burt & Julesz 1980). Chosen by us: the loss of half of the pixels next
+    /// to an edge, and the angle of 70 degrees.
     pub const fn d435i() -> Self {
         Self {
             baseline: 0.05,
@@ -131,9 +130,9 @@ impl DepthNoise {
         }
     }
 
-    /// The realistic noise of a sensor: that of the D435i has waves, unlike [`d435i`](Self::d435i).
+    /// Returns the realistic noise of a sensor; that of the D435i has waves, unlike [`d435i`](Self::d435i).
     ///
-    /// Published: what the [`Sensor`] states. Chosen by us: see `docs/noise.md`.
+    /// Published: the values of the [`Sensor`]. Chosen by us: see `docs/noise.md`.
     pub fn of(sensor: Sensor) -> Self {
         let (range, intrinsics) = (sensor.depth_range(), sensor.intrinsics());
         let (min_depth, max_depth, depth_unit) = (range.min, range.max, sensor.depth_unit());
@@ -151,7 +150,7 @@ impl DepthNoise {
         }
     }
 
-    /// Fails on the first field out of its range.
+    /// Fails on the first field out of range.
     pub fn check(&self) -> Result<(), Error> {
         let check = |name, value: f64, is_fine: bool, expected| match is_fine && value.is_finite() {
             true => Ok(()),
@@ -186,13 +185,13 @@ impl DepthNoise {
         self.error.check()
     }
 
-    /// The depths that are not lost.
+    /// Returns the range of depths that are not lost.
     pub fn range(&self) -> DepthRange {
         DepthRange { min: self.min_depth, max: self.max_depth }
     }
 
-    /// The random error of the depth, before it is rounded: that of the disparity `d = f b / z`, which is
-    /// `z^2 sigma_d / (f b)`, and the other one.
+    /// Returns the random depth error before rounding: the error of the disparity `d = f b / z`, which is
+    /// `z^2 sigma_d / (f b)`, plus the additional one.
     pub fn depth_error(&self) -> DepthError {
         if self.baseline == 0.0 {
             return self.error;
@@ -201,12 +200,13 @@ impl DepthNoise {
         DepthError { quadratic: self.error.quadratic + stereo.quadratic, ..self.error }
     }
 
-    /// Standard deviation of the depth at this depth, both in metres, before it is rounded.
+    /// Returns the standard deviation of the depth at this depth, both in metres, before rounding.
     pub fn axial_sigma(&self, depth: f64) -> f64 {
         self.depth_error().sigma(depth)
     }
 
-    /// What the camera's figures say of a measured surface, rounding of the disparity included.
+    /// Returns the error of a measured surface according to the camera's data, including rounding of the
+    /// disparity.
     pub fn surface_error(&self) -> SurfaceError {
         let mut depth = self.depth_error();
         if self.baseline > 0.0 {
@@ -222,20 +222,20 @@ impl DepthNoise {
         }
     }
 
-    /// Probability, 0..=1, that a pixel is lost at this angle between its ray and the surface's normal,
-    /// radians: it rises linearly from 0 at `grazing_from` to 1 at a right angle.
+    /// Returns the probability, 0..=1, that a pixel is lost at this angle between its ray and the surface's
+    /// normal, radians. It rises linearly from 0 at `grazing_from` to 1 at a right angle.
     pub fn grazing_loss(&self, angle: f64) -> f64 {
         ((angle - self.grazing_from) / (FRAC_PI_2 - self.grazing_from)).clamp(0.0, 1.0)
     }
 
-    /// The measured depth, metres, of a surface at this depth, if it is off by this many sigmas, towards the
-    /// camera; NaN where no disparity or no depth is left.
+    /// The measured depth, metres, of a surface at this depth with an error of this many sigmas towards the
+    /// camera; NaN if no disparity or depth remains.
     pub(super) fn reported(&self, depth: f64, sigmas: f64) -> f32 {
         let told = self.triangulated(depth, sigmas) - self.error.sigma(depth) * sigmas;
         if told > 0.0 { rounded(told, self.depth_unit) as f32 } else { f32::NAN }
     }
 
-    /// The depth by the disparity, if that is off by this many sigmas; not positive where none is left.
+    /// The depth from the disparity, with an error of this many sigmas; not positive if no disparity remains.
     fn triangulated(&self, depth: f64, sigmas: f64) -> f64 {
         if self.baseline == 0.0 {
             return depth;
@@ -246,7 +246,7 @@ impl DepthNoise {
     }
 }
 
-/// Width of the window by which stereo cameras match, pixels of the matched images.
+/// Width of the stereo matching window, pixels of the matched images.
 const MATCHED_PX: f64 = 7.0;
 
 /// The nearest multiple of the step; 0 does not round.

@@ -1,33 +1,33 @@
-//! Pixels that see two surfaces at once, as cameras with time of flight have them.
+//! Pixels that see two surfaces at once, as in time-of-flight cameras.
 
 use super::DepthNoise;
 use nextview::geometry::random::Random;
 
-/// A pixel whose light comes from both sides of an edge: its depth lies between theirs.
+/// A pixel with light from both sides of an edge; its depth lies between theirs.
 pub(super) struct FlyingPixel {
     /// The pixel.
     pub pixel: u32,
     /// The pixels of the exact image on both sides.
     pub sides: [u32; 2],
-    /// How much of the light comes from the second one, 0..1.
+    /// Share of the light from the second side, 0..1.
     pub share: f32,
 }
 
 impl FlyingPixel {
-    /// The depth between those of both sides in an exact image.
+    /// Returns the depth between those of both sides in an exact image.
     pub fn depth(&self, exact: &[f32]) -> f32 {
         let [first, second] = self.sides.map(|side| exact[side as usize]);
         first + self.share * (second - first)
     }
 
-    /// The nearer depth of both sides.
+    /// Returns the nearer depth of both sides.
     pub fn nearest(&self, exact: &[f32]) -> f32 {
         let [first, second] = self.sides.map(|side| exact[side as usize]);
         first.min(second)
     }
 }
 
-/// The pixels that fly, of those that show the depth of these pixels of the exact image, `width` wide.
+/// The flying pixels among those that show the depth of these pixels of the exact image, `width` wide.
 pub(super) fn flying(
     noise: &DepthNoise,
     exact: &[f32],
@@ -51,7 +51,7 @@ pub(super) fn flying(
         .collect()
 }
 
-/// The neighbour across an edge, whose depth differs most; none if the pixel is at no edge.
+/// The neighbour across an edge with the largest difference in depth; `None` if the pixel is not at an edge.
 fn other_side(noise: &DepthNoise, exact: &[f32], width: usize, pixel: usize) -> Option<usize> {
     let column = pixel % width;
     let neighbours = [

@@ -1,21 +1,21 @@
 use std::f64::consts::SQRT_2;
 
-/// A whole number of pixels: a normally distributed shift, rounded. One uniform number and a few comparisons
-/// give one, since every pixel of every view candidate needs two.
+/// Whole-pixel shifts: normally distributed and rounded. A shift takes one uniform number and a few
+/// comparisons, since every pixel of every view candidate needs two.
 pub(super) struct Shifts {
-    /// P(|shift| <= k) for k = 0, 1, ..., up to where hardly anything is left.
+    /// P(|shift| <= k) for k = 0, 1, ..., until hardly anything is left.
     within: Vec<f64>,
 }
 
 impl Shifts {
-    /// Shifts with this standard deviation, in pixels.
+    /// Creates shifts with this standard deviation, in pixels.
     pub fn new(sigma: f64) -> Self {
         let farthest = (4.0 * sigma).ceil() as usize;
         let within = |k: usize| if sigma > 0.0 { erf((k as f64 + 0.5) / (SQRT_2 * sigma)) } else { 1.0 };
         Self { within: (0..farthest).map(within).collect() }
     }
 
-    /// The shift of a number that is uniform in 0..1.
+    /// The shift for a uniform number in 0..1.
     pub fn at(&self, unit: f64) -> i32 {
         let (sign, rank) = if unit < 0.5 { (-1, 2.0 * unit) } else { (1, 2.0 * unit - 1.0) };
         sign * self.within.iter().take_while(|&&within| rank >= within).count() as i32
@@ -35,7 +35,7 @@ fn erf(x: f64) -> f64 {
 mod tests {
     use super::*;
 
-    /// Half a pixel: 68.27 % stay, a shift by one is one sigma to three, farther ones are beyond three.
+    /// Half a pixel: 68.27 % stay, a shift by one is one to three sigmas, a larger one is beyond three.
     #[test]
     fn shifts_are_a_rounded_normal_distribution() {
         let n = 1_000_000;

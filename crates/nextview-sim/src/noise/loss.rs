@@ -1,6 +1,6 @@
-//! Where a stereo camera has no depth.
+//! Pixels where a stereo camera has no depth.
 //!
-//! All of it is computed from the inverse depth, which on a plane is linear in the image: with the plane's
+//! Everything is computed from the inverse depth, which is linear in the image of a plane: with the plane's
 //! normal n and distance d from the camera, 1 / z = n / d . (x, y, 1) where the ray is z (x, y, 1). The lens
 //! is treated as a pinhole here.
 
@@ -8,7 +8,7 @@ use super::DepthNoise;
 use glam::DVec3;
 use nextview::sensor::Intrinsics;
 
-/// The probability, 0..=1, that each pixel of the exact image is lost; 1 for pixels without a surface.
+/// The probability, 0..=1, that a pixel of the exact image is lost; 1 for pixels without a surface.
 pub(super) fn probabilities(noise: &DepthNoise, exact: &[f32], intrinsics: &Intrinsics) -> Vec<f32> {
     let width = intrinsics.width() as usize;
     let inverse: Vec<f32> = exact.iter().map(|depth| 1.0 / depth).collect();
@@ -35,8 +35,8 @@ fn inverse_limit(min_depth: f64) -> f32 {
     if min_depth > 0.0 { (1.0 / min_depth) as f32 } else { f32::MAX }
 }
 
-/// Which pixels of a row the second camera, to the right of the first, does not see: pixel u appears there at
-/// u less its disparity, and is hidden if a pixel to its right appears there or farther left.
+/// The pixels of a row that the second camera, to the right of the first, does not see. It sees pixel u at u
+/// minus the disparity; u is hidden if a pixel to its right appears there or farther left.
 fn hidden(inverse: &[f32], disparity_at_1_m: f32) -> Vec<bool> {
     let mut is_hidden = vec![false; inverse.len()];
     let mut leftmost = f32::INFINITY;
@@ -48,9 +48,9 @@ fn hidden(inverse: &[f32], disparity_at_1_m: f32) -> Vec<bool> {
     is_hidden
 }
 
-/// How the inverse depth changes from a pixel to its neighbours, 1/m a pixel.
+/// Changes of the inverse depth from a pixel to its neighbours, 1/m per pixel.
 struct Slopes {
-    /// To the right and down, on the side where it changes less: across an edge there is another surface.
+    /// To the right and down, on the side with the smaller change: there is another surface across an edge.
     gentlest: [f32; 2],
     /// The largest of all four.
     steepest: f32,
@@ -70,7 +70,7 @@ impl Slopes {
     }
 }
 
-/// The smaller of two slopes; if one is NaN, the other.
+/// The smaller of two slopes; the other one if one is NaN.
 fn gentler(a: f32, b: f32) -> f32 {
     if b.is_nan() || a.abs() <= b.abs() { a } else { b }
 }

@@ -1,10 +1,10 @@
-//! Imperfections that a real depth camera adds to the exact image: errors and losses of the depth, and a pose
-//! that is not quite where the image was taken.
+//! Imperfections of a real depth camera added to the exact image: errors and losses of the depth, and an
+//! inaccurate pose.
 //!
-//! Start with [`Noise`]. The same pose with the same seed gives the same bits, whatever was captured before
-//! and in however many threads; so two images from one place do not average the noise out. Formulas, sources
-//! and constants are in `docs/noise.md`. Not modelled: texture and gloss, light that arrives by way of
-//! another surface, and errors of the calibration.
+//! Start with [`Noise`]. The same pose and seed give the same bits, whatever was captured before and with any
+//! number of threads. Two images from one place do not average the noise out. Formulas, sources and constants
+//! are in `docs/noise.md`. Not modelled: texture and gloss, light reflected by other surfaces, and
+//! calibration errors.
 
 mod depth_noise;
 mod flying;
@@ -31,43 +31,43 @@ use nextview::geometry::random::Random;
 pub struct Noise {
     /// Seed of all errors.
     pub seed: u64,
-    /// Errors of the depth; none for exact depths.
+    /// Errors of the depth; `None` for exact depths.
     pub depth: Option<DepthNoise>,
     /// Errors of the pose that a frame claims.
     pub pose: PoseError,
-    /// Whether the first frame of a [scan](crate::evaluator::ScanCamera) claims the right pose all the same:
-    /// the world is then where the first frame says it is, and the errors of all others are relative to it.
+    /// Whether the first frame of a [scan](crate::evaluator::ScanCamera) claims the right pose regardless.
+    /// The first frame then defines the world, and the errors of all others are relative to it.
     pub first_pose_is_right: bool,
 }
 
-/// Each use of random numbers in a frame has a stream of its own, so that one does not shift another.
+/// A use of random numbers in a frame. Each has its own stream, so one does not shift another.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Use {
-    /// Which pixels are read and which are lost.
+    /// The pixels read and the pixels lost.
     Readings,
-    /// The error along the axis.
+    /// The axial error.
     Axial,
     /// The error of the pose.
     Pose,
-    /// Which pixels fly.
+    /// The flying pixels.
     Flying,
-    /// The error along the axis that pixels share.
+    /// The axial error that pixels share.
     Waves,
 }
 
 impl Noise {
-    /// Fails on the first parameter out of its range.
+    /// Fails on the first parameter out of range.
     pub fn check(&self) -> Result<(), Error> {
         self.pose.check()?;
         self.depth.map_or(Ok(()), |depth| depth.check())
     }
 
-    /// Whether there is none.
+    /// Returns whether there are no errors.
     pub fn is_none(&self) -> bool {
         self.depth.is_none() && self.pose == PoseError::default()
     }
 
-    /// The random numbers of the frame that is taken from this pose.
+    /// The random numbers of the frame from this pose.
     pub(crate) fn random(&self, world_from_camera: &Pose, purpose: Use) -> Random {
         let (t, q) = (world_from_camera.translation(), world_from_camera.rotation());
         let numbers = t.to_array().into_iter().chain(q.to_array());

@@ -4,11 +4,10 @@ use nextview::Error;
 use nextview::geometry::Pose;
 use nextview::geometry::random::Random;
 
-/// Error of the pose that a frame claims: normally distributed, independent between frames and axes.
+/// Error of a frame's claimed pose: normally distributed, independent between frames and axes.
 ///
-/// The image is taken from where the planner sent the camera, and the claim is wrong: the robot does not know
-/// that it arrived. (Wrong arrivals that are believed to be right differ from that by the view alone, not by
-/// the map.)
+/// The image is taken where the planner sent the camera, and the claim is wrong: the robot does not know that
+/// it arrived. (A wrong arrival believed to be right differs only in the view, not in the map.)
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct PoseError {
     /// Standard deviation of the position along each axis, metres, 0..=1.
@@ -18,7 +17,7 @@ pub struct PoseError {
 }
 
 impl PoseError {
-    /// Fails on the first field out of its range.
+    /// Fails on the first field out of range.
     pub fn check(&self) -> Result<(), Error> {
         let check = |name, value: f64, expected| match (0.0..=1.0).contains(&value) {
             true => Ok(()),
@@ -28,7 +27,7 @@ impl PoseError {
         check("pose error (rotation)", self.rotation_sigma, "0 to 1 radian (57.3 degrees)")
     }
 
-    /// The pose that is claimed for an image from this one.
+    /// The claimed pose of an image from this pose.
     pub(crate) fn claimed(&self, world_from_camera: &Pose, random: &mut Random) -> Result<Pose, Error> {
         if *self == Self::default() {
             return Ok(*world_from_camera); // to the bit, unlike after a rotation by zero

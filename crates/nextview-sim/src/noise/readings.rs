@@ -6,17 +6,17 @@ use super::{DepthNoise, loss};
 use nextview::geometry::random::Random;
 use nextview::sensor::Intrinsics;
 
-/// Where each pixel of an image has its depth from.
+/// The source of the depth of each pixel of an image.
 pub(crate) struct Readings {
-    /// The number of the pixel of the exact image whose depth it shows; none if it is lost or flies.
+    /// The index of the exact image's pixel whose depth it shows; `None` if it is lost or flies.
     pixels: Vec<Option<u32>>,
     /// Pixels between two depths, which measure no surface.
     flying: Vec<FlyingPixel>,
 }
 
 impl Readings {
-    /// The readings of a camera with this noise in an exact image, depths in metres row by row; no pixel
-    /// flies.
+    /// The readings of a camera with this noise in an exact image, depths in metres row by row, without
+    /// flying pixels.
     pub fn new(noise: &DepthNoise, exact: &[f32], intrinsics: &Intrinsics, random: &mut Random) -> Self {
         let loss = loss::probabilities(noise, exact, intrinsics);
         let shifts = Shifts::new(noise.lateral_sigma);
@@ -33,7 +33,7 @@ impl Readings {
         Self { pixels, flying: Vec::new() }
     }
 
-    /// The same with pixels that fly, if the noise has any; in an image of this width.
+    /// Adds flying pixels, if the noise has any, in an image of this width.
     pub fn with_flying(mut self, noise: &DepthNoise, exact: &[f32], width: u32, random: &mut Random) -> Self {
         if noise.flying_share > 0.0 {
             self.flying = flying(noise, exact, width as usize, &self.pixels, random);
@@ -42,7 +42,7 @@ impl Readings {
         self
     }
 
-    /// The exact image with only the pixels that were read; all others are missing.
+    /// The exact image with only the pixels read; all others are missing.
     pub fn truly_measured(&self, exact: &[f32]) -> Vec<f32> {
         let mut measured = vec![f32::NAN; exact.len()];
         for &pixel in self.pixels.iter().flatten() {
@@ -51,13 +51,13 @@ impl Readings {
         measured
     }
 
-    /// An exact image as it is read, without any error along the axis: every pixel shows the depth of the one
-    /// it was read from, and one that flies the nearer of its two.
+    /// An exact image without axial error: every pixel shows the depth of the pixel it was read from; a
+    /// flying pixel shows the nearer of its two.
     pub fn shown(&self, exact: &[f32]) -> Vec<f32> {
         self.image(|pixel| exact[pixel as usize], |flying| flying.nearest(exact))
     }
 
-    /// The image that the camera measures, with the errors that pixels share, if they share any.
+    /// The measured image, with the errors that pixels share, if any.
     pub fn reported(
         &self,
         noise: &DepthNoise,
@@ -76,7 +76,7 @@ impl Readings {
         depth.into_iter().enumerate().map(told).collect()
     }
 
-    /// The image of what pixels show, NaN where they are lost.
+    /// The image of the pixels' values, NaN where they are lost.
     fn image(&self, read: impl Fn(u32) -> f32, between: impl Fn(&FlyingPixel) -> f32) -> Vec<f32> {
         let shown = self.pixels.iter().map(|reading| reading.map_or(f32::NAN, &read));
         let mut image: Vec<f32> = shown.collect();

@@ -1,4 +1,4 @@
-//! The model against its formulas, on planes before the camera.
+//! Compares the model with its formulas, on planes in front of the camera.
 
 use super::*;
 use glam::{DQuat, DVec2, DVec3};
@@ -90,14 +90,13 @@ fn near_surfaces_and_empty_pixels_are_lost() {
     }
 }
 
-/// Seen from the left half of the turned plane the angle is another; only the middle columns have the stated
-/// one.
+/// Seen from the left half, the tilted plane has another angle; only the middle columns have the stated one.
 #[test]
 fn loss_grows_with_the_angle_up_to_all() {
     let noise = DepthNoise { edge_gradient: 1e9, ..DepthNoise::d435i() };
     for degrees in [0.0_f64, 60.0, 69.0, 75.0, 80.0, 85.0] {
         let angle = degrees.to_radians();
-        // The far end is to the left, so that the second camera, on the right, sees the plane less steeply.
+        // The far end is to the left: the second camera, on the right, sees the plane less steeply.
         let exact = tilted(1.0, -angle);
         let loss = loss::probabilities(&noise, &exact, &camera());
         let middle: Vec<f64> = (0..200).map(|v| loss[v * 200 + 99] as f64).collect();
@@ -117,8 +116,8 @@ fn loss_grows_with_the_angle_up_to_all() {
     assert!((lost_share(&middle) - 0.5).abs() < 0.03, "{}", lost_share(&middle));
 }
 
-/// A square plate 0.4 m before a wall at 0.8 m: the second camera sees the plate farther left, by 75 pixels,
-/// than the wall, which it shifts by 37.5.
+/// A square plate at 0.4 m in front of a wall at 0.8 m: the second camera shifts the plate by 75 pixels to
+/// the left, and the wall by 37.5.
 #[test]
 fn the_wall_left_of_a_plate_is_hidden_and_edges_are_thinned() {
     let noise = DepthNoise { lateral_sigma: 0.0, ..DepthNoise::d435i() };
@@ -209,14 +208,14 @@ fn the_d435i_is_pinned() {
     assert_eq!(hashes, [8_766_436_813_235_777_439, 16_793_859_158_636_192_776, 13_174_909_887_420_735_819]);
 }
 
-/// A square plate 0.4 m before a wall at 0.8 m.
+/// A square plate at 0.4 m in front of a wall at 0.8 m.
 fn plate_before_wall() -> Vec<f32> {
     let is_plate = |i: u32| (80..120).contains(&(i % SIZE)) && (80..120).contains(&(i / SIZE));
     (0..SIZE * SIZE).map(|i| if is_plate(i) { 0.4 } else { 0.8 }).collect()
 }
 
-/// Rounding aside, the error of every sensor has the sigma that it states; 40,000 pixels whose errors
-/// correlate over some pixels count as a few hundred.
+/// Apart from rounding, every sensor's error has the stated sigma; 40,000 pixels whose errors correlate over
+/// some pixels count as a few hundred.
 #[test]
 fn every_sensor_has_the_noise_it_states() {
     for sensor in Sensor::ALL {
@@ -288,7 +287,7 @@ fn errors_correlate_as_stated() {
     }
 }
 
-/// All bells of the grid for each value, instead of the nearest along rows and then along columns.
+/// Sums all bells of the grid for each value, instead of the nearest along rows and then along columns.
 #[test]
 fn waves_are_the_sum_of_all_bells() {
     let noise = DepthNoise { correlated_share: 1.0, correlation: 6.0, ..DepthNoise::d435i() };
@@ -307,8 +306,8 @@ fn waves_are_the_sum_of_all_bells() {
     }
 }
 
-/// Of the pixels next to the plate's edge, inside and outside, half fly; all of them between both depths, and
-/// none elsewhere.
+/// Half of the pixels next to the plate's edge, inside and outside, fly, all of them between both depths;
+/// none fly elsewhere.
 #[test]
 fn flying_pixels_are_between_both_surfaces() {
     let noise = DepthNoise {
@@ -346,7 +345,7 @@ fn flying_pixels_are_between_both_surfaces() {
     assert!((sum / n_flying as f64 - 0.6).abs() < 0.01);
 }
 
-/// Nothing is hidden from a camera without a second view, and a wall beyond its range sends no light.
+/// A camera without a second view has no shadow, and a wall beyond its range sends no light.
 #[test]
 fn time_of_flight_has_no_shadow_and_sees_no_farther_than_its_range() {
     let noise = DepthNoise { lateral_sigma: 0.0, ..DepthNoise::of(Sensor::L515) };

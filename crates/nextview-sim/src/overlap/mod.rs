@@ -1,4 +1,4 @@
-//! The voxels that a triangle meets.
+//! The voxels that a triangle overlaps.
 
 #[cfg(test)]
 mod tests;
@@ -10,35 +10,37 @@ use robust::{Coord, Coord3D, orient2d, orient3d};
 /// A triangle in units of voxels. It may be degenerate: a line or a point.
 ///
 /// Its overlap with a box of voxels is decided by the separating axis test for triangle and box
-/// (Akenine-Möller 2001) with two changes. A voxel owns its lower faces but not its upper ones, as
-/// [`Lattice::key`] has it; and all signs are exact, so that neither the order of the corners nor rounding
-/// decides whether a triangle through a voxel's corner counts.
+/// (Akenine-Möller 2001) with two changes. A voxel owns its lower faces but not its upper ones, as in
+/// [`Lattice::key`]. All signs are exact: neither the order of the corners nor rounding decides whether a
+/// triangle through a voxel's corner counts.
 ///
-/// Why strict and other comparisons mix: the half-open box `low..high` meets the closed triangle if and only
-/// if some closed box `low..=high - e` does, e > 0. On an axis n, the greatest value of that box is `n . c`
-/// with c at `high` where n is positive and at `low` where it is not, less e times the sum of n's positive
-/// parts. The triangle must not lie beyond: strictly, if n has a positive part, for it must leave room for e.
+/// Strict and non-strict comparisons mix for this reason: the half-open box `low..high` meets the closed
+/// triangle if and only if some closed box `low..=high - e` does, e > 0. On an axis n, the largest value of
+/// that box is `n . c` with c at `high` where n is positive and at `low` elsewhere, minus e times the sum of
+/// n's positive parts. The triangle must not lie beyond: strictly, if n has a positive part, since it must
+/// leave room for e.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct VoxelTriangle {
     corners: [DVec3; 3],
-    /// The signs of the normal's parts: the sense of rotation of the triangle seen along x, y and z.
+    /// The signs of the normal's components: the orientation of the triangle seen along x, y and z.
     normal: DVec3,
 }
 
 impl VoxelTriangle {
-    /// The triangle with these corners, metres.
+    /// Creates the triangle with these corners, metres.
     pub fn new(corners: [DVec3; 3], lattice: &Lattice) -> Self {
         let corners = corners.map(|corner| lattice.to_voxels(corner));
         let turn = |axis| rotation(corners.map(|corner| along(corner, axis)));
         Self { corners, normal: DVec3::new(turn(0), turn(1), turn(2)) }
     }
 
-    /// Calls `visit` with each voxel of the block that holds a point of the triangle, once.
+    /// Calls `visit` once with each voxel of the block that holds a point of the triangle.
     pub fn for_each_voxel(&self, block: &VoxelBlock, visit: impl FnMut(VoxelKey)) {
         self.for_each_voxel_within(0.0, block, visit);
     }
 
-    /// The same for voxels that are wider by a margin, in voxels, on each side.
+    /// Calls `visit` with each voxel that, widened by a margin on each side, in voxels, holds a point of the
+    /// triangle.
     pub fn for_each_voxel_within(&self, margin: f64, block: &VoxelBlock, mut visit: impl FnMut(VoxelKey)) {
         let low = (self.low() - margin).floor().as_ivec3();
         let high = (self.high() + margin).floor().as_ivec3();
@@ -51,8 +53,8 @@ impl VoxelTriangle {
         }
     }
 
-    /// Visits the voxels from `low` to `high`, both included, by halves: what a half does not meet, none of
-    /// its voxels does.
+    /// Visits the voxels from `low` to `high`, both included, by halves: if a half does not meet the
+    /// triangle, none of its voxels does.
     fn divide(&self, low: VoxelKey, high: VoxelKey, margin: f64, visit: &mut impl FnMut(VoxelKey)) {
         if !self.meets(low.as_dvec3() - margin, (high + 1).as_dvec3() + margin) {
             return;
@@ -76,7 +78,7 @@ impl VoxelTriangle {
             && (0..3).all(|axis| self.outline_meets(axis, along(low, axis), along(high, axis)))
     }
 
-    /// Whether the box does not lie on one side of the triangle's plane.
+    /// Whether the box is not entirely on one side of the triangle's plane.
     fn plane_meets(&self, low: DVec3, high: DVec3) -> bool {
         let (up, down) = (self.normal.cmpgt(DVec3::ZERO), self.normal.cmplt(DVec3::ZERO));
         let top = self.height(DVec3::select(up, high, low));
@@ -94,8 +96,8 @@ impl VoxelTriangle {
         -orient3d(a, b, c, d)
     }
 
-    /// Whether the box, seen along an axis, does not lie beyond an edge of the triangle. A triangle that is
-    /// a line there has both sides of it outside.
+    /// Whether the box, seen along an axis, is not beyond an edge of the triangle. A triangle that is a line
+    /// there has both of its sides outside.
     fn outline_meets(&self, axis: usize, low: DVec2, high: DVec2) -> bool {
         let [a, b, c] = self.corners.map(|corner| along(corner, axis));
         let turn = self.normal[axis];
@@ -113,19 +115,19 @@ impl VoxelTriangle {
     }
 }
 
-/// Whether a part of the rectangle is to the left of the line from one point to another, or on it.
+/// Whether part of the rectangle is to the left of the line between two points, or on it.
 fn is_left_of(low: DVec2, high: DVec2, from: DVec2, to: DVec2) -> bool {
     let grows = DVec2::new(from.y, to.x).cmpgt(DVec2::new(to.y, from.x));
     reaches(rotation([from, to, DVec2::select(grows, high, low)]), grows.any())
 }
 
-/// Whether a value, the greatest of a box on an axis relative to the triangle, is not too low: it is not
-/// attained if it is that of an upper face.
+/// Whether a value, the largest of a box on an axis relative to the triangle, is not too low. The value of an
+/// upper face is not attained.
 fn reaches(value: f64, is_of_upper_face: bool) -> bool {
     value > 0.0 || value == 0.0 && !is_of_upper_face
 }
 
-/// The point seen along an axis, so that the other two form a right-handed system.
+/// The point seen along an axis; the other two axes form a right-handed system.
 fn along(point: DVec3, axis: usize) -> DVec2 {
     match axis {
         0 => point.yz(),
@@ -134,7 +136,7 @@ fn along(point: DVec3, axis: usize) -> DVec2 {
     }
 }
 
-/// A number that is positive if three points turn left, negative if they turn right, and zero on a line.
+/// Positive if three points turn left, negative if they turn right, and zero on a line.
 fn rotation(points: [DVec2; 3]) -> f64 {
     let [a, b, c] = points.map(|p| Coord { x: p.x, y: p.y });
     orient2d(a, b, c)

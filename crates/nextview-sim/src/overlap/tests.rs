@@ -24,7 +24,7 @@ impl Fraction {
     }
 }
 
-/// Where the line from `a` to `b` crosses the plane of a whole number on an axis, which it does.
+/// The intersection of the line from `a` to `b` with a plane at a whole number on an axis, which must exist.
 fn crossing(a: [Fraction; 3], b: [Fraction; 3], axis: usize, at: i32) -> [Fraction; 3] {
     let minus = |a: Fraction, b: Fraction| Fraction::new(a.0 * b.1 - b.0 * a.1, a.1 * b.1);
     let times = |a: Fraction, b: Fraction| Fraction::new(a.0 * b.0, a.1 * b.1);
@@ -36,8 +36,8 @@ fn crossing(a: [Fraction; 3], b: [Fraction; 3], axis: usize, at: i32) -> [Fracti
     })
 }
 
-/// The slow twin: clips the triangle to the closed voxel in fractions (Sutherland & Hodgman 1974). Where a
-/// part is left that is below the upper face of each axis, the mean of these parts is in the half-open voxel.
+/// The slow reference clips the triangle to the closed voxel in fractions (Sutherland & Hodgman 1974). If a
+/// part below the upper face of each axis remains, the mean of these parts is in the half-open voxel.
 fn meets_in_fractions(corners: [[Fraction; 3]; 3], voxel: VoxelKey) -> bool {
     let mut polygon = corners.to_vec();
     for axis in 0..3 {
@@ -132,7 +132,7 @@ fn every_point_of_a_triangle_is_in_a_visited_voxel() {
     }
 }
 
-/// A face of an object that lies in a face between voxels belongs to the voxel above, as its points do.
+/// An object's face between two voxels belongs to the upper voxel, as its points do.
 #[test]
 fn a_triangle_between_two_layers_is_in_the_upper_one() {
     let corners = [DVec3::new(0.5, 0.5, 2.0), DVec3::new(2.5, 0.5, 2.0), DVec3::new(0.5, 2.5, 2.0)];
@@ -142,7 +142,7 @@ fn a_triangle_between_two_layers_is_in_the_upper_one() {
 
 #[test]
 fn corners_that_only_touch_from_below_do_not_count() {
-    // The upper corner of the voxel at the origin is (1, 1, 1), which is not in it but in the next.
+    // The upper corner of the voxel at the origin is (1, 1, 1), which belongs to the next voxel.
     let corners = [DVec3::ONE, DVec3::new(1.5, 1.0, 1.2), DVec3::new(1.0, 1.5, 1.2)];
     assert_eq!(voxels_of(corners, &block(0, 3)), BTreeSet::from([[1, 1, 1]]));
     // From above, they do: the lowest corner is the voxel's own.

@@ -6,19 +6,19 @@ use nextview::registration::{self, Pair, SearchReach};
 use rayon::prelude::*;
 use std::convert::Infallible;
 
-/// Maximum number of points to align by.
+/// Maximum number of points used for alignment.
 const N_POINTS: usize = 5000;
 
-/// Farthest pairs at first and in the end, as shares of the object's longest side: 40 and 2 mm of an object
-/// of 0.2 m, whose first pose may well be wrong by 2 cm.
+/// Initial and final maximum pair distances, as shares of the object's longest side: 40 and 2 mm for an
+/// object of 0.2 m, whose first pose may be wrong by 2 cm.
 const REACH: [f64; 2] = [0.2, 0.01];
 
-/// The rigid motion that brings the finite points of a model closest to the true surface: true world from the
-/// model's world.
+/// Returns the rigid motion that brings the finite points of a model closest to the true surface: true world
+/// from the model's world.
 ///
-/// Point-to-plane ICP from the identity, with the nearest points of the true surface itself, robust against
-/// points far from it, in at most [`registration::MAX_STEPS`] steps. The motion is the identity where it
-/// would not lower the mean distance of the points from the surface, and for a model without points.
+/// Point-to-plane ICP from the identity with the nearest points of the true surface, robust against distant
+/// points, in at most [`registration::MAX_STEPS`] steps. The motion is the identity if it would not lower the
+/// mean distance from the surface, and for a model without points.
 pub fn align(points: &[DVec3], surface: &SurfaceDistance) -> Pose {
     let points = evenly(points, N_POINTS);
     let size = surface.bounds().longest_side();

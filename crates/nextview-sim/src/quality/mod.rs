@@ -1,7 +1,7 @@
-//! The quality of the model that a scan produces, against the true surface. The formulas and their sources
-//! are in `docs/measures.md`.
+//! The quality of a scan's model against the true surface. The formulas and their sources are in
+//! `docs/measures.md`.
 //!
-//! Start with [`TrueSurface`]. Where the first pose of a scan is wrong, its model is [aligned](align) once.
+//! Start with [`TrueSurface`]. If the first pose of a scan is wrong, its model is [aligned](align) once.
 
 mod alignment;
 mod reachable;

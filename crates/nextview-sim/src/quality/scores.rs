@@ -3,7 +3,7 @@ use crate::accuracy::Accuracy;
 /// The distances, metres, within which points and surface count as matched.
 pub const TOLERANCES: [f64; 3] = [0.001, 0.002, 0.005];
 
-/// Beside the true surface: how right a model is, and how complete.
+/// Accuracy and completeness of a model against the true surface.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Quality {
     /// From the model's points to the true surface.
@@ -12,41 +12,42 @@ pub struct Quality {
     pub precision: [f64; 3],
     /// From the true surface, all of it, to the model.
     pub completeness: Completeness,
-    /// From the reachable part of the true surface to the model; none where that part is not known.
+    /// From the reachable part of the true surface to the model; `None` if that part is not known.
     pub reachable: Option<Completeness>,
 }
 
-/// How far samples of a surface, uniform by area, are from a model.
+/// Distances of surface samples, uniform by area, from a model.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Completeness {
-    /// Share, 0..=1, of those within each of the [`TOLERANCES`].
+    /// Share, 0..=1, of samples within each of the [`TOLERANCES`].
     pub within: [f64; 3],
     /// Mean distance, metres.
     pub mean: f64,
 }
 
 impl Quality {
-    /// For each of the [`TOLERANCES`] the share, 0..=1, of the reachable surface that the model has; none
-    /// where that surface is not known.
+    /// Returns the share, 0..=1, of the reachable surface covered by the model, for each of the
+    /// [`TOLERANCES`]; `None` if that surface is not known.
     pub fn recall(&self) -> Option<[f64; 3]> {
         Some(self.reachable?.within)
     }
 
-    /// For each of the [`TOLERANCES`] the harmonic mean of precision and recall, 0..=1; none without recall.
+    /// Returns the harmonic mean of precision and recall, 0..=1, for each of the [`TOLERANCES`]; `None`
+    /// without recall.
     pub fn f_score(&self) -> Option<[f64; 3]> {
         let recall = self.recall()?;
         Some(std::array::from_fn(|i| harmonic_mean(self.precision[i], recall[i])))
     }
 
-    /// The Chamfer distance, metres: the mean of the mean distance from the model to the true surface and of
-    /// that from the reachable surface to the model; none where the reachable surface is not known.
+    /// Returns the Chamfer distance, metres: the mean of the mean distances from the model to the true
+    /// surface and from the reachable surface to the model. `None` if the reachable surface is not known.
     pub fn chamfer(&self) -> Option<f64> {
         Some(0.5 * (self.accuracy.mean + self.reachable?.mean))
     }
 }
 
 impl Completeness {
-    /// Of the samples with these distances, metres; none without samples.
+    /// Evaluates these sample distances, metres; `None` if there are none.
     pub(super) fn of(distances: &[f64]) -> Option<Self> {
         let n = distances.len() as f64;
         let mean = distances.iter().sum::<f64>() / n;

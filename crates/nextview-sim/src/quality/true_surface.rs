@@ -6,12 +6,11 @@ use glam::DVec3;
 use nextview::surface::SurfaceMesh;
 use rayon::prelude::*;
 
-/// Maximum number of model points whose distance from the surface is measured: an even selection gives mean
-/// and quantiles to a hundredth of their spread. Where poses are wrong, a cloud has many points far from the
-/// surface, which take long.
+/// Maximum number of model points measured: an even selection gives mean and quantiles to a hundredth of
+/// their spread. With wrong poses, a cloud has many points far from the surface, which take long.
 const N_POINTS: usize = 20_000;
 
-/// The surface that models are measured against.
+/// The surface against which models are evaluated.
 ///
 /// ```
 /// use glam::DVec3;
@@ -33,28 +32,28 @@ pub struct TrueSurface {
 }
 
 impl TrueSurface {
-    /// The surface of a mesh, in the world of the models.
+    /// Creates the surface of a mesh, in the world of the models.
     pub fn new(mesh: &TriangleMesh) -> Self {
         Self { distance: SurfaceDistance::new(mesh), samples: surface_samples(mesh) }
     }
 
-    /// The distance of any point from the surface.
+    /// Returns the surface, for the distance of any point.
     pub fn distance(&self) -> &SurfaceDistance {
         &self.distance
     }
 
-    /// The samples at which completeness is measured, uniform by area.
+    /// Returns the samples for completeness, uniform by area.
     pub fn samples(&self) -> &[DVec3] {
         &self.samples
     }
 
-    /// The quality of a cloud of finite points; none without points.
+    /// Returns the quality of a cloud of finite points; `None` without points.
     pub fn of_points(&self, points: &[DVec3], reachable: Option<&ReachableSurface>) -> Option<Quality> {
         self.quality(points, &SurfaceDistance::to_points(points)?, reachable)
     }
 
-    /// The quality of a mesh of finite vertices: its points are the vertices of its triangles. None without
-    /// triangles of a size.
+    /// Returns the quality of a mesh of finite vertices, whose points are the vertices of its triangles.
+    /// `None` without triangles of positive size.
     pub fn of_mesh(&self, mesh: &SurfaceMesh, reachable: Option<&ReachableSurface>) -> Option<Quality> {
         let model = TriangleMesh::new(mesh.vertices.clone(), mesh.triangles.clone()).ok()?;
         let mut is_used = vec![false; mesh.vertices.len()];
@@ -64,7 +63,7 @@ impl TrueSurface {
         self.quality(&vertices, &SurfaceDistance::new(&model), reachable)
     }
 
-    /// The quality of a model with these points and this surface; none without points.
+    /// The quality of a model with these points and this surface; `None` without points.
     fn quality(
         &self,
         points: &[DVec3],
@@ -128,7 +127,7 @@ mod tests {
         let [within_1, within_2, within_5] = half.completeness.within;
         assert_eq!(within_1, 0.0);
         assert!((within_2 - 0.5).abs() < 0.03 && (within_5 - 0.52).abs() < 0.03, "{within_2} {within_5}");
-        // Half of the samples 1.6 mm away, the others 50 mm in the mean.
+        // Half of the samples are 1.6 mm away, the others 50 mm on average.
         assert!((half.completeness.mean - 0.026).abs() < 0.001, "{}", half.completeness.mean);
     }
 
@@ -155,7 +154,7 @@ mod tests {
         assert_eq!(surface.of_mesh(&loose, None), Some(same), "a vertex of no triangle does not count");
     }
 
-    /// Half of the square can be seen, and all of that was; the other half counts in the completeness alone.
+    /// Half of the square is reachable and fully seen; the other half counts in the completeness only.
     #[test]
     fn what_no_view_reaches_is_not_missed() {
         let surface = TrueSurface::new(&square());
@@ -164,7 +163,7 @@ mod tests {
         assert_eq!((quality.recall(), quality.f_score()), (Some([1.0; 3]), Some([1.0; 3])));
         assert!((quality.completeness.within[0] - 0.5).abs() < 0.03 && quality.chamfer().unwrap() < 0.0005);
 
-        // Half of a cloud is 3 mm off: precision one half at 1 and 2 mm, of every third of its points.
+        // Half of a cloud is 3 mm off: precision one half at 1 and 2 mm, for every third of its points.
         let mut cloud = sheet(0.0, 0.0);
         cloud.extend(sheet(0.003, 0.0));
         let quality = surface.of_points(&cloud, Some(&half)).unwrap();

@@ -3,7 +3,7 @@ use glam::DVec3;
 use nextview::geometry::random::Random;
 use std::f64::consts::{PI, TAU};
 
-/// An ellipsoid with bumps and dents: stone, fruit, dough.
+/// An ellipsoid with bumps and dents, such as a stone, a fruit or dough.
 struct Blob {
     waves: [Wave; 6],
     half_sides: DVec3,

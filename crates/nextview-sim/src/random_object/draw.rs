@@ -4,7 +4,7 @@ use glam::{DMat3, DQuat};
 use nextview::geometry::random::Random;
 use std::f64::consts::FRAC_PI_2;
 
-/// True in this share of all cases.
+/// True with this probability.
 pub(super) fn chance(random: &mut Random, share: f64) -> bool {
     random.unit() < share
 }

@@ -5,13 +5,13 @@ use glam::{DVec2, DVec3};
 use nextview::geometry::random::Random;
 use std::f64::consts::TAU;
 
-/// A flat outline drawn out along z: plate, gear, star, nut, polygon.
+/// A flat outline extruded along z: plate, gear, star, nut, polygon.
 struct Extrusion {
     /// Whether the outline is curved between its corners.
     is_smooth: bool,
     /// Distances of the corners from the z axis, evenly spread around it.
     radii: Vec<f64>,
-    /// The hole in the middle as a share of the outline; 0 is none.
+    /// The hole in the middle as a share of the outline; 0 for none.
     hole: f64,
     height: f64,
 }
@@ -40,8 +40,8 @@ impl Extrusion {
         }
     }
 
-    /// The point at a share of the way around the z axis, and one of the way from the hole along the lower
-    /// face, up the outside, back along the upper face and down the hole.
+    /// The point at a share of the way around the z axis, and a share of the way from the hole along the
+    /// lower face, up the outside, back along the upper face and down the hole.
     fn at(&self, around: f64, along: f64) -> DVec3 {
         let section = [(self.hole, -1.0), (1.0, -1.0), (1.0, 1.0), (self.hole, 1.0), (self.hole, -1.0)];
         let along = along * 4.0;

@@ -5,7 +5,7 @@ use glam::{DVec2, DVec3};
 use nextview::geometry::random::Random;
 use std::f64::consts::TAU;
 
-/// Steps of the profile from the lower to the upper end.
+/// Number of steps of the profile from the lower to the upper end.
 const STEPS: u32 = 24;
 
 /// A body turned about the z axis: bottle, bowl, vase, prism, pyramid.
@@ -14,7 +14,7 @@ struct Lathe {
     knots: Vec<f64>,
     height: f64,
     wall: f64,
-    /// Whether it is open at the top and has an inside.
+    /// Whether it is open at the top and hollow.
     is_hollow: bool,
     sides: u32,
     /// Its width in y, as a share of that in x.
@@ -47,7 +47,7 @@ impl Lathe {
         }
     }
 
-    /// Radius and height: from the axis at the bottom over the outside, and the inside if there is one, back
+    /// Radius and height: from the axis at the bottom over the outside, and the inside if it is hollow, back
     /// to the axis.
     fn profile(&self) -> Vec<DVec2> {
         let levels = (0..=STEPS).map(|i| i as f64 / STEPS as f64);

@@ -1,9 +1,9 @@
-//! Random objects made from a seed alone, to learn from and to test planners on.
+//! Random objects made from a seed alone, to train and test planners.
 //!
-//! They look like nothing in particular, but have the features of real objects: flat and round faces, edges,
-//! holes, handles, thin walls, insides that can be looked into, and symmetry. The order in which numbers are
-//! drawn is part of what a seed means: a change of it changes all objects. [`seeds`] states who uses which
-//! seeds, so that nothing is tested on an object that it was trained on.
+//! They resemble nothing in particular, but have the features of real objects: flat and round faces, edges,
+//! holes, handles, thin walls, visible insides, and symmetry. The order of the random draws is part of a
+//! seed's meaning: changing it changes all objects. [`seeds`] assigns the seeds, so nothing is tested on an
+//! object it was trained on.
 
 mod blend;
 mod blob;
@@ -26,21 +26,21 @@ use std::f64::consts::TAU;
 /// The object's longest side, metres.
 const SIZE: f64 = 0.2;
 
-/// Separates the draws from those that others make with the same seed.
+/// Separates these draws from others with the same seed.
 const STREAM: u64 = 9;
 
-/// The object of this seed: one to six parts grown into each other; in two of five objects all but the first
-/// have a mirrored twin.
+/// Creates the object of this seed: one to six parts grown into each other. In two of five objects all parts
+/// but the first have a mirrored twin.
 ///
-/// Parts are superellipsoids (from box to ball, maybe flat, tapered or bent), turned bodies (bottles, bowls,
-/// prisms), tubes (hooks, rings, worms), extruded outlines (gears, plates, stars, some with a hole), blobs,
-/// and open boxes.
+/// Parts are superellipsoids (from box to ball, possibly flat, tapered or bent), lathed bodies (bottles,
+/// bowls, prisms), tubes (hooks, rings, worms), extruded outlines (gears, plates, stars, some with a hole),
+/// blobs, and open boxes.
 ///
-/// The longest side is 0.2 m. The object floats around the origin, turned at random, in half of all cases
-/// about the vertical alone; [`by_name`](crate::builtin::by_name) puts it on z = 0.
+/// The longest side is 0.2 m. The object is centred on the origin and turned at random, in half of all cases
+/// about the vertical only; [`by_name`](crate::builtin::by_name) puts it on z = 0.
 ///
-/// Parts overlap, and their surfaces continue inside each other. So the view from outside is right, but area
-/// and volume of the mesh are not those of the object.
+/// Parts overlap, and their surfaces continue inside each other. The view from outside is right, but area and
+/// volume of the mesh are not those of the object.
 ///
 /// The same seed gives the same object, except for rounding in the machine's sine and cosine.
 ///
@@ -60,7 +60,7 @@ pub fn random_object(seed: u64) -> TriangleMesh {
     mesh.scaled(SIZE / mesh.bounds().longest_side()).expect("parts are about a metre large")
 }
 
-/// Parts in their own size, each but the first around a point of those before it.
+/// Parts in their own size, each but the first around a point of the earlier ones.
 fn grown_parts(random: &mut Random) -> Soup {
     let n_parts = 1 + random.index(6);
     let is_symmetric = chance(random, 0.4);
@@ -113,7 +113,7 @@ mod tests {
     use nextview::sensor::Intrinsics;
     use nextview::view::look_at;
 
-    /// Seed, vertices, triangles with those that have no area, and lowest corner of the box in metres.
+    /// Seed, vertices, triangles including those without an area, and lowest corner of the box in metres.
     type Pinned = (u64, usize, usize, [f64; 3]);
 
     /// Nothing here depends on the last bits of sine and cosine, which differ between machines.

@@ -3,7 +3,7 @@ use super::soup::Soup;
 use glam::DVec3;
 use nextview::geometry::random::Random;
 
-/// A box without a lid, in two compartments or one, made of slabs.
+/// A box without a lid, with one or two compartments, made of slabs.
 struct OpenBox {
     half_sides: DVec3,
     /// Half the thickness of the walls.
@@ -28,7 +28,7 @@ impl OpenBox {
         }
     }
 
-    /// Centre and half-sides of the floor, the walls, and what divides it.
+    /// Centre and half-sides of the floor, the walls and the divider.
     fn slabs(&self) -> Vec<(DVec3, DVec3)> {
         let (half, wall) = (self.half_sides, self.wall);
         let mut slabs = vec![(half * DVec3::NEG_Z, half.with_z(wall))];

@@ -1,31 +1,30 @@
-//! Who uses which seeds of [`random_object`](super::random_object). The ranges are disjoint: no object that
-//! has a name is one that a planner was trained on.
+//! The assignment of seeds of [`random_object`](super::random_object). The ranges are disjoint: no named
+//! object is one that a planner was trained on.
 
 use std::ops::{Range, RangeInclusive};
 
-/// Training of the prior of the planner most-surface. Its committed weights learned from 0..200.
+/// Training of the prior of the planner most-surface. Its committed weights were trained on 0..200.
 pub const PRIOR: Range<u64> = 0..1 << 32;
 
-/// Objects on which the training of the prior reports its loss, never learned from.
+/// Objects on which the training of the prior reports its loss; never trained on.
 pub const PRIOR_HELD_OUT: Range<u64> = 1 << 32..1 << 33;
 
-/// Data sets for NBV-Net: a block of 2^24 seeds for each seed of a data set.
+/// Data sets for NBV-Net: a block of 2^24 seeds per data set seed.
 pub const NBV_NET: Range<u64> = 1 << 60..1 << 61;
 
-/// Training of the policy of the planner kaba: objects it learns from, and from the middle on those on
-/// which it is compared.
+/// Training of the policy of the planner kaba: training objects first, comparison objects from the middle on.
 pub const KABA: Range<u64> = 1 << 61..1 << 62;
 
-/// Data sets for NBV regression, in blocks as those for NBV-Net.
+/// Data sets for NBV regression, in blocks like those for NBV-Net.
 pub const NBV_REGRESSION: Range<u64> = 1 << 62..3 << 61;
 
-/// Data sets for PC-NBV, likewise.
+/// Data sets for PC-NBV, in blocks like those for NBV-Net.
 pub const PC_NBV: Range<u64> = 3 << 61..1 << 63;
 
 /// Objects with a name: `builtin:random-N` is the object of seed 2^63 + N.
 pub const NAMED: RangeInclusive<u64> = 1 << 63..=u64::MAX;
 
-/// The seed of the object named `random-N`; none if N is 2^63 or more.
+/// Returns the seed of the object named `random-N`; `None` if N is 2^63 or more.
 pub fn named(n: u64) -> Option<u64> {
     NAMED.start().checked_add(n)
 }

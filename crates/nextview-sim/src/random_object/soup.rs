@@ -1,6 +1,6 @@
 use glam::DVec3;
 
-/// Triangles that may cross each other, before they are checked.
+/// Triangles that may cross each other, not yet checked.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Soup {
     pub vertices: Vec<DVec3>,
@@ -8,8 +8,8 @@ pub(super) struct Soup {
 }
 
 impl Soup {
-    /// A sheet of `rows` times `columns` cells, cut in two triangles each. `at` gives the point for a share
-    /// of the rows and one of the columns, both from 0 to 1.
+    /// A sheet of `rows` times `columns` cells, cut into two triangles each. `at` gives the point for a share
+    /// of the rows and a share of the columns, both from 0 to 1.
     pub fn sheet(rows: u32, columns: u32, at: impl Fn(f64, f64) -> DVec3) -> Self {
         let share = |i: u32, n: u32| i as f64 / n as f64;
         let row = |i| (0..=columns).map(move |j| (share(i, rows), share(j, columns)));
@@ -20,7 +20,7 @@ impl Soup {
         Self { vertices, triangles: corners.flat_map(cell).collect() }
     }
 
-    /// The same with all vertices moved.
+    /// Moves all vertices.
     pub fn map(mut self, place: impl Fn(DVec3) -> DVec3) -> Self {
         self.vertices.iter_mut().for_each(|vertex| *vertex = place(*vertex));
         self

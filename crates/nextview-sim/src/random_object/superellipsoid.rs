@@ -4,22 +4,22 @@ use glam::DVec3;
 use nextview::geometry::random::Random;
 use std::f64::consts::{PI, TAU};
 
-/// Exponents to choose from: near 0 are boxes and cylinders, 1 is round.
+/// Exponents to choose from: values near 0 give boxes and cylinders, 1 is round.
 const EXPONENTS: [f64; 6] = [0.05, 0.1, 0.2, 0.5, 1.0, 1.0];
 
 /// From box through cylinder to ball (Barr 1981, "Superquadrics and angle-preserving transformations", with
 /// his taper and a bend).
 struct Superellipsoid {
-    /// Of the profile along z.
+    /// Exponent of the profile along z.
     upright: f64,
-    /// Of the outline seen along z.
+    /// Exponent of the outline seen along z.
     around: f64,
     half_sides: DVec3,
-    /// Makes a plate of it.
+    /// Scale that may flatten it to a plate.
     flattening: DVec3,
-    /// How much wider it becomes from the middle to the upper end.
+    /// Increase in width from the middle to the upper end.
     taper: f64,
-    /// How far the ends lean towards x.
+    /// Offset of the ends towards x.
     bend: f64,
 }
 

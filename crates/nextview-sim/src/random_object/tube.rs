@@ -45,7 +45,7 @@ impl Tube {
         self.course.at(way) + section * self.fullness(way)
     }
 
-    /// Shrinks the section to nothing towards the ends, so that they are closed.
+    /// Shrinks the section to nothing towards the ends, which closes them.
     fn fullness(&self, way: f64) -> f64 {
         match self.course {
             Course::Arc(extent) if extent >= TAU => 1.0,

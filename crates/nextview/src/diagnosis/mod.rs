@@ -1,7 +1,7 @@
-//! The likely reason when frames show nothing, or do not fit together: wrong axes, inverted poses, a wrong
-//! unit, a camera that is too near.
+//! Likely reasons why frames show nothing, or do not fit together: wrong axes, inverted poses, a wrong unit,
+//! or a camera that is too near.
 //!
-//! Start with [`suspect`]; [`suspect_poses`] also looks at where frames can be taken.
+//! Start with [`suspect`]; [`suspect_poses`] also checks where frames can be taken.
 
 mod reading;
 mod samples;

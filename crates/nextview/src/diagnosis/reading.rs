@@ -3,26 +3,26 @@ use crate::sensor::CameraAxes;
 use glam::{DQuat, DVec3};
 use std::fmt;
 
-/// Another way to read poses or depths: what could have been meant.
+/// Another interpretation of poses or depths.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum Reading {
     /// The poses are of cameras with these axes.
     Axes(CameraAxes),
-    /// The poses are of cameras with OpenCV axes, and were turned as if they had those of ROS.
+    /// The poses are of cameras with OpenCV axes, but were converted as if they had ROS axes.
     TurnedFromRos,
     /// The poses are `camera_from_world`.
     Inverted,
-    /// The quaternions hold w first.
+    /// The quaternions have w first.
     WFirst,
-    /// Positions in metres are these times as large.
+    /// The positions in metres are the given ones times this factor.
     Positions(f64),
-    /// Depths in metres are these times as large.
+    /// The depths in metres are the given ones times this factor.
     Depths(f64),
 }
 
 impl Reading {
-    /// All that are tried.
+    /// All readings that are tried.
     pub(super) const ALL: [Self; 16] = [
         Self::Axes(CameraAxes::OpenGl),
         Self::Axes(CameraAxes::Ros),
@@ -42,12 +42,12 @@ impl Reading {
         Self::Depths(1000.0),
     ];
 
-    /// Whether it is about how poses are written, not about units.
+    /// Whether it concerns the convention of poses, not units.
     pub(super) fn is_convention(self) -> bool {
         matches!(self, Self::Axes(_) | Self::TurnedFromRos | Self::Inverted | Self::WFirst)
     }
 
-    /// The pose that was meant.
+    /// The intended pose.
     pub(super) fn pose(self, pose: &Pose) -> Pose {
         match self {
             Self::Axes(axes) => axes.to_opencv(pose),
@@ -65,7 +65,7 @@ impl Reading {
         }
     }
 
-    /// The point that was meant, in the camera frame.
+    /// The intended point, in the camera frame.
     pub(super) fn point(self, in_camera: DVec3) -> DVec3 {
         match self {
             Self::Depths(factor) => in_camera * factor,
@@ -75,7 +75,7 @@ impl Reading {
 }
 
 impl fmt::Display for Reading {
-    /// What the data look like.
+    /// Describes the data under this reading.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Axes(CameraAxes::OpenCv) => {
@@ -98,7 +98,7 @@ impl fmt::Display for Reading {
     }
 }
 
-/// How wrong numbers are that would have to be multiplied by this.
+/// Describes the error of numbers that would have to be multiplied by this factor.
 fn times(factor: f64) -> String {
     match factor {
         0.001 => "1000 times too large, as if in mm".to_owned(),

@@ -5,20 +5,20 @@ use glam::{DVec2, DVec3, IVec3};
 use rustc_hash::FxHashMap;
 use std::ops::RangeInclusive;
 
-/// Most measured pixels of a frame that are looked at.
+/// Maximum number of measured pixels used of a frame.
 const SAMPLES: usize = 3000;
 
 /// Edge of the cells in which points of two frames meet, as a share of the median depth.
 const CELL: f64 = 0.03;
 
-/// Median depths of the frames of a scan, metres: where depths and positions have different units, one of two
-/// readings has depths beyond these.
+/// Plausible median depths of the frames of a scan, metres. If depths and positions have different units, one
+/// of two readings has depths outside.
 const DEPTHS: RangeInclusive<f64> = 0.05..=20.0;
 
-/// A frame shows the box if at least this share of its samples is inside.
+/// Minimum share of a frame's samples inside the box for the frame to show it.
 const IN_BOX: f64 = 0.01;
 
-/// Some of the measured pixels of a frame.
+/// A sample of the measured pixels of a frame.
 #[derive(Clone, Debug)]
 pub(super) struct Samples {
     pub world_from_camera: Pose,
@@ -29,7 +29,7 @@ pub(super) struct Samples {
 }
 
 impl Samples {
-    /// Every n-th of the measured pixels, row by row.
+    /// Takes every n-th of the measured pixels, row by row.
     pub fn new(frame: &Frame) -> Self {
         let (image, intrinsics) = (frame.image(), frame.intrinsics());
         let pixels = || (0..image.height()).flat_map(|v| (0..image.width()).map(move |u| (u, v)));
@@ -48,7 +48,7 @@ impl Samples {
         }
     }
 
-    /// The points in the world; as given, or by another reading.
+    /// The points in the world, as given or under another reading.
     pub fn in_world(&self, reading: Option<Reading>) -> impl Iterator<Item = DVec3> + '_ {
         let pose = reading.map_or(self.world_from_camera, |reading| reading.pose(&self.world_from_camera));
         let in_camera = move |point: &DVec3| reading.map_or(*point, |reading| reading.point(*point));
@@ -56,9 +56,9 @@ impl Samples {
     }
 }
 
-/// How well frames fit together under a reading: the share of points that meet those of another frame, and,
-/// if the object's box is known, the share of frames that show it; 0 under another reading whose depths are
-/// none of a scan.
+/// How well frames fit together under a reading: the share of points that meet those of another frame, plus
+/// the share of frames that show the object's box, if that is known. 0 under another reading with implausible
+/// depths.
 pub(super) fn fit(frames: &[Samples], reading: Option<Reading>, bounds: Option<Aabb>) -> f64 {
     let Some(depth) = median_depth(frames, reading) else { return 0.0 };
     if reading.is_some() && !DEPTHS.contains(&depth) {
@@ -74,7 +74,7 @@ pub(super) fn fit(frames: &[Samples], reading: Option<Reading>, bounds: Option<A
     meeting(frames, reading, CELL * depth) + shown
 }
 
-/// The median depth of all samples, metres; none without samples.
+/// The median depth of all samples, metres; `None` without samples.
 fn median_depth(frames: &[Samples], reading: Option<Reading>) -> Option<f64> {
     let depth = |point: &DVec3| reading.map_or(*point, |reading| reading.point(*point)).z;
     let mut depths: Vec<f64> = frames.iter().flat_map(|frame| &frame.points).map(depth).collect();
@@ -82,7 +82,7 @@ fn median_depth(frames: &[Samples], reading: Option<Reading>) -> Option<f64> {
     (!depths.is_empty()).then(|| *depths.select_nth_unstable_by(middle, f64::total_cmp).1)
 }
 
-/// The share, 0..=1, of the points that are in a cell, of this edge in metres, with points of another frame.
+/// The share, 0..=1, of the points in cells, with this edge in metres, that points of several frames share.
 fn meeting(frames: &[Samples], reading: Option<Reading>, cell: f64) -> f64 {
     let n: usize = frames.iter().map(|frame| frame.points.len()).sum();
     // The first frame in a cell, the number of points there, and whether another frame was there, too.

@@ -5,25 +5,25 @@ use crate::sensor::{DepthRange, Frame};
 use glam::DVec3;
 use std::fmt;
 
-/// Most frames that are compared, the oldest.
+/// Maximum number of frames that are compared, the oldest.
 const FRAMES: usize = 8;
 
-/// A reading is suspected if the frames fit at least so well under it, so many times better than as they are,
-/// and no other reading fits as well, to this difference: of one frame in a box, several often do.
+/// A reading is suspected if the frames fit at least this well under it, better than as given by this factor,
+/// and better than under all others by this lead. With one frame in a box, several often fit equally well.
 const LEAST_FIT: f64 = 0.08;
 const TIMES_BETTER: f64 = 3.0;
 const LEAST_LEAD: f64 = 0.005;
 
-/// A frame with a smaller share of measured pixels measures nothing.
+/// Minimum share of measured pixels; a frame with less measures nothing.
 const LEAST_MEASURED: f64 = 0.01;
 
-/// Of fewer poses, it is no wonder if few show the object. Of those that are wrong, at most this share shows
-/// it, and of those that are right at least that.
+/// Minimum number of poses: with fewer, it is no surprise if few show the object. Wrong poses show it in at
+/// most the first share, right ones in at least the second.
 const LEAST_POSES: usize = 4;
 const MOST_SHOWN_IF_WRONG: f64 = 0.5;
 const LEAST_SHOWN_IF_RIGHT: f64 = 0.9;
 
-/// By this share of the distance of what they show, poses around it are apart, at least.
+/// Minimum distance between poses around an object, as a share of their distance from it.
 const LEAST_MOVED: f64 = 0.5;
 
 /// Why frames probably show nothing, or do not fit together.
@@ -34,31 +34,31 @@ pub enum Suspicion {
     Misread(Reading),
     /// All frames claim the same pose, although their images differ.
     SamePose,
-    /// Hardly a pixel was measured: the camera stands nearer to the object's box than it measures.
+    /// Hardly a pixel was measured: the camera is nearer to the object's box than its least depth.
     TooNear {
         /// Distance of the camera from the box, metres.
         distance: f64,
         /// The least depth that the camera measures, metres.
         least: f64,
     },
-    /// Hardly a pixel was measured: the object's box is farther away than the camera measures.
+    /// Hardly a pixel was measured: the object's box is beyond the largest depth of the camera.
     TooFar {
         /// Distance of the camera from the box, metres.
         distance: f64,
         /// The largest depth that the camera measures, metres.
         largest: f64,
     },
-    /// Hardly a pixel was measured, and the range of the camera is not to blame as far as it is known.
+    /// Hardly a pixel was measured, and the known range of the camera does not explain it.
     NothingMeasured {
         /// Share, 0..=1, of the last frame's pixels that were measured.
         measured: f64,
     },
-    /// The frames fit together, but not in the poses that they claim.
+    /// The frames fit together, but not in their given poses.
     Apart {
         /// Distance between the surfaces of different frames, metres.
         distance: f64,
     },
-    /// What is connected to the object grows beyond the memory allowed: a table, floor or wall is part of it.
+    /// The surface connected to the object exceeds the allowed memory: a table, floor or wall is part of it.
     Boundless,
     /// The camera looks past the object's box: no frame shows a point inside.
     Elsewhere {
@@ -69,13 +69,12 @@ pub enum Suspicion {
     },
 }
 
-/// The likely reason why frames, oldest first, show nothing in the object's box or do not fit together; none
-/// if they do, or if there is no likely reason. `bounds` is the box in which the object is known to lie,
+/// Returns the likely reason why frames, oldest first, show nothing in the object's box or do not fit
+/// together; `None` if they do fit, or without a likely reason. `bounds` is the known box of the object,
 /// metres.
 ///
-/// The frames' points are computed again as they would be with other axes, inverted poses, other units and so
-/// on. A reading is named if the points of different frames then meet, or lie in the box, as under no other,
-/// and as they are they do not.
+/// The frames' points are recomputed for other axes, inverted poses, other units and so on. A reading is
+/// named if only under it the points of different frames meet, or lie in the box, and as given they do not.
 pub fn suspect(frames: &[Frame], bounds: Option<Aabb>, range: DepthRange) -> Option<Suspicion> {
     let last = frames.last()?;
     if has_same_pose(frames) {
@@ -91,12 +90,12 @@ pub fn suspect(frames: &[Frame], bounds: Option<Aabb>, range: DepthRange) -> Opt
     }
 }
 
-/// The likely reason why few of the poses at which frames can be taken, such as those of a recording, show
-/// what is in the middle of a frame; none if most of them do, or if there is no likely reason. It suits
-/// objects that are in view from most poses.
+/// Returns the likely reason why few of the possible poses of frames, such as those of a recording, show the
+/// middle of a frame; `None` if most of them do, or without a likely reason. It suits objects that are in
+/// view from most poses.
 ///
-/// All poses are the same, or, with other axes, inverted, or with the quaternion's w first, almost all of
-/// them show that place, from different ones, as in no other of these ways.
+/// The reason is that all poses are equal, or that exactly one convention (other axes, inverted poses, or the
+/// quaternion's w first) makes almost all of them show that place, from different positions.
 pub fn suspect_poses(frame: &Frame, poses: &[Pose]) -> Option<Suspicion> {
     if poses.len() < LEAST_POSES {
         return None;
@@ -116,7 +115,7 @@ pub fn suspect_poses(frame: &Frame, poses: &[Pose]) -> Option<Suspicion> {
             pixel.is_some_and(|pixel| frame.intrinsics().contains(pixel))
         };
         let moved = |pose: &Pose| read(pose).translation().distance(frame_pose.translation());
-        // Of cameras that stand at one place, the poses inverted are as likely.
+        // For cameras at one position, inverted poses are as likely.
         let farthest = poses.iter().map(moved).fold(0.0, f64::max);
         let is_still = reading.is_some() && farthest < LEAST_MOVED * in_camera.length();
         if is_still {
@@ -135,7 +134,7 @@ pub fn suspect_poses(frame: &Frame, poses: &[Pose]) -> Option<Suspicion> {
     likely.next().is_none().then_some(Suspicion::Misread(*reading))
 }
 
-/// The one reading under which the frames fit, where they do not as they are.
+/// The one reading under which the frames fit, if they do not fit as given.
 fn misread(frames: &[Samples], bounds: Option<Aabb>) -> Option<Reading> {
     let best_possible = if bounds.is_some() { 2.0 } else { 1.0 };
     let least = LEAST_FIT.max(TIMES_BETTER * fit(frames, None, bounds));
@@ -154,7 +153,7 @@ fn nothing_measured(samples: &Samples) -> Option<Suspicion> {
     (measured < LEAST_MEASURED).then_some(Suspicion::NothingMeasured { measured })
 }
 
-/// Why the frame shows nothing in the box; none if it does.
+/// Why the frame shows nothing in the box; `None` if it does.
 fn nothing_shown(frame: &Frame, bounds: &Aabb, range: DepthRange) -> Option<Suspicion> {
     if frame.points_in(*bounds).next().is_some() {
         return None;
@@ -173,7 +172,7 @@ fn nothing_shown(frame: &Frame, bounds: &Aabb, range: DepthRange) -> Option<Susp
     })
 }
 
-/// Whether three frames or more claim one pose, and at least two of them show different things.
+/// Whether three or more frames claim one pose, and at least two of them show different things.
 fn has_same_pose(frames: &[Frame]) -> bool {
     let [first, rest @ ..] = frames else { return false };
     rest.len() >= 2
@@ -185,7 +184,7 @@ fn is_near(a: &Pose, b: &Pose) -> bool {
     a.translation().distance(b.translation()) < 1e-6 && a.rotation().dot(b.rotation()).abs() > 1.0 - 1e-9
 }
 
-/// Whether most pixels of two frames have about the same depth: noise differs, another view differs more.
+/// Whether most pixels of two frames have about the same depth: noise differs, but another view differs more.
 fn shows_the_same(a: &Frame, b: &Frame) -> bool {
     let (a, b) = (Samples::new(a), Samples::new(b));
     fit(&[a, b], None, None) > 0.9

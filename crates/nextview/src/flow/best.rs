@@ -6,10 +6,10 @@ const CHUNK: usize = 1 << 16;
 
 /// The best quality offered for each item, and the sets that offered it.
 ///
-/// The optimal flow of the paper's eq. (3), found without a network. Only the edges from the source have a
-/// capacity, so items do not compete: each takes a channel of largest quality and continues to any set of
-/// that channel. A channel is therefore offered, not stored: once for each item on it and each set that holds
-/// it. The choice among equally good sets remains; [`fewest_sets`](super::fewest_sets) makes it.
+/// This is the optimal flow of the paper's eq. (3), found without a network. Only the edges from the source
+/// have a capacity, so items do not compete: each takes a channel of largest quality and continues to any set
+/// of that channel. A channel is therefore offered, not stored: once for each item on it and each set that
+/// holds it. The choice among equally good sets remains; [`fewest_sets`](super::fewest_sets) makes it.
 ///
 /// ```
 /// use nextview::Cancel;
@@ -33,7 +33,7 @@ pub struct BestSets {
 }
 
 impl BestSets {
-    /// No offers yet for items below `n_items` from sets below `n_sets`.
+    /// Creates an accumulator without offers, for items below `n_items` and sets below `n_sets`.
     pub fn new(n_items: usize, n_sets: usize) -> Self {
         Self { quality: vec![0.0; n_items], candidates: Incidence::new(n_items, n_sets) }
     }
@@ -54,13 +54,13 @@ impl BestSets {
         }
     }
 
-    /// Adds the offers of another accumulator. The result is the same as from one accumulator for all offers,
+    /// Adds the offers of another accumulator. The result equals that of one accumulator for all offers,
     /// however they were divided.
     ///
     /// Fails if `cancel` is set, and then holds only some of the offers.
     ///
     /// # Panics
-    /// If the two were not made for the same numbers of items and sets.
+    /// If the two were made for different numbers of items or sets.
     pub fn merge(&mut self, mut other: Self, cancel: &Cancel) -> Result<(), Cancelled> {
         assert_eq!(
             (self.quality.len(), self.candidates.n_columns()),
@@ -81,27 +81,27 @@ impl BestSets {
         Ok(())
     }
 
-    /// The largest quality offered for an item; none if there was no offer.
+    /// Returns the largest quality offered for an item; `None` without an offer.
     pub fn quality(&self, item: usize) -> Option<f64> {
         Some(self.quality[item]).filter(|&quality| quality > 0.0)
     }
 
-    /// The sets that offered the largest quality for an item, in increasing order.
+    /// Returns the sets that offered the largest quality for an item, in increasing order.
     pub fn sets(&self, item: usize) -> impl Iterator<Item = u32> + use<'_> {
         self.candidates.row(item)
     }
 
-    /// [`sets`](Self::sets) of all items, one row each.
+    /// Returns the [`sets`](Self::sets) of all items, one row each.
     pub fn candidates(&self) -> &Incidence {
         &self.candidates
     }
 
-    /// Sum of the largest qualities, in the order of the items: the quality of the optimal flow.
+    /// Returns the sum of the largest qualities, in the order of the items: the quality of the optimal flow.
     pub fn total_quality(&self) -> f64 {
         self.quality.iter().fold(0.0, |sum, quality| sum + quality)
     }
 
-    /// Number of items with an offer.
+    /// Returns the number of items with an offer.
     pub fn n_served(&self) -> usize {
         self.quality.iter().filter(|&&quality| quality > 0.0).count()
     }

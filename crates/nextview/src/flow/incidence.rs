@@ -1,9 +1,9 @@
 use super::row::{Row, n_words, set_bit};
 
-/// For each of a number of rows, a set of column numbers.
+/// For each row, a set of column numbers.
 ///
 /// A row is a sorted list while that is the smaller form, and a row of bits from then on, so a row over `n`
-/// columns never holds more than `n / 8` bytes. Both forms use one vector of words, and its length
+/// columns never takes more than `n / 8` bytes. Both forms use one vector of words, and its length
 /// distinguishes them: enough words for a bit per column mean bits, fewer mean a list. Lists alone would need
 /// 1.2 GB for 60,000 rows of 5000 columns (bits: 38 MB), bits alone 625 MB for 10^6 rows that hold a handful
 /// each.
@@ -22,12 +22,12 @@ pub struct Incidence {
 }
 
 impl Incidence {
-    /// `n_rows` empty rows over the columns below `n_columns`.
+    /// Creates `n_rows` empty rows over the columns below `n_columns`.
     pub fn new(n_rows: usize, n_columns: usize) -> Self {
         Self { rows: vec![Vec::new(); n_rows], n_columns }
     }
 
-    /// One row per list; order and repetition in a list do not matter.
+    /// Creates one row per list; order and repetition in a list do not matter.
     ///
     /// # Panics
     /// If a column is not below `n_columns`.
@@ -54,7 +54,7 @@ impl Incidence {
         self.n_columns
     }
 
-    /// Adds a column to a row; nothing happens if the row has it. Cheapest in increasing order.
+    /// Adds a column to a row unless the row has it. Cheapest in increasing order.
     ///
     /// # Panics
     /// If the row or the column is out of range.
@@ -75,7 +75,7 @@ impl Incidence {
         self.rows[row].clear();
     }
 
-    /// The columns of a row in increasing order.
+    /// Returns the columns of a row in increasing order.
     #[inline]
     pub fn row(&self, row: usize) -> impl Iterator<Item = u32> + use<'_> {
         self.words_of(row).columns()
@@ -86,7 +86,7 @@ impl Incidence {
         self.words_of(row).len()
     }
 
-    /// A row in the form in which it is stored.
+    /// Returns a row in its stored form.
     #[inline]
     pub(super) fn words_of(&self, row: usize) -> Row<'_> {
         Row::new(&self.rows[row], n_words(self.n_columns))
@@ -109,7 +109,7 @@ impl Incidence {
     }
 }
 
-/// Inserts into a sorted list; turns it into bits when it grows to the size of the bits.
+/// Inserts into a sorted list; converts it to bits when it reaches their size.
 fn insert_in_list(list: &mut Vec<u32>, column: u32, n_words: usize) {
     if list.last().is_none_or(|&last| last < column) {
         list.push(column);

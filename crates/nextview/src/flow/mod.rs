@@ -2,7 +2,7 @@
 //!
 //! The problem is a flow source → item → channel → set → sink in which each item is served once and nothing
 //! else is bounded. [`BestSets`] finds the largest total quality in one pass over the offers, with every set
-//! that can be part of it; [`fewest_sets`] then picks a small number of sets that still serve every item at
+//! that can be part of it. [`fewest_sets`] then picks a small number of sets that still serve every item at
 //! its best.
 //!
 //! Conversely, [`best_coverage`] takes a given number of sets of largest joint value.

@@ -12,7 +12,7 @@ pub(super) enum Row<'a> {
 }
 
 impl<'a> Row<'a> {
-    /// The row in these words; `n_words` words would hold a bit for every column.
+    /// Creates the row from these words; `n_words` words would hold a bit for every column.
     #[inline]
     pub fn new(words: &'a [u32], n_words: usize) -> Self {
         if words.len() == n_words { Self::Bits(words) } else { Self::List(words) }
@@ -41,13 +41,13 @@ impl<'a> Row<'a> {
         }
     }
 
-    /// Whether the other row over the same columns has every column of this one.
+    /// Whether another row over the same columns has every column of this one.
     pub fn is_subset_of(self, other: Self) -> bool {
         match (self, other) {
             (Self::List(a), Self::List(b)) => is_sublist(a, b),
             (Self::List(a), Self::Bits(b)) => a.iter().all(|&column| has_bit(b, column)),
             (Self::Bits(a), Self::Bits(b)) => a.iter().zip(b).all(|(a, b)| a & !b == 0),
-            // Bits stand for more columns than any list holds.
+            // Bits represent more columns than any list holds.
             (Self::Bits(_), Self::List(_)) => false,
         }
     }
@@ -67,7 +67,7 @@ impl<'a> Row<'a> {
 #[derive(Clone)]
 pub(super) enum Columns<'a> {
     List(Copied<Iter<'a, u32>>),
-    /// `word` holds the bits still to report of the columns `end - 32..end`.
+    /// `word` holds the unreported bits of the columns `end - 32..end`.
     Bits {
         rest: Copied<Iter<'a, u32>>,
         word: u32,

@@ -1,8 +1,8 @@
 use super::row::{Row, n_words, set_bit};
 use crate::{Cancel, Cancelled};
 
-/// Rows over the same columns, packed into one vector: what [`Incidence`](super::Incidence) is once it stops
-/// growing.
+/// Rows over the same columns, packed into one vector: an [`Incidence`](super::Incidence) that no longer
+/// grows.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) struct Rows {
     words: Vec<u32>,
@@ -44,16 +44,16 @@ impl Rows {
         self.starts.push(self.words.len());
     }
 
-    /// Some of the rows.
+    /// Returns the rows to keep.
     pub fn selected(&self, keep: &[bool]) -> Self {
         let mut selected = Self::new(self.n_columns);
         self.iter().zip(keep).filter(|(_, keep)| **keep).for_each(|(row, _)| selected.push(row));
         selected
     }
 
-    /// The same relation read the other way: for each column its rows.
+    /// Returns the transposed relation: for each column, its rows.
     ///
-    /// Fails if `cancel` says so.
+    /// Fails if `cancel` is set.
     pub fn transposed(&self, cancel: &Cancel) -> Result<Self, Cancelled> {
         let mut n_left = vec![0; self.n_columns];
         for row in self.iter() {

@@ -6,12 +6,12 @@ use crate::sensor::Frame;
 use crate::visibility::{FreeSpace, Ray, Sight};
 use crate::{Cancel, Cancelled};
 
-/// The gain of APORA (Daudelin & Campbell, RA-L 2017) as Pan & Wei (2021) state it: the sum over the unknown
+/// The gain of APORA (Daudelin & Campbell, RA-L 2017) as stated by Pan & Wei (2021): the sum over the unknown
 /// x of all rays of H(x) P(obj_x) and the product of 1 - P(obj) over the voxels before x, nats.
 ///
 /// P(obj_x) = exp(-(alpha d)^2) with d the distance to the nearest frontier voxel and alpha = 0.1 / voxel
-/// size; it is 0 for measured voxels, so that free space hides nothing. Occupied voxels end a ray. Without a
-/// frontier, P(obj) of the unknown voxels is 1 if nothing occupied was seen yet, else 0, as for the paper's
+/// size; it is 0 for measured voxels, so free space hides nothing. Occupied voxels end a ray. Without a
+/// frontier, P(obj) of the unknown voxels is 1 if no occupied voxel was seen yet, else 0, as for the paper's
 /// own gain.
 #[derive(Clone, Debug)]
 pub struct Apora {

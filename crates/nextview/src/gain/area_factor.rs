@@ -7,23 +7,22 @@ use crate::{Cancel, Cancelled};
 /// The area factor of Vasquez-Gomez et al. (International Journal of Advanced Robotic Systems 2014), 0..=2:
 /// how near the shares of occupied and occplane voxels among the voxels that a view sees are to 0.2 and 0.8.
 ///
-/// A ray sees the first voxel on it that is occupied, occplane or unmarked, which is unknown but not
-/// occplane; the shares are of the rays that see any. The gain is f(occupied, 0.2) + f(occplane, 0.8), where
-/// f(a, g) rises from 0 at a = 0 to 1 at a = g and falls to 0 at a = 1, both as a cubic with zero slope at
-/// its ends.
+/// A ray sees the first voxel on it that is occupied, occplane or unmarked (unknown but not occplane). The
+/// shares are of the rays that see any. The gain is f(occupied, 0.2) + f(occplane, 0.8), where f(a, g) rises
+/// from 0 at a = 0 to 1 at a = g and falls to 0 at a = 1, both as a cubic with zero slope at its ends.
 ///
 /// Occplane, the border between occluded and free space, is published as unknown voxels next to free ones and
 /// behind a measured surface. A snapshot does not record which voxels were behind a surface when it was
-/// measured, so here every unknown voxel that shares a face with a free one is occplane as soon as anything
-/// occupied is known. (The code of Isler et al. continues behind unmarked voxels to an occplane or occupied
-/// one; here the first voxel decides.) The other factors of the publication (distance, registration overlap)
-/// are not part of this one.
+/// measured. Here every unknown voxel that shares a face with a free one is occplane as soon as any voxel is
+/// occupied. (The code of Isler et al. continues behind unmarked voxels to an occplane or occupied one; here
+/// the first voxel decides.) The other factors of the publication (distance, registration overlap) are not
+/// included.
 #[derive(Clone, Debug)]
 pub struct AreaFactor {
     sights: Vec<Seen>,
 }
 
-/// The kind of voxel that a ray sees.
+/// The kind of voxel seen by a ray.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Seen {
     Nothing,
@@ -31,7 +30,7 @@ enum Seen {
     Unmarked,
 }
 
-/// Numbers of rays by the kind of voxel that they see first.
+/// Number of rays by the kind of voxel that they see first.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Areas {
     n_occupied: u64,

@@ -8,16 +8,16 @@ use crate::{Cancel, Cancelled};
 /// The average entropy of Kriegel et al. (Journal of Real-Time Image Processing 2015): over the rays that end
 /// at an occupied voxel, the sum of H(x) divided by the number of all their x, nats, at most ln 2.
 ///
-/// One mean over the voxels of all rays, not a mean of the rays' means. The occupied voxel counts; a voxel
-/// counts once for each ray that crosses it.
+/// This is one mean over the voxels of all rays, not a mean of the rays' means. The occupied voxel counts; a
+/// voxel counts once for each ray that crosses it.
 #[derive(Clone, Debug)]
 pub struct AverageEntropy {
     entropy: Vec<f64>,
 }
 
 impl InformationGain for AverageEntropy {
-    // Fading matters only for the extent of the rays: the mean has no visibility, but includes the free
-    // voxels at the margin of the box.
+    // Fading affects only the extent of the rays: the mean has no visibility, but includes the free voxels at
+    // the margin of the box.
     const SIGHT: Sight = Sight::endless(FreeSpace::Fades);
 
     /// Sum and number.

@@ -5,13 +5,13 @@ use crate::{Cancel, Cancelled};
 use rayon::prelude::*;
 use std::sync::atomic::{AtomicU16, Ordering};
 
-/// Stands for "behind no measured surface, or `limit` voxels and more".
+/// Marks a voxel behind no measured surface, or `limit` voxels or more behind one.
 pub(super) const NOT_BEHIND: u16 = u16::MAX;
 
-/// How many voxels each voxel of the snapshot lies behind a measured surface, or [`NOT_BEHIND`].
+/// Returns how many voxels each voxel of the snapshot is behind a measured surface, or [`NOT_BEHIND`].
 ///
 /// From each point that the frames measured inside the block, the ray continues behind the point, whatever
-/// the map holds there. The voxel after that of the point is 1 behind it, and so on to `limit - 1`; where
+/// the map holds there. The voxel after that of the point is 1 behind it, and so on to `limit - 1`. If
 /// several rays cross a voxel, the smallest number counts.
 pub(super) fn voxels_behind_surface(
     snapshot: &Snapshot,
@@ -51,7 +51,7 @@ fn mark_ray(behind: &[AtomicU16], block: &VoxelBlock, mut walk: SegmentWalk, lim
     for distance in 1..limit {
         let Some(axis) = walk.advance() else { return };
         index = index.wrapping_add_signed(strides[axis] * signs[axis] as isize);
-        // Most voxels hold a smaller number already, and reading is cheaper than taking the minimum.
+        // Most voxels already hold a smaller number, and reading is cheaper than taking the minimum.
         if behind[index].load(Ordering::Relaxed) > distance {
             behind[index].fetch_min(distance, Ordering::Relaxed);
         }

@@ -8,12 +8,12 @@ use crate::surface::MeasuredCells;
 use crate::visibility::RayCaster;
 use glam::DVec3;
 
-/// How much nearer a view brings measured surface to a stated accuracy: over the occupied voxels that it
-/// shows and whose expected error is above the goal, the sum of the share of what each lacks, at most 1.
+/// How much a view improves measured surface towards a required accuracy: over the occupied voxels that it
+/// shows and whose expected error is above the goal, the sum of the missing share that it adds, at most 1.
 ///
-/// What is known of a voxel's place is the inverse of its variance, and looks add up: a voxel of error s
-/// lacks `1 / goal^2 - 1 / s^2`, and a look of error l brings `1 / l^2`. Surfaces seen at more than 73
-/// degrees from their normal count nothing.
+/// The accuracy of a voxel is the inverse of its variance, and looks add up: a voxel of error s lacks `1 /
+/// goal^2 - 1 / s^2`, and a look of error l adds `1 / l^2`. Surfaces seen at more than 73 degrees from their
+/// normal count nothing.
 #[derive(Debug)]
 pub struct BetterSurface<'a> {
     snapshot: &'a Snapshot,
@@ -21,16 +21,16 @@ pub struct BetterSurface<'a> {
     measured: &'a MeasuredCells,
     /// Inverse variance of the goal, 1/m^2.
     wanted: f64,
-    /// Pixels.
+    /// Focal length, pixels.
     focal: f64,
 }
 
-/// Looks at a flatter angle than this cosine count nothing: most of their pixels are lost.
+/// Cosine of the flattest angle of a look that counts: beyond it most pixels are lost.
 const LEAST_COSINE: f64 = 0.3;
 
 impl<'a> BetterSurface<'a> {
-    /// The gain for a goal (standard deviation, metres, positive), in the voxels that surface was measured
-    /// in, for a camera with these optics that measures these depths.
+    /// Creates the gain for a goal (standard deviation, metres, positive), in the voxels in which surface was
+    /// measured, for a camera with these optics and depths.
     pub fn new(
         snapshot: &'a Snapshot,
         intrinsics: &Intrinsics,
@@ -44,13 +44,13 @@ impl<'a> BetterSurface<'a> {
         Ok(Self { snapshot, caster, measured, wanted: goal.powi(-2), focal })
     }
 
-    /// The gain of a view, in voxels.
+    /// Returns the gain of a view, in voxels.
     pub fn gain(&self, world_from_camera: &Pose) -> f64 {
         let voxels = occupied_voxels(&self.caster, world_from_camera);
         voxels.into_iter().filter_map(|voxel| self.of_voxel(voxel as usize, world_from_camera)).sum()
     }
 
-    /// What a look at an occupied voxel brings; none where enough is known, or nothing of the surface.
+    /// The gain of a look at an occupied voxel; `None` if its accuracy is sufficient, or its surface unknown.
     fn of_voxel(&self, voxel: usize, world_from_camera: &Pose) -> Option<f64> {
         let (lattice, block) = (self.snapshot.lattice(), self.snapshot.block());
         let center = lattice.center(block.key(voxel));

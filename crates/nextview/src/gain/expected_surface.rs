@@ -6,24 +6,24 @@ use crate::sensor::{DepthRange, Intrinsics};
 use crate::visibility::{MeasuredParts, Paths, RayCaster, ValueCaster};
 use glam::{DVec3, Vec3};
 
-/// The number of surface voxels not seen before that a view is expected to show, under a
+/// The expected number of newly seen surface voxels of a view, under a
 /// [`SurfacePrior`](crate::prior::SurfacePrior).
 ///
-/// Rays end at the [parts](MeasuredParts) of occupied voxels that were measured, and continue through unknown
-/// voxels as far as the prior lets them. Each voxel counts once per view, with the probability that the view
-/// newly sees it, taken from the ray that reaches it with the largest visibility. Voxels in which surface was
-/// measured do not count, even if later rays made them free.
+/// Rays end at the measured [parts](MeasuredParts) of occupied voxels, and continue through unknown voxels as
+/// far as the prior allows. Each voxel counts once per view, with the probability that the view newly sees
+/// it, taken from the ray that reaches it with the largest visibility. Voxels in which surface was measured
+/// do not count, even if later rays made them free.
 #[derive(Debug)]
 pub struct ExpectedSurface<'a> {
     estimate: &'a SurfaceEstimate,
     caster: ValueCaster<'a>,
     /// The voxels of the estimate.
     items: Vec<Item>,
-    /// A place near the block, metres, so that single precision is enough; the world's origin where it is.
+    /// An origin near the block, metres, so that single precision is enough; the world's if that is near.
     origin: DVec3,
 }
 
-/// What a survey asks about a voxel, in one cache line.
+/// The data of a voxel for a survey, in one cache line.
 #[derive(Debug)]
 #[repr(align(32))]
 struct Item {
@@ -34,22 +34,21 @@ struct Item {
     is_measured: bool,
 }
 
-/// The visibility behind an occupied voxel of which it is not known where in it surface was measured: the
-/// surface may leave a part of it open.
+/// The visibility behind an occupied voxel with surface at an unknown position: the surface may leave a part
+/// of it open.
 const PASSES_OCCUPIED: f32 = 0.25;
 
-/// The same beside the measured surface of an occupied voxel, where the rest of it may lie, and for a free
-/// voxel at the border of the unknown.
+/// The visibility past the measured surface of an occupied voxel, where the rest of it may lie, and behind a
+/// free voxel at the border of the unknown.
 const PASSES_BORDER: f32 = 0.995;
 
 /// Visibility below which a ray ends.
 const FADED: f32 = 0.03;
 
 impl<'a> ExpectedSurface<'a> {
-    /// The gain under an estimate for this snapshot, for a camera with these optics that measures these
-    /// depths. `measured` are the parts of the snapshot's voxels where surface was measured. `ray_spacing` is
-    /// the distance between neighbouring rays at the far side of the box, in voxels of the snapshot,
-    /// positive.
+    /// Creates the gain under an estimate for this snapshot, for a camera with these optics and depths.
+    /// `measured` holds the parts of the snapshot's voxels where surface was measured. `ray_spacing` is the
+    /// distance between neighbouring rays at the far side of the box, in voxels of the snapshot, positive.
     ///
     /// # Panics
     /// If `measured` is of another block.
@@ -82,7 +81,7 @@ impl<'a> ExpectedSurface<'a> {
         Ok(Self { estimate, caster, items, origin })
     }
 
-    /// An evaluator of view candidates, one after the other.
+    /// Returns an evaluator of view candidates.
     pub fn evaluator(&self) -> ViewEvaluator<'_> {
         ViewEvaluator {
             gain: self,
@@ -94,22 +93,22 @@ impl<'a> ExpectedSurface<'a> {
     }
 }
 
-/// Evaluates view candidates, one after the other.
+/// Evaluates view candidates one by one.
 #[derive(Debug)]
 pub struct ViewEvaluator<'a> {
     gain: &'a ExpectedSurface<'a>,
     paths: Paths,
-    /// By voxel of the estimate, the largest visibility in the view; zeros between views.
+    /// By voxel of the estimate, the largest visibility in the view; all zero between views.
     visibility: Vec<f32>,
-    /// The voxels that rays of the view reach.
+    /// The voxels reached by rays of the view.
     seen: Vec<u32>,
-    /// Voxels with the class of the view for each; empty between views.
+    /// Voxels with their class in the view; empty between views.
     classes: Vec<(u32, ViewingClass)>,
 }
 
 impl ViewEvaluator<'_> {
-    /// Visits all voxels of the estimate that rays of the view reach, by their place in the estimate, with
-    /// the class of the view for that voxel; each once, in a fixed order.
+    /// Visits each voxel of the estimate that rays of the view reach once, in a fixed order: with its index
+    /// in the estimate and the class of the view for it.
     pub fn survey(&mut self, world_from_camera: &Pose, mut visit: impl FnMut(usize, ViewingClass)) {
         let Self { gain, paths, visibility, seen, .. } = self;
         gain.caster.cast(world_from_camera, paths, |item, value| {
@@ -132,11 +131,11 @@ impl ViewEvaluator<'_> {
         }
     }
 
-    /// Visits the same voxels in the same order, with the probability that the view shows new surface there.
+    /// As [`survey`](Self::survey), but with the probability that the view shows new surface in the voxel.
     pub fn shown(&mut self, world_from_camera: &Pose, mut visit: impl FnMut(usize, f32)) {
         let mut classes = std::mem::take(&mut self.classes);
         self.survey(world_from_camera, |item, class| classes.push((item as u32, class)));
-        // In a loop of its own, so that the CPU fetches many entries of the table, which is larger than its
+        // In a separate loop, so that the CPU fetches many entries of the table, which is larger than its
         // caches, at a time.
         for (item, class) in classes.drain(..) {
             visit(item as usize, self.gain.estimate.shows(item as usize, class));
@@ -144,7 +143,7 @@ impl ViewEvaluator<'_> {
         self.classes = classes;
     }
 
-    /// The number of voxels of new surface that the view is expected to show.
+    /// Returns the number of voxels of new surface that the view is expected to show.
     pub fn gain(&mut self, world_from_camera: &Pose) -> f64 {
         let mut sum = 0.0;
         self.shown(world_from_camera, |_, p| sum += p as f64);

@@ -30,7 +30,7 @@ pub trait InformationGain: Sync + Sized {
     /// Running totals over the rays added so far.
     type Tally: Default;
 
-    /// The gain for a snapshot, which was made from these frames.
+    /// Creates the gain for a snapshot that was made from these frames.
     ///
     /// Long computations check `cancel` and fail if it is set.
     fn new(snapshot: &Snapshot, frames: &[Frame], cancel: &Cancel) -> Result<Self, Cancelled>;
@@ -38,14 +38,14 @@ pub trait InformationGain: Sync + Sized {
     /// Adds a ray of the view.
     fn add(&self, ray: &Ray<'_>, tally: &mut Self::Tally);
 
-    /// The gain of the view whose rays were added; 0 if there were none.
+    /// Returns the gain of the view whose rays were added; 0 if there were none.
     fn total(tally: &Self::Tally) -> f64;
 }
 
 /// Voxels processed between two checks for cancellation.
 const CHUNK: usize = 1 << 16;
 
-/// The entropy of every voxel, nats.
+/// Returns the entropy of every voxel, nats.
 pub(super) fn entropies(snapshot: &Snapshot, cancel: &Cancel) -> Result<Vec<f64>, Cancelled> {
     let mut all = Vec::with_capacity(snapshot.probability().len());
     for part in snapshot.probability().chunks(CHUNK) {
@@ -55,7 +55,7 @@ pub(super) fn entropies(snapshot: &Snapshot, cancel: &Cancel) -> Result<Vec<f64>
     Ok(all)
 }
 
-/// Whether each voxel was never measured.
+/// Returns, for every voxel, whether it was never measured.
 pub(super) fn unknown(snapshot: &Snapshot) -> Vec<bool> {
     snapshot.occupancy().iter().map(|&state| state == Occupancy::Unknown).collect()
 }

@@ -5,8 +5,8 @@ use crate::sensor::Frame;
 use crate::visibility::{FreeSpace, Ray, RayEnd, Sight};
 use crate::{Cancel, Cancelled};
 
-/// The gain of Krainin, Curless & Fox (ICRA 2011) as Pan & Wei (2021) state it: the sum of H(x) over all x of
-/// the rays that end at an occupied voxel, nats.
+/// The gain of Krainin, Curless & Fox (ICRA 2011) as stated by Pan & Wei (2021): the sum of H(x) over all x
+/// of the rays that end at an occupied voxel, nats.
 ///
 /// The occupied voxel counts; rays that leave the box count nothing.
 #[derive(Clone, Debug)]
@@ -15,8 +15,8 @@ pub struct Krainin {
 }
 
 impl InformationGain for Krainin {
-    // Fading matters only for the extent of the rays: the sum has no visibility, but includes the free voxels
-    // at the margin of the box.
+    // Fading affects only the extent of the rays: the sum has no visibility, but includes the free voxels at
+    // the margin of the box.
     const SIGHT: Sight = Sight::endless(FreeSpace::Fades);
 
     type Tally = f64;

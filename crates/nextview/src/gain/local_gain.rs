@@ -3,8 +3,8 @@ use crate::map::{Snapshot, entropy, frontier};
 use crate::visibility::Crossing;
 use crate::{Cancel, Cancelled};
 
-/// The paper's local information gain, eqs. (1) and (2): the sum over the unknown voxels that a view's rays
-/// cross of entropy, visibility and object probability, H(x) P(vis_x) P(obj_x), nats.
+/// The paper's local information gain, eqs. (1) and (2): the sum of entropy, visibility and object
+/// probability, H(x) P(vis_x) P(obj_x), over the unknown voxels that a view's rays cross, nats.
 #[derive(Clone, Debug)]
 pub struct LocalGain {
     /// H(x) P(obj_x) of every voxel: the factors that do not depend on the view.
@@ -12,7 +12,7 @@ pub struct LocalGain {
 }
 
 impl LocalGain {
-    /// The gain for a snapshot.
+    /// Creates the gain for a snapshot.
     ///
     /// Fails if `cancel` is set.
     pub fn new(snapshot: &Snapshot, cancel: &Cancel) -> Result<Self, Cancelled> {
@@ -30,14 +30,13 @@ impl LocalGain {
         Ok(Self { weights: object.iter().zip(snapshot.probability()).map(weight).collect() })
     }
 
-    /// H(x) P(obj_x) of every voxel of the snapshot: its quality where it is wholly visible, 0 for measured
-    /// voxels.
+    /// H(x) P(obj_x) of every voxel of the snapshot: its quality if fully visible, 0 for measured voxels.
     pub(crate) fn weights(&self) -> &[f64] {
         &self.weights
     }
 
-    /// The quality Q of a voxel seen along a ray, H(x) P(vis_x) P(obj_x): a summand of eq. (1), and the
-    /// weight of the edge between voxel and ray in the flow network.
+    /// Returns the quality Q of a voxel seen along a ray, H(x) P(vis_x) P(obj_x): a summand of eq. (1), and
+    /// the weight of the edge between voxel and ray in the flow network.
     pub fn quality(&self, crossing: &Crossing) -> f64 {
         self.weights[crossing.voxel as usize] * crossing.visibility as f64
     }

@@ -1,14 +1,14 @@
 //! Information gains: the value of rays.
 //!
-//! [`LocalGain`] is the paper's and evaluates single crossings, which the flow needs. The others come from
-//! the literature that the paper compares with; they are [`InformationGain`]s and evaluate whole rays. They
-//! follow the published formulas; where a formula leaves something open, the documentation of the gain states
-//! our choice.
+//! [`LocalGain`] is the paper's gain and evaluates single crossings, as the flow requires. The others come
+//! from the literature that the paper compares with; they are [`InformationGain`]s and evaluate whole rays.
+//! They follow the published formulas. If a formula leaves something open, the documentation of the gain
+//! states our choice.
 //!
 //! [`ExpectedSurface`] is ours: it counts the surface that a view will probably show, under a learned prior.
 //!
-//! [`BetterSurface`], [`MoreLooks`] and [`SurerSurface`] value second looks, where surface was seen but not
-//! measured well enough, or not often enough.
+//! [`BetterSurface`], [`MoreLooks`] and [`SurerSurface`] value second looks at surface that was not measured
+//! well enough, or not often enough.
 //!
 //! In the formulas x runs over the voxels of a ray from the camera up to and including the first occupied
 //! one, or to the border of the box; H is entropy in nats, and P(vis_x) the product of 1 - P(occupied) over

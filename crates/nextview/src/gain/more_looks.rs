@@ -6,8 +6,8 @@ use crate::surface::SurfaceLooks;
 use crate::visibility::RayCaster;
 
 /// The number of occupied voxels at which a view adds one of the looks that they lack: it shows them well
-/// enough, and from far enough beside all looks so far. Rays are two voxels apart: of a surface seen straight
-/// on, every fourth voxel is counted.
+/// enough, and from far enough away from all looks so far. Rays are two voxels apart: of a surface seen
+/// straight on, every fourth voxel is counted.
 #[derive(Debug)]
 pub struct MoreLooks<'a> {
     snapshot: &'a Snapshot,
@@ -17,8 +17,8 @@ pub struct MoreLooks<'a> {
 }
 
 impl<'a> MoreLooks<'a> {
-    /// The gain for these looks, in the voxels that they were counted in, for a camera with these optics that
-    /// measures these depths.
+    /// Creates the gain for these looks, in the voxels in which they were counted, for a camera with these
+    /// optics and depths.
     pub fn new(
         snapshot: &'a Snapshot,
         intrinsics: &Intrinsics,
@@ -29,7 +29,7 @@ impl<'a> MoreLooks<'a> {
         Self { snapshot, caster, looks, intrinsics: *intrinsics }
     }
 
-    /// The gain of a view, in voxels.
+    /// Returns the gain of a view, in voxels.
     pub fn gain(&self, world_from_camera: &Pose) -> f64 {
         let (lattice, block) = (self.snapshot.lattice(), self.snapshot.block());
         let camera = world_from_camera.translation();

@@ -3,25 +3,25 @@ use crate::instructions::instructions;
 use crate::{Cancel, Cancelled};
 use rayon::prelude::*;
 
-/// Squared distances from here on are not distinguished.
+/// Maximum squared distance: larger ones are not distinguished.
 pub(super) const FAR_SQ: u32 = 75_000;
 
 /// Number of voxels, side by side along x, whose lists are processed at once: one vector of 512 bits.
 const LANES: usize = 16;
 
-/// For each of some voxels side by side along x, the squared distances to the K nearest points, ascending.
-/// Signed, because plain x86-64 has no comparison of unsigned vectors.
+/// For some voxels side by side along x, the squared distances to the K nearest points, ascending. Signed,
+/// because plain x86-64 cannot compare unsigned vectors.
 type Lists<const K: usize> = [[i32; LANES]; K];
 
-/// The sum of the squared distances, in voxels, from every needed voxel of the block to the K nearest of the
-/// given voxels, which must come in increasing order. Distances of at least [`FAR_SQ`], and missing
+/// Returns the sum of the squared distances, in voxels, from every needed voxel of the block to the K nearest
+/// of the given voxels, which must be in increasing order. Distances of at least [`FAR_SQ`], and missing
 /// neighbours, count as [`FAR_SQ`]. Voxels that are not needed get the same sum or 0.
 ///
 /// Exact and separable, like a distance transform (Felzenszwalb & Huttenlocher 2012): of the points in a row
 /// along x, only the K nearest along x can be among the K nearest of any voxel of that row, and so on for y
-/// and z. So each axis is one pass that merges the lists of a line, outward from the voxel until nothing can
-/// be nearer. All passes run for a few x before the next: the lists of the whole block would take 375 MB at
-/// 250 voxels a side.
+/// and z. Each axis is one pass that merges the lists of a line, outward from the voxel until nothing can be
+/// nearer. All passes run for a few x before the next: the lists of the whole block would take 375 MB at 250
+/// voxels a side.
 pub(super) fn sums_of_nearest<const K: usize>(
     block: &VoxelBlock,
     points: &[usize],
@@ -57,7 +57,7 @@ struct Slab<'a, const K: usize> {
     n_x: usize,
     n_y: usize,
     n_z: usize,
-    /// The points of each row along x that has some, by index in the block.
+    /// The points of each non-empty row along x, by index in the block.
     rows: &'a [&'a [usize]],
 }
 
@@ -126,7 +126,7 @@ impl<const K: usize> Slab<'_, K> {
     }
 }
 
-/// Merges lists along a line into those of the voxels at one place of it. The list of `places[i]`, which
+/// Merges lists along a line into those of the voxels at one place on it. The list of `places[i]`, which
 /// increase, is `lists[i * stride]`.
 #[inline(always)]
 fn merge_line<const K: usize>(
@@ -155,8 +155,8 @@ fn merge_line<const K: usize>(
     }
 }
 
-/// The lists of a voxel before any point is known, one step along a line from one of these lists: its K
-/// nearest points are not farther than theirs and the step together, so nothing beyond is ever inserted.
+/// The initial lists of a voxel, one step along a line from one of these lists. Its K nearest points are at
+/// most as far as theirs plus the step, so nothing beyond is ever inserted.
 #[inline(always)]
 fn next_lists<const K: usize>(nearest: &Lists<K>) -> Lists<K> {
     let limit = nearest[K - 1].map(|d| (d + 2 + (2.0 * (d as f32).sqrt()) as i32 + 1).min(FAR_SQ as i32));

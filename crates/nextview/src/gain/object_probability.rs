@@ -10,8 +10,8 @@ const ALPHA: f64 = 0.1;
 /// the distances d to its K = 6 nearest frontier voxels, product of exp(-(alpha d)^2). Zero for measured
 /// voxels.
 ///
-/// With fewer than six frontier voxels the product runs over those there are. Without any, the result is 1 if
-/// nothing of the object has been seen, since every unknown voxel may belong to it, and otherwise 0, since
+/// With fewer than six frontier voxels, the product is over those available. Without any, the result is 1 if
+/// no part of the object has been seen, since every unknown voxel may belong to it, and otherwise 0, since
 /// its measured surface is closed.
 ///
 /// Fails if `cancel` is set.
@@ -23,7 +23,7 @@ pub fn object_probability(
     from_nearest::<6>(snapshot, frontier, cancel)
 }
 
-/// The same from the K nearest frontier voxels; the paper's K is 6 (section III.A), APORA's 1.
+/// Returns P(obj) from the K nearest frontier voxels; the paper's K is 6 (section III.A), APORA's 1.
 pub(super) fn from_nearest<const K: usize>(
     snapshot: &Snapshot,
     frontier: &[usize],
@@ -39,7 +39,7 @@ pub(super) fn from_nearest<const K: usize>(
     points.sort_unstable();
     points.dedup();
     let sums = sums_of_nearest::<K>(&snapshot.block(), &points, is_unknown, cancel)?;
-    // Missing voxels count in the sums like far ones.
+    // Missing voxels count in the sums as far ones.
     let missing = K.saturating_sub(points.len()) as u32 * FAR_SQ;
     let largest = sums.iter().max().map_or(0, |&sum| sum.saturating_sub(missing).min(FAR_SQ));
     // Sums are few, and each exponential takes as long as ten reads.

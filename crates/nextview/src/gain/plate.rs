@@ -11,13 +11,13 @@ use std::collections::BTreeSet;
 /// Metres.
 pub const VOXEL: f64 = 0.01;
 
-/// A camera this many degrees beside the normal of a plate across the box.
+/// A camera at this angle, degrees, to the normal of a plate across the box.
 pub fn beside(degrees: f64) -> Pose {
     let (sin, cos) = degrees.to_radians().sin_cos();
     look_at(DVec3::new(cos, sin, 0.0) * 0.4, DVec3::ZERO).unwrap()
 }
 
-/// The plate's voxels are those of x = 0; in front of it (+x) all is free.
+/// A snapshot of the plate, which fills x = 0; in front of it (+x) all is free.
 pub fn plate() -> Snapshot {
     let block = VoxelBlock::new(IVec3::splat(-8), UVec3::splat(16)).unwrap();
     Snapshot::from_fn(Lattice::new(VOXEL).unwrap(), block, |key| match key.x {

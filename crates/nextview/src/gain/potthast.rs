@@ -9,16 +9,16 @@ use crate::{Cancel, Cancelled};
 /// 15): the entropy that a view is expected to remove, nats, by a hidden Markov model along each ray.
 ///
 /// The model follows two beliefs from voxel to voxel: v, that the camera still sees, and o, that the voxel is
-/// occupied after it was observed. Where v falls, o comes back to the occupancy p of the map, so that hidden
-/// voxels gain nothing, without a rule for when a voxel is hidden.
+/// occupied after it was observed. Where v falls, o returns to the occupancy p of the map. Hidden voxels thus
+/// gain nothing, without a rule for when a voxel is hidden.
 ///
-/// Voxels are counted from where the ray enters the box, since the map has none before, and both decays are
-/// per metre: those of the publication in voxels of 1 cm, whatever the voxel size. A ray ends at the first
-/// occupied voxel, which eqs. (6) and (7) alone would hardly make it do. The Markov random field by which the
+/// Voxels are counted from where the ray enters the box, since the map has none before. Both decays are per
+/// metre: those of the publication in voxels of 1 cm, whatever the voxel size. A ray ends at the first
+/// occupied voxel; eqs. (6) and (7) alone would hardly end it. The Markov random field by which the
 /// publication fills in missing points is not part of the gain.
 #[derive(Clone, Debug)]
 pub struct Potthast {
-    /// P(occupied) of every voxel, within [`MARGIN`] of neither 0 nor 1.
+    /// P(occupied) of every voxel, at least [`MARGIN`] away from 0 and 1.
     occupancy: Vec<f64>,
     entropy: Vec<f64>,
     /// Voxel size in voxels of the publication.
@@ -31,10 +31,10 @@ const DECAY: f64 = 0.999;
 /// Probability that lost sight returns (eq. 10).
 const RETURN: f64 = 1e-8;
 
-/// Edge of the voxels in which the decay is published, metres.
+/// Edge of the voxels for which the decay is published, metres.
 const PUBLISHED_VOXEL_SIZE: f64 = 0.01;
 
-/// A certain voxel could not be changed by any observation.
+/// Margin of P(occupied): no observation could change a certain voxel.
 const MARGIN: f64 = 1e-6;
 
 /// Sight below which a ray ends: the rest of it adds less than a thousandth.

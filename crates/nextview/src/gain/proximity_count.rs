@@ -7,11 +7,11 @@ use crate::visibility::{FreeSpace, Ray, Sight};
 use crate::{Cancel, Cancelled};
 
 /// The proximity count (Isler et al., ICRA 2016): the sum of d_max - d(x) over the unknown x of all rays, in
-/// voxels, where d(x) is the number of voxels by which x lies behind a measured surface, along the ray that
+/// voxels. d(x) is the number of voxels by which x lies behind a measured surface, along the ray that
 /// measured it; an x behind no surface adds 0.
 ///
 /// The smallest d(x) of all rays of all frames counts, and voxels measured since do not hide those behind
-/// them: so d depends on the frames but not on their order. Steps go from face to face, as in the traversal.
+/// them: d depends on the frames but not on their order. Steps go from face to face, as in the traversal.
 /// Without frames, every gain is 0.
 #[derive(Clone, Debug)]
 pub struct ProximityCount {
@@ -20,8 +20,8 @@ pub struct ProximityCount {
 }
 
 impl ProximityCount {
-    /// d_max, voxels. The publication leaves it open. The authors' code follows rays 0.3 m behind the surface
-    /// and takes twice the voxels in that for d_max, which is 60 at its voxels of 1 cm; here rays are
+    /// d_max, voxels; the publication leaves it open. The authors' code follows rays 0.3 m behind the surface
+    /// and sets d_max to twice the number of voxels in that, which is 60 at its voxels of 1 cm. Here rays are
     /// followed until d_max itself. Any value from 5 to 60 planned as well on six scanned objects.
     pub const D_MAX: u16 = 60;
 }

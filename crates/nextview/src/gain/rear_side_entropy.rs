@@ -9,9 +9,8 @@ use crate::{Cancel, Cancelled};
 /// end at an occupied voxel straight after an unknown one, the sum of P(vis_x) H(x) over that occupied voxel
 /// and the unbroken run of unknown voxels before it, nats.
 ///
-/// Rays do not end where they have faded, although visibility is a factor: only the end of a ray decides
-/// whether it counts. The authors' code multiplies P(occupied) into the visibility; here it is
-/// 1 - P(occupied), as published.
+/// Faded rays continue, although visibility is a factor: only the end of a ray decides whether it counts. The
+/// authors' code multiplies P(occupied) into the visibility; here it is 1 - P(occupied), as published.
 #[derive(Clone, Debug)]
 pub struct RearSideEntropy {
     entropy: Vec<f64>,

@@ -6,7 +6,7 @@ use crate::visibility::{FreeSpace, Ray, RayEnd, Sight};
 use crate::{Cancel, Cancelled};
 
 /// Rear side voxel volumetric information (Isler et al., ICRA 2016): the number of rays that reach a known
-/// surface from behind, that is, end at an occupied voxel straight after an unknown one.
+/// surface from behind, ending at an occupied voxel straight after an unknown one.
 ///
 /// A voxel counts once for each ray that ends at it.
 #[derive(Clone, Debug)]

@@ -1,4 +1,4 @@
-//! The known surface that a view shows again, for the gains of second looks.
+//! Known surface that a view shows again, for the gains of second looks.
 
 use crate::geometry::{Lattice, Pose};
 use crate::map::{Occupancy, Snapshot};
@@ -8,7 +8,7 @@ use crate::visibility::{FreeSpace, RayCaster, RayEnd, Sight};
 /// Distance between neighbouring rays at the far side of the box, in voxels.
 const RAY_SPACING: f64 = 2.0;
 
-/// What casts the rays of second looks, for a camera with these optics that measures these depths.
+/// The ray caster for second looks of a camera with these optics and depths.
 pub(super) fn caster<'a>(
     snapshot: &'a Snapshot,
     intrinsics: &Intrinsics,
@@ -19,7 +19,7 @@ pub(super) fn caster<'a>(
     caster.expect("the spacing is positive").within(depth_range)
 }
 
-/// The occupied voxels of the snapshot that a view shows, in increasing order.
+/// Returns the occupied voxels of the snapshot that a view shows, in increasing order.
 pub(super) fn occupied_voxels(caster: &RayCaster<'_>, world_from_camera: &Pose) -> Vec<u32> {
     let mut voxels = Vec::new();
     caster.cast(world_from_camera, |ray| {
@@ -32,8 +32,8 @@ pub(super) fn occupied_voxels(caster: &RayCaster<'_>, world_from_camera: &Pose) 
     voxels
 }
 
-/// Whether gains of second looks are meaningful: surface that was measured in cells of this lattice says
-/// nothing about coarser voxels.
+/// Whether gains of second looks are meaningful: surface measured in cells of this lattice says nothing about
+/// coarser voxels.
 pub(crate) fn is_in_measured_voxels(snapshot: &Snapshot, measured: &Lattice) -> bool {
     snapshot.lattice() == *measured && snapshot.count(Occupancy::Occupied) > 0
 }

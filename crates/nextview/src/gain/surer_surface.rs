@@ -7,14 +7,14 @@ use crate::{Cancel, Cancelled};
 use glam::DVec3;
 use rayon::prelude::*;
 
-/// How much more of the surface that was seen is known to a tolerance after another look, in voxels: over the
-/// occupied voxels that a view shows, the sum of the probability that the error of their surface is below the
-/// tolerance after it, less that before.
+/// The expected increase, in voxels, of surface known to a tolerance after another look. Over the occupied
+/// voxels that a view shows, it sums the probability that the error of their surface is below the tolerance
+/// after the look, less that before.
 ///
-/// What is known of a voxel's surface is the inverse of its variance, and looks add up. Cameras close to each
-/// other share the errors of their calibration and of their poses, so a look counts by the distance between
-/// its direction and the nearest one before it, seen from the voxel: fully from 10 degrees on, and less in
-/// proportion.
+/// The information on a voxel's surface is the inverse of its variance, and looks add up. Cameras close to
+/// each other share errors of calibration and pose. A look therefore counts by the distance between its
+/// direction and the nearest one before it, seen from the voxel: fully from 10 degrees on, and proportionally
+/// less below.
 ///
 /// Rays are two voxels apart: of a surface seen straight on, every fourth voxel is counted.
 #[derive(Debug)]
@@ -22,7 +22,7 @@ pub struct SurerSurface<'a> {
     snapshot: &'a Snapshot,
     caster: RayCaster<'a>,
     error: SurfaceError,
-    /// Pixels.
+    /// Focal length, pixels.
     focal: f64,
     /// Metres.
     tolerance: f64,
@@ -30,13 +30,13 @@ pub struct SurerSurface<'a> {
     known: Vec<Looks>,
 }
 
-/// The distance between the directions of two looks whose errors have nothing in common: 10 degrees.
+/// Distance between the directions of two looks with independent errors: 10 degrees.
 const APART: f64 = 0.1743;
 
-/// Depths of a voxel's surface differ by at most this many standard deviations, and a voxel, from its middle.
+/// Maximum distance in depth of a voxel's surface from its middle, in standard deviations, plus a voxel.
 const SPREAD: f64 = 3.0;
 
-/// Square metres: a camera without any error is still one of a nanometre.
+/// Square metres: a camera without any error counts as one with an error of a nanometre.
 const LEAST_VARIANCE: f64 = 1e-18;
 
 /// The looks at a voxel.
@@ -49,8 +49,8 @@ struct Looks {
 }
 
 impl<'a> SurerSurface<'a> {
-    /// The gain after these frames, for a camera with this error, these optics and depths. The tolerance is
-    /// in metres, positive.
+    /// Creates the gain after these frames, for a camera with this error, these optics and depths. The
+    /// tolerance is in metres, positive.
     ///
     /// Fails if `cancel` is set.
     pub fn new(
@@ -76,14 +76,14 @@ impl<'a> SurerSurface<'a> {
         Ok(gain)
     }
 
-    /// The number of voxels that were seen and whose surface is not within the tolerance, as expected: no
-    /// number of views gains more.
+    /// Returns the expected number of seen voxels whose surface is not within the tolerance: an upper bound
+    /// on the gain of any number of views.
     pub fn unsure(&self) -> f64 {
         let is_seen = |looks: &&Looks| !looks.directions.is_empty();
         self.known.iter().filter(is_seen).map(|looks| 1.0 - self.share(looks.information)).sum()
     }
 
-    /// The gain of a view, in voxels.
+    /// Returns the gain of a view, in voxels.
     pub fn gain(&self, world_from_camera: &Pose) -> f64 {
         let from_world = world_from_camera.inverse();
         let of_voxel = |voxel: u32| {
@@ -119,7 +119,7 @@ impl<'a> SurerSurface<'a> {
         self.snapshot.lattice().center(self.snapshot.block().key(voxel))
     }
 
-    /// Inverse variance of a look from this depth, 1/m^2: of the mean of the pixels that show the voxel.
+    /// Inverse variance of a look from this depth, 1/m^2: that of the mean of the pixels that show the voxel.
     fn information(&self, depth: f64) -> f64 {
         let n = (self.snapshot.lattice().voxel_size() * self.focal / depth).powi(2);
         1.0 / self.error.of_look(self.error.of_pixel(depth, 1.0, self.focal), n).max(LEAST_VARIANCE)
@@ -132,7 +132,7 @@ impl<'a> SurerSurface<'a> {
 }
 
 impl Looks {
-    /// How much a look from this direction has of its own, 0..=1.
+    /// Independent share, 0..=1, of a look from this direction.
     fn apart(&self, direction: DVec3) -> f64 {
         let distances = self.directions.iter().map(|other| other.distance(direction));
         distances.fold(APART, f64::min) / APART

@@ -24,7 +24,7 @@ impl Aabb {
     /// All of space.
     pub const EVERYWHERE: Self = Self { min: DVec3::NEG_INFINITY, max: DVec3::INFINITY };
 
-    /// Fails if a corner is NaN or the lowest corner is above the highest on any axis.
+    /// Fails if a corner is NaN or `min` is above `max` on any axis.
     pub fn check(&self) -> Result<(), Error> {
         if self.min.cmple(self.max).all() {
             return Ok(());
@@ -32,12 +32,12 @@ impl Aabb {
         Err(Error::invalid("box", format!("{} to {}", self.min, self.max), "the lowest corner first"))
     }
 
-    /// The cube around `center` whose faces are `half` metres away.
+    /// Returns the cube around `center` with half-side `half`, metres.
     pub fn cube(center: DVec3, half: f64) -> Self {
         Self { min: center - DVec3::splat(half), max: center + DVec3::splat(half) }
     }
 
-    /// The smallest box around the points; none without points.
+    /// Returns the bounding box of the points; `None` without points.
     pub fn around(points: impl IntoIterator<Item = DVec3>) -> Option<Self> {
         points
             .into_iter()
@@ -45,17 +45,17 @@ impl Aabb {
             .reduce(|a, b| Self { min: a.min.min(b.min), max: a.max.max(b.max) })
     }
 
-    /// The middle of the box.
+    /// Returns the centre of the box.
     pub fn center(&self) -> DVec3 {
         0.5 * (self.min + self.max)
     }
 
-    /// Edge lengths in metres.
+    /// Returns the edge lengths in metres.
     pub fn size(&self) -> DVec3 {
         self.max - self.min
     }
 
-    /// The longest edge in metres.
+    /// Returns the longest edge in metres.
     pub fn longest_side(&self) -> f64 {
         self.size().max_element()
     }
@@ -65,17 +65,17 @@ impl Aabb {
         point.cmpge(self.min).all() && point.cmple(self.max).all()
     }
 
-    /// Squared distance of a point from the box, 0 inside.
+    /// Returns the squared distance of a point from the box, 0 inside.
     pub(crate) fn distance_squared(&self, point: DVec3) -> f64 {
         (self.min - point).max(point - self.max).max(DVec3::ZERO).length_squared()
     }
 
-    /// How far the box reaches along a direction, times the direction's length.
+    /// Returns the largest dot product of the direction with a point of the box.
     pub(crate) fn most_along(&self, direction: DVec3) -> f64 {
         (self.min * direction).max(self.max * direction).element_sum()
     }
 
-    /// The eight corners, x varying fastest.
+    /// Returns the eight corners, x varying fastest.
     pub fn corners(&self) -> [DVec3; 8] {
         std::array::from_fn(|i| {
             let pick = |bit: usize, low: f64, high: f64| if i >> bit & 1 == 0 { low } else { high };
@@ -87,8 +87,9 @@ impl Aabb {
         })
     }
 
-    /// The part `t_in..=t_out` of the line `origin + t * direction`, restricted to `0..=t_max`, that lies in
-    /// the box; none if the line misses it. A line parallel to a face and inside the slab counts as inside.
+    /// Returns the part `t_in..=t_out` of the line `origin + t * direction`, restricted to `0..=t_max`, that
+    /// lies in the box; `None` if it misses the box. A line parallel to a face and inside the slab counts as
+    /// inside.
     pub fn clip(&self, origin: DVec3, direction: DVec3, t_max: f64) -> Option<(f64, f64)> {
         let (mut t_in, mut t_out) = (0.0_f64, t_max);
         for axis in 0..3 {

@@ -5,14 +5,14 @@ use glam::{IVec3, Vec3};
 #[derive(Clone, Debug)]
 pub(crate) struct BoxCount {
     block: VoxelBlock,
-    /// By corner of voxels, x fastest: how many marked voxels have lower coordinates in x, y and z.
+    /// By voxel corner, x fastest: the number of marked voxels with lower coordinates in x, y and z.
     sums: Vec<u32>,
     /// Whether voxels outside the block count as marked.
     marks_outside: bool,
 }
 
 impl BoxCount {
-    /// Marks the voxels of these indices, and all or none of those outside the block.
+    /// Builds the table for the voxels marked by index, with all or none of those outside the block marked.
     pub fn new(block: VoxelBlock, marks_outside: bool, is_marked: impl Fn(usize) -> bool) -> Self {
         let [row, slice] = corner_strides(&block);
         let mut sums = vec![0; slice * (block.dims().z as usize + 1)];
@@ -21,7 +21,7 @@ impl BoxCount {
             sums[x + 1 + (y + 1) * row + (z + 1) * slice] = is_marked(voxel) as u32;
         }
         for stride in [1, row, slice] {
-            // The layers of zeros at the lower sides stop each sum.
+            // Layers of zeros at the lower sides end each sum.
             (stride..sums.len()).for_each(|i| {
                 if !is_lower_side(i, row, slice) {
                     sums[i] += sums[i - stride]
@@ -31,7 +31,7 @@ impl BoxCount {
         Self { block, sums, marks_outside }
     }
 
-    /// The marked voxels of the cube around this voxel that reaches `radius` voxels to each side.
+    /// Returns the number of marked voxels in the cube that extends `radius` voxels around this voxel.
     pub fn around(&self, center: VoxelKey, radius: i32) -> u32 {
         let (low, high) = (center - radius - self.block.min(), center + radius + 1 - self.block.min());
         let dims = self.block.dims().as_ivec3();
@@ -43,7 +43,7 @@ impl BoxCount {
         inside + ((high - low).element_product() - (b - a).element_product()) as u32
     }
 
-    /// How the count around a voxel changes along x, y and z, over two voxels each.
+    /// Returns the change of the count around a voxel along x, y and z, over two voxels each.
     pub fn gradient(&self, center: VoxelKey, radius: i32) -> Vec3 {
         let along = |axis: IVec3| {
             self.around(center + axis, radius) as f32 - self.around(center - axis, radius) as f32
@@ -51,7 +51,7 @@ impl BoxCount {
         Vec3::new(along(IVec3::X), along(IVec3::Y), along(IVec3::Z))
     }
 
-    /// The marked voxels between two corners, counted from the lowest corner of the block.
+    /// Returns the number of marked voxels between two corners, relative to the block's lowest corner.
     fn between(&self, a: IVec3, b: IVec3) -> u32 {
         let [row, slice] = corner_strides(&self.block);
         let sum = |x: i32, y: i32, z: i32| self.sums[x as usize + y as usize * row + z as usize * slice];
@@ -61,7 +61,7 @@ impl BoxCount {
     }
 }
 
-/// How far the index of a corner moves per step along y and z.
+/// Returns the index strides of a corner along y and z.
 fn corner_strides(block: &VoxelBlock) -> [usize; 2] {
     let row = block.dims().x as usize + 1;
     [row, row * (block.dims().y as usize + 1)]

@@ -3,33 +3,33 @@ use crate::{Cancel, Cancelled};
 use glam::DVec3;
 use std::array;
 
-/// A part of so many items is not divided further.
+/// Maximum number of items in a leaf.
 const LEAF: usize = 8;
 
-/// Items in halves, and those in halves again, with the boxes around them: a bounding volume hierarchy. An
-/// item is N vectors, of which the first is its position.
+/// A bounding volume hierarchy: items are halved recursively, with boxes around each part. An item is N
+/// vectors; the first is its position.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct BoxTree<const N: usize> {
-    /// Each with its number. Those of a part come after one another.
+    /// Items with their numbers. Those of a part are contiguous.
     items: Vec<([DVec3; N], usize)>,
-    /// The boxes around each of the N vectors in a part. The halves of part i are parts 2 i + 1 and 2 i + 2.
+    /// Bounding boxes of each of the N vectors in a part. The halves of part i are parts 2 i + 1 and 2 i + 2.
     parts: Vec<[Aabb; N]>,
 }
 
-/// What is looked for in a tree.
+/// A search in a tree.
 pub(crate) trait Search<const N: usize> {
-    /// Of two halves, the one with the lower rank is searched first.
+    /// Returns the rank of a part: the half with the lower rank is searched first.
     fn rank(&self, part: &[Aabb; N]) -> f64;
 
-    /// A part is left out if its rank is above this.
+    /// Returns the rank above which a part is skipped.
     fn limit(&self) -> f64;
 
-    /// An item, with its number.
+    /// Receives an item with its number.
     fn offer(&mut self, item: &[DVec3; N], number: usize);
 }
 
 impl<const N: usize> BoxTree<N> {
-    /// A tree of finite items, numbered from 0, unless cancelled.
+    /// Builds a tree of finite items, numbered from 0, unless cancelled.
     pub fn new(items: impl IntoIterator<Item = [DVec3; N]>, cancel: &Cancel) -> Result<Self, Cancelled> {
         let mut tree = Self { items: items.into_iter().zip(0..).collect(), parts: Vec::new() };
         arrange(&mut tree.items, 0, &mut tree.parts, cancel)?;
@@ -41,7 +41,7 @@ impl<const N: usize> BoxTree<N> {
         self.items.is_empty()
     }
 
-    /// Offers the items of all parts that are not left out.
+    /// Offers the items of all parts that are not skipped.
     pub fn search(&self, search: &mut impl Search<N>) {
         self.search_part(&self.items, 0, search);
     }
@@ -65,7 +65,7 @@ impl<const N: usize> BoxTree<N> {
     }
 }
 
-/// Halves the items along the longest side of the box around their positions, and so on.
+/// Halves the items recursively along the longest side of the box around their positions.
 fn arrange<const N: usize>(
     items: &mut [([DVec3; N], usize)],
     part: usize,

@@ -1,9 +1,9 @@
 /// Eigenvalues and eigenvectors of a symmetric matrix.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Eigen<const N: usize> {
-    /// In no order.
+    /// Eigenvalues, in no particular order.
     pub values: [f64; N],
-    /// By eigenvalue, of unit length and orthogonal.
+    /// Eigenvectors in the order of `values`, of unit length and orthogonal.
     pub vectors: [[f64; N]; N],
 }
 
@@ -11,8 +11,8 @@ pub(crate) struct Eigen<const N: usize> {
 const MAX_SWEEPS: usize = 30;
 
 impl<const N: usize> Eigen<N> {
-    /// The cyclic Jacobi method (Golub & Van Loan, Matrix Computations, section 8.5): rotates away one
-    /// element off the diagonal after the other. `a` must be finite and symmetric.
+    /// Computes both by the cyclic Jacobi method (Golub & Van Loan, Matrix Computations, section 8.5):
+    /// eliminates one off-diagonal element after another. `a` must be finite and symmetric.
     pub fn of(mut a: [[f64; N]; N]) -> Self {
         let mut vectors = std::array::from_fn(|i| std::array::from_fn(|j| (i == j) as u8 as f64));
         let pairs = || (0..N).flat_map(|p| (p + 1..N).map(move |q| (p, q)));
@@ -27,13 +27,13 @@ impl<const N: usize> Eigen<N> {
         Self { values: std::array::from_fn(|i| a[i][i]), vectors }
     }
 
-    /// The number of the smallest eigenvalue.
+    /// Returns the index of the smallest eigenvalue.
     pub fn smallest(&self) -> usize {
         (1..N).fold(0, |best, i| if self.values[i] < self.values[best] { i } else { best })
     }
 }
 
-/// Turns the plane of axes `p` and `q` so that `a[p][q]` vanishes. Rows of `vectors` are the axes.
+/// Rotates the plane of axes `p` and `q` so that `a[p][q]` vanishes. Rows of `vectors` are the axes.
 fn rotate<const N: usize>(a: &mut [[f64; N]; N], vectors: &mut [[f64; N]; N], p: usize, q: usize) {
     if a[p][q] == 0.0 {
         return;

@@ -1,27 +1,27 @@
 //! Vector lanes of voxel traversal: a number per segment or ray, and indices of cells in floating-point
 //! registers.
 //!
-//! Everything here is inlined: a function that is not is compiled without vector instructions.
+//! Everything here must be inlined: other functions are compiled without vector instructions.
 
 use pulp::Simd;
 
-/// Number of lanes of the widest instructions.
+/// Number of lanes in the widest instructions.
 pub(crate) const LANES: usize = 8;
 
 /// A number per lane.
 pub(crate) type Lanes = [f64; LANES];
 
 /// The index of cell 0. An index is the number of a cell plus 2^52: the number is then in the low bits, and
-/// steps can be added in the registers of the floating-point numbers.
+/// steps can be added in floating-point registers.
 pub(crate) const FIRST_INDEX: f64 = (1_u64 << 52) as f64;
 
-/// The cell of an index.
+/// Returns the cell of an index.
 #[inline(always)]
 pub(crate) fn cell(index: f64) -> usize {
     index.to_bits() as u32 as usize
 }
 
-/// The register of this number, counted from 0, of all lanes.
+/// Loads register number `part`, from 0, of all lanes.
 #[inline(always)]
 pub(crate) fn load<S: Simd>(lanes: &Lanes, part: usize) -> S::f64s {
     S::as_simd_f64s(lanes).0[part]
@@ -39,14 +39,14 @@ pub(crate) fn any<S: Simd>(simd: S, mask: S::m64s) -> bool {
     simd.reduce_max_f64s(simd.select_f64s(mask, simd.splat_f64s(1.0), simd.splat_f64s(0.0))) > 0.0
 }
 
-/// The nearest whole numbers of numbers from 0 to 2^51; of two, the even one.
+/// Rounds numbers from 0 to 2^51 to the nearest integer, ties to even.
 #[inline(always)]
 pub(crate) fn round<S: Simd>(simd: S, x: S::f64s) -> S::f64s {
     let base = simd.splat_f64s(FIRST_INDEX);
     simd.sub_f64s(simd.add_f64s(x, base), base)
 }
 
-/// The floor of numbers from 0 to 2^51.
+/// Returns the floor of numbers from 0 to 2^51.
 #[inline(always)]
 pub(crate) fn floor<S: Simd>(simd: S, x: S::f64s) -> S::f64s {
     let nearest = round(simd, x);
@@ -54,7 +54,7 @@ pub(crate) fn floor<S: Simd>(simd: S, x: S::f64s) -> S::f64s {
     simd.select_f64s(above, simd.sub_f64s(nearest, simd.splat_f64s(1.0)), nearest)
 }
 
-/// The absolute value; the vector library's own is not always inlined.
+/// Returns the absolute value; the vector library's own function is not always inlined.
 #[inline(always)]
 pub(crate) fn abs<S: Simd>(simd: S, x: S::f64s) -> S::f64s {
     simd.max_f64s(x, simd.sub_f64s(simd.splat_f64s(0.0), x))

@@ -4,10 +4,10 @@ use crate::checked::checked_when_read;
 use glam::{DVec3, IVec3, UVec3};
 use serde::{Deserialize, Serialize};
 
-/// Integer address of a voxel: it covers `key * voxel_size` up to `(key + 1) * voxel_size` on each axis.
+/// Integer address of a voxel: it covers `key * voxel_size` to `(key + 1) * voxel_size` on each axis.
 pub type VoxelKey = IVec3;
 
-/// The regular division of space into cubes of one size, with a corner at the world's origin.
+/// The regular division of space into cubic voxels, with a corner at the world's origin.
 ///
 /// ```
 /// use glam::{DVec3, IVec3};
@@ -27,15 +27,15 @@ pub struct Lattice {
 checked_when_read!(Lattice);
 
 impl Lattice {
-    /// The smallest voxel size, 0.1 mm: below every depth camera's accuracy, and 32-bit keys still span 400
-    /// km.
+    /// The smallest voxel size, 0.1 mm: finer than the accuracy of any depth camera, and 32-bit keys still
+    /// span 400 km.
     pub const MIN_VOXEL_SIZE: f64 = 1e-4;
 
     /// Largest distance of a mapped voxel from the origin, voxels along each axis: 268 km in voxels of 1 mm.
     /// Keys in voxels a quarter as large, such as those of the final mesh, still fit 32 bits.
     pub const REACH: i32 = 1 << 28;
 
-    /// A lattice of cubes with edges of `voxel_size` metres, which must be at least
+    /// Returns the lattice of voxels with edges of `voxel_size` metres, at least
     /// [`MIN_VOXEL_SIZE`](Self::MIN_VOXEL_SIZE) and at most 1e12.
     pub fn new(voxel_size: f64) -> Result<Self, Error> {
         let lattice = Self { voxel_size };
@@ -51,38 +51,38 @@ impl Lattice {
         Err(Error::invalid("voxel_size_m", voxel_size, "a finite length of at least 0.0001 m"))
     }
 
-    /// The lattice of voxels twice as large.
+    /// Returns the lattice of voxels twice as large.
     pub(crate) fn doubled(&self) -> Self {
         Self { voxel_size: 2.0 * self.voxel_size }
     }
 
-    /// Edge of a voxel in metres.
+    /// Returns the edge of a voxel in metres.
     pub fn voxel_size(&self) -> f64 {
         self.voxel_size
     }
 
-    /// A position in units of voxels; its floor is the key.
+    /// Converts a position to units of voxels; its floor is the key.
     pub fn to_voxels(&self, point: DVec3) -> DVec3 {
         point * (1.0 / self.voxel_size)
     }
 
-    /// The voxel that contains the point; the lower face belongs to the voxel.
+    /// Returns the voxel that contains the point; lower faces belong to the voxel.
     pub fn key(&self, point: DVec3) -> VoxelKey {
         self.to_voxels(point).floor().as_ivec3()
     }
 
-    /// The middle of a voxel.
+    /// Returns the centre of a voxel.
     pub fn center(&self, key: VoxelKey) -> DVec3 {
         (key.as_dvec3() + 0.5) * self.voxel_size
     }
 
-    /// The space that a block of voxels fills.
+    /// Returns the box filled by a block of voxels.
     pub fn bounds(&self, block: &VoxelBlock) -> Aabb {
         let (min, max) = (block.min().as_dvec3(), (block.max() + 1).as_dvec3());
         Aabb { min: min * self.voxel_size, max: max * self.voxel_size }
     }
 
-    /// The lowest and the highest of the voxels whose centres lie in the box (within 1e-6 of a voxel); none
+    /// Returns the lowest and the highest voxel whose centres lie in the box (within 1e-6 of a voxel); `None`
     /// if there are none, or if they are beyond [`REACH`](Self::REACH).
     pub fn keys_inside(&self, aabb: &Aabb) -> Option<(VoxelKey, VoxelKey)> {
         let low = (self.to_voxels(aabb.min) - 0.5 - 1e-6).ceil();
@@ -92,16 +92,16 @@ impl Lattice {
         is_there.all().then(|| (low.as_ivec3(), high.as_ivec3()))
     }
 
-    /// The block of voxels whose centres lie in the box (within 1e-6 of a voxel); none if there are none, or
-    /// too many or too far away for a [block](VoxelBlock::new).
+    /// Returns the block of voxels whose centres lie in the box (within 1e-6 of a voxel); `None` if there are
+    /// none, or too many or too far away for a [block](VoxelBlock::new).
     pub fn block_inside(&self, aabb: &Aabb) -> Option<VoxelBlock> {
         let (low, high) = self.keys_inside(aabb)?;
         VoxelBlock::new(low, (high - low + 1).as_uvec3())
     }
 }
 
-/// A voxel from which those between two, both included, are at most 32,768 away along each axis if they span
-/// 65,536 or less: the lattice's origin where that is one, or else the voxel in their middle.
+/// Returns a voxel at most 32,768 along each axis from all voxels between two, both included, if they span
+/// 65,536 or less: the lattice's origin if possible, otherwise the voxel in their middle.
 ///
 /// Relative to it, keys fit the 16 bits of an OctoMap and are exact in single precision.
 pub(crate) fn local_origin(min: VoxelKey, max: VoxelKey) -> VoxelKey {
@@ -117,14 +117,15 @@ pub struct VoxelBlock {
 }
 
 impl VoxelBlock {
-    /// Maximum number of voxels of a block: their indices, and those of a layer around it, fit 32 bits.
+    /// Maximum number of voxels of a block: its indices, and those of a layer around it, fit 32 bits.
     pub const MOST_VOXELS: usize = 1 << 29;
 
-    /// Maximum number of voxels along an axis, that of an OctoMap.
+    /// Maximum number of voxels along an axis, as in an OctoMap.
     const MOST_ALONG: u32 = 1 << 16;
 
-    /// The block of `dims` voxels from `min` on; none if it is empty, has more than 65,536 voxels along an
-    /// axis or more than [`MOST_VOXELS`](Self::MOST_VOXELS), or begins beyond 2^30 voxels from the origin.
+    /// Returns the block of `dims` voxels from `min` on; `None` if it is empty, has more than 65,536 voxels
+    /// along an axis or more than [`MOST_VOXELS`](Self::MOST_VOXELS), or begins beyond 2^30 voxels from the
+    /// origin.
     pub fn new(min: VoxelKey, dims: UVec3) -> Option<Self> {
         let is_near = min.cmpge(IVec3::splat(-(1 << 30))).all() && min.cmple(IVec3::splat(1 << 30)).all();
         let is_small = dims.min_element() > 0 && dims.max_element() <= Self::MOST_ALONG;
@@ -132,62 +133,62 @@ impl VoxelBlock {
         (is_near && is_small && block.n_voxels() <= Self::MOST_VOXELS).then_some(block)
     }
 
-    /// The voxel near the block from which its coordinates are exact in single precision.
+    /// Returns a voxel near the block, relative to which its coordinates are exact in single precision.
     pub(crate) fn local_origin(&self) -> VoxelKey {
         local_origin(self.min, self.max())
     }
 
-    /// The block with its keys relative to that voxel.
+    /// Returns the block with its keys relative to the local origin.
     pub(crate) fn localized(&self) -> Self {
         Self { min: self.min - self.local_origin(), ..*self }
     }
 
-    /// The block with a layer of voxels around it.
+    /// Returns the block with a layer of voxels around it.
     pub(crate) fn padded(&self) -> Self {
         Self { min: self.min - 1, dims: self.dims + 2 }
     }
 
-    /// The voxel with the lowest coordinates.
+    /// Returns the voxel with the lowest coordinates.
     pub fn min(&self) -> VoxelKey {
         self.min
     }
 
-    /// The voxel with the highest coordinates.
+    /// Returns the voxel with the highest coordinates.
     pub fn max(&self) -> VoxelKey {
         self.min + self.dims.as_ivec3() - 1
     }
 
-    /// Number of voxels along x, y and z; all positive.
+    /// Returns the number of voxels along x, y and z; all positive.
     pub fn dims(&self) -> UVec3 {
         self.dims
     }
 
-    /// Number of voxels.
+    /// Returns the number of voxels.
     pub fn n_voxels(&self) -> usize {
         self.dims.x as usize * self.dims.y as usize * self.dims.z as usize
     }
 
-    /// How far the index moves per step along x, y and z.
+    /// Returns the index strides along x, y and z.
     pub fn strides(&self) -> [usize; 3] {
         [1, self.dims.x as usize, self.dims.x as usize * self.dims.y as usize]
     }
 
-    /// The index of a voxel; none if it lies outside.
+    /// Returns the index of a voxel; `None` if it lies outside.
     pub fn index(&self, key: VoxelKey) -> Option<usize> {
-        // A difference that does not fit wraps to one that is outside, too.
+        // A difference that overflows wraps to one that is also outside.
         let local = key.wrapping_sub(self.min);
         let inside = local.cmpge(IVec3::ZERO).all() && local.cmplt(self.dims.as_ivec3()).all();
         inside.then(|| self.index_of_local(local))
     }
 
-    /// The voxel with this index, which must be below [`n_voxels`](Self::n_voxels).
+    /// Returns the voxel with this index, which must be below [`n_voxels`](Self::n_voxels).
     pub fn key(&self, index: usize) -> VoxelKey {
         let [_, row, slice] = self.strides();
         self.min + IVec3::new((index % row) as i32, (index % slice / row) as i32, (index / slice) as i32)
     }
 
-    /// The indices of the voxels that touch this one by a face, an edge or a corner (26 inside the block,
-    /// fewer at its border), in increasing order.
+    /// Returns the indices of the voxels that share a face, edge or corner with this one (26 inside the
+    /// block, fewer at its border), in increasing order.
     pub fn neighbors(&self, index: usize) -> impl Iterator<Item = usize> + use<> {
         let block = *self;
         let local = block.key(index) - block.min;

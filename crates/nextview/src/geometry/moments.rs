@@ -2,12 +2,12 @@ use super::eigen::Eigen;
 use glam::{DMat3, DVec3};
 use std::ops::Add;
 
-/// Largest variance across the plane through some points, as a share of the second largest variance along it.
-/// Of a full disc the latter is a quarter of the squared radius, so the disc may be half as thick as it is
-/// wide: anything thicker is an edge or a wire, which a plane describes badly.
+/// Largest variance across a fitted plane, as a share of the smaller variance along it. For a full disc, the
+/// latter is a quarter of the squared radius, so the disc may be half as thick as it is wide: anything
+/// thicker is an edge or a wire, not a plane.
 const MOST_THICKNESS: f64 = 0.2;
 
-/// Sums over points, to which a plane is fitted.
+/// Sums over points, for fitting a plane.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Moments {
     /// Number of points.
@@ -21,14 +21,14 @@ impl Moments {
     /// The sums over no points.
     pub const NONE: Self = Self { n: 0.0, sum: DVec3::ZERO, squares: DMat3::ZERO };
 
-    /// The sums over one point.
+    /// Returns the sums over one point.
     pub fn of(point: DVec3) -> Self {
         let squares = DMat3::from_cols(point * point.x, point * point.y, point * point.z);
         Self { n: 1.0, sum: point, squares }
     }
 
-    /// The normal, of either sign, of the plane of least squared distances (principal components, Hoppe et
-    /// al. 1992); none if the points do not form a plane. There must be at least one point.
+    /// Returns the normal, of either sign, of the least-squares plane (principal components, Hoppe et al.
+    /// 1992); `None` if the points do not form a plane. There must be at least one point.
     pub fn normal(&self) -> Option<DVec3> {
         let eigen = self.principal_axes();
         let across = eigen.smallest();
@@ -37,13 +37,13 @@ impl Moments {
         (along > 0.0 && eigen.values[across] <= MOST_THICKNESS * along).then_some(normal)
     }
 
-    /// The direction of least variance, of either sign, whatever the points form. There must be at least one.
+    /// Returns the direction of least variance, of either sign. There must be at least one point.
     pub fn least_axis(&self) -> DVec3 {
         let eigen = self.principal_axes();
         DVec3::from_array(eigen.vectors[eigen.smallest()])
     }
 
-    /// The variances along the principal axes, and these.
+    /// Returns the principal axes and the variances along them.
     fn principal_axes(&self) -> Eigen<3> {
         let mean = self.sum / self.n;
         let outer = DMat3::from_cols(mean * mean.x, mean * mean.y, mean * mean.z);

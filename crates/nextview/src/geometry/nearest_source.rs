@@ -1,8 +1,8 @@
 use super::VoxelBlock;
 
-/// For every voxel of a block the nearest of some voxels, the sources: a distance transform.
+/// A distance transform: the nearest of some source voxels for every voxel of a block.
 ///
-/// Exact, in time proportional to the number of voxels: Felzenszwalb & Huttenlocher 2012 in whole numbers.
+/// Exact, in time proportional to the number of voxels: Felzenszwalb & Huttenlocher 2012 in integers.
 #[derive(Clone, Debug)]
 pub(crate) struct NearestSource {
     nearest: Vec<Nearest>,
@@ -11,9 +11,9 @@ pub(crate) struct NearestSource {
 /// The nearest source of a voxel.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Nearest {
-    /// Squared distance between the centres, in voxels; [`NONE`](Self::NONE) where there is no source at all.
+    /// Squared distance between the centres, in voxels; [`NONE`](Self::NONE) without any source.
     pub squared: u32,
-    /// Its index in the block: one of those at this distance, always the same.
+    /// Its index in the block; ties are resolved deterministically.
     pub source: u32,
 }
 
@@ -22,7 +22,7 @@ impl Nearest {
 }
 
 impl NearestSource {
-    /// The sources are the voxels of these indices.
+    /// Computes the transform; the sources are given by index.
     pub fn new(block: &VoxelBlock, is_source: impl Fn(usize) -> bool) -> Self {
         let at = |index: usize| Nearest {
             squared: if is_source(index) { 0 } else { Nearest::NONE },
@@ -37,23 +37,24 @@ impl NearestSource {
         Self { nearest }
     }
 
-    /// The nearest source of a voxel.
+    /// Returns the nearest source of a voxel.
     pub fn of(&self, voxel: usize) -> Nearest {
         self.nearest[voxel]
     }
 }
 
-/// Room for one line of voxels along an axis.
+/// Buffers for one line of voxels along an axis.
 #[derive(Default)]
 struct Line {
-    /// The line as it was.
+    /// A copy of the line.
     before: Vec<Nearest>,
-    /// The places whose parabolas form the lower envelope, each with the place from which it is the lowest.
+    /// The positions whose parabolas form the lower envelope, each with the position from which it is the
+    /// lowest.
     envelope: Vec<(usize, i64)>,
 }
 
 impl Line {
-    /// Takes the sources of the other voxels of the line into account.
+    /// Updates each voxel from the sources of the others in its line.
     fn relax(&mut self, nearest: &mut [Nearest], stride: usize, length: usize) {
         self.before.clear();
         self.before.extend((0..length).map(|place| nearest[place * stride]));
@@ -92,7 +93,8 @@ impl Line {
     }
 }
 
-/// The first place where the parabola at `place` is lower than that at `other`, which lies before it.
+/// Returns the first position where the parabola at `place` is lower than that at `other`, which lies before
+/// it.
 fn first_below(place: i64, height: u32, other: i64, other_height: u32) -> i64 {
     let difference = place * place - other * other + height as i64 - other_height as i64;
     difference.div_euclid(2 * (place - other)) + 1

@@ -4,7 +4,7 @@ use crate::geometry::Pose;
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
 
-/// A plane with an upper side, the one its normal points to.
+/// A plane with an upper side, given by its normal.
 ///
 /// ```
 /// use glam::DVec3;
@@ -28,7 +28,7 @@ pub struct Plane {
 checked_when_read!(Plane);
 
 impl Plane {
-    /// The plane through `point` (metres) with this normal, of any length but zero.
+    /// Returns the plane through `point` (metres) with this normal, of any nonzero length.
     pub fn new(normal: DVec3, point: DVec3) -> Result<Self, Error> {
         let unit = normal.try_normalize().filter(|_| point.is_finite());
         let normal = unit.ok_or_else(|| {
@@ -41,13 +41,12 @@ impl Plane {
         Ok(Self { normal, offset: normal.dot(point) })
     }
 
-    /// `normal . p` of its points, metres.
+    /// Returns `normal . p` of its points, metres.
     pub fn offset(&self) -> f64 {
         self.offset
     }
 
-    /// The horizontal plane at this height, metres, with its upper side up; fails unless the height is
-    /// finite.
+    /// Returns the horizontal plane at this height, metres, upper side up. Fails unless the height is finite.
     pub fn horizontal(z: f64) -> Result<Self, Error> {
         Self::new(DVec3::Z, DVec3::Z * z)
     }
@@ -62,23 +61,23 @@ impl Plane {
         Ok(())
     }
 
-    /// The normal, of unit length.
+    /// Returns the normal, of unit length.
     pub fn normal(&self) -> DVec3 {
         self.normal
     }
 
-    /// How far a point is above the plane, metres; negative below.
+    /// Returns the height of a point above the plane, metres; negative below.
     pub fn height(&self, point: DVec3) -> f64 {
         self.normal.dot(point) - self.offset
     }
 
-    /// The same plane in another frame.
+    /// Returns the plane in another frame.
     pub fn moved(&self, pose: &Pose) -> Self {
         let normal = pose.rotation() * self.normal;
         Self { normal, offset: self.offset + normal.dot(pose.translation()) }
     }
 
-    /// The parallel plane `distance` metres above.
+    /// Returns the parallel plane `distance` metres above.
     pub fn raised(&self, distance: f64) -> Self {
         Self { normal: self.normal, offset: self.offset + distance }
     }

@@ -3,37 +3,36 @@ use super::random::Random;
 use crate::{Cancel, Cancelled};
 use glam::{DMat2, DVec2, DVec3};
 
-/// Distance, metres, within which a point belongs to a plane: several times the noise of a depth camera that
-/// views a table nearby.
+/// Distance, metres, within which a point belongs to a plane: several times the noise of a depth camera near
+/// a table.
 const INLIER_DISTANCE: f64 = 0.005;
-/// The same for the last fit, as a share: it then includes fewer points of things on the table that would
-/// tilt it.
+/// Inlier distance of the last fit, as a share: it then includes fewer points of things on the table, which
+/// would tilt it.
 const CLOSE_SHARE: f64 = 0.4;
-/// Points at most so far away from the plane are noise whose deviation is known, as a share of that distance:
-/// a normal distribution that is cut off at twice its deviation has 0.44, a uniform one, which is how far
-/// larger noise looks, 0.58.
+/// Largest deviation of inliers, as a share of the inlier distance, that can be trusted: a normal
+/// distribution cut off at twice its deviation has 0.44; a uniform one, the appearance of far larger noise,
+/// has 0.58.
 const LARGEST_DEVIATION: f64 = 0.45;
-/// From the first distance on, it is doubled so often where the noise is larger: up to 4 cm, which is the
-/// noise of a stereo camera at two or three metres.
+/// Number of inlier distances tried, each twice the last, for larger noise: up to 4 cm, the noise of a stereo
+/// camera at two or three metres.
 const N_DISTANCES: u32 = 4;
 /// Number of points on which planes are tested, evenly drawn from all.
 const N_TRIED: usize = 4000;
-/// Number of triples drawn. A plane that holds a twentieth of the points is then found with a probability of
-/// 92 %, one that holds a tenth almost certainly.
+/// Number of triples drawn. A plane with a twentieth of the points is then found with a probability of 92 %,
+/// one with a tenth almost certainly.
 const N_DRAWS: usize = 20_000;
-/// The same where most points are known to lie on the plane: a plane that holds a third of them is found
-/// almost certainly.
+/// Number of triples drawn if most points are known to lie on the plane: a plane with a third of them is
+/// found almost certainly.
 const N_DRAWS_NEAR: usize = 300;
-/// Tilt, degrees, at which a point of a plane counts half: a plane through the top of an object or its side
-/// may hold more points than a table that is seen at a grazing angle, but the world's z axis hardly ever
-/// leans against a table.
+/// Tilt, degrees, at which a plane's points count half: a plane through an object's top or side may hold more
+/// points than a table seen at a grazing angle, but the world's z axis is hardly ever tilted against a table.
 const HALF_WEIGHT_TILT: f64 = 5.0;
-/// Standard deviation of the distance between a table and where it is stated, as a share of the largest that
-/// is possible: poses are hardly ever as wrong as they may be.
+/// Standard deviation of a table's distance from its configured height, as a share of the largest possible
+/// one: pose errors hardly ever reach their limit.
 const USUAL_SHARE: f64 = 0.2;
 /// Cosine of 3 degrees.
 const ALIKE: f64 = 0.998_629_534_754_573_9;
-/// Share of the points that a plane must hold.
+/// Minimum share of the points that a plane must hold.
 const LEAST_SHARE: f64 = 0.05;
 /// Cosine of the largest tilt, 30 degrees.
 const LEAST_UP: f64 = 0.866_025_403_784_438_6;
@@ -41,24 +40,23 @@ const LEAST_UP: f64 = 0.866_025_403_784_438_6;
 /// A plane fitted to points.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PlaneFit {
-    /// The plane, its upper side up.
+    /// The plane, upper side up.
     pub plane: Plane,
-    /// Root of the mean squared distance of its points, metres.
+    /// Root mean square distance of its points, metres.
     pub deviation: f64,
 }
 
-/// The plane that holds most points (metres), among those that lean by less than 30 degrees from the
-/// horizontal and lie below `viewpoint`: a table, not a wall and not the ceiling. The points of a plane that
-/// leans by 5 degrees count half, those of one that leans by 10 a fifth. None if no such plane holds a
-/// twentieth of the points.
+/// Finds the plane that holds most points (metres) below `viewpoint` and within 30 degrees of the horizontal:
+/// a table, not a wall or the ceiling. The points of a plane tilted by 5 degrees count half, by 10 degrees a
+/// fifth. `None` if no such plane holds a twentieth of the points.
 ///
 /// RANSAC (Fischler & Bolles 1981) with fixed draws, then least squares over the points within 5 and then 2
-/// mm; within up to 40 and 16 mm where points are as noisy as that.
+/// mm; within up to 40 and 16 mm for noisier points.
 pub fn fit_ground(points: &[DVec3], viewpoint: DVec3) -> Option<PlaneFit> {
     fit_ground_unless(points, viewpoint, &Cancel::default()).expect("nobody cancels")
 }
 
-/// [`fit_ground`], unless cancelled.
+/// As [`fit_ground`], unless cancelled.
 pub(crate) fn fit_ground_unless(
     points: &[DVec3],
     viewpoint: DVec3,
@@ -67,15 +65,15 @@ pub(crate) fn fit_ground_unless(
     fit(points, viewpoint, &Expected { normal: DVec3::Z, stated: None }, N_DRAWS, cancel)
 }
 
-/// The same for the points at most `distance` metres from a rough estimate of the plane; none if the result
-/// is tilted against the estimate by more than 3 degrees. Tilts count against the estimate, too.
+/// As [`fit_ground`], for the points within `distance` metres of a rough estimate of the plane; `None` if the
+/// result is tilted against the estimate by more than 3 degrees. Tilts are relative to the estimate.
 pub fn fit_ground_near(rough: Plane, distance: f64, points: &[DVec3], viewpoint: DVec3) -> Option<PlaneFit> {
     fit_near(rough, distance, points, viewpoint, None)
 }
 
-/// The same where the plane is stated, and poses are at most `distance` metres off. A plane that is nearer to
-/// the stated one may win although it holds a few times fewer points: otherwise, the flat top of an object
-/// that fills the image is taken for the table.
+/// As [`fit_ground_near`], for a configured plane and poses at most `distance` metres off. A plane nearer to
+/// the configured one may win with a few times fewer points: otherwise, the flat top of an object that fills
+/// the image would pass for the table.
 pub(crate) fn fit_ground_stated(
     stated: Plane,
     distance: f64,
@@ -99,10 +97,10 @@ fn fit_near(
     (found.plane.normal().dot(rough.normal()) >= ALIKE).then_some(found)
 }
 
-/// What is known of a plane beforehand.
+/// Prior knowledge of a plane.
 struct Expected {
     normal: DVec3,
-    /// Where it is, and the standard deviation of that, metres.
+    /// The configured plane, and the standard deviation of its position, metres.
     stated: Option<(Plane, f64)>,
 }
 
@@ -120,8 +118,8 @@ fn fit(
     Ok(refined(points, plane))
 }
 
-/// The plane near this one that fits the points best, as far from them as they are noisy; none if there are
-/// none.
+/// Returns the plane near this one that fits the points best, with an inlier distance that matches their
+/// noise; `None` without inliers.
 fn refined(points: &[DVec3], mut plane: Plane) -> Option<PlaneFit> {
     let mut deviation = None;
     for distance in (0..N_DISTANCES).map(|i| INLIER_DISTANCE * f64::from(1 << i)) {
@@ -136,8 +134,8 @@ fn refined(points: &[DVec3], mut plane: Plane) -> Option<PlaneFit> {
     deviation.map(|deviation| PlaneFit { plane, deviation })
 }
 
-/// Of the planes through three drawn points that hold enough of all, the one whose points weigh most, and
-/// their weight.
+/// Returns the plane of greatest weight among those through three drawn points that hold enough of all, and
+/// its weight.
 fn likeliest_plane(
     points: &[DVec3],
     viewpoint: DVec3,
@@ -162,8 +160,8 @@ fn likeliest_plane(
     Ok(likeliest)
 }
 
-/// The number of points near a plane, less the more it is tilted and the farther it is from where it is
-/// stated; none if they are too few.
+/// Returns the number of points near a plane, reduced by its tilt and its distance from the configured plane;
+/// `None` if there are too few.
 fn weight(points: &[DVec3], plane: Plane, expected: &Expected) -> Option<f64> {
     let n = inliers(points, plane, INLIER_DISTANCE).count() as f64;
     if n < LEAST_SHARE * points.len() as f64 {
@@ -187,8 +185,8 @@ fn inliers(points: &[DVec3], plane: Plane, distance: f64) -> impl Iterator<Item 
     points.iter().copied().filter(move |point| plane.height(*point).abs() <= distance)
 }
 
-/// The plane of smallest squared vertical distances to the points near this one; this one if they do not span
-/// a plane.
+/// Returns the plane of least squared vertical distances to the points near this one; this one if they do not
+/// span a plane.
 fn least_squares(points: &[DVec3], plane: Plane, distance: f64) -> Plane {
     let (n, sum) = inliers(points, plane, distance).fold((0, DVec3::ZERO), |(n, sum), p| (n + 1, sum + p));
     let mean = sum / n as f64;
@@ -207,7 +205,7 @@ mod tests {
 
     const EYE: DVec3 = DVec3::new(0.0, -1.0, 1.0);
 
-    /// `n` points of a unit square around the origin, turned about the x axis and moved, with some noise.
+    /// `n` points of a unit square around the origin, rotated about the x axis and moved, with some noise.
     fn square(n: usize, tilt_deg: f64, at: DVec3, random: &mut Random) -> Vec<DVec3> {
         let turn = glam::DQuat::from_rotation_x(tilt_deg.to_radians());
         let mut point = || turn * (random.in_cube() * DVec3::new(0.5, 0.5, 0.001)) + at;
@@ -258,14 +256,14 @@ mod tests {
 
     #[test]
     fn of_a_stated_table_and_the_top_of_a_box_on_it_the_nearer_one_is_the_table() {
-        // A box of 5 cm that fills most of the image, in a pose that is 2 cm off.
+        // A box of 5 cm that fills most of the image, with the pose 2 cm off.
         let mut random = Random::new(5, 0);
         let mut points = square(8000, 0.0, DVec3::Z * 0.03, &mut random);
         points.extend(square(2000, 0.0, DVec3::Z * -0.02, &mut random));
         let stated = Plane::horizontal(0.0).unwrap();
         check_near(fit_ground_stated(stated, 0.05, &points, EYE).unwrap(), 0.0, DVec3::Z * -0.02);
         check_near(fit_ground_near(stated, 0.05, &points, EYE).unwrap(), 0.0, DVec3::Z * 0.03);
-        // A turntable above a table that is no less near.
+        // A turntable above a table at no greater distance.
         let mut points = square(5000, 0.0, DVec3::Z * 0.005, &mut random);
         points.extend(square(5000, 0.0, DVec3::Z * -0.03, &mut random));
         check_near(fit_ground_stated(stated, 0.05, &points, EYE).unwrap(), 0.0, DVec3::Z * 0.005);

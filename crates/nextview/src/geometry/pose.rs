@@ -15,7 +15,7 @@ use std::ops::Mul;
 /// assert_eq!(camera_from_world.transform_point(DVec3::X), DVec3::ZERO);
 /// ```
 ///
-/// Files hold the rotation as a Hamilton quaternion x, y, z, w and the translation in metres. Reading and
+/// Files store the rotation as a Hamilton quaternion x, y, z, w and the translation in metres. Reading and
 /// writing preserve every bit.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
@@ -39,7 +39,7 @@ impl Pose {
     /// precision resolves 15 nm there.
     pub const REACH: f64 = 1e8;
 
-    /// A transform from a rotation and a translation in metres, whose coordinates must be within
+    /// Returns the transform with this rotation and translation in metres, with coordinates within
     /// [`REACH`](Self::REACH).
     ///
     /// The quaternion may be off unit length by 1e-3 (text files carry few digits) and is normalised.
@@ -61,43 +61,43 @@ impl Pose {
         check_position("translation_m", self.translation)
     }
 
-    /// A transform from an orthonormal, right-handed basis that the caller has built.
+    /// Returns the transform of an orthonormal, right-handed basis.
     pub(crate) fn from_basis(basis: DMat3, translation: DVec3) -> Self {
         Self { rotation: DQuat::from_mat3(&basis).normalize(), translation }
     }
 
-    /// A transform from a rotation of unit length and a translation that the caller has bounded.
+    /// Returns the transform with a rotation of unit length and a translation within reach, unchecked.
     pub(crate) fn from_unit(rotation: DQuat, translation: DVec3) -> Self {
         Self { rotation, translation }
     }
 
-    /// The same rotation with another translation.
+    /// Sets the translation.
     pub(crate) fn with_translation(self, translation: DVec3) -> Self {
         Self { translation, ..self }
     }
 
-    /// The rotation, of unit length.
+    /// Returns the rotation, of unit length.
     pub fn rotation(&self) -> DQuat {
         self.rotation
     }
 
-    /// The origin of the source frame, seen in the destination frame, metres; for `world_from_camera`, the
-    /// position of the camera.
+    /// Returns the origin of the source frame in the destination frame, metres: for `world_from_camera`, the
+    /// camera position.
     pub fn translation(&self) -> DVec3 {
         self.translation
     }
 
-    /// The rotation as a matrix, the faster form for many points.
+    /// Returns the rotation as a matrix, which is faster for many points.
     pub fn rotation_matrix(&self) -> DMat3 {
         DMat3::from_quat(self.rotation)
     }
 
-    /// Moves a point from the source frame to the destination frame.
+    /// Transforms a point from the source frame to the destination frame.
     pub fn transform_point(&self, point: DVec3) -> DVec3 {
         self.rotation * point + self.translation
     }
 
-    /// The transform in the other direction.
+    /// Returns the inverse transform.
     pub fn inverse(&self) -> Self {
         let rotation = self.rotation.conjugate();
         Self { rotation, translation: -(rotation * self.translation) }
@@ -106,7 +106,7 @@ impl Pose {
 
 /// Fails unless all coordinates are numbers within [`Pose::REACH`].
 pub(crate) fn check_position(name: &'static str, position: DVec3) -> Result<(), Error> {
-    // Of NaN, no comparison is true.
+    // Comparisons with NaN are false.
     if position.abs().cmple(DVec3::splat(Pose::REACH)).all() {
         return Ok(());
     }

@@ -13,19 +13,19 @@ use std::sync::atomic::{AtomicU8, Ordering};
 /// no branch that depends on the segment, and marks with one store per lane.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct SegmentFan {
-    /// Where all segments start, in units of voxels.
+    /// The start of all segments, in units of voxels.
     pub from: DVec3,
-    /// The box that they are cut to, both ends included.
+    /// The box that clips them, both ends included.
     pub min: VoxelKey,
     /// See `min`.
     pub max: VoxelKey,
-    /// Numbers the cells to be marked; holds the box, and at most 2^31 voxels.
+    /// Numbers the cells to mark; contains the box, and at most 2^31 voxels.
     pub cells: VoxelBlock,
 }
 
 impl SegmentFan {
-    /// Sets to 1 the cells of all voxels that the segments cross before the voxel of their end, in units of
-    /// voxels. There must be one cell more than voxels in the block; its value means nothing.
+    /// Sets to 1 the cells of all voxels that the segments cross before the voxel of their end, given in
+    /// units of voxels. There must be one more cell than voxels in the block; its value is meaningless.
     pub fn mark_crossed(&self, ends: &[DVec3], cells: &[AtomicU8]) {
         assert_eq!(cells.len(), self.cells.n_voxels() + 1);
         instructions().dispatch(Crossing { fan: self, ends, cells });
@@ -51,11 +51,11 @@ impl WithSimd for Crossing<'_> {
     }
 }
 
-/// Segments under way; the names are those of `SegmentWalk`. The code below has no closures: a closure that
-/// is not inlined is compiled without vector instructions, and each of those becomes a call.
+/// Segments under way; the names are those of `SegmentWalk`. The code below has no closures: if not inlined,
+/// they are compiled without vector instructions, and each of those becomes a call.
 struct Walk<S: Simd> {
     axes: [Axis<S>; 3],
-    /// The cell of the voxel it is in, and that of its end or one that does not exist; as an [index](cell).
+    /// The cell of the current voxel, and that of the end or a nonexistent one, as an [index](cell).
     index: S::f64s,
     end_index: S::f64s,
     /// The cell that ended segments mark.
@@ -70,10 +70,10 @@ struct Axis<S: Simd> {
     t_delta: S::f64s,
     n: S::f64s,
     n_end: S::f64s,
-    /// Whether all steps are made, and the crossing after them: infinite, or that out of the box.
+    /// Whether all steps are done, and the crossing after them: infinite, or the one that leaves the box.
     done: S::m64s,
     t_last: S::f64s,
-    /// How far a step moves the index.
+    /// Change of the index per step.
     stride: S::f64s,
 }
 
@@ -101,7 +101,7 @@ struct AxisInput {
 impl AxisInput {
     #[inline(always)]
     fn new(fan: &SegmentFan, ends: &[DVec3], axis: usize) -> Self {
-        // Lanes without a segment repeat the first.
+        // Lanes without a segment repeat the first one.
         let mut to: Lanes = [ends[0][axis]; LANES];
         for (lane, end) in ends.iter().enumerate() {
             to[lane] = end[axis];
@@ -150,11 +150,11 @@ impl<S: Simd> Approach<S> {
         simd.or_m64s(simd.less_than_f64s(at, t), touches)
     }
 
-    /// Number of crossings before `t`, and at `t` if `also_at`.
+    /// Returns the number of crossings before `t`, and at `t` if `also_at`.
     #[inline(always)]
     fn n_crossings(&self, simd: S, t: S::f64s, also_at: S::m64s) -> S::f64s {
         let (zero, half, one) = (simd.splat_f64s(0.0), simd.splat_f64s(0.5), simd.splat_f64s(1.0));
-        // A guess that rounding may put one off; NaN, where the walk is parallel to the borders, becomes 0.
+        // Rounding may put this guess off by one; NaN, for a walk parallel to the borders, becomes 0.
         let guess = simd.mul_f64s(simd.sub_f64s(t, self.t_first), self.speed);
         let guess = simd.select_f64s(simd.less_than_f64s(guess, self.n_end), guess, self.n_end);
         let guess = simd.select_f64s(simd.less_than_f64s(zero, guess), guess, zero);
@@ -177,7 +177,7 @@ impl<S: Simd> Approach<S> {
 }
 
 impl<S: Simd> Axis<S> {
-    /// The axis after `n` steps, with room for `room` more in the box.
+    /// Returns the axis after `n` steps, with `room` more in the box.
     #[inline(always)]
     fn new(simd: S, approach: &Approach<S>, n: S::f64s, room: S::f64s, stride: f64) -> Self {
         let limit = simd.add_f64s(n, room);
@@ -204,7 +204,7 @@ impl<S: Simd> Axis<S> {
         self.t_next = simd.select_f64s(self.done, self.t_last, next);
     }
 
-    /// Makes a step where it is this axis' turn.
+    /// Makes a step in the lanes where it is this axis' turn.
     #[inline(always)]
     fn advance(&mut self, simd: S, turn: S::m64s) {
         self.n = simd.select_f64s(turn, simd.add_f64s(self.n, simd.splat_f64s(1.0)), self.n);
@@ -213,7 +213,7 @@ impl<S: Simd> Axis<S> {
 }
 
 impl<S: Simd> Walk<S> {
-    /// None if no segment crosses the box.
+    /// `None` if no segment crosses the box.
     #[inline(always)]
     fn new(simd: S, fan: &SegmentFan, ends: &[DVec3]) -> Option<Self> {
         let x = AxisInput::new(fan, ends, 0);
@@ -284,7 +284,7 @@ impl<S: Simd> Walk<S> {
 /// Segments that enter the box, one axis after the other.
 struct Entry<S: Simd> {
     /// The last crossing that brings a segment into the slabs of the box, and its axis; minus infinity and -1
-    /// where it starts in all of them.
+    /// if it starts in all of them.
     t_in: S::f64s,
     entering: S::f64s,
     /// As in [`Walk`], over the axes so far.
@@ -344,7 +344,7 @@ fn is_within<S: Simd>(simd: S, key: S::f64s, min: S::f64s, max: S::f64s) -> S::m
     simd.and_m64s(simd.less_than_or_equal_f64s(min, key), simd.less_than_or_equal_f64s(key, max))
 }
 
-/// The contribution of a coordinate to the index of a cell.
+/// Returns the contribution of a coordinate to the index of a cell.
 #[inline(always)]
 fn place<S: Simd>(simd: S, key: S::f64s, first: S::f64s, stride: f64) -> S::f64s {
     simd.mul_f64s(simd.sub_f64s(key, first), simd.splat_f64s(stride))

@@ -1,5 +1,5 @@
-/// The solution x of `a` x = `b` for a symmetric positive definite matrix, row by row (Cholesky); none if it
-/// is not.
+/// Solves `a` x = `b` for a symmetric positive definite matrix, given row by row (Cholesky); `None` if it is
+/// not positive definite.
 pub(crate) fn solve(mut a: Vec<f64>, b: &[f64]) -> Option<Vec<f64>> {
     let n = b.len();
     let mut x = b.to_vec();

@@ -3,7 +3,7 @@
 use glam::DVec3;
 use std::f64::consts::{PI, TAU};
 
-/// Direction `i` of `n` on the Fibonacci sphere: nearly uniform, from near +z down to near -z.
+/// Returns direction `i` of `n` on the Fibonacci sphere: nearly uniform, from near +z down to near -z.
 ///
 /// `i` must be below `n`.
 pub fn fibonacci(i: usize, n: usize) -> DVec3 {
@@ -11,7 +11,8 @@ pub fn fibonacci(i: usize, n: usize) -> DVec3 {
     ring_point(i, z)
 }
 
-/// Direction `i` of `n` on the upper half of the Fibonacci sphere, from near +z down to near the horizon.
+/// Returns direction `i` of `n` on the upper half of the Fibonacci sphere, from near +z down to near the
+/// horizon.
 pub fn fibonacci_hemisphere(i: usize, n: usize) -> DVec3 {
     let z = 1.0 - (i as f64 + 0.5) / n as f64;
     ring_point(i, z)
@@ -24,15 +25,15 @@ fn ring_point(i: usize, z: f64) -> DVec3 {
     DVec3::new(radius * cos, radius * sin, z)
 }
 
-/// How the rounds of [`tammes`] repel: by these powers of one over the distance, one after the other.
+/// Powers of the inverse distance by which the rounds of [`tammes`] repel, one after another.
 const POWERS: [i32; 4] = [2, 4, 8, 16];
 const ROUNDS_PER_POWER: usize = 100;
 
-/// So many directions as far apart as they can be (Tammes' problem): those of the Fibonacci sphere, which
-/// then repel each other. The smallest angle is near the largest possible one, and not exactly it.
+/// Returns `n` directions as far apart as possible (Tammes' problem): those of the Fibonacci sphere, which
+/// then repel each other. The smallest angle is close to the largest possible one, but not exactly it.
 pub fn tammes(n: usize) -> Vec<DVec3> {
     let mut directions: Vec<DVec3> = (0..n).map(|i| fibonacci(i, n)).collect();
-    // About the distance of neighbours.
+    // Approximate distance of neighbours.
     let apart = (4.0 * PI / n.max(1) as f64).sqrt();
     for power in POWERS {
         let mut step = 0.1 * apart;
@@ -50,13 +51,13 @@ pub fn tammes(n: usize) -> Vec<DVec3> {
     directions
 }
 
-/// Sum over the pairs, distances in units of `apart` so that no power of one is too large for a number.
+/// Returns the sum over all pairs, with distances in units of `apart` so that powers do not overflow.
 fn energy(directions: &[DVec3], apart: f64, power: i32) -> f64 {
     let pairs = directions.iter().enumerate().flat_map(|(i, a)| directions[..i].iter().map(move |b| (a, b)));
     pairs.map(|(a, b)| (apart / a.distance(*b)).powi(power)).sum()
 }
 
-/// All directions pushed away from all others, the one that is pushed most by `step`.
+/// Returns all directions pushed away from each other, the one pushed most by `step`.
 fn repelled(directions: &[DVec3], apart: f64, power: i32, step: f64) -> Vec<DVec3> {
     let push = |a: &DVec3| -> DVec3 {
         let others = directions.iter().map(|b| *a - *b).filter(|offset| *offset != DVec3::ZERO);
@@ -70,8 +71,8 @@ fn repelled(directions: &[DVec3], apart: f64, power: i32, step: f64) -> Vec<DVec
     directions.iter().zip(pushes).map(|(a, push)| (*a + push * (step / most)).normalize()).collect()
 }
 
-/// `n` directions on rings of latitude, from the top down, on each in proportion to its length, from +x on
-/// counter-clockwise seen from above.
+/// Returns `n` directions on rings of latitude, from the top down. Their number on each ring is proportional
+/// to its length; they begin at +x, counter-clockwise as seen from above.
 pub fn latitude_rings(n: usize, n_rings: usize) -> Vec<DVec3> {
     let polar_angle = |ring: usize| PI * (ring as f64 + 0.5) / n_rings as f64;
     let lengths: Vec<f64> = (0..n_rings).map(|ring| polar_angle(ring).sin()).collect();
@@ -80,7 +81,7 @@ pub fn latitude_rings(n: usize, n_rings: usize) -> Vec<DVec3> {
     let mut share = 0.0;
     for (ring, length) in lengths.iter().enumerate() {
         share += length / whole;
-        // Rounded sums end at n, rounded shares need not.
+        // Rounded sums end at n; rounded shares may not.
         let n_here = ((share * n as f64).round() as usize).saturating_sub(directions.len());
         let (sin, cos) = polar_angle(ring).sin_cos();
         directions.extend((0..n_here).map(|i| {

@@ -3,10 +3,10 @@ use glam::{DVec3, IVec3};
 
 /// Walks all voxels that a straight segment or ray crosses, in order, each once (Amanatides & Woo 1987).
 ///
-/// Crossings through an edge or a corner go along the lower axis first. Border crossings are computed from
-/// the start, not accumulated, so that the walk [`within`](Self::within) a block is bit for bit the part of
-/// the whole walk that lies in the block. A segment's steps along each axis are counted, so that rounding
-/// cannot make the walk miss its end.
+/// Crossings through an edge or a corner step along the lower axis first. Border crossings are computed from
+/// the start, not accumulated: the walk [`within`](Self::within) a block is bit for bit the part of the whole
+/// walk in the block. A segment's steps along each axis are counted, so rounding cannot make the walk miss
+/// its end.
 ///
 /// Positions must be within 2^30 voxels of the origin: coordinates beyond count as 2^30, and NaN as 0.
 ///
@@ -25,8 +25,8 @@ use glam::{DVec3, IVec3};
 pub struct SegmentWalk {
     key: VoxelKey,
     step: IVec3,
-    // Three fields rather than an array: indexed by a number known only at run time, the walk's state would
-    // live in memory and a step would cost three times as much.
+    // Three fields rather than an array: with an index known only at run time, the walk's state would live in
+    // memory and a step would cost three times as much.
     x: Axis,
     y: Axis,
     z: Axis,
@@ -35,17 +35,17 @@ pub struct SegmentWalk {
 /// The progress of a walk along one axis. Positions along the walk are measured in lengths of its direction.
 #[derive(Clone, Copy, Debug)]
 struct Axis {
-    /// Where the next border is crossed; infinite once the axis is done.
+    /// Position of the next border crossing; infinite once the axis is done.
     t_next: f64,
-    /// Where the first border is crossed, and how far apart they are.
+    /// Position of the first border crossing, and the distance between crossings.
     t_first: f64,
     t_delta: f64,
     /// Borders crossed per length of the direction.
     speed: f64,
-    /// Steps made so far, and to make in all, up to the segment's end or the last voxel of the block.
+    /// Steps made so far, and in total, up to the segment's end or the last voxel of the block.
     n: f64,
     n_end: f64,
-    /// Whether the axis is done after them, rather than the walk at the next crossing.
+    /// Whether only the axis is done after them, rather than the walk at the next crossing.
     then_done: bool,
 }
 
@@ -60,8 +60,8 @@ impl Axis {
         axis
     }
 
-    /// Where the border after `n` steps is crossed: computed separately for each, so that rounding does not
-    /// add up.
+    /// Returns the position of the border crossing after `n` steps, computed directly so that rounding does
+    /// not accumulate.
     #[inline(always)]
     fn crossing(&self, n: f64) -> f64 {
         self.t_first + n * self.t_delta
@@ -82,11 +82,10 @@ impl Axis {
         goes_on
     }
 
-    /// Makes all steps that come before `t`, and at `t` if `also_at`, but not more than `most`; returns their
-    /// number.
+    /// Makes all steps before `t`, and at `t` if `also_at`, but at most `most`. Returns their number.
     fn skip_to(&mut self, t: f64, also_at: bool, most: i32) -> i32 {
         let crossed = |axis: &Self, n: f64| axis.crossing(n) < t || (also_at && axis.crossing(n) == t);
-        // Rounding puts this guess at most one off, unless the numbers are nonsense; NaN, where the walk is
+        // Rounding puts this guess off by at most one, unless the numbers are nonsense; NaN, for a walk
         // parallel to the borders, becomes 0.
         let guess = ((t - self.t_first) * self.speed) as u32;
         let most = self.n_end.min(most.into());
@@ -107,7 +106,7 @@ impl Axis {
         low as i32
     }
 
-    /// Ends the walk after `room` more steps, unless the axis is done before.
+    /// Ends the walk after `room` more steps, unless the axis is done earlier.
     fn end_after(&mut self, room: i32) {
         if self.n + (room as f64) < self.n_end {
             (self.n_end, self.then_done) = (self.n + room as f64, false);
@@ -116,7 +115,7 @@ impl Axis {
     }
 }
 
-/// A position from which keys and their differences fit 32 bits.
+/// Clamps a position so that keys and their differences fit 32 bits.
 fn bounded(position: DVec3) -> DVec3 {
     const REACH: f64 = (1 << 30) as f64;
     DVec3::select(position.is_nan_mask(), DVec3::ZERO, position)
@@ -124,20 +123,20 @@ fn bounded(position: DVec3) -> DVec3 {
 }
 
 impl SegmentWalk {
-    /// The walk between two positions in units of voxels.
+    /// Returns the walk between two positions in units of voxels.
     pub fn new(from: DVec3, to: DVec3) -> Self {
         let (from, to) = (bounded(from), bounded(to));
         let n_steps = (to.floor() - from.floor()).abs();
         Self::with_steps(from, to - from, n_steps)
     }
 
-    /// The part of the walk between two positions that lies in the block from voxel `min` to voxel `max`,
-    /// both included; none if it does not cross the block.
+    /// Returns the part of the walk between two positions in the block from voxel `min` to voxel `max`, both
+    /// included; `None` if it does not cross the block.
     pub fn within(from: DVec3, to: DVec3, min: VoxelKey, max: VoxelKey) -> Option<Self> {
         Self::new(from, to).enter(min, max)
     }
 
-    /// The same for the endless ray from a position along a direction.
+    /// As [`within`](Self::within), for the infinite ray from a position along a direction.
     pub fn ray_within(from: DVec3, direction: DVec3, min: VoxelKey, max: VoxelKey) -> Option<Self> {
         let n_steps = DVec3::select(direction.cmpeq(DVec3::ZERO), DVec3::ZERO, DVec3::INFINITY);
         Self::with_steps(bounded(from), direction, n_steps).enter(min, max)
@@ -169,7 +168,7 @@ impl SegmentWalk {
         }
         for (i, axis) in axes.iter_mut().enumerate() {
             if let Some((t, entering)) = last {
-                // One step past the block is enough to miss it.
+                // A walk one step past the block has missed it.
                 let far = if self.step[i] < 0 { min[i] } else { max[i] };
                 let most = i32::try_from(self.key[i].abs_diff(far)).unwrap_or(i32::MAX).saturating_add(1);
                 self.key[i] += self.step[i] * axis.skip_to(t, i <= entering, most);
@@ -183,17 +182,17 @@ impl SegmentWalk {
         Some(self)
     }
 
-    /// The voxel the walk is in.
+    /// Returns the current voxel.
     pub fn key(&self) -> VoxelKey {
         self.key
     }
 
-    /// The direction of the steps along each axis: -1, 0 or 1.
+    /// Returns the direction of the steps along each axis: -1, 0 or 1.
     pub fn step(&self) -> IVec3 {
         self.step
     }
 
-    /// Moves to the next voxel and returns the axis of the step; none at the end.
+    /// Moves to the next voxel and returns the axis of the step; `None` at the end.
     #[inline(always)]
     pub fn advance(&mut self) -> Option<usize> {
         let (x, y, z) = (self.x.t_next, self.y.t_next, self.z.t_next);
@@ -248,7 +247,7 @@ mod tests {
             }
             prop_assert_eq!(walked[0], from.floor().as_ivec3());
             prop_assert_eq!(walked[walked.len() - 1], to.floor().as_ivec3());
-            // Sampling may jump over a voxel that the segment only clips at a corner, but finds no other.
+            // Sampling may skip a voxel that the segment only clips at a corner, but finds no others.
             let mut position = 0;
             for key in sampled(from, to) {
                 let found = walked[position..].iter().position(|&k| k == key);

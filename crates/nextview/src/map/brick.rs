@@ -9,18 +9,18 @@ pub(crate) const BRICK_EDGE: i32 = 1 << EDGE_BITS;
 /// Number of voxels in a brick.
 pub(crate) const CELLS: usize = 1 << (3 * EDGE_BITS);
 
-/// The brick that holds a voxel.
+/// Returns the brick that contains a voxel.
 pub(crate) fn brick_key(key: IVec3) -> IVec3 {
     key >> EDGE_BITS
 }
 
-/// The place of a voxel in its brick, x varying fastest.
+/// Returns the index of a voxel in its brick, x varying fastest.
 pub(crate) fn cell(key: IVec3) -> usize {
     let local = key & (BRICK_EDGE - 1);
     (local.x | local.y << EDGE_BITS | local.z << (2 * EDGE_BITS)) as usize
 }
 
-/// The voxel at a place of a brick: the inverse of [`brick_key`] and [`cell`].
+/// Returns the voxel at an index of a brick: the inverse of [`brick_key`] and [`cell`].
 pub(crate) fn voxel_key(brick: IVec3, cell: usize) -> IVec3 {
     let cell = cell as i32;
     (brick << EDGE_BITS)
@@ -31,7 +31,7 @@ pub(crate) fn voxel_key(brick: IVec3, cell: usize) -> IVec3 {
 #[derive(Clone, Debug)]
 pub(crate) struct BrickGrid<B> {
     slots: FxHashMap<IVec3, u32>,
-    /// In the order of creation, which must not influence any result.
+    /// Bricks in the order of creation, which must not influence any result.
     bricks: Vec<(IVec3, B)>,
 }
 
@@ -46,7 +46,7 @@ impl<B: Default> BrickGrid<B> {
         self.slots.get(&brick).map(|&slot| &self.bricks[slot as usize].1)
     }
 
-    /// The slot of a brick, made empty where there is none yet.
+    /// Returns the slot of a brick; creates an empty brick if there is none.
     pub(crate) fn slot(&mut self, brick: IVec3) -> usize {
         let next = self.bricks.len() as u32;
         let slot = *self.slots.entry(brick).or_insert(next);

@@ -1,7 +1,7 @@
 use super::{Occupancy, Snapshot};
 
-/// The frontier of a snapshot: the unknown voxels that touch, by a face, an edge or a corner, at least one
-/// free and at least one occupied voxel of it (the paper, section III.A). Indices in increasing order.
+/// Returns the frontier of a snapshot: the unknown voxels that share a face, edge or corner with at least one
+/// free and at least one occupied voxel (the paper, section III.A), as indices in increasing order.
 pub fn frontier(snapshot: &Snapshot) -> Vec<usize> {
     let [n_x, n_y, n_z] = snapshot.block().dims().to_array().map(|n| n as usize);
     let occupied = BitRows::new(snapshot, Occupancy::Occupied);
@@ -10,7 +10,7 @@ pub fn frontier(snapshot: &Snapshot) -> Vec<usize> {
     for row in 0..n_y * n_z {
         let around = RowsAround::new(row, n_y, n_z);
         for word in 0..occupied.n_words {
-            // Few rows are near a surface; most end here.
+            // Few rows are near a surface, so most end here.
             let near_occupied = occupied.touched(&around, word);
             if near_occupied != 0 {
                 let measured = occupied.words(row)[word] | free.words(row)[word];
@@ -23,15 +23,14 @@ pub fn frontier(snapshot: &Snapshot) -> Vec<usize> {
     frontier
 }
 
-/// The voxels of one state, a bit for each, every row along x from a new word on.
+/// The voxels of one state, one bit each; every row along x begins a new word.
 struct BitRows {
     bits: Vec<u64>,
-    /// Words to a row.
+    /// Words per row.
     n_words: usize,
 }
 
-/// The rows that touch a row by a face or an edge, and itself: those of y - 1 to y + 1 for each z - 1 to z +
-/// 1.
+/// A row and the rows that share a face or edge with it: y - 1 to y + 1 for each of z - 1 to z + 1.
 struct RowsAround {
     n: usize,
     rows: [usize; 9],
@@ -51,7 +50,7 @@ impl BitRows {
         &self.bits[row * self.n_words..][..self.n_words]
     }
 
-    /// Which voxels of a word of the middle row touch, or are, voxels of the state.
+    /// Returns a mask of the voxels in a word of the middle row that touch, or are, voxels of the state.
     fn touched(&self, around: &RowsAround, word: usize) -> u64 {
         let any =
             |word: usize| around.rows[..around.n].iter().fold(0, |any, &row| any | self.words(row)[word]);
@@ -76,7 +75,7 @@ impl RowsAround {
     }
 }
 
-/// The places of the bits that are set, in increasing order.
+/// Returns the positions of the bits that are set, in increasing order.
 fn ones(mut bits: u64) -> impl Iterator<Item = usize> {
     std::iter::from_fn(move || {
         let bit = bits.trailing_zeros() as usize;

@@ -1,4 +1,4 @@
-//! Scan integration: the only writer of a map. A scan updates each voxel once, and a hit wins over a miss.
+//! Scan integration, the only writer of a map. A scan updates each voxel once, and a hit overrides a miss.
 
 use super::brick::CELLS;
 use super::integration::{Integration, MapUpdate};
@@ -15,17 +15,18 @@ use pulp::{Simd, WithSimd};
 use rayon::prelude::*;
 
 impl OccupancyMap {
-    /// Writes a depth frame into the map.
+    /// Integrates a depth frame into the map.
     ///
     /// Without a [region](Integration::region), it fails and changes nothing if a ray ends beyond
-    /// [`Lattice::REACH`](crate::geometry::Lattice::REACH), if the rays cross more than 2^33 voxels in all
+    /// [`Lattice::REACH`](crate::geometry::Lattice::REACH), if the rays cross more than 2^33 voxels in total
     /// (some ten seconds), or if they touch more than 2^21 bricks of 8 x 8 x 8 voxels (4.3 GB).
     pub fn integrate(&mut self, frame: &Frame, integration: &Integration) -> Result<MapUpdate, Error> {
         let rules = ScanRules::new(self.lattice(), frame.world_from_camera().translation(), integration);
         self.check_and_write(rules.scan_of_frame(frame), &rules)
     }
 
-    /// [`integrate`](Self::integrate) in a region, unless cancelled; the map is of no use then.
+    /// As [`integrate`](Self::integrate) in a region, unless cancelled; after cancellation, the map is
+    /// unusable.
     pub(crate) fn integrate_unless(
         &mut self,
         frame: &Frame,
@@ -37,11 +38,11 @@ impl OccupancyMap {
         self.write(rules.scan_of_frame(frame), &rules, cancel)
     }
 
-    /// Writes a cloud of surface points, seen from `origin`, into the map (world coordinates, metres). Points
-    /// that are not finite are left out.
+    /// Integrates a cloud of surface points, seen from `origin`, into the map (world coordinates, metres).
+    /// Points that are not finite are skipped.
     ///
     /// Fails and changes nothing if the origin is not within [`Pose::REACH`](crate::geometry::Pose::REACH),
-    /// and as [`integrate`](Self::integrate) does.
+    /// or as [`integrate`](Self::integrate) does.
     pub fn integrate_points(
         &mut self,
         points: &[DVec3],
@@ -141,7 +142,7 @@ impl WithSimd for WriteTile<'_, '_> {
     }
 }
 
-/// How log-odds change.
+/// The changes of log-odds.
 struct Steps {
     hit: f32,
     miss: f32,
@@ -156,7 +157,7 @@ impl Steps {
         Self { hit, miss, low, high }
     }
 
-    /// Updates the marked voxels of a brick. Without branches, for vector instructions.
+    /// Updates the marked voxels of a brick, without branches, for vector instructions.
     #[inline(always)]
     fn apply(&self, values: &mut [f32; CELLS], marks: &[u8; CELLS], update: &mut MapUpdate) {
         let [mut n_hits, mut n_misses, mut n_first_measured, mut n_newly_occupied] = [0_u32; 4];
@@ -240,7 +241,7 @@ mod tests {
             prop_assert_eq!(cells(&map), expected);
         }
 
-        /// A region changes what is written, not what is measured.
+        /// A region limits the updates, not the measurements.
         #[test]
         fn a_region_cuts_nothing_but_what_lies_outside(points in points(40), per_end in any::<bool>()) {
             let rays = if per_end { RayRule::OnePerEndVoxel } else { RayRule::EveryPoint };
@@ -316,7 +317,7 @@ mod tests {
         }
     }
 
-    /// A bound on time and memory, and the map as it was before.
+    /// Time and memory are bounded, and the map is unchanged.
     #[test]
     fn refuses_scans_without_bounds() {
         let check = |points: &[DVec3], origin: DVec3, expected: &str| {

@@ -2,7 +2,7 @@ use crate::geometry::{Plane, VoxelBlock};
 use serde::{Deserialize, Serialize};
 use std::ops::AddAssign;
 
-/// Which rays of a scan are traced.
+/// The rays of a scan that are traced.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "kebab-case")]
@@ -15,43 +15,43 @@ pub enum RayRule {
     OnePerEndVoxel,
 }
 
-/// The effect on the map of rays that end outside the region of interest, behind or beside the object.
+/// The effect on the map of rays that end outside the region of interest, behind or next to the object.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "kebab-case")]
 #[non_exhaustive]
 pub enum Background {
-    /// They carve free space on their way through the region. The default.
+    /// They carve free space along their path through the region. The default.
     #[default]
     Carve,
-    /// They are left out, as in the paper's simulation, where only points on the object exist.
+    /// They are ignored, as in the paper's simulation, where only points on the object exist.
     Ignore,
 }
 
-/// How a scan is written into a map.
+/// Settings for integrating a scan into a map.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Integration {
-    /// Which rays are traced.
+    /// The rays to trace.
     pub rays: RayRule,
     /// The effect of rays that end outside the region.
     pub background: Background,
-    /// The voxels that may change; all of space by default.
+    /// The voxels that may change. Default: all of space.
     pub region: Option<VoxelBlock>,
     /// A surface that is not mapped, such as a table, raised by the tolerance: points that are not above it
-    /// end a free ray and do not hit. None by default.
+    /// end a free ray without a hit. Default: `None`.
     pub ground: Option<Plane>,
 }
 
 /// The changes made by a scan.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct MapUpdate {
-    /// Voxels that were updated as hit.
+    /// Number of voxels updated as hit.
     pub n_hits: usize,
-    /// Voxels that were updated as crossed.
+    /// Number of voxels updated as crossed.
     pub n_misses: usize,
-    /// Voxels measured for the first time.
+    /// Number of voxels measured for the first time.
     pub n_first_measured: usize,
-    /// Voxels that became occupied.
+    /// Number of voxels that became occupied.
     pub n_newly_occupied: usize,
 }
 

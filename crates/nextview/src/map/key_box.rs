@@ -19,24 +19,24 @@ impl KeyBox {
         key.cmpge(self.min).all() && key.cmple(self.max).all()
     }
 
-    /// Whether the box contains the voxel with these whole numbers as its key.
+    /// Whether the box contains the voxel with these integers as its key.
     #[inline(always)]
     pub fn contains_floor(&self, floor: DVec3) -> bool {
         floor.cmpge(self.min.as_dvec3()).all() && floor.cmple(self.max.as_dvec3()).all()
     }
 
-    /// The box with a voxel added.
+    /// Returns the box extended by a voxel.
     pub fn with(self, key: VoxelKey) -> Self {
         Self { min: self.min.min(key), max: self.max.max(key) }
     }
 
-    /// Bricks between the lowest and the highest along each axis.
+    /// Returns the number of bricks between the lowest and the highest along each axis.
     fn brick_steps(&self) -> IVec3 {
         brick_key(self.max) - brick_key(self.min)
     }
 
-    /// Two boxes of whole bricks that fill it, halves along the longest axis; none where no edge holds more
-    /// than `max_bricks` bricks.
+    /// Splits the box along its longest axis into halves of whole bricks; `None` if no edge has more than
+    /// `max_bricks` bricks.
     pub fn halves(&self, max_bricks: i32) -> Option<[Self; 2]> {
         let steps = self.brick_steps();
         let axis = steps.max_position();
@@ -48,14 +48,14 @@ impl KeyBox {
         })
     }
 
-    /// The bricks that the box touches, as a block of them; the box must be small enough for one.
+    /// Returns the block of bricks that the box touches; the box must be small enough for one.
     pub fn bricks(&self) -> VoxelBlock {
         VoxelBlock::new(brick_key(self.min), (self.brick_steps() + 1).as_uvec3())
             .expect("a box holds at least one voxel")
     }
 
-    /// Whether a segment, in units of voxels, comes near the box: false only where it crosses no voxel of it,
-    /// almost always true only where it does. (Separating axes: Ericson 2004, section 5.3.3, without
+    /// Whether a segment, in units of voxels, comes near the box: false only if it crosses no voxel of it,
+    /// and almost always true only if it does. (Separating axes: Ericson 2004, section 5.3.3, without
     /// divisions.)
     #[inline(always)]
     pub fn is_near(&self, from: DVec3, to: DVec3) -> bool {

@@ -7,25 +7,24 @@ use serde::{Deserialize, Serialize};
 pub struct LogOdds(pub f32);
 
 impl LogOdds {
-    /// Log-odds of a probability in `0..1`, both ends excluded for a finite result.
+    /// Returns the log-odds of a probability in `0..1`, both ends excluded for a finite result.
     pub fn from_probability(p: f64) -> Self {
         Self((p / (1.0 - p)).ln() as f32)
     }
 
-    /// The probability in `0..=1`.
+    /// Returns the probability in `0..=1`.
     pub fn probability(self) -> f64 {
         1.0 - 1.0 / (1.0 + (self.0 as f64).exp())
     }
 }
 
-/// The entropy of a voxel with occupancy `p`, nats: the first line of the paper's eq. (2). Between 0 and ln
-/// 2.
+/// Returns the entropy of a voxel with occupancy `p`, nats, 0 to ln 2: the first line of the paper's eq. (2).
 pub fn entropy(p: f64) -> f64 {
     let part = |q: f64| if q <= 0.0 { 0.0 } else { -q * q.ln() };
     part(p) + part(1.0 - p)
 }
 
-/// How a measurement changes a voxel: OctoMap's inverse sensor model (Hornung et al. 2013), with its
+/// The effect of a measurement on a voxel: OctoMap's inverse sensor model (Hornung et al. 2013), with its
 /// defaults.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
@@ -50,7 +49,7 @@ impl Default for SensorModel {
 }
 
 impl SensorModel {
-    /// Fails on the first field out of its range.
+    /// Fails on the first field out of range.
     pub fn check(&self) -> Result<(), Error> {
         let below = |name, p: f64| {
             (p > 0.0 && p < 0.5)

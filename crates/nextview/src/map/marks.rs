@@ -13,16 +13,16 @@ pub(super) const HIT: u8 = 2;
 
 /// The marks of a scan in a small box of voxels.
 ///
-/// One byte per voxel, so that marking is one store that needs no knowledge of its neighbours: all threads
-/// write to the same cells, and nothing needs merging.
+/// One byte per voxel makes marking a single store, independent of neighbours: all threads write to the same
+/// cells, and nothing needs merging.
 #[derive(Default)]
 pub(super) struct Marks {
-    /// All voxels of the bricks of the present box, and one unused cell; 0 between two scans.
+    /// All voxels of the bricks of the current box, and one unused cell; 0 between two scans.
     cells: Vec<AtomicU8>,
 }
 
 impl Marks {
-    /// Marks the voxels that a scan hit and crossed in a box, reports them brick by brick, and clears the
+    /// Marks the voxels that a scan hits and crosses in a box, reports them brick by brick, and clears the
     /// marks.
     #[inline(always)]
     pub fn visit(
@@ -37,7 +37,7 @@ impl Marks {
             .expect("a block of bricks is not empty");
         self.cells.resize_with(voxels.n_voxels() + 1, Default::default);
         let fan = SegmentFan { from: origin, min: keys.min, max: keys.max, cells: voxels };
-        // Chunks large enough to pay for a thread.
+        // Chunks large enough to justify a thread.
         scan.ends.par_chunks(1024).for_each(|ends| fan.mark_crossed(ends, &self.cells));
         for index in scan.hits.iter().filter_map(|hit| voxels.index(*hit)) {
             *self.cells[index].get_mut() = HIT;
@@ -50,7 +50,7 @@ impl Marks {
         self.cells.clear();
     }
 
-    /// The marks of the brick whose lowest voxel is `first`; none if there are none.
+    /// Returns the marks of the brick with lowest voxel `first`; `None` without marks.
     #[inline(always)]
     fn brick(&mut self, voxels: &VoxelBlock, first: VoxelKey) -> Option<[u8; CELLS]> {
         const EDGE: usize = BRICK_EDGE as usize;

@@ -1,7 +1,7 @@
 //! The occupancy map: the measured state of the world.
 //!
-//! Start with [`OccupancyMap`]; scans enter by its `integrate`, planning reads a [`Snapshot`]. [`octree`] is
-//! the file format of OctoMap. Not here: anything about views or gains.
+//! Start with [`OccupancyMap`]; its `integrate` adds scans, and planning reads a [`Snapshot`]. [`octree`] is
+//! the file format of OctoMap. Nothing here knows about views or gains.
 
 mod brick;
 mod frontier;

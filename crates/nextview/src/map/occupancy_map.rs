@@ -4,11 +4,11 @@ use crate::geometry::{Lattice, VoxelBlock, VoxelKey};
 use crate::{Cancel, Cancelled, Error};
 use glam::IVec3;
 
-/// A probabilistic occupancy map: a log-odds value per measured voxel, nothing where nothing was measured.
+/// A probabilistic occupancy map: a log-odds value for each measured voxel.
 ///
-/// It has the semantics of OctoMap (Hornung et al. 2013) at its finest level but is stored as a sparse grid
-/// of bricks of 8 x 8 x 8 voxels, unbounded up to 32-bit keys. Scans enter through
-/// [`integrate`](Self::integrate); planners read a dense [`Snapshot`] of a box.
+/// It has the semantics of OctoMap (Hornung et al. 2013) at its finest level, but is stored as a sparse grid
+/// of bricks of 8 x 8 x 8 voxels, unbounded up to 32-bit keys. [`integrate`](Self::integrate) adds scans;
+/// planners read a dense [`Snapshot`] of a box.
 #[derive(Clone, Debug)]
 pub struct OccupancyMap {
     lattice: Lattice,
@@ -16,7 +16,7 @@ pub struct OccupancyMap {
     pub(super) bricks: BrickGrid<LogOddsBrick>,
 }
 
-/// Log-odds of the voxels of a brick; NaN where nothing was measured.
+/// Log-odds of the voxels of a brick; NaN if not measured.
 #[derive(Clone, Debug)]
 pub(super) struct LogOddsBrick(pub(super) [f32; CELLS]);
 
@@ -27,36 +27,36 @@ impl Default for LogOddsBrick {
 }
 
 impl OccupancyMap {
-    /// An empty map with voxels of the lattice and a checked sensor model.
+    /// Returns an empty map with the voxels of the lattice. Fails if the sensor model is out of range.
     pub fn new(lattice: Lattice, model: SensorModel) -> Result<Self, Error> {
         model.check()?;
         Ok(Self { lattice, model, bricks: BrickGrid::default() })
     }
 
-    /// The lattice of the voxels.
+    /// Returns the lattice of the voxels.
     pub fn lattice(&self) -> Lattice {
         self.lattice
     }
 
-    /// How measurements change voxels.
+    /// Returns the sensor model.
     pub fn model(&self) -> &SensorModel {
         &self.model
     }
 
-    /// The log-odds of a voxel; none if it was never measured.
+    /// Returns the log-odds of a voxel; `None` if it was never measured.
     pub fn log_odds(&self, key: VoxelKey) -> Option<LogOdds> {
         let value = self.bricks.get(brick_key(key))?.0[cell(key)];
         (!value.is_nan()).then_some(LogOdds(value))
     }
 
-    /// All measured voxels, in increasing order of z, then y, then x.
+    /// Returns all measured voxels, in increasing order of z, then y, then x.
     pub fn voxels(&self) -> Vec<(VoxelKey, LogOdds)> {
         let mut voxels: Vec<(VoxelKey, LogOdds)> = self.measured().collect();
         voxels.sort_unstable_by_key(|(key, _)| (key.z, key.y, key.x));
         voxels
     }
 
-    /// All measured voxels, in an order that must not influence any result.
+    /// Returns all measured voxels, in an order that must not influence any result.
     fn measured(&self) -> impl Iterator<Item = (VoxelKey, LogOdds)> {
         self.bricks.iter().flat_map(|(brick, values)| {
             let measured = values.0.iter().enumerate().filter(|(_, value)| !value.is_nan());
@@ -64,18 +64,18 @@ impl OccupancyMap {
         })
     }
 
-    /// A dense copy of a block.
+    /// Returns a dense copy of a block.
     pub fn snapshot(&self, block: VoxelBlock) -> Snapshot {
         self.snapshot_unless(block, &Cancel::default()).expect("nobody cancels")
     }
 
-    /// [`snapshot`](Self::snapshot), unless cancelled.
+    /// As [`snapshot`](Self::snapshot), unless cancelled.
     pub(crate) fn snapshot_unless(&self, block: VoxelBlock, cancel: &Cancel) -> Result<Snapshot, Cancelled> {
         Snapshot::from_bricks(self.lattice, block, |brick| Some(&self.bricks.get(brick)?.0), cancel)
     }
 
-    /// The same measurements in voxels `factor` times as large (at least 1): each takes the highest value of
-    /// the measured voxels in it, as OctoMap's inner nodes do; where nothing was measured it stays unknown.
+    /// Returns the map in voxels `factor` times as large (at least 1): each has the highest value of the
+    /// measured voxels in it, as OctoMap's inner nodes do, and is unknown without any.
     pub fn coarser(&self, factor: u32) -> Result<Self, Error> {
         if factor == 0 || factor > 1 << 15 {
             return Err(Error::invalid("factor", factor, "a whole number from 1 to 32768"));
@@ -90,14 +90,14 @@ impl OccupancyMap {
         Ok(coarse)
     }
 
-    /// The map in OctoMap's form, at its finest level.
+    /// Converts the map to an OctoMap octree, at its finest level.
     pub fn to_octree(&self) -> Result<Octree, Error> {
         Octree::from_voxels(self.lattice.voxel_size(), self.measured().map(|(key, value)| (key, value.0)))
     }
 
-    /// A map from OctoMap's form; merged leaves become single voxels, colours are dropped. A leaf whose
-    /// log-odds is exactly 0 says nothing (some tools create such leaves for space never measured) and stays
-    /// unknown. Fails if there are more than `max_voxels` voxels.
+    /// Converts an OctoMap octree to a map; merged leaves become single voxels, colours are dropped. A leaf
+    /// with log-odds of exactly 0 stays unknown (some tools create such leaves for space never measured).
+    /// Fails if there are more than `max_voxels` voxels.
     pub fn from_octree(octree: &Octree, model: SensorModel, max_voxels: usize) -> Result<Self, Error> {
         let mut map = Self::new(Lattice::new(octree.voxel_size())?, model)?;
         let expanded = octree.expanded(max_voxels)?;
@@ -119,7 +119,7 @@ mod tests {
     use glam::UVec3;
     use proptest::prelude::*;
 
-    /// Drawn in double precision: the sampler of single precision can fail.
+    /// Drawn in double precision, because the single-precision sampler can fail.
     fn log_odds() -> impl Strategy<Value = f32> {
         (-2.0..3.5).prop_map(|log_odds| log_odds as f32)
     }

@@ -7,21 +7,21 @@ use glam::DVec3;
 use rayon::prelude::*;
 use rustc_hash::FxHashSet;
 
-/// The content of a scan, in units of voxels: the ends of its rays and the voxels that hold a surface.
+/// The content of a scan, in units of voxels: the ends of its rays and the voxels with a surface.
 #[derive(Default)]
 pub(super) struct Scan {
     pub ends: Vec<DVec3>,
-    /// Voxels may come several times.
+    /// The voxels with a surface; they may occur several times.
     pub hits: Vec<VoxelKey>,
-    /// The voxel, as whole numbers, in which the last ray ended, and the voxel hit last.
+    /// The voxel, as integers, in which the last ray ended, and the last voxel hit.
     last_end: Option<DVec3>,
     last_hit: Option<DVec3>,
 }
 
-/// Which rays of a scan count, and how.
+/// The rules for the rays of a scan.
 #[derive(Clone, Copy)]
 pub(super) struct ScanRules {
-    /// Where all rays start, in units of voxels.
+    /// The start of all rays, in units of voxels.
     pub origin: DVec3,
     pub region: Option<KeyBox>,
     lattice: Lattice,
@@ -38,14 +38,14 @@ impl ScanRules {
         }
     }
 
-    /// The scan of a frame.
+    /// Returns the scan of a frame.
     pub fn scan_of_frame(&self, frame: &Frame) -> Scan {
         let rows = (0..frame.image().height()).into_par_iter();
         let parts = rows.map(|v| self.scan(frame.row_ray_ends(v)));
         Scan::union(parts.collect(), self)
     }
 
-    /// The scan whose rays have these ends, in world coordinates, each with whether it is a surface.
+    /// Returns the scan with these ray ends, in world coordinates, each with whether it is a surface.
     pub fn scan(&self, ends: impl Iterator<Item = (DVec3, bool)>) -> Scan {
         let mut scan = Scan::default();
         instructions().dispatch(
@@ -63,7 +63,7 @@ impl ScanRules {
     fn add(&self, scan: &mut Scan, end: DVec3, hit: bool) {
         let hit = hit && self.integration.ground.is_none_or(|ground| ground.height(end) > 0.0);
         let end = self.lattice.to_voxels(end);
-        // Not yet a key: turning numbers into integers costs more than everything else here.
+        // Not yet a key: conversion to integers costs more than everything else here.
         let floor = end.floor();
         let is_in = self.region.is_none_or(|region| region.contains_floor(floor));
         if is_in && hit && scan.last_hit != Some(floor) {
@@ -87,11 +87,11 @@ impl ScanRules {
 }
 
 /// Rays are cut at this distance from the lattice's origin, in voxels along each axis: far beyond all keys,
-/// and near enough for exact whole numbers.
+/// and near enough for exact integers.
 const FAR: f64 = (1_u64 << 45) as f64;
 
 impl ScanRules {
-    /// The end of a ray, or where the ray is cut; none where the end is no number.
+    /// Returns the end of a ray, or the point at which it is cut; `None` if the end is not a number.
     fn shortened(&self, end: DVec3) -> Option<DVec3> {
         if end.abs().cmple(DVec3::splat(FAR)).all() {
             return Some(end);
@@ -102,7 +102,7 @@ impl ScanRules {
 }
 
 impl Scan {
-    /// Merges several scans into one; each end counts once if that is the rule.
+    /// Merges several scans into one; each end counts once if the rule says so.
     pub fn union(parts: Vec<Self>, rules: &ScanRules) -> Self {
         let ends = parts.iter().flat_map(|part| &part.ends);
         let mut ends: Vec<DVec3> = ends.filter_map(|end| rules.shortened(*end)).collect();
@@ -113,7 +113,7 @@ impl Scan {
         Self { ends, hits: parts.into_iter().flat_map(|part| part.hits).collect(), ..Self::default() }
     }
 
-    /// The part that concerns the voxels of a box.
+    /// Returns the part of the scan that affects a box.
     pub fn within(&self, origin: DVec3, keys: &KeyBox) -> Self {
         Self {
             ends: self.ends.iter().filter(|end| keys.is_near(origin, **end)).copied().collect(),
@@ -122,7 +122,7 @@ impl Scan {
         }
     }
 
-    /// The box of all voxels that the rays may cross; none without rays.
+    /// Returns the box of all voxels that the rays may cross; `None` without rays.
     pub fn reach(&self, origin: DVec3) -> Option<KeyBox> {
         let start = origin.floor().as_ivec3();
         let grow = |reach: KeyBox, end: &DVec3| reach.with(end.floor().as_ivec3());

@@ -1,4 +1,4 @@
-//! Bounds on scans without a region, whose rays may be as long as they like.
+//! Bounds on scans without a region, whose rays may have any length.
 
 use super::brick::{BRICK_EDGE, CELLS, brick_key};
 use super::key_box::KeyBox;
@@ -8,18 +8,19 @@ use crate::geometry::{Lattice, SegmentWalk};
 use glam::{DVec3, IVec3};
 use rustc_hash::FxHashSet;
 
-/// Maximum number of voxels that the rays of a scan cross, counted for each ray: some ten seconds.
+/// Maximum number of voxels crossed by the rays of a scan, counted for each ray: some ten seconds.
 const MOST_CROSSINGS: f64 = (1_u64 << 33) as f64;
 
 /// Maximum number of bricks that a scan may touch: 4.3 GB.
 const MOST_BRICKS: usize = 1 << 21;
 
-/// A scan in a box of so many bricks is not examined further: its rays fill a third of it or less.
+/// Maximum number of bricks in a scan's box for which it is not examined further: its rays fill a third of it
+/// or less.
 const MOST_BRICKS_OF_BOX: f64 = 2.0 * MOST_BRICKS as f64;
 
 impl Scan {
-    /// Fails if the scan, whose rays start here, in units of voxels, has points too far away for keys, or
-    /// would take too long or too much memory.
+    /// Fails if the scan, with rays that start here, in units of voxels, has points too far away for keys, or
+    /// would take too much time or memory.
     pub fn check_size(&self, origin: DVec3) -> Result<(), Error> {
         let reach = Lattice::REACH as f64;
         if let Some(end) = self.ends.iter().find(|end| end.abs().max_element() > reach) {
@@ -39,8 +40,8 @@ impl Scan {
         self.check_bricks(origin)
     }
 
-    /// Counts the bricks that the rays cross, one by one, until there are too many: a single ray may cross a
-    /// hundred million.
+    /// Counts the bricks crossed by the rays until there are too many: a single ray may cross a hundred
+    /// million.
     fn check_bricks(&self, origin: DVec3) -> Result<(), Error> {
         let mut bricks: FxHashSet<IVec3> = FxHashSet::default();
         let scale = 1.0 / BRICK_EDGE as f64;

@@ -19,7 +19,7 @@ pub struct Snapshot {
 }
 
 impl Snapshot {
-    /// A snapshot from the known state of each voxel of the block.
+    /// Returns a snapshot from the known state of each voxel of the block.
     pub fn from_fn(
         lattice: Lattice,
         block: VoxelBlock,
@@ -35,7 +35,7 @@ impl Snapshot {
         snapshot
     }
 
-    /// A snapshot of the bricks that overlap the block; NaN where nothing was measured.
+    /// Returns a snapshot of the bricks that overlap the block; NaN means not measured.
     pub(super) fn from_bricks<'a>(
         lattice: Lattice,
         block: VoxelBlock,
@@ -58,7 +58,7 @@ impl Snapshot {
         Ok(snapshot)
     }
 
-    /// The same snapshot with this value in the voxels that `is_there` names.
+    /// Sets this value in the voxels selected by `is_there`.
     pub(crate) fn with_value(
         mut self,
         value: LogOdds,
@@ -82,45 +82,45 @@ impl Snapshot {
         Self { lattice, block, occupancy: vec![Occupancy::Unknown; n], probability: vec![0.5; n] }
     }
 
-    /// The lattice of the voxels.
+    /// Returns the lattice of the voxels.
     pub fn lattice(&self) -> Lattice {
         self.lattice
     }
 
-    /// The voxels of the snapshot; their indices number all its arrays.
+    /// Returns the voxels of the snapshot; their indices apply to all its arrays.
     pub fn block(&self) -> VoxelBlock {
         self.block
     }
 
-    /// The known state of each voxel.
+    /// Returns the known state of each voxel.
     pub fn occupancy(&self) -> &[Occupancy] {
         &self.occupancy
     }
 
-    /// P(occupied) of each voxel; 0.5 where unknown.
+    /// Returns P(occupied) of each voxel; 0.5 if unknown.
     pub fn probability(&self) -> &[f32] {
         &self.probability
     }
 
-    /// Whether the voxel of this point and all around it were seen to be free: whatever is a voxel away from
-    /// where it is thought to be is not here.
+    /// Whether the voxel of this point and all around it were seen to be free: even a surface displaced by a
+    /// voxel is not here.
     pub fn is_free_around(&self, point: DVec3) -> bool {
         let is_free = |i: usize| self.occupancy[i] == Occupancy::Free;
         let here = self.block.index(self.lattice.key(point));
         here.is_some_and(|i| is_free(i) && self.block.neighbors(i).all(is_free))
     }
 
-    /// Number of voxels in this state.
+    /// Returns the number of voxels in this state.
     pub fn count(&self, state: Occupancy) -> usize {
         self.occupancy.iter().filter(|&&o| o == state).count()
     }
 
-    /// The paper's eq. (8): the entropy of all voxels of the block together, nats.
+    /// Returns the total entropy of all voxels of the block, nats: the paper's eq. (8).
     pub fn entropy(&self) -> f64 {
         self.probability.iter().map(|&p| entropy(p as f64)).sum()
     }
 
-    /// [`entropy`](Self::entropy), unless cancelled.
+    /// As [`entropy`](Self::entropy), unless cancelled.
     pub(crate) fn entropy_unless(&self, cancel: &Cancel) -> Result<f64, Cancelled> {
         let mut sum = 0.0;
         for part in self.probability.chunks(CHUNK) {
@@ -130,24 +130,24 @@ impl Snapshot {
         Ok(sum)
     }
 
-    /// [`entropy_share`](Self::entropy_share), unless cancelled.
+    /// As [`entropy_share`](Self::entropy_share), unless cancelled.
     pub(crate) fn entropy_share_unless(&self, cancel: &Cancel) -> Result<f64, Cancelled> {
         Ok(self.share_of_unknown(self.entropy_unless(cancel)?))
     }
 
-    /// The paper's eqs. (8) and (9): entropy as a share, 0..=1, of that of a block nothing is known of.
+    /// Returns the entropy as a share, 0..=1, of that of an unknown block: the paper's eqs. (8) and (9).
     pub fn entropy_share(&self) -> f64 {
         self.share_of_unknown(self.entropy())
     }
 
-    /// An entropy, nats, as a share of that of a block nothing is known of.
+    /// Returns an entropy, nats, as a share of that of an unknown block.
     pub(crate) fn share_of_unknown(&self, entropy: f64) -> f64 {
         entropy / (self.block.n_voxels() as f64 * LN_2)
     }
 }
 
-/// Converts log-odds, with a cache of recent results: a map holds few different values, and an exponential
-/// costs more than everything else in a snapshot.
+/// Converts log-odds, with a cache of recent results: a map has few distinct values, and an exponential costs
+/// more than everything else in a snapshot.
 struct KnownValues([Option<(f32, (Occupancy, f32))>; 256]);
 
 impl Default for KnownValues {

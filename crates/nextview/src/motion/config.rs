@@ -2,26 +2,26 @@ use crate::Error;
 use crate::checked::{check_range, checked_when_read};
 use serde::{Deserialize, Serialize};
 
-/// How fast the camera moves, how far it keeps away, and how long it stands at each view.
+/// Speed, clearance and dwell time of the camera.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(default, deny_unknown_fields, remote = "Self")]
 pub struct MotionConfig {
-    /// Highest speed, metres a second, 0.001..=100. Default 0.25: the limit of ISO 10218 for a robot at
+    /// Maximum speed, metres per second, 0.001..=100. Default 0.25: the limit of ISO 10218 for a robot at
     /// reduced speed, with people around.
     #[serde(rename = "speed_m_per_s")]
     pub speed: f64,
-    /// Highest acceleration along the path, and across it where it is an arc, metres a second squared,
-    /// 0.001..=100. Default 0.5: full speed after half a second, a twentieth of gravity, so that nothing
-    /// sways when it stops.
+    /// Maximum acceleration along the path, and across it on arcs, metres per second squared, 0.001..=100.
+    /// Default 0.5: full speed after half a second, a twentieth of gravity, so that nothing sways when it
+    /// stops.
     #[serde(rename = "acceleration_m_per_s2")]
     pub acceleration: f64,
-    /// Distance from the ball around the object's box, metres, 0..=1e6. Default 0.02: most of the depth of
-    /// a small camera, as above tables.
+    /// Distance from the ball around the object's box, metres, 0..=1e6. Default 0.02: most of the depth of a
+    /// small camera, as above tables.
     #[serde(rename = "clearance_m")]
     pub clearance: f64,
-    /// Time that the robot stands at each view, seconds, at least 0. Default 2: a second in which the arm
-    /// stops swaying and one for the image, or the mean of thirty. Not part of trajectories.
+    /// Time that the robot stands at each view, seconds, at least 0. Default 2: one second for the arm to
+    /// stop swaying and one for the image, or the mean of thirty. Not part of trajectories.
     #[serde(rename = "sensing_time_s")]
     pub sensing_time: f64,
 }

@@ -1,27 +1,27 @@
-//! Tours through thousands of positions, in time little more than proportional to their number.
+//! Tours through thousands of positions, in time nearly proportional to their number.
 
 use super::KeepOut;
 use crate::{Cancel, Cancelled};
 use glam::DVec3;
 use rayon::prelude::*;
 
-/// Neighbours that moves may lead to.
+/// Number of neighbours considered for moves.
 const N_NEIGHBORS: usize = 10;
 
-/// How far neighbours are searched along each curve, to both sides.
+/// Range of the search for neighbours along each curve, to both sides.
 const REACH_ON_CURVE: usize = 12;
 
 /// Maximum number of sweeps over all positions.
 const MOST_SWEEPS: usize = 30;
 
-/// Longest part of the order that a move turns or shifts.
+/// Maximum length of the part of the order that a move reverses or shifts.
 const MOST_SHIFTED: usize = 10_000;
 
 /// Relative differences below this may be rounding errors.
 const TOLERANCE: f64 = 1e-12;
 
-/// The order along a space-filling curve (Morton 1966), or the order given if that is shorter, after sweeps
-/// of moves that lead to a neighbour: 2-opt and Or-opt, as for short tours.
+/// Starts from the order along a space-filling curve (Morton 1966), or the order given if that is shorter,
+/// and sweeps over moves that lead to a neighbour: 2-opt and Or-opt, as for short tours.
 pub(super) fn long_tour(
     start: Option<DVec3>,
     positions: &[DVec3],
@@ -46,7 +46,7 @@ pub(super) fn long_tour(
     Ok(search.order)
 }
 
-/// The positions in the order of their codes on the curve. A shift by a third of the whole moves its jumps
+/// Orders the positions by their codes on the curve. A shift by a third of the whole moves its jumps
 /// elsewhere (Chan 1998).
 fn curve(positions: &[DVec3], shift: f64) -> Vec<usize> {
     let low = positions.iter().copied().fold(DVec3::INFINITY, DVec3::min);
@@ -62,7 +62,7 @@ fn curve(positions: &[DVec3], shift: f64) -> Vec<usize> {
     coded.into_iter().map(|(_, i)| i).collect()
 }
 
-/// The lowest 21 bits with two zeros before each.
+/// Spreads the lowest 21 bits, with two zeros before each.
 fn spread(bits: u64) -> u64 {
     let mut x = bits.min((1 << 21) - 1);
     for (shift, mask) in [
@@ -142,8 +142,8 @@ impl<'a> Search<'a> {
         Ok(())
     }
 
-    /// Length of the leg to the position at index `to` from the one before it in an order where that is at
-    /// `from`, -1 for the start; 0 beyond the end.
+    /// Length of the leg between the positions at indices `from`, -1 for the start, and `to` of the order; 0
+    /// without a start or beyond the end.
     fn leg(&self, from: isize, to: usize) -> f64 {
         let Some(&to) = self.order.get(to) else { return 0.0 };
         let from = match usize::try_from(from) {
@@ -153,21 +153,21 @@ impl<'a> Search<'a> {
         from.map_or(0.0, |from| self.ball.path_length(from, self.positions[to]))
     }
 
-    /// Whether a leg between two positions can be shorter than one of the present legs of the first: no move
-    /// that adds it gains otherwise, or it gains from the second position.
+    /// Whether a leg between two positions can be shorter than one of the first position's present legs.
+    /// Otherwise no move that adds it gains, or it gains from the second position.
     fn may_gain(&self, position: usize, other: usize) -> bool {
         let at = self.index[position];
         let longest = self.leg(at as isize - 1, at).max(self.leg(at as isize, at + 1));
         self.positions[position].distance(self.positions[other]) < longest
     }
 
-    /// Reverses the part of the order between two positions so that they follow each other, if that gains.
+    /// Reverses the part of the order between two positions so that they become neighbours, if that gains.
     fn turn(&mut self, a: usize, b: usize, least_gain: f64) -> bool {
         let (low, high) = (self.index[a].min(self.index[b]), self.index[a].max(self.index[b]));
         self.turn_part(low as isize, high, least_gain)
     }
 
-    /// Reverses what comes after index `low` (-1 for the start), up to index `high`, if that gains.
+    /// Reverses the part after index `low` (-1 for the start), up to index `high`, if that gains.
     fn turn_part(&mut self, low: isize, high: usize, least_gain: f64) -> bool {
         let begin = (low + 1) as usize;
         if high <= begin || high - begin > MOST_SHIFTED {
@@ -183,14 +183,14 @@ impl<'a> Search<'a> {
         true
     }
 
-    /// Reverses the beginning of the order where that gains most.
+    /// Reverses beginnings of the order that gain.
     fn turn_beginning(&mut self, least_gain: f64) -> bool {
         let last = self.order.len().min(MOST_SHIFTED);
         (1..last).fold(false, |is_better, high| self.turn_part(-1, high, least_gain) | is_better)
     }
 
-    /// Moves one to three positions that begin with the first one behind the second, or that end with it
-    /// before the second, if that gains.
+    /// Moves one to three positions, if that gains: those beginning with the first one to behind the second,
+    /// or those ending with it to before the second.
     fn shift(&mut self, position: usize, other: usize, least_gain: f64) -> bool {
         (1..=3).any(|len| {
             let (at, to) = (self.index[position], self.index[other]);

@@ -1,4 +1,4 @@
-//! How the camera gets from view to view: poses with times, around the object and above its table.
+//! How the camera gets from view to view: timed poses around the object and above its table.
 //!
 //! Start with [`Trajectory`], or ask a [session](crate::session::Session::trajectory_to) for one. [`KeepOut`]
 //! gives the shortest path around the object, [`tour`] the order of a short path through many positions.

@@ -6,8 +6,8 @@ use std::f64::consts::PI;
 
 /// A ball around an object, which a moving camera must not enter.
 ///
-/// The shortest path around is straight, or a tangent, an arc on the ball and another tangent. It leaves and
-/// reaches a position inside the ball along the radius.
+/// The shortest path around it is straight, or a tangent, an arc on the ball and another tangent. It leaves
+/// and reaches a position inside the ball along the radius.
 ///
 /// ```
 /// use glam::DVec3;
@@ -25,16 +25,16 @@ pub struct KeepOut {
     pub(super) radius: f64,
 }
 
-/// Largest angle between waypoints on an arc, radians. The path through them is up to 0.07 % longer than the
+/// Maximum angle between waypoints on an arc, radians. The path through them is up to 0.07 % longer than the
 /// arc.
 pub(super) const MAX_TURN: f64 = 5.0 * PI / 180.0;
 
-/// Largest radius and clearance, metres.
+/// Maximum radius and clearance, metres.
 const LARGEST: f64 = 1e9;
 
 impl KeepOut {
-    /// The ball of this radius around `center`, wider by `clearance` (metres, 0 to 1e9). The centre must be
-    /// within [`Pose::REACH`](crate::geometry::Pose::REACH).
+    /// Creates a ball of this radius around `center`, enlarged by `clearance` (metres, 0 to 1e9). The centre
+    /// must be within [`Pose::REACH`](crate::geometry::Pose::REACH).
     pub fn new(center: DVec3, radius: f64, clearance: f64) -> Result<Self, Error> {
         check_position("center", center)?;
         for (name, length) in [("radius", radius), ("clearance", clearance)] {
@@ -43,7 +43,7 @@ impl KeepOut {
         Ok(Self { center, radius: radius + clearance })
     }
 
-    /// The ball through the corners of a box, wider by `clearance` (metres).
+    /// Creates the ball through the corners of a box, enlarged by `clearance` (metres).
     pub fn around(bounds: &Aabb, clearance: f64) -> Result<Self, Error> {
         Self::new(bounds.center(), 0.5 * bounds.size().length(), clearance)
     }
@@ -58,7 +58,7 @@ impl KeepOut {
         self.radius
     }
 
-    /// Length of the shortest path between two positions, metres; the same in both directions.
+    /// Length of the shortest path between two positions, metres; equal in both directions.
     pub fn path_length(&self, from: DVec3, to: DVec3) -> f64 {
         if from == to {
             return 0.0;
@@ -70,14 +70,14 @@ impl KeepOut {
         outside + (from.distance(self.center + a) + to.distance(self.center + b))
     }
 
-    /// Waypoints of the shortest path, both ends included; straight lines between them do not enter the ball
-    /// either, except from or to an end inside it. On an arc they lie slightly outside the ball.
+    /// Returns the waypoints of the shortest path, both ends included. Lines between them stay outside the
+    /// ball, except from or to an end inside it. On an arc, waypoints lie slightly outside the ball.
     pub fn path(&self, from: DVec3, to: DVec3) -> Vec<DVec3> {
         self.path_by(from, to, None)
     }
 
-    /// The same; where all paths around are equally long, the one that turns about this axis, which is across
-    /// both ends.
+    /// As [`path`](Self::path), but if all paths around are equally long, the one that turns about this axis,
+    /// which is perpendicular to both ends.
     pub(super) fn path_by(&self, from: DVec3, to: DVec3, preferred: Option<DVec3>) -> Vec<DVec3> {
         if from == to {
             return vec![from];
@@ -95,7 +95,7 @@ impl KeepOut {
         position.distance(self.center) < self.radius
     }
 
-    /// Where the part outside the ball begins and ends, relative to the centre: at the ends, or straight
+    /// Where the part outside the ball begins and ends, relative to the centre: at the ends, or radially
     /// above those that are inside. From the exact centre, all paths out are equally long; the one below the
     /// other end is taken.
     fn gates(&self, from: DVec3, to: DVec3) -> (DVec3, DVec3) {
@@ -107,17 +107,17 @@ impl KeepOut {
         (gate(from, to), gate(to, from))
     }
 
-    /// The angle by which the path turns around the ball; not positive where the ends see each other.
+    /// The angle by which the path turns around the ball; not positive if the ends see each other.
     fn arc(&self, a: DVec3, b: DVec3) -> f64 {
         a.cross(b).length().atan2(a.dot(b)) - (self.tangent_angle(a) + self.tangent_angle(b))
     }
 
-    /// Length of the tangent from here to the ball; 0 on the ball.
+    /// Length of the tangent from a position to the ball; 0 on the ball.
     fn tangent_length(&self, offset: DVec3) -> f64 {
         (offset.length_squared() - self.radius * self.radius).max(0.0).sqrt()
     }
 
-    /// Angle at the centre between a position and where its tangent touches.
+    /// Angle at the centre between a position and its tangent point.
     fn tangent_angle(&self, offset: DVec3) -> f64 {
         self.tangent_length(offset).atan2(self.radius)
     }
@@ -135,8 +135,8 @@ impl KeepOut {
     }
 }
 
-/// The unit vector around which the path turns from `a` to `b`; where they are opposite, to a millionth, the
-/// preferred one or any across `a`.
+/// The unit vector around which the path turns from `a` to `b`; if they are opposite, to a millionth, the
+/// preferred one or any perpendicular to `a`.
 fn axis(a: DVec3, b: DVec3, preferred: Option<DVec3>) -> DVec3 {
     let cross = a.cross(b);
     if cross.length() > 1e-6 * a.length() * b.length() {
@@ -171,7 +171,7 @@ mod tests {
         path.windows(2).map(|leg| leg[0].distance(leg[1])).sum()
     }
 
-    /// Distance of a segment to the centre, at its closest.
+    /// Distance between a segment and the centre.
     fn clearance(leg: &[DVec3]) -> f64 {
         let (from, along) = (leg[0] - ball().center(), leg[1] - leg[0]);
         let t = if along == DVec3::ZERO {

@@ -1,6 +1,5 @@
-/// Distance over time of a motion that starts at rest, is as fast as limits on speed and acceleration allow,
-/// and ends at rest: its speed over time is a trapezoid, or a triangle where the path is too short for full
-/// speed.
+/// Distance over time of the fastest motion from rest to rest within limits on speed and acceleration. Its
+/// speed over time is a trapezoid, or a triangle if the path is too short for full speed.
 ///
 /// ```
 /// use nextview::motion::Profile;
@@ -14,13 +13,13 @@
 pub struct Profile {
     length: f64,
     acceleration: f64,
-    /// Time to speed up, and to slow down, seconds.
+    /// Time of acceleration, and of deceleration, seconds.
     ramp: f64,
     duration: f64,
 }
 
 impl Profile {
-    /// The profile for a path of this length, not negative, and these limits, positive; all finite.
+    /// Creates the profile of a path of this length, not negative, under positive limits; all finite.
     pub fn new(length: f64, speed: f64, acceleration: f64) -> Self {
         let ramp = (speed / acceleration).min((length / acceleration).sqrt());
         let cruise = (length - acceleration * ramp * ramp).max(0.0);
@@ -28,7 +27,7 @@ impl Profile {
         Self { length, acceleration, ramp, duration }
     }
 
-    /// Time at the end, seconds.
+    /// Total time, seconds.
     pub fn duration(&self) -> f64 {
         self.duration
     }
@@ -45,7 +44,7 @@ impl Profile {
         }
     }
 
-    /// When a distance from the start is reached; the inverse of [`distance_at`](Self::distance_at).
+    /// Time at which a distance from the start is reached; the inverse of [`distance_at`](Self::distance_at).
     pub fn time_at(&self, distance: f64) -> f64 {
         let left = self.length - distance;
         let while_ramp = 0.5 * self.acceleration * self.ramp * self.ramp;

@@ -6,16 +6,16 @@ use glam::DVec3;
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Route {
     pub corners: Vec<DVec3>,
-    /// Radius of the arc that the corners follow where the path is not straight, metres.
+    /// Radius of the arc that the corners follow if the path is not straight, metres.
     pub radius: f64,
 }
 
 impl KeepOut {
-    /// The [shortest path](Self::path) if it is nowhere below the floor, otherwise a path level with its
-    /// ends: it lies in the most level of the planes through both ends, in which the ball is a circle. It
-    /// then leaves and reaches an end inside the ball level.
+    /// Returns the [shortest path](Self::path) if it is nowhere below the floor, otherwise a path level with
+    /// its ends. That path lies in the most level plane through both ends, where the ball is a circle, and
+    /// leaves and reaches an end inside the ball level.
     ///
-    /// No point is lower than the floor, or than the lower end where that is below the floor.
+    /// No point is lower than the floor, or than the lower end if that is below the floor.
     pub(super) fn route(&self, from: DVec3, to: DVec3, floor: Option<&Plane>) -> Route {
         let corners = self.path(from, to);
         let dips = |floor: &&Plane| {
@@ -28,9 +28,9 @@ impl KeepOut {
         }
     }
 
-    /// In its plane, all of the path is beside the line between the gates, never before or behind it, and so
-    /// no lower than the lower gate. It is at most pi / 2 times as long as that line, as around every circle
-    /// with both ends outside.
+    /// In its plane, the whole path is to the side of the line between the gates, never before or behind it,
+    /// and so no lower than the lower gate. It is at most pi / 2 times as long as that line, as around every
+    /// circle with both ends outside.
     fn level_route(&self, from: DVec3, to: DVec3, up: DVec3) -> Route {
         let (a, b) = (self.level_gate(from, to, up), self.level_gate(to, from, up));
         let beside = up.cross(b - a).try_normalize().unwrap_or_else(|| up.any_orthonormal_vector());
@@ -45,8 +45,8 @@ impl KeepOut {
         Route { corners, radius }
     }
 
-    /// The end itself, or if it is inside, the point level with it where the path leaves the ball, away from
-    /// the middle; from the axis through the middle, towards the other end.
+    /// The end itself. For an end inside the ball, the point level with it where the path leaves the ball,
+    /// away from the middle; on the axis through the middle, towards the other end.
     fn level_gate(&self, end: DVec3, other: DVec3, up: DVec3) -> DVec3 {
         if !self.is_inside(end) {
             return end;
@@ -71,15 +71,15 @@ mod tests {
         corners.windows(2).map(|leg| leg[0].distance(leg[1])).sum()
     }
 
-    /// Distance of a line between two points to a third, at its closest.
+    /// Distance between a line segment and a point.
     fn distance(leg: &[DVec3], point: DVec3) -> f64 {
         let along = leg[1] - leg[0];
         let t = (point - leg[0]).dot(along) / along.length_squared();
         (leg[0] + t.clamp(0.0, 1.0) * along).distance(point)
     }
 
-    /// A ball, a tilted floor that most often cuts it, and two positions: most outside and above, many of
-    /// them low, some opposite.
+    /// A ball, a tilted floor that usually cuts it, and two positions: most outside and above, many of them
+    /// low, some opposite.
     fn case(random: &mut Random) -> (KeepOut, Plane, [DVec3; 2]) {
         let center = random.in_cube();
         let ball = KeepOut::new(center, random.range(0.05, 0.5), random.range(0.0, 0.1)).unwrap();

@@ -4,28 +4,28 @@ use crate::geometry::check_position;
 use crate::{Cancel, Cancelled, Error};
 use glam::DVec3;
 
-/// Maximum number of views whose shortest order is found exactly; a heuristic orders more.
+/// Maximum number of views for an exact shortest order; a heuristic orders more.
 const MOST_EXACT: usize = 12;
 
-/// Maximum number of views that are ordered by cheapest insertion and all moves, which takes up to a second
-/// or two; a search among neighbours orders more.
+/// Maximum number of views ordered by cheapest insertion and all moves, which takes up to a second or two; a
+/// search among neighbours orders more.
 const MOST_INSERTED: usize = 1000;
 
-/// Maximum number of sweeps over all moves; a test finds far fewer.
+/// Maximum number of sweeps over all moves; a test needs far fewer.
 const MOST_SWEEPS: usize = 100;
 
 /// Relative differences below this may be rounding errors.
 const TOLERANCE: f64 = 1e-12;
 
-/// The order in which a camera visits all positions on a short path, from its start and without returning;
-/// each leg goes around the ball. Without a start, the path begins at the first position of the order.
+/// Returns the order of a short path through all positions, from the start and without returning. Each leg
+/// goes around the ball. Without a start, the path begins at the first position of the order.
 ///
 /// Up to 12 positions, the path is the shortest possible (Held and Karp 1962). More positions are inserted
-/// one by one where they cost least, and then moved as long as that shortens the path, in up to 100 sweeps:
-/// by reversing a part of it (2-opt, Croes 1958), or by moving up to three positions elsewhere (Or-opt, Or
-/// 1976). Of more than 1000 positions, the order begins along a space-filling curve, and only moves that lead
-/// to neighbours are tried, so that the time grows little faster than their number. The path is never longer
-/// than in the order given.
+/// one by one where they cost least. They are then moved as long as that shortens the path, in up to 100
+/// sweeps: by reversing a part of it (2-opt, Croes 1958), or by moving up to three positions elsewhere
+/// (Or-opt, Or 1976). For more than 1000 positions, the order begins along a space-filling curve, and only
+/// moves that lead to neighbours are tried, so the time grows little faster than their number. The path is
+/// never longer than in the order given.
 ///
 /// Fails if a position or the start is not within [`Pose::REACH`](crate::geometry::Pose::REACH).
 pub fn tour(start: Option<DVec3>, positions: &[DVec3], ball: &KeepOut) -> Result<Vec<usize>, Error> {
@@ -47,7 +47,7 @@ pub(crate) fn tour_unless(
     if positions.len() <= MOST_EXACT { Ok(shortest(&ways)) } else { short(&ways, cancel) }
 }
 
-/// Length of the path through positions in their order, metres.
+/// Length of the path through the positions in the given order, metres.
 pub fn tour_length(start: Option<DVec3>, positions: impl IntoIterator<Item = DVec3>, ball: &KeepOut) -> f64 {
     let (mut length, mut last) = (0.0, start);
     for position in positions {
@@ -57,8 +57,8 @@ pub fn tour_length(start: Option<DVec3>, positions: impl IntoIterator<Item = DVe
     length
 }
 
-/// The place in the path through `route` where another position costs least, the first on ties, and how much
-/// longer the path then is (metres).
+/// Returns the place in the path through `route` where another position costs least, the first on ties, and
+/// the added length (metres).
 pub fn detour(start: Option<DVec3>, route: &[DVec3], position: DVec3, ball: &KeepOut) -> (usize, f64) {
     let way = |from: Option<DVec3>, to: DVec3| from.map_or(0.0, |from| ball.path_length(from, to));
     let costs = (0..=route.len()).map(|place| {
@@ -92,7 +92,7 @@ impl Ways {
         self.between[a * self.n + b]
     }
 
-    /// Length of the leg between two positions: from the start if `from` is none, 0 if `to` is none.
+    /// Length of the leg between two positions: from the start if `from` is `None`, 0 if `to` is `None`.
     fn leg(&self, from: Option<usize>, to: Option<usize>) -> f64 {
         match (from, to) {
             (_, None) => 0.0,
@@ -149,7 +149,7 @@ fn short(ways: &Ways, cancel: &Cancel) -> Result<Vec<usize>, Cancelled> {
     Ok(if ways.length(&given) < ways.length(&inserted) { given } else { inserted })
 }
 
-/// All positions, inserted one after the other, each time the one that lengthens the path least.
+/// Inserts the positions one by one, each time the one that lengthens the path least.
 fn inserted(ways: &Ways, cancel: &Cancel) -> Result<Vec<usize>, Cancelled> {
     let mut order = Vec::new();
     let mut left: Vec<usize> = (0..ways.n).collect();
@@ -177,8 +177,8 @@ fn around(order: &[usize], begin: usize, end: usize) -> (Option<usize>, Option<u
     (begin.checked_sub(1).map(|place| order[place]), order.get(end).copied())
 }
 
-/// The order after sweeps over all moves, each made if it shortens the path, until none does or there were
-/// too many sweeps.
+/// Improves the order by sweeps over all moves that shorten the path, until none does or the maximum number
+/// of sweeps is reached.
 fn improved(ways: &Ways, mut order: Vec<usize>, cancel: &Cancel) -> Result<Vec<usize>, Cancelled> {
     let least_gain = TOLERANCE * ways.length(&order);
     for _ in 0..MOST_SWEEPS {
@@ -323,7 +323,7 @@ mod tests {
         for seed in 0..10 {
             let positions = positions(25, seed);
             let order = tour(Some(DVec3::X), &positions, &ball()).unwrap();
-            // Its own result, given back to it, is a start that is hard to better.
+            // Its own result, fed back, is a start that is hard to improve.
             let sorted: Vec<DVec3> = order.iter().map(|&i| positions[i]).collect();
             let again = tour(Some(DVec3::X), &sorted, &ball()).unwrap();
             let found = length(Some(DVec3::X), &positions, &order);
@@ -356,7 +356,7 @@ mod tests {
         let time = start.elapsed();
         println!("{} m in {time:?}", length(Some(DVec3::X), &positions, &order));
         assert!(time.as_secs_f64() < 20.0, "{time:?}");
-        // Its own result, in the order given, does not get longer.
+        // Its own result, as the given order, does not get longer.
         let sorted: Vec<DVec3> = order.iter().take(3000).map(|&i| positions[i]).collect();
         let again = tour(Some(DVec3::X), &sorted, &ball()).unwrap();
         let given: Vec<usize> = (0..3000).collect();

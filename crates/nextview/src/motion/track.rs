@@ -6,15 +6,15 @@ use crate::geometry::Pose;
 use glam::{DQuat, DVec3};
 use std::iter::once;
 
-/// Turning by a radian takes as long as a path of this length, metres: at this distance around the object,
-/// moving and turning take equally long. At the default speed it is 57 degrees a second.
+/// Path length that takes as long as turning by a radian, metres: at this distance around the object, moving
+/// and turning take equally long. At the default speed it is 57 degrees a second.
 const LEVER: f64 = 0.25;
 
-/// Waypoints are no further apart than this, seconds, unless a straight line has [`MOST_POINTS`] of them.
+/// Maximum time between waypoints, seconds, unless a straight line has [`MOST_POINTS`] of them.
 const INTERVAL: f64 = 0.1;
 const MOST_POINTS: f64 = 100.0;
 
-/// Corners closer together than this are merged, metres: the direction between them would be rounding.
+/// Distance below which corners are merged, metres: the direction between them would be rounding.
 const SAME: f64 = 1e-9;
 
 /// The course of a path and the rotation of the camera along it.
@@ -34,7 +34,7 @@ struct Corner {
     position: DVec3,
     /// Length of the path so far, metres.
     length: f64,
-    /// The camera's rotation if it only followed the middle, and by how much it has turned so far, radians.
+    /// The camera's rotation if it only followed the middle, and its turn so far, radians.
     rotation: DQuat,
     turn: f64,
 }
@@ -64,7 +64,7 @@ impl Track {
         self.end().length
     }
 
-    /// Adds poses with times to that of the start.
+    /// Adds timed poses to that of the start.
     pub fn add_waypoints(&self, config: &MotionConfig, waypoints: &mut Vec<Waypoint>) {
         let stops: Vec<usize> = (1..self.corners.len() - 1).filter(|&i| self.is_stop(i)).collect();
         let last = self.corners.len() - 1;
@@ -91,7 +91,7 @@ impl Track {
         self.corners.push(Corner { position, length, rotation, turn });
     }
 
-    /// The smallest turn that takes the direction of the middle, seen from one position, to that from
+    /// The smallest turn that takes the direction of the middle as seen from one position to that from
     /// another.
     fn following(&self, before: DVec3, now: DVec3) -> DQuat {
         let direction = |from: DVec3| self.middle.and_then(|middle| (middle - from).try_normalize());
@@ -101,7 +101,7 @@ impl Track {
         }
     }
 
-    /// Whether the path bends so much at a corner between the ends that the camera must stop.
+    /// Whether the path bends so much at an inner corner that the camera must stop.
     fn is_stop(&self, corner: usize) -> bool {
         let [before, here, after] = [corner - 1, corner, corner + 1].map(|i| self.corners[i].position);
         (here - before).angle_between(after - here) > MAX_TURN + 1e-6
@@ -149,7 +149,7 @@ impl Track {
     }
 }
 
-/// By how much a rotation turns, radians, 0 to pi.
+/// Angle of a rotation, radians, 0 to pi.
 fn angle(rotation: DQuat) -> f64 {
     2.0 * rotation.xyz().length().atan2(rotation.w.abs())
 }

@@ -8,28 +8,28 @@ use crate::geometry::{Aabb, Plane, Pose, check_position};
 /// The surroundings of the camera.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Surroundings {
-    /// The box around the object, metres. The camera goes around the ball through its corners, wider by the
-    /// clearance.
+    /// The box around the object, metres. The camera goes around the ball through its corners, enlarged by
+    /// the clearance.
     pub object: Option<Aabb>,
-    /// The camera stays on the upper side.
+    /// The floor; the camera stays above it.
     pub floor: Option<Plane>,
 }
 
-/// A trajectory from one view to another: poses with times, from rest to rest.
+/// A trajectory from one view to another: timed poses, from rest to rest.
 ///
-/// It goes straight, or around the ball that encloses the object: tangent, arc, tangent. Where that would dip
+/// It goes straight, or around the ball that encloses the object: tangent, arc, tangent. If that would dip
 /// below the floor, it goes around level with its ends. Straight lines between waypoints also stay outside
 /// the ball and above the floor. It leaves and reaches an end inside the ball straight outwards, or level
 /// above a floor; an end below the floor is the lowest point.
 ///
-/// The camera turns with the direction towards the middle of the object, by no more than necessary; the
+/// The camera turns with the direction towards the middle of the object, by no more than necessary. The
 /// remaining rotation to the final pose is spread evenly along the path. Between poses that look at the
-/// middle it looks there all the time.
+/// middle, it looks there all the time.
 ///
 /// Along the path, speed over time is a [`Profile`](super::Profile). Where the path bends by more than 5
-/// degrees at once (at the border of the ball, if an end is inside) the camera stops. On an arc,
-/// speed^2 / radius is no more than the acceleration. Turning takes time, too: as long as a path of 0.25 m
-/// for each radian, if that is longer than the path itself.
+/// degrees at once (at the border of the ball, if an end is inside) the camera stops. On an arc, speed^2 /
+/// radius is no more than the acceleration. Turning takes time, too: as long as a path of 0.25 m for each
+/// radian, if that is longer than the path itself.
 ///
 /// ```
 /// use glam::DVec3;
@@ -51,8 +51,8 @@ pub struct Trajectory {
 }
 
 impl Trajectory {
-    /// The trajectory between two poses (`world_from_camera`); fails on a configuration or a box out of
-    /// range, and if it would leave [`Pose::REACH`].
+    /// Plans the trajectory between two poses (`world_from_camera`). Fails on a configuration or a box out of
+    /// range, or if it would leave [`Pose::REACH`].
     pub fn new(
         from: &Pose,
         to: &Pose,
@@ -75,7 +75,7 @@ impl Trajectory {
         Ok(Self { waypoints, length: track.length() })
     }
 
-    /// The trajectory through these poses, in the order of their times, such as those of a camera on an arm.
+    /// Creates a trajectory from poses in the order of their times, such as those of a camera on an arm.
     ///
     /// Fails unless there is at least one, the first at 0 s, with times that increase.
     pub fn through(waypoints: Vec<Waypoint>) -> Result<Self, Error> {
@@ -90,23 +90,23 @@ impl Trajectory {
         Ok(Self { waypoints, length })
     }
 
-    /// A trajectory that stays at this pose.
+    /// Creates a trajectory that stays at this pose.
     pub fn at(world_from_camera: Pose) -> Self {
         Self { waypoints: vec![Waypoint { time: 0.0, world_from_camera }], length: 0.0 }
     }
 
-    /// In the order of their times, at most 0.1 s apart (or a hundredth of a straight line that takes more
-    /// than 10 s). The first is where the trajectory begins, at 0 s, the last where it ends.
+    /// Waypoints in the order of their times, at most 0.1 s apart (or a hundredth of a straight line that
+    /// takes more than 10 s). The first, at 0 s, is the start of the trajectory, the last its end.
     pub fn waypoints(&self) -> &[Waypoint] {
         &self.waypoints
     }
 
-    /// Metres from the first waypoint through all others to the last.
+    /// Length of the path through all waypoints, metres.
     pub fn length(&self) -> f64 {
         self.length
     }
 
-    /// Seconds from rest to rest.
+    /// Time from rest to rest, seconds.
     pub fn duration(&self) -> f64 {
         self.waypoints.last().map_or(0.0, |last| last.time)
     }

@@ -2,10 +2,10 @@ use crate::Cancel;
 use crate::geometry::{Aabb, BoxTree, Search};
 use glam::DVec3;
 
-/// Finds the point that is the farthest in a direction.
+/// Finds the farthest point in a direction.
 pub(super) struct Farthest(BoxTree<1>);
 
-/// The farthest so far.
+/// The farthest point so far.
 struct Best {
     direction: DVec3,
     along: f64,
@@ -13,13 +13,13 @@ struct Best {
 }
 
 impl Farthest {
-    /// Among finite points.
+    /// Creates the search among finite points.
     pub fn new(points: impl IntoIterator<Item = DVec3>) -> Self {
         let points = points.into_iter().map(|point| [point]);
         Self(BoxTree::new(points, &Cancel::default()).expect("nobody cancels"))
     }
 
-    /// How far it is along the direction, and its number, the highest on ties; none without points.
+    /// The largest distance along the direction and its point, the last on ties; `None` if empty.
     pub fn along(&self, direction: DVec3) -> Option<(f64, usize)> {
         let mut best = Best { direction, along: f64::NEG_INFINITY, number: 0 };
         self.0.search(&mut best);
@@ -28,8 +28,8 @@ impl Farthest {
 }
 
 impl Search<1> for Best {
-    /// The other way, the farthest corner of the box: products and sums round alike for it and for points, so
-    /// that no point is farther.
+    /// The negated distance of the box's farthest corner. Products and sums round alike for it and for
+    /// points, so no point is farther.
     fn rank(&self, [bounds]: &[Aabb; 1]) -> f64 {
         -bounds.most_along(self.direction)
     }
@@ -51,7 +51,7 @@ mod tests {
     use super::*;
     use proptest::prelude::*;
 
-    /// Whole numbers make many ties.
+    /// Whole numbers give many ties.
     fn vector() -> impl Strategy<Value = DVec3> {
         let tied = prop::array::uniform3(-3..4).prop_map(|v| v.map(f64::from));
         prop_oneof![tied, prop::array::uniform3(-3.0..3.0)].prop_map(DVec3::from_array)
@@ -61,7 +61,7 @@ mod tests {
         /// The slow twin: all points.
         #[test]
         fn finds_the_last_of_the_farthest(points in prop::collection::vec(vector(), 0..100), direction in vector()) {
-            // Zeros of both signs are the same.
+            // Zeros of both signs are equal.
             let along = points.iter().map(|point| point.dot(direction) + 0.0).zip(0..);
             let expected = along.max_by(|a: &(f64, usize), b| a.0.total_cmp(&b.0));
             prop_assert_eq!(Farthest::new(points).along(direction), expected);

@@ -1,9 +1,9 @@
-//! How an object lies: the poses in which it rests, which one frees most of what is unseen, and how it was
+//! How an object lies: its rest poses, the one that exposes most of the unseen surface, and how it was
 //! turned.
 //!
-//! A placement is the time during which the object lies still. [`ShownObject`] is what the frames of one have
-//! shown; [`find_turn`] finds how the object was turned before the next one; [`next_placement`] plans that.
-//! The formulas are in `docs/methods/placement.md`.
+//! A placement is the time during which the object lies still. [`ShownObject`] holds what the frames of one
+//! placement have shown. [`find_turn`] finds how the object was turned before the next one;
+//! [`next_placement`] plans that turn. The formulas are in `docs/methods/placement.md`.
 
 mod farthest;
 mod rest;

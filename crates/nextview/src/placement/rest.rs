@@ -4,44 +4,43 @@ use glam::DVec3;
 use rayon::prelude::*;
 use std::f64::consts::TAU;
 
-/// Number of directions that are tried at first, and their distance from the next ones, radians.
+/// Number of directions tried first, and their spacing, radians.
 const N_DIRECTIONS: usize = 4000;
 const SPACING: f64 = 0.06;
 
-/// A minimum is looked for where no more of the next directions are lower.
+/// Maximum number of lower neighbours of a direction from which a minimum is searched.
 const MOST_LOWER: usize = 2;
 
-/// A pose in which an object does not tip over when it is tilted by this angle, radians.
+/// Tilt, radians, that an object must withstand in its pose without tipping over.
 const TIP: f64 = 0.14;
 
-/// The search for a minimum begins with steps of this angle, radians, and ends at the last one.
+/// First and last step of the search for a minimum, radians.
 const STEPS: [f64; 2] = [0.03, 1e-4];
 
-/// Lengths are the same if they differ by no larger share.
+/// Relative difference up to which lengths are equal.
 const TOLERANCE: f64 = 1e-9;
 
-/// Points that may touch the plane.
+/// Number of points that may touch the plane.
 const N_LOWEST: usize = 12;
 
-/// Directions of a step.
+/// Number of directions of a step.
 const N_TURNS: usize = 12;
 
 /// A pose in which an object lies still.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Rest {
-    /// The direction that points down then, in the frame of the object, of unit length.
+    /// The direction that points down in this pose, in the frame of the object, of unit length.
     pub down: DVec3,
-    /// Height of the centre of mass above what the object lies on, metres.
+    /// Height of the centre of mass above the supporting plane, metres.
     pub height: f64,
 }
 
-/// The poses in which an object lies still on a plane, the lowest first, by points that its surface goes
-/// through and its centre of mass.
+/// Returns the poses in which an object lies still on a plane, the lowest first. The arguments are points of
+/// its surface and its centre of mass.
 ///
 /// These are the local minima of the height of the centre of mass above the plane, over all directions that
-/// can point down. One that tips over into a lower one when it is tilted by 8 degrees is left out; what rolls
-/// has many.
-/// Empty without points.
+/// can point down. A pose that tips over into a lower one when tilted by 8 degrees is left out; a rolling
+/// object has many poses. Empty without points.
 ///
 /// ```
 /// use glam::DVec3;
@@ -67,7 +66,7 @@ pub fn rests(points: &[DVec3], center_of_mass: DVec3) -> Vec<Rest> {
         let is_lower = |j: &usize| heights[*j] < lowest && directions[*j].dot(of) >= least_dot;
         (0..N_DIRECTIONS).filter(is_lower).count()
     };
-    // In a narrow valley between two directions, the lowest one may have lower ones beside it.
+    // In a narrow valley between two directions, the lowest one may have lower neighbours.
     let is_start = |i: &usize| n_lower(directions[*i], SPACING, heights[*i]) <= MOST_LOWER;
     let starts = (0..N_DIRECTIONS).into_par_iter().filter(is_start);
     let minima = starts.filter_map(|i| on_three(lowest_near(directions[i], height), &points, height));
@@ -84,7 +83,7 @@ pub fn rests(points: &[DVec3], center_of_mass: DVec3) -> Vec<Rest> {
     found
 }
 
-/// The direction that steps downhill from another one lead to.
+/// The direction reached by steps downhill from another one.
 fn lowest_near(start: DVec3, height: impl Fn(DVec3) -> f64) -> DVec3 {
     let (mut best, mut lowest, mut step) = (start, height(start), STEPS[0]);
     while step > STEPS[1] {
@@ -101,7 +100,7 @@ fn lowest_near(start: DVec3, height: impl Fn(DVec3) -> f64) -> DVec3 {
 }
 
 /// The nearest pose, if one is near, in which the object lies on three points with its centre of mass above
-/// them: a search downhill ends before it, or half way between two, where it goes over an edge.
+/// them. A search downhill ends before it, or half way between two, where it goes over an edge.
 fn on_three(near: DVec3, points: &[DVec3], height: impl Fn(DVec3) -> f64) -> Option<Rest> {
     let mut lowest = points.to_vec();
     lowest.sort_by(|a, b| b.dot(near).total_cmp(&a.dot(near)));
@@ -114,7 +113,7 @@ fn on_three(near: DVec3, points: &[DVec3], height: impl Fn(DVec3) -> f64) -> Opt
                 let down = normal * normal.dot(near).signum();
                 let is_nearest = best.is_none_or(|best| near.dot(down) > near.dot(best.down));
                 let rest = Rest { down, height: a.dot(down) };
-                // Last, since it looks at all points.
+                // Last, since it reads all points.
                 let is_lowest = || height(down) <= rest.height * (1.0 + TOLERANCE);
                 if down.dot(near) >= (2.0 * TIP).cos() && is_nearest && rest.is_on([a, b, c]) && is_lowest() {
                     best = Some(rest);
@@ -126,7 +125,7 @@ fn on_three(near: DVec3, points: &[DVec3], height: impl Fn(DVec3) -> f64) -> Opt
 }
 
 impl Rest {
-    /// Whether the centre of mass, from which three points on the plane are given, is above their triangle.
+    /// Whether the centre of mass, the origin of three points on the plane, is above their triangle.
     fn is_on(&self, [a, b, c]: [&DVec3; 3]) -> bool {
         let foot = self.height * self.down;
         let turn = |from: &DVec3, to: &DVec3| (to - from).cross(foot - from).dot(self.down);
@@ -136,8 +135,8 @@ impl Rest {
     }
 }
 
-/// The points, from the centre of mass, that are the farthest in some direction: no other one can touch the
-/// plane. Those between two of the directions are left out; the height is off by less than a thousandth.
+/// The points, relative to the centre of mass, that are farthest in some direction: no other can touch the
+/// plane. Points between two directions are left out; the height is off by less than a thousandth.
 fn outermost(points: &[DVec3], center_of_mass: DVec3) -> Vec<DVec3> {
     let points: Vec<DVec3> = points.iter().map(|point| *point - center_of_mass).collect();
     let tree = Farthest::new(points.iter().copied());
@@ -154,7 +153,7 @@ mod tests {
     use crate::geometry::Aabb;
     use crate::geometry::random::Random;
 
-    /// The faces of the convex hull, by trying all triples, whose plane the centre of mass is above.
+    /// The faces of the convex hull with the centre of mass above their plane, by trying all triples.
     fn by_faces(points: &[DVec3], center_of_mass: DVec3) -> Vec<DVec3> {
         let mut downs = Vec::new();
         for (i, a) in points.iter().enumerate() {
@@ -189,7 +188,7 @@ mod tests {
                 let directions = (0..N_DIRECTIONS).map(|i| sphere::fibonacci(i, N_DIRECTIONS));
                 let mut near = directions.filter(|down| down.dot(*face) >= TIP.cos());
                 let tips_over = near.any(|down| height(down) < height(*face));
-                // Of two that are nearer to each other than that, the lower one is found.
+                // Of two faces nearer to each other than that, the lower one is found.
                 let is_found = found.iter().any(|rest| rest.down.dot(*face) > TIP.cos());
                 assert!(is_found || tips_over, "{face} of {found:?}");
             }

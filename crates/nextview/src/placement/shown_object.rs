@@ -5,7 +5,7 @@ use crate::sensor::Frame;
 use crate::{Cancel, Cancelled};
 use glam::DVec3;
 
-/// What the frames of one placement have shown of an object.
+/// An object as the frames of one placement have shown it.
 #[derive(Clone, Debug)]
 pub struct ShownObject {
     frames: Vec<Frame>,
@@ -16,8 +16,8 @@ pub struct ShownObject {
 }
 
 impl ShownObject {
-    /// Of frames whose surface is that of the object alone, with the map that they make and the table that
-    /// the object stood on.
+    /// Creates the object from frames whose surface is that of the object alone, with the map that they make
+    /// and the table that the object stood on.
     pub fn new(
         frames: Vec<Frame>,
         snapshot: Snapshot,
@@ -35,34 +35,34 @@ impl ShownObject {
         Ok(Self { frames, surface, points, snapshot, table })
     }
 
-    /// Its frames, oldest first, without what is not the object: a ray that ended on something else counts as
-    /// one that met nothing, or, where the object may be behind it, as one that measured nothing.
+    /// Its frames, oldest first, with only the object left. A ray that ended on something else counts as one
+    /// that met nothing, or, where the object may be behind it, as one that measured nothing.
     pub fn frames(&self) -> &[Frame] {
         &self.frames
     }
 
-    /// Points of the surface that was measured, one for each cell with edges of a voxel and each side.
+    /// Points of the measured surface, one for each side in each cell with edges of a voxel.
     pub fn points(&self) -> &[SurfacePoint] {
         &self.points
     }
 
-    /// What is known of the box around it.
+    /// The map of the box around it.
     pub fn snapshot(&self) -> &Snapshot {
         &self.snapshot
     }
 
-    /// What it stood on.
+    /// The table that it stood on.
     pub fn table(&self) -> Plane {
         self.table
     }
 
-    /// The measured surface, to align others to.
+    /// The measured surface, for aligning others.
     pub(super) fn surface(&self) -> &KnownSurface {
         &self.surface
     }
 
-    /// Whether a point of the object cannot be here: in the table, or in space that was seen to be free, with
-    /// all that is up to a voxel away.
+    /// Whether a point of the object cannot be here: in the table, or in space seen to be free, together with
+    /// everything up to a voxel away.
     pub(super) fn rules_out(&self, point: DVec3) -> bool {
         let voxel_size = self.snapshot.lattice().voxel_size();
         self.table.height(point) < -voxel_size || self.snapshot.is_free_around(point)

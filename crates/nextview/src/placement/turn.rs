@@ -7,81 +7,81 @@ use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 use std::f64::consts::TAU;
 
-/// Distance of the points whose pairs vote for poses, as a share of the diagonal of the known surface.
+/// Spacing of the points whose pairs vote for poses, as a share of the diagonal of the known surface.
 const SPACING: f64 = 0.06;
 
-/// Poses that are tried, of those that pairs vote for.
+/// Number of poses tried, of those that pairs vote for.
 const N_VOTED: usize = 30;
 
-/// Turns about the vertical that are tried for each pose in which the object can rest.
+/// Number of turns about the vertical tried for each rest pose.
 const N_TURNS: usize = 12;
 
-/// Poses in which the object can rest that are tried, those with the lowest centre of mass.
+/// Number of rest poses tried, those with the lowest centre of mass.
 const N_RESTS: usize = 8;
 
-/// Points by which poses are compared.
+/// Number of points by which poses are compared.
 const N_POINTS: usize = 300;
 
-/// Farthest pairs at first, as a share of the diagonal, and in the end, in voxels.
+/// Distance of the farthest pairs at first, as a share of the diagonal, and in the end, in voxels.
 const REACH: (f64, f64) = (0.1, 1.5);
 
-/// Poses that are compared by all points.
+/// Number of poses compared by all points.
 const N_BEST: usize = 12;
 
-/// Points that hold an object on a table, at most: few beside those that lie on its surface.
+/// Maximum number of points that hold an object on a table: few against those that lie on its surface.
 const N_CONTACTS: usize = 20;
 
-/// A point lies on the other surface within this many voxels of its tangent plane.
+/// Maximum distance of a point on the other surface from its tangent plane, in voxels.
 const NEAR: f64 = 0.5;
 
-/// An object that was turned has another side down: its vertical turns by this angle at least, radians.
+/// Minimum angle by which the vertical of a turned object turns, radians: another side is down.
 const LEAST_TILT: f64 = 0.35;
 
-/// Least share of the new surface on the known one, and number of points.
+/// Minimum share of the new surface on the known one, and number of points.
 const LEAST_OVERLAP: (f64, usize) = (0.2, 50);
 
-/// Largest share of points where the other placement rules the object out: noise.
+/// Maximum share of points where the other placement rules the object out: noise.
 const MOST_RULED_OUT: f64 = 0.03;
 
-/// Least share of the points with a partner that lie on the other surface.
+/// Minimum share of the points with a partner that lie on the other surface.
 const LEAST_FITTING: f64 = 0.9;
 
-/// What a point that is ruled out counts, in points that lie on the other surface.
+/// Weight of a point that is ruled out, in points that lie on the other surface.
 const RULED_OUT: f64 = 5.0;
 
-/// Another pose is a rival if it is this nearly as good.
+/// Minimum score of a rival pose, relative to the best.
 const RIVAL: f64 = 0.9;
 
-/// Poses are the same if they put this share of the points on the same surface: a box or a plate looks the
-/// same in several.
+/// Share of the points that two equal poses put on the same surface: a box or a plate looks alike in several
+/// poses.
 const SAME: f64 = 0.9;
 
 /// How an object was turned from one placement to the next.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Turn {
-    /// Takes points of the earlier placement to where they are now.
+    /// Transform from points of the earlier placement to where they are now.
     pub now_from_before: Pose,
     /// Share, 0..=1, of the surface shown now that was known before.
     pub overlap: f64,
-    /// Root mean square distance of that from the tangent planes of the surface known before, metres.
+    /// Root mean square distance of that surface from the tangent planes of the known surface, metres.
     #[serde(rename = "residual_m")]
     pub residual: f64,
 }
 
-/// Why nothing can be said of how an object was turned.
+/// Why the turn of an object could not be determined.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "kebab-case")]
 #[non_exhaustive]
 pub enum TurnRefusal {
-    /// Too little of what is shown now was seen before.
+    /// Too little of the surface shown now was seen before.
     LittleOverlap,
     /// In every pose that fits, the object would be where one of the placements saw free space, or its
-    /// surface would be beside the other one.
+    /// surface would miss the other one.
     Contradicted,
-    /// Two poses that differ fit nearly equally well.
+    /// Two different poses fit nearly equally well.
     Ambiguous,
-    /// It lies as before, or turned about the vertical: the same side is down.
+    /// The same side is down: the object lies as before, or was turned about the vertical.
     NotTurned,
 }
 
@@ -91,21 +91,21 @@ struct Fit {
     now_from_before: Pose,
     /// Share of the points shown now on the surface known before.
     overlap: f64,
-    /// Number of those.
+    /// Number of those points.
     n_near: usize,
     residual: f64,
-    /// Share of the points with a partner near by, of both surfaces, that lie on the other surface.
+    /// Share of the points of both surfaces with a partner nearby that lie on the other surface.
     fitting: f64,
-    /// Larger share of points, of one surface, where the other placement rules the object out.
+    /// Share of points where the other placement rules the object out, for the surface with more of them.
     ruled_out: f64,
     score: f64,
 }
 
-/// How the object was turned, by the surface that both placements have shown and the space that they have
-/// seen to be free; a refusal where that is not sure.
+/// Finds how the object was turned, from the surface that both placements have shown and the space that they
+/// have seen to be free. Refuses if the turn is uncertain.
 ///
-/// Poses to begin with are those that pairs of oriented points vote for (Drost et al. 2010) and those in
-/// which the object can rest on the table. Of a symmetric object, any of the equally right poses is returned.
+/// Initial poses are those that pairs of oriented points vote for (Drost et al. 2010) and those in which the
+/// object can rest on the table. For a symmetric object, any of the equally right poses is returned.
 pub fn find_turn(
     before: &ShownObject,
     now: &ShownObject,
@@ -140,7 +140,7 @@ pub fn find_turn(
 }
 
 impl Turn {
-    /// The turn made exact by what is shown now: aligned from where it is.
+    /// Refines the turn by aligning the surface shown now.
     pub fn refined(
         &self,
         before: &ShownObject,
@@ -183,7 +183,7 @@ impl Search<'_> {
         best.iter().map(|fit| self.exact(&fit.now_from_before)).collect()
     }
 
-    /// A pose that is nearly right, aligned by all points.
+    /// Aligns a nearly correct pose by all points.
     fn exact(&self, now_from_before: &Pose) -> Result<Fit, Cancelled> {
         let reach = SearchReach { first: 2.0 * self.voxels(REACH.1), last: self.voxels(REACH.1) };
         let aligned = self.aligned(&now_from_before.inverse(), self.now.points(), reach)?;
@@ -251,7 +251,7 @@ impl Search<'_> {
         })
     }
 
-    /// Poses to begin with, from the earlier placement to this one.
+    /// Initial poses, from the earlier placement to this one.
     fn starts(&self) -> Result<Vec<Pose>, Cancelled> {
         let spacing = SPACING * self.size;
         let known = PointPairs::new(spaced(self.before.points(), spacing));
@@ -263,7 +263,7 @@ impl Search<'_> {
     /// Poses in which the object, as far as it is known, rests on the table where it was found.
     fn at_rest(&self) -> Vec<Pose> {
         let positions: Vec<DVec3> = self.before.points().iter().map(|point| point.position).collect();
-        // The underside, which nobody has seen, is on the table.
+        // The underside, still unseen, is on the table.
         let feet = positions
             .iter()
             .map(|point| *point - self.before.table().height(*point) * self.before.table().normal());
@@ -296,7 +296,7 @@ impl Search<'_> {
         Ok(near(&pairs, self.voxels(2.0 * NEAR)).n as f64 >= SAME * points.len() as f64)
     }
 
-    /// Whether two poses are one, found from two starts.
+    /// Whether two poses found from different starts are one.
     fn is_one(&self, a: &Pose, b: &Pose) -> bool {
         let turn = a.rotation().angle_between(b.rotation());
         let middle = self.before.snapshot().lattice().bounds(&self.before.snapshot().block()).center();
@@ -329,7 +329,7 @@ fn near(pairs: &[Pair], limit: f64) -> Near {
     Near { n, of: pairs.len(), residual: (sum / n.max(1) as f64).sqrt() }
 }
 
-/// Some of the points that are lowest above a plane, up to this distance above the lowest one, metres.
+/// Returns some of the lowest points above a plane, up to this distance above the lowest one, metres.
 fn lowest(points: impl Iterator<Item = DVec3>, plane: Plane, band: f64) -> Vec<DVec3> {
     let mut points: Vec<DVec3> = points.collect();
     let low = points.iter().map(|point| plane.height(*point)).fold(f64::INFINITY, f64::min);
@@ -338,7 +338,7 @@ fn lowest(points: impl Iterator<Item = DVec3>, plane: Plane, band: f64) -> Vec<D
     points.into_iter().step_by(step).collect()
 }
 
-/// The first point of each cube with this edge, metres, and of each side that it faces.
+/// Returns the first point of each cube with this edge, metres, and of each side that it faces.
 fn spaced(points: &[SurfacePoint], edge: f64) -> Vec<SurfacePoint> {
     let mut taken = rustc_hash::FxHashSet::default();
     let cell = |point: &SurfacePoint| {

@@ -3,18 +3,18 @@ use crate::geometry::{Aabb, Plane};
 use crate::map::{Occupancy, Snapshot};
 use glam::{DVec3, IVec3};
 
-/// Unseen surface is freed where it looks up, or down by less than this sine: candidates are that low.
+/// Unseen surface is freed if it looks up, or down by less than this sine: candidates are that low.
 const LOWEST_LOOK: f64 = 0.3;
 
-/// A pose that frees a smaller share of the whole surface is not worth the turn.
+/// Minimum share of the whole surface that a pose must free to be worth the turn.
 const LEAST_FREED: f64 = 0.01;
 
 const SIDES: [IVec3; 6] = [IVec3::X, IVec3::NEG_X, IVec3::Y, IVec3::NEG_Y, IVec3::Z, IVec3::NEG_Z];
 
-/// How to lay an object down, so that what cannot be seen now can be seen then.
+/// The placement that exposes most of the hidden surface.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct NextPlacement {
-    /// The pose in which it will rest; the direction is that in the world of now.
+    /// The pose in which it will rest; its direction is in the present world frame.
     pub rest: Rest,
     /// Share, 0..=1, of the unseen surface that it frees.
     pub freed_share: f64,
@@ -22,19 +22,18 @@ pub struct NextPlacement {
     pub unseen_share: f64,
 }
 
-/// The pose, of those in which the object can rest, that frees most of the surface that was not seen: faces
-/// of unknown voxels towards free space, and of occupied and unknown ones towards the table. None if no pose
-/// frees a hundredth of the surface.
+/// Returns the rest pose that frees most of the unseen surface: faces of unknown voxels towards free space,
+/// and of occupied and unknown ones towards the table. `None` if no pose frees a hundredth of the surface.
 ///
-/// The object is taken for solid and of one density where it is not known to be free. Its snapshot must be in
-/// voxels much smaller than it.
+/// The object is assumed to be solid and of uniform density where it is not known to be free. The voxels of
+/// its snapshot must be much smaller than it.
 pub fn next_placement(snapshot: &Snapshot, table: Plane) -> Option<NextPlacement> {
     let solid = Solid::new(snapshot, table)?;
     let unseen = &solid.unseen;
     let n_unseen = unseen.len() as f64;
     let unseen_share = n_unseen / (n_unseen + solid.n_seen as f64);
-    // Steeper surface is seen better: it counts more, so that of two poses the one wins that shows it to
-    // most candidates.
+    // Steeper surface is seen better and counts more, so of two poses the one wins that shows it to most
+    // candidates.
     let freed = |down: DVec3| {
         let look = |normal: &DVec3| ((LOWEST_LOOK - normal.dot(down)) / (1.0 + LOWEST_LOOK)).max(0.0);
         unseen.iter().map(look).sum::<f64>() / n_unseen
@@ -47,17 +46,17 @@ pub fn next_placement(snapshot: &Snapshot, table: Plane) -> Option<NextPlacement
 
 /// The voxels that are not known to be free.
 struct Solid {
-    /// Centres of those beside free ones or on the table, metres.
+    /// Centres of those next to free voxels or on the table, metres.
     outline: Vec<DVec3>,
     center_of_mass: DVec3,
     /// Number of faces of the surface that were seen.
     n_seen: usize,
-    /// Outward normals of the faces that were not.
+    /// Outward normals of the unseen faces.
     unseen: Vec<DVec3>,
 }
 
 impl Solid {
-    /// Those in the box around all occupied ones; none if none is occupied or nothing is unseen.
+    /// The solid voxels in the box around all occupied ones; `None` if none is occupied or nothing is unseen.
     fn new(snapshot: &Snapshot, table: Plane) -> Option<Self> {
         let (block, lattice) = (snapshot.block(), snapshot.lattice());
         let state = |key: IVec3| block.index(key).map(|i| snapshot.occupancy()[i]);
@@ -99,8 +98,8 @@ mod tests {
 
     const TABLE: f64 = 0.0;
 
-    /// A brick of 20 x 12 x 8 voxels on the table: its inside and the face on the table are unknown, all
-    /// other faces are occupied but those named.
+    /// A brick of 20 x 12 x 8 voxels on the table. Its inside and the face on the table are unknown, and so
+    /// are the named faces; all others are occupied.
     fn snapshot(unseen: &[IVec3]) -> Snapshot {
         let block = VoxelBlock::new(IVec3::new(-15, -15, 0), UVec3::new(30, 30, 15)).unwrap();
         let (low, high) = (IVec3::new(-10, -6, 0), IVec3::new(9, 5, 7));

@@ -5,13 +5,13 @@ use crate::geometry::Pose;
 use glam::DVec3;
 use std::f64::consts::PI;
 
-/// Takes views from all around the object, whatever they show: for reference views, of which pose estimators
-/// want one near every direction.
+/// Takes views from all around the object, whatever they show. Pose estimators want such reference views,
+/// with one near every direction.
 ///
 /// The next view is the one whose direction, seen from the middle of the box, is farthest from those of all
-/// frames so far; where only a map is known, from those of the visited views. Only views that show the middle
-/// of the box are taken. After any number of views, the largest angle between a candidate's direction and the
-/// nearest one taken is at most twice that of the best choice of as many views (Gonzalez 1985, *Clustering to
+/// frames so far, or of the visited views if only a map is known. Only views that show the middle of the box
+/// are taken. After any number of views, the largest angle between a candidate's direction and the nearest
+/// one taken is at most twice that of the best choice of the same size (Gonzalez 1985, *Clustering to
 /// minimize the maximum intercluster distance*).
 ///
 /// The score is the angle to the nearest direction, radians; pi before the first view.

@@ -1,9 +1,9 @@
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
-/// The quantities behind a choice, by name; units are in the names.
+/// The quantities behind a choice, by name; the names include the units.
 ///
-/// Each planner chooses its own. They are for people and records: nothing in the library reads them.
+/// Each planner chooses its own. They are for people and records: the library does not read them.
 ///
 /// ```
 /// use nextview::planner::Explanation;
@@ -18,12 +18,12 @@ use std::collections::BTreeMap;
 pub struct Explanation(BTreeMap<String, f64>);
 
 impl Explanation {
-    /// The quantity of this name, if there is one.
+    /// Returns the quantity with this name, if there is one.
     pub fn get(&self, name: &str) -> Option<f64> {
         self.0.get(name).copied()
     }
 
-    /// All quantities with their names, in alphabetical order.
+    /// Returns all quantities with their names, in alphabetical order.
     pub fn iter(&self) -> impl Iterator<Item = (&str, f64)> {
         self.0.iter().map(|(name, value)| (name.as_str(), *value))
     }

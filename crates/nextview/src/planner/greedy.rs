@@ -36,7 +36,7 @@ impl GreedyConfig {
         utility::check_ray_spacing(self.ray_spacing)
     }
 
-    /// What casts the rays of views, for checked parameters.
+    /// The ray caster for checked parameters.
     pub(super) fn caster<'a>(&self, situation: &Situation<'a>, sight: Sight) -> RayCaster<'a> {
         let spacing = situation.in_snapshot_voxels(self.ray_spacing);
         RayCaster::new(situation.snapshot(), situation.intrinsics(), spacing, sight)
@@ -44,7 +44,7 @@ impl GreedyConfig {
             .within(situation.depth_range())
     }
 
-    /// The view of largest utility among open ones with these gains, one each.
+    /// Plans the open view of largest utility, for one gain per open view.
     pub(super) fn plan(&self, situation: &Situation<'_>, open: &[usize], gains: &[f64]) -> Plan {
         let total: f64 = gains.iter().sum();
         let utility = Utility::new(situation, self.theta);
@@ -78,13 +78,13 @@ pub struct Greedy<G> {
 }
 
 impl<G: InformationGain> Greedy<G> {
-    /// A planner with checked parameters.
+    /// Creates a planner. Fails if a parameter is out of range.
     pub fn new(config: GreedyConfig) -> Result<Self, Error> {
         config.check()?;
         Ok(Self { config, gain: PhantomData })
     }
 
-    /// The gain of each of these views, in the unit of the gain.
+    /// Returns the gain of each of these views, in the unit of the gain.
     pub fn gains(&self, situation: &Situation<'_>, views: &[usize]) -> Result<Vec<f64>, Cancelled> {
         let gain = G::new(situation.snapshot(), situation.frames(), situation.cancel())?;
         let caster = self.config.caster(situation, G::SIGHT);

@@ -11,11 +11,11 @@ pub struct GreedyByView<G> {
     gain: G,
 }
 
-/// Number of views whose rays are cast before they are valued: rays of a view may take a megabyte.
+/// Number of views whose rays are cast before they are evaluated: the rays of a view may take a megabyte.
 const VIEWS_AT_ONCE: usize = 32;
 
 impl<G: ViewGain> GreedyByView<G> {
-    /// A planner with checked parameters.
+    /// Creates a planner. Fails if a parameter is out of range.
     pub fn new(config: GreedyConfig, gain: G) -> Result<Self, Error> {
         config.check()?;
         Ok(Self { config, gain })

@@ -8,15 +8,15 @@ use rayon::prelude::*;
 /// Restricts another planner to views that overlap with known surface, so that their frames can be
 /// [aligned](crate::registration) to it.
 ///
-/// The overlap of a view is the share of the object's image that known surface fills: the number of rays that
-/// end at an occupied voxel from its free side over the mean of that number at the places of the frames so
-/// far, at most 1. Unknown voxels on the way do not matter: most turn out to be empty. Where no view within
-/// reach overlaps enough, those that overlap most remain; while nothing is occupied, all do.
+/// The overlap of a view is the share of the object's image filled by known surface. It is the number of rays
+/// that end at an occupied voxel from its free side, relative to the mean of that number over the poses of
+/// the frames so far, at most 1. Unknown voxels on the way do not matter, as most turn out to be empty. If no
+/// view within reach overlaps enough, those that overlap most remain; while nothing is occupied, all do.
 ///
-/// Each of the first two views whose frames wait outside the map, since they could not be aligned, halves
-/// what the next one may lack of full overlap, so that it links them.
+/// Each of the first two views whose frames wait outside the map, because they could not be aligned, halves
+/// the overlap that the next view may lack, so that it links them.
 ///
-/// Where the given poses have [proved right](Situation::with_right_poses), no view needs overlap, nor where
+/// No overlap is required once the given poses have [proved right](Situation::with_right_poses), or if
 /// overlap serves [the alignment alone](Self::to_align) and frames are [not
 /// aligned](Situation::with_aligned_frames).
 ///
@@ -34,19 +34,19 @@ pub struct MinOverlap {
     planner: Box<dyn ViewPlanner>,
 }
 
-/// Distance between neighbouring rays at the far side of the box, in voxels of the finest size: some hundred
+/// Distance between neighbouring rays at the far side of the box, in voxels of the finest size: a few hundred
 /// rays per view.
 const RAY_SPACING: f64 = 4.0;
 
-/// Number of halvings by frames that wait outside the map, at most: views that show nothing new help no more.
+/// Maximum number of halvings by frames that wait outside the map: views that show nothing new help no more.
 const MAX_HALVINGS: usize = 2;
 
-/// Number of voxels before an occupied one that must be free: rays through the gaps of a surface that was
+/// Number of voxels before an occupied one that must not be unknown: rays through the gaps of a surface
 /// measured from its other side pass only one or two.
 const FREE_BEFORE: usize = 3;
 
 impl MinOverlap {
-    /// A planner that keeps views of at least this overlap, 0..=1, for another one to choose from.
+    /// Restricts a planner to views of at least this overlap, 0..=1.
     pub fn new(share: f64, planner: Box<dyn ViewPlanner>) -> Result<Self, Error> {
         if (0.0..=1.0).contains(&share) {
             return Ok(Self { share, serves_alignment_alone: false, planner });
@@ -54,8 +54,7 @@ impl MinOverlap {
         Err(Error::invalid("min_overlap", share, "a number in 0..=1"))
     }
 
-    /// A planner that keeps views of at least this overlap, 0..=1, while frames are aligned, for another one
-    /// to choose from.
+    /// Restricts a planner to views of at least this overlap, 0..=1, while frames are aligned.
     pub fn to_align(share: f64, planner: Box<dyn ViewPlanner>) -> Result<Self, Error> {
         Ok(Self { serves_alignment_alone: true, ..Self::new(share, planner)? })
     }
@@ -85,7 +84,7 @@ impl ViewPlanner for MinOverlap {
     }
 }
 
-/// The overlap of each of the views, 0..=1; 0 where they show nothing, and before there is a frame.
+/// The overlap of each of the views, 0..=1; 0 for views that show nothing, and before the first frame.
 fn overlaps(situation: &Situation<'_>, views: &[usize]) -> Result<Vec<f64>, Cancelled> {
     let (snapshot, cancel) = (situation.snapshot(), situation.cancel());
     let spacing = situation.in_snapshot_voxels(RAY_SPACING);
@@ -110,7 +109,7 @@ fn overlaps(situation: &Situation<'_>, views: &[usize]) -> Result<Vec<f64>, Canc
     views.par_iter().map(overlap).collect()
 }
 
-/// Whether a ray meets an occupied voxel from the side from which it was measured, which is free.
+/// Whether a ray meets an occupied voxel from the free side from which it was measured.
 fn shows_known_surface(ray: &Ray<'_>, occupancy: &[Occupancy]) -> bool {
     let is_free = |crossing: &Crossing| occupancy[crossing.voxel as usize] != Occupancy::Unknown;
     matches!(ray.end, RayEnd::Occupied(_)) && ray.crossings.iter().rev().take(FREE_BEFORE).all(is_free)
@@ -174,7 +173,7 @@ mod tests {
         }
     }
 
-    /// The views that random planners of many seeds choose.
+    /// The views chosen by random planners with many seeds.
     fn choices(share: f64, situation: &Situation<'_>) -> Vec<usize> {
         let planner = |seed| MinOverlap::new(share, Box::new(RandomViews { seed })).unwrap();
         let choice = |seed| planner(seed).plan(situation).unwrap().choice;
@@ -184,7 +183,7 @@ mod tests {
         views
     }
 
-    /// The views that may be chosen and overlap so much.
+    /// The open views with enough overlap.
     fn expected(situation: &Situation<'_>, is_enough: impl Fn(f64) -> bool) -> Vec<usize> {
         let open = situation.open_views();
         let overlaps = overlaps(situation, &open).unwrap();

@@ -1,9 +1,9 @@
 //! From gains to a decision.
 //!
-//! A [`ViewPlanner`] makes a [`Plan`] of a [`Situation`]. [`MaxFlow`] is the paper's; with `gamma = 0` it is
-//! the greedy local planner. [`Greedy`] takes any of the literature's gains, [`GreedyByView`] one that values
-//! all rays of a view at once. [`Batch`] chooses several views at once and the order to visit them in. Of the
-//! literature's planners that are more than a gain, [`FrontierTour`] follows a tour past the frontier,
+//! A [`ViewPlanner`] makes a [`Plan`] of a [`Situation`]. [`MaxFlow`] is the paper's planner; with `gamma =
+//! 0` it is the greedy local planner. [`Greedy`] takes any gain from the literature, [`GreedyByView`] one
+//! that evaluates all rays of a view at once. [`Batch`] chooses several views at once and their order. Four
+//! planners from the literature are more than a gain: [`FrontierTour`] follows a tour past the frontier,
 //! [`PbNbv`] projects ellipsoids, [`See`] looks at the edges of dense points, and [`RecedingHorizon`] takes
 //! the best branch of a random tree. [`MinOverlap`] restricts any of them to views that overlap with known
 //! surface. [`EvenViews`] goes all around the object, [`RandomViews`] is the baseline that every planner must

@@ -2,8 +2,8 @@ use super::{Choice, Plan, Situation, ViewPlanner};
 use crate::Error;
 use crate::geometry::random::Random;
 
-/// Takes a view at random among those not yet visited: the baseline. Every seed gives one sequence of views,
-/// whatever the camera sees.
+/// Takes a random view among the open ones: the baseline. Each seed gives one sequence of views, whatever the
+/// camera sees.
 #[derive(Clone, Copy, Debug)]
 pub struct RandomViews {
     /// Seed of the sequence.

@@ -10,8 +10,8 @@ use glam::DVec3;
 /// receding horizon planner of Bircher et al. (ICRA 2016).
 ///
 /// A view counts its [gain](UnobservedVoxel) times exp(-lambda c), where c is the length of the path from the
-/// root, and a branch the sum over its views. The rest of the best branch begins the next tree. There is no
-/// choice where 200 views gain nothing.
+/// root. A branch counts the sum over its views. The rest of the best branch begins the next tree. There is
+/// no choice if 200 views gain nothing.
 ///
 /// In the publication, a robot flies through a building, and views are sampled anywhere. Here the nodes are
 /// view candidates, paths go around the ball through the corners of the box, and lengths are in units of the
@@ -20,7 +20,7 @@ use glam::DVec3;
 pub struct RecedingHorizon {
     gain: Greedy<UnobservedVoxel>,
     seed: u64,
-    /// The best branch of the last plan behind its first view.
+    /// The best branch of the last plan after its first view.
     rest: Vec<usize>,
 }
 
@@ -30,18 +30,18 @@ const DISCOUNT: f64 = 0.5;
 /// Largest length of an edge.
 const MOST_EXTENSION: f64 = 0.5;
 
-/// Number of views of a tree that gains anything (N_max).
+/// Number of views of a tree with any gain (N_max).
 const N_VIEWS: usize = 15;
 
-/// Number of views after which a tree without gain is given up (N_TOL).
+/// Number of views after which a tree without gain is abandoned (N_TOL).
 const MOST_VIEWS: usize = 200;
 
-/// Number of samples without a new view, for each view of the tree, after which it grows no more.
+/// Number of samples without a new view, per view of the tree, after which it stops growing.
 const MOST_FAILURES: usize = 1000;
 
 impl RecedingHorizon {
-    /// A planner whose rays are this far apart at the far side of the box, in voxels of the finest size, at
-    /// least 0.1, and whose trees follow from this seed.
+    /// Creates a planner with this ray spacing at the far side of the box, in voxels of the finest size, at
+    /// least 0.1, and this seed for its trees.
     pub fn new(ray_spacing: f64, seed: u64) -> Result<Self, Error> {
         check_ray_spacing(ray_spacing)?;
         let gain = Greedy::new(GreedyConfig { ray_spacing, ..GreedyConfig::default() })?;
@@ -76,7 +76,7 @@ impl ViewPlanner for RecedingHorizon {
     }
 }
 
-/// A tree of views, its root the place of the camera.
+/// A tree of views with the position of the camera as its root.
 struct Tree<'a> {
     situation: &'a Situation<'a>,
     ball: KeepOut,
@@ -84,14 +84,14 @@ struct Tree<'a> {
     unit: f64,
     /// The views that are not in the tree, in increasing order, with their gains.
     open: Vec<(usize, f64)>,
-    /// Every node comes behind its parent.
+    /// In an order in which every node comes after its parent.
     nodes: Vec<Node>,
 }
 
 struct Node {
     view: usize,
     position: DVec3,
-    /// None for the root.
+    /// `None` for the root.
     parent: Option<usize>,
     /// From the root, in units of the tree.
     path_length: f64,
@@ -113,13 +113,13 @@ impl<'a> Tree<'a> {
         self.situation.views().pose(view).translation()
     }
 
-    /// Length of the edge to a view, in units of the tree; before the first view, the camera is anywhere.
+    /// Length of the edge to a view, in units of the tree. Before the first view, the camera may be anywhere.
     fn edge(&self, parent: Option<usize>, to: DVec3) -> f64 {
         let from = parent.map(|parent| self.nodes[parent].position).or(self.situation.camera_position());
         from.map_or(0.0, |from| self.ball.path_length(from, to) / self.unit)
     }
 
-    /// Adds the open view at this place of their list.
+    /// Adds the open view at this index of the list.
     fn add(&mut self, place: usize, parent: Option<usize>) {
         let (view, gain) = self.open.remove(place);
         let position = self.position(view);
@@ -161,13 +161,13 @@ impl<'a> Tree<'a> {
         Ok(())
     }
 
-    /// Whether the tree needs more views and there are any.
+    /// Whether the tree needs more views and any are left.
     fn is_small(&self) -> bool {
         let gains = self.nodes.iter().any(|node| node.gain > 0.0);
         !self.open.is_empty() && self.nodes.len() < if gains { N_VIEWS } else { MOST_VIEWS }
     }
 
-    /// The node nearest to a position, the first of equals; none for the root.
+    /// The node nearest to a position, the first on ties; `None` for the root.
     fn nearest(&self, target: DVec3) -> Option<usize> {
         let distance = |node: Option<usize>| {
             let from = node.map(|node| self.nodes[node].position).or(self.situation.camera_position());
@@ -177,8 +177,8 @@ impl<'a> Tree<'a> {
         nodes.fold(None, |best, node| if distance(node) < distance(best) { node } else { best })
     }
 
-    /// The place of the open view nearest to the target that an edge from the parent reaches, the first of
-    /// equals.
+    /// The index of the open view nearest to the target that an edge from the parent reaches, the first on
+    /// ties.
     fn toward(&self, parent: Option<usize>, target: DVec3) -> Option<usize> {
         let places = (0..self.open.len()).map(|place| (place, self.position(self.open[place].0)));
         let within = places.filter(|(_, position)| self.edge(parent, *position) <= MOST_EXTENSION);
@@ -186,7 +186,7 @@ impl<'a> Tree<'a> {
         within.min_by(|a, b| distance(&a.1).total_cmp(&distance(&b.1))).map(|(place, _)| place)
     }
 
-    /// The branch of largest gain, the first of equals, from its first view on; empty if none gains anything.
+    /// The branch of largest gain, the first on ties, from its first view on; empty if none gains anything.
     fn best(&self) -> Vec<&Node> {
         let mut last: Option<&Node> = None;
         for node in self.nodes.iter().filter(|node| node.gain > 0.0) {

@@ -6,19 +6,19 @@ use rayon::prelude::*;
 /// The value of a view after the cost of moving there.
 #[derive(Debug)]
 pub(super) enum Utility {
-    /// (1 - theta) times its share of all gain, less theta times its share of what it costs to go to all
-    /// views: the paper, section V.D.
+    /// (1 - theta) times its share of all gain, less theta times its share of the travel cost of all views:
+    /// the paper, section V.D.
     LessTravel {
         theta: f64,
-        /// By view; zeros where moving costs nothing.
+        /// By view; zeros if moving costs nothing.
         travel_share: Vec<f64>,
     },
-    /// Its share of all gain, by the seconds until it is measured.
+    /// Its share of all gain, divided by the seconds until it is measured.
     PerSecond { seconds: Vec<f64> },
 }
 
 impl Utility {
-    /// The utility per second; 0 where there is no way.
+    /// The utility per second; 0 for views that cannot be reached.
     pub fn per_second(situation: &Situation<'_>) -> Self {
         let mut seconds = vec![f64::INFINITY; situation.views().len()];
         let open = situation.open_views();
@@ -27,7 +27,7 @@ impl Utility {
         Self::PerSecond { seconds }
     }
 
-    /// The utility less the cost of travel. The costs are [those](Situation::travel) of the open views, and
+    /// The utility less the cost of travel. The costs are [those](Situation::travel) of the open views, as
     /// shares of their sum; all are zero before the first view.
     pub fn new(situation: &Situation<'_>, theta: f64) -> Self {
         let mut travel_share = vec![0.0; situation.views().len()];
@@ -38,7 +38,7 @@ impl Utility {
         Self::LessTravel { theta, travel_share }
     }
 
-    /// The utility of a view with this share of all gain; exactly the share where theta is 0.
+    /// The utility of a view with this share of all gain; exactly the share if theta is 0.
     pub fn of(&self, view: usize, gain_share: f64) -> f64 {
         match self {
             Self::LessTravel { theta, travel_share } => {
@@ -57,8 +57,8 @@ pub(super) fn check_theta(theta: f64) -> Result<(), Error> {
     Err(Error::invalid("theta", theta, "a number in 0..=1"))
 }
 
-/// Smallest distance between planning rays, voxels: a hundred rays then meet every voxel, fifty times as many
-/// as needed to [miss none](crate::visibility::NO_VOXEL_MISSED).
+/// Minimum distance between planning rays, voxels: a hundred rays then meet every voxel, fifty times the
+/// number needed to [miss none](crate::visibility::NO_VOXEL_MISSED).
 const LEAST_SPACING: f64 = 0.1;
 
 /// Fails unless the ray spacing is valid.
@@ -66,12 +66,12 @@ pub(super) fn check_ray_spacing(ray_spacing: f64) -> Result<(), Error> {
     check_range("ray_spacing", ray_spacing, LEAST_SPACING..=f64::MAX, "a number of voxels, at least 0.1")
 }
 
-/// A part of a total that may be zero.
+/// A share of a total that may be zero.
 pub(super) fn share(value: f64, total: f64) -> f64 {
     if total > 0.0 { value / total } else { 0.0 }
 }
 
-/// The choice of largest score, the first of equals, with the second best as its runner-up.
+/// The choice of largest score, the first on ties, with the second best as its runner-up.
 pub(super) fn best(choices: impl Iterator<Item = Choice>) -> Option<Choice> {
     let (mut best, mut second): (Option<Choice>, Option<Choice>) = (None, None);
     for choice in choices {

@@ -11,8 +11,8 @@ use serde::{Deserialize, Serialize};
 
 /// Chooses the next view.
 ///
-/// A planner serves one scan: it may remember its earlier plans. Apart from that, the same situation gives
-/// the same plan. A plan that was cancelled or failed leaves the planner as it was.
+/// A planner serves one scan, since it may remember its earlier plans. Otherwise, equal situations give equal
+/// plans. A plan that is cancelled or fails leaves the planner unchanged.
 ///
 /// ```
 /// use nextview::Error;
@@ -40,20 +40,20 @@ use serde::{Deserialize, Serialize};
 /// assert_eq!(FromAbove.plan(&situation).unwrap().choice.unwrap().view, 1);
 /// ```
 pub trait ViewPlanner: Send {
-    /// Ranks the views not yet visited and picks one; no choice if no view gains anything.
+    /// Ranks the open views and picks one; no choice if no view gains anything.
     ///
     /// Long computations check [`Situation::cancel`] and fail if it is set. A planner that depends on
-    /// something else that can fail, such as another program, says so with [`Error::Planner`].
+    /// something else that can fail, such as another program, reports that as [`Error::Planner`].
     fn plan(&mut self, situation: &Situation<'_>) -> Result<Plan, Error>;
 
-    /// Whether views are chosen for the surface that they show, so that a scan is over when it no longer
+    /// Whether views are chosen for the surface that they show. A scan then ends when the surface no longer
     /// [grows](crate::session::StopConfig::progress). Default: yes.
     fn seeks_surface(&self) -> bool {
         true
     }
 }
 
-/// All information that a planner may use.
+/// All information available to a planner.
 #[derive(Clone, Copy, Debug)]
 pub struct Situation<'a> {
     snapshot: &'a Snapshot,
@@ -68,26 +68,26 @@ pub struct Situation<'a> {
     looks: Option<&'a SurfaceLooks>,
     /// Numbers of candidates.
     visited: &'a [usize],
-    /// By candidate, seconds; none of those where the camera cannot go now.
+    /// By candidate, seconds; `None` where the camera cannot go now.
     approaches: Option<&'a [Option<f64>]>,
     motion: MotionConfig,
     surroundings: Surroundings,
     table: Option<Plane>,
-    /// Of the scan, at most.
+    /// Maximum for the whole scan.
     max_views: usize,
-    /// At most the voxel size of the snapshot, metres, and at least that which [`MOST_VOXELS`] allows.
+    /// At most the voxel size of the snapshot, metres, and at least the size that [`MOST_VOXELS`] allows.
     finest_voxel_size: f64,
     cancel: &'a Cancel,
 }
 
-/// Maximum number of the finest voxels along the longest side of the box, so that planning rays, whose
-/// distances are in these, stay finite in number: as many as an OctoMap has.
+/// Maximum number of the finest voxels along the longest side of the box, as in an OctoMap. The spacing of
+/// planning rays is in these voxels, so the limit keeps their number finite.
 const MOST_VOXELS: f64 = 65_536.0;
 
 impl<'a> Situation<'a> {
-    /// The situation before the first view: a map of the box around the object, the view candidates, the
-    /// optics of the camera, and a flag that ends planning without a plan. The scan ends in the voxels of the
-    /// snapshot.
+    /// Returns the situation before the first view, for a map of the box around the object, the view
+    /// candidates, the optics of the camera, and a flag that cancels planning. The scan ends at the voxel
+    /// size of the snapshot.
     pub fn new(
         snapshot: &'a Snapshot,
         views: &'a ViewSpace,
@@ -117,47 +117,45 @@ impl<'a> Situation<'a> {
         }
     }
 
-    /// The same for a camera that measures only these depths; without it, all.
+    /// Sets the depths that the camera measures. Default: all.
     pub fn with_depth_range(self, depth_range: DepthRange) -> Self {
         Self { depth_range, ..self }
     }
 
-    /// The same for a camera with this random error, for which surface is worth second looks; without it,
-    /// with none.
+    /// Sets the random error of the camera, for which surface is worth second looks. Default: none.
     pub fn with_surface_error(self, surface_error: SurfaceError) -> Self {
         Self { surface_error, ..self }
     }
 
-    /// The same where the given poses have proved right, or not, which is the default: later frames then need
-    /// no overlap to be placed.
+    /// Sets whether the given poses have proved right; later frames then need no overlap to be placed.
+    /// Default: no.
     pub fn with_right_poses(self, are_poses_right: bool) -> Self {
         Self { are_poses_right, ..self }
     }
 
-    /// Sets whether frames are [aligned](crate::registration) to the known surface, with which they then must
+    /// Sets whether frames are [aligned](crate::registration) to the known surface, which they must then
     /// overlap. Default: no.
     pub fn with_aligned_frames(self, are_frames_aligned: bool) -> Self {
         Self { are_frames_aligned, ..self }
     }
 
-    /// The same where measured surface is to be this accurate: how well it was measured, and the goal, a
-    /// standard deviation in metres, positive. Without it, no second looks.
+    /// Sets an accuracy goal for measured surface: how well it was measured, and the required standard
+    /// deviation in metres, positive. Default: no goal and no second looks.
     pub fn with_goal(self, measured: &'a MeasuredCells, goal: f64) -> Self {
         Self { measured: Some((measured, goal)), ..self }
     }
 
-    /// The same where surface is to be seen several times: the looks at it so far. Without it, no second
-    /// looks.
+    /// Sets a goal for the number of looks at surface, with the looks so far. Default: no second looks.
     pub fn with_looks(self, looks: &'a SurfaceLooks) -> Self {
         Self { looks: Some(looks), ..self }
     }
 
-    /// The same with the frames that the snapshot was made from, oldest first.
+    /// Sets the frames that the snapshot was made from, oldest first.
     pub fn with_frames(self, frames: &'a [Frame]) -> Self {
         Self { frames, ..self }
     }
 
-    /// The same after these views were taken, in order; fails if one is not a candidate.
+    /// Sets the views taken so far, in order. Fails if one is not a candidate.
     pub fn with_visited(self, visited: &'a [usize]) -> Result<Self, Error> {
         match visited.iter().find(|view| **view >= self.views.len()) {
             Some(view) => Err(Error::invalid("visited", view, "numbers below that of view candidates")),
@@ -165,8 +163,8 @@ impl<'a> Situation<'a> {
         }
     }
 
-    /// The same for a robot that needs so long to each candidate from where it is, seconds; none where it
-    /// cannot go at present. Fails if there are not as many as candidates.
+    /// Sets the robot's travel time to each candidate in seconds; `None` if it cannot be reached now. Fails
+    /// if the number of times differs from the number of candidates.
     pub fn with_approaches(self, approaches: &'a [Option<f64>]) -> Result<Self, Error> {
         if approaches.len() == self.views.len() {
             return Ok(Self { approaches: Some(approaches), ..self });
@@ -174,26 +172,26 @@ impl<'a> Situation<'a> {
         Err(Error::invalid("number of approaches", approaches.len(), "that of view candidates"))
     }
 
-    /// The same for a camera that moves like this, around these surroundings; without it, with the defaults
-    /// in an empty room. Fails on a configuration out of range.
+    /// Sets the motion of the camera and its surroundings. Default: the default motion in an empty room.
+    /// Fails on a configuration out of range.
     pub fn with_motion(self, motion: MotionConfig, surroundings: Surroundings) -> Result<Self, Error> {
         motion.check()?;
         Ok(Self { motion, surroundings, ..self })
     }
 
-    /// The same for an object that stands on this table, its normal upwards; without it, on none.
+    /// Sets the table that the object stands on, its normal upwards. Default: none.
     pub fn with_table(self, table: Option<Plane>) -> Self {
         Self { table, ..self }
     }
 
-    /// The same for a scan of so many views, at most; without it, of any number.
+    /// Sets the maximum number of views of the scan. Default: unlimited.
     pub fn with_max_views(self, max_views: usize) -> Self {
         Self { max_views, ..self }
     }
 
-    /// The same for a scan that ends in voxels of this size, metres: that of the snapshot, or finer.
+    /// Sets the voxel size at the end of the scan, metres: that of the snapshot, or finer.
     ///
-    /// Fails if they are coarser, or if more than 65,536 of them fit along the box.
+    /// Fails if the voxels are coarser, or if more than 65,536 of them fit along the box.
     pub fn with_finest_voxel_size(self, voxel_size: f64) -> Result<Self, Error> {
         let size = self.snapshot.lattice().voxel_size();
         let n_along = self.snapshot.block().dims().max_element() as f64 * (size / voxel_size);
@@ -205,22 +203,22 @@ impl<'a> Situation<'a> {
         Err(Error::invalid("finest_voxel_size", voxel_size, expected))
     }
 
-    /// The same with other candidates, as many as before.
+    /// Replaces the candidates by the same number of others.
     pub(super) fn with_views(self, views: &'a ViewSpace) -> Self {
         Self { views, ..self }
     }
 
-    /// The known state of the box around the object.
+    /// The map of the box around the object.
     pub fn snapshot(&self) -> &'a Snapshot {
         self.snapshot
     }
 
-    /// The frames that the snapshot was made from, oldest first; none where only a map of them remains.
+    /// The frames that the snapshot was made from, oldest first; empty if only a map of them remains.
     pub fn frames(&self) -> &'a [Frame] {
         self.frames
     }
 
-    /// Where the camera could go.
+    /// The view candidates.
     pub fn views(&self) -> &'a ViewSpace {
         self.views
     }
@@ -255,12 +253,12 @@ impl<'a> Situation<'a> {
         self.are_frames_aligned
     }
 
-    /// How well surface was measured, and how accurate it is to be, metres; none without a goal.
+    /// How well surface was measured, and the required accuracy, metres; `None` without a goal.
     pub fn goal(&self) -> Option<(&'a MeasuredCells, f64)> {
         self.measured
     }
 
-    /// How often surface was seen, and is to be seen; none without such a goal.
+    /// The looks at surface so far, and their goal; `None` without such a goal.
     pub fn looks(&self) -> Option<&'a SurfaceLooks> {
         self.looks
     }
@@ -275,19 +273,19 @@ impl<'a> Situation<'a> {
         self.max_views.saturating_sub(self.visited.len())
     }
 
-    /// Voxel size in which the scan ends, metres: that of the snapshot, or finer. Distances between rays are
-    /// in voxels of this size, so that plans in coarser voxels have as many rays: ten coarse voxels may be
-    /// wider than the box.
+    /// Voxel size at the end of the scan, metres: that of the snapshot, or finer. The spacing of rays is in
+    /// voxels of this size, so plans in coarser voxels have as many rays: ten coarse voxels may be wider than
+    /// the box.
     pub fn finest_voxel_size(&self) -> f64 {
         self.finest_voxel_size
     }
 
-    /// A flag that ends planning without a plan.
+    /// A flag that cancels planning.
     pub fn cancel(&self) -> &'a Cancel {
         self.cancel
     }
 
-    /// Whether the camera can go to this view now: it is within reach, and no robot stated otherwise.
+    /// Whether the camera can go to this view now: it is within reach, and no robot has excluded it.
     pub fn can_go(&self, view: usize) -> bool {
         let is_stated = self.approaches.is_none_or(|approaches| approaches[view].is_some());
         is_stated && self.views.is_within_reach(view)
@@ -300,7 +298,7 @@ impl<'a> Situation<'a> {
         (0..is_open.len()).filter(|&view| is_open[view]).collect()
     }
 
-    /// The position of the camera, metres: where it took the last frame, or else the last view; none before
+    /// The position of the camera, metres: that of the last frame, or else of the last view; `None` before
     /// the first.
     pub fn camera_position(&self) -> Option<DVec3> {
         self.world_from_camera().map(|pose| pose.translation())
@@ -311,18 +309,17 @@ impl<'a> Situation<'a> {
         last_frame.or_else(|| self.visited.last().map(|&view| self.views.pose(view)))
     }
 
-    /// What it costs to go to a view: seconds where a robot [stated](Self::with_approaches) them, else the
-    /// straight distance from [where the camera is](Self::camera_position), metres. None before the first
-    /// view.
+    /// Cost of going to a view: seconds if a robot [stated](Self::with_approaches) them, else the straight
+    /// distance from [where the camera is](Self::camera_position), metres. `None` before the first view.
     pub fn travel(&self, view: usize) -> Option<f64> {
         let stated = self.approaches.and_then(|approaches| approaches[view]);
         let distance = |from: DVec3| self.views.pose(view).translation().distance(from);
         self.camera_position().map(|from| stated.unwrap_or_else(|| distance(from)))
     }
 
-    /// How long it takes to go to a view and to measure there, seconds: the way as a robot
-    /// [stated](Self::with_approaches) it, or else that of the [trajectory](Self::with_motion), and the
-    /// sensing time. Infinite where there is no way.
+    /// Time to go to a view and to measure there, seconds: the travel time that a robot
+    /// [stated](Self::with_approaches), or else that of the [trajectory](Self::with_motion), plus the sensing
+    /// time. Infinite if the view cannot be reached.
     pub fn seconds(&self, view: usize) -> f64 {
         let stated = self.approaches.map(|approaches| approaches[view].unwrap_or(f64::INFINITY));
         let way = |from: Pose| {
@@ -333,7 +330,7 @@ impl<'a> Situation<'a> {
         way + self.motion.sensing_time
     }
 
-    /// A distance in voxels of the finest size as one in voxels of the snapshot.
+    /// Converts a distance in voxels of the finest size to voxels of the snapshot.
     pub(super) fn in_snapshot_voxels(&self, distance: f64) -> f64 {
         distance * (self.finest_voxel_size / self.snapshot.lattice().voxel_size())
     }
@@ -342,12 +339,12 @@ impl<'a> Situation<'a> {
 /// A planner's answer.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Plan {
-    /// The next best view and why; none if no view gains anything.
+    /// The next best view and why; `None` if no view gains anything.
     pub choice: Option<Choice>,
-    /// The views to visit after the choice without another plan, for planners that choose several views at
+    /// The views to visit after the choice without another plan, from planners that choose several views at
     /// once.
     pub itinerary: Option<Itinerary>,
-    /// The planner's expectations of the next view and of all; none for planners without expectations.
+    /// The planner's expectations; `None` from planners without expectations.
     pub outlook: Option<Outlook>,
 }
 
@@ -356,10 +353,10 @@ pub struct Plan {
 pub struct Outlook {
     /// Number of voxels occupied so far, in the voxel size of the planner.
     pub n_seen: usize,
-    /// Number of voxels expected to be added in all after each of the next views, the chosen view first;
-    /// empty if none was chosen.
+    /// Total number of voxels expected to be added after each of the next views, the chosen view first; empty
+    /// if none was chosen.
     pub n_expected: Vec<f64>,
-    /// Number of voxels expected to be seen if every view were taken.
+    /// Number of further voxels expected to be seen if every view were taken.
     pub n_unseen: f64,
 }
 
@@ -382,8 +379,8 @@ impl Outlook {
         self.n_expected.first().copied().unwrap_or(0.0)
     }
 
-    /// The largest gain that is expected of one of the next views, as a share of the surface seen: of the
-    /// chosen view, or of a later one, if the chosen one is merely near. Infinite if nothing was seen.
+    /// The largest expected gain of one of the next views, as a share of the surface seen. A later view
+    /// counts too, as the chosen one may merely be near. Infinite if nothing was seen.
     pub fn gain(&self) -> f64 {
         let later = self.n_expected.windows(2).map(|two| two[1] - two[0]);
         let largest = later.fold(self.n_expected_next(), f64::max);
@@ -393,11 +390,10 @@ impl Outlook {
 
 /// Views that were chosen together, in the order of the tour.
 ///
-/// It is valid as long as the camera sees what was expected: after that, its views were chosen for an
-/// outdated map.
+/// Valid while the camera sees what was expected. After that, the map that they were chosen for is outdated.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Itinerary {
-    /// The views, the first of which is the choice of the plan.
+    /// The views; the first is the choice of the plan.
     pub legs: Vec<Leg>,
     /// Maximum deviation from the expected number of voxels, as a share of that number, at least 0.
     pub tolerance: f64,
@@ -408,8 +404,8 @@ pub struct Itinerary {
 pub struct Leg {
     /// The view and why it was chosen.
     pub choice: Choice,
-    /// Number of voxels that it is expected to make newly occupied after those before it, up to a factor that
-    /// is about the same for all legs and plans; positive.
+    /// Expected number of newly occupied voxels after the views before it, positive. Up to a factor that is
+    /// about the same for all legs and plans.
     pub expected: f64,
 }
 
@@ -419,18 +415,18 @@ pub struct Leg {
 pub struct Choice {
     /// Number of the view.
     pub view: usize,
-    /// The quantity that the planner maximised; its unit is the planner's.
+    /// The quantity that the planner maximised, in the planner's unit.
     pub score: f64,
-    /// The second best view, if there is another one.
+    /// The second best view, if there is one.
     #[serde(default)]
     pub runner_up: Option<usize>,
-    /// The quantities behind the score, for planners that explain theirs.
+    /// The quantities behind the score, from planners that explain it.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub explanation: Option<Explanation>,
 }
 
 impl Choice {
-    /// A choice without runner-up and explanation.
+    /// Creates a choice without runner-up and explanation.
     pub fn new(view: usize, score: f64) -> Self {
         Self { view, score, runner_up: None, explanation: None }
     }

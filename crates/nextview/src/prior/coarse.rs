@@ -6,14 +6,14 @@ use std::borrow::Cow;
 /// Voxels processed between two checks for cancellation.
 const CHUNK: usize = 1 << 16;
 
-/// Longest side of a block, in voxels, that the prior was trained for.
+/// Longest side of a block, in voxels, for which the prior was trained.
 const LONGEST: u32 = 72;
 
-/// The snapshot in voxels so coarse that the block is no larger than those the prior was trained for: the
-/// snapshot itself if it is coarse enough.
+/// Returns the snapshot in voxels so coarse that the block is no larger than those in training: the snapshot
+/// itself if it is coarse enough.
 ///
-/// As in a map of larger voxels, one is occupied if a part of it is, else free if a part of it is, else
-/// unknown. This many voxels are enough to show the object's shape, and the time to plan does not grow with
+/// As in a map of larger voxels, a voxel is occupied if a part of it is, else free if a part of it is, else
+/// unknown. This resolution is enough to show the object's shape, and the planning time does not grow with
 /// the resolution of the map.
 ///
 /// Fails if `cancel` is set.
@@ -25,7 +25,7 @@ pub fn coarse_enough<'a>(snapshot: &'a Snapshot, cancel: &Cancel) -> Result<Cow<
     Ok(coarse)
 }
 
-/// The same block in voxels twice as large.
+/// The block in voxels twice as large.
 fn halved(snapshot: &Snapshot, cancel: &Cancel) -> Result<Snapshot, Cancelled> {
     let fine = snapshot.block();
     let lattice = snapshot.lattice().doubled();
@@ -70,7 +70,7 @@ mod tests {
         Snapshot::from_fn(Lattice::new(0.003).unwrap(), block, |key| states[block.index(key)?].map(LogOdds))
     }
 
-    /// State and probability of a voxel that is `size` voxels of the snapshot wide, as the definition says.
+    /// State and probability of a voxel that is `size` voxels of the snapshot wide, by definition.
     fn slow_state(fine: &Snapshot, coarse: VoxelKey, size: i32) -> (Occupancy, f32) {
         let part = |i: i32| coarse * size + IVec3::new(i % size, i / size % size, i / (size * size));
         let parts: Vec<usize> = (0..size.pow(3)).filter_map(|i| fine.block().index(part(i))).collect();
@@ -101,7 +101,7 @@ mod tests {
             prop_assert!(coarse.block().dims().max_element() <= LONGEST);
             prop_assert!(size == 2 || 2 * coarse.block().dims().max_element() + 2 > LONGEST, "no coarser than needed");
             let (block, whole) = (fine.block(), coarse.block());
-            // Each voxel lies in one coarse voxel, and no coarse voxel lies beside the block.
+            // Each voxel lies in one coarse voxel, and no coarse voxel lies outside the block.
             prop_assert_eq!(whole.min(), block.min().div_euclid(IVec3::splat(size)));
             prop_assert_eq!(whole.max(), block.max().div_euclid(IVec3::splat(size)));
             for voxel in 0..whole.n_voxels() {

@@ -10,7 +10,7 @@ const RADII: [i32; 5] = [1, 2, 4, 8, 16];
 /// Voxels processed between two checks for cancellation.
 const CHUNK: usize = 512;
 
-/// Distances count up to here, voxels.
+/// Maximum distance that counts, voxels.
 const FARTHEST: f32 = 40.0;
 
 /// The known surroundings of each voxel that may hold an unseen piece of surface: the unknown voxels, and the
@@ -24,8 +24,8 @@ pub struct VoxelFeatures {
     pub voxels: Vec<u32>,
     /// The features of each of these voxels; `docs/methods/most-surface.md` lists them.
     pub rows: Vec<[f32; VoxelFeatures::N]>,
-    /// The direction of free space around each voxel: that of the gradient of free voxels, of length 1, or 0
-    /// where there is none.
+    /// The direction of free space around each voxel: the gradient of free voxels, of length 1, or 0 if there
+    /// is none.
     pub normals: Vec<Vec3>,
 }
 
@@ -33,11 +33,11 @@ impl VoxelFeatures {
     /// Number of features of a voxel.
     pub const N: usize = 40;
 
-    /// The features of the snapshot's voxels.
+    /// Computes the features of the snapshot's voxels.
     ///
-    /// Distances are in voxels, and in logarithms where that helps learning; nothing depends on the position
+    /// Distances are in voxels, and in logarithms where that helps learning. Nothing depends on the position
     /// of the world's origin, or changes when the world is turned by a quarter about its z axis. Only the
-    /// voxel from which a surface is continued may differ then, where several are equally near.
+    /// voxel from which a surface is continued may differ then, if several are equally near.
     ///
     /// Fails if `cancel` is set.
     pub fn new(snapshot: &Snapshot, cancel: &Cancel) -> Result<Self, Cancelled> {
@@ -89,7 +89,7 @@ impl Extent {
 
 impl Surroundings {
     fn new(snapshot: &Snapshot) -> Self {
-        // Places are computed in single precision.
+        // Positions are computed in single precision.
         let (block, occupancy) = (snapshot.block().localized(), snapshot.occupancy());
         let is = |state: Occupancy| move |voxel: usize| occupancy[voxel] == state;
         let distances = |state: Occupancy| NearestSource::new(&block, is(state));
@@ -143,7 +143,7 @@ impl Surroundings {
         }
     }
 
-    /// The position of the voxel in the object and in the box, and the known state at its symmetric places.
+    /// Position of the voxel in the object and in the box, and the known state at its symmetric positions.
     fn place(&self, key: VoxelKey, to_occupied: f32, to_free: f32, row: &mut Row) {
         let Extent { center, half } = &self.known;
         let (offset, radius) = (key.as_vec3() - center, half.length());
@@ -160,7 +160,7 @@ impl Surroundings {
         row.push(self.at(mirrored.with_z(key.z as f32)));
     }
 
-    /// Distances of a place from occupied and free voxels.
+    /// Distances of a position from occupied and free voxels.
     fn at(&self, place: Vec3) -> [f32; 2] {
         let voxel = self.block.index(place.round().as_ivec3());
         let [occupied, free] = voxel
@@ -168,8 +168,8 @@ impl Surroundings {
         [log(occupied), log(free)]
     }
 
-    /// Where the voxel lies from the nearest surface: along its normal and across, at two scales; and how
-    /// free and occupied space lie to each other.
+    /// The position of the voxel relative to the nearest surface, along its normal and across, at two scales;
+    /// and the relation of free and occupied space.
     fn continuation(&self, key: VoxelKey, voxel: usize, row: &mut Row) {
         let Nearest { squared, source } = self.occupied.of(voxel);
         let gradients = [(&self.n_free, RADII[2]), (&self.n_free, RADII[3]), (&self.n_occupied, RADII[3])]

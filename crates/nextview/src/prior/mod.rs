@@ -1,9 +1,9 @@
-//! A learned prior over the voxels that are not measured: the probable place of unseen surfaces.
+//! A learned prior over the unmeasured voxels: the probable place of unseen surfaces.
 //!
-//! Start with [`SurfacePrior`]: it estimates, for every voxel in which an unseen piece of the object's
-//! surface may lie, how likely a ray ends there and how likely a camera that looks there sees a new piece of
-//! surface. Both are learned from simulated scans of random objects and a few meshes; the features they are
-//! learned on mean the same for any object, pose and voxel size.
+//! Start with [`SurfacePrior`]. For every voxel in which an unseen piece of the object's surface may lie, it
+//! estimates how likely a ray ends there, and how likely a camera that looks there sees a new piece of
+//! surface. Both are learned from simulated scans of random objects and a few meshes. The features have the
+//! same meaning for any object, pose and voxel size.
 
 mod coarse;
 mod features;

@@ -6,15 +6,15 @@ use rayon::prelude::*;
 
 /// A small network from the features of a voxel to logits: two hidden layers of rectified linear units.
 ///
-/// Every voxel is computed in the same order of operations on every CPU, so that the results have the same
-/// bits.
+/// Every voxel is computed in the same order of operations on every CPU, so results are equal to the last
+/// bit.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Network {
     n_outputs: usize,
     /// The mean subtracted from each feature, and the factor it is then multiplied by.
     mean: [f32; VoxelFeatures::N],
     scale: [f32; VoxelFeatures::N],
-    /// The three layers one after the other: for each input the weights to all outputs, then the biases.
+    /// The three layers in sequence: for each input the weights to all outputs, then the biases.
     weights: Vec<f32>,
 }
 
@@ -25,22 +25,22 @@ const HIDDEN: [usize; 2] = [32, 16];
 const FIRST: usize = (VoxelFeatures::N + 1) * HIDDEN[0];
 const SECOND: usize = (HIDDEN[0] + 1) * HIDDEN[1];
 
-/// Voxels that a thread computes at a time.
+/// Number of voxels that a thread computes at a time.
 const CHUNK: usize = 512;
 
 impl Network {
     /// The units of the hidden layers.
     pub const HIDDEN: [usize; 2] = HIDDEN;
 
-    /// Number of values that describe a network with this many outputs.
+    /// Number of values that describe a network with this number of outputs.
     pub const fn n_numbers(n_outputs: usize) -> usize {
         2 * VoxelFeatures::N + FIRST + SECOND + (HIDDEN[1] + 1) * n_outputs
     }
 
-    /// The network that these numbers describe: mean and scale of the features, then the weights of each
-    /// layer, for each input those to all outputs, and last the biases.
+    /// Creates the network from these numbers: mean and scale of the features, then for each layer the
+    /// weights of each input to all outputs, and the biases.
     ///
-    /// None unless there are [`n_numbers`](Self::n_numbers), all finite, and at least one output.
+    /// `None` unless there are [`n_numbers`](Self::n_numbers), all finite, and at least one output.
     pub fn from_numbers(numbers: &[f32], n_outputs: usize) -> Option<Self> {
         let is_whole = n_outputs > 0 && numbers.len() == Self::n_numbers(n_outputs);
         if !is_whole || numbers.iter().any(|number| !number.is_finite()) {
@@ -56,12 +56,12 @@ impl Network {
         self.n_outputs
     }
 
-    /// The numbers it is made from.
+    /// Returns the numbers that describe the network.
     pub fn numbers(&self) -> Vec<f32> {
         self.mean.iter().chain(&self.scale).chain(&self.weights).copied().collect()
     }
 
-    /// The probabilities of each row, row after row.
+    /// Returns the probabilities of each row, row by row.
     ///
     /// Fails if `cancel` is set.
     pub fn probabilities(
@@ -170,7 +170,7 @@ mod tests {
         (0..n).map(|_| std::array::from_fn(|_| random.range(-2.0, 4.0) as f32)).collect()
     }
 
-    /// A layer of the slow twin; takes its weights from the front of the numbers.
+    /// A layer of the slow twin; it takes its weights from the front of the numbers.
     fn layer(numbers: &mut impl Iterator<Item = f64>, inputs: &[f64], n_outputs: usize) -> Vec<f64> {
         let mut outputs = vec![0.0; n_outputs];
         for input in inputs.iter().chain([&1.0]) {
@@ -208,7 +208,7 @@ mod tests {
                 rows.iter().flat_map(|row| slow_probabilities(&numbers, n_outputs, row)).collect();
             prop_assert_eq!(found.len(), expected.len());
             for (found, expected) in found.into_iter().zip(expected) {
-                // Logits are sums of up to some hundred, of which a rounding is a few millionths.
+                // Logits are sums of up to a few hundred, rounded to a few millionths.
                 prop_assert!((0.0..=1.0).contains(&found) && (found as f64 - expected).abs() < 1e-4, "{found} {expected}");
             }
         }

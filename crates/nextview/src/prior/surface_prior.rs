@@ -6,7 +6,7 @@ use glam::Vec3;
 /// Weights learned from many scans; `docs/planner.md` describes the training.
 const WEIGHTS: &[u8] = include_bytes!("weights.bin");
 
-/// How probable unseen surface is where nothing is measured, and in free voxels at its border.
+/// The probability of unseen surface in unmeasured voxels, and in free voxels at their border.
 ///
 /// ```
 /// use glam::{IVec3, UVec3};
@@ -38,8 +38,8 @@ pub struct SurfaceEstimate {
     voxels: Vec<u32>,
     normals: Vec<Vec3>,
     stops: Vec<f32>,
-    /// Class by class, each with all voxels: a view reaches neighbours one after the other, most of them in
-    /// the same class, and these share cache lines.
+    /// Class by class, each with all voxels: a view reaches neighbours in sequence, most of them in one
+    /// class, and these share cache lines.
     shows: Vec<f32>,
 }
 
@@ -47,13 +47,13 @@ impl ViewingClass {
     /// Number of classes.
     pub const N: usize = 25;
 
-    /// Bounds between classes of visibility: how likely a ray reaches the voxel, 0..=1.
+    /// Bounds between classes of visibility: the probability that a ray reaches the voxel, 0..=1.
     const VISIBILITIES: [f32; 4] = [0.12, 0.3, 0.6, 0.9];
 
     /// Bounds between classes of the cosine between the direction to the camera and that to free space.
     const FACINGS: [f32; 4] = [-0.5, -0.15, 0.15, 0.5];
 
-    /// The class of a visibility, 0..=1, and a cosine, -1..=1.
+    /// Returns the class of a visibility, 0..=1, and a cosine, -1..=1.
     pub fn new(visibility: f32, facing: f32) -> Self {
         let class = |bounds: &[f32], value: f32| bounds.iter().filter(|&&bound| value >= bound).count();
         let n_facings = Self::FACINGS.len() + 1;
@@ -67,15 +67,15 @@ impl ViewingClass {
 }
 
 impl Default for SurfacePrior {
-    /// The prior that planning uses.
+    /// The prior used for planning.
     fn default() -> Self {
         Self::from_bytes(WEIGHTS).expect("the weights in the library are whole")
     }
 }
 
 impl SurfacePrior {
-    /// The prior of these two networks: whether rays stop in a voxel, with one output, and whether a view
-    /// shows new surface in it, with an output for each [`ViewingClass`].
+    /// Creates a prior from two networks: `stops` for whether rays end in a voxel, with one output, and
+    /// `shows` for whether a view shows new surface in it, with an output for each [`ViewingClass`].
     ///
     /// Panics if a network has another number of outputs.
     pub fn new(stops: Network, shows: Network) -> Self {
@@ -84,7 +84,7 @@ impl SurfacePrior {
         Self { stops, shows }
     }
 
-    /// Reads the bytes that [`to_bytes`](Self::to_bytes) wrote; none if they have another length or hold
+    /// Reads the bytes written by [`to_bytes`](Self::to_bytes); `None` if they have another length or hold
     /// numbers that are not finite.
     pub fn from_bytes(bytes: &[u8]) -> Option<Self> {
         let (numbers, rest) = bytes.as_chunks::<4>();
@@ -93,13 +93,13 @@ impl SurfacePrior {
         Some(Self::new(Network::from_numbers(stops, 1)?, Network::from_numbers(shows, ViewingClass::N)?))
     }
 
-    /// The numbers of both networks, four bytes each, the least significant first.
+    /// Returns the numbers of both networks, four bytes each, the least significant first.
     pub fn to_bytes(&self) -> Vec<u8> {
         let numbers = [self.stops.numbers(), self.shows.numbers()].concat();
         numbers.iter().flat_map(|number| number.to_le_bytes()).collect()
     }
 
-    /// The estimate for a snapshot.
+    /// Returns the estimate for a snapshot.
     ///
     /// Fails if `cancel` is set.
     pub fn estimate(&self, snapshot: &Snapshot, cancel: &Cancel) -> Result<SurfaceEstimate, Cancelled> {
@@ -111,12 +111,12 @@ impl SurfacePrior {
 }
 
 impl SurfaceEstimate {
-    /// An estimate of your own, for the voxels of a snapshot, by increasing index: for each the direction of
-    /// free space, of length 1 or 0, the probability, 0..=1, that a ray ends there, and for each
+    /// Creates an estimate of your own for the voxels of a snapshot, by increasing index. Each has the
+    /// direction of free space, of length 1 or 0, the probability, 0..=1, that a ray ends there, and for each
     /// [`ViewingClass`] the probability that a view shows unseen surface in it.
     ///
     /// # Panics
-    /// If there are not as many of each as voxels.
+    /// If the numbers of voxels, directions and probabilities differ.
     pub fn new(
         voxels: Vec<u32>,
         normals: Vec<Vec3>,
@@ -138,12 +138,12 @@ impl SurfaceEstimate {
         self.voxels.is_empty()
     }
 
-    /// The voxels, as indices into the snapshot, increasing.
+    /// The voxels, as increasing indices into the snapshot.
     pub fn voxels(&self) -> &[u32] {
         &self.voxels
     }
 
-    /// The direction of free space around the `i`-th voxel, of length 1, or 0 where there is none.
+    /// The direction of free space around the `i`-th voxel, of length 1, or 0 if there is none.
     pub fn normal(&self, i: usize) -> Vec3 {
         self.normals[i]
     }
@@ -159,7 +159,7 @@ impl SurfaceEstimate {
         self.shows[i..].iter_mut().step_by(n).for_each(|p| *p *= factor);
     }
 
-    /// The probability, 0..=1, that a view shows surface in the `i`-th voxel that was not seen before.
+    /// The probability, 0..=1, that a view newly shows surface in the `i`-th voxel.
     pub fn shows(&self, i: usize, class: ViewingClass) -> f32 {
         self.shows[class.index() * self.len() + i]
     }

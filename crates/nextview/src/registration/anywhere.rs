@@ -1,4 +1,4 @@
-//! Poses of a surface about which nothing is known, from pairs of oriented points (Drost et al. 2010).
+//! Finds the pose of a surface without a prior, from pairs of oriented points (Drost et al. 2010).
 
 use super::surface_points::SurfacePoint;
 use crate::geometry::Pose;
@@ -8,26 +8,26 @@ use rayon::prelude::*;
 use rustc_hash::FxHashMap;
 use std::f64::consts::{PI, TAU};
 
-/// A step of the distance of a pair, as a share of the largest one.
+/// Quantisation step of a pair's distance, as a share of the largest distance.
 const DISTANCE_STEP: f64 = 0.05;
 
-/// Steps of angles in half a turn: 12 degrees each.
+/// Number of angle steps in half a turn: 12 degrees each.
 const ANGLE_STEPS: f64 = 15.0;
 
-/// Steps of the turn around a normal.
+/// Number of steps of the turn around a normal.
 const TURN_STEPS: usize = 30;
 
-/// Every so many points of the shown surface votes as the first of pairs.
+/// Stride of the points of the shown surface that vote as first points of pairs.
 const STRIDE: usize = 4;
 
-/// Poses are one if their turns differ by less than this, radians, and if they move the middle of the points
-/// by less than this share of the largest distance.
+/// Two poses are the same if their rotations differ by less than this, radians, and the images of the points'
+/// middle by less than this share of the largest distance.
 const ONE_POSE: (f64, f64) = (0.35, 0.1);
 
-/// Distance and three angles of a pair, in steps.
+/// Distance and three angles of a pair, quantised.
 type Key = [u8; 4];
 
-/// A surface in which others are found: all pairs of its points by their distance and angles.
+/// A surface in which others are located: all pairs of its points by distance and angles.
 pub struct PointPairs {
     points: Vec<SurfacePoint>,
     /// Largest distance of two points, metres.
@@ -39,14 +39,15 @@ pub struct PointPairs {
 /// A pose that pairs voted for.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct VotedPose {
-    /// Takes points of the shown surface to the known one.
+    /// Transforms points of the shown surface to the known one.
     pub known_from_shown: Pose,
-    /// Number of pairs.
+    /// Number of pairs that voted for it.
     pub votes: u32,
 }
 
 impl PointPairs {
-    /// Of a surface by points on it, evenly spaced: a few hundred to a thousand, since their pairs are kept.
+    /// Returns the pairs of evenly spaced points on a surface: a few hundred to a thousand points, since all
+    /// pairs are stored.
     pub fn new(points: Vec<SurfacePoint>) -> Self {
         let size = diagonal(&points);
         let mut pairs: FxHashMap<Key, Vec<(u32, f32)>> = FxHashMap::default();
@@ -60,10 +61,10 @@ impl PointPairs {
         Self { points, size, pairs }
     }
 
-    /// Poses in which points of a shown surface, spaced as those of this one, may lie on it: at most so many,
-    /// those with most votes first. They are rough; [`align`](super::align) makes the right one exact.
+    /// Returns the likely poses of a shown surface, with points spaced as in this one, by decreasing votes,
+    /// up to a maximum number. They are rough; [`align`](super::align) refines the correct one.
     ///
-    /// Both surfaces may be partial. Of a symmetric one, several poses are equally right.
+    /// Both surfaces may be partial. A symmetric one has several equally correct poses.
     pub fn poses(
         &self,
         shown: &[SurfacePoint],
@@ -90,7 +91,7 @@ impl PointPairs {
         Ok(poses)
     }
 
-    /// The pose that most pairs with this first point agree on.
+    /// Returns the pose with most votes among pairs with this first point.
     fn vote(&self, shown: &[SurfacePoint], first: usize) -> Option<VotedPose> {
         let local = onto_axis(&shown[first]);
         let mut votes = vec![0_u32; self.points.len() * TURN_STEPS];
@@ -142,7 +143,7 @@ fn key(first: &SurfacePoint, second: &SurfacePoint, size: f64) -> Key {
     ]
 }
 
-/// Moves the point to the origin, and turns its normal onto the x axis.
+/// Returns the pose that moves the point to the origin and turns its normal onto the x axis.
 fn onto_axis(point: &SurfacePoint) -> Pose {
     let rotation = DQuat::from_rotation_arc(point.normal, DVec3::X).normalize();
     Pose::new(rotation, -(rotation * point.position)).unwrap_or(Pose::IDENTITY)
@@ -158,7 +159,7 @@ mod tests {
     use super::*;
     use crate::geometry::random::Random;
 
-    /// Points of three boxes of different sizes, one upon another: no symmetry.
+    /// Points of three stacked boxes of different sizes: no symmetry.
     fn object() -> Vec<SurfacePoint> {
         let boxes = [
             ([0.0, 0.0, 0.0], [0.1, 0.06, 0.04]),

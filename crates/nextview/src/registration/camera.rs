@@ -2,7 +2,7 @@ use crate::geometry::Pose;
 use crate::sensor::{Depth, Frame};
 use glam::DVec3;
 
-/// The camera of a frame: it knows where there is no surface, because it looked through there.
+/// The camera of a frame, which shows where there is no surface: wherever it looked through.
 #[derive(Clone, Debug)]
 pub(super) struct Camera {
     frame: Frame,
@@ -10,24 +10,24 @@ pub(super) struct Camera {
 }
 
 impl Camera {
-    /// Where the frame says that it stood.
+    /// Returns the camera in the frame's pose.
     pub fn new(frame: Frame) -> Self {
         Self { from_world: frame.world_from_camera().inverse(), frame }
     }
 
-    /// The same elsewhere.
+    /// Returns the camera in another pose.
     pub fn at(&self, pose: Pose) -> Self {
         Self::new(self.frame.clone().with_pose(pose))
     }
 
-    /// Where it stands.
+    /// Returns the camera's pose.
     pub fn pose(&self) -> Pose {
         self.frame.world_from_camera()
     }
 
-    /// Whether it looked through a point (world coordinates, metres): the pixel there shows a surface that is
-    /// deeper by more than `margin` metres, or nothing up to the camera's range. It does not know of points
-    /// that are hidden, outside the image, or where it measured nothing.
+    /// Whether the camera looked through a point (world coordinates, metres): the pixel there shows a surface
+    /// deeper by more than `margin` metres, or nothing up to the camera's range. False for points that are
+    /// hidden, outside the image, or not measured.
     pub fn looks_through(&self, point: DVec3, margin: f64) -> bool {
         let in_camera = self.from_world.transform_point(point);
         let depth = match self.frame.pixel_at(in_camera) {

@@ -6,51 +6,52 @@ use crate::geometry::Lattice;
 use serde::{Deserialize, Serialize};
 use std::f64::consts::PI;
 
-/// Whether frames are aligned, how, and when an alignment is refused.
+/// Configuration of the alignment of frames, and of the conditions that refuse one.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(default, deny_unknown_fields, remote = "Self")]
 pub struct RegistrationConfig {
-    /// Whether a session aligns frames: `true`, `false`, or `"auto"`, as soon as the frames show that the
-    /// given poses are wrong. By default, frames of a camera or a recording are aligned as with `"auto"`, and
-    /// others are not.
+    /// Whether a session aligns frames: `true`, `false`, or `"auto"`, which begins once the frames show that
+    /// the given poses are wrong. Default: `"auto"` for frames of a camera or a recording, `false` for
+    /// others.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub enabled: Option<RegistrationMode>,
-    /// Edge of the cells in which points are pooled, metres, at least 0.0001. By default, a session takes its
-    /// voxel size, but at most 0.005: some thousand points for an object, each the mean of several pixels.
+    /// Edge of the cells in which points are pooled, metres, at least 0.0001. Default: the session's voxel
+    /// size, but at most 0.005, which gives some thousand points per object, each the mean of several pixels.
     #[serde(rename = "spacing_m", skip_serializing_if = "Option::is_none")]
     pub spacing: Option<f64>,
     /// Maximum error of a given position, metres, positive; an alignment that moves the camera farther is
     /// refused. The search for correspondences starts at this distance. Default 0.05.
     #[serde(rename = "position_uncertainty_m")]
     pub position_uncertainty: f64,
-    /// The same for the rotation, radians, above 0 up to pi; degrees in files. Default 10 degrees.
+    /// Maximum error of a given rotation, radians, above 0 up to pi; degrees in files. Default 10 degrees.
     #[serde(rename = "rotation_uncertainty_deg", with = "degrees")]
     #[cfg_attr(feature = "schema", schemars(with = "f64"))]
     pub rotation_uncertainty: f64,
     /// Minimum share, 0..=1, of the frame's points that must lie on the known surface after the alignment.
     /// Default 0.15.
     pub min_overlap: f64,
-    /// Minimum [stiffness](super::Registration::stiffness), 0..=1; in directions of less, the given pose
-    /// stays. Default 0.005: frames held less firmly were often turned by degrees about the axis of a bottle
-    /// or a handle.
+    /// Minimum [stiffness](super::Registration::stiffness), 0..=1; the given pose stays in directions with
+    /// less. Default 0.005: with less, frames were often turned by degrees about the axis of a bottle or a
+    /// handle.
     pub min_stiffness: f64,
-    /// What is known of the given poses, which decides what ties the scan to the world. Default: independent.
+    /// Prior knowledge of the given poses, which determines how the scan is tied to the world. Default:
+    /// independent.
     pub given_poses: GivenPoses,
 }
 
-/// What is known of the poses that frames come with.
+/// Prior knowledge of the given poses.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "kebab-case")]
 pub enum GivenPoses {
-    /// Each may be wrong, by an error of its own: all frames lie where they say on average.
+    /// Each has its own error: together, the frames lie where the given poses put them on average.
     #[default]
     Independent,
-    /// The first one is exact: its frame defines the world.
+    /// The first pose is exact: its frame defines the world.
     FirstIsRight,
-    /// They were found by alignment to the surface known before: they prove nothing about each other, and the
-    /// first frame defines the world.
+    /// The poses come from alignment to the surface known before. They prove nothing about each other, and
+    /// the first frame defines the world.
     Tracked,
 }
 
@@ -71,15 +72,15 @@ impl Default for RegistrationConfig {
 }
 
 impl RegistrationConfig {
-    /// Edge of the cells in which points are pooled where nothing states or limits it, metres.
+    /// Default edge of the cells in which points are pooled, metres.
     pub const DEFAULT_SPACING: f64 = 0.005;
 
-    /// The defaults, with all frames aligned.
+    /// Returns the defaults, with all frames aligned.
     pub fn enabled() -> Self {
         Self { enabled: Some(RegistrationMode::On), ..Self::default() }
     }
 
-    /// When frames are aligned; never if nothing is stated.
+    /// Returns the mode; [`Off`](RegistrationMode::Off) if none is set.
     pub fn mode(&self) -> RegistrationMode {
         self.enabled.unwrap_or(RegistrationMode::Off)
     }

@@ -1,5 +1,5 @@
-//! Where a frame fits the surface known before: by the points that lie on it, and by what cameras looked
-//! through.
+//! Finds the pose in which a frame fits the known surface: from points that lie on it, and from space that
+//! cameras saw as free.
 
 use super::camera::Camera;
 use super::icp::{Hold, SearchReach, align, align_where_held, pairs};
@@ -13,55 +13,54 @@ use crate::{Cancel, Cancelled};
 use glam::{DQuat, DVec3};
 use rayon::prelude::*;
 
-/// Search distances that an alignment begins with, as shares of the given pose's uncertainty: far points that
-/// overlap with nothing pull a frame that is nearly right to a wrong place. Of all poses of about the same
-/// misfit, up to this factor, the first counts, which is the nearest.
+/// Initial search distances of an alignment, as shares of the given pose's uncertainty: distant points
+/// without overlap pull a nearly correct frame to a wrong place. Among poses of about the same misfit, up to
+/// this factor, the first, and thus nearest, is chosen.
 const FIRST_REACHES: [f64; 3] = [0.25, 0.5, 1.0];
 const CLEARLY_WORSE: f64 = 1.05;
 
-/// Directions in which the surface is stiffer than this are firm: a table holds a frame up and level.
+/// Stiffness above which a direction is firm: a table holds a frame up and level.
 const FIRM: f64 = 0.05;
 
-/// Where no more contradictions than this share of the points are left, there is nothing to search for.
+/// Share of contradicting points up to which no search is needed.
 const MAY_CONTRADICT: f64 = 0.01;
 
-/// An axis that more than this share of the surface faces needs no search along it.
+/// Share of the surface facing an axis above which no search along it is needed.
 const MOST: f64 = 0.5;
 
-/// The search begins in this many steps each way, together the position's uncertainty, with one of so many
-/// points, and goes on from so many places.
+/// The search covers the position's uncertainty in this many steps each way, uses every n-th point, and
+/// continues from this number of places.
 const N_STEPS: usize = 4;
 const EVERY: usize = 5;
 const N_LIKELY: usize = 12;
 
-/// After the search, a frame is aligned also in directions that are held by this share of what is required
-/// otherwise: it cannot go far any more.
+/// Share of the required stiffness that is enough after the search: the frame cannot move far any more.
 const LOOSELY: f64 = 0.1;
 
-/// What a turn costs there, first from the given pose, then from the best place: as much as if each point
-/// were off by the turn (radians) times this, metres. Little overlap, most of it table, would let a frame
-/// turn as far as it may. A degree costs 0.07 mm, which is less than the noise, and the largest turn that is
-/// possible by default 0.7 mm.
+/// Cost of a turn after the search, first from the given pose, then from the best place: as if each point
+/// were off by the turn (radians) times this, metres. Otherwise, with little overlap, mostly table, a frame
+/// turns as far as allowed. A degree costs 0.07 mm, less than the noise, and the largest turn allowed by
+/// default 0.7 mm.
 const TURN_ARM: f64 = 0.004;
 
-/// How much a point that is not known yet counts, in points that contradict: it is worse than one that fits.
+/// Weight of a point that is not known yet, relative to a contradicting one: it is worse than one that fits.
 const NEW: f64 = 0.25;
 
-/// Fewer points on the known surface are no overlap, whatever their share.
+/// Minimum number of points on the known surface for an overlap, whatever their share.
 const LEAST_PAIRS: usize = 50;
 
-/// A frame beside the surface that earlier frames have shown.
+/// A frame and the surface shown by earlier frames.
 pub(super) struct Fitting<'a> {
     pub config: &'a RegistrationConfig,
-    /// Search distances; the last one is that within which points lie on the surface.
+    /// Search distances; points within the last one lie on the surface.
     pub reach: SearchReach,
-    /// What the frame shows, in the camera frame.
+    /// The points of the frame, in the camera frame.
     pub points: Vec<SurfacePoint>,
     /// The frame's camera, in the given pose.
     pub camera: Camera,
     /// The known points, world coordinates.
     pub known: Vec<DVec3>,
-    /// Of the known points.
+    /// Search tree of the known points.
     pub tree: &'a PointTree,
     /// The cameras that have shown the known points.
     pub earlier: Vec<Camera>,
@@ -79,7 +78,7 @@ pub(crate) struct Comparison {
     pub apart: f64,
 }
 
-/// A frame in a pose, before anything is said against it.
+/// A frame in a pose, before any objections.
 #[derive(Clone, Copy, Debug)]
 struct Fit {
     registration: Registration,
@@ -91,7 +90,7 @@ struct Fit {
 }
 
 impl Fitting<'_> {
-    /// Where the frame fits best, or the given pose and what speaks against that.
+    /// Returns the best fit, or the given pose and the objection to the fit.
     pub fn register(&self) -> Result<Registration, Cancelled> {
         let best = self.best()?;
         Ok(match self.objection(&best)? {
@@ -116,8 +115,8 @@ impl Fitting<'_> {
         Ok(Comparison { found: Registration { verdict, ..registration }, apart })
     }
 
-    /// The nearest of the alignments of about the least misfit, among those as near as given poses are right,
-    /// if there are any.
+    /// Returns the nearest of the alignments with about the least misfit, preferring those within the given
+    /// pose's uncertainty.
     fn best(&self) -> Result<Fit, Cancelled> {
         let mut firsts = FIRST_REACHES.map(|share| (share * self.reach.first).max(self.reach.last)).to_vec();
         firsts.dedup();
@@ -136,7 +135,7 @@ impl Fitting<'_> {
         Ok(nearest.expect("the least misfit is no worse than itself"))
     }
 
-    /// The frame aligned from the given pose, with a search distance that begins like this.
+    /// Aligns the frame from the given pose with this initial search distance.
     fn aligned(&self, first: f64) -> Result<Fit, Cancelled> {
         let (given, reach) = (self.camera.pose(), SearchReach { first, ..self.reach });
         let paired = |pose: &Pose, reach| self.pairs(pose, reach);
@@ -149,8 +148,8 @@ impl Fitting<'_> {
         self.fit(aligned, stiffness, n_steps)
     }
 
-    /// The frame aligned from where its misfit is least, all over the places at which it may be: an alignment
-    /// from the given pose alone takes one face of a box for the next. None if no place is near enough.
+    /// Aligns the frame from the place of least misfit within its uncertainty: from the given pose alone, one
+    /// face of a box may be taken for the next. `None` if no place is near enough.
     fn searched(&self) -> Result<Option<Fit>, Cancelled> {
         let thin = self.thinned();
         let given = self.camera.pose();
@@ -173,15 +172,15 @@ impl Fitting<'_> {
         self.fit(aligned, self.stiffness(&aligned)?, n_steps).map(Some)
     }
 
-    /// The same with fewer points.
+    /// Returns the frame with fewer points.
     fn thinned(&self) -> Self {
         let points = self.points.iter().step_by(EVERY).copied().collect();
         let known = self.known.iter().step_by(EVERY).copied().collect();
         Self { points, known, camera: self.camera.clone(), earlier: self.earlier.clone(), ..*self }
     }
 
-    /// A grid of poses around this one, as far as the position is uncertain, along the axes that hold the
-    /// frame least.
+    /// Returns a grid of poses around this one within the position's uncertainty, along the axes that hold
+    /// the frame least.
     fn places(&self, around: Pose, step: f64) -> Result<Vec<Pose>, Cancelled> {
         let axes = loose_axes(&self.pairs(&around, self.reach.last)?);
         let side = 2 * N_STEPS + 1;
@@ -190,13 +189,13 @@ impl Fitting<'_> {
                 *axis * step * ((number / side.pow(i as u32) % side) as f64 - N_STEPS as f64)
             };
             let shift = axes.iter().enumerate().map(along).sum();
-            // Steps of an uncertainty beyond all measure may lead beyond all numbers.
+            // Steps of a huge uncertainty may overflow.
             Pose::new(DQuat::IDENTITY, shift).ok().map(|motion| motion * around)
         };
         Ok((0..side.pow(axes.len() as u32)).filter_map(place).collect())
     }
 
-    /// The poses that are near enough with their misfits, the least first.
+    /// Returns the poses that are near enough with their misfits, the least first.
     fn ranked(&self, mut poses: Vec<Pose>) -> Result<Vec<(f64, Pose)>, Cancelled> {
         poses.retain(|pose| self.is_near(pose));
         let with_misfit = poses.par_iter().map(|pose| Ok((self.misfit(pose)?, *pose)));
@@ -205,7 +204,7 @@ impl Fitting<'_> {
         Ok(ranked)
     }
 
-    /// The frame in a pose in which the surface holds it so firmly.
+    /// Returns the fit of the frame in a pose with this stiffness.
     fn fit(&self, pose: Pose, stiffness: f64, n_iterations: usize) -> Result<Fit, Cancelled> {
         let (given, pairs) = (self.camera.pose(), self.pairs(&pose, self.reach.last)?);
         let motion = pose * given.inverse();
@@ -229,10 +228,10 @@ impl Fitting<'_> {
         Ok(Fit { registration, n_pairs: pairs.len(), n_contradictions, misfit })
     }
 
-    /// The first reason to leave the given pose, if there is one.
+    /// Returns the first reason to reject the fit, if any.
     fn objection(&self, found: &Fit) -> Result<Option<Verdict>, Cancelled> {
         let (config, Registration { world_from_camera, overlap, .. }) = (self.config, found.registration);
-        // A pose that was found from another image, elsewhere, is no rival.
+        // A pose found from another image, elsewhere, is not a rival.
         let is_rival = config.given_poses != GivenPoses::Tracked;
         Ok(if overlap < config.min_overlap || found.n_pairs < LEAST_PAIRS {
             Some(Verdict::LittleOverlap)
@@ -245,16 +244,16 @@ impl Fitting<'_> {
         })
     }
 
-    /// Whether the given pose may be so wrong that this is the true one.
+    /// Whether this pose is within the uncertainty of the given pose.
     fn is_near(&self, pose: &Pose) -> bool {
         let given = self.camera.pose();
         pose.translation().distance(given.translation()) <= self.config.position_uncertainty
             && angle(&(*pose * given.inverse())) <= self.config.rotation_uncertainty
     }
 
-    /// How badly the frame in a pose fits, square metres: the sum of squared residuals of the points that lie
-    /// on the known surface, in which each contradiction counts as a residual of the whole reach, and each
-    /// other point as a quarter of that.
+    /// Returns the misfit of the frame in a pose, square metres: the sum of squared residuals of the points
+    /// on the known surface, where each contradiction counts as a residual of the whole reach, and each other
+    /// point as a quarter of that.
     fn misfit(&self, pose: &Pose) -> Result<f64, Cancelled> {
         Ok(self.misfit_of(&self.pairs(pose, self.reach.last)?, self.n_contradictions(pose)))
     }
@@ -265,8 +264,8 @@ impl Fitting<'_> {
         squares + self.reach.last.powi(2) * (NEW * n_new + n_contradictions as f64)
     }
 
-    /// The number of points of the frame in a pose that an earlier camera looked through, and of known points
-    /// that the frame's camera looks through.
+    /// Returns the number of points of the frame in a pose that an earlier camera looked through, plus the
+    /// known points that the frame's camera looks through.
     fn n_contradictions(&self, pose: &Pose) -> usize {
         let margin = self.reach.last;
         let is_looked_through = |point: &&SurfacePoint| {
@@ -278,19 +277,19 @@ impl Fitting<'_> {
             + self.known.par_iter().filter(|point| camera.looks_through(**point, margin)).count()
     }
 
-    /// The points in a pose that lie on the known surface, within `reach` metres.
+    /// Returns the points in a pose that lie on the known surface, within `reach` metres.
     fn pairs(&self, pose: &Pose, reach: f64) -> Result<Vec<Pair>, Cancelled> {
         pairs(&self.points, self.tree, pose, reach, self.cancel)
     }
 
-    /// How well the known surface holds the frame in a pose.
+    /// Returns how firmly the known surface holds the frame in a pose.
     fn stiffness(&self, pose: &Pose) -> Result<f64, Cancelled> {
         let pairs = self.pairs(pose, self.reach.last)?;
         Ok(NormalEquations::new(&pairs, self.reach.last).map_or(0.0, |equations| equations.stiffness()))
     }
 }
 
-/// The axes that no more than half of a surface faces.
+/// Returns the axes that at most half of a surface faces.
 fn loose_axes(pairs: &[Pair]) -> Vec<DVec3> {
     let mut squares = [[0.0; 3]; 3];
     for normal in pairs.iter().map(|pair| pair.normal.to_array()) {
@@ -301,7 +300,7 @@ fn loose_axes(pairs: &[Pair]) -> Vec<DVec3> {
     axes.filter(|(sum, _)| **sum <= MOST * pairs.len() as f64).map(|(_, axis)| DVec3::from(axis)).collect()
 }
 
-/// Root mean square of the residuals after another motion, metres.
+/// Returns the root mean square of the residuals after a motion, metres.
 fn residual(pairs: &[Pair], motion: &Pose) -> f64 {
     let moved = |pair: &Pair| Pair { point: motion.transform_point(pair.point), ..*pair };
     let sum = pairs.iter().fold(0.0, |sum, pair| sum + moved(pair).residual().powi(2));

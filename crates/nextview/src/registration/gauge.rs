@@ -6,19 +6,18 @@ use super::joint::View;
 use crate::geometry::{Eigen, Pose};
 use glam::{DQuat, DVec3};
 
-/// Beyond this many metres that count as much as a turn by a radian, turns alone decide, and below the
+/// Metres that weigh as much as a turn by a radian: beyond this limit, rotations alone decide, and below its
 /// inverse, positions do.
 const LONGEST_ARM: f64 = 1e3;
 
-/// The motion of all views by what the given poses say. None moves where there are no points.
+/// Returns the common motion of all views that best matches the given poses; the identity without points.
 ///
-/// The turn is the most likely one if the given poses of the cameras are off by independent, normally
-/// distributed errors of position and rotation, in proportion to how uncertain both are. Points of the object
-/// say less: an error of a position acts on the side of the object that a camera sees, and shifts of its
-/// sides turn it.
+/// The rotation is the most likely one if the given camera poses have independent, normally distributed
+/// errors of position and rotation, in proportion to their uncertainties. Points of the object say less: a
+/// position error acts on the side of the object that a camera sees, and shifts of its sides turn it.
 ///
-/// The shift brings the middle of all points to where the given poses put it: poses from markers around the
-/// object, or from its surface, are off by turns around the object rather than around the camera.
+/// The translation moves the middle of all points to where the given poses put it: poses from markers around
+/// the object, or from its surface, have rotation errors around the object rather than around the camera.
 pub(super) fn motion_to_given(views: &[View], config: &RegistrationConfig) -> Pose {
     let pairs: Vec<_> = views.iter().flat_map(View::placed_and_given).collect();
     if pairs.is_empty() {
@@ -29,13 +28,13 @@ pub(super) fn motion_to_given(views: &[View], config: &RegistrationConfig) -> Po
     Pose::new(turn, to - turn * from).expect("means of finite points are finite")
 }
 
-/// The motion that is most likely to take cameras from where they were found to where they stood; pairs of
-/// the pose that was found and the given one.
+/// Returns the most likely motion of the cameras from their found to their true poses, given pairs of found
+/// and given poses.
 fn motion_of_cameras(poses: impl Iterator<Item = [Pose; 2]>, config: &RegistrationConfig) -> Pose {
     let arm = config.position_uncertainty / config.rotation_uncertainty;
     let arm = arm.clamp(LONGEST_ARM.recip(), LONGEST_ARM);
-    // Six points around a camera, s away: errors t and w of its pose move them by 6 t^2 + 4 s^2 w^2, which is
-    // to be in proportion to t^2 + (arm w)^2.
+    // Six points around a camera, s away: errors t and w of its pose move them by 6 t^2 + 4 s^2 w^2, which
+    // must be proportional to t^2 + (arm w)^2.
     let s = 1.5_f64.sqrt() * arm;
     let around = DVec3::AXES.map(|axis| s * axis);
     let around = around.into_iter().flat_map(|point| [point, -point]);
@@ -49,8 +48,8 @@ fn means(points: &[[DVec3; 2]]) -> [DVec3; 2] {
     [0, 1].map(|side| points.iter().map(|pair| pair[side]).sum::<DVec3>() / points.len().max(1) as f64)
 }
 
-/// The motion that brings the first points nearest to the second ones: least squares in closed form (Horn,
-/// J. Opt. Soc. Am. A 1987).
+/// Returns the motion that brings the first points closest to the second ones: least squares in closed form
+/// (Horn, J. Opt. Soc. Am. A 1987).
 fn motion_between(points: &[[DVec3; 2]]) -> Pose {
     let [from, to] = means(points);
     // Sums of the products of all coordinates.
@@ -60,7 +59,8 @@ fn motion_between(points: &[[DVec3; 2]]) -> Pose {
         (0..3).for_each(|i| (0..3).for_each(|j| s[i][j] += a[i] * b[j]));
     }
     let [[xx, xy, xz], [yx, yy, yz], [zx, zy, zz]] = s;
-    // Horn's matrix with the opposite sign: the eigenvector of its smallest eigenvalue is the turn, w first.
+    // Horn's matrix with the opposite sign: the eigenvector of its smallest eigenvalue is the rotation, w
+    // first.
     let negated = [
         [-xx - yy - zz, zy - yz, xz - zx, yx - xy],
         [zy - yz, -xx + yy + zz, -xy - yx, -zx - xz],

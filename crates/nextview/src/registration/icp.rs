@@ -11,32 +11,32 @@ use rayon::prelude::*;
 /// (Vizzo et al. 2023).
 const SCALE: f64 = 1.0 / 3.0;
 
-/// The reach after a step, as a share of that before.
+/// The reach after a step, as a share of the reach before.
 const NARROWING: f64 = 0.7;
 
-/// Maximum number of steps: by then at most a few points still switch back and forth between partners.
+/// Maximum number of steps: by then, only a few points still alternate between partners.
 pub const MAX_STEPS: usize = 30;
 
-/// A step that moves points by less than this share of the reach is the last.
+/// Iteration ends when a step moves points by less than this share of the reach.
 const SMALL_STEP: f64 = 5e-3;
 
-/// Search distance for correspondences, metres. It shrinks from step to step.
+/// Search distance for correspondences, metres. It shrinks with each step.
 #[derive(Clone, Copy, Debug)]
 pub struct SearchReach {
-    /// At first.
+    /// In the first step.
     pub first: f64,
-    /// In the end.
+    /// In the last steps.
     pub last: f64,
 }
 
-/// Aligns points to a surface from a given pose that is roughly right; returns the pose and the number of
-/// steps, at most [`MAX_STEPS`].
+/// Aligns points to a surface from a roughly correct pose. Returns the pose and the number of steps, at most
+/// [`MAX_STEPS`].
 ///
-/// `pairs` returns the points in a pose beside the surface, those that are within a distance (metres) of it,
-/// in a fixed order.
+/// `pairs` returns the point pairs for a pose: the points within a distance (metres) of the surface, in a
+/// fixed order.
 ///
 /// Iterative closest points (Besl & McKay 1992) with the distance from the tangent plane (Chen & Medioni
-/// 1992). Far points weigh little (Geman & McClure 1987). Fails as `pairs` does.
+/// 1992). Far points weigh little (Geman & McClure 1987). Fails if `pairs` fails.
 pub fn align<E>(
     given: Pose,
     reach: SearchReach,
@@ -45,18 +45,18 @@ pub fn align<E>(
     align_where_held(given, reach, &Hold { min_stiffness: 0.0, turn: None }, pairs)
 }
 
-/// What keeps a frame from moving where the surface does not hold it.
+/// Constraints on motions that the surface does not determine.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Hold {
-    /// Nothing moves in directions in which the surface is less stiff than this: those keep the given pose
-    /// (solution remapping, Zhang, Kaess & Singh 2016).
+    /// Directions with less stiffness than this keep the given pose (solution remapping, Zhang, Kaess & Singh
+    /// 2016).
     pub min_stiffness: f64,
-    /// A rotation to stay near: a turn from it counts like a residual of the turn, radians, times so many
-    /// metres.
+    /// A rotation to stay near: a turn from it counts like a residual of the turn, radians, times this
+    /// length, metres.
     pub turn: Option<(DQuat, f64)>,
 }
 
-/// [`align`] with something that holds the frame.
+/// As [`align`], with constraints.
 pub(super) fn align_where_held<E>(
     given: Pose,
     reach: SearchReach,
@@ -71,7 +71,7 @@ pub(super) fn align_where_held<E>(
         let equations = match hold.turn {
             Some((rotation, arm)) => {
                 let turn = pose.rotation() * rotation.inverse();
-                // Of the two quaternions of a rotation, the one of the shorter way.
+                // A rotation has two quaternions; this is the shorter one.
                 let turn = if turn.w < 0.0 { -turn } else { turn };
                 equations.with_turn_held(turn.to_scaled_axis(), arm)
             }
@@ -87,8 +87,8 @@ pub(super) fn align_where_held<E>(
     Ok((pose, MAX_STEPS))
 }
 
-/// The points with the nearest known ones that face the same way and are within `reach` metres, in the order
-/// of the points.
+/// Returns the points with their nearest known ones that face the same way within `reach` metres, in the
+/// order of the points.
 pub(super) fn pairs(
     points: &[SurfacePoint],
     known: &PointTree,
@@ -99,8 +99,8 @@ pub(super) fn pairs(
     let pair = |point: &SurfacePoint| {
         let point = point.moved(pose);
         let nearest = known.nearest(&point, reach)?;
-        // On a curved surface, the line between both points is at right angles to the mean of both normals
-        // and not to either normal (Rusinkiewicz 2019).
+        // On a curved surface, the line between two points is perpendicular to the mean of their normals, not
+        // to either normal (Rusinkiewicz 2019).
         let normal = (point.normal + nearest.normal).normalize();
         Some(Pair { point: point.position, known: nearest.position, normal })
     };

@@ -1,9 +1,9 @@
 //! Alignment of all frames to each other at once.
 //!
-//! Frames that are aligned one after the other hand their errors on: where the last one meets the first,
-//! around the object, their surfaces lie apart. Here, the pairs of every two frames are residuals of one
-//! least-squares problem whose unknowns are the poses of all frames but the first (multi-view registration,
-//! Pulli 1999; a pose graph whose edges are the pairs of points themselves).
+//! Frames aligned one after another accumulate errors: where the last one meets the first, around the object,
+//! their surfaces are apart. Here, the pairs of every two frames are residuals of one least-squares problem
+//! whose unknowns are the poses of all frames but the first (multi-view registration, Pulli 1999; a pose
+//! graph whose edges are the point pairs).
 
 use super::camera::Camera;
 use super::pair::Pair;
@@ -14,35 +14,36 @@ use crate::{Cancel, Cancelled};
 use glam::{DQuat, DVec3};
 use rayon::prelude::*;
 
-/// Points of a frame that look for partners in each other frame, at most: evenly chosen ones.
+/// Maximum number of points of a frame, evenly chosen, that are paired with each other frame.
 const MOST_POINTS: usize = 400;
 
 /// The weight of a pair falls to a quarter where the residual is this share of the reach.
 const SCALE: f64 = 1.0 / 3.0;
 
-/// Maximum number of steps: each searches for pairs again.
+/// Maximum number of steps; each searches for pairs again.
 const MAX_STEPS: usize = 10;
 
-/// A step that moves points by less than this share of the reach is the last.
+/// Iteration ends when a step moves points by less than this share of the reach.
 const SMALL_STEP: f64 = 5e-3;
 
-/// The surface that a frame shows, and where it was put when it came.
+/// The surface shown by a frame, and its poses.
 #[derive(Clone, Debug)]
 pub(super) struct View {
     /// In the camera frame.
     points: Vec<SurfacePoint>,
-    /// Of the same points.
+    /// Search tree of the same points.
     tree: PointTree,
-    /// Where the frame was put when it came. Directions in which nothing holds it keep that place.
+    /// The pose in which the frame was added. Directions in which nothing holds it keep this pose.
     anchor: Pose,
     pub pose: Pose,
-    /// The pose that the frame came with.
+    /// The pose given with the frame.
     given: Pose,
     camera: Camera,
 }
 
 impl View {
-    /// A camera that shows these points, in its own frame, and came with a given pose; unless cancelled.
+    /// Returns the view of a camera that shows these points, in its own frame, and its given pose; unless
+    /// cancelled.
     pub fn new(
         points: Vec<SurfacePoint>,
         camera: Camera,
@@ -53,33 +54,33 @@ impl View {
         Ok(Self { points, tree, anchor: pose, pose, given, camera })
     }
 
-    /// Its camera, where it is now.
+    /// Returns its camera in the current pose.
     pub fn camera(&self) -> Camera {
         self.camera.at(self.pose)
     }
 
-    /// Moves it and its anchor.
+    /// Moves the view and its anchor.
     pub fn move_by(&mut self, motion: &Pose) {
         (self.pose, self.anchor) = (*motion * self.pose, *motion * self.anchor);
     }
 
-    /// Some of its points, evenly chosen: where they are, and where the given pose puts them.
+    /// Returns some of its points, evenly chosen, in the current and in the given pose.
     pub fn placed_and_given(&self) -> impl Iterator<Item = [DVec3; 2]> + '_ {
         self.some_points()
             .map(|point| self.found_and_given().map(|pose| pose.transform_point(point.position)))
     }
 
-    /// The pose in which it is now, and the given one.
+    /// Returns the current and the given pose.
     pub fn found_and_given(&self) -> [Pose; 2] {
         [self.pose, self.given]
     }
 
-    /// The points in the world frame.
+    /// Returns the points in the world frame.
     pub fn world_points(&self) -> impl Iterator<Item = SurfacePoint> + '_ {
         self.points.iter().map(|point| point.moved(&self.pose))
     }
 
-    /// How far its points have moved since, root mean square, metres.
+    /// Returns the motion of its points since `before`, root mean square, metres.
     pub fn moved_from(&self, before: &View) -> f64 {
         let moved = |point: &SurfacePoint| {
             let [now, then] = [self, before].map(|view| view.pose.transform_point(point.position));
@@ -93,7 +94,7 @@ impl View {
         self.points.iter().step_by(self.points.len().div_ceil(MOST_POINTS).max(1))
     }
 
-    /// The points of another view beside the surface of this one, in the world frame.
+    /// Returns the pairs of another view's points with the surface of this one, in the world frame.
     fn pairs(&self, other: &View, reach: f64) -> Vec<Pair> {
         let here_from_other = self.pose.inverse() * other.pose;
         let pair = |point: &SurfacePoint| {
@@ -110,9 +111,8 @@ impl View {
     }
 }
 
-/// Moves all views but the first so that their surfaces fit together, within `reach` metres. A direction in
-/// which a view is held less than `min_stiffness` keeps its place; see
-/// [`stiffness`](super::Registration::stiffness).
+/// Moves all views but the first so that their surfaces fit together, within `reach` metres. A view does not
+/// move in directions with less than `min_stiffness`; see [`stiffness`](super::Registration::stiffness).
 pub(super) fn align(
     views: &mut [View],
     reach: f64,
@@ -128,7 +128,7 @@ pub(super) fn align(
     Ok(())
 }
 
-/// One step of Gauss-Newton; returns the largest motion of a view, metres.
+/// Takes one Gauss-Newton step. Returns the largest motion of a view, metres.
 fn step(views: &mut [View], reach: f64, min_stiffness: f64, cancel: &Cancel) -> Result<f64, Cancelled> {
     let n = views.len();
     let both: Vec<[usize; 2]> =
@@ -143,8 +143,8 @@ fn step(views: &mut [View], reach: f64, min_stiffness: f64, cancel: &Cancel) -> 
     Ok(problem.solve(views))
 }
 
-/// The normal equations of a step. The unknowns of a view are a turn about the common middle, times the
-/// radius, and a shift: six numbers in metres.
+/// The normal equations of a step. The unknowns of a view are a rotation about the common middle, times the
+/// radius, and a translation: six numbers in metres.
 struct Problem {
     center: DVec3,
     radius: f64,
@@ -170,7 +170,7 @@ impl Problem {
         }
     }
 
-    /// Adds a point of view `j` beside the surface of view `i`.
+    /// Adds the pair of a point of view `j` with the surface of view `i`.
     fn add(&mut self, i: usize, j: usize, pair: &Pair, scale: f64) {
         let weight = pair.weight(scale);
         let turn = (pair.point - self.center).cross(pair.normal) / self.radius;
@@ -186,7 +186,7 @@ impl Problem {
         }
     }
 
-    /// Draws each view to its anchor, as strongly as a surface of this stiffness would.
+    /// Pulls each view to its anchor, as strongly as a surface of this stiffness.
     fn hold(&mut self, views: &[View], min_stiffness: f64) {
         for (view, place) in views.iter().enumerate() {
             let weight = (min_stiffness * self.weights[view]).max(f64::MIN_POSITIVE.sqrt());
@@ -217,7 +217,7 @@ impl Problem {
         }
     }
 
-    /// Moves the views; returns the largest motion, metres.
+    /// Moves the views. Returns the largest motion, metres.
     fn solve(self, views: &mut [View]) -> f64 {
         let Some(solution) = solve(self.squares, &self.gradient) else { return 0.0 };
         let mut largest: f64 = 0.0;

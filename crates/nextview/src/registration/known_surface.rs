@@ -13,10 +13,10 @@ use crate::{Cancel, Cancelled, Error};
 use glam::{DVec3, IVec3};
 use rustc_hash::FxHashMap;
 
-/// The surface that the frames so far have shown: the target of the alignment of a new frame.
+/// The surface shown by the frames so far: the target for aligning a new frame.
 ///
-/// Points are pooled in cells, those of different sides apart, so that the two sides of a thin wall stay two
-/// surfaces. Its state depends on the frames and their order alone, not on the number of threads.
+/// Points are pooled in cells, separately for each side, so that the two sides of a thin wall stay two
+/// surfaces. The state depends only on the frames and their order, not on the number of threads.
 ///
 /// ```
 /// use glam::{DQuat, DVec2, DVec3};
@@ -47,14 +47,14 @@ pub struct KnownSurface {
     spacing: f64,
     lattice: Lattice,
     slots: FxHashMap<(IVec3, u8), usize>,
-    /// In the order in which the cells were first met.
+    /// The pools, in the order in which their cells were first met.
     pools: Vec<Pool>,
     tree: PointTree,
-    /// Of the frames, in the order in which they were added.
+    /// The views of the frames, in the order in which they were added.
     views: Vec<View>,
 }
 
-/// Sums over points.
+/// Sums over the points of a cell.
 #[derive(Clone, Copy, Debug, Default)]
 struct Pool {
     n: f64,
@@ -62,15 +62,14 @@ struct Pool {
     normal: DVec3,
 }
 
-/// The final search distance for correspondences, in cells: twice the distance between neighbouring known
-/// points.
+/// Final search distance for correspondences, in cells: twice the distance between neighbouring known points.
 const REACH_IN_CELLS: f64 = 2.0;
 
-/// Frames are realigned if that moves a point by more than this share of a cell.
+/// Realigned poses are used if they move a point by more than this share of a cell.
 const LEAST_MOTION: f64 = 0.1;
 
 impl KnownSurface {
-    /// Nothing is known yet; fails on a configuration out of range.
+    /// Returns an empty surface. Fails if the configuration is out of range.
     pub fn new(config: RegistrationConfig) -> Result<Self, Error> {
         config.check()?;
         let spacing = config.spacing.unwrap_or(RegistrationConfig::DEFAULT_SPACING);
@@ -79,23 +78,23 @@ impl KnownSurface {
         Ok(Self { config, spacing, lattice, slots, pools, tree, views })
     }
 
-    /// The same before the first frame.
+    /// Returns an empty surface with the same configuration.
     pub(crate) fn without_points(&self) -> Self {
         Self::new(self.config).expect("the configuration was checked")
     }
 
-    /// Number of points known.
+    /// Returns the number of known points.
     pub fn n_points(&self) -> usize {
         self.pools.len()
     }
 
-    /// The points known, in the order in which their cells were first met: the mean of each.
+    /// Returns the known points, the mean of each cell, in the order in which the cells were first met.
     pub fn points(&self) -> Vec<SurfacePoint> {
         self.pools.iter().map(Pool::mean).collect()
     }
 
-    /// Points in a pose with the nearest known ones that face the same way and are within `reach` metres, in
-    /// the order of the points: what [`align`](super::align) needs.
+    /// Returns the points in a pose with their nearest known ones that face the same way within `reach`
+    /// metres, in the order of the points: the pairs for [`align`](super::align).
     pub fn pairs(
         &self,
         points: &[SurfacePoint],
@@ -107,7 +106,7 @@ impl KnownSurface {
     }
 
     /// Adds the surface that a frame shows in and around a box (world coordinates, finite), unless cancelled.
-    /// `given` is the pose that the frame came with, before it was aligned.
+    /// `given` is the frame's pose before alignment.
     pub fn add(
         &mut self,
         frame: &Frame,
@@ -125,11 +124,10 @@ impl KnownSurface {
         Ok(())
     }
 
-    /// Aligns all frames to each other at once, unless cancelled: so the errors of a chain of frames that
-    /// comes back to its beginning are shared by all. As a whole, they then lie where their given poses say
-    /// on average, or where the first one says, if that [is known to be better](GivenPoses). Returns the pose
-    /// of each frame that was added, in order; none if no point of a frame moves by more than a tenth of a
-    /// cell.
+    /// Aligns all frames to each other at once, unless cancelled: the errors of a closed chain of frames are
+    /// shared by all. As a whole, the frames then match their given poses on average, or the first given pose
+    /// if that [is known to be better](GivenPoses). Returns the pose of each added frame, in order; `None` if
+    /// no frame's points move by more than a tenth of a cell.
     pub fn realign(&mut self, cancel: &Cancel) -> Result<Option<Vec<Pose>>, Cancelled> {
         if self.views.len() < 2 {
             return Ok(None);
@@ -186,7 +184,7 @@ impl KnownSurface {
         SearchReach { first: self.config.position_uncertainty.max(last), last }
     }
 
-    /// A frame in a wrong pose shows the box's surface beside the box.
+    /// A frame in a wrong pose shows the surface outside the box.
     fn around(&self, bounds: Aabb) -> Aabb {
         let margin = self.config.position_uncertainty;
         Aabb { min: bounds.min - margin, max: bounds.max + margin }
@@ -217,13 +215,13 @@ impl Pool {
     }
 
     fn mean(&self) -> SurfacePoint {
-        // The sum does not vanish: normals of one side all have their largest part along the same axis, with
-        // the same sign.
+        // The sum does not vanish: all normals of one side have their largest component along the same axis,
+        // with the same sign.
         SurfacePoint { position: self.position / self.n, normal: self.normal.normalize() }
     }
 }
 
-/// Which of six sides a surface faces: the axis nearest to its normal, and the sign.
+/// Returns which of six sides a surface faces: the axis nearest to its normal, and the sign.
 fn side(normal: DVec3) -> u8 {
     let axis = normal.abs().max_position();
     2 * axis as u8 + (normal[axis] < 0.0) as u8

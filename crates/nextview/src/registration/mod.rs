@@ -1,10 +1,10 @@
-//! Aligns a new frame to the surface measured so far, so that a wrong pose does not spoil the map.
+//! Aligns new frames to the surface measured so far, so that wrong poses do not spoil the map.
 //!
-//! Start with [`KnownSurface`]: it [registers](KnownSurface::register) a frame by point-to-plane ICP and
-//! adds the frames that fit. An alignment that cannot be trusted is refused: the given pose stays, and the
-//! [`Verdict`] says why. Frames that were added are [realigned](KnownSurface::realign) to each other.
-//! [`align`] is the same ICP for other surfaces, and [`PointPairs`] finds where to begin it when nothing is
-//! known of the pose, as of a part beside its CAD model. The formulas are in `docs/methods/registration.md`.
+//! Start with [`KnownSurface`]: it [registers](KnownSurface::register) a frame by point-to-plane ICP and adds
+//! the frames that fit. An alignment that cannot be trusted is refused: the given pose stays, and the
+//! [`Verdict`] gives the reason. Added frames are [realigned](KnownSurface::realign) to each other. [`align`]
+//! is the same ICP for other surfaces, and [`PointPairs`] finds its starting pose if none is known, for
+//! example between a part and its CAD model. The formulas are in `docs/methods/registration.md`.
 
 mod anywhere;
 mod camera;

@@ -2,11 +2,11 @@ use super::pair::Pair;
 use crate::geometry::{Eigen, Pose};
 use glam::{DQuat, DVec3};
 
-/// The least-squares problem of one step: how to move the points so that they come closest to the planes.
+/// The least-squares problem of one step: the motion that brings the points closest to the planes.
 ///
-/// A small motion turns by w about the points' middle c and shifts by t: a residual n (p - q) changes by (w x
-/// (p - c)) n + t n. The unknowns are w times the points' root mean square distance from c, and t, so that
-/// all six are metres.
+/// A small motion rotates by w about the points' middle c and translates by t: a residual n (p - q) changes
+/// by (w x (p - c)) n + t n. The unknowns are w times the points' root mean square distance from c, and t, so
+/// all six are in metres.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct NormalEquations {
     center: DVec3,
@@ -17,13 +17,12 @@ pub(super) struct NormalEquations {
     gradient: [f64; 6],
 }
 
-/// Directions with eigenvalues below this share of the largest are not determined by the surface at all, only
-/// by rounding.
+/// Directions with eigenvalues below this share of the largest are determined only by rounding.
 const LEAST_SHARE: f64 = 1e-9;
 
 impl NormalEquations {
-    /// The problem of these pairs; residuals above `scale` metres count less and less. None without pairs, or
-    /// if all points coincide.
+    /// Returns the problem of these pairs; residuals above `scale` metres count less and less. `None` without
+    /// pairs, or if all points coincide.
     pub fn new(pairs: &[Pair], scale: f64) -> Option<Self> {
         let n = pairs.len() as f64;
         let center = pairs.iter().map(|pair| pair.point).sum::<DVec3>() / n;
@@ -47,8 +46,8 @@ impl NormalEquations {
         Some(Self { center, radius, squares, gradient })
     }
 
-    /// The same problem with points that have turned by this much so far, a rotation vector, where a turn
-    /// counts like a residual of the turn times `arm` metres.
+    /// Adds a penalty on rotation: `turned` is the rotation vector so far, and a turn counts like a residual
+    /// of the turn times `arm` metres.
     pub fn with_turn_held(mut self, turned: DVec3, arm: f64) -> Self {
         let stiffness = (arm / self.radius).powi(2);
         for (i, turned) in turned.to_array().into_iter().enumerate() {
@@ -58,14 +57,14 @@ impl NormalEquations {
         self
     }
 
-    /// The smallest eigenvalue.
+    /// Returns the smallest eigenvalue.
     pub fn stiffness(&self) -> f64 {
         let eigen = Eigen::of(self.squares);
         eigen.values[eigen.smallest()].clamp(0.0, 1.0)
     }
 
-    /// The motion that solves it, and its size, metres; nothing moves in directions that the surface does not
-    /// determine or in which it is less stiff than this.
+    /// Returns the solution and its size, metres. Nothing moves in directions that the surface does not
+    /// determine, or with less stiffness than this.
     pub fn step(&self, min_stiffness: f64) -> (Pose, f64) {
         let eigen = Eigen::of(self.squares);
         let largest = eigen.values.iter().fold(0.0, |a: f64, b| a.max(*b));
@@ -93,7 +92,7 @@ mod tests {
     use super::*;
     use crate::geometry::random::Random;
 
-    /// Points of a surface through which planes with these normals go, moved from there.
+    /// Surface points with planes of these normals through them, then moved.
     fn pairs(motion: &Pose, point_and_normal: impl Fn(&mut Random) -> (DVec3, DVec3)) -> Vec<Pair> {
         let mut random = Random::new(1, 0);
         let mut pair = || {
@@ -139,7 +138,7 @@ mod tests {
 
     #[test]
     fn what_is_held_loosely_moves_along_the_stiff_directions_alone() {
-        // A plane with low waves along x: they hold it a little.
+        // A plane with low waves along x, which hold it a little.
         let waves = |random: &mut Random| {
             let slope = 0.03 * (20.0 * random.unit()).sin();
             (random.in_cube().with_z(0.0), DVec3::new(-slope, 0.0, 1.0).normalize())

@@ -3,31 +3,30 @@ use crate::geometry::{Aabb, BoxTree, Search};
 use crate::{Cancel, Cancelled};
 use glam::DVec3;
 
-/// Minimum cosine between the normals of two points that face the same way: 45 degrees. The other side of a
-/// thin wall does not.
+/// Minimum cosine between the normals of two points that face the same way: 45 degrees. This excludes the
+/// other side of a thin wall.
 const LEAST_AGREEMENT: f64 = 0.7;
 
-/// Nearest-neighbour search among points of surfaces.
+/// Nearest-neighbour search among surface points.
 #[derive(Clone, Debug, Default)]
 pub(super) struct PointTree(BoxTree<2>);
 
-/// The nearest so far.
+/// The nearest point so far.
 struct Best<'a> {
     to: &'a SurfacePoint,
     dist_sq: f64,
-    /// With its number.
+    /// The point and its number.
     nearest: Option<(SurfacePoint, usize)>,
 }
 
 impl PointTree {
-    /// A tree of these points, unless cancelled.
+    /// Builds a tree of these points, unless cancelled.
     pub fn new(points: &[SurfacePoint], cancel: &Cancel) -> Result<Self, Cancelled> {
         let items = points.iter().map(|point| [point.position, point.normal]);
         Ok(Self(BoxTree::new(items, cancel)?))
     }
 
-    /// The nearest of the points that are at most `reach` metres away and face the same way; the first on
-    /// ties.
+    /// Returns the nearest point that faces the same way within `reach` metres; the first on ties.
     pub fn nearest(&self, to: &SurfacePoint, reach: f64) -> Option<SurfacePoint> {
         self.numbered(to, reach).map(|(point, _)| point)
     }
@@ -39,7 +38,7 @@ impl PointTree {
     }
 }
 
-/// Boxes are judged as points are, with roundings that keep the order: no point of a box is nearer or agrees
+/// Boxes are ranked like points, with order-preserving rounding: no point of a box is nearer or agrees
 /// better.
 impl Search<2> for Best<'_> {
     fn rank(&self, [positions, normals]: &[Aabb; 2]) -> f64 {
@@ -68,7 +67,7 @@ mod tests {
     use super::*;
     use proptest::prelude::*;
 
-    /// Whole numbers make many ties.
+    /// Integers make many ties.
     fn vector() -> impl Strategy<Value = DVec3> {
         let tied = prop::array::uniform3(-3..4).prop_map(|v| v.map(f64::from));
         prop_oneof![tied, prop::array::uniform3(-3.0..3.0)].prop_map(DVec3::from_array)

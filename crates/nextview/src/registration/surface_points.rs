@@ -15,7 +15,7 @@ pub struct SurfacePoint {
 }
 
 impl SurfacePoint {
-    /// The same point in another frame.
+    /// Returns the point in another frame.
     pub fn moved(&self, pose: &Pose) -> Self {
         Self { position: pose.transform_point(self.position), normal: pose.rotation() * self.normal }
     }
@@ -27,16 +27,16 @@ const CHUNK: usize = 1 << 12;
 /// Minimum number of pixels around a point for a normal.
 const LEAST_PIXELS: f64 = 8.0;
 
-/// Surfaces seen at a flatter angle than this cosine are left out, as for the distance field: half a pixel
-/// beside the ray is more than two along it.
+/// Surfaces seen at a flatter angle than this cosine are skipped, as in the distance field: half a pixel
+/// across the ray is more than two along it.
 const LEAST_COSINE: f64 = 0.2;
 
-/// The measured points in the box (world coordinates, finite) with their normals, in the camera frame: the
-/// mean of the pixels in each cell with edges of `spacing` metres (a valid voxel size), in the order in which
+/// Returns the measured points in the box (world coordinates, finite) with their normals, in the camera
+/// frame: the mean of the pixels in each cell of `spacing` metres (a valid voxel size), in the order in which
 /// the cells were first met.
 ///
-/// The normal is that of the plane through the pixels of the cell and the 26 around it (principal components,
-/// Hoppe et al. 1992), since the noise of neighbouring pixels is often as large as the distance between them.
+/// The normal is from the plane through the pixels of the cell and the 26 around it (principal components,
+/// Hoppe et al. 1992), since the noise of neighbouring pixels is often as large as their distance.
 pub(super) fn surface_points(
     frame: &Frame,
     bounds: Aabb,

@@ -2,7 +2,7 @@ use crate::geometry::Pose;
 use glam::{DMat3, DQuat, DVec3};
 use serde::{Deserialize, Serialize};
 
-/// Where the axes of a camera frame point. This library uses those of OpenCV.
+/// Axis conventions of camera frames. This library uses OpenCV's.
 ///
 /// ```
 /// use glam::{DQuat, DVec3};
@@ -29,7 +29,7 @@ pub enum CameraAxes {
 }
 
 impl CameraAxes {
-    /// The pose (`world_from_camera`) of the same camera with OpenCV's axes.
+    /// Converts the pose (`world_from_camera`) of a camera to OpenCV's axes.
     pub fn to_opencv(self, world_from_camera: &Pose) -> Pose {
         let camera_from_opencv = match self {
             Self::OpenCv => return *world_from_camera,

@@ -18,8 +18,8 @@ pub struct ColorImage {
 }
 
 impl ColorImage {
-    /// An image from the red, green and blue of every pixel, 0 to 255; fails unless there are `width` times
-    /// `height`.
+    /// Returns an image from the red, green and blue of every pixel, 0 to 255. Fails unless there are `width`
+    /// times `height` pixels.
     pub fn new(width: u32, height: u32, pixels: Vec<[u8; 3]>) -> Result<Self, Error> {
         if pixels.len() != width as usize * height as usize {
             let (name, value) = ("colour image", format!("{} pixels of {width} x {height}", pixels.len()));
@@ -28,23 +28,23 @@ impl ColorImage {
         Ok(Self { width, height, pixels: pixels.into() })
     }
 
-    /// Width in pixels.
+    /// Returns the width in pixels.
     pub fn width(&self) -> u32 {
         self.width
     }
 
-    /// Height in pixels.
+    /// Returns the height in pixels.
     pub fn height(&self) -> u32 {
         self.height
     }
 
-    /// Red, green and blue of the pixel in column `u` and row `v`, which must lie in the image.
+    /// Returns red, green and blue of the pixel in column `u` and row `v`, which must be in the image.
     pub fn get(&self, u: u32, v: u32) -> [u8; 3] {
         assert!(u < self.width && v < self.height, "pixel ({u}, {v}) lies outside the image");
         self.pixels[v as usize * self.width as usize + u as usize]
     }
 
-    /// Red, green and blue of all pixels, row by row.
+    /// Returns red, green and blue of all pixels, row by row.
     pub fn pixels(&self) -> impl Iterator<Item = [u8; 3]> + '_ {
         self.pixels.iter().copied()
     }

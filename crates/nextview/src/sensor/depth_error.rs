@@ -3,13 +3,13 @@ use crate::checked::{check_range, checked_when_read};
 use crate::geometry::Pose;
 use serde::{Deserialize, Serialize};
 
-/// The random error of a measured depth: its standard deviation along the optical axis, as a function of the
-/// depth z (along the same axis, metres): `constant + linear z + quadratic z^2`. By default there is none.
+/// The random error of a measured depth: its standard deviation along the optical axis as a function of the
+/// depth z (along the same axis, metres), `constant + linear z + quadratic z^2`. Default: none.
 ///
-/// The three terms are what cameras are made of: a least error of the electronics (`constant`), one that
-/// grows with the time of flight (`linear`), and triangulation (`quadratic`), where the disparity `f b / z`
-/// has the same error everywhere. It holds for a surface that faces the camera; systematic errors, which all
-/// pixels share, are not in it.
+/// The three terms cover the usual error sources: the noise floor of the electronics (`constant`), time of
+/// flight (`linear`), and triangulation (`quadratic`), where the disparity `f b / z` has the same error
+/// everywhere. The model holds for a surface that faces the camera; systematic errors, which all pixels
+/// share, are not included.
 ///
 /// ```
 /// use nextview::sensor::DepthError;
@@ -23,12 +23,12 @@ use serde::{Deserialize, Serialize};
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(default, deny_unknown_fields, remote = "Self")]
 pub struct DepthError {
-    /// At depth 0, metres, 0 or more. Default 0.
+    /// Error at depth 0, metres, 0 or more. Default 0.
     #[serde(rename = "constant_m")]
     pub constant: f64,
-    /// Metres a metre of depth, 0 or more. Default 0.
+    /// Error in metres per metre of depth, 0 or more. Default 0.
     pub linear: f64,
-    /// Metres a square metre of depth, 1/m, 0 or more. Default 0.
+    /// Error in metres per squared metre of depth, 1/m, 0 or more. Default 0.
     #[serde(rename = "quadratic_per_m")]
     pub quadratic: f64,
 }
@@ -36,8 +36,9 @@ pub struct DepthError {
 checked_when_read!(DepthError);
 
 impl DepthError {
-    /// The error of triangulation, `z^2 sigma_d / (f b)`: standard deviation of the disparity, pixels; focal
-    /// length of the matched images, pixels, above 0; baseline, metres, above 0.
+    /// Returns the error of triangulation, `z^2 sigma_d / (f b)`, from the standard deviation of the
+    /// disparity, pixels; the focal length of the matched images, pixels, above 0; and the baseline, metres,
+    /// above 0.
     pub fn of_disparity(disparity_sigma: f64, focal: f64, baseline: f64) -> Self {
         Self { quadratic: disparity_sigma / (focal * baseline), ..Self::default() }
     }
@@ -54,7 +55,7 @@ impl DepthError {
             .try_for_each(|(name, value, expected)| check_range(name, value, 0.0..=Pose::REACH, expected))
     }
 
-    /// Standard deviation at this depth, both in metres.
+    /// Returns the standard deviation at this depth, both in metres.
     pub fn sigma(&self, depth: f64) -> f64 {
         self.constant + depth * (self.linear + depth * self.quadratic)
     }

@@ -4,17 +4,17 @@ use std::sync::Arc;
 /// The reading of one pixel of a depth image.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Depth {
-    /// Nothing is known: no measurement.
+    /// No measurement.
     Missing,
-    /// Nothing came back: the ray is free up to the camera's range.
+    /// No return: the ray is free up to the camera's range.
     Beyond,
     /// A surface at this depth along the camera's z axis, metres, positive and finite.
     Surface(f32),
 }
 
 impl Depth {
-    /// As a number that [`DepthImage::from_metres`] takes: metres, NaN where nothing is known, infinite where
-    /// nothing came back.
+    /// Returns the number for [`DepthImage::from_metres`]: metres, NaN without measurement, infinite without
+    /// return.
     pub fn metres(self) -> f32 {
         match self {
             Self::Missing => f32::NAN,
@@ -29,13 +29,13 @@ impl Depth {
 pub struct DepthImage {
     width: u32,
     height: u32,
-    /// Positive and finite: a surface. NaN: missing. Infinite: nothing came back.
+    /// Positive and finite: a surface. NaN: missing. Infinite: no return.
     depth: Arc<[f32]>,
 }
 
 impl DepthImage {
-    /// An image from depths in metres. Zero, negative numbers and NaN are missing pixels; positive infinity
-    /// is a pixel from which nothing came back.
+    /// Returns an image from depths in metres. Zero, negative numbers and NaN are missing pixels; positive
+    /// infinity is a pixel without return.
     pub fn from_metres(width: u32, height: u32, mut depth: Vec<f32>) -> Result<Self, Error> {
         if depth.len() != width as usize * height as usize {
             return Err(Error::ImageSize { actual: depth.len(), width, height });
@@ -48,7 +48,7 @@ impl DepthImage {
         Ok(Self { width, height, depth: depth.into() })
     }
 
-    /// An image from raw units, as depth cameras and 16-bit PNG files give them; `scale` is the size of a
+    /// Returns an image from raw units, as in depth cameras and 16-bit PNG files; `scale` is the size of a
     /// unit in metres (0.001 for millimetres) and must be positive. Zero is a missing pixel.
     pub fn from_units(width: u32, height: u32, units: &[u16], scale: f64) -> Result<Self, Error> {
         if !(scale > 0.0 && scale.is_finite()) {
@@ -57,23 +57,23 @@ impl DepthImage {
         Self::from_metres(width, height, units.iter().map(|&d| (d as f64 * scale) as f32).collect())
     }
 
-    /// Width in pixels.
+    /// Returns the width in pixels.
     pub fn width(&self) -> u32 {
         self.width
     }
 
-    /// Height in pixels.
+    /// Returns the height in pixels.
     pub fn height(&self) -> u32 {
         self.height
     }
 
-    /// The pixel in column `u` and row `v`, which must lie in the image.
+    /// Returns the pixel in column `u` and row `v`, which must be in the image.
     pub fn get(&self, u: u32, v: u32) -> Depth {
         assert!(u < self.width && v < self.height, "pixel ({u}, {v}) lies outside the image");
         reading(self.depth[v as usize * self.width as usize + u as usize])
     }
 
-    /// All pixels, row by row.
+    /// Returns all pixels, row by row.
     pub fn pixels(&self) -> impl Iterator<Item = Depth> + '_ {
         self.depth.iter().copied().map(reading)
     }

@@ -3,7 +3,7 @@ use crate::checked::{check_range, checked_when_read};
 use crate::geometry::Pose;
 use serde::{Deserialize, Serialize};
 
-/// The depths that a camera measures, metres. By default, all.
+/// The depths that a camera measures, metres. Default: all.
 ///
 /// ```
 /// use nextview::sensor::DepthRange;
@@ -16,10 +16,10 @@ use serde::{Deserialize, Serialize};
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(default, deny_unknown_fields, remote = "Self")]
 pub struct DepthRange {
-    /// Surfaces nearer than this are not measured, at least 0.
+    /// Smallest measured depth, at least 0.
     #[serde(rename = "min_m")]
     pub min: f64,
-    /// Surfaces farther away than this are not measured, above `min` and at most [`Pose::REACH`].
+    /// Largest measured depth, above `min` and at most [`Pose::REACH`].
     #[serde(rename = "max_m")]
     pub max: f64,
 }
@@ -42,9 +42,9 @@ impl DepthRange {
         }
     }
 
-    /// The least and the largest distance, metres, from which to look at the middle of an object of this
-    /// half-side: at the least, the camera still measures the object's near side; at the largest, its middle.
-    /// If the object is too large for both, they are equal.
+    /// Returns the smallest and the largest distance, metres, of a view from the centre of an object with
+    /// this half-side: at the smallest, the camera still measures the object's near side; at the largest, its
+    /// centre. If the object is too large for both, they are equal.
     pub fn distances(&self, size: f64) -> (f64, f64) {
         let nearest = if self.min > 0.0 { self.min + size } else { 0.0 };
         (nearest, self.max.max(nearest))

@@ -3,8 +3,8 @@ use crate::checked::checked_when_read;
 use glam::{DMat2, DVec2};
 use serde::{Deserialize, Serialize};
 
-/// How a lens departs from the ideal pinhole, with coefficients `k1, k2, p1, p2, k3`: the order of OpenCV and
-/// of librealsense.
+/// Lens distortion relative to the ideal pinhole, with coefficients `k1, k2, p1, p2, k3` in the order of
+/// OpenCV and librealsense.
 ///
 /// Both models use one polynomial D on the image plane at z = 1 (Brown 1966; Conrady 1919), with
 /// `r2 = x^2 + y^2`:
@@ -37,7 +37,7 @@ impl Distortion {
         Err(Error::invalid("distortion", format!("{self:?}"), "finite coefficients"))
     }
 
-    /// Moves an ideal point of the plane z = 1 to where the lens shows it; none where the model has no answer
+    /// Maps an ideal point of the plane z = 1 to its distorted position; `None` if the model has no answer
     /// (far outside the image, where the polynomial folds over).
     pub fn distort(&self, ideal: DVec2) -> Option<DVec2> {
         match self {
@@ -47,7 +47,7 @@ impl Distortion {
         }
     }
 
-    /// The inverse of [`distort`](Self::distort).
+    /// Inverts [`distort`](Self::distort).
     pub fn undistort(&self, observed: DVec2) -> Option<DVec2> {
         match self {
             Self::None => Some(observed),
@@ -56,11 +56,11 @@ impl Distortion {
         }
     }
 
-    /// By how much the lens moves points apart at most: of two ideal points within `radius` of the optical
-    /// axis at z = 1, whose images are within it, too, the images are at most so many times as far apart.
-    /// None if the polynomial folds within that radius.
+    /// Returns the maximum stretch by the lens: the largest ratio of the distance between two images to that
+    /// between the ideal points, both within `radius` of the optical axis at z = 1. `None` if the polynomial
+    /// folds within that radius.
     ///
-    /// D's derivative is symmetric. Without the tangential terms its eigenvalues are the radial polynomial
+    /// D's derivative is symmetric. Without the tangential terms, its eigenvalues are the radial polynomial
     /// and the derivative of r times that.
     pub(super) fn stretch(&self, radius: f64) -> Option<f64> {
         let [k1, k2, p1, p2, k3] = self.coefficients();
@@ -77,7 +77,7 @@ impl Distortion {
         })
     }
 
-    /// The coefficients `k1, k2, p1, p2, k3`, all zero for the ideal pinhole.
+    /// Returns the coefficients `k1, k2, p1, p2, k3`, all zero for the ideal pinhole.
     pub fn coefficients(&self) -> [f64; 5] {
         match *self {
             Self::None => [0.0; 5],
@@ -86,7 +86,7 @@ impl Distortion {
     }
 }
 
-/// The polynomial D and its derivative.
+/// Returns the polynomial D and its derivative.
 #[inline(always)]
 pub(super) fn polynomial(k: &[f64; 5], p: DVec2) -> (DVec2, DMat2) {
     let [k1, k2, p1, p2, k3] = *k;
@@ -104,7 +104,7 @@ pub(super) fn polynomial(k: &[f64; 5], p: DVec2) -> (DVec2, DMat2) {
     (value, derivative)
 }
 
-/// The least and the largest value of `c[0] + c[1] s + c[2] s^2 + c[3] s^3` in 0..=`end`.
+/// Returns the smallest and the largest value of `c[0] + c[1] s + c[2] s^2 + c[3] s^3` in 0..=`end`.
 fn range_of_cubic(c: [f64; 4], end: f64) -> (f64, f64) {
     let value = |s: f64| c[0] + s * (c[1] + s * (c[2] + s * c[3]));
     // The slope is zero at the roots of c[1] + 2 c[2] s + 3 c[3] s^2.
@@ -117,13 +117,13 @@ fn range_of_cubic(c: [f64; 4], end: f64) -> (f64, f64) {
     })
 }
 
-/// D where it keeps orientation; beyond its fold a second point would have the same image.
+/// Returns D where it preserves orientation; beyond its fold, a second point would have the same image.
 fn unfolded(k: &[f64; 5], p: DVec2) -> Option<DVec2> {
     let (value, derivative) = polynomial(k, p);
     (derivative.determinant() > 0.0 && derivative.x_axis.x > 0.0).then_some(value)
 }
 
-/// Solves D(p) = target by Newton's method from the target itself; none if it does not converge to a point
+/// Solves D(p) = target by Newton's method from the target itself; `None` if it does not converge to a point
 /// on the unfolded side.
 pub(super) fn invert(k: &[f64; 5], target: DVec2) -> Option<DVec2> {
     let mut p = target;
@@ -142,7 +142,8 @@ pub(super) fn invert(k: &[f64; 5], target: DVec2) -> Option<DVec2> {
             return None;
         }
     }
-    // Newton may end in a cycle of the last bits; accept it if it solves the equation to rounding.
+    // Newton may end in a cycle of the last bits; the result is accepted if it solves the equation up to
+    // rounding.
     let (value, _) = polynomial(k, p);
     (value.distance(target) < 1e-13).then_some(p)
 }
@@ -162,7 +163,7 @@ mod tests {
             prop_assert!(dx.distance(derivative.x_axis) < 1e-8 && dy.distance(derivative.y_axis) < 1e-8);
         }
 
-        /// Over an image of 57 by 45 degrees and stronger lenses than depth cameras have.
+        /// Over an image of 57 by 45 degrees, with stronger distortion than in depth cameras.
         #[test]
         fn distort_and_undistort_are_inverses(
             x in -0.55..0.55, y in -0.42..0.42,

@@ -3,7 +3,7 @@ use crate::Error;
 use crate::geometry::{Aabb, Pose};
 use glam::{DMat3, DVec2, DVec3};
 
-/// One measurement of a depth camera: the image, the optics and the pose of the camera.
+/// One measurement of a depth camera: its image, optics and pose.
 #[derive(Clone, Debug)]
 pub struct Frame {
     image: DepthImage,
@@ -13,7 +13,7 @@ pub struct Frame {
 }
 
 impl Frame {
-    /// A frame; the image must have the size that the intrinsics state, and `range`, the depth in metres up
+    /// Returns a frame. The image must have the size of the intrinsics, and `range`, the depth in metres up
     /// to which a pixel without return is known to be free, must be positive.
     pub fn new(
         image: DepthImage,
@@ -32,7 +32,7 @@ impl Frame {
         Ok(Self { image, intrinsics, world_from_camera, range })
     }
 
-    /// The same frame, as if taken from here.
+    /// Sets the camera pose.
     pub fn with_pose(self, world_from_camera: Pose) -> Self {
         Self { world_from_camera, ..self }
     }
@@ -41,36 +41,35 @@ impl Frame {
         self.world_from_camera = world_from_camera;
     }
 
-    /// The depth image.
+    /// Returns the depth image.
     pub fn image(&self) -> &DepthImage {
         &self.image
     }
 
-    /// The optics.
+    /// Returns the optics.
     pub fn intrinsics(&self) -> &Intrinsics {
         &self.intrinsics
     }
 
-    /// Where the camera stood.
+    /// Returns the camera pose.
     pub fn world_from_camera(&self) -> Pose {
         self.world_from_camera
     }
 
-    /// The depth in metres up to which a pixel without return is known to be free.
+    /// Returns the depth in metres up to which a pixel without return is known to be free.
     pub fn range(&self) -> f64 {
         self.range
     }
 
-    /// The pixel that shows a point of the camera frame, or what hides it; none outside the image.
+    /// Returns the pixel that shows a point of the camera frame, or its occluder; `None` outside the image.
     pub(crate) fn pixel_at(&self, point_in_camera: DVec3) -> Option<Depth> {
         let pixel = self.intrinsics.project(point_in_camera)?;
         let at = self.intrinsics.contains(pixel).then(|| pixel.round().as_uvec2())?;
         Some(self.image.get(at.x, at.y))
     }
 
-    /// The end of every ray of image row `v` that carries information, in world coordinates, from left to
-    /// right: with `true` for a measured surface and `false` for the end of the range where nothing came
-    /// back.
+    /// Returns the end of every measured ray of image row `v`, in world coordinates, from left to right: with
+    /// `true` for a surface and `false` for the end of the range of a ray without return.
     pub fn row_ray_ends(&self, v: u32) -> impl Iterator<Item = (DVec3, bool)> + '_ {
         let rotation = self.world_from_camera.rotation_matrix();
         let row = self.intrinsics.deproject_row(v);
@@ -81,23 +80,24 @@ impl Frame {
         })
     }
 
-    /// All measured surface points, in world coordinates, row by row.
+    /// Returns all measured surface points, in world coordinates, row by row.
     pub fn points(&self) -> impl Iterator<Item = DVec3> + '_ {
         let ends = (0..self.image.height()).flat_map(|v| self.row_ray_ends(v));
         ends.filter(|(_, hit)| *hit).map(|(point, _)| point)
     }
 
-    /// The measured surface points inside the box, which must be finite, in world coordinates, row by row.
+    /// Returns the measured surface points inside the box, which must be finite, in world coordinates, row by
+    /// row.
     pub fn points_in(&self, bounds: Aabb) -> impl Iterator<Item = DVec3> + '_ {
         (0..self.image.height()).flat_map(move |v| self.row_points_in(v, bounds))
     }
 
-    /// Those of image row `v`, from left to right.
+    /// As [`points_in`](Self::points_in), for image row `v`, from left to right.
     pub fn row_points_in(&self, v: u32, bounds: Aabb) -> impl Iterator<Item = DVec3> + '_ {
         self.row_pixels_in(v, bounds).map(|(_, point)| point)
     }
 
-    /// The same with the column of each point's pixel.
+    /// As [`row_points_in`](Self::row_points_in), with the column of each point's pixel.
     pub(crate) fn row_pixels_in(&self, v: u32, bounds: Aabb) -> impl Iterator<Item = (u32, DVec3)> + '_ {
         // Most pixels show the background; their depth alone rules them out, before the lens is undone.
         let camera_from_world = self.world_from_camera.inverse();
@@ -114,12 +114,12 @@ impl Frame {
         })
     }
 
-    /// The point that pixel `(u, v)` shows at this depth; none where the lens model has no answer.
+    /// Returns the point of pixel `(u, v)` at this depth; `None` if the lens model has no answer.
     fn at(&self, rotation: &DMat3, u: u32, v: u32, depth: f64) -> Option<DVec3> {
         Some(self.place(rotation, self.intrinsics.deproject(DVec2::new(u as f64, v as f64))?, depth))
     }
 
-    /// The point at this depth on the ray through `ideal`.
+    /// Returns the point at this depth on the ray through `ideal`.
     #[inline(always)]
     fn place(&self, rotation: &DMat3, ideal: DVec2, depth: f64) -> DVec3 {
         *rotation * (ideal.extend(1.0) * depth) + self.world_from_camera.translation()

@@ -30,15 +30,15 @@ pub struct Intrinsics {
 /// Largest width and height, pixels.
 const MAX_SIZE: u32 = 1 << 15;
 
-/// Least focal length in widths or heights of the image: beyond, a field of view has over 179 degrees.
+/// Smallest focal length in widths or heights of the image: below it, the field of view exceeds 179 degrees.
 const LEAST_FOCAL: f64 = 1.0 / 250.0;
 
-/// Largest focal length, pixels: a pixel of a longer one is below a ten thousandth of a degree.
+/// Largest focal length, pixels: beyond it, a pixel is below a ten thousandth of a degree.
 const MAX_FOCAL: f64 = 1e6;
 
 impl Intrinsics {
-    /// An ideal pinhole camera: image size in pixels, focal lengths `fx, fy` and principal point `cx, cy` in
-    /// pixels. Fails on the first value of which [`check`](Self::check) says that no camera has it.
+    /// Returns an ideal pinhole camera: image size in pixels, focal lengths `fx, fy` and principal point `cx,
+    /// cy` in pixels. Fails with the first error of [`check`](Self::check).
     pub fn pinhole(width: u32, height: u32, focal: DVec2, center: DVec2) -> Result<Self, Error> {
         match Self::check(width, height, focal, center).into_iter().next() {
             Some(error) => Err(error),
@@ -46,7 +46,7 @@ impl Intrinsics {
         }
     }
 
-    /// Everything that is wrong with the values of a pinhole camera, each under its name in a file.
+    /// Returns all errors in the values of a pinhole camera, each under its name in a file.
     pub fn check(width: u32, height: u32, focal: DVec2, center: DVec2) -> Vec<Error> {
         let sizes = [("width", width), ("height", height)].into_iter();
         let sizes = sizes.filter(|(_, size)| !(1..=MAX_SIZE).contains(size));
@@ -70,17 +70,17 @@ impl Intrinsics {
         sizes.chain(focals).chain(centers).collect()
     }
 
-    /// The same camera with a lens distortion; its coefficients must be finite.
+    /// Sets the lens distortion; its coefficients must be finite.
     pub fn with_distortion(mut self, distortion: Distortion) -> Result<Self, Error> {
         distortion.check()?;
         self.distortion = distortion;
         Ok(self)
     }
 
-    /// The RealSense D435i of the paper, 640 x 480, with the calibration its authors published in the
-    /// configuration file of their code (psc0628/NBV-Simulation, `DefaultConfiguration.yaml`). The
-    /// coefficients are listed there as k1, k2, k3, p1, p2 and are passed to librealsense in that order,
-    /// which reads them as k1, k2, p1, p2, k3; so do we.
+    /// Returns the paper's RealSense D435i, 640 x 480, with the calibration from the configuration file of
+    /// its authors' code (psc0628/NBV-Simulation, `DefaultConfiguration.yaml`). The coefficients are listed
+    /// there as k1, k2, k3, p1, p2 and passed in that order to librealsense, which reads them as k1, k2, p1,
+    /// p2, k3; so do we.
     pub fn d435i() -> Self {
         Self {
             width: 640,
@@ -97,38 +97,38 @@ impl Intrinsics {
         }
     }
 
-    /// Image width in pixels.
+    /// Returns the image width in pixels.
     pub fn width(&self) -> u32 {
         self.width
     }
 
-    /// Image height in pixels.
+    /// Returns the image height in pixels.
     pub fn height(&self) -> u32 {
         self.height
     }
 
-    /// Number of pixels.
+    /// Returns the number of pixels.
     pub fn n_pixels(&self) -> usize {
         self.width as usize * self.height as usize
     }
 
-    /// Focal lengths `fx, fy` in pixels.
+    /// Returns the focal lengths `fx, fy` in pixels.
     pub fn focal(&self) -> DVec2 {
         self.focal
     }
 
-    /// Principal point `cx, cy` in pixels.
+    /// Returns the principal point `cx, cy` in pixels.
     pub fn center(&self) -> DVec2 {
         self.center
     }
 
-    /// The lens distortion.
+    /// Returns the lens distortion.
     pub fn distortion(&self) -> Distortion {
         self.distortion
     }
 
-    /// The pixel that shows a point of the camera frame; none behind the camera or where the lens model has
-    /// no answer. The pixel may lie outside the image, see [`contains`](Self::contains).
+    /// Projects a point of the camera frame to a pixel; `None` behind the camera or if the lens model has no
+    /// answer. The pixel may be outside the image, see [`contains`](Self::contains).
     pub fn project(&self, point_in_camera: DVec3) -> Option<DVec2> {
         if point_in_camera.z <= 0.0 {
             return None;
@@ -137,30 +137,30 @@ impl Intrinsics {
         Some(self.distortion.distort(ideal)? * self.focal + self.center)
     }
 
-    /// Where the ray through a pixel crosses the plane z = 1 of the camera frame: the exact inverse of
-    /// [`project`](Self::project). The point at depth `z` is `z * (x, y, 1)`.
+    /// Returns the point where a pixel's ray crosses the plane z = 1 of the camera frame: the exact inverse
+    /// of [`project`](Self::project). The point at depth `z` is `z * (x, y, 1)`.
     pub fn deproject(&self, pixel: DVec2) -> Option<DVec2> {
         self.distortion.undistort((pixel - self.center) / self.focal)
     }
 
-    /// How far the lens moves points apart at most; none if it folds within the image or just beside it.
+    /// Returns the maximum stretch by the lens; `None` if it folds within the image or just outside it.
     pub(crate) fn stretch(&self) -> Option<Stretch> {
         let last = DVec2::new(self.width as f64, self.height as f64) - 0.5;
         let farthest = (last - self.center).max(self.center + 0.5);
-        // A little more than the image, whose corners a lens may move outwards.
+        // Slightly more than the image, whose corners a lens may move outwards.
         let radius = 1.1 * (farthest / self.focal).length();
         self.distortion.stretch(radius).map(|factor| Stretch { radius, factor })
     }
 
-    /// Whether a pixel coordinate lies in the image.
+    /// Whether a pixel coordinate is in the image.
     pub fn contains(&self, pixel: DVec2) -> bool {
         let size = DVec2::new(self.width as f64, self.height as f64);
         pixel.cmpge(DVec2::splat(-0.5)).all() && pixel.cmplt(size - 0.5).all()
     }
 }
 
-/// Of two points of the plane z = 1 within this radius of the optical axis that are shown by the image, the
-/// images on that plane are at most `factor` times as far apart as the points.
+/// The maximum stretch by a lens: for two points of the plane z = 1 within this radius of the optical axis
+/// and visible in the image, the images on that plane are at most `factor` times as far apart as the points.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Stretch {
     pub radius: f64,
@@ -172,19 +172,19 @@ pub(crate) struct Stretch {
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema), schemars(rename = "Intrinsics"))]
 #[serde(deny_unknown_fields)]
 struct Fields {
-    /// Pixels side by side, 1 to 32768.
+    /// Image width, pixels, 1 to 32768.
     width: u32,
-    /// Rows of pixels, 1 to 32768.
+    /// Image height, pixels, 1 to 32768.
     height: u32,
-    /// Focal length along a row, pixels, 1/250 of the width to 1e6.
+    /// Focal length along rows, pixels, 1/250 of the width to 1e6.
     fx: f64,
-    /// Focal length along a column, pixels, 1/250 of the height to 1e6.
+    /// Focal length along columns, pixels, 1/250 of the height to 1e6.
     fy: f64,
-    /// Column of the principal point, pixels, at most 32768 beside the image.
+    /// Column of the principal point, pixels, at most 32768 outside the image.
     cx: f64,
-    /// Row of the principal point, pixels, at most 32768 beside the image.
+    /// Row of the principal point, pixels, at most 32768 outside the image.
     cy: f64,
-    /// The distortion of the lens. Default: none.
+    /// Lens distortion. Default: none.
     #[serde(default)]
     distortion: Distortion,
 }

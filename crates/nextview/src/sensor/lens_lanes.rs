@@ -4,24 +4,25 @@ use crate::instructions::instructions;
 use glam::{DVec2, DVec3};
 use pulp::{Simd, WithSimd};
 
-/// Points of an image or of the plane z = 1, in the form that vector instructions work on: the same
-/// operations as on one point after the other, so the same bits. Loops over the points contain only
-/// arithmetic; branches come afterwards.
+/// Points of an image or of the plane z = 1, in a layout for vector instructions. The operations, and hence
+/// the bits, are the same as for single points. Loops over the points contain only arithmetic; branches come
+/// afterwards.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Points<const N: usize> {
     pub x: [f64; N],
     pub y: [f64; N],
-    /// Where the lens model has an answer; the others mean nothing.
+    /// Whether the lens model has an answer; other values are meaningless.
     pub is_known: [bool; N],
 }
 
 impl Intrinsics {
-    /// [`deproject`](Self::deproject) of all pixels of an image row, from left to right.
+    /// Applies [`deproject`](Self::deproject) to all pixels of an image row, from left to right.
     pub(crate) fn deproject_row(&self, v: u32) -> Vec<Option<DVec2>> {
         instructions().dispatch(DeprojectRow { intrinsics: self, v })
     }
 
-    /// [`deproject`](Self::deproject) of several pixels. To be inlined where vector instructions are allowed.
+    /// Applies [`deproject`](Self::deproject) to several pixels. Must be inlined where vector instructions
+    /// are enabled.
     #[inline(always)]
     pub(crate) fn deproject_lanes<const N: usize>(&self, mut pixels: Points<N>) -> Points<N> {
         let (center, focal) = (self.center(), self.focal());
@@ -36,7 +37,7 @@ impl Intrinsics {
         }
     }
 
-    /// [`project`](Self::project) of several points.
+    /// Applies [`project`](Self::project) to several points.
     pub(crate) fn project_lanes<const N: usize>(&self, points: &[DVec3; N]) -> [Option<DVec2>; N] {
         let mut ideal = Points { x: [0.0; N], y: [0.0; N], is_known: [false; N] };
         for (i, point) in points.iter().enumerate().filter(|(_, point)| point.z > 0.0) {
@@ -94,7 +95,7 @@ impl<const N: usize> WithSimd for Invert<'_, N> {
     }
 }
 
-/// The twin of the function of this name for one point.
+/// Vector form of the function of this name for one point.
 #[inline(always)]
 fn unfolded<const N: usize>(k: &[f64; 5], mut points: Points<N>) -> Points<N> {
     let (mut determinants, mut slopes) = ([0.0; N], [0.0; N]);
@@ -113,7 +114,7 @@ fn unfolded<const N: usize>(k: &[f64; 5], mut points: Points<N>) -> Points<N> {
 /// function for one point.
 const MAX_STEPS: usize = 8;
 
-/// The twin of the function of this name for one point: those that have converged stay where they are.
+/// Vector form of the function of this name for one point; converged points stay unchanged.
 #[inline(always)]
 fn invert<const N: usize>(k: &[f64; 5], targets: Points<N>) -> Points<N> {
     let mut points = targets;
@@ -138,7 +139,7 @@ fn invert<const N: usize>(k: &[f64; 5], targets: Points<N>) -> Points<N> {
     points
 }
 
-/// The points after a step, the determinants before it, and whether no further step is needed.
+/// Returns the points after a step, the determinants before it, and whether no further step is needed.
 #[inline(always)]
 fn newton_step<const N: usize>(
     k: &[f64; 5],
@@ -165,7 +166,7 @@ mod tests {
     use proptest::prelude::*;
 
     proptest! {
-        /// Far outside the image too, where the models have no answer.
+        /// Also far outside the image, where the models have no answer.
         #[test]
         fn many_points_are_as_many_times_one(
             at in prop::array::uniform16(-3.0..3.0), scale in prop::sample::select(vec![0.1, 0.3, 1.0]),

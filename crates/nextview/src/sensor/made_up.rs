@@ -1,4 +1,4 @@
-//! Made-up frames for tests.
+//! Synthetic frames for tests.
 
 use super::{DepthImage, Frame, Intrinsics};
 use crate::geometry::Pose;

@@ -1,7 +1,7 @@
-//! Depth cameras: intrinsics with lens distortion, depth images, frames (image, intrinsics and pose), colour
-//! images beside them, and the figures of [sensors](Sensor) that people use.
+//! Depth cameras: intrinsics with lens distortion, depth images, frames (image, intrinsics and pose),
+//! matching colour images, and the specifications of common [sensors](Sensor).
 //!
-//! Start with [`Frame`]: it is all a planner learns from a camera. Nothing here talks to a device.
+//! Start with [`Frame`]: it is a planner's only input from a camera. Nothing here talks to a device.
 
 mod camera_axes;
 mod color_image;

@@ -4,8 +4,8 @@ use glam::DVec2;
 use std::fmt;
 use std::str::FromStr;
 
-/// Depth cameras that people use, with their published optics, range and noise. Sources, and which figures
-/// are ours, are in `docs/sensors.md`.
+/// Common depth cameras, with their published optics, range and noise. `docs/sensors.md` lists sources, and
+/// which values are ours.
 ///
 /// ```
 /// use nextview::sensor::Sensor;
@@ -44,11 +44,11 @@ pub enum Sensor {
     PhoxiM,
 }
 
-/// How a camera measures depth.
+/// The measuring principle of a depth camera.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum Principle {
-    /// Two images, the second from the right of the first, are matched.
+    /// Matches two images, the second taken to the right of the first.
     Stereo {
         /// Distance between the two cameras, metres.
         baseline: f64,
@@ -57,7 +57,7 @@ pub enum Principle {
         /// Standard deviation of the disparity, pixels of the matched images.
         disparity_sigma: f64,
     },
-    /// A projector at the right of the camera codes each point of a surface.
+    /// A projector to the right of the camera encodes each point of a surface.
     StructuredLight {
         /// Distance between projector and camera, metres.
         baseline: f64,
@@ -69,7 +69,7 @@ pub enum Principle {
 }
 
 impl Sensor {
-    /// All of them, by maker.
+    /// All sensors, by manufacturer.
     pub const ALL: [Self; 12] = [
         Self::D405,
         Self::D415,
@@ -85,7 +85,7 @@ impl Sensor {
         Self::PhoxiM,
     ];
 
-    /// The name that users type, such as `azure-kinect`.
+    /// Returns the name used in configurations, such as `azure-kinect`.
     pub fn name(self) -> &'static str {
         match self {
             Self::D405 => "d405",
@@ -103,19 +103,19 @@ impl Sensor {
         }
     }
 
-    /// The optics: a pinhole with the published field of view and the principal point in the middle, except
-    /// for the D435i, which has a calibration.
+    /// Returns the optics: a pinhole with the published field of view and the principal point in the middle,
+    /// except for the D435i, which has a calibration.
     pub fn intrinsics(self) -> Intrinsics {
         self.sheet().intrinsics.unwrap_or_else(Intrinsics::d435i)
     }
 
-    /// The depths that it measures, metres.
+    /// Returns the range of measured depths, metres.
     pub fn depth_range(self) -> DepthRange {
         let [min, max] = self.sheet().range;
         DepthRange { min, max }
     }
 
-    /// The random error of a pixel's depth.
+    /// Returns the random error of a pixel's depth.
     pub fn depth_error(self) -> DepthError {
         match self.principle() {
             Principle::Stereo { baseline, focal, disparity_sigma } => {
@@ -125,12 +125,12 @@ impl Sensor {
         }
     }
 
-    /// How it measures.
+    /// Returns the measuring principle.
     pub fn principle(self) -> Principle {
         self.sheet().principle
     }
 
-    /// Unit of its depth images as it is delivered, metres; 0 for those that give real numbers.
+    /// Returns the factory unit of its depth images, metres; 0 for floating-point depths.
     pub fn depth_unit(self) -> f64 {
         self.sheet().unit
     }
@@ -169,30 +169,30 @@ impl Sensor {
     }
 }
 
-/// The figures of a sensor.
+/// The specification of a sensor.
 struct Sheet {
-    /// None for the calibration of the D435i.
+    /// `None` for the calibration of the D435i.
     intrinsics: Option<Intrinsics>,
     range: [f64; 2],
     principle: Principle,
-    /// Of principles that do not say it themselves.
+    /// The depth error, for principles that do not determine it.
     error: DepthError,
     unit: f64,
 }
 
-/// What makers of scanners state for one distance, all in metres.
+/// A scanner's specification at one distance, all in metres.
 struct Focus {
     distance: f64,
-    /// Width and height of what the camera sees there.
+    /// Width and height of the field of view there.
     field: [f64; 2],
     /// Standard deviation of the depth there.
     sigma: f64,
 }
 
-/// Standard deviation of the disparity of stereo cameras, pixels.
+/// Disparity standard deviation of stereo cameras, pixels.
 const DISPARITY_SIGMA: f64 = 0.08;
 
-/// A stereo camera that matches images of the size of the depth image.
+/// Returns a stereo camera that matches images of the size of the depth image.
 fn stereo(size: [u32; 2], view_deg: [f64; 2], baseline: f64, range: [f64; 2]) -> Sheet {
     let intrinsics = pinhole(size, half_tangents(view_deg));
     let focal = intrinsics.focal().x;
@@ -200,7 +200,7 @@ fn stereo(size: [u32; 2], view_deg: [f64; 2], baseline: f64, range: [f64; 2]) ->
     Sheet { intrinsics: Some(intrinsics), range, principle, error: DepthError::default(), unit: 0.001 }
 }
 
-/// Of the matched images, 848 pixels wide, with 90 degrees.
+/// Returns the principle for matched images 848 pixels and 90 degrees wide.
 fn d435_stereo() -> Principle {
     Principle::Stereo { baseline: 0.05, focal: 424.0, disparity_sigma: DISPARITY_SIGMA }
 }
@@ -210,7 +210,7 @@ fn time_of_flight(size: [u32; 2], view_deg: [f64; 2], range: [f64; 2], error: De
     Sheet { intrinsics, range, principle: Principle::TimeOfFlight, error, unit: 0.001 }
 }
 
-/// A scanner whose noise grows as triangulation lets it.
+/// Returns a scanner whose noise grows as in triangulation.
 fn structured_light(size: [u32; 2], focus: Focus, baseline: f64, range: [f64; 2]) -> Sheet {
     let intrinsics = pinhole(size, focus.field.map(|length| length / 2.0 / focus.distance));
     let principle = Principle::StructuredLight { baseline, focal: intrinsics.focal().x };
@@ -222,7 +222,7 @@ fn half_tangents(view_deg: [f64; 2]) -> [f64; 2] {
     view_deg.map(|degrees| (degrees / 2.0).to_radians().tan())
 }
 
-/// A camera whose outermost pixels end at these tangents to both sides of the axis.
+/// Returns a camera whose outermost pixels end at these tangents on both sides of the axis.
 fn pinhole([width, height]: [u32; 2], half_tangents: [f64; 2]) -> Intrinsics {
     let size = DVec2::new(width as f64, height as f64);
     let focal = 0.5 * size / DVec2::from_array(half_tangents);
@@ -245,7 +245,7 @@ impl FromStr for Sensor {
     }
 }
 
-/// All names, as a message lists them.
+/// All names, as listed in messages.
 const NAMES: &str = "d405, d415, d435, d435i, d455, l515, azure-kinect, femto-bolt, gemini-335, zivid-2-m60, \
                      phoxi-s or phoxi-m";
 
@@ -276,7 +276,7 @@ mod tests {
         assert_eq!(Sensor::D435i.intrinsics(), Intrinsics::d435i());
     }
 
-    /// From edge to edge of the outermost pixels, as makers state it.
+    /// From edge to edge of the outermost pixels, as manufacturers specify it.
     #[test]
     fn the_optics_have_the_published_field_of_view() {
         for (sensor, published) in [
@@ -300,7 +300,7 @@ mod tests {
         }
     }
 
-    /// A stereo camera searches 126 pixels of disparity (Intel), which decides how near it measures.
+    /// A stereo camera searches 126 pixels of disparity (Intel), which determines its smallest depth.
     #[test]
     fn the_least_depth_of_realsense_follows_from_their_optics() {
         for sensor in [Sensor::D415, Sensor::D435, Sensor::D455] {

@@ -3,8 +3,8 @@ use crate::Error;
 use crate::checked::{check_range, checked_when_read};
 use serde::{Deserialize, Serialize};
 
-/// The random error of a measured surface, along its normal: what a camera's figures say of one pixel, and of
-/// many pixels of one image. By default there is none.
+/// The random error of a measured surface along its normal, from a camera's specification, for one pixel and
+/// for many pixels of one image. Default: none.
 ///
 /// ```
 /// use nextview::sensor::{DepthError, SurfaceError};
@@ -20,28 +20,28 @@ use serde::{Deserialize, Serialize};
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(default, deny_unknown_fields, remote = "Self")]
 pub struct SurfaceError {
-    /// Of the depth.
+    /// Random error of the depth.
     pub depth: DepthError,
     /// Share of its variance that neighbouring pixels of an image have in common, 0..=1. Default 0.
     pub correlated_share: f64,
-    /// The depth is a multiple of this, metres; 0 does not round. Default 0.
+    /// Unit to which depths are rounded, metres; 0 does not round. Default 0.
     #[serde(rename = "depth_unit_m")]
     pub depth_unit: f64,
-    /// A pixel shows the depth of one at a distance with this standard deviation in both directions, pixels,
-    /// 0 or more. Default 0.
+    /// Standard deviation, in both directions, of the lateral shift of a pixel's depth, pixels, 0 or more.
+    /// Default 0.
     #[serde(rename = "lateral_sigma_px")]
     pub lateral_sigma: f64,
 }
 
 checked_when_read!(SurfaceError);
 
-/// Flatter angles than this cosine count as this one: no pixel is trusted there.
+/// Flatter angles than this cosine count as this one: pixels there are not trusted.
 const LEAST_COSINE: f64 = 0.2;
 
 impl SurfaceError {
-    /// Of a camera of which nothing is known: that of a first Kinect, 1.4 mm at 1 m and growing with the
-    /// square of the depth (Khoshelham & Elberink, Sensors 2012), of which neighbouring pixels share four
-    /// fifths, and 1 mm for its calibration and its poses.
+    /// Returns the error of an unknown camera: that of a first Kinect, 1.4 mm at 1 m and growing with the
+    /// square of the depth (Khoshelham & Elberink, Sensors 2012), four fifths of it shared by neighbouring
+    /// pixels, plus 1 mm for calibration and poses.
     pub fn of_unknown_camera() -> Self {
         let depth = DepthError { constant: 1e-3, quadratic: 1.425e-3, ..DepthError::default() };
         Self { depth, correlated_share: 0.8, ..Self::default() }
@@ -56,10 +56,10 @@ impl SurfaceError {
         check_range("lateral_sigma_px", self.lateral_sigma, from_0, "0 or a positive number of pixels")
     }
 
-    /// Variance of one pixel along the surface's normal, square metres, for a surface at this depth
-    /// (metres, along the optical axis), seen at this cosine between its normal and the ray, in an image of
-    /// this focal length (pixels), before the depth is rounded. A shift to a neighbouring pixel counts by
-    /// the slope of the surface.
+    /// Returns the variance of one pixel along the surface's normal, square metres, for a surface at this
+    /// depth (metres, along the optical axis), seen at this cosine between its normal and the ray, in an
+    /// image of this focal length (pixels), before the depth is rounded. A lateral shift counts by the slope
+    /// of the surface.
     pub fn of_pixel(&self, depth: f64, cosine: f64, focal: f64) -> f64 {
         let cosine = cosine.clamp(LEAST_COSINE, 1.0);
         let slope_sq = 1.0 / (cosine * cosine) - 1.0;
@@ -68,17 +68,17 @@ impl SurfaceError {
         cosine * cosine * (along_axis + lateral)
     }
 
-    /// Variance of the mean of `n` neighbouring pixels of one image, square metres, each of which has this
-    /// variance.
+    /// Returns the variance of the mean of `n` neighbouring pixels of one image, square metres, each with
+    /// this variance.
     ///
-    /// Rounding moves them together: they are the ones that were rounded into the same layer.
+    /// Rounding errors are shared: these pixels were rounded into the same layer.
     pub fn of_look(&self, of_pixel: f64, n: f64) -> f64 {
         let rounding = self.depth_unit.powi(2) / 12.0;
         of_pixel * (self.correlated_share + (1.0 - self.correlated_share) / n.max(1.0)) + rounding
     }
 
-    /// The same of a surface at this cosine: rounding, which is along the optical axis, counts by its part
-    /// along the normal.
+    /// As [`of_look`](Self::of_look), for a surface at this cosine: rounding, which is along the optical
+    /// axis, counts by its component along the normal.
     pub(crate) fn of_look_at(&self, of_pixel: f64, n: f64, cosine: f64) -> f64 {
         let rounding = self.depth_unit.powi(2) / 12.0;
         self.of_look(of_pixel, n) - rounding * (1.0 - cosine.clamp(LEAST_COSINE, 1.0).powi(2))
@@ -96,7 +96,7 @@ mod tests {
         assert!((error.of_pixel(1.0, 0.5, 500.0).sqrt() - 0.0005).abs() < 1e-12);
         let lateral = SurfaceError { lateral_sigma: 1.0, ..SurfaceError::default() };
         assert_eq!(lateral.of_pixel(1.0, 1.0, 500.0), 0.0);
-        // At 45 degrees, 2 mm beside are 2 mm deeper, and 1.41 mm along the normal.
+        // At 45 degrees, 2 mm sideways are 2 mm deeper, and 1.41 mm along the normal.
         let at_45 = lateral.of_pixel(1.0, 0.5_f64.sqrt(), 500.0).sqrt();
         assert!((at_45 - 0.002 * 0.5_f64.sqrt()).abs() < 1e-12, "{at_45}");
     }

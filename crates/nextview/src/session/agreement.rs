@@ -3,13 +3,13 @@ use crate::registration::{Comparison, KnownSurface, Registration, RegistrationCo
 use crate::sensor::Frame;
 use crate::{Cancel, Cancelled};
 
-/// Number of frames after which they are compared, once.
+/// Number of frames after which all are compared, once.
 const N_COMPARED: usize = 4;
 
-/// Two frames or more must say so.
+/// Minimum number of frames that must show a wrong pose.
 const LEAST_FRAMES: usize = 2;
 
-/// Surfaces that are aligned are at least so many times nearer to each other than in the given poses.
+/// Minimum factor by which alignment must bring surfaces closer than in the given poses.
 const TIMES_NEARER: f64 = 3.0;
 
 /// Errors of the given poses below this share of a cell do not matter.
@@ -63,9 +63,10 @@ fn is_wrong(&Comparison { found, apart }: &Comparison, spacing: f64) -> bool {
         && removed_sq > (LEAST_ERROR * spacing).powi(2)
 }
 
-/// How far the same surface is apart in the first frames, oldest first, root mean square along its normal,
-/// metres: the median over those that an alignment to the frames before them brings together. None unless the
-/// frames are as many as are compared, and two are farther apart than half a voxel (of this edge, metres).
+/// Returns how far apart the first frames, oldest first, show the same surface: root mean square along its
+/// normal, metres, the median over frames that an alignment to those before them brings together. `None`
+/// unless the number of frames is the one to compare, and two are more than half a voxel (of this edge,
+/// metres) apart.
 pub(super) fn apart(
     frames: &[Frame],
     bounds: Aabb,
@@ -91,7 +92,7 @@ pub(super) fn apart(
 }
 
 fn is_apart(found: &Registration, voxel_size: f64) -> bool {
-    // One face of a box lies well on the next, but then the rest stands where cameras looked through.
+    // One face of a box fits well on the next, but then the rest lies in space that cameras saw as free.
     found.verdict != Verdict::NoBetter
         && found.overlap >= LEAST_OVERLAP
         && found.residual_before > 0.5 * voxel_size
@@ -121,7 +122,7 @@ mod tests {
         Comparison { found, apart: 1e-3 * apart }
     }
 
-    /// Which of the frames show that the poses are wrong.
+    /// For each frame, whether it shows that the poses are wrong.
     fn shown(frames: &[Comparison]) -> Vec<bool> {
         let mut agreement = Agreement::default();
         frames.iter().map(|compared| agreement.add(compared, 0.005).is_some()).collect()

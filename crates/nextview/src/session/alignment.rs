@@ -4,38 +4,38 @@ use crate::registration::{GivenPoses, KnownSurface, Registration, RegistrationCo
 use crate::sensor::Frame;
 use crate::{Cancel, Cancelled, Error};
 
-/// Aligns each frame to the surface shown by those before it, if the session is configured to: from the first
-/// frame on, or once the given poses disagree.
+/// Aligns each frame to the surface shown by those before it, if configured: from the first frame on, or once
+/// the given poses disagree.
 #[derive(Clone, Debug)]
 pub(super) struct Alignment {
-    /// None without registration.
+    /// `None` without registration.
     known: Option<KnownSurface>,
-    /// Whether frames are aligned, rather than compared until the given poses prove wrong.
+    /// Whether frames are aligned, rather than only compared until the given poses prove wrong.
     is_active: bool,
     /// Edge of the cells in which points are pooled, metres.
     spacing: f64,
     given: PoseErrors,
     agreement: Agreement,
-    /// Whether given poses were found elsewhere than by alignment to the known surface.
+    /// Whether given poses come from a source other than alignment to the known surface.
     is_proof: bool,
 }
 
-/// How wrong the given poses of the frames that fitted were.
+/// Errors of the given poses of the frames that fitted.
 #[derive(Clone, Copy, Debug)]
 struct PoseErrors {
-    /// Error up to which they count as right, root mean square at the corners of the box, metres.
+    /// Error up to which they count as correct, root mean square at the corners of the box, metres.
     tolerance: f64,
     n: usize,
     /// Sum of the squared errors.
     sum_sq: f64,
 }
 
-/// Fewer frames prove nothing about the poses of others.
+/// Minimum number of frames that prove anything about the poses of others.
 const LEAST_PROOF: usize = 2;
 
 impl Alignment {
-    /// Nothing is known yet. Points are pooled in voxels, unless the configuration says otherwise; fails on
-    /// one out of range.
+    /// Returns an alignment without known surface. Points are pooled in voxels unless configured otherwise.
+    /// Fails if the configuration is out of range.
     pub fn new(config: RegistrationConfig, voxel_size: f64) -> Result<Self, Error> {
         let spacing = config.spacing.unwrap_or(RegistrationConfig::DEFAULT_SPACING.min(voxel_size));
         let config = RegistrationConfig { spacing: Some(spacing), ..config };
@@ -48,7 +48,7 @@ impl Alignment {
         Ok(Self { known, is_active: mode == RegistrationMode::On, spacing, given, agreement, is_proof })
     }
 
-    /// The same before the first frame, but for what is known of the given poses.
+    /// Returns the state before the first frame, but keeps the errors of the given poses.
     pub fn without_surface(&self) -> Self {
         Self { known: self.known.as_ref().map(KnownSurface::without_points), ..*self }
     }
@@ -59,7 +59,7 @@ impl Alignment {
     }
 
     /// Compares a new frame in its given pose with those before it, as long as frames are not aligned.
-    /// Returns how far the same surface is apart in them, metres, once that shows that given poses are wrong.
+    /// Returns the distance between their surfaces, metres, once it shows that the given poses are wrong.
     pub fn compare(
         &mut self,
         frame: &Frame,
@@ -72,7 +72,7 @@ impl Alignment {
         Ok(self.agreement.add(&found, self.spacing))
     }
 
-    /// Aligns a frame; none while there is no known surface to align it to.
+    /// Aligns a frame; `None` while there is no known surface.
     pub fn register(
         &self,
         frame: &Frame,
@@ -83,13 +83,12 @@ impl Alignment {
         known.zip(bounds).map(|(known, bounds)| known.register(frame, bounds, cancel)).transpose()
     }
 
-    /// Whether all given poses seem to be right: a frame that does not overlap with others is then where it
-    /// claims to be.
+    /// Whether all given poses seem correct: a frame that overlaps no other then stays in its given pose.
     pub fn trusts_given_poses(&self) -> bool {
         self.given.are_right()
     }
 
-    /// Adds a frame in its final pose, which it was given or moved to by this alignment.
+    /// Adds a frame in its final pose, given or aligned.
     pub fn remember(
         &mut self,
         frame: &Frame,
@@ -105,8 +104,8 @@ impl Alignment {
         known.add(frame, given, bounds, cancel)
     }
 
-    /// Aligns all frames to each other; their poses in the order in which they were remembered, or none if
-    /// they stay. Frames from before there was a box were not.
+    /// Aligns all frames to each other. Returns their poses in the order of [`remember`](Self::remember), or
+    /// `None` if they stay. Frames from before there was a box are not included.
     pub fn realign(&mut self, cancel: &Cancel) -> Result<Option<Vec<Pose>>, Cancelled> {
         match &mut self.known {
             Some(known) if self.is_active && !self.given.are_right() => known.realign(cancel),

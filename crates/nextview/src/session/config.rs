@@ -10,15 +10,14 @@ use crate::surface::LooksGoal;
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
 
-/// Bytes per voxel of the box that a session and its planner hold at their peak: map, snapshot, nearest
-/// frontier voxels, weights, flow.
+/// Peak memory of a session and its planner, bytes per voxel of the box: map, snapshot, nearest frontier
+/// voxels, weights, flow.
 const BYTES_PER_VOXEL: u64 = 200;
 
-/// Largest voxel size, metres; coarser ones, in which planning may begin, are up to 32768 times as large.
+/// Largest voxel size, metres; the coarse voxels of early planning are up to 32768 times as large.
 const LARGEST_VOXEL: f64 = 1e6;
 
-/// Maximum number of voxels along a side of the box: a map of them, moved to the middle, fits the 16-bit keys
-/// of an OctoMap.
+/// Maximum number of voxels along a side of the box: such a map, centred, fits the 16-bit keys of an OctoMap.
 const MOST_VOXELS: f64 = 32_768.0;
 
 /// Configuration of a [`Session`](super::Session).
@@ -28,64 +27,63 @@ const MOST_VOXELS: f64 = 32_768.0;
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields, remote = "Self")]
 pub struct SessionConfig {
-    /// Edge of a voxel, metres, at least 0.0001; the finest, where planning begins in coarser ones.
+    /// Edge of a voxel, metres, at least 0.0001; of the finest one if planning begins in coarser voxels.
     #[serde(rename = "voxel_size_m")]
     pub voxel_size: f64,
     /// Maximum number of views, at least 1. Default 10.
     #[serde(default = "default_max_views")]
     pub max_views: usize,
-    /// Number of the view to begin with, where views are fixed. Default 0.
+    /// Number of the first view, if views are fixed. Default 0.
     #[serde(default)]
     pub first_view: usize,
     /// Maximum memory for the box, MB. Default 4096.
     #[serde(default = "default_memory_limit_mb")]
     pub memory_limit_mb: u64,
-    /// The box in which the object lies. Only voxels with their centre inside are mapped and planned for.
+    /// The box that contains the object. Only voxels whose centre is inside are mapped and planned for.
     pub object_box: ObjectBox,
-    /// Parts whose measured points are no farther apart than this are one object, metres, 0..=1000. Default
-    /// 0: parts must touch. It has an effect only where the box grows.
+    /// Largest gap, metres, 0..=1000, between the measured points of parts of one object. Default 0: parts
+    /// must touch. It only has an effect if the box grows.
     #[serde(default, rename = "max_gap_m")]
     pub max_gap: f64,
     /// The surface that the object stands on. Default: none.
     #[serde(default)]
     pub table: Table,
-    /// Which rays of a scan are traced. Default: every point.
+    /// The rays to trace in each frame. Default: every point.
     #[serde(default)]
     pub rays: RayRule,
     /// The effect of rays past the object. Default: they carve free space.
     #[serde(default)]
     pub background: Background,
-    /// The depths that the camera measures: planning counts on no others, and candidates that
-    /// [follow](Views::Following) the object stay at such distances from it. Default: all.
+    /// The depths that the camera measures. Planning relies on no others, and candidates that
+    /// [follow](Views::Following) the object keep such distances from it. Default: all.
     #[serde(default)]
     pub depth_range: DepthRange,
-    /// How measurements change voxels. Default OctoMap's.
+    /// How measurements change voxels. Default: OctoMap's model.
     #[serde(default)]
     pub sensor_model: SensorModel,
     /// Whether planning begins in coarser voxels. Default: no.
     #[serde(default)]
     pub multi_resolution: MultiResolutionConfig,
-    /// Whether frames are aligned to the surface measured before, and how. Default: no; poses are used as
-    /// given.
+    /// Whether and how frames are aligned to the surface measured before. Default: poses are used as given.
     #[serde(default)]
     pub registration: RegistrationConfig,
     /// The random error of the camera. Default: none.
     #[serde(default)]
     pub surface_error: SurfaceError,
-    /// The random error that planning reckons with: where it is large beside the voxels, surface is looked at
+    /// The random error assumed by planning. If it is large compared to the voxels, surface is looked at
     /// again from elsewhere. Default: none; without a goal, there are no second looks.
     #[serde(default)]
     pub planned_error: SurfaceError,
-    /// How accurate the surface in each voxel is to be: its expected error along the normal, standard
-    /// deviation, metres, positive. Planning then spends views on surface that was seen, but not well enough,
-    /// and the scan goes on while they help. Default: no second looks.
+    /// Required accuracy of the surface in each voxel: its expected error along the normal, standard
+    /// deviation, metres, positive. Planning then also spends views on surface that was not seen well enough,
+    /// and the scan continues while they help. Default: no second looks.
     #[serde(default, rename = "goal_m", skip_serializing_if = "Option::is_none")]
     pub goal: Option<f64>,
-    /// How often each part of the surface is to be seen. Planning then spends views on surface that was seen,
-    /// but not often enough, and the scan goes on while they help. Default: no second looks.
+    /// Required number of looks at each part of the surface. Planning then also spends views on surface that
+    /// was not seen often enough, and the scan continues while they help. Default: no second looks.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub looks: Option<LooksGoal>,
-    /// How the camera moves. Default: see there.
+    /// How the camera moves. Default: see its fields.
     #[serde(default)]
     pub motion: MotionConfig,
     /// When to stop before all views are taken. Default: only when no view gains anything.
@@ -109,7 +107,7 @@ fn is_within_reach(corner: DVec3, voxel_size: f64) -> bool {
 }
 
 impl SessionConfig {
-    /// The defaults, for voxels of this size (metres) and an object in this box.
+    /// Returns the defaults for this voxel size (metres) and an object in this box.
     pub fn new(voxel_size: f64, bounds: Aabb) -> Self {
         Self {
             voxel_size,
@@ -173,7 +171,7 @@ impl SessionConfig {
         }
     }
 
-    /// The finest voxels of a box, if they are within the memory limit.
+    /// Returns the finest voxels of a box; fails if they exceed the memory limit.
     pub fn block(&self, bounds: &Aabb) -> Result<VoxelBlock, Error> {
         if !(bounds.min.is_finite() && bounds.max.is_finite()) {
             return Err(Error::invalid("bounds", format!("{bounds:?}"), "a finite box"));

@@ -3,17 +3,17 @@ use crate::{Cancel, Cancelled};
 use glam::{DVec3, IVec3};
 use rustc_hash::{FxHashMap, FxHashSet};
 
-/// Finds connected cells: those that touch by faces, edges or corners, and those whose points are no farther
-/// apart than a gap.
+/// Finds connected cells: those that share a face, edge or corner, and those whose points are at most a gap
+/// apart.
 pub(super) struct ConnectedCells<'a> {
-    /// The box around the points of every cell.
+    /// The bounding box of the points in each cell.
     cells: &'a FxHashMap<IVec3, Aabb>,
-    /// None where only touching cells are connected.
+    /// `None` if only touching cells are connected.
     gaps: Option<Gaps>,
     cancel: &'a Cancel,
 }
 
-/// The cells not found so far, in buckets: those a gap away from a cell are in its bucket or in the 26 around
+/// The cells not found so far, in buckets: cells within a gap of a cell are in its bucket or the 26 around
 /// it.
 struct Gaps {
     /// Metres.
@@ -24,7 +24,8 @@ struct Gaps {
 }
 
 impl<'a> ConnectedCells<'a> {
-    /// For cells of this edge and gaps up to this, metres; none with a gap of 0.
+    /// Returns a search for cells of this edge and gaps up to this one, metres; a gap of 0 connects only
+    /// touching cells.
     pub fn new(cells: &'a FxHashMap<IVec3, Aabb>, cell_size: f64, max_gap: f64, cancel: &'a Cancel) -> Self {
         let gaps = (max_gap > 0.0).then(|| {
             let edge = (max_gap / cell_size).ceil() as i32 + 1;
@@ -35,7 +36,7 @@ impl<'a> ConnectedCells<'a> {
         Self { cells, gaps, cancel }
     }
 
-    /// All cells connected to these, which must not have been found before.
+    /// Returns all cells connected to these, which must not have been found before.
     pub fn around(&mut self, start: FxHashSet<IVec3>) -> Result<FxHashSet<IVec3>, Cancelled> {
         let mut open: Vec<IVec3> = start.iter().copied().collect();
         let mut found = start;
@@ -58,7 +59,7 @@ impl<'a> ConnectedCells<'a> {
 }
 
 impl Gaps {
-    /// Takes all cells connected to this one out of the buckets, itself included.
+    /// Removes this cell and all cells that touch it or lie within the gap from the buckets.
     fn take(&mut self, cell: IVec3, cells: &FxHashMap<IVec3, Aabb>, mut found: impl FnMut(IVec3)) {
         let (middle, max_gap) = (bucket(cell, self.edge), self.max_gap);
         for key in around(middle).chain([middle]) {
@@ -85,7 +86,7 @@ fn around(cell: IVec3) -> impl Iterator<Item = IVec3> {
     offsets.map(move |offset| cell.saturating_add(offset))
 }
 
-/// Distance between two boxes, metres; 0 where they overlap.
+/// Returns the distance between two boxes, metres; 0 if they overlap.
 pub(super) fn gap(a: &Aabb, b: &Aabb) -> f64 {
     (a.min - b.max).max(b.min - a.max).max(DVec3::ZERO).length()
 }
@@ -99,7 +100,7 @@ mod tests {
         cells.iter().copied().collect()
     }
 
-    /// The slow twin: one cell after the other, until none is added.
+    /// The slow twin: adds one cell after another until nothing changes.
     fn slow(cells: &FxHashMap<IVec3, Aabb>, start: IVec3, max_gap: f64) -> FxHashSet<IVec3> {
         let mut found = set(&[start]);
         loop {

@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 /// The next action.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Decision {
-    /// Go there and observe.
+    /// Move to this view and observe a frame.
     Move(NextView),
     /// The scan is over.
     Stop(StopReason),
@@ -14,14 +14,13 @@ pub enum Decision {
 /// The next best view.
 #[derive(Clone, Debug, PartialEq)]
 pub struct NextView {
-    /// Its number in the view space; none for a first view that is no candidate.
+    /// Its number in the view space; `None` for a first view that is not a candidate.
     pub view: Option<usize>,
-    /// Where the camera should stand.
+    /// The camera pose to take.
     pub world_from_camera: Pose,
-    /// Why it was chosen; none for the first view, which is given.
+    /// The reason for the choice; `None` for the first view, which is given.
     pub choice: Option<Choice>,
-    /// The planner's expectations of the view and of all that could follow; none for planners without
-    /// expectations.
+    /// The planner's expectations of the view and of all that could follow; `None` if the planner has none.
     pub outlook: Option<Outlook>,
 }
 
@@ -33,15 +32,15 @@ pub struct NextView {
 pub enum StopReason {
     /// The maximum number of views was taken.
     ViewLimit,
-    /// The entropy in the box fell below the stated share: the paper's eq. (9).
+    /// The entropy in the box fell below the configured share: the paper's eq. (9).
     Converged,
     /// No candidate gains anything.
     NothingToGain,
     /// The required share of the surface is estimated to have been seen.
     Complete,
-    /// The last views together added less than required.
+    /// The last views together added less surface than required.
     NoProgress,
-    /// The next view is expected to add less than required.
+    /// The next view is expected to add less surface than required.
     LittleToGain,
     /// The next view would make the path longer than allowed.
     PathLimit,
@@ -52,12 +51,13 @@ pub enum StopReason {
     /// There is no box to plan in: no frame shows an object yet, or the known box lies inside the table.
     /// After another frame, taken from elsewhere, the scan may continue.
     NoObject,
-    /// The box around everything connected to the object needs more memory than allowed, for example because
-    /// of a table or wall that it touches.
+    /// The box around everything connected to the object exceeds the memory limit, for example because the
+    /// object touches a table or wall.
     BoxTooLarge,
-    /// The robot [can go](super::Session::set_approaches) to no further candidate, at least from where it is.
+    /// The robot [can reach](super::Session::set_approaches) no further candidate, at least from its current
+    /// pose.
     OutOfReach,
-    /// Whoever drives the scan ended it. Never decided by a session.
+    /// The caller ended the scan. Never decided by a session.
     Ended,
 }
 

@@ -3,25 +3,25 @@ use crate::placement::{ShownObject, Turn, TurnRefusal, find_turn};
 use crate::sensor::Frame;
 use crate::{Cancel, Cancelled};
 
-/// What an earlier placement has shown of the object, and how that was turned since.
+/// The object as shown by an earlier placement, and how it was turned since.
 #[derive(Clone, Debug)]
 pub(super) struct Earlier {
     pub shown: ShownObject,
-    /// As found from the frames so far; none before there are any.
+    /// The result from the frames so far; `None` before the first one.
     pub turn: Option<Result<Turn, TurnRefusal>>,
 }
 
-/// A turn that is corrected by less than this many voxels at the corners of the object's box stays.
+/// Smallest correction of a turn that is applied, in voxels at the corners of the object's box.
 const LEAST_CORRECTION: f64 = 0.1;
 
 impl Earlier {
-    /// Its frames as they lie in this pose.
+    /// Returns its frames moved by this pose.
     pub fn frames(&self, now_from_before: &Pose) -> Vec<Frame> {
         let moved = |frame: &Frame| frame.clone().with_pose(*now_from_before * frame.world_from_camera());
         self.shown.frames().iter().map(moved).collect()
     }
 
-    /// The turn by all that is shown now; none if it is known, and as it was.
+    /// Returns the turn found from everything shown so far; `None` if it is known and unchanged.
     pub fn find(
         &self,
         now: &ShownObject,

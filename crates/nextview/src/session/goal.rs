@@ -6,13 +6,13 @@ use crate::sensor::{DepthRange, Frame, Intrinsics, SurfaceError};
 use crate::surface::{MeasuredCells, SurfaceLooks};
 use crate::{Cancel, Cancelled};
 
-/// Number of looks straight on from the least distance that must reach a goal.
+/// Number of looks, straight on from the least distance, that must reach a goal.
 const LOOKS: f64 = 3.0;
 
-/// The least distance of cameras without one, metres.
+/// Least distance assumed for cameras without one, metres.
 const LEAST_DISTANCE: f64 = 0.1;
 
-/// Fails if three looks straight on, from the least distance of a camera of this error, do not reach the goal
+/// Fails if three looks straight on, from the least distance of a camera with this error, miss the goal
 /// (standard deviation, metres) in voxels of this size (metres).
 pub(super) fn check_reachable(
     goal: f64,
@@ -27,22 +27,22 @@ pub(super) fn check_reachable(
     if best <= goal {
         return Ok(());
     }
-    // Rounded up, so that it can be reached as it stands.
+    // Rounded up, so that the printed value can be reached.
     Err(Error::UnreachableGoal { goal_mm: goal * 1e3, best_mm: (best * 1e6).ceil() / 1e3, distance })
 }
 
-/// How well, and how often, surface was measured so far, beside the goals.
+/// How accurately and how often surface was measured so far, against the goals.
 #[derive(Clone, Debug)]
 pub(super) struct Quality {
-    /// With the goal, a standard deviation in metres.
+    /// The cells and the goal, a standard deviation in metres.
     errors: Option<(MeasuredCells, f64)>,
     looks: Option<SurfaceLooks>,
-    /// The share of cells at the goals after each step.
+    /// The share of cells that reach the goals after each step.
     shares: Vec<f64>,
 }
 
 impl Quality {
-    /// Nothing was measured; none without a goal. For a checked configuration.
+    /// Returns the state before the first frame; `None` without a goal. The configuration must be checked.
     pub fn new(config: &SessionConfig) -> Result<Option<Self>, Error> {
         let &SessionConfig { goal, looks, surface_error, voxel_size, .. } = config;
         let errors = |goal| MeasuredCells::new(voxel_size, surface_error).map(|cells| (cells, goal));
@@ -52,7 +52,7 @@ impl Quality {
         Ok(is_any.then_some(Self { errors, looks, shares: Vec::new() }))
     }
 
-    /// The situation with what is known, and the goals.
+    /// Adds the measurements and the goals to the situation.
     pub fn add_to<'a>(&'a self, situation: Situation<'a>) -> Situation<'a> {
         let situation = match &self.errors {
             Some((measured, goal)) => situation.with_goal(measured, *goal),
@@ -71,7 +71,7 @@ impl Quality {
         self.looks.as_mut().map_or(Ok(()), |looks| looks.add(frame, bounds, cancel))
     }
 
-    /// Forgets all frames and adds these.
+    /// Replaces all frames by these.
     pub fn renew(
         &mut self,
         frames: &[Frame],
@@ -83,7 +83,7 @@ impl Quality {
         frames.iter().try_for_each(|frame| self.add(frame, bounds, cancel))
     }
 
-    /// Ends a step; returns the share of measured cells that are at all goals, 0..=1, 0 without any.
+    /// Ends a step. Returns the share of measured cells that reach all goals, 0..=1, 0 without any.
     pub fn end_step(&mut self) -> f64 {
         let share = match (&self.errors, &self.looks) {
             (Some((measured, goal)), looks) => {
@@ -97,19 +97,20 @@ impl Quality {
         share
     }
 
-    /// The share of measured cells that are at all goals, 0..=1, after the last step; 0 before the first.
+    /// Returns the share of measured cells that reach all goals, 0..=1, after the last step; 0 before the
+    /// first.
     pub fn share_at_goal(&self) -> f64 {
         self.shares.last().copied().unwrap_or(0.0)
     }
 
-    /// How much the share at the goals rose over the last `n` steps; none if there were fewer.
+    /// Returns the rise of the share at the goals over the last `n` steps; `None` if there were fewer.
     pub fn progress(&self, n: usize) -> Option<f64> {
         let (last, before) = self.shares.split_last()?;
         Some(last - before[before.len().checked_sub(n)?])
     }
 }
 
-/// The share of cells at the goals, 0..=1, 0 without any.
+/// Returns the share of cells that reach the goals, 0..=1, 0 without any.
 fn share(are_done: impl Iterator<Item = bool>) -> f64 {
     let (n, n_done) = are_done.fold((0_u32, 0_u32), |(n, n_done), is_done| (n + 1, n_done + is_done as u32));
     f64::from(n_done) / f64::from(n.max(1))

@@ -1,4 +1,4 @@
-//! Whole scans with the instructions of every CPU and with those of this one: all bits are the same.
+//! Whole scans with the baseline instructions and with those of this CPU: all bits are the same.
 
 use super::{Decision, Session, SessionConfig};
 use crate::Cancel;
@@ -16,13 +16,13 @@ use crate::sensor::{DepthImage, Distortion, Frame, Intrinsics};
 use crate::view::generate;
 use glam::{DVec2, DVec3};
 
-/// A lens whose rays are found by steps, and one whose pixels are.
+/// A lens whose rays are found iteratively, and one whose pixels are.
 fn camera(distortion: Distortion) -> Intrinsics {
     let camera = Intrinsics::pinhole(37, 29, DVec2::splat(34.0), DVec2::new(18.2, 13.9)).unwrap();
     camera.with_distortion(distortion).unwrap()
 }
 
-/// What the camera sees of a ball with a smaller one beside it.
+/// A frame of a ball with a smaller one next to it.
 fn frame(camera: Intrinsics, pose: Pose) -> Frame {
     let depth = |u: u32, v: u32| {
         let ray = camera.deproject(DVec2::new(u as f64, v as f64)).map(|point| point.extend(1.0))?;
@@ -41,7 +41,7 @@ fn frame(camera: Intrinsics, pose: Pose) -> Frame {
     Frame::new(image, camera, pose, 1.0).unwrap()
 }
 
-/// Every number of a scan, in full: what is printed tells any two numbers apart.
+/// Every number of a scan, printed in full: different numbers print differently.
 fn scan(camera: Intrinsics, planner: Box<dyn ViewPlanner>) -> String {
     let mut config = SessionConfig::new(0.02, Aabb::cube(DVec3::ZERO, 0.2));
     (config.max_views, config.registration) = (4, RegistrationConfig::enabled());
@@ -79,7 +79,7 @@ fn scans_have_the_same_bits_with_all_instructions() {
     check_planner("see", || Box::new(See::default()));
 }
 
-/// Problems that reduction leaves to the search.
+/// Problems that reduction alone cannot solve.
 #[test]
 fn covers_are_the_same_with_all_instructions() {
     let mut random = Random::new(1, 0);

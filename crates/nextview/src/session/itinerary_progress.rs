@@ -3,7 +3,7 @@ use crate::map::{Occupancy, Snapshot};
 use crate::planner::{Choice, Itinerary, Leg};
 use std::collections::VecDeque;
 
-/// The itinerary that a session follows, with the measured and expected voxels so far.
+/// The itinerary followed by a session, with the measured and expected voxels so far.
 #[derive(Debug, Default)]
 pub(super) struct ItineraryProgress {
     /// The current leg first.
@@ -13,8 +13,7 @@ pub(super) struct ItineraryProgress {
     is_discarded: bool,
     /// The map when the current leg began.
     departure: Option<Departure>,
-    /// Newly occupied voxels, measured and expected; those of each further leg count twice as much as the
-    /// last.
+    /// Newly occupied voxels, measured and expected; each leg counts twice as much as the one before.
     measured: f64,
     expected: f64,
 }
@@ -39,8 +38,8 @@ impl ItineraryProgress {
         self.departure = (!self.legs.is_empty()).then(|| Departure::new(snapshot));
     }
 
-    /// The next view of the itinerary; none if it is finished, or abandoned because the map was rebuilt or
-    /// the last leg did not show what was expected.
+    /// Returns the next view of the itinerary; `None` if it is finished, or abandoned because the map was
+    /// rebuilt or the last leg showed less than expected.
     pub fn next(&mut self, snapshot: &Snapshot) -> Option<Choice> {
         if std::mem::take(&mut self.is_discarded) {
             return self.legs.front().map(|leg| leg.choice.clone());
@@ -53,13 +52,13 @@ impl ItineraryProgress {
         self.legs.front().map(|leg| leg.choice.clone())
     }
 
-    /// The legs after the current one.
+    /// Returns the legs after the current one.
     pub fn rest(&self) -> impl Iterator<Item = &Leg> {
         self.legs.iter().skip(1)
     }
 
-    /// Drops an itinerary that leads to a view that is given up; keeps another one, and its current leg if
-    /// the decision for it is discarded.
+    /// Drops the itinerary if it leads to a view that is given up. Otherwise keeps it, and also the current
+    /// leg if the decision for it is discarded.
     pub fn skip(&mut self, is_given_up: impl Fn(usize) -> bool, is_discarded: bool) {
         if self.legs.iter().any(|leg| is_given_up(leg.choice.view)) {
             self.legs.clear();
@@ -67,8 +66,8 @@ impl ItineraryProgress {
         self.is_discarded = is_discarded && !self.legs.is_empty();
     }
 
-    /// Compares with the ratio of measured to expected voxels on earlier legs. The first leg sets the ratio,
-    /// unless it showed nothing at all.
+    /// Compares a leg with the ratio of measured to expected voxels on earlier legs. The first leg sets the
+    /// ratio, unless it showed nothing.
     fn is_as_expected(&mut self, expected: f64, measured: f64) -> bool {
         let known = if self.expected > 0.0 { self.measured / self.expected } else { measured / expected };
         let expected_now = known * expected;
@@ -84,7 +83,7 @@ impl Departure {
         Self { lattice: snapshot.lattice(), block: snapshot.block(), n_occupied }
     }
 
-    /// None if the map has another box or voxel size by now.
+    /// `None` if the box or the voxel size of the map has changed.
     fn n_newly_occupied(&self, snapshot: &Snapshot) -> Option<f64> {
         let is_same = self.lattice == snapshot.lattice() && self.block == snapshot.block();
         is_same.then(|| snapshot.count(Occupancy::Occupied).saturating_sub(self.n_occupied) as f64)
@@ -97,7 +96,7 @@ mod tests {
     use crate::map::LogOdds;
     use glam::{IVec3, UVec3};
 
-    /// A box in which so many voxels are occupied.
+    /// A box with this number of occupied voxels.
     fn snapshot(n_occupied: usize, voxel_size: f64) -> Snapshot {
         let block = VoxelBlock::new(IVec3::ZERO, UVec3::splat(20)).unwrap();
         let is_occupied = |key| block.index(key).is_some_and(|index| index < n_occupied);
@@ -112,7 +111,7 @@ mod tests {
         Itinerary { legs: expected.iter().enumerate().map(leg).collect(), tolerance: 0.5 }
     }
 
-    /// The views visited without a plan if the legs show these numbers of new voxels.
+    /// The views visited without replanning if the legs show these numbers of new voxels.
     fn followed(progress: &mut ItineraryProgress, expected: &[f64], measured: &[usize]) -> Vec<usize> {
         let (mut n_occupied, mut views) = (100, Vec::new());
         progress.follow(Some(itinerary(expected)));

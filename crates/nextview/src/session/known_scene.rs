@@ -11,7 +11,7 @@ use crate::registration::{Registration, RegistrationConfig, RegistrationMode};
 use crate::sensor::Frame;
 use crate::{Cancel, Cancelled, Error};
 
-/// All that the frames have shown: where the object is, its surface, and the map.
+/// Everything the frames have shown: the object's location, its surface, and the map.
 ///
 /// A session adds a frame to a copy, so that a cancelled observation leaves no trace.
 #[derive(Clone, Debug)]
@@ -19,34 +19,35 @@ pub(super) struct KnownScene {
     pub locator: Locator,
     pub map: ScanMap,
     pub alignment: Alignment,
-    /// None without goals.
+    /// `None` without goals.
     pub quality: Option<Quality>,
-    /// The box that was found has too many voxels and was not adopted.
+    /// Whether the box that was found has too many voxels and was not adopted.
     pub is_box_too_large: bool,
 }
 
-/// What an observation changed.
+/// The changes made by an observation.
 #[derive(Default)]
 pub(super) struct Added {
     pub update: MapUpdate,
     pub report: MapReport,
-    /// Where the object is; none if that is as before.
+    /// The object's location; `None` if unchanged.
     pub moved: Option<Location>,
-    /// How the frame was aligned; none without registration, and while no surface is known.
+    /// The alignment of the frame; `None` without registration, and while no surface is known.
     pub registration: Option<Registration>,
-    /// The share of measured cells at the goals; none without any.
+    /// The share of measured cells that reach the goals; `None` without goals.
     pub share_at_goal: Option<f64>,
-    /// The numbers of frames that had been set aside and are in the map now.
+    /// The numbers of the frames that were set aside before and entered the map with this one.
     pub recovered: Vec<usize>,
-    /// How far the same surface is apart in the given poses, metres, if this frame is the one that shows it:
-    /// all frames have been aligned.
+    /// How far apart the given poses put the same surface, metres, if this frame proves them wrong: all
+    /// frames have then been aligned.
     pub apart: Option<f64>,
     /// Whether alignment was given up with this frame: all poses are used as given.
     pub is_as_given: bool,
 }
 
 impl KnownScene {
-    /// Before the first frame, and where the object then is known to be. For a checked configuration.
+    /// Returns the scene before the first frame, and the object's location if known then. The configuration
+    /// must be checked.
     pub fn new(config: &SessionConfig) -> Result<(Self, Option<Location>), Error> {
         let &SessionConfig { voxel_size, sensor_model, rays, background, registration, .. } = config;
         let rules = MapRules { voxel_size, sensor_model, rays, background };
@@ -134,8 +135,8 @@ impl KnownScene {
         Ok(moved)
     }
 
-    /// The same scene, rebuilt from these frames, some of which may be of the placement before, and what that
-    /// changed.
+    /// Returns the scene rebuilt from these frames, some of which may be of the placement before, and the
+    /// changes.
     pub fn anew(
         &self,
         config: &SessionConfig,
@@ -166,17 +167,17 @@ impl KnownScene {
         Ok((scene, Added { moved, report: report.unwrap_or_default(), ..Added::default() }))
     }
 
-    /// Aligns a frame to what is known; none while there is nothing to align it to.
+    /// Aligns a frame to the known surface; `None` while there is none.
     pub fn register(&self, frame: &Frame, cancel: &Cancel) -> Result<Option<Registration>, Cancelled> {
         self.alignment.register(frame, self.map.place().bounds, cancel)
     }
 
-    /// Whether a frame lies where its alignment, or the given pose if that was refused, puts it.
+    /// Whether the pose of a frame can be trusted: its alignment, or the given pose if that was refused.
     fn is_reliable(&self, registration: Option<Registration>) -> bool {
         registration.is_none_or(|found| found.fits()) || self.alignment.trusts_given_poses()
     }
 
-    /// Aligns the frames set aside to what is known now, until none fits any more.
+    /// Aligns the frames set aside to the known surface until none fits any more.
     fn try_again(
         &mut self,
         config: &SessionConfig,
@@ -191,7 +192,7 @@ impl KnownScene {
                     waiting.registration = found;
                 }
             }
-            // Those that fit first: others may overlap with them.
+            // Frames that fit come first: others may overlap with them.
             let fitting = frames.set_aside.iter().position(|waiting| waiting.registration.fits());
             let given = || self.alignment.trusts_given_poses().then_some(0);
             let next = fitting.or_else(given).filter(|next| *next < frames.set_aside.len());
@@ -202,7 +203,7 @@ impl KnownScene {
         }
     }
 
-    /// Adds a frame, in the pose that its alignment found, to all that is known.
+    /// Adds a frame, in its aligned pose, to the scene.
     fn add(
         &mut self,
         (number, frame, registration): (usize, Frame, Option<Registration>),
@@ -240,8 +241,7 @@ impl KnownScene {
         self.refine_what_is_known(config, &frames.mapped, cancel)
     }
 
-    /// Adopts the place found from all frames, the last of which is not mapped yet, unless its box is too
-    /// large.
+    /// Adopts the place found from all frames unless its box is too large; the last frame is not mapped yet.
     fn adopt(
         &mut self,
         location: Location,
@@ -265,8 +265,7 @@ impl KnownScene {
         Ok(Some(location))
     }
 
-    /// Halves the voxels that planning uses as long as the map in them is known well enough: algorithm 1, eq.
-    /// (9).
+    /// Halves the planning voxels as long as the map in them is known well enough: algorithm 1, eq. (9).
     fn refine_what_is_known(
         &mut self,
         config: &SessionConfig,

@@ -5,8 +5,8 @@ use crate::motion::Surroundings;
 use crate::planner::Situation;
 use crate::sensor::Frame;
 
-/// A situation with all that a session knows besides the map, the candidates and the camera: its frames, the
-/// candidates that were visited, and how long a robot needs to each.
+/// Adds to a situation what a session knows apart from map, candidates and camera: its frames, the visited
+/// candidates, and the robot's travel time to each.
 pub(super) fn known_situation<'a>(
     situation: Situation<'a>,
     config: &SessionConfig,
@@ -37,7 +37,7 @@ pub(super) fn known_situation<'a>(
     situation.expect("the session visits candidates in checked voxels")
 }
 
-/// What a moving camera has to keep away from.
+/// Returns the obstacles that a moving camera must avoid.
 pub(super) fn surroundings(scene: &KnownScene) -> Surroundings {
     let Place { bounds: object, table } = scene.map.place();
     Surroundings { object, floor: table.map(|table| table.floor()) }

@@ -1,12 +1,12 @@
 use super::scan_map::Place;
 use glam::DVec3;
 
-/// Where the object is, as far as the frames show.
+/// The object's location according to the frames.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct Location {
     pub place: Place,
-    /// Where the object is and half its longest side, metres: view candidates follow both.
+    /// The object's centre and half its longest side, metres: view candidates follow both.
     pub object: Option<(DVec3, f64)>,
-    /// By how much the object may turn out to be larger: a factor of its size, at least 1.
+    /// Factor by which the object may turn out to be larger, at least 1.
     pub may_grow: f64,
 }

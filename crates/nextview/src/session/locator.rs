@@ -11,20 +11,19 @@ use crate::registration::RegistrationMode;
 use crate::sensor::Frame;
 use crate::{Cancel, Cancelled};
 
-/// Finds the place of the object, frame by frame.
+/// Locates the object, frame by frame.
 #[derive(Clone, Debug)]
 pub(super) struct Locator {
     object_box: ObjectBox,
     table: TableSearch,
     voxel_size: f64,
     points: ObjectPoints,
-    /// How many of the frames are of the placement before: they show neither this table nor anything else
-    /// but the object.
+    /// Number of frames of the placement before: they show only the object, without this table.
     n_earlier: usize,
 }
 
 impl Locator {
-    /// For a checked configuration.
+    /// Returns a locator before the first frame. The configuration must be checked.
     pub fn new(config: &SessionConfig) -> Self {
         let &SessionConfig { object_box, table, registration, voxel_size, max_gap, .. } = config;
         let is_aligned = registration.mode() == RegistrationMode::On;
@@ -33,24 +32,27 @@ impl Locator {
         Self { object_box, table, voxel_size, points, n_earlier: 0 }
     }
 
-    /// The same before the first frame, where so many frames of the placement before come first.
+    /// Returns the locator before the first frame, where this number of frames of the placement before comes
+    /// first.
     pub fn after(&self, n_earlier: usize) -> Self {
         Self { table: self.table.anew(), points: self.points.without_points(), n_earlier, ..*self }
     }
 
-    /// The place after these frames, of which the last is new. The locator is of no use if cancelled.
+    /// Returns the location after these frames, the last of which is new. After cancellation, the locator is
+    /// unusable.
     pub fn locate(&mut self, frames: &[Frame], cancel: &Cancel) -> Result<Location, Cancelled> {
         self.locate_with(frames, frames.len().saturating_sub(1), cancel)
     }
 
-    /// The place after these frames, all of which may have moved. The locator is of no use if cancelled.
+    /// Returns the location after these frames, all of which may have moved. After cancellation, the locator
+    /// is unusable.
     pub fn locate_anew(&mut self, frames: &[Frame], cancel: &Cancel) -> Result<Location, Cancelled> {
         self.points.clear();
         self.table = self.table.anew();
         self.locate_with(frames, 0, cancel)
     }
 
-    /// The place after these frames, of which the points of the first ones are known.
+    /// Returns the location after these frames; the points of the first `n_known` are known.
     fn locate_with(
         &mut self,
         frames: &[Frame],
@@ -60,7 +62,7 @@ impl Locator {
         let of_now = frames.get(n_known.max(self.n_earlier)..).unwrap_or_default();
         let is_other = self.table.look(of_now, cancel)?;
         let table = self.table.known();
-        // What was taken for the table's may be the object's after all.
+        // Points counted as table may belong to the object after all.
         let n_known = if is_other { 0 } else { n_known };
         if is_other {
             self.points.clear();
@@ -88,7 +90,7 @@ impl Locator {
         })
     }
 
-    /// By how much an object that so many frames show may turn out to be larger.
+    /// Returns the factor by which an object shown by this number of frames may turn out to be larger.
     fn may_grow(&self, n_frames: usize) -> f64 {
         match self.object_box {
             ObjectBox::Known(_) => 1.0,
@@ -96,7 +98,7 @@ impl Locator {
         }
     }
 
-    /// The bodies beside an object whose box grows; none where the box is known.
+    /// Returns the bodies near an object whose box grows; empty if the box is known.
     pub fn other_bodies(&self, frames: &[Frame], cancel: &Cancel) -> Result<Vec<OtherBody>, Cancelled> {
         match self.object_box {
             ObjectBox::Known(_) => Ok(Vec::new()),
@@ -105,6 +107,6 @@ impl Locator {
     }
 }
 
-/// Share of its size by which an object that a single frame shows may turn out to be larger: half of it was
-/// not seen, so both its middle and its size are uncertain.
+/// Share of its size by which an object shown by a single frame may turn out to be larger: half of it was not
+/// seen, so both its centre and its size are uncertain.
 const MAY_GROW: f64 = 0.5;

@@ -1,4 +1,4 @@
-//! A scan in progress: two verbs, [`observe`](Session::observe) and [`decide`](Session::decide).
+//! A scan in progress, with two main methods: [`observe`](Session::observe) and [`decide`](Session::decide).
 
 mod agreement;
 mod alignment;
@@ -90,15 +90,15 @@ pub struct Session {
     planner: Box<dyn ViewPlanner>,
     scene: KnownScene,
     frames: TakenFrames,
-    /// None where this placement of the object is the first.
+    /// `None` if this is the first placement of the object.
     earlier: Option<Earlier>,
     /// Number of requested frames.
     n_taken: usize,
     visited: Vec<usize>,
     seen: SeenCells,
-    /// Views that are never to be proposed again.
+    /// Views that must not be proposed again.
     skipped: BTreeSet<usize>,
-    /// By candidate, how long the robot needs to it; none of those where it cannot go now.
+    /// By candidate, the robot's travel time; `None` if it cannot be reached at present.
     approaches: Option<Vec<Option<f64>>>,
     /// The decision since the last frame.
     decision: Option<Decision>,
@@ -106,15 +106,15 @@ pub struct Session {
     cancel: Cancel,
 }
 
-/// What is known once the earlier placement is.
+/// The session's state after joining the earlier placement.
 struct Joined {
     turn: Result<Turn, TurnRefusal>,
-    /// None where the turn is not known.
+    /// `None` if the turn is unknown.
     known: Option<(KnownScene, TakenFrames, Added)>,
 }
 
 impl Session {
-    /// A scan by a camera with these optics; fails on a configuration out of range.
+    /// Returns a session for a camera with these optics. Fails if the configuration is out of range.
     pub fn new(
         config: SessionConfig,
         intrinsics: Intrinsics,
@@ -148,21 +148,21 @@ impl Session {
         })
     }
 
-    /// The same session, whose decisions and observations another thread can cancel.
+    /// Sets the flag that lets another thread cancel decisions and observations.
     pub fn with_cancel(self, cancel: Cancel) -> Self {
         Self { cancel, ..self }
     }
 
-    /// The same session of an object that was scanned before and has been turned since. As soon as its frames
-    /// show [how](Self::turn), the surface of that time is known, too: its frames come into map and model,
-    /// and planning continues from there.
+    /// Sets an earlier placement: the object was scanned before and has been turned since. As soon as the
+    /// frames show [how](Self::turn), the earlier frames enter map and model, and planning continues from
+    /// there.
     pub fn after(self, before: ShownObject) -> Self {
         Self { earlier: Some(Earlier { shown: before, turn: None }), ..self }
     }
 
-    /// Writes a frame into the map, keeps it, and, if a view was decided on, counts it as taken. With
-    /// registration, all that is done with the corrected pose; a frame that cannot be aligned is [set
-    /// aside](Self::set_aside), and enters the map after a later one that makes up for what it lacked.
+    /// Adds a frame to the map, stores it, and counts the view as taken if one was decided on. With
+    /// registration, it uses the corrected pose; a frame that cannot be aligned is [set
+    /// aside](Self::set_aside), and enters the map once a later frame links it to the known surface.
     ///
     /// A [cancelled](Self::with_cancel) observation changes nothing: the frame can be observed again.
     pub fn observe(&mut self, frame: &Frame) -> Result<StepReport, Cancelled> {
@@ -194,8 +194,8 @@ impl Session {
         Ok(self.report(taken, voxel_size, added))
     }
 
-    /// Where a frame was taken, by its alignment to the surface known so far; nothing is taken in. None
-    /// without [registration](crate::registration) and while nothing is known.
+    /// Aligns a frame to the surface known so far, without adding it. `None` without
+    /// [registration](crate::registration) and while no surface is known.
     pub fn locate(&self, frame: &Frame) -> Result<Option<Registration>, Cancelled> {
         self.scene.register(frame, &self.cancel)
     }
@@ -203,7 +203,7 @@ impl Session {
     /// Decides on the next view. Repeated calls before the next observation return the same decision, unless
     /// it was [cancelled](Self::with_cancel).
     ///
-    /// Fails if the planner does, which none of the library's own can; the next call decides again.
+    /// Fails if the planner fails, which the library's own planners never do; the next call decides again.
     pub fn decide(&mut self) -> Result<Decision, Error> {
         if let Some(decision) = &self.decision {
             return Ok(decision.clone());
@@ -215,11 +215,11 @@ impl Session {
         }
     }
 
-    /// The legs that would follow the next view, which was decided on, if nothing were learned on the way: at
-    /// most `n_legs`, and no more than may be taken. They are those of the planner's itinerary; where it
-    /// chooses one view at a time, those of [`Batch::plan_after`]. None before an object was found.
+    /// Returns the legs that would follow the decided next view if nothing were learned on the way: at most
+    /// `n_legs`, within the view limit. They come from the planner's itinerary or, if it chooses one view at
+    /// a time, from [`Batch::plan_after`]. Empty before an object is found.
     ///
-    /// The session itself decides again after the next view. Frames of the legs can still be observed.
+    /// The session still decides again after the next view. Frames of the legs can be observed all the same.
     pub fn legs_after(&self, next: &NextView, n_legs: usize) -> Result<Vec<Leg>, Cancelled> {
         let n_views = n_legs.min(self.config.max_views.saturating_sub(self.n_taken + 1));
         let planned: Vec<Leg> = self.itinerary.rest().take(n_views).cloned().collect();
@@ -234,81 +234,82 @@ impl Session {
         Ok(views.iter().map(BatchView::leg).collect())
     }
 
-    /// Never proposes this view again, for example because a robot cannot reach it. The current decision is
-    /// discarded, so that the next [decision](Self::decide) differs.
+    /// Excludes this view from all further decisions, for example because a robot cannot reach it. The
+    /// current decision is discarded, so the next [decision](Self::decide) differs.
     ///
-    /// Instead of a skipped [first view](SessionConfig::first_view), the next higher number within reach
-    /// comes first, and after the highest, the lowest. Numbers of views that do not exist are ignored.
+    /// A skipped [first view](SessionConfig::first_view) is replaced by the next higher number within reach,
+    /// wrapping around after the highest. Numbers of nonexistent views are ignored.
     pub fn skip(&mut self, view: usize) {
         self.skipped.insert(view);
         self.candidates = self.without_skipped(self.candidates.clone());
         self.itinerary.skip(|given_up| given_up == view, self.decision.take().is_some());
     }
 
-    /// States how long a robot needs to each candidate from where it is, seconds; none where it cannot go at
-    /// present. Holds until the next frame, for all planners; those with a [movement
-    /// cost](crate::planner::GreedyConfig::theta) take the times for it. The current decision is discarded.
+    /// Sets the robot's travel time to each candidate in seconds; `None` if it cannot be reached at present.
+    /// Holds until the next frame, for all planners; those with a [movement
+    /// cost](crate::planner::GreedyConfig::theta) use the times for it. The current decision is discarded.
     ///
     /// # Panics
     ///
-    /// If there are not as many times as candidates.
+    /// If the number of times differs from the number of candidates.
     pub fn set_approaches(&mut self, times: Vec<Option<f64>>) {
         assert_eq!(times.len(), self.candidates.len(), "a time for each candidate");
         self.itinerary.skip(|view| times[view].is_none(), self.decision.take().is_some());
         self.approaches = Some(times);
     }
 
-    /// The trajectory from where the last frame was taken to a view, such as the next one: around the ball
-    /// around the known part of the object, and above its table. Before the first frame, the camera is there
-    /// already.
+    /// Returns the trajectory from the pose of the last frame to a view, such as the next one. It avoids the
+    /// bounding sphere of the known part of the object and stays above its table. Before the first frame, the
+    /// camera is assumed to be there already.
     ///
-    /// Fails if it would leave [`Pose::REACH`].
+    /// Fails if it leaves [`Pose::REACH`].
     pub fn trajectory_to(&self, world_from_camera: &Pose) -> Result<Trajectory, Error> {
         let Some(last) = self.frames.places.last() else { return Ok(Trajectory::at(*world_from_camera)) };
         self.trajectory(last, world_from_camera)
     }
 
-    /// The same from one view to another.
+    /// Returns the trajectory from one view to another.
     pub fn trajectory(&self, from: &Pose, to: &Pose) -> Result<Trajectory, Error> {
         Trajectory::new(from, to, &surroundings(&self.scene), &self.config.motion)
     }
 
-    /// The map so far, in the finest voxels.
+    /// Returns the map so far, in the finest voxels.
     pub fn map(&self) -> &OccupancyMap {
         self.scene.map.finest()
     }
 
-    /// The known state of the box around the object, in the finest voxels; none before an object was found.
+    /// Returns the known state of the object's box, in the finest voxels; `None` before an object is found.
     pub fn snapshot(&self) -> Option<Snapshot> {
         self.scene.map.finest_snapshot(&Cancel::default()).expect("nobody cancels")
     }
 
-    /// The box around the object, metres, without the part below its table; none before an object was found.
+    /// Returns the object's box, metres, without the part below its table; `None` before an object is found.
     pub fn bounds(&self) -> Option<Aabb> {
         self.scene.map.place().bounds
     }
 
-    /// The table that the object stands on; none without one, or before it was found.
+    /// Returns the table under the object; `None` without one, or before it is found.
     pub fn table(&self) -> Option<Plane> {
         self.scene.map.place().table.map(|table| table.plane)
     }
 
-    /// The top of the table in each frame; none without a table, or before table and object were found.
+    /// Returns the top of the table in each frame; `None` without a table, or before table and object are
+    /// found.
     pub fn table_tops(&self) -> Option<TableTops> {
         let Place { bounds, table } = self.scene.map.place();
         table.zip(bounds).map(|(table, object)| TableTops { table, object })
     }
 
-    /// The bodies that the frames show at most a metre from an object whose box grows, nearest first; none
-    /// where the box is known. They are connected points, at least 20 of them, with free space around most of
-    /// their outline: walls and floors are no bodies.
+    /// Returns the other bodies within a metre of an object whose box grows, nearest first; empty if the box
+    /// is known. A body is at least 20 connected points with free space around most of their outline: walls
+    /// and floors are not bodies.
     pub fn other_bodies(&self) -> Result<Vec<OtherBody>, Cancelled> {
         self.scene.locator.other_bodies(self.frames.of_now(), &self.cancel)
     }
 
-    /// Why the frames probably show nothing of the object, or do not fit together; none if they do, or if
-    /// there is no likely reason. See [`suspect`], and, for an object whose box grows among fixed views,
-    /// [`suspect_poses`].
+    /// Returns the likely reason why the frames show nothing of the object, or do not fit together; `None` if
+    /// all is well, or no reason is likely. See [`suspect`], and, for an object whose box grows among fixed
+    /// views, [`suspect_poses`].
     pub fn suspicion(&self) -> Option<Suspicion> {
         let known = match self.config.object_box {
             ObjectBox::Known(bounds) => Some(bounds),
@@ -320,7 +321,7 @@ impl Session {
             (Views::Fixed(views), None, Some(first)) => suspect_poses(first, views.poses()),
             _ => None,
         };
-        // Frames that are aligned need not agree as given.
+        // Aligned frames need not agree in the given poses.
         let apart = || match self.bounds() {
             Some(bounds) if self.config.registration.mode() == RegistrationMode::Off => {
                 let voxel_size = self.config.voxel_size;
@@ -332,88 +333,89 @@ impl Session {
         suspect(frames, known, self.config.depth_range).or_else(poses).or(boundless).or_else(apart)
     }
 
-    /// Whether frames are aligned to the surface measured before: with [`RegistrationMode::Auto`], once the
-    /// given poses disagree, and unless most frames cannot be.
+    /// Whether frames are aligned to the surface measured before. With [`RegistrationMode::Auto`], this
+    /// begins once the given poses disagree, and ends if most frames cannot be aligned.
     pub fn aligns_frames(&self) -> bool {
         self.scene.alignment.is_active()
     }
 
-    /// The depths that the camera measures, metres.
+    /// Returns the range of depths that the camera measures, metres.
     pub fn depth_range(&self) -> DepthRange {
         self.config.depth_range
     }
 
-    /// The random error of the camera.
+    /// Returns the random error of the camera.
     pub fn surface_error(&self) -> SurfaceError {
         self.config.surface_error
     }
 
-    /// The flag that cancels decisions and observations.
+    /// Returns the flag that cancels decisions and observations.
     pub fn cancel(&self) -> &Cancel {
         &self.cancel
     }
 
-    /// Edge of the voxels that the next view is planned in, metres.
+    /// Returns the edge of the voxels in which the next view is planned, metres.
     pub fn planning_voxel_size(&self) -> f64 {
         self.scene.map.planning_voxel_size()
     }
 
-    /// The frames in the map, in their final poses and in the order in which they came there: all observed
-    /// ones, oldest first, unless registration [set some aside](Self::set_aside) for a while or for good.
+    /// Returns the frames in the map, in their final poses and in the order in which they entered it: all
+    /// observed ones, oldest first, unless registration [set some aside](Self::set_aside), for a while or for
+    /// good.
     pub fn frames(&self) -> &[Frame] {
         self.frames.of_now()
     }
 
-    /// The frames of the placement [before](Self::after), as they lie now, once it is known how the object
-    /// was turned; else none. They show nothing but the object.
+    /// Returns the frames of the placement [before](Self::after), moved with the object, once its turn is
+    /// known; empty until then. They show only the object.
     pub fn earlier_frames(&self) -> &[Frame] {
         &self.frames.mapped[..self.frames.n_earlier]
     }
 
-    /// How the object was turned since the placement [before](Self::after), or why that is not known; none
-    /// without one, and before a frame was observed.
+    /// Returns how the object was turned since the placement [before](Self::after), or why that is unknown;
+    /// `None` without one, and before the first frame.
     pub fn turn(&self) -> Option<Result<Turn, TurnRefusal>> {
         self.earlier.as_ref()?.turn
     }
 
-    /// The frames of both placements, the earlier ones first, as they lie now, and with nothing but the
-    /// object: a ray that ended on something else counts as one that met nothing, or measured nothing where
-    /// the object may be behind it. None unless the [turn](Self::turn) is known.
+    /// Returns the frames of both placements, the earlier ones first, moved with the object and reduced to
+    /// it: a ray that ended on something else met nothing, or measured nothing if the object may be behind
+    /// it. `None` unless the [turn](Self::turn) is known.
     pub fn frames_of_object(&self) -> Result<Option<Vec<Frame>>, Cancelled> {
         let earlier = self.earlier_frames();
         let now = if earlier.is_empty() { None } else { self.shown_in(&self.scene, &self.frames)? };
         Ok(now.map(|now| earlier.iter().chain(now.frames()).cloned().collect()))
     }
 
-    /// How to lay the object down, so that what cannot be seen as it lies can be seen then; none without a
-    /// table, before the object was found, and if hardly anything would be freed.
+    /// Returns the placement that exposes most of the hidden surface; `None` without a table, before the
+    /// object is found, and if hardly any surface would be exposed.
     pub fn next_placement(&self) -> Option<NextPlacement> {
         next_placement(&self.snapshot()?, self.table()?)
     }
 
-    /// For each of [`frames`](Self::frames), its number among all observed ones, from 0.
+    /// Returns, for each of [`frames`](Self::frames), its number among all observed frames, from 0.
     pub fn frame_numbers(&self) -> &[usize] {
         &self.frames.numbers
     }
 
-    /// The frames that could not be aligned so far, oldest first. They are in neither map nor model; each is
-    /// tried again whenever another one fits. Empty without registration, and where the frames that could be
-    /// aligned prove that the given poses are right.
+    /// Returns the frames that could not be aligned so far, oldest first. They are in neither map nor model;
+    /// each is tried again whenever another frame fits. Empty without registration, and if the aligned frames
+    /// prove that the given poses are correct.
     pub fn set_aside(&self) -> &[SetAside] {
         &self.frames.set_aside
     }
 
-    /// The views taken so far, in order.
+    /// Returns the views taken so far, in order.
     pub fn visited(&self) -> &[usize] {
         &self.visited
     }
 
-    /// The view candidates as they stand now.
+    /// Returns the view candidates in their current poses.
     pub fn views(&self) -> &ViewSpace {
         &self.candidates
     }
 
-    /// How the object was turned, by this scene of all frames, if more is known of it than before.
+    /// Returns the turn of the object found in this scene of all frames, if it is new.
     fn join_earlier(&self, scene: &KnownScene, frames: &TakenFrames) -> Result<Option<Joined>, Cancelled> {
         let Some(earlier) = &self.earlier else { return Ok(None) };
         let Some(now) = self.shown_in(scene, frames)? else { return Ok(None) };
@@ -426,7 +428,7 @@ impl Session {
         Ok(Some(Joined { turn, known: turn.ok().map(join).transpose()? }))
     }
 
-    /// Takes over what the earlier placement has shown.
+    /// Adopts the scene joined with the earlier placement.
     fn adopt(&mut self, Joined { turn, known }: Joined, added: &mut Added) {
         self.earlier.as_mut().expect("a turn is found of one").turn = Some(turn);
         let Some((scene, frames, joined)) = known else { return };
@@ -438,7 +440,7 @@ impl Session {
         added.report = joined.report;
     }
 
-    /// What the frames of this placement have shown of the object, by a scene of them; none before it was
+    /// Returns the object as shown by the frames of this placement, from their scene; `None` before it is
     /// found, and without a table.
     fn shown_in(&self, scene: &KnownScene, frames: &TakenFrames) -> Result<Option<ShownObject>, Cancelled> {
         let (snapshot, table) = (scene.map.finest_snapshot(&self.cancel)?, scene.map.place().table);
@@ -482,7 +484,7 @@ impl Session {
         }
     }
 
-    /// Whether the last views together hardly showed anything new, or better.
+    /// Whether the last views together hardly showed or improved anything.
     fn has_stalled(&self) -> bool {
         let n = StopConfig::PROGRESS_VIEWS;
         let is_little = |share: f64| share < self.config.stop.progress;
@@ -491,7 +493,7 @@ impl Session {
             && quality.and_then(|quality| quality.progress(n)).is_none_or(is_little)
     }
 
-    /// Number and pose of the first view, before it was taken.
+    /// Returns number and pose of the first view, before it is taken.
     fn first_view(&self) -> Option<(Option<usize>, Pose)> {
         match &self.views {
             Views::Fixed(views) if self.n_taken == 0 => {
@@ -503,8 +505,8 @@ impl Session {
         }
     }
 
-    /// The configured first view or, if that is skipped or the robot cannot go there, the next one where it
-    /// can; none if there is none.
+    /// Returns the configured first view or, if that is skipped or out of reach, the next one within reach,
+    /// if any.
     fn first_candidate(&self) -> Option<usize> {
         let first = self.config.first_view;
         let can_go = |view: usize| self.approaches.as_ref().is_none_or(|times| times[view].is_some());
@@ -526,7 +528,7 @@ impl Session {
         Ok(snapshot.entropy_share_unless(&self.cancel)? < q_thresh)
     }
 
-    /// The reason not to take the plan's next view, if there is one.
+    /// Returns the reason not to take the plan's next view, if any.
     fn reason_to_stop(&self, plan: &Plan) -> Option<StopReason> {
         let StopConfig { completeness, path_length, .. } = self.config.stop;
         let outlook = plan.outlook.as_ref().filter(|_| self.scene.map.is_finest());
@@ -543,7 +545,7 @@ impl Session {
         is_too_long.then_some(StopReason::PathLimit)
     }
 
-    /// Why no view was chosen: the robot can go to none, or none gains anything.
+    /// Returns the reason why no view was chosen: none is within reach, or none gains anything.
     fn reason_for_no_choice(&self) -> StopReason {
         let is_open = |(view, time): (usize, &Option<f64>)| time.is_some() && !self.visited.contains(&view);
         match &self.approaches {
@@ -552,19 +554,19 @@ impl Session {
         }
     }
 
-    /// Length of the straight path through the places of all frames and on to a view, metres.
+    /// Returns the length of the straight path through all camera positions and on to a view, metres.
     fn path_length_with(&self, view: usize) -> f64 {
         let next = self.candidates.pose(view).translation();
         let last = self.frames.places.last().map(|last| last.translation().distance(next));
         self.legs().sum::<f64>() + last.unwrap_or(0.0)
     }
 
-    /// Straight distances between the places of the frames so far, metres.
+    /// Returns the straight distances between consecutive camera positions so far, metres.
     fn legs(&self) -> impl DoubleEndedIterator<Item = f64> {
         self.frames.places.windows(2).map(|pair| pair[0].translation().distance(pair[1].translation()))
     }
 
-    /// The next view of the itinerary, or else a new plan.
+    /// Returns the next view of the itinerary, or else a new plan.
     fn plan(&mut self, snapshot: &Snapshot) -> Result<Plan, Error> {
         if let Some(choice) = self.itinerary.next(snapshot) {
             return Ok(Plan { choice: Some(choice), ..Plan::default() });
@@ -574,8 +576,8 @@ impl Session {
         let (config, frames) = (&self.config, &self.frames.mapped);
         let situation = known_situation(situation, config, &self.scene, frames, &self.visited, approaches);
         let mut plan = self.planner.plan(&situation)?;
-        // While nothing was seen of the box, as after a first image without depths, a planner may know no
-        // view that is worth it; one from elsewhere is.
+        // While nothing of the box was seen, as after a first image without depths, a planner may find no
+        // view worthwhile; one from elsewhere is.
         if plan.choice.is_none() && self.scene.map.is_finest() && snapshot.count(Occupancy::Occupied) == 0 {
             plan = EvenViews.plan(&situation)?;
         }

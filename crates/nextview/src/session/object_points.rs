@@ -14,28 +14,27 @@ const CELL_IN_VOXELS: f64 = 2.0;
 /// Minimum number of points of an object.
 pub(super) const LEAST_POINTS: usize = 20;
 
-/// Factor on the distance of things that do not reach into the middle of the first image. A wall in the
-/// middle is usually more than twice as far as the object beside it, and anything nearer at the image's edge
-/// is usually the robot.
+/// Factor on the distance of things outside the middle of the first image. A wall in the middle is usually
+/// more than twice as far as the object next to it, and anything nearer at the image's edge is usually the
+/// robot.
 const BESIDE_THE_MIDDLE: f64 = 2.0;
 
-/// The points of all frames that are not the table's, pooled in cells; and the object among them: the cells
-/// connected, by faces, edges or corners, or across gaps, to those that were the object in the first frame
-/// that shows one.
+/// The points of all frames without the table, pooled in cells, and the object among them: the cells
+/// connected by faces, edges or corners, or across gaps, to the object in the first frame that shows one.
 ///
-/// That first object is the nearest thing of at least 20 points, where something that does not reach into the
-/// middle half of the image counts as twice as far.
+/// That first object is the nearest thing of at least 20 points; a thing outside the middle half of the image
+/// counts as twice as far.
 #[derive(Clone, Debug)]
 pub(super) struct ObjectPoints {
     lattice: Lattice,
-    /// The box around the points of every cell that holds one.
+    /// The bounding box of the points in each occupied cell.
     cells: FxHashMap<IVec3, Aabb>,
     object: FxHashSet<IVec3>,
-    /// Parts that are no farther apart are one object, metres; 0 where they must touch.
+    /// Largest gap between parts of one object, metres; 0 if they must touch.
     max_gap: f64,
 }
 
-/// Connected cells, and their place in the first image.
+/// Connected cells, and their position in the first image.
 #[derive(Default)]
 struct Thing {
     cells: FxHashSet<IVec3>,
@@ -46,24 +45,24 @@ struct Thing {
 }
 
 impl ObjectPoints {
-    /// No points yet, for voxels of a valid size and gaps up to this (metres).
+    /// Returns an empty set for voxels of a valid size and gaps up to this (metres).
     pub fn new(voxel_size: f64, max_gap: f64) -> Self {
         let lattice = Lattice::new(CELL_IN_VOXELS * voxel_size).expect("the session checked the voxel size");
         Self { lattice, cells: FxHashMap::default(), object: FxHashSet::default(), max_gap }
     }
 
-    /// The same without the points of any frame.
+    /// Returns a copy without points.
     pub fn without_points(&self) -> Self {
         Self { cells: FxHashMap::default(), object: FxHashSet::default(), ..*self }
     }
 
-    /// Forgets the points of all frames.
+    /// Removes the points of all frames.
     pub fn clear(&mut self) {
         self.cells.clear();
         self.object.clear();
     }
 
-    /// Adds the points of a frame. The points are of no use if cancelled.
+    /// Adds the points of a frame. After cancellation, the points are unusable.
     pub fn add(
         &mut self,
         frame: &Frame,
@@ -86,12 +85,12 @@ impl ObjectPoints {
         Ok(())
     }
 
-    /// The box around the object's points; none before there is an object.
+    /// Returns the bounding box of the object's points; `None` before there is an object.
     pub fn bounds(&self) -> Option<Aabb> {
         self.bounds_of(&self.object)
     }
 
-    /// The box around the points of some cells; none without cells.
+    /// Returns the bounding box of the points in these cells; `None` without cells.
     pub fn bounds_of(&self, cells: &FxHashSet<IVec3>) -> Option<Aabb> {
         // The box does not depend on the order of the cells.
         Aabb::around(cells.iter().flat_map(|key| {
@@ -100,17 +99,17 @@ impl ObjectPoints {
         }))
     }
 
-    /// The cells of the object.
+    /// Returns the cells of the object.
     pub fn object(&self) -> &FxHashSet<IVec3> {
         &self.object
     }
 
-    /// The cell of a point.
+    /// Returns the cell of a point.
     pub fn cell(&self, point: DVec3) -> IVec3 {
         self.lattice.key(point)
     }
 
-    /// Smallest distance of these cells from the object's, metres; none without an object.
+    /// Returns the smallest distance of these cells from the object, metres; `None` without an object.
     pub fn gap_to_object(&self, cells: &FxHashSet<IVec3>) -> Option<f64> {
         let whole = self.bounds()?;
         let nearest = |nearest: f64, cell: &IVec3| {
@@ -123,12 +122,12 @@ impl ObjectPoints {
         Some(cells.iter().fold(f64::INFINITY, nearest))
     }
 
-    /// To find connected cells.
+    /// Returns a search for connected cells.
     pub fn search<'a>(&'a self, cancel: &'a Cancel) -> ConnectedCells<'a> {
         ConnectedCells::new(&self.cells, self.lattice.voxel_size(), self.max_gap, cancel)
     }
 
-    /// The cells of the frame's points that are the object; none if no thing is large enough.
+    /// Returns the cells of the object in this frame; empty if no thing is large enough.
     fn first_object(
         &self,
         frame: &Frame,
@@ -143,7 +142,7 @@ impl ObjectPoints {
         Ok(object.map(|thing| thing.cells).unwrap_or_default())
     }
 
-    /// The things that the points (of this frame) form, in the order of their first points.
+    /// Returns the things formed by the points (of this frame), in the order of their first points.
     fn things(&self, frame: &Frame, points: &[DVec3], cancel: &Cancel) -> Result<Vec<Thing>, Cancelled> {
         let camera_from_world = frame.world_from_camera().inverse();
         let mut search = self.search(cancel);
@@ -166,7 +165,7 @@ impl ObjectPoints {
     }
 }
 
-/// The points of a frame that are not the table's.
+/// Returns the points of a frame without the table.
 fn surface_points(frame: &Frame, table: Option<ShownTable>) -> impl Iterator<Item = DVec3> + '_ {
     frame.points().filter(move |point| table.is_none_or(|table| table.is_below(*point)))
 }
@@ -188,7 +187,7 @@ mod tests {
 
     const VOXEL_SIZE: f64 = 0.01;
 
-    /// The frame of a camera 1 m above the origin that looks down on flat things, whose height is given by
+    /// The frame of a camera 1 m above the origin that looks down on flat things. Their height is given by
     /// column and row of the image, in steps of 1 cm; 0 is the ground.
     fn frame(height: impl Fn(i32, i32) -> f64) -> Frame {
         let optics = Intrinsics::pinhole(200, 200, DVec2::splat(100.0), DVec2::splat(99.5)).unwrap();
@@ -215,7 +214,7 @@ mod tests {
         points
     }
 
-    /// Two squares, 0.16 m apart, of which the second is the larger and lower one.
+    /// Two squares, 0.16 m apart; the second is larger and lower.
     fn two() -> Frame {
         frame(|u, v| match () {
             _ if square(u, v, (0, 0), 10) => 0.3,

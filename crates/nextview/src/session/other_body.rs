@@ -6,7 +6,7 @@ use crate::{Cancel, Cancelled};
 use glam::{DVec2, DVec3, IVec3};
 use rustc_hash::{FxHashMap, FxHashSet};
 
-/// A body that the frames show beside the object and that does not belong to it.
+/// A body near the object that does not belong to it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct OtherBody {
     /// The box around its points, metres.
@@ -18,22 +18,22 @@ pub struct OtherBody {
 
 /// The outline of a body is free if this many times more of it borders on something farther away than on
 /// something nearer or on the edge of an image. Walls and floors fail this, and so do parts of them between
-/// the shadows of other things. Only the images that show a body whole count, if there are any: one beside
-/// the object is cut by the edge of most.
+/// the shadows of other things. If any images show the whole body, only those count: a body near the object
+/// is cut by the edge of most.
 const MOSTLY_FREE: usize = 2;
 
-/// Bodies farther from the object than this are the room's, metres: noise tears specks out of far walls.
+/// Bodies farther from the object than this, metres, belong to the room: noise tears specks out of far walls.
 const FARTHEST: f64 = 1.0;
 
-/// Number of the object among the bodies.
+/// The object's number among the bodies.
 const OBJECT: u32 = 0;
 
-/// What a pixel shows.
+/// The thing that a pixel shows.
 #[derive(Clone, Copy, PartialEq)]
 enum Shown {
     /// Nothing is known.
     Nothing,
-    /// Where it is nearer than its neighbour, that may stand on it.
+    /// A neighbour farther away may stand on it.
     Table {
         depth: f32,
     },
@@ -45,12 +45,12 @@ enum Shown {
     },
 }
 
-/// Connected cells, and the pixels that show them.
+/// Connected cells, and the outlines of their pixels.
 struct Candidate {
     cells: FxHashSet<IVec3>,
-    /// In the images that show it whole.
+    /// In images that show all of it.
     whole: Outline,
-    /// In those whose edge cuts it.
+    /// In images whose edge cuts it.
     cut: Outline,
 }
 
@@ -66,8 +66,8 @@ struct Outline {
     n_beyond: usize,
 }
 
-/// The bodies at most a metre from the object, nearest first: connected points, at least 20 of them, that
-/// stand free in most of their outline.
+/// Returns the bodies within a metre of the object, nearest first: at least 20 connected points, with free
+/// space around most of their outline.
 pub(super) fn other_bodies(
     points: &ObjectPoints,
     frames: &[Frame],
@@ -130,7 +130,7 @@ impl Candidate {
     }
 }
 
-/// What each pixel shows, row by row; `number` gives the body of a point.
+/// Returns what each pixel shows, row by row; `number` gives the body of a point.
 fn shown(
     frame: &Frame,
     table: Option<ShownTable>,

@@ -1,15 +1,15 @@
 use crate::geometry::Aabb;
 use glam::DVec3;
 
-/// Side of the box to plan in, without the voxels of [`BOX_MARGIN_VOXELS`], over the object's longest side.
+/// Ratio of the planning box's side, without [`BOX_MARGIN_VOXELS`], to the object's longest side.
 pub const BOX_MARGIN_FACTOR: f64 = 1.1;
 
-/// Voxels by which the box to plan in is wider on each side.
+/// Margin of the planning box on each side, voxels.
 pub const BOX_MARGIN_VOXELS: f64 = 2.0;
 
-/// The cube to plan in around an object whose box (metres) is known: [`BOX_MARGIN_FACTOR`] times its longest
-/// side, and [`BOX_MARGIN_VOXELS`] wider on each side, so that free space around it is seen. The voxel size
-/// is in metres.
+/// Returns the cube to plan in around an object with a known box (metres): [`BOX_MARGIN_FACTOR`] times its
+/// longest side, plus [`BOX_MARGIN_VOXELS`] on each side, so that free space around it is seen. The voxel
+/// size is in metres.
 ///
 /// ```
 /// use glam::DVec3;
@@ -25,9 +25,9 @@ pub fn planning_box(object: &Aabb, voxel_size: f64) -> Aabb {
     Aabb::cube(object.center(), BOX_MARGIN_FACTOR * half_side + BOX_MARGIN_VOXELS * voxel_size)
 }
 
-/// Where an object lies whose seen points have this box: as large as the box, but moved away from the cameras
-/// that saw it. A front that is wide and not deep is hardly ever the whole object; the rest is behind it, and
-/// as long as no camera was there, the cube to plan in must reach as far back as the front is wide.
+/// Estimates the object's box from that of its seen points: the same size, but moved away from the cameras. A
+/// front that is wide and not deep is hardly ever the whole object; the rest is behind it. Until a camera was
+/// there, the planning box must reach as far back as the front is wide.
 ///
 /// Heights stay: the object stands on its lowest point.
 pub(super) fn as_deep_as_wide(seen: &Aabb, cameras: impl Iterator<Item = DVec3>) -> Aabb {
@@ -42,11 +42,11 @@ pub(super) fn as_deep_as_wide(seen: &Aabb, cameras: impl Iterator<Item = DVec3>)
     Aabb { min: seen.min + offset, max: seen.max + offset }
 }
 
-/// Number of frames from one side that move the object by half of what is possible.
+/// Number of frames from one side that move the object by half of the possible distance.
 const HALF_SURE: f64 = 0.5;
 
-/// The cube around an object that grows, rounded to whole voxels: centre and half-side, so that the box of an
-/// object that grows by less stays as it is, and so do its maps.
+/// Returns the cube around a growing object, with centre and half-side rounded to whole voxels: smaller
+/// growth leaves box and maps unchanged.
 pub(super) fn growing_box(object: &Aabb, voxel_size: f64) -> Aabb {
     let half = (BOX_MARGIN_FACTOR * 0.5 * object.longest_side() / voxel_size + BOX_MARGIN_VOXELS).ceil();
     Aabb::cube((object.center() / voxel_size).round() * voxel_size, half * voxel_size)

@@ -3,9 +3,9 @@ use crate::Cancelled;
 use crate::map::Snapshot;
 
 impl Session {
-    /// The known state of the box, in the finest voxels, after each of [`frames`](Self::frames): in their
-    /// final poses, and as if box and table had been known from the first one on, and with them what was
-    /// known of the placement [before](Self::earlier_frames). Empty before an object was found.
+    /// Returns the known state of the box, in the finest voxels, after each of [`frames`](Self::frames) in
+    /// its final pose, as if box, table and the placement [before](Self::earlier_frames) had been known from
+    /// the first one on. Empty before an object is found.
     pub fn replay(&self) -> impl Iterator<Item = Result<Snapshot, Cancelled>> {
         let mut map = self.scene.map.without_frames();
         let mut earlier = self.earlier_frames().iter();

@@ -5,24 +5,23 @@ use crate::registration::Registration;
 use crate::{Cancel, Cancelled};
 use serde::{Deserialize, Serialize};
 
-/// One step of a scan: the choice of a view and the changes of the map by the frame taken there.
+/// One step of a scan: the choice of a view, and the changes to the map by its frame.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct StepReport {
     /// Number of views taken so far, this one included.
     pub step: usize,
-    /// Number of the view; none if it was no candidate: a first view without a number, or a frame that was
-    /// not asked for.
+    /// Number of the view; `None` if it is not a candidate: a first view without a number, or an unrequested
+    /// frame.
     pub view: Option<usize>,
-    /// Camera pose used for the map: with registration, the corrected pose; the given one if the frame was
-    /// set aside.
+    /// Camera pose used for the map: the corrected pose with registration, the given one if the frame was set
+    /// aside.
     pub world_from_camera: Pose,
-    /// Result of the alignment of the frame; none without registration, and for the first frame that shows
-    /// the object.
+    /// Result of the frame's alignment; `None` without registration, and for the first frame that shows the
+    /// object.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub registration: Option<Registration>,
-    /// How far the same surface is apart in the given poses, root mean square along its normal, metres, if
-    /// this frame shows that they are wrong, so that all frames have been aligned and those to come will be;
-    /// else `None`.
+    /// How far apart the given poses put the same surface, root mean square along its normal, metres, if this
+    /// frame proves them wrong: all frames have been aligned, and later ones will be. `None` otherwise.
     #[serde(default, rename = "apart_m", skip_serializing_if = "Option::is_none")]
     pub apart: Option<f64>,
     /// Whether alignment was given up with this frame, since it failed for most: all poses, also of earlier
@@ -33,38 +32,37 @@ pub struct StepReport {
     /// Whether the frame could not be aligned and is not in the map.
     #[serde(default)]
     pub is_set_aside: bool,
-    /// Numbers, among all observed frames and from 0, of those that had been set aside and came into the map
-    /// with this one.
+    /// Numbers (from 0, among all observed frames) of the frames that were set aside and entered the map with
+    /// this one.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub recovered: Vec<usize>,
-    /// Why the view was chosen; none for the first.
+    /// The reason for the choice of the view; `None` for the first.
     pub choice: Option<Choice>,
-    /// The planner's expectations of the view and of all that could follow; none for planners without
-    /// expectations.
+    /// The planner's expectations of the view and of all that could follow; `None` if the planner has none.
     pub outlook: Option<Outlook>,
-    /// Straight distance from where the last frame was taken, metres; 0 for the first.
+    /// Straight distance from the last frame's camera position, metres; 0 for the first.
     #[serde(rename = "travel_m")]
     pub travel: f64,
-    /// Voxel size, metres, in which the view was planned; for a view that was not planned, that in which
-    /// planning continues.
+    /// Voxel size, metres, in which the view was planned; if it was not planned, the size in which planning
+    /// continues.
     #[serde(rename = "voxel_size_m")]
     pub voxel_size: f64,
-    /// The box around the object after the frame; none if no object was found.
+    /// The object's box after the frame; `None` if no object was found.
     pub bounds: Option<Aabb>,
-    /// The table that the object stands on; none without one, or if none was found.
+    /// The table under the object; `None` without one, or if none was found.
     pub table: Option<Plane>,
-    /// Share, 0..=1, of the voxels with measured surface whose expected error is within the
-    /// [goal](super::SessionConfig::goal) and that were seen as often as
-    /// [wanted](super::SessionConfig::looks); none without such goals.
+    /// Share, 0..=1, of the voxels with measured surface that reach the goals for
+    /// [accuracy](super::SessionConfig::goal) and [looks](super::SessionConfig::looks); `None` without such
+    /// goals.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub share_at_goal: Option<f64>,
-    /// The changes that the frame made in the map, with those of the recovered ones.
+    /// The changes made to the map by the frame and the recovered ones.
     pub update: MapUpdate,
-    /// The known state of the box after it.
+    /// The known state of the box after the frame.
     pub map: MapReport,
 }
 
-/// The known state of the box around the object, in the finest voxels; zeros if there is none.
+/// The known state of the object's box, in the finest voxels; zeros if there is none.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct MapReport {
     /// Occupied voxels.
@@ -76,7 +74,7 @@ pub struct MapReport {
     /// Entropy of the box, nats: the paper's eq. (8).
     #[serde(rename = "entropy_nats")]
     pub entropy: f64,
-    /// The same as a share, 0..=1, of an unknown box: the value that eq. (9) compares with q_thresh.
+    /// Entropy as a share, 0..=1, of that of an unknown box: the value that eq. (9) compares with q_thresh.
     pub entropy_share: f64,
 }
 
@@ -86,7 +84,7 @@ impl MapReport {
         Self::unless(snapshot, &Cancel::default()).expect("nobody cancels")
     }
 
-    /// [`new`](Self::new), unless cancelled.
+    /// As [`new`](Self::new), unless cancelled.
     pub(super) fn unless(snapshot: &Snapshot, cancel: &Cancel) -> Result<Self, Cancelled> {
         let [n_occupied, n_free] = [Occupancy::Occupied, Occupancy::Free].map(|state| snapshot.count(state));
         cancel.check()?;

@@ -4,9 +4,9 @@ use serde::{Deserialize, Serialize};
 
 /// Planning from coarse voxels to fine ones: the paper's algorithm 1.
 ///
-/// After each frame, while the entropy of the map in the present voxels is below `q_thresh` of that of an
-/// unknown one (eqs. 8, 9), planning continues in voxels half the size, down to the finest. There,
-/// [`StopConfig::entropy_share`](super::StopConfig::entropy_share) ends the scan. Algorithm 1 has 0.5 for
+/// After each frame, while the entropy of the map in the current voxels is below `q_thresh` of that of an
+/// unknown map (eqs. 8, 9), planning continues in voxels half the size, down to the finest. There,
+/// [`StopConfig::entropy_share`](super::StopConfig::entropy_share) ends the scan. Algorithm 1 uses 0.5 for
 /// both.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
@@ -14,16 +14,16 @@ use serde::{Deserialize, Serialize};
 pub struct MultiResolutionConfig {
     /// Whether planning begins in coarser voxels. Default: no.
     pub enabled: bool,
-    /// Voxel size to begin with, metres: the finest times a power of two. Default: the coarsest of which at
-    /// least 12 fit along the first box (the paper, section IV.C).
+    /// Initial voxel size, metres: the finest times a power of two. Default: the coarsest that fits at least
+    /// 12 voxels along the first box (the paper, section IV.C).
     #[serde(rename = "coarsest_voxel_size_m", skip_serializing_if = "Option::is_none")]
     pub coarsest_voxel_size: Option<f64>,
-    /// Share of the entropy of an unknown map below which the voxels are halved, 0..=1; the paper's q_thresh.
+    /// Share of an unknown map's entropy below which the voxels are halved, 0..=1; the paper's q_thresh.
     /// Default 0.5.
     pub q_thresh: f64,
 }
 
-/// Voxels along the edge of the box in the coarsest map, at least.
+/// Minimum number of voxels along the edge of the box in the coarsest map.
 const LEAST_VOXELS: f64 = 12.0;
 
 /// Maximum number of halvings: a cube of 12 voxels becomes one of 400,000.
@@ -38,7 +38,7 @@ impl Default for MultiResolutionConfig {
 checked_when_read!(MultiResolutionConfig);
 
 impl MultiResolutionConfig {
-    /// The defaults, enabled.
+    /// Returns the defaults, enabled.
     pub fn enabled() -> Self {
         Self { enabled: true, ..Self::default() }
     }
@@ -54,7 +54,7 @@ impl MultiResolutionConfig {
         }
     }
 
-    /// The same, and fails unless the coarsest voxels halve to the finest.
+    /// As [`check`](Self::check), and fails unless the coarsest voxels halve to the finest.
     pub(super) fn check_for(&self, finest: f64) -> Result<(), Error> {
         self.check()?;
         match self.coarsest_voxel_size {
@@ -67,7 +67,8 @@ impl MultiResolutionConfig {
         }
     }
 
-    /// How often the coarsest voxels are halved in a box with this edge (metres).
+    /// Returns the number of halvings from the coarsest to the finest voxels in a box with this edge
+    /// (metres).
     pub(super) fn n_halvings(&self, finest: f64, edge: f64) -> u32 {
         let stated = self.coarsest_voxel_size.and_then(|coarsest| halvings(coarsest, finest));
         let fits = |n: &u32| edge / (finest * 2_f64.powi(*n as i32)) >= LEAST_VOXELS;
@@ -75,7 +76,7 @@ impl MultiResolutionConfig {
     }
 }
 
-/// How often `coarsest` is halved to give `finest`, to rounding; none if it is not.
+/// Returns the number of halvings from `coarsest` to `finest`, up to rounding; `None` if no number fits.
 fn halvings(coarsest: f64, finest: f64) -> Option<u32> {
     let is_power = |n: &u32| (coarsest / finest / 2_f64.powi(*n as i32) - 1.0).abs() < 1e-9;
     (0..=MOST_HALVINGS).find(is_power)

@@ -4,7 +4,7 @@ use crate::map::{Background, Integration, LogOdds, MapUpdate, OccupancyMap, RayR
 use crate::sensor::Frame;
 use crate::{Cancel, Cancelled};
 
-/// The settings that decide how frames become maps.
+/// The settings for mapping frames.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct MapRules {
     /// Finest voxel size, metres.
@@ -14,25 +14,24 @@ pub(super) struct MapRules {
     pub background: Background,
 }
 
-/// Where the object is, as far as it is known.
+/// The object's known place.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct Place {
-    /// The box around it; nothing is mapped before there is one.
+    /// The object's box; nothing is mapped before there is one.
     pub bounds: Option<Aabb>,
     pub table: Option<KnownTable>,
 }
 
-/// The map of a scan in the finest voxels and, while planning is done in coarser ones, the same frames mapped
-/// in those.
+/// The map of a scan in the finest voxels and, while planning uses coarser ones, also in those.
 ///
-/// Both are functions of the frames, the place and the voxel size alone: when the box grows or the voxels are
-/// halved, maps are rebuilt from all frames, so that no measurement is lost or made up.
+/// Both depend only on the frames, the place and the voxel size: when the box grows or the voxels are halved,
+/// maps are rebuilt from all frames, so no measurement is lost or invented.
 #[derive(Clone, Debug)]
 pub(super) struct ScanMap {
     rules: MapRules,
     place: Place,
     finest: BoxMap,
-    /// Number of halvings left, and the map in the present voxels; none in the finest.
+    /// Number of halvings left, and the map in the current voxels; `None` in the finest.
     coarse: Option<(u32, BoxMap)>,
 }
 
@@ -40,24 +39,24 @@ pub(super) struct ScanMap {
 #[derive(Clone, Debug)]
 struct BoxMap {
     map: OccupancyMap,
-    /// None where the box is unknown or holds no voxel.
+    /// `None` if the box is unknown or holds no voxel.
     block: Option<VoxelBlock>,
     integration: Integration,
     table: Option<KnownTable>,
 }
 
 impl ScanMap {
-    /// A map without frames.
+    /// Returns a map without frames.
     pub fn new(rules: MapRules, place: Place) -> Self {
         Self { finest: BoxMap::new(&rules, 0, place), coarse: None, place, rules }
     }
 
-    /// A map without frames and without a place.
+    /// Returns a map without frames and without a place.
     pub fn nowhere(&self) -> Self {
         Self::new(self.rules, Place::default())
     }
 
-    /// The map of the same place in the finest voxels, before the first frame.
+    /// Returns a map of the same place in the finest voxels, without frames.
     pub fn without_frames(&self) -> Self {
         Self::new(self.rules, self.place)
     }
@@ -66,22 +65,22 @@ impl ScanMap {
         self.place
     }
 
-    /// The map in the finest voxels.
+    /// Returns the map in the finest voxels.
     pub fn finest(&self) -> &OccupancyMap {
         &self.finest.map
     }
 
-    /// The known state of the box in the finest voxels; none before there is a box.
+    /// Returns the known state of the box in the finest voxels; `None` before there is a box.
     pub fn finest_snapshot(&self, cancel: &Cancel) -> Result<Option<Snapshot>, Cancelled> {
         self.finest.snapshot(cancel)
     }
 
-    /// The known state of the box in the voxels that planning uses; none before there is a box.
+    /// Returns the known state of the box in the planning voxels; `None` before there is a box.
     pub fn planning_snapshot(&self, cancel: &Cancel) -> Result<Option<Snapshot>, Cancelled> {
         self.planning().snapshot(cancel)
     }
 
-    /// Edge of the voxels that planning uses, metres.
+    /// Returns the edge of the planning voxels, metres.
     pub fn planning_voxel_size(&self) -> f64 {
         self.planning().map.lattice().voxel_size()
     }
@@ -91,8 +90,8 @@ impl ScanMap {
         self.coarse.is_none()
     }
 
-    /// Writes a frame into all maps and returns its changes in the finest. The maps are of no use if
-    /// cancelled.
+    /// Adds a frame to all maps and returns its changes to the finest one. After cancellation, the maps are
+    /// unusable.
     pub fn integrate(&mut self, frame: &Frame, cancel: &Cancel) -> Result<MapUpdate, Cancelled> {
         if let Some((_, coarse)) = &mut self.coarse {
             coarse.integrate(frame, cancel)?;
@@ -100,14 +99,14 @@ impl ScanMap {
         self.finest.integrate(frame, cancel)
     }
 
-    /// Rebuilds the maps for another place, from all frames. They are of no use if cancelled.
+    /// Rebuilds the maps for another place from all frames. After cancellation, they are unusable.
     pub fn move_to(&mut self, place: Place, frames: &[Frame], cancel: &Cancel) -> Result<(), Cancelled> {
         self.place = place;
         self.finest = BoxMap::of(&self.rules, 0, place, frames, cancel)?;
         self.plan_in(self.coarse.as_ref().map_or(0, |(n_halvings, _)| *n_halvings), frames, cancel)
     }
 
-    /// Continues planning in voxels with this many halvings left, or in finer ones if the box holds none of
+    /// Switches planning to voxels with this many halvings left, or to finer ones if the box holds none of
     /// those.
     pub fn plan_in(&mut self, n_halvings: u32, frames: &[Frame], cancel: &Cancel) -> Result<(), Cancelled> {
         self.coarse = self.coarse_map(n_halvings, frames, cancel)?;
@@ -125,7 +124,7 @@ impl ScanMap {
         n.map(|n| Ok((n, BoxMap::of(&self.rules, n, self.place, frames, cancel)?))).transpose()
     }
 
-    /// Halves the voxels that planning uses; they must not be the finest. They stay as they are if cancelled.
+    /// Halves the planning voxels, which must not be the finest. If cancelled, they stay unchanged.
     pub fn refine(&mut self, frames: &[Frame], cancel: &Cancel) -> Result<(), Cancelled> {
         let n_halvings = self.coarse.as_ref().map_or(0, |(n_halvings, _)| n_halvings - 1);
         self.coarse = self.coarse_map(n_halvings, frames, cancel)?;
@@ -172,8 +171,8 @@ impl BoxMap {
         }
     }
 
-    /// The known state of the box. Voxels inside the table, which no frame can show, count as free: there is
-    /// nothing to find.
+    /// Returns the known state of the box. Voxels inside the table, which no frame can show, count as free:
+    /// there is nothing to find.
     fn snapshot(&self, cancel: &Cancel) -> Result<Option<Snapshot>, Cancelled> {
         let Some(block) = self.block else { return Ok(None) };
         let snapshot = self.map.snapshot_unless(block, cancel)?;
@@ -224,8 +223,7 @@ mod tests {
         }
     }
 
-    /// However they came to be, the maps equal those built from scratch from the frames, the place and the
-    /// voxel size.
+    /// The maps always equal those built from scratch from the frames, the place and the voxel size.
     fn check_is_from_scratch(map: &ScanMap, frames: &[Frame]) {
         let mut known = Place { ..map.place() };
         let n_halvings = (map.planning_voxel_size() / 0.01).log2().round() as u32;
@@ -280,7 +278,7 @@ mod tests {
         let never = &Cancel::default();
         frames(2).iter().for_each(|frame| _ = map.integrate(frame, never).unwrap());
         let below = |key: glam::IVec3| (key.z + 1) as f64 * 0.01 <= -0.009;
-        // As a tilted table would leave them in the box.
+        // Voxels that a tilted table would leave in the box.
         map.finest.block = Lattice::new(0.01).unwrap().block_inside(&Aabb::cube(DVec3::ZERO, 0.05));
         let snapshot = map.finest_snapshot(never).unwrap().unwrap();
         let block = snapshot.block();

@@ -3,11 +3,11 @@ use crate::sensor::Frame;
 use glam::IVec3;
 use rustc_hash::FxHashSet;
 
-/// Edge of the cells, in voxels: wrong poses and noise move points into neighbouring voxels, which would
+/// Edge of the cells, in voxels. Wrong poses and noise move points into neighbouring voxels, which would
 /// count as progress.
 const CELL_IN_VOXELS: f64 = 2.0;
 
-/// Where frames have shown surface: how many cells hold a measured point, after each step.
+/// The cells with a measured point, and their number after each step.
 #[derive(Clone, Debug)]
 pub(super) struct SeenCells {
     lattice: Lattice,
@@ -16,14 +16,13 @@ pub(super) struct SeenCells {
 }
 
 impl SeenCells {
-    /// No frames yet, for voxels of a valid size.
+    /// Returns an empty set for voxels of a valid size.
     pub fn new(voxel_size: f64) -> Self {
         let lattice = Lattice::new(CELL_IN_VOXELS * voxel_size).expect("the session checked the voxel size");
         Self { lattice, cells: FxHashSet::default(), n_after: Vec::new() }
     }
 
-    /// Adds the points in the box of the frames of a step, one in general, without those up to the top of a
-    /// table.
+    /// Adds the points of a step's frames (usually one) in the box and above the top of a table.
     pub fn add(&mut self, frames: &[Frame], bounds: Option<Aabb>, table_top: Option<Plane>) {
         let points =
             bounds.into_iter().flat_map(|bounds| frames.iter().flat_map(move |f| f.points_in(bounds)));
@@ -32,7 +31,7 @@ impl SeenCells {
         self.n_after.push(self.cells.len());
     }
 
-    /// Adds the points of frames of before the first step.
+    /// Adds the points of frames from before the first step.
     pub fn know(&mut self, frames: &[Frame], bounds: Option<Aabb>, table_top: Option<Plane>) {
         let n_after = self.n_after.clone();
         self.add(frames, bounds, table_top);
@@ -41,8 +40,8 @@ impl SeenCells {
         self.n_after.iter_mut().for_each(|n| *n += n_new);
     }
 
-    /// The share, 0..=1, of the cells that the last `n` frames were first to show; none if there were not
-    /// more frames than that, or if none showed anything.
+    /// Returns the share, 0..=1, of the cells first shown by the last `n` steps; `None` if there were no more
+    /// steps than that, or nothing was shown.
     pub fn progress(&self, n: usize) -> Option<f64> {
         let (last, before) = self.n_after.split_last()?;
         let start = before[before.len().checked_sub(n)?];
@@ -57,7 +56,7 @@ mod tests {
     use crate::sensor::{DepthImage, Intrinsics};
     use glam::{DVec2, DVec3};
 
-    /// A camera at x that looks along z at a wall 1 m away, with pixels 1 cm apart.
+    /// A camera at x looking along z at a wall 1 m away, with pixels 1 cm apart.
     fn frame(x: f64) -> Frame {
         let optics = Intrinsics::pinhole(10, 1, DVec2::splat(100.0), DVec2::ZERO).unwrap();
         let pose = Pose::new(glam::DQuat::IDENTITY, DVec3::new(x + 0.005, 0.005, 0.0)).unwrap();

@@ -8,11 +8,11 @@ use crate::{Cancel, Cancelled, Error};
 use glam::{DVec2, DVec3};
 use rayon::prelude::*;
 
-/// What frames have shown of an object in a box on a table, in voxels of this size (metres): to go on with
-/// [after](super::Session::after) it was turned.
+/// Returns the object in a box on a table as shown by these frames, in voxels of this size (metres), to
+/// continue [after](super::Session::after) it is turned.
 ///
 /// # Errors
-/// If the box or the voxels are out of range, or it is cancelled.
+/// If the box or the voxel size is out of range, or it is cancelled.
 pub fn shown_object(
     frames: &[Frame],
     bounds: Aabb,
@@ -31,7 +31,7 @@ pub fn shown_object(
     Ok(shown_on(frames, map.snapshot_unless(block, cancel)?, table, cancel)?)
 }
 
-/// The same by the map that the frames make.
+/// As [`shown_object`], but from the map of the frames.
 pub(super) fn shown_on(
     frames: &[Frame],
     snapshot: Snapshot,
@@ -43,10 +43,10 @@ pub(super) fn shown_on(
     ShownObject::new(frames, snapshot, table.plane, cancel)
 }
 
-/// A frame whose surface is that of the object alone, by what is known of its box and its table.
+/// Returns the frame with only the object's surface, given its box and its table.
 ///
-/// A ray that ended on something else counts as one that met nothing if all voxels of the box behind it are
-/// free: nothing of the object is there, wherever it goes with the object. Else it measured nothing.
+/// A ray that ended on something else met nothing if all voxels of the box behind it are free: no part of the
+/// object is there, however the object is turned. Otherwise it measured nothing.
 fn object_only(
     frame: &Frame,
     snapshot: &Snapshot,
@@ -86,7 +86,7 @@ impl Cut<'_> {
         let ideal = self.frame.intrinsics().deproject(DVec2::new(f64::from(u), f64::from(v)));
         let Some(in_camera) = ideal.map(|ideal| ideal.extend(1.0) * f64::from(depth)) else { return reading };
         let point = self.frame.world_from_camera().transform_point(in_camera);
-        // Of points that may be the table's by their noise, the map knows which are the object's.
+        // Points within the table's noise belong to the object if the map has them occupied.
         let is_above =
             || self.table.is_below(point) || self.top.height(point) > 0.0 && self.is_occupied(point);
         if self.bounds.contains(point) && is_above() {
@@ -100,7 +100,7 @@ impl Cut<'_> {
         i.is_some_and(|i| self.snapshot.occupancy()[i] == Occupancy::Occupied)
     }
 
-    /// Whether all voxels of the box behind a point, as the camera sees it, are free.
+    /// Whether all voxels of the box behind a point, as seen from the camera, are free.
     fn is_free_behind(&self, point: DVec3) -> bool {
         let (lattice, block) = (self.snapshot.lattice(), self.snapshot.block());
         let camera = self.frame.world_from_camera().translation();

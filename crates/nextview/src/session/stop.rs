@@ -2,34 +2,33 @@ use crate::Error;
 use crate::checked::{check_range, checked_when_read};
 use serde::{Deserialize, Serialize};
 
-/// When a scan is over before the maximum number of views is taken. By default, when no view gains anything,
-/// when the last six together hardly did, or when none of the next is expected to.
+/// Conditions that end a scan before the maximum number of views. By default, it ends when no view gains
+/// anything, when the last six together gained little, or when each of the next is expected to gain little.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(default, deny_unknown_fields, remote = "Self")]
 pub struct StopConfig {
     /// Stop when the entropy in the box is below this share, 0..=1, of that of an unknown box: q_thresh of
-    /// the paper's eq. (9), where it is 0.5. Default: off, because the share measures how empty the box is
+    /// the paper's eq. (9), which uses 0.5. Default: off, because the share measures how empty the box is
     /// rather than how completely the object was seen.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub entropy_share: Option<f64>,
-    /// Stop when this share, 0..=1, of the surface that can be seen is
+    /// Stop when this share, 0..=1, of the visible surface is
     /// [estimated](crate::planner::Outlook::completeness) to have been seen. Default: off. It has no effect
     /// on planners without expectations.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub completeness: Option<f64>,
     /// Stop when each of the next views is expected to add less than this share, 0..=1, to the surface seen
-    /// so far. Default: a tenth of `progress`, because six views that add as little would be no progress
-    /// either; 0, which is off, while more than `progress` of the surface is not yet measured with the stated
-    /// error, or seen as often as stated.
-    /// It has no effect on planners without expectations.
+    /// so far. Default: a tenth of `progress`, because six views that each add so little would be no progress
+    /// either; 0, which is off, while more than `progress` of the surface does not reach the goals for error
+    /// or number of looks. It has no effect on planners without expectations.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub expected_gain: Option<f64>,
     /// Stop when the last [six frames](Self::PROGRESS_VIEWS) together added less than this share, 0..=1, to
-    /// where surface was measured, in cells of two voxels. Default 0.01; 0 is off.
+    /// the measured surface, in cells of two voxels. Default 0.01; 0 is off.
     pub progress: f64,
-    /// Stop rather than let the straight path through all views become longer than this, metres, positive.
-    /// Default: off.
+    /// Stop before the straight path through all views becomes longer than this, metres, positive. Default:
+    /// off.
     #[serde(rename = "path_length_m", skip_serializing_if = "Option::is_none")]
     pub path_length: Option<f64>,
 }
@@ -49,16 +48,16 @@ impl Default for StopConfig {
 }
 
 impl StopConfig {
-    /// The share of the surface seen below which an expected gain ends a scan.
-    /// `share_at_goal` is that of the surface measured so far which is at the goals for it, if there are any.
+    /// Returns the share of the seen surface below which an expected gain ends a scan. `share_at_goal` is the
+    /// share of the measured surface that reaches the goals, if there are any.
     pub(super) fn little_gain(&self, share_at_goal: Option<f64>) -> f64 {
         let is_at_goal = share_at_goal.is_none_or(|share| share >= 1.0 - self.progress);
         let default = if is_at_goal { 0.1 * self.progress } else { 0.0 };
         self.expected_gain.unwrap_or(default)
     }
 
-    /// Number of views over which [`progress`](Self::progress) is measured: two or three in a row may be
-    /// unlucky where the object is nearly complete.
+    /// Number of views over which [`progress`](Self::progress) is measured: when the object is nearly
+    /// complete, two or three in a row may be unlucky.
     pub const PROGRESS_VIEWS: usize = 6;
 
     /// Fails on the first value out of range.

@@ -9,81 +9,81 @@ use serde::{Deserialize, Serialize};
 /// The surface that the object stands on.
 ///
 /// Points on and below the table are not part of the object and make no voxel occupied; the space in front of
-/// them still counts as free. On the table are those up to 2 mm above it, or up to three times the deviation
-/// of its points, as frames show it, if that is more. The box ends at the table, and candidates below it are
-/// out of reach.
+/// them still counts as free. Points up to 2 mm above the table, or up to three times the measured deviation
+/// of its points if that is more, belong to it. The box ends at the table, and candidates below it are out of
+/// reach.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "kebab-case", remote = "Self")]
 #[non_exhaustive]
 pub enum Table {
-    /// Nothing that the camera sees. The default.
+    /// No visible surface. The default.
     #[default]
     None,
-    /// A horizontal surface at this z, metres, finite. With [registration](crate::registration), it is where
-    /// the frames show it, at most as far away as poses may be wrong.
+    /// A horizontal surface at this z, metres, finite. With [registration](crate::registration), its position
+    /// is corrected from the frames, by at most the uncertainty of the poses.
     #[serde(rename = "at-height-m")]
     AtHeight(f64),
-    /// The largest surface that the first frame with points shows below the camera and less than 30 degrees
-    /// from the horizontal, as that frame shows it that shows it best; where there is none, as without a
-    /// table.
+    /// The largest surface below the camera, less than 30 degrees from the horizontal, in the first frame
+    /// with points, as measured in the frame that shows it best. If there is none, there is no table.
     Fitted,
 }
 
-/// Points up to this height above a table belong to it, metres: the paper's figure (section V.C).
+/// Height above a table up to which points belong to it, metres: the paper's value (section V.C).
 pub const ON_TABLE: f64 = 0.002;
 
-/// A table's points, as a frame shows them, may lie this many times their own deviation above it, if that is
-/// more.
+/// A table's measured points may lie this many times their own deviation above it, if that is more.
 const DEVIATIONS: f64 = 3.0;
 
-/// The same for connections to the object: hardly any point of the table may bridge to the next.
+/// As [`DEVIATIONS`], but for connections to the object: hardly any point of the table may bridge to the
+/// next.
 const DEVIATIONS_SHOWN: f64 = 5.0;
 
-/// Another frame shows a table better if its points lie this much closer to a plane: each change makes the
-/// map anew.
+/// Another frame shows a table better if it has at most this share of the deviation: each change rebuilds the
+/// map.
 const BETTER: f64 = 0.6;
 
-/// A table whose points lie this close to a plane, metres, is known well enough.
+/// Deviation of a table's points, metres, at which it is known well enough.
 const GOOD: f64 = 0.5 * ON_TABLE;
 
-/// A frame with fewer points shows nothing: the next one is the first that could show a table.
+/// Minimum number of points in a frame that can show a table; frames with fewer are passed over.
 const LEAST_POINTS: usize = 100;
 
-/// How far above a table's points a camera can stand, metres: most of the height of a small camera.
+/// Minimum height of a camera above a table's points, metres: most of the height of a small camera.
 const CLEARANCE: f64 = 0.02;
 
-/// How far a wrong pose may put the points of a table beside it, metres: a degree at half a metre, and a
-/// centimetre and a half.
+/// Largest distance of a table's points from the table in a wrong pose, metres: one degree at half a metre,
+/// plus a centimetre and a half.
 const POSE_ERROR: f64 = 0.025;
 
-/// Noise of a depth camera, as a share of the distance, at most: points that scatter more are of no plane, as
-/// where a table is stated to cut through something.
+/// Maximum noise of a depth camera, as a share of the distance: points that scatter more lie on no plane, as
+/// where a configured table cuts through something.
 const LARGEST_NOISE: f64 = 0.01;
 
-/// A table that was found.
+/// A table with a known plane.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct KnownTable {
-    /// Where it is.
+    /// The table's plane.
     pub plane: Plane,
-    /// The plane above which points are no longer its own.
+    /// The plane above which points do not belong to it.
     pub top: Plane,
 }
 
-/// A known table as one frame shows it: where a pose is wrong, the table's points are not where the table is,
-/// and far away they are noisier than near.
+/// A known table as measured in one frame: with a wrong pose, its points are not on the table, and far points
+/// are noisier than near ones.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct ShownTable {
     camera: DVec3,
-    /// Points up to one of these planes belong to the table: as it is known, and as the frame shows it.
+    /// Points up to one of these planes belong to the table: its known top, and the one measured in the
+    /// frame.
     tops: [Plane; 2],
-    /// So do points above one by up to this times their squared distance from the camera, less [`ON_TABLE`];
-    /// per metre.
+    /// Points also belong to the table up to this times their squared distance from the camera above one of
+    /// the planes, less [`ON_TABLE`]; per metre.
     per_distance_sq: f64,
 }
 
 impl ShownTable {
-    /// As the frame shows it, or, if it does not, as it is known.
+    /// Returns the table as measured in the frame, or the known table if the frame does not show it.
     pub fn new(known: KnownTable, frame: &Frame) -> Self {
         let camera = frame.world_from_camera().translation();
         let points: Vec<DVec3> = frame.points().collect();
@@ -96,7 +96,7 @@ impl ShownTable {
         Self { camera, tops: [known.top, fit.plane.raised(ON_TABLE)], per_distance_sq }
     }
 
-    /// Whether a point of the frame is above the table.
+    /// Whether the table is below a point of the frame.
     pub fn is_below(&self, point: DVec3) -> bool {
         let noise = self.per_distance_sq * point.distance_squared(self.camera);
         self.tops.iter().all(|top| top.height(point) > (noise - ON_TABLE).max(0.0))
@@ -116,7 +116,7 @@ impl Table {
         }
     }
 
-    /// The table, as far as the frames (oldest first) show it.
+    /// Returns the table shown by the frames (oldest first), if any.
     #[cfg(test)]
     pub(super) fn find(self, frames: &[Frame], cancel: &Cancel) -> Result<Option<KnownTable>, Cancelled> {
         let mut search = TableSearch::new(self, None);
@@ -125,30 +125,30 @@ impl Table {
     }
 }
 
-/// The search for a table, frame by frame: a first view from just above it shows a plane of points that are
-/// far away and noisy.
+/// The search for a table, frame by frame: a first view from just above it shows only distant, noisy points.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct TableSearch {
     table: Table,
-    /// How far poses may be wrong, metres; none if they are right.
+    /// Largest error of the poses, metres; `None` if they are correct.
     pose_error: Option<f64>,
-    /// Whether no frame has shown anything so far.
+    /// Whether no frame had enough points so far.
     is_first: bool,
     found: Option<PlaneFit>,
 }
 
 impl TableSearch {
-    /// Before the first frame. `pose_error`: how far poses may be wrong, metres; none if they are right.
+    /// Returns the state before the first frame. `pose_error`: largest error of the poses, metres; `None` if
+    /// they are correct.
     pub fn new(table: Table, pose_error: Option<f64>) -> Self {
         Self { table, pose_error, is_first: true, found: None }
     }
 
-    /// The same before the first frame.
+    /// Returns the search before the first frame.
     pub fn anew(&self) -> Self {
         Self::new(self.table, self.pose_error)
     }
 
-    /// Looks at more frames, oldest first; returns whether the table is another one now.
+    /// Searches more frames, oldest first. Returns whether the table changed.
     pub fn look(&mut self, frames: &[Frame], cancel: &Cancel) -> Result<bool, Cancelled> {
         let before = self.known();
         if self.table != Table::None {
@@ -178,7 +178,7 @@ impl TableSearch {
         Ok(())
     }
 
-    /// The table, as far as it is known.
+    /// Returns the table, if known.
     pub fn known(&self) -> Option<KnownTable> {
         match self.table {
             Table::None => None,
@@ -187,7 +187,7 @@ impl TableSearch {
                 Some(match self.found {
                     None => KnownTable::new(stated),
                     Some(found) if self.pose_error.is_some() => KnownTable::fitted(found),
-                    // Where it is need not be learned from the frames, but how noisy its points are.
+                    // Only the noise of its points is learned from the frames, not its height.
                     Some(found) => KnownTable::fitted(PlaneFit { plane: stated, ..found }),
                 })
             }
@@ -195,7 +195,7 @@ impl TableSearch {
         }
     }
 
-    /// A table that is stated, and how far from there frames may show it.
+    /// Returns the configured table, and the largest distance at which frames may show it.
     fn stated(&self) -> Option<(Plane, f64)> {
         let Table::AtHeight(z) = self.table else { return None };
         let plane = Plane::horizontal(z).ok()?;
@@ -203,20 +203,20 @@ impl TableSearch {
     }
 }
 
-/// Most of a table's own points.
+/// Returns most of a table's own points.
 fn points_of<'a>(fit: &PlaneFit, points: &'a [DVec3]) -> impl Iterator<Item = &'a DVec3> {
     let PlaneFit { plane, deviation } = *fit;
     points.iter().filter(move |point| plane.height(**point).abs() <= deviation.max(ON_TABLE))
 }
 
-/// Whether a plane's points scatter no more than the noise of a camera that stands here makes them.
+/// Whether a plane's points scatter no more than the noise of a camera at this position explains.
 fn is_flat(fit: &PlaneFit, points: &[DVec3], camera: DVec3) -> bool {
     let (n, sum) = points_of(fit, points).fold((0, 0.0), |(n, sum), p| (n + 1, sum + p.distance(camera)));
     n as f64 * fit.deviation <= LARGEST_NOISE * sum
 }
 
 impl KnownTable {
-    /// One without noise.
+    /// Returns a table without noise.
     pub fn new(plane: Plane) -> Self {
         Self::with_tolerance(plane, ON_TABLE)
     }
@@ -229,7 +229,7 @@ impl KnownTable {
         Self::with_tolerance(fit.plane, ON_TABLE.max(DEVIATIONS * fit.deviation))
     }
 
-    /// The plane below which no camera can stand.
+    /// Returns the plane below which no camera can be.
     pub fn floor(&self) -> Plane {
         self.top.raised(CLEARANCE)
     }
@@ -239,8 +239,8 @@ impl KnownTable {
         self.top.height(position) >= CLEARANCE
     }
 
-    /// The box without the part below the table's lowest point in it; the box itself if nothing would be
-    /// left.
+    /// Returns the box without the part below the table's lowest point in it; the whole box if nothing would
+    /// be left.
     pub fn clip(&self, bounds: Aabb) -> Aabb {
         let (normal, min, max) = (self.top.normal(), bounds.min.truncate(), bounds.max.truncate());
         let corners = [min, max, DVec2::new(min.x, max.y), DVec2::new(max.x, min.y)];
@@ -251,18 +251,18 @@ impl KnownTable {
     }
 }
 
-/// The top of the table in each frame. Where a pose is wrong, or depths are noisier than in the frame that
-/// shows the table best, its points are not where it is known to be.
+/// The top of the table in each frame. If a pose is wrong, or depths are noisier than in the frame that shows
+/// the table best, the table's points are not where it is known to be.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TableTops {
     pub(super) table: KnownTable,
-    /// The box around the object.
+    /// The object's box.
     pub(super) object: Aabb,
 }
 
 impl TableTops {
-    /// The plane, in world coordinates, above which the points of a frame are no longer the table's. Only
-    /// what the frame shows beside the box around the object counts, as the top of a flat part is no table.
+    /// Returns the plane, in world coordinates, above which the points of a frame do not belong to the table.
+    /// Only points outside the object's box count, since the top of a flat part is not a table.
     pub fn in_frame(&self, frame: &Frame) -> Plane {
         let Self { table, object: Aabb { min, max } } = self;
         let is_beside = |p: &DVec3| p.x < min.x || p.x > max.x || p.y < min.y || p.y > max.y;
@@ -298,8 +298,7 @@ mod tests {
 
     #[test]
     fn a_stated_table_is_where_frames_show_it_if_their_poses_may_be_wrong() {
-        // A camera that looks straight down from a metre above the ground, in a pose that is a centimetre too
-        // high.
+        // A camera looking straight down from a metre above the ground, with a pose a centimetre too high.
         let optics = Intrinsics::pinhole(40, 40, DVec2::splat(20.0), DVec2::splat(19.5)).unwrap();
         let image = DepthImage::from_metres(40, 40, vec![1.0; 1600]).unwrap();
         let pose = look_at(DVec3::Z * 1.01, DVec3::ZERO).unwrap();
@@ -314,7 +313,7 @@ mod tests {
 
     #[test]
     fn far_points_of_a_table_are_no_object() {
-        // A camera half a metre to two above a table, with the noise of a stereo camera.
+        // A camera half a metre to two from a table, with the noise of a stereo camera.
         let optics = Intrinsics::pinhole(160, 120, DVec2::splat(150.0), DVec2::new(79.5, 59.5)).unwrap();
         for height in [0.3, 0.6, 0.9, 1.2] {
             let mut random = Random::new(1, 0);
@@ -345,7 +344,7 @@ mod tests {
     fn a_table_is_where_a_frame_shows_it_and_no_flat_part_is_a_table() {
         let optics = Intrinsics::pinhole(80, 60, DVec2::splat(75.0), DVec2::new(39.5, 29.5)).unwrap();
         let taken_from = look_at(DVec3::new(0.2, 0.0, 0.3), DVec3::ZERO).unwrap();
-        // A plate of this thickness and 26 cm, which fills most of the image, on a table at z = 0.
+        // A plate of this thickness and 26 cm wide, filling most of the image, on a table at z = 0.
         let frame = |thickness: f64, shift: f64| {
             let depth = |pixel: usize| {
                 let ray = optics.deproject(DVec2::new((pixel % 80) as f64, (pixel / 80) as f64)).unwrap();
@@ -373,7 +372,7 @@ mod tests {
             let frame = frame(thickness, 0.0);
             let n_plate = frame.points().filter(|point| point.z > 0.5 * thickness).count();
             assert!(2 * n_plate > frame.points().count(), "the plate fills most of the image");
-            // With table beside its box, and without.
+            // With table visible outside its box, and without.
             for half in [0.14, 1.0] {
                 assert!(top(&frame, half).abs() < 1e-5, "{thickness}");
             }

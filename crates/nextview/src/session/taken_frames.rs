@@ -3,10 +3,10 @@ use crate::geometry::{Aabb, Plane, Pose};
 use crate::registration::Registration;
 use crate::sensor::Frame;
 
-/// A frame that registration set aside: it could not be aligned, so that it is in neither map nor model.
+/// A frame that registration set aside: it could not be aligned and is in neither map nor model.
 #[derive(Clone, Debug)]
 pub struct SetAside {
-    /// Number of the frame among all observed ones, from 0.
+    /// Number of the frame among all observed frames, from 0.
     pub number: usize,
     /// The frame in the given pose.
     pub frame: Frame,
@@ -17,16 +17,16 @@ pub struct SetAside {
 /// All frames observed so far.
 #[derive(Clone, Debug, Default)]
 pub(super) struct TakenFrames {
-    /// Those in the map: first those of the placement before, then the others in the order in which they came
-    /// there.
+    /// The frames in the map: first those of the placement before, then the others in the order in which they
+    /// entered.
     pub mapped: Vec<Frame>,
-    /// How many of those are of the placement before.
+    /// Number of mapped frames of the placement before.
     pub n_earlier: usize,
-    /// The number of each of the others among all observed ones.
+    /// The number of each mapped frame of this placement among all observed frames.
     pub numbers: Vec<usize>,
-    /// The others, oldest first.
+    /// The frames not in the map, oldest first.
     pub set_aside: Vec<SetAside>,
-    /// Where the frames were taken, by number: as mapped or, of those set aside, as given.
+    /// The camera poses by frame number: as mapped, or as given if set aside.
     pub places: Vec<Pose>,
     /// The given pose of each frame, by number.
     pub given: Vec<Pose>,
@@ -36,12 +36,12 @@ pub(super) struct TakenFrames {
 const MANY_SET_ASIDE: usize = 5;
 
 impl TakenFrames {
-    /// Those in the map that are of this placement.
+    /// Returns the mapped frames of this placement.
     pub fn of_now(&self) -> &[Frame] {
         &self.mapped[self.n_earlier..]
     }
 
-    /// The same frames after those of the placement before.
+    /// Returns the same frames, preceded by those of the placement before.
     pub fn after(&self, earlier: Vec<Frame>) -> Self {
         let n_earlier = earlier.len();
         let mapped = earlier.into_iter().chain(self.of_now().iter().cloned()).collect();
@@ -71,7 +71,7 @@ impl TakenFrames {
         self.places.len() - 1
     }
 
-    /// Puts a frame into the map.
+    /// Adds a frame to the map.
     pub fn map(&mut self, number: usize, frame: Frame) {
         self.places[number] = frame.world_from_camera();
         self.mapped.push(frame);
@@ -89,7 +89,7 @@ impl TakenFrames {
         }
     }
 
-    /// The cells that the frames of each step show, in their present poses, given that none were seen before.
+    /// Returns the cells shown by the frames of each step in their current poses, added to `seen`.
     pub fn seen_anew(
         &self,
         mut seen: SeenCells,

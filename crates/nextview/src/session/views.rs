@@ -5,27 +5,26 @@ use crate::sensor::DepthRange;
 use crate::view::{Reachability, ViewSpace};
 use std::sync::Arc;
 
-/// Where the camera could go.
+/// The view candidates of a session.
 #[derive(Clone, Debug)]
 #[non_exhaustive]
 pub enum Views {
-    /// Poses that stay where they are. The first view is [one of them](super::SessionConfig::first_view).
+    /// Fixed poses. The first view is [one of them](super::SessionConfig::first_view).
     Fixed(ViewSpace),
-    /// Poses that move along with the known part of the object.
+    /// Poses that follow the known part of the object.
     Following {
-        /// The first view, which is no candidate.
+        /// The first view, which is not a candidate.
         first: Pose,
         /// The candidates for an object at the origin whose longest side is 2 m ("size 1"), such as
-        /// `generate::shell(DVec3::ZERO, 1.0, 1000, 0)`. They stand [around](ViewSpace::around) the middle of
-        /// the known part of the object, at distances proportional to half its longest side, or where the
-        /// camera [measures](ViewSpace::within_range) if that is farther or nearer. There, an object that few
-        /// frames have shown is taken to be larger than was seen, by 50 % after one frame, half of that after
-        /// two and so on, so that what was not seen is not nearer than the camera measures. So a candidate's
-        /// number always means the same direction and relative distance, and stays taken once it was,
-        /// although the candidate may have moved a little since.
+        /// `generate::shell(DVec3::ZERO, 1.0, 1000, 0)`. They are placed [around](ViewSpace::around) the
+        /// centre of the known part of the object, at distances proportional to half its longest side,
+        /// clamped to the [range](ViewSpace::within_range) of the camera. For the range, an object shown by
+        /// few frames is assumed to be larger than seen, by 50 % after one frame, half of that after two and
+        /// so on: unseen parts must not be nearer than the camera measures. A candidate's number always means
+        /// the same direction and relative distance. It stays taken once it was, even if the candidate has
+        /// moved a little since.
         unit: ViewSpace,
-        /// Candidates that have moved out of it are out of reach. Of fixed ones, [`held`](ViewSpace::held)
-        /// does the same.
+        /// The reachability check for moved candidates. For fixed poses, use [`held`](ViewSpace::held).
         reach: Arc<dyn Reachability>,
     },
 }
@@ -44,13 +43,13 @@ impl Views {
         }
     }
 
-    /// The candidates of a camera of this range for an object at this location; the unit candidates while the
-    /// location is unknown.
+    /// Returns the candidates of a camera of this range for an object at this location; the unit candidates
+    /// while the location is unknown.
     pub(super) fn candidates(&self, location: &Location, range: DepthRange) -> ViewSpace {
         let views = match (self, location.object) {
             (Self::Fixed(views), _) => views.clone(),
             (Self::Following { unit, reach, .. }, Some((center, size))) => {
-                // Too far costs a little accuracy, too near the whole view.
+                // A view too far away loses a little accuracy, one too near everything.
                 let extent = size * location.may_grow;
                 unit.following(center, size).within_range(center, extent, range).held(&**reach)
             }

@@ -1,13 +1,13 @@
-//! The least depth around each pixel.
+//! Minimum depth around each pixel.
 
 use crate::{Cancel, Cancelled};
 use rayon::prelude::*;
 
-/// Up to which depth each pixel and all those around it are free, in square windows of any size up to some.
+/// The depth up to which a pixel and those around it are free, in square windows up to a maximum size.
 ///
-/// The least value of a window is that of four windows in its corners that are half as wide or more. So
-/// windows of half-width 0, 1, 2, 4, 8, ... are enough: with one for every half-width up to 32, a frame took
-/// 132 bytes a pixel, most of the memory of a scan.
+/// The minimum of a window is that of four windows at its corners, each at least half as wide. Half-widths 0,
+/// 1, 2, 4, 8, ... are therefore enough: with every half-width up to 32, a frame took 132 bytes a pixel, most
+/// of the memory of a scan.
 pub(super) struct ClearDepth {
     width: usize,
     height: usize,
@@ -17,7 +17,7 @@ pub(super) struct ClearDepth {
 }
 
 impl ClearDepth {
-    /// From the depth of each pixel, row by row.
+    /// Builds the windows from the depth of each pixel, row by row.
     pub(super) fn new(
         depth: Vec<f32>,
         width: usize,
@@ -36,12 +36,12 @@ impl ClearDepth {
         Ok(clear)
     }
 
-    /// Half the width of the largest window.
+    /// Returns the half-width of the largest window.
     pub(super) fn max_half_width(&self) -> usize {
         self.max_half_width
     }
 
-    /// The least depth in the window of this half-width, at most the largest, around a pixel.
+    /// Returns the minimum depth in the window of this half-width, at most the largest, around a pixel.
     pub(super) fn around(&self, pixel: usize, half_width: usize) -> f32 {
         if half_width == 0 {
             return self.levels[0][pixel];
@@ -51,7 +51,7 @@ impl ClearDepth {
         self.least_of_four(&self.levels[level + 1], pixel % self.width, pixel / self.width, apart)
     }
 
-    /// Windows twice as wide as the last ones.
+    /// Returns the windows twice as wide as the last ones.
     fn doubled(&self) -> Vec<f32> {
         let last = &self.levels[self.levels.len() - 1];
         let apart = 1 << (self.levels.len() - 2);
@@ -62,8 +62,8 @@ impl ClearDepth {
         doubled
     }
 
-    /// The least value of the four windows whose centres are so many pixels away in both directions. At the
-    /// border, windows are moved into the image, where they are cut off.
+    /// Returns the minimum of the four windows whose centres are this many pixels away in both directions. At
+    /// the border, windows are moved into the image, which cuts them off.
     fn least_of_four(&self, level: &[f32], u: usize, v: usize, apart: usize) -> f32 {
         let [left, right] = [u.saturating_sub(apart), (u + apart).min(self.width - 1)];
         let [top, bottom] = [v.saturating_sub(apart), (v + apart).min(self.height - 1)];
@@ -72,7 +72,7 @@ impl ClearDepth {
     }
 }
 
-/// The smallest value among each pixel and its eight neighbours.
+/// Returns the smallest value among each pixel and its eight neighbours.
 fn eroded(image: &[f32], width: usize) -> Vec<f32> {
     let (mut in_rows, mut result) = (image.to_vec(), image.to_vec());
     in_rows.par_chunks_mut(width).zip(image.par_chunks(width)).for_each(|(to, from)| {

@@ -4,12 +4,12 @@ use crate::geometry::Lattice;
 use glam::{DVec3, IVec3};
 use rustc_hash::FxHashMap;
 
-/// Thins a cloud: the mean of the points in each cube with edges of `cell` metres (at least 0.0001), in the
-/// order in which the cubes were first met. Points that are not finite are left out. The points of many
-/// frames are merged by chaining them.
+/// Thins a cloud to the mean of the points in each cube with edges of `cell` metres (at least 0.0001), in the
+/// order in which the cubes were first met. Points that are not finite are skipped. To merge many frames,
+/// chain their points.
 ///
-/// Normal and colour are the means over those points that have one; if none of a cube has, or normals cancel
-/// each other, its point has none. [`MeasuredCells`](super::MeasuredCells) know its expected error.
+/// Normal and colour are means over the points that have one; if no point has one, or normals cancel out, the
+/// result has none. [`MeasuredCells`](super::MeasuredCells) gives the expected error.
 ///
 /// ```
 /// use glam::DVec3;
@@ -26,7 +26,7 @@ pub fn downsample(
     Ok(thinned(points, cell)?.map(|(point, _)| point).collect())
 }
 
-/// The same with how many points each is the mean of.
+/// As [`downsample`], with the number of points in each mean.
 pub(super) fn thinned(
     points: impl IntoIterator<Item = impl Into<CloudPoint>>,
     cell: f64,
@@ -54,7 +54,7 @@ struct Pool {
     color: DVec3,
 }
 
-/// A sum of normals shorter than this has no direction but that of rounding.
+/// The direction of a sum of normals shorter than this is only rounding.
 const CANCELLED: f64 = 1e-6;
 
 impl Pool {

@@ -4,12 +4,12 @@ use crate::geometry::Aabb;
 use crate::sensor::{ColorImage, Frame};
 use glam::DVec3;
 
-/// A surface point with its normal and colour, where they are known.
+/// A surface point with its normal and colour, if known.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CloudPoint {
     /// Metres.
     pub position: DVec3,
-    /// Of unit length, to the side from which the surface was seen.
+    /// Of unit length, towards the side from which the surface was seen.
     pub normal: Option<DVec3>,
     /// Red, green and blue, 0 to 255.
     pub color: Option<[u8; 3]>,
@@ -18,21 +18,20 @@ pub struct CloudPoint {
 }
 
 impl From<DVec3> for CloudPoint {
-    /// A point of which only the position is known.
+    /// Returns a point with only a position.
     fn from(position: DVec3) -> Self {
         Self { position, normal: None, color: None, error: None }
     }
 }
 
-/// The measured points of a frame inside the box (finite, world coordinates), row by row: those of
+/// Returns the measured points of a frame inside the box (finite, world coordinates), row by row: those of
 /// [`Frame::points_in`], with normals, and with colours if there is a colour image.
 ///
-/// The normal is that of the plane through the pixel and its neighbours, on each axis the one whose depth
-/// differs less. Pixels without measured neighbours have none, and no pixel whose surface is seen at an angle
-/// of less than 12 degrees to it: the error of the depth would be most of the normal. Fails if the colour
-/// image has another size.
+/// The normal is from the plane through the pixel and its neighbours, using on each axis the one whose depth
+/// differs less. Pixels without measured neighbours have none, nor do pixels whose surface is seen at less
+/// than 12 degrees: the depth error would dominate the normal. Fails if the colour image has another size.
 ///
-/// The points are made one by one: those of a large image would take twice the memory of all else.
+/// The points are computed lazily: those of a large image would take twice the memory of everything else.
 ///
 /// ```
 /// use glam::{DVec2, DVec3};

@@ -1,27 +1,27 @@
-//! What the pixels of a part of an image have in common.
+//! Common properties of the pixels in a part of an image.
 
 use std::ops::RangeInclusive;
 
 /// Side of a tile, pixels.
 const SIDE: usize = 8;
 
-/// The depths of an image, summed up by squares of pixels.
+/// The depths of an image, summarised by squares of pixels.
 pub(super) struct DepthTiles {
     width: usize,
     height: usize,
     tiles: Vec<Extent>,
 }
 
-/// What is known about the pixels of a window.
+/// A summary of the pixels of a window.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Extent {
-    /// No pixel is nearer.
+    /// Lower bound of the depth.
     pub least: f32,
-    /// No pixel is farther.
+    /// Upper bound of the depth.
     pub most: f32,
-    /// Whether nothing came back at all pixels.
+    /// Whether all pixels are without return.
     pub all_open: bool,
-    /// Whether nothing came back at some pixel.
+    /// Whether some pixel is without return.
     pub any_open: bool,
 }
 
@@ -40,7 +40,7 @@ impl Extent {
 }
 
 impl DepthTiles {
-    /// From each pixel's depth and whether nothing came back, row by row.
+    /// Builds the tiles from each pixel's depth and whether it is without return, row by row.
     pub(super) fn new(depth: &[f32], is_open: &[bool], width: usize) -> Self {
         let pixels = depth.iter().zip(is_open);
         let n_tiles = width.div_ceil(SIDE) * (depth.len() / width).div_ceil(SIDE);
@@ -53,8 +53,8 @@ impl DepthTiles {
         tiles
     }
 
-    /// What is known about the pixels in these columns and rows, which may reach beyond the image: that of
-    /// all tiles that they touch.
+    /// Returns the summary of the pixels in these columns and rows, which may extend beyond the image: that
+    /// of all tiles that they touch.
     pub(super) fn extent(&self, columns: RangeInclusive<usize>, rows: RangeInclusive<usize>) -> Extent {
         let tiles =
             |range: RangeInclusive<usize>, n: usize| range.start() / SIDE..=(*range.end()).min(n - 1) / SIDE;

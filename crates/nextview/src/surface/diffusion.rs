@@ -1,18 +1,18 @@
-//! Values for the voxels of a block of which nothing is known, from those around them.
+//! Fills in unknown voxels of a block from those around them.
 
 use crate::geometry::VoxelBlock;
 use crate::{Cancel, Cancelled};
 use rayon::prelude::*;
 
-/// How often each value is replaced by the mean around it, on every level.
+/// Number of times each value is replaced by the mean around it, on every level.
 const SWEEPS: usize = 48;
 
-/// Gives every voxel a value, those that have one their own: in the limit of many sweeps the harmonic
-/// function, where each other voxel has the mean of its neighbours (the steady state of the volumetric
-/// diffusion of Davis et al. 2002). Nothing flows through the border of the block.
+/// Gives every voxel without a value one: in the limit of many sweeps the harmonic function, where each of
+/// these voxels has the mean of its neighbours (the steady state of the volumetric diffusion of Davis et al.
+/// 2002). Nothing flows through the border of the block.
 ///
-/// The sweeps begin with the values of voxels twice as large, found in the same way: what is far from all
-/// known values takes too many sweeps otherwise. Without any known value all are zero.
+/// The sweeps begin with the values of voxels twice as large, found in the same way: voxels far from all
+/// known values would otherwise take too many sweeps. Without any known value, all are zero.
 pub(super) fn diffuse(
     block: &VoxelBlock,
     known: &[Option<f32>],
@@ -33,13 +33,14 @@ pub(super) fn diffuse(
     Ok(values)
 }
 
-/// Replaces each of these values by its mean with its neighbours; all at once, so that threads do not show.
+/// Replaces each of these values by its mean with its neighbours, all at once: the result does not depend on
+/// threads.
 fn sweep(block: &VoxelBlock, open: &[usize], values: &mut [f32]) {
     let means: Vec<f32> = open.par_iter().map(|&i| mean_around(block, values, i)).collect();
     open.iter().zip(means).for_each(|(&i, mean)| values[i] = mean);
 }
 
-/// The mean of a value and those of the up to six voxels that share a face with its own. Without its own,
+/// Returns the mean of a voxel's value and those of its up to six face neighbours. Without its own,
 /// neighbours could swap values forever.
 fn mean_around(block: &VoxelBlock, values: &[f32], index: usize) -> f32 {
     let (mut sum, mut n) = (values[index], 1.0);
@@ -57,7 +58,7 @@ fn mean_around(block: &VoxelBlock, values: &[f32], index: usize) -> f32 {
     sum / n
 }
 
-/// A block and the one of voxels twice as large.
+/// A block and its counterpart in voxels twice as large.
 struct Halved {
     fine: VoxelBlock,
     coarse: VoxelBlock,
@@ -70,13 +71,13 @@ impl Halved {
         Self { fine: *fine, coarse }
     }
 
-    /// The coarse voxel that a fine one lies in.
+    /// Returns the coarse voxel that contains a fine one.
     fn parent(&self, index: usize) -> usize {
         let local = (self.fine.key(index) - self.fine.min()) / 2;
         self.coarse.index(self.coarse.min() + local).expect("it covers the fine block")
     }
 
-    /// The means of the known values in each coarse voxel.
+    /// Returns the mean of the known values in each coarse voxel.
     fn means(&self, known: &[Option<f32>]) -> Vec<Option<f32>> {
         let mut sums = vec![(0.0, 0_u8); self.coarse.n_voxels()];
         for (i, value) in known.iter().enumerate() {
@@ -112,7 +113,7 @@ mod tests {
         values
     }
 
-    /// Up to what few sweeps leave of the largest value, 1.
+    /// Up to the remaining error of few sweeps, for a largest value of 1.
     #[test]
     fn open_values_are_means_of_those_around_them() {
         let mut random = Random::new(5, 0);
@@ -140,7 +141,7 @@ mod tests {
         assert_eq!(found.into_iter().map(Some).collect::<Vec<_>>(), all);
     }
 
-    /// A wall that is known only at one end of a long block continues to the other.
+    /// A wall known only at one end of a long block continues to the other.
     #[test]
     fn a_value_reaches_far_through_the_unknown() {
         let block = block([200, 4, 4]);

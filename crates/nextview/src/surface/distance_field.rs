@@ -8,31 +8,31 @@ use crate::{Cancel, Cancelled, Error};
 use glam::{DVec3, IVec3, UVec3};
 use rayon::prelude::*;
 
-/// Voxels of a row that a frame is asked about at a time.
+/// Number of voxels of a row that are looked up in a frame at a time.
 const LANES: usize = 8;
 
-/// Voxels that a frame is asked about as a whole first: most are all free, or all hidden.
+/// Bricks of voxels that are first looked up as a whole: most are all free, or all hidden.
 const BRICK: UVec3 = UVec3::new(LANES as u32, 4, 4);
 
 /// Maximum memory of a field, MB.
 const MEMORY_LIMIT_MB: u64 = 4096;
 
-/// How much a free ray without return counts, against 1 for one that ends at a surface farther away. With 1,
-/// a recording whose masks are too tight kept 37 % of its surface within 2 mm.
+/// Weight of a free ray without return, against 1 for a ray that ends at a surface farther away. With 1, a
+/// recording with masks that are too tight kept 37 % of its surface within 2 mm.
 const OPEN_WEIGHT: f32 = 0.1;
 
-/// The signed distance to the surface near it, at the centres of a block of voxels: the mean over all frames,
-/// truncated at some distance (Curless & Levoy 1996; the projective form of Newcombe et al. 2011).
+/// A truncated signed distance field: at each voxel centre of a block, the mean signed distance to the
+/// surface over all frames (Curless & Levoy 1996; the projective form of Newcombe et al. 2011).
 ///
-/// We depart from those papers in five ways. The distance is that to the tangent plane at the pixel, not that
-/// along the ray, which at slanted surfaces is too long by a factor that differs from view to view. A frame
-/// counts less the farther behind its surface a voxel lies (as in Bylow et al. 2013), so that the two sides
-/// of a thin part do not erase each other. Voxels far in front of the surface are not averaged in but counted
-/// as free, and only if the surface is also a voxel away sideways; a voxel is free if more of that was seen
-/// than of a surface near it. Where the ray to a voxel passes the surface more closely, the distance to the
-/// silhouette counts a little. So rays that pass close by do not erode the object. Rays without return count
-/// a tenth, and not at all where more frames show a surface at the voxel or before it: masks that are a
-/// little too tight would otherwise carve away most of the surface, which some frame shows beside its
+/// It departs from those papers in five ways. The distance is to the tangent plane at the pixel, not along
+/// the ray, which is too long at slanted surfaces by a factor that differs between views. A frame's weight
+/// falls with the voxel's distance behind its surface (as in Bylow et al. 2013), so that the two sides of a
+/// thin part do not erase each other. Voxels far in front of the surface are not averaged but counted as
+/// free, and only if the surface is also a voxel away sideways; a voxel is free if that outweighs the
+/// measurements of a surface near it. If the ray to a voxel passes closer to the surface, the distance to the
+/// silhouette gets a small weight, so rays that pass close by do not erode the object. Rays without return
+/// count a tenth, and nothing if more frames show a surface at the voxel or in front of it: masks that are
+/// slightly too tight would otherwise carve away most of the surface, which some frame shows next to its
 /// silhouette.
 ///
 /// ```
@@ -65,39 +65,39 @@ pub struct DistanceField {
 /// The evidence of the frames so far about a voxel.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 struct Cell {
-    /// What was measured.
+    /// Evidence from measured surfaces.
     measured: Sums,
-    /// What follows from nothing coming back.
+    /// Evidence from rays without return.
     open: Sums,
-    /// Number of frames for which it was open in any way.
+    /// Number of frames with a ray without return at the voxel.
     n_open: u16,
-    /// Number of frames for which it lay at a surface or behind one.
+    /// Number of frames with the voxel at or behind a surface.
     n_covered: u16,
 }
 
-/// A mean distance in the making.
+/// Sums for a mean distance.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 struct Sums {
     /// Weighted sum of the distances where the surface was near, metres.
     distance: f32,
     /// Sum of their weights.
     weight: f32,
-    /// Number of frames that saw the voxel free, those where nothing came back for a share.
+    /// Number of frames that saw the voxel free; those without return count in part.
     free: f32,
 }
 
 impl DistanceField {
-    /// A field of which nothing is known yet.
+    /// Returns an empty field.
     ///
     /// `truncation` is the distance in metres up to which surfaces count, in front and behind. It must be at
-    /// least two voxels, so that all corners of a cell that the surface crosses are within it, and should be
-    /// above the depth error. Parts thinner than it come out too thick. Fails if the field would need more
-    /// than 4096 MB.
+    /// least two voxels, so that all corners of a cell crossed by the surface are within it, and should be
+    /// above the depth error. Thinner parts come out too thick. Fails if the field would need more than 4096
+    /// MB.
     pub fn new(lattice: Lattice, block: VoxelBlock, truncation: f64) -> Result<Self, Error> {
         if !(truncation >= 2.0 * lattice.voxel_size() && truncation.is_finite()) {
             return Err(Error::invalid("truncation", truncation, "a finite length of at least two voxels"));
         }
-        // In floating point, since the count of a huge block does not fit an integer.
+        // In floating point, since the size of a huge block does not fit an integer.
         let bytes = block.dims().as_dvec3().element_product() * size_of::<Cell>() as f64;
         if bytes > MEMORY_LIMIT_MB as f64 * 1e6 {
             let what = format!("a distance field of {} voxels", block.dims());
@@ -106,13 +106,13 @@ impl DistanceField {
         Ok(Self { lattice, block, truncation, cells: vec![Cell::default(); block.n_voxels()] })
     }
 
-    /// Adds a frame. If cancelled, a part of it may be in the field, which is of no use then.
+    /// Adds a frame. After cancellation, the field may hold part of the frame and is unusable.
     pub fn integrate(&mut self, frame: &Frame, cancel: &Cancel) -> Result<(), Cancelled> {
         self.integrate_above(frame, None, cancel)
     }
 
-    /// The same for an object on a table: what the frame measured at or below `table_top`, in world
-    /// coordinates, only shows that the rays up to there are free. None without a table.
+    /// As [`integrate`](Self::integrate), for an object on a table: measurements at or below `table_top`, in
+    /// world coordinates, only show that the rays up to there are free. `None` without a table.
     pub fn integrate_above(
         &mut self,
         frame: &Frame,
@@ -138,7 +138,7 @@ impl DistanceField {
                     let size = BRICK.min(dims - first);
                     let reach = (size - 1).as_dvec3() / 2.0;
                     let center = in_camera((block.min() + first.as_ivec3()).as_dvec3() + reach);
-                    // A little more, for what is lost by rounding.
+                    // Slightly larger, to allow for rounding.
                     let radius = reach.length() * lattice.voxel_size() * (1.0 + 1e-9);
                     let of_all = surface.evidence_of_ball(center, radius);
                     for (dz, dy) in (0..size.z).flat_map(|dz| (0..size.y).map(move |dy| (dz, dy))) {
@@ -149,7 +149,7 @@ impl DistanceField {
                             continue;
                         }
                         let first = (block.min() + (first + UVec3::new(0, dy, dz)).as_ivec3()).as_dvec3();
-                        // The last ones may lie beyond the block: the results for those are dropped.
+                        // The last ones may lie beyond the block: their results are dropped.
                         let points = std::array::from_fn(|i| in_camera(first + DVec3::X * i as f64));
                         let evidence = surface.evidence::<LANES>(&points);
                         cells
@@ -163,19 +163,18 @@ impl DistanceField {
         })
     }
 
-    /// The signed distance from a voxel's centre to the surface in metres, positive outside, at most the
-    /// truncation distance; none where nothing was measured.
+    /// Returns the signed distance from a voxel's centre to the surface, metres, positive outside, at most
+    /// the truncation distance; `None` if nothing was measured there.
     pub fn distance(&self, voxel: IVec3) -> Option<f32> {
         self.at(self.block.index(voxel)?)
     }
 
-    /// The surface, by [`surface_nets`](super::surface_nets), unless cancelled; open where nothing was
-    /// measured.
+    /// Extracts the surface with [`surface_nets`](super::surface_nets), unless cancelled; open where nothing
+    /// was measured.
     ///
-    /// Specks are left out: parts that are connected to nothing else and have less than a hundredth of the
-    /// largest part's area, if they consist of less than 100 triangles or if fewer than two frames' worth of
-    /// measurements, each taken from the front, speak for them. Noise makes them, beside edges and inside
-    /// walls.
+    /// Specks, which noise creates near edges and inside walls, are removed: isolated parts with less than a
+    /// hundredth of the largest part's area that have fewer than 100 triangles, or evidence of less than two
+    /// frames from the front.
     pub fn surface(&self, cancel: &Cancel) -> Result<SurfaceMesh, Cancelled> {
         let distance = |index: usize| self.at(index).map(f64::from);
         let mesh = surface_nets_unless(&self.lattice, &self.block, distance, cancel)?;
@@ -183,17 +182,17 @@ impl DistanceField {
         Ok(without_specks(mesh, |point| self.evidence_near(point)))
     }
 
-    /// The lattice of the voxels.
+    /// Returns the lattice of the voxels.
     pub fn lattice(&self) -> Lattice {
         self.lattice
     }
 
-    /// The voxels of the field.
+    /// Returns the voxels of the field.
     pub fn block(&self) -> VoxelBlock {
         self.block
     }
 
-    /// [`distance`](Self::distance) by the index in the block.
+    /// As [`distance`](Self::distance), by the index in the block.
     fn at(&self, index: usize) -> Option<f32> {
         let Sums { distance, weight, free } = self.cells[index].sums();
         if free > weight {
@@ -202,12 +201,12 @@ impl DistanceField {
         (weight > 0.0).then(|| distance / weight)
     }
 
-    /// Sum of the weights of the measurements near a point.
+    /// Returns the sum of the weights of the measurements near a point.
     pub(super) fn evidence_near(&self, point: DVec3) -> f32 {
         self.block.index(self.lattice.key(point)).map_or(0.0, |index| self.cells[index].measured.weight)
     }
 
-    /// The smallest depth of a point of the block in front of the camera; none if all of it lies behind.
+    /// Returns the smallest depth of the block in front of the camera; `None` if all of it lies behind.
     fn nearest_depth(&self, camera_from_world: &Pose) -> Option<f64> {
         let [min, max] = [self.block.min(), self.block.max()].map(|key| self.lattice.center(key));
         let depths = Aabb { min, max }.corners().map(|corner| camera_from_world.transform_point(corner).z);
@@ -237,8 +236,8 @@ impl Cell {
         }
     }
 
-    /// All that counts. Where more frames show a surface at the voxel or before it than nothing at all, rays
-    /// without return only seem to pass.
+    /// Returns the total evidence. Rays without return are ignored if more frames show a surface at the voxel
+    /// or in front of it.
     fn sums(&self) -> Sums {
         let Self { measured, open, n_open, n_covered } = *self;
         if n_covered > n_open {

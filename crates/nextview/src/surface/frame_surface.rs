@@ -8,15 +8,15 @@ use crate::sensor::{Depth, Frame, Intrinsics, Stretch};
 use crate::{Cancel, Cancelled};
 use glam::{DVec2, DVec3};
 
-/// How far along the ray a pixel's tangent plane stands for the surface, in truncation distances. Enough for
-/// the whole truncation band of surfaces seen at 60 degrees; a plane carried on further would cut through
-/// what it cannot see.
+/// Distance along the ray over which a pixel's tangent plane represents the surface, in truncation distances.
+/// It covers the whole truncation band of surfaces seen at 60 degrees; a longer plane would cut through
+/// unseen parts.
 const REACH: f64 = 2.0;
 
-/// How much a silhouette counts, against 1 for a surface seen from the front. Its distance is only a lower
-/// bound: with 0.5 a ball of 15 voxels is off by 0.016 voxels in the mean, with 0.05 by 0.007. Without it the
-/// voxels beside convex edges, which all frames see beside a silhouette, would be unmeasured or left to
-/// planes carried on too far.
+/// Weight of a silhouette, against 1 for a surface seen from the front. Its distance is only a lower bound:
+/// with 0.5, a ball of 15 voxels is off by 0.016 voxels on average, with 0.05 by 0.007. Without it, voxels
+/// near convex edges, which all frames see next to a silhouette, would be unmeasured or left to planes
+/// extended too far.
 const SILHOUETTE_WEIGHT: f32 = 0.1;
 
 /// Largest half-width, pixels, of the window that must be clear around a free point.
@@ -25,17 +25,17 @@ const MAX_MARGIN: usize = 32;
 /// The evidence of one frame about a point.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Evidence {
-    /// The point and its surroundings are free: a surface was measured behind them.
+    /// Point and surroundings are free: a surface was measured behind them.
     Free,
-    /// The same, only that nothing came back. There may be nothing, or a surface that returns nothing, such
-    /// as the rim of an object behind a mask that is a little too tight.
+    /// Point and surroundings are on rays without return. They may be free, or a surface without return, such
+    /// as an object's rim behind a mask that is slightly too tight.
     Open,
-    /// The surface is near: signed distance in metres, positive in front, and how much it counts, 0..=1.
+    /// The surface is near: signed distance in metres, positive in front, and weight, 0..=1.
     Near { distance: f32, weight: f32 },
-    /// A silhouette is near, beside a ray that ends farther away or, `open`, does not return: a lower bound
+    /// A silhouette is near, next to a ray that ends farther away or, if `open`, has no return: a lower bound
     /// of the distance, and its weight.
     Silhouette { distance: f32, weight: f32, open: bool },
-    /// The point lies behind a measured surface, farther than that is said to reach.
+    /// The point lies behind a measured surface, beyond its reach.
     Hidden,
 }
 
@@ -43,11 +43,11 @@ pub(super) enum Evidence {
 pub(super) struct FrameSurface {
     intrinsics: Intrinsics,
     planes: TangentPlanes,
-    /// By pixel, whether nothing came back.
+    /// By pixel, whether it is without return.
     is_open: Vec<bool>,
     clear_depth: ClearDepth,
     tiles: DepthTiles,
-    /// How far the lens moves points apart at most; none if that has no bound.
+    /// Maximum stretch by the lens; `None` if unbounded.
     stretch: Option<Stretch>,
     /// In the camera frame.
     table_top: Option<Plane>,
@@ -56,9 +56,9 @@ pub(super) struct FrameSurface {
 }
 
 impl FrameSurface {
-    /// The frame with distances truncated at `truncation` metres. Points count as free only if there is no
-    /// surface within `margin` metres beside them. No point may be queried at depths below `nearest` metres.
-    /// What is not above `table_top`, in world coordinates, ends rays and is no surface.
+    /// Prepares a frame with distances truncated at `truncation` metres. Points count as free only without a
+    /// surface within `margin` metres sideways. No point may be queried at depths below `nearest` metres.
+    /// Points not above `table_top`, in world coordinates, end rays and are not surface.
     pub(super) fn new(
         frame: &Frame,
         table_top: Option<Plane>,
@@ -78,15 +78,16 @@ impl FrameSurface {
         Ok(Self { intrinsics, planes, is_open, clear_depth, tiles, stretch, table_top, truncation, margin })
     }
 
-    /// The frame's evidence about points of the camera frame; nothing outside the image, where nothing was
-    /// measured, and behind the surface. Several at a time, since undoing the lens is most of the work.
+    /// Returns the frame's evidence about points of the camera frame; `None` outside the image, without a
+    /// measurement, and behind the surface. It takes several points at a time, since undoing the lens is most
+    /// of the work.
     pub(super) fn evidence<const N: usize>(&self, points: &[DVec3; N]) -> [Option<Evidence>; N] {
         let pixels = self.intrinsics.project_lanes(points);
         std::array::from_fn(|i| self.evidence_at(points[i], pixels[i]?))
     }
 
-    /// The evidence about all points of a ball of the camera frame, where the pixels that may show it tell
-    /// the same of each; none where they may not.
+    /// Returns the evidence about all points of a ball of the camera frame if the pixels that may show it
+    /// agree; `None` if they may not.
     pub(super) fn evidence_of_ball(&self, center: DVec3, radius: f64) -> Option<Evidence> {
         let (nearest, farthest) = (center.z - radius, center.z + radius);
         if nearest <= 0.0 {
@@ -119,7 +120,7 @@ impl FrameSurface {
         is_hidden.then_some(Evidence::Hidden)
     }
 
-    /// The evidence of the pixel nearest to `shown`, the image of the point.
+    /// Returns the evidence of the pixel nearest to `shown`, the image of the point.
     fn evidence_at(&self, point: DVec3, shown: DVec2) -> Option<Evidence> {
         let pixel = self.pixel(shown)?;
         let wanted =
@@ -137,7 +138,7 @@ impl FrameSurface {
         (depth > 0.0 && point.z > depth + self.truncation).then_some(Evidence::Hidden)
     }
 
-    /// Whether the ray continues behind the point, at all pixels at most `n_pixels` away.
+    /// Whether the rays of all pixels at most `n_pixels` away continue behind the point.
     fn is_clear(&self, point: DVec3, pixel: usize, n_pixels: usize) -> bool {
         point.z + self.truncation < self.clear_depth.around(pixel, n_pixels) as f64
     }
@@ -158,32 +159,32 @@ impl FrameSurface {
         Some(Evidence::Near { distance: distance as f32, weight: plane.cosine * confidence })
     }
 
-    /// A ray that passes the surface closely: the point is at least as far from it as the silhouette is
-    /// sideways.
+    /// Returns the evidence of a ray that passes close to the surface: the silhouette's sideways distance is
+    /// a lower bound.
     fn near_silhouette(&self, point: DVec3, pixel: usize, wanted: usize) -> Option<Evidence> {
         let n_pixels = (0..wanted).take_while(|&n| self.is_clear(point, pixel, n)).last()?;
         let distance = ((n_pixels as f64 + 0.5) * point.z / self.intrinsics.focal().max_element()) as f32;
         Some(Evidence::Silhouette { distance, weight: SILHOUETTE_WEIGHT, open: self.is_open[pixel] })
     }
 
-    /// The index of the pixel nearest to a place on the image; none outside.
+    /// Returns the index of the pixel nearest to an image position; `None` outside the image.
     fn pixel(&self, shown: DVec2) -> Option<usize> {
         self.intrinsics.contains(shown).then_some(())?;
-        // Half up, as `contains` has it; at the border the sum may round up once more.
+        // Rounds half up, as `contains` does; at the border, the sum may round up once more.
         let [u, v] = (shown + 0.5).to_array().map(|x| x as usize);
         let [width, height] = [self.intrinsics.width(), self.intrinsics.height()].map(|n| n as usize);
         Some(v.min(height - 1) * width + u.min(width - 1))
     }
 }
 
-/// So many pixels are `margin` metres at this depth.
+/// Returns the number of pixels in `margin` metres at this depth.
 fn margin_in_pixels(intrinsics: &Intrinsics, margin: f64, depth: f64) -> usize {
     // Half a pixel more, since a point is looked up at the nearest pixel.
     let pixels = margin / depth * intrinsics.focal().max_element() + 0.5;
     (pixels.ceil() as usize).min(MAX_MARGIN)
 }
 
-/// Up to which depth each pixel is free; 0 where it was not measured.
+/// Returns the depth up to which each pixel is free; 0 if it was not measured.
 fn free_depth(frame: &Frame) -> Vec<f32> {
     let depth = |depth: Depth| match depth {
         Depth::Missing => 0.0,
@@ -246,7 +247,7 @@ mod tests {
         let barrel = Distortion::BrownConrady([-0.15, 0.02, 0.001, -0.002, 0.0]);
         let folded = Distortion::BrownConrady([-2.0, 0.0, 0.0, 0.0, 0.0]);
         for lens in [none, barrel, Intrinsics::d435i().distortion(), folded] {
-            // A slanted surface with a step, a hole in it, and nothing beside it.
+            // A slanted surface with a step and a hole, and nothing next to it.
             let depth = |u: u32, v: u32| match (u, v) {
                 (60.., _) => f32::INFINITY,
                 (20..24, 30..33) => 0.0,

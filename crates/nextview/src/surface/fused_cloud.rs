@@ -9,17 +9,18 @@ use rustc_hash::FxHashMap;
 /// Surfaces in neighbouring cells are the same if the cosine between their normals is above this.
 const SAME_SURFACE: f64 = 0.7;
 
-/// One cloud of the points of all frames: [thinned](super::downsample) by cubes with edges of `cell` metres
-/// (at least 0.0001), with [fitted normals](fit_normals), and each point in the middle of the surface.
+/// Fuses the points of all frames into one cloud: [thinned](super::downsample) by cubes with edges of `cell`
+/// metres (at least 0.0001), with [fitted normals](fit_normals), and each point in the middle of the surface.
 ///
 /// A noisy surface along the border of two cells leaves its outer points in one and its inner points in the
-/// other, and neither mean is on the surface. So each point moves along its normal to the mean of the points
-/// of its cell and of the two cells before and behind it, on the axis nearest to the normal, where these hold
-/// the same surface: their normals differ by less than 45 degrees. They count less the farther they are away
-/// sideways, squared, and nothing from one cell on, so that curved surface is not flattened. This takes two
-/// fifths of the error from a cloud of ten views of a D435i.
+/// other, and neither mean is on the surface. Each point therefore moves along its normal to the mean of the
+/// points in its cell and in the cells in front and behind, on the axis nearest to the normal, if these hold
+/// the same surface: normals less than 45 degrees apart. Their weight falls with the squared sideways
+/// distance, to zero at one cell, so curved surface is not flattened. This removes two fifths of the error
+/// from a cloud of ten views of a D435i.
 ///
-/// With the measured cells of all frames, of the same size, points get the expected error of that mean.
+/// If the measured cells of all frames, of the same size, are given, points get the expected error of that
+/// mean.
 ///
 /// ```
 /// use glam::DVec3;
@@ -59,11 +60,12 @@ pub fn fused_cloud(
     Ok(cloud)
 }
 
-/// The mean of a cell, and of how many points it is.
+/// The mean of a cell, and its number of points.
 type Mean = (CloudPoint, usize);
 
-/// The cells that hold the surface of a cell, each with its mean and how much a point of it counts: itself,
-/// and those before and behind it that hold the same, less the farther their mean is away sideways.
+/// Returns the cells with the surface of a cell, each with its mean and the weight of its points: the cell
+/// itself, and those in front and behind with the same surface, with less weight the farther their mean is
+/// away sideways.
 fn column(
     means: &FxHashMap<IVec3, Mean>,
     key: IVec3,
@@ -72,7 +74,7 @@ fn column(
     cell: f64,
 ) -> Vec<(IVec3, &Mean, f64)> {
     let size = normal.abs();
-    // Of several axes, the first.
+    // The first axis on ties.
     let axis = size.cmpge(DVec3::splat(size.max_element())).bitmask().trailing_zeros();
     let axis = IVec3::AXES[axis as usize];
     let weight = |step: IVec3, (mean, _): &Mean| {
@@ -91,10 +93,10 @@ fn column(
     [IVec3::ZERO, -axis, axis].into_iter().filter_map(member).collect()
 }
 
-/// The mean height of the points of these cells above a point with this normal.
+/// Returns the mean height of the points of these cells above a point with this normal.
 ///
-/// Heights are along the mean of both normals, which is perpendicular to the chord of an arc: on a ball
-/// without noise they are zero.
+/// Heights are along the mean of both normals, which is perpendicular to the chord of an arc: they are zero
+/// on a ball without noise.
 fn mean_height(column: &[(IVec3, &Mean, f64)], position: DVec3, normal: DVec3) -> f64 {
     let (sum, n) = column.iter().fold((0.0, 0.0), |(sum, n), (_, (mean, count), weight)| {
         let n_here = *count as f64 * weight;
@@ -167,7 +169,7 @@ mod tests {
         };
         let plain = off(&crate::surface::downsample(points.clone(), CELL).unwrap());
         let fused = off(&fused_cloud(points, CELL, None, &Cancel::default()).unwrap());
-        // With heights along the normals of the points, it would be twice as far off.
+        // With heights along the points' normals, the error would be twice as large.
         assert!(fused < 1.25 * plain, "{fused} {plain}");
     }
 

@@ -10,11 +10,10 @@ use glam::{DVec3, IVec3};
 use rustc_hash::FxHashMap;
 use serde::{Deserialize, Serialize};
 
-/// How often each part of the surface is to be seen, how well, and from how different directions.
+/// Required number, quality and angular separation of looks at each part of the surface.
 ///
-/// A frame is a look at a part of the surface if it measured points there, from near enough to their normal,
-/// with enough pixels on each square millimetre, and from far enough beside all looks before it, as seen from
-/// there.
+/// A frame is a look at a part of the surface if it measured points there, close enough to their normal, with
+/// enough pixels per square millimetre, and from a direction different enough from all earlier looks.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(default, deny_unknown_fields, remote = "Self")]
@@ -22,15 +21,15 @@ pub struct LooksGoal {
     /// Number of looks, 1..=20. Default 3.
     pub n: usize,
     /// Largest angle between the line of sight and the normal, above 0 and below 90 degrees; radians, degrees
-    /// in files. Default 60 degrees: flatter surface is foreshortened to less than half, and many of its
+    /// in files. Default 60 degrees: beyond that, surface is foreshortened to less than half, and many of its
     /// pixels are lost.
     #[serde(rename = "angle_deg", with = "degrees")]
     #[cfg_attr(feature = "schema", schemars(with = "f64"))]
     pub angle: f64,
-    /// Least number of pixels on each square millimetre of the surface, at least 0: how sharp its texture is
-    /// to be. Default 0.
+    /// Minimum number of pixels per square millimetre of the surface, at least 0, for a sharp texture.
+    /// Default 0.
     pub points_per_mm2: f64,
-    /// Least angle between the directions of two looks, 0 to 60 degrees; radians, degrees in files. Default
+    /// Minimum angle between the directions of two looks, 0 to 60 degrees; radians, degrees in files. Default
     /// 10 degrees.
     #[serde(rename = "apart_deg", with = "degrees")]
     #[cfg_attr(feature = "schema", schemars(with = "f64"))]
@@ -65,33 +64,33 @@ impl LooksGoal {
 
 /// The looks at the surface in each cell of space.
 ///
-/// Of more looks than the goal asks for, the first ones are kept.
+/// Only the first looks, up to the number of the goal, are stored.
 #[derive(Clone, Debug)]
 pub struct SurfaceLooks {
     lattice: Lattice,
     n: usize,
     /// Cosine of the largest angle from the normal.
     least_cosine: f64,
-    /// Least number of pixels on a square metre.
+    /// Minimum number of pixels per square metre.
     least_density: f64,
-    /// Directions of larger cosine are the same look.
+    /// Directions with a larger cosine are the same look.
     apart_cosine: f64,
     cells: FxHashMap<IVec3, Cell>,
 }
 
 #[derive(Clone, Debug, Default)]
 struct Cell {
-    /// Sum over the frames of the normals, to the side that was seen.
+    /// Sum of the normals over the frames, towards the side that was seen.
     normal: DVec3,
-    /// From the middle of the cell to the cameras, unit.
+    /// Unit directions from the middle of the cell to the cameras.
     looks: Vec<DVec3>,
 }
 
-/// Frames are checked for cancellation once in so many rows.
+/// Number of image rows between two checks for cancellation.
 const ROWS: u32 = 64;
 
 impl SurfaceLooks {
-    /// Nothing was seen yet, in cubes with edges of `cell` metres (at least 0.0001).
+    /// Returns the state before the first frame, for cubes with edges of `cell` metres (at least 0.0001).
     pub fn new(cell: f64, goal: LooksGoal) -> Result<Self, Error> {
         goal.check()?;
         Ok(Self {
@@ -104,7 +103,7 @@ impl SurfaceLooks {
         })
     }
 
-    /// Adds a frame: the looks at what it shows in a box (world coordinates, finite). If cancelled, nothing
+    /// Adds the looks of a frame at the surface in a box (world coordinates, finite). If cancelled, nothing
     /// is added.
     pub fn add(&mut self, frame: &Frame, bounds: Aabb, cancel: &Cancel) -> Result<(), Cancelled> {
         let pose = frame.world_from_camera();
@@ -123,13 +122,14 @@ impl SurfaceLooks {
         Ok(())
     }
 
-    /// Number of looks at the cell of a position, at most that of the goal; none where nothing was measured.
+    /// Returns the number of looks at the cell of a position, at most that of the goal; `None` if nothing was
+    /// measured there.
     pub fn n_at(&self, position: DVec3) -> Option<usize> {
         self.cells.get(&self.lattice.key(position)).map(|cell| cell.looks.len())
     }
 
-    /// Whether a camera with these optics at `camera` that sees the cell of a position would add a look to
-    /// those that it lacks.
+    /// Whether a camera with these optics at `camera` that sees the cell of a position would add a missing
+    /// look.
     pub(crate) fn lacks(&self, position: DVec3, camera: DVec3, intrinsics: &Intrinsics) -> bool {
         let key = self.lattice.key(position);
         let Some(cell) = self.cells.get(&key).filter(|cell| cell.looks.len() < self.n) else { return false };
@@ -138,15 +138,15 @@ impl SurfaceLooks {
             && is_apart(&cell.looks, to_camera.normalize_or_zero(), self.apart_cosine)
     }
 
-    /// Whether surface with this normal is seen well enough by a camera that is there from it. Beside the
-    /// middle of the image, pixels are denser than is counted here.
+    /// Whether a camera in this direction sees surface with this normal well enough. Away from the middle of
+    /// the image, pixels are denser than assumed here.
     fn is_good(&self, to_camera: DVec3, normal: DVec3, intrinsics: &Intrinsics) -> bool {
         let (focal, cosine) = (intrinsics.focal(), to_camera.normalize_or_zero().dot(normal));
         let density = focal.x * focal.y * cosine / to_camera.length_squared();
         cosine >= self.least_cosine && density >= self.least_density
     }
 
-    /// By cell with measured surface, in no fixed order, whether it has all looks of the goal.
+    /// Returns, for each cell with measured surface, in no fixed order, whether it has all looks of the goal.
     pub(crate) fn are_done(&self) -> impl Iterator<Item = bool> + '_ {
         self.cells.values().map(|cell| cell.looks.len() >= self.n)
     }
@@ -166,14 +166,14 @@ impl SurfaceLooks {
     }
 }
 
-/// Whether no look is nearer to this direction than the angle of this cosine.
+/// Whether no look is closer to this direction than the angle of this cosine.
 fn is_apart(looks: &[DVec3], direction: DVec3, apart_cosine: f64) -> bool {
     looks.iter().all(|look| look.dot(direction) <= apart_cosine)
 }
 
-/// By cell, in no fixed order, the normal of what a frame shows there: unit, in the world. Those of single
-/// pixels are off by tens of degrees where depths are noisy, so it is that of a plane through the points of
-/// the cell and of those around it, wherever there is one.
+/// Returns, by cell and in no fixed order, the unit normal of the surface shown by a frame, in the world.
+/// Normals of single pixels are off by tens of degrees if depths are noisy, so it is from a plane through the
+/// points of the cell and those around it, if there is one.
 fn normals(
     frame: &Frame,
     lattice: &Lattice,
@@ -236,8 +236,8 @@ mod tests {
         looks
     }
 
-    /// The slow twin: of all frames, one after the other, those that are looks at a cell; none where an angle
-    /// from the ball's normal is so near to 60 degrees that the cell's extent decides.
+    /// The slow twin: the number of frames, one after another, that are looks at a cell; `None` if an angle
+    /// from the ball's normal is so close to 60 degrees that the cell's extent decides.
     fn n_by_definition(goal: LooksGoal, frames: &[Frame], key: IVec3) -> Option<usize> {
         let lattice = Lattice::new(CELL).unwrap();
         let mut looks: Vec<DVec3> = Vec::new();
@@ -324,7 +324,7 @@ mod tests {
         assert_eq!((n(sharp(0.9), 0.0), n(sharp(1.1), 0.0)), (Some(1), Some(0)));
         assert_eq!(n(sharp(0.9), 40.0), Some(0), "it is foreshortened, and farther away");
         let steep = |degrees: f64| LooksGoal { angle: degrees.to_radians(), ..LooksGoal::default() };
-        // At the front, a camera 20 degrees about the middle is 25 degrees beside the normal.
+        // At the front, a camera 20 degrees around the middle is 25 degrees off the normal.
         assert_eq!((n(steep(32.0), 20.0), n(steep(18.0), 20.0)), (Some(1), Some(0)));
     }
 

@@ -5,16 +5,16 @@ use crate::{Cancel, Cancelled, Error};
 use glam::{DVec3, IVec3};
 use rustc_hash::FxHashMap;
 
-/// How well the surface was measured in each cell of space: the expected error of the mean of its points,
+/// Accuracy of the measured surface in each cell of space: the expected error of the mean of its points,
 /// along the normal.
 ///
-/// Errors of different frames are independent; those of one frame share a part, by the camera's
-/// [`SurfaceError`]. Wrong poses are not in it.
+/// Errors of different frames are independent; those of one frame are partly correlated, by the camera's
+/// [`SurfaceError`]. Pose errors are not included.
 #[derive(Clone, Debug)]
 pub struct MeasuredCells {
     lattice: Lattice,
     error: SurfaceError,
-    /// Of each frame, the position and the focal length, pixels.
+    /// The camera position and the focal length, pixels, of each frame.
     cameras: Vec<(DVec3, f64)>,
     cells: FxHashMap<IVec3, Cell>,
 }
@@ -30,7 +30,7 @@ struct Cell {
     looks: Vec<Look>,
 }
 
-/// What a frame shows of a cell.
+/// The points of a frame in a cell.
 #[derive(Clone, Copy, Debug)]
 struct Look {
     frame: usize,
@@ -49,15 +49,15 @@ struct Sums {
     normal: DVec3,
 }
 
-/// Steeper slopes than this cosine count as this one: few pixels show those, and lone points have normals
-/// that say so, or even face away from their camera, for noise alone.
+/// Steeper slopes than this cosine count as this one: few pixels show them, and noise alone gives single
+/// points such normals, or even ones facing away from the camera.
 const LEAST_COSINE: f64 = 0.7;
 
-/// Frames are checked for cancellation once in so many rows.
+/// Number of image rows between two checks for cancellation.
 const ROWS: u32 = 64;
 
 impl MeasuredCells {
-    /// Nothing was measured yet, in cubes with edges of `cell` metres (at least 0.0001).
+    /// Returns the state before the first frame, for cubes with edges of `cell` metres (at least 0.0001).
     pub fn new(cell: f64, error: SurfaceError) -> Result<Self, Error> {
         error.check()?;
         Ok(Self { lattice: Lattice::new(cell)?, error, cameras: Vec::new(), cells: FxHashMap::default() })
@@ -96,14 +96,14 @@ impl MeasuredCells {
         Ok(())
     }
 
-    /// Expected error of the mean of the points in the cell of a position, standard deviation in metres; none
-    /// where nothing was measured.
+    /// Returns the expected error of the mean of the points in the cell of a position, standard deviation in
+    /// metres; `None` if nothing was measured there.
     pub fn error_at(&self, position: DVec3) -> Option<f64> {
         self.cells.get(&self.lattice.key(position)).map(Cell::error)
     }
 
-    /// The same of the mean over several cells, each with a weight, that hold the same surface, with this
-    /// normal at this position; none where nothing was measured in any.
+    /// Returns the expected error of the mean over several cells, each with a weight, that hold the same
+    /// surface, with this normal at this position; `None` if nothing was measured in any.
     pub(super) fn error_of(&self, cells: &[(IVec3, f64)], position: DVec3, normal: DVec3) -> Option<f64> {
         let cells = cells.iter().filter_map(|(key, weight)| Some((self.cells.get(key)?, weight)));
         let looks = cells.flat_map(|(cell, weight)| {
@@ -115,7 +115,7 @@ impl MeasuredCells {
         });
         let mut looks: Vec<Look> = looks.filter(|look| look.n > 0.0).collect();
         looks.sort_by_key(|look| look.frame);
-        // What a frame shows in several cells is one look.
+        // The points of one frame in several cells are one look.
         let looks = looks.chunk_by(|a, b| a.frame == b.frame);
         let (n, sum) = looks.fold((0.0, 0.0), |(n_all, sum), parts| {
             let n: f64 = parts.iter().map(|look| look.n).sum();
@@ -128,8 +128,8 @@ impl MeasuredCells {
         (n > 0.0).then(|| f64::sqrt(sum) / n)
     }
 
-    /// The same with the mean normal, of unit length, to the side that was seen; none where normals cancel
-    /// each other, too.
+    /// As [`error_at`](Self::error_at), with the mean normal, of unit length, towards the side that was seen;
+    /// also `None` if normals cancel out.
     pub(crate) fn surface_at(&self, position: DVec3) -> Option<(f64, DVec3)> {
         let cell = self.cells.get(&self.lattice.key(position))?;
         Some((cell.error(), cell.normal.try_normalize()?))
@@ -139,12 +139,12 @@ impl MeasuredCells {
         &self.lattice
     }
 
-    /// The camera's error.
+    /// Returns the camera's error.
     pub(crate) fn surface_error(&self) -> &SurfaceError {
         &self.error
     }
 
-    /// All cells with their expected errors, metres, in no fixed order.
+    /// Returns all cells with their expected errors, metres, in no fixed order.
     pub(crate) fn errors(&self) -> impl Iterator<Item = (IVec3, f64)> + '_ {
         self.cells.iter().map(|(key, cell)| (*key, cell.error()))
     }

@@ -1,13 +1,13 @@
-//! The scanned surface: the shape of the object, from all measured frames.
+//! The scanned surface: the object's shape from all measured frames.
 //!
-//! Start with [`DistanceField`]: it integrates the frames of a scan and gives a [`SurfaceMesh`], made by
+//! Start with [`DistanceField`]: it integrates the frames of a scan and returns a [`SurfaceMesh`], made by
 //! [`surface_nets`], which meshes any signed distance, or a [`WatertightMesh`], closed where nothing was
-//! measured. [`frame_points`] gives the measured points of a frame with normals and colours, [`fused_cloud`]
-//! makes one cloud of those of many frames, with [`downsample`], which thins them, and [`fit_normals`], which
-//! smooths their normals; [`take_nearest`] transfers their colours to a mesh; [`write_mesh`], [`write_cloud`]
-//! and [`write_points`] write PLY. [`texture_mesh`] gives a mesh a texture from photos, which [`write_obj`]
-//! writes. [`MeasuredCells`] reports how accurate the surface is, [`SurfaceLooks`] how often it was seen;
-//! planning reads nothing else of this.
+//! measured. [`frame_points`] returns the measured points of a frame with normals and colours.
+//! [`fused_cloud`] fuses the points of many frames, using [`downsample`] to thin them and [`fit_normals`] to
+//! smooth their normals. [`take_nearest`] transfers their colours to a mesh; [`write_mesh`], [`write_cloud`]
+//! and [`write_points`] write PLY. [`texture_mesh`] textures a mesh from photos, and [`write_obj`] writes it.
+//! [`MeasuredCells`] reports the accuracy of the surface, [`SurfaceLooks`] the number of looks at it;
+//! planning reads nothing else from this module.
 
 mod clear_depth;
 mod cloud;

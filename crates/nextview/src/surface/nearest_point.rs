@@ -4,14 +4,14 @@ use crate::{Cancel, Error};
 use glam::{DVec3, IVec3};
 use rustc_hash::FxHashMap;
 
-/// Search distance, in cells. Where a distance field guesses between silhouettes, its surface was
-/// found to be up to 2.7 of its voxels from the nearest point.
+/// Search distance, in cells. Between silhouettes, the surface of a distance field was up to 2.7 of its
+/// voxels from the nearest point.
 const REACH: i32 = 4;
 
 /// Gives every point, such as a vertex of a mesh, the colour and the expected error of the nearest point of a
-/// cloud that has one of them; none where that is farther than four times `cell` metres (at least 0.0001).
-/// The cloud is thinned by cubes with edges of that length, as by [`downsample`](super::downsample); of
-/// several such points in a cube, the last counts.
+/// cloud that has one of them, if any; nothing if that is farther away than four times `cell` metres (at
+/// least 0.0001). The cloud must be thinned by cubes with edges of `cell`, as by
+/// [`downsample`](super::downsample); if a cube holds several such points, the last counts.
 ///
 /// ```
 /// use glam::DVec3;
@@ -39,7 +39,7 @@ pub fn take_nearest(
         cancel.check()?;
         let found = (1..=REACH).find_map(|reach| {
             let (nearest, distance) = nearest_in(&cells, lattice.key(point.position), reach, point.position)?;
-            // A nearer one may lie outside of the cells that were asked.
+            // A nearer one may lie outside the searched cells.
             (distance <= reach as f64 * cell).then_some(nearest)
         });
         point.color = found.and_then(|found| found.color);
@@ -48,7 +48,7 @@ pub fn take_nearest(
     Ok(())
 }
 
-/// The nearest point in the cells up to `reach` cells away, and how far it is.
+/// Returns the nearest point in the cells up to `reach` cells away, and its distance.
 fn nearest_in<'a>(
     cells: &FxHashMap<IVec3, &'a CloudPoint>,
     key: IVec3,

@@ -9,15 +9,14 @@ use std::ops::Add;
 /// Minimum number of points for a plane: a corner of a sheet still has four.
 const LEAST_POINTS: f64 = 4.0;
 
-/// Gives the points of a cloud the normals of the planes through them and their neighbours, where there are
-/// such planes; they point to the side to which the normals pointed. Those without a normal stay without. The
-/// cloud is thinned by cubes with edges of `cell` metres (at least 0.0001), as by
-/// [`downsample`](super::downsample), and neighbours are the points of the 26 cubes around that do not face
-/// the other way.
+/// Replaces the normals of a cloud by those of planes through each point and its neighbours, where such a
+/// plane exists, keeping the side. Points without a normal stay without. The cloud must be thinned by cubes
+/// with edges of `cell` metres (at least 0.0001), as by [`downsample`](super::downsample); neighbours are the
+/// points in the 26 cubes around that do not face the other way.
 ///
-/// The normals of pixels are those of planes through three points less than a millimetre apart, often less
-/// than the noise of the depth: on a ball of 0.2 m before a D435i, their means are off by 26 degrees
-/// (median), and by 2 degrees after this.
+/// Pixel normals are from planes through three points less than a millimetre apart, often less than the depth
+/// noise: on a ball of 0.2 m in front of a D435i, their means are off by 26 degrees (median), and by 2
+/// degrees after this.
 ///
 /// If cancelled, some normals may be fitted and others not.
 pub fn fit_normals(cloud: &mut [CloudPoint], cell: f64, cancel: &Cancel) -> Result<(), Error> {
@@ -30,7 +29,7 @@ pub fn fit_normals(cloud: &mut [CloudPoint], cell: f64, cancel: &Cancel) -> Resu
         let Some(normal) = point.normal else { return Ok(()) };
         let near = around(lattice.key(point.position)).filter_map(|key| cells.get(&key));
         let same_side = near.filter(|(_, other)| other.dot(normal) > 0.0);
-        // From the point on, so that sums far from the origin lose nothing.
+        // Relative to the point, so that sums far from the origin lose no precision.
         let moments = same_side.map(|(position, _)| Moments::of(position - point.position));
         let moments = moments.fold(Moments::NONE, Moments::add);
         if let Some(fitted) = moments.normal().filter(|_| moments.n >= LEAST_POINTS) {
@@ -40,7 +39,7 @@ pub fn fit_normals(cloud: &mut [CloudPoint], cell: f64, cancel: &Cancel) -> Resu
     })
 }
 
-/// A cell and the 26 around it.
+/// Returns a cell and the 26 around it.
 fn around(key: IVec3) -> impl Iterator<Item = IVec3> {
     (0..27).map(move |i| key.saturating_add(IVec3::new(i % 3, i / 3 % 3, i / 9) - 1))
 }
@@ -52,7 +51,7 @@ mod tests {
     use crate::geometry::random::Random;
     use crate::geometry::sphere;
 
-    /// Points of a ball of 0.1 m, somewhat off, with normals that are very wrong.
+    /// Slightly displaced points of a ball of 0.1 m, with very wrong normals.
     fn rough_ball(offset: DVec3) -> Vec<CloudPoint> {
         let mut random = Random::new(5, 0);
         let mut point = |direction: DVec3| CloudPoint {

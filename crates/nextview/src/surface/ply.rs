@@ -1,11 +1,11 @@
-//! Writers of PLY, the binary little-endian form that common viewers read, with single precision; positions
-//! have double precision if one is farther than 32 m from the origin along an axis, where single precision
+//! Writes PLY in the binary little-endian form that common viewers read, with single precision. Positions
+//! have double precision if one is 32 m or more from the origin along an axis, where single precision
 //! resolves 4 micrometres.
 //!
 //! Vertices have the columns `nx ny nz` if any of them has a normal, `red green blue` if any has a colour,
-//! `error_m` if the expected error of any is known, and `filled` in a closed mesh. PLY knows no missing
-//! values: a vertex without normal has 0 0 0, which viewers draw unshaded and which, unlike NaN, every
-//! reader accepts; one without colour is black, and an unknown error is 0.
+//! `error_m` if any has an expected error, and `filled` in a closed mesh. PLY has no missing values: a vertex
+//! without normal has 0 0 0, which viewers draw unshaded and which, unlike NaN, every reader accepts; one
+//! without colour is black, and an unknown error is 0.
 
 use super::CloudPoint;
 use crate::Error;
@@ -14,7 +14,7 @@ use std::io::{BufWriter, Write};
 
 /// Writes points, metres.
 ///
-/// The points are asked for twice, to count and to write them, so that they need not be in memory.
+/// The points are iterated twice, to count and to write them, so they need not be in memory.
 pub fn write_points<I: Iterator<Item = DVec3>>(
     writer: impl Write,
     points: impl Fn() -> I,
@@ -36,8 +36,8 @@ pub fn write_cloud(writer: impl Write, points: &[CloudPoint]) -> Result<(), Erro
 }
 
 /// Writes a mesh, metres: vertices, such as those of [`SurfaceMesh::points`](super::SurfaceMesh::points), and
-/// triangles by three indices into them each. With `is_filled`, one for each vertex, there is a column
-/// `filled`, 1 where it was filled in and 0 where it was measured. Panics if `is_filled` has another length.
+/// triangles of three vertex indices each. With `is_filled`, one value per vertex, it adds a column `filled`:
+/// 1 for filled-in vertices and 0 for measured ones. Panics if `is_filled` has another length.
 pub fn write_mesh(
     writer: impl Write,
     vertices: &[CloudPoint],
@@ -63,10 +63,10 @@ pub fn write_mesh(
     Ok(writer.flush()?)
 }
 
-/// The columns of every vertex besides its position.
+/// The columns of every vertex, apart from its position.
 #[derive(Clone, Copy, Default)]
 struct Columns {
-    /// Positions are in double precision.
+    /// Whether positions are in double precision.
     is_far: bool,
     normal: bool,
     color: bool,

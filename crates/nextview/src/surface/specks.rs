@@ -1,13 +1,13 @@
 use super::SurfaceMesh;
 use glam::DVec3;
 
-/// A part with a larger share of the area of the largest part is no speck, whatever speaks against it.
+/// Share of the largest part's area above which a part is never a speck.
 const LARGEST_SHARE: f64 = 0.01;
 
-/// A small part of fewer triangles is a speck, whatever speaks for it: it is less than three cells wide.
+/// Number of triangles below which a small part is always a speck: it is less than three cells wide.
 const LEAST_TRIANGLES: usize = 100;
 
-/// Evidence, in frames that look from the front, that makes a small part more than a speck.
+/// Minimum evidence for a small part to be kept, in frames that look from the front.
 const LEAST_EVIDENCE: f64 = 2.0;
 
 /// A part of a mesh that is connected to nothing else.
@@ -19,14 +19,14 @@ struct Part {
     evidence: f64,
 }
 
-/// A mesh without its specks, and without vertices of no triangle. `evidence` is the number of frames,
-/// weighted by how much they count, that speak for the surface at a point.
+/// Returns a mesh without its specks and unused vertices. `evidence` is the weighted number of frames that
+/// measured the surface at a point.
 pub(super) fn without_specks(mesh: SurfaceMesh, evidence: impl Fn(DVec3) -> f32) -> SurfaceMesh {
     let kept = kept_vertices(&mesh, evidence);
     only(mesh, &kept)
 }
 
-/// By vertex, whether it belongs to a triangle that is no part of a speck.
+/// Returns, by vertex, whether it belongs to a triangle outside specks.
 pub(super) fn kept_vertices(mesh: &SurfaceMesh, evidence: impl Fn(DVec3) -> f32) -> Vec<bool> {
     let evidence: Vec<f32> = mesh.vertices.iter().map(|vertex| evidence(*vertex)).collect();
     let part_of = parts(mesh);
@@ -50,7 +50,7 @@ impl Part {
     }
 }
 
-/// For each vertex, the lowest vertex that triangles connect it with.
+/// Returns, for each vertex, the lowest vertex connected to it by triangles.
 fn parts(mesh: &SurfaceMesh) -> Vec<usize> {
     let mut parent: Vec<usize> = (0..mesh.vertices.len()).collect();
     for triangle in &mesh.triangles {
@@ -61,7 +61,7 @@ fn parts(mesh: &SurfaceMesh) -> Vec<usize> {
     (0..parent.len()).map(|i| root(&mut parent, i)).collect()
 }
 
-/// The root of a vertex; halves the way there.
+/// Returns the root of a vertex; halves the path to it.
 fn root(parent: &mut [usize], mut i: usize) -> usize {
     while parent[i] != i {
         parent[i] = parent[parent[i]];
@@ -70,7 +70,7 @@ fn root(parent: &mut [usize], mut i: usize) -> usize {
     i
 }
 
-/// The mesh of these vertices and the triangles whose vertices they are.
+/// Returns the mesh of these vertices and the triangles between them.
 pub(super) fn only(mesh: SurfaceMesh, kept: &[bool]) -> SurfaceMesh {
     let SurfaceMesh { mut vertices, mut triangles } = mesh;
     let mut number: Vec<Option<u32>> = kept.iter().map(|kept| kept.then_some(0)).collect();
@@ -87,7 +87,7 @@ pub(super) fn only(mesh: SurfaceMesh, kept: &[bool]) -> SurfaceMesh {
 mod tests {
     use super::*;
 
-    /// A square sheet of so many squares a side, each 1 wide, with a corner here.
+    /// A square sheet with `n` unit squares a side and a corner here.
     fn sheet(mesh: &mut SurfaceMesh, n: u32, corner: DVec3) {
         let first = mesh.vertices.len() as u32;
         let at = |i: u32| corner + DVec3::new((i % (n + 1)) as f64, (i / (n + 1)) as f64, 0.0);
@@ -97,7 +97,7 @@ mod tests {
         }
     }
 
-    /// What is left of sheets at the heights 0, 1, ..., with the evidence given by height.
+    /// The rest of sheets at heights 0, 1, ..., with the evidence given by height.
     fn left(sides: &[u32], evidence: &[f32]) -> SurfaceMesh {
         let mut mesh = SurfaceMesh::default();
         for (z, &n) in sides.iter().enumerate() {

@@ -11,8 +11,8 @@ pub struct SurfaceMesh {
 }
 
 impl SurfaceMesh {
-    /// The vertices with their normals, outwards: the mean of the triangles around each by area. A vertex of
-    /// no triangle has none. Panics if a triangle names a vertex that does not exist.
+    /// Returns the vertices with outward normals: the area-weighted mean of the triangles around each. An
+    /// unused vertex has none. Panics if a triangle refers to a nonexistent vertex.
     pub fn points(&self) -> Vec<CloudPoint> {
         let mut sums = vec![DVec3::ZERO; self.vertices.len()];
         for triangle in &self.triangles {

@@ -3,15 +3,15 @@ use crate::geometry::{Lattice, VoxelBlock};
 use crate::{Cancel, Cancelled};
 use glam::{DVec3, IVec3};
 
-/// The surface where a signed distance is zero (naive surface nets, after Gibson 1998). `distance` gives it
-/// at the centre of a voxel of the block, by the voxel's index, in any unit, positive outside; none where it
-/// is not known.
+/// Extracts the surface where a signed distance is zero (naive surface nets, after Gibson 1998). `distance`
+/// returns it at the centre of a voxel, by index in the block, in any unit, positive outside; `None` if
+/// unknown.
 ///
-/// A cell is the cube between eight voxel centres. Each cell that the surface crosses and of which all
-/// corners are known has a vertex at the mean of the crossings of its edges, and each crossed edge joins the
-/// vertices of the four cells around it. Where the distance is not known there is no surface: holes stay
-/// open. Parts thinner than a voxel may give edges with more than two triangles. Vertices and triangles come
-/// in the order of their cells.
+/// A cell is the cube between eight voxel centres. Each cell that the surface crosses, with all corners
+/// known, has a vertex at the mean of the crossings of its edges, and each crossed edge joins the vertices of
+/// the four cells around it. There is no surface where the distance is unknown: holes stay open. Parts
+/// thinner than a voxel may give edges with more than two triangles. Vertices and triangles are in the order
+/// of their cells.
 ///
 /// ```
 /// use glam::{IVec3, UVec3};
@@ -31,7 +31,7 @@ pub fn surface_nets(
     surface_nets_unless(lattice, block, distance, &Cancel::default()).expect("nobody cancels")
 }
 
-/// [`surface_nets`], unless cancelled.
+/// As [`surface_nets`], unless cancelled.
 pub(super) fn surface_nets_unless(
     lattice: &Lattice,
     block: &VoxelBlock,
@@ -61,7 +61,7 @@ pub(super) fn surface_nets_unless(
 }
 
 impl SurfaceMesh {
-    /// Adds a quad as two triangles, cut along its shorter diagonal.
+    /// Adds a quad as two triangles, split along its shorter diagonal.
     fn add_quad(&mut self, quad: Option<[u32; 4]>) {
         let Some([a, b, c, d]) = quad else { return };
         let length = |i: u32, j: u32| self.vertices[i as usize].distance_squared(self.vertices[j as usize]);
@@ -91,7 +91,7 @@ fn corner(i: usize) -> IVec3 {
     IVec3::new((i & 1) as i32, (i >> 1 & 1) as i32, (i >> 2) as i32)
 }
 
-/// The distances at a cell's corners, if all are known.
+/// Returns the distances at a cell's corners, if all are known.
 fn corners(block: &VoxelBlock, distance: impl Fn(usize) -> Option<f64>, cell: IVec3) -> Option<[f64; 8]> {
     let [x, y, z] = block.strides();
     let first = cell.x as usize * x + cell.y as usize * y + cell.z as usize * z;
@@ -107,8 +107,8 @@ fn crosses(a: f64, b: f64) -> bool {
     (a < 0.0) != (b < 0.0)
 }
 
-/// The mean of the crossings of a cell's edges, from its first corner in units of voxels; none without
-/// crossings.
+/// Returns the mean of the crossings of a cell's edges, relative to its first corner in voxels; `None`
+/// without crossings.
 fn vertex(corners: &[f64; 8]) -> Option<DVec3> {
     let (mut sum, mut n_crossings) = (DVec3::ZERO, 0);
     for from in 0..8 {
@@ -124,8 +124,8 @@ fn vertex(corners: &[f64; 8]) -> Option<DVec3> {
     (n_crossings > 0).then(|| sum / n_crossings as f64)
 }
 
-/// The vertices of the four cells around the edge from a cell's first corner along an axis; none if the
-/// surface does not cross it or one of them has no vertex.
+/// Returns the vertices of the four cells around the edge from a cell's first corner along an axis; `None` if
+/// the surface does not cross it or a cell has no vertex.
 fn quad(corners: &[f64; 8], axis: usize, cell: IVec3, [below, slice]: [&Slice; 2]) -> Option<[u32; 4]> {
     let (first, second) = (corners[0], corners[1 << axis]);
     if !crosses(first, second) {

@@ -1,17 +1,17 @@
-//! The direction of the surface at every pixel of a frame, from its neighbours.
+//! The orientation of the surface at every pixel of a frame, from its neighbours.
 
 use crate::sensor::{Depth, Frame};
 use glam::{DVec2, Vec3};
 use rayon::prelude::*;
 
-/// Surfaces seen at a flatter angle than this cosine are ignored: half a pixel beside the ray is then more
+/// Surfaces seen at a flatter angle than this cosine are ignored: half a pixel across the ray is then more
 /// than two along it, and flying pixels between object and background look like such surfaces.
 const MIN_COSINE: f32 = 0.2;
 
 /// The plane that touches the surface at a pixel, in the camera frame.
 #[derive(Clone, Copy)]
 pub(super) struct TangentPlane {
-    /// Unit, towards the camera.
+    /// Unit normal, towards the camera.
     pub normal: Vec3,
     /// `normal` times any point of the plane.
     pub offset: f32,
@@ -21,8 +21,8 @@ pub(super) struct TangentPlane {
     pub cosine: f32,
 }
 
-/// The tangent planes of a frame, each computed when it is asked for: few are, and a plane takes twice the
-/// memory of a point.
+/// The tangent planes of a frame, computed on demand: few are needed, and a plane takes twice the memory of a
+/// point.
 pub(super) struct TangentPlanes {
     width: usize,
     /// The measured points in the camera frame, row by row; zero where nothing was measured.
@@ -43,7 +43,7 @@ impl TangentPlanes {
         Self { width: image.width() as usize, points }
     }
 
-    /// The plane at a pixel, counted row by row, if it has one.
+    /// Returns the plane at a pixel, counted row by row, if it has one.
     pub(super) fn at(&self, pixel: usize) -> Option<TangentPlane> {
         let point = self.point(pixel)?;
         let (u, stride) = (pixel % self.width, self.width);
@@ -55,14 +55,14 @@ impl TangentPlanes {
         TangentPlane::new(point, along_v.cross(along_u))
     }
 
-    /// The point at a pixel; none where nothing was measured.
+    /// Returns the point at a pixel; `None` if nothing was measured there.
     pub(super) fn point(&self, pixel: usize) -> Option<Vec3> {
         self.points.get(pixel).copied().filter(|point| point.z > 0.0)
     }
 }
 
-/// The direction of the surface from its neighbours before and after: of the two differences the one with the
-/// smaller step in depth, which at a silhouette is the one that stays on the surface.
+/// Returns the direction of the surface from the neighbours before and after: the difference with the smaller
+/// step in depth, which stays on the surface at a silhouette.
 fn tangent(before: Option<Vec3>, point: Vec3, after: Option<Vec3>) -> Option<Vec3> {
     match (before.map(|b| point - b), after.map(|a| a - point)) {
         (Some(back), Some(ahead)) => Some(if back.z.abs() < ahead.z.abs() { back } else { ahead }),

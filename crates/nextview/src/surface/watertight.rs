@@ -9,41 +9,41 @@ use crate::geometry::{Plane, VoxelBlock};
 use crate::{Cancel, Cancelled};
 use glam::IVec3;
 
-/// How far inside or outside a voxel is that only the topology puts there, in voxels. Not 0, so that no two
+/// Distance inside or outside of a voxel placed there only for topology, in voxels. Not 0, so that no two
 /// vertices coincide.
 const BARELY: f32 = 0.1;
 
-/// A floor is looked for up to this share of the block's longest side below it; what stands higher does not
-/// stand on the floor.
+/// Largest distance of a floor below the block, as a share of its longest side; an object that is higher does
+/// not stand on the floor.
 const MAX_FLOOR_DEPTH: f64 = 0.25;
 
-/// A surface without border and which of it was measured.
+/// A closed surface, and which parts of it were measured.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct WatertightMesh {
-    /// Closed: each edge belongs to two triangles, which use it in opposite directions.
+    /// The closed mesh: each edge belongs to two triangles, which use it in opposite directions.
     pub mesh: SurfaceMesh,
-    /// By vertex, whether it was filled in: next to it, something was not measured.
+    /// By vertex, whether it was filled in: part of its surroundings was not measured.
     pub is_filled: Vec<bool>,
 }
 
-/// What an object stands on.
+/// The floor under an object.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Floor {
-    /// The object ends there.
+    /// The plane at which the object ends.
     pub plane: Plane,
-    /// Measurements up to this height above count as the floor's own, metres.
+    /// Height above the plane up to which measurements belong to the floor, metres.
     pub clearance: f64,
 }
 
 impl WatertightMesh {
-    /// The triangles of which all vertices were measured, with all vertices.
+    /// Returns the triangles whose vertices were all measured, with all vertices of the mesh.
     pub fn measured(&self) -> SurfaceMesh {
         let is_measured = |triangle: &&[u32; 3]| !self.touches_filled(triangle);
         let triangles = self.mesh.triangles.iter().filter(is_measured).copied().collect();
         SurfaceMesh { vertices: self.mesh.vertices.clone(), triangles }
     }
 
-    /// Share, 0..=1, of the area in triangles with a vertex that was filled in; 0 of an empty mesh.
+    /// Returns the share, 0..=1, of the area in triangles with a filled-in vertex; 0 for an empty mesh.
     pub fn filled_share(&self) -> f64 {
         let area = |triangle: &[u32; 3]| {
             let [a, b, c] = triangle.map(|i| self.mesh.vertices[i as usize]);
@@ -60,8 +60,8 @@ impl WatertightMesh {
 }
 
 impl DistanceField {
-    /// The surface, closed where nothing was measured: a 2-manifold, oriented outwards, without the specks
-    /// that [`surface`](Self::surface) leaves out. Empty if no surface was measured.
+    /// Extracts the surface, closed where nothing was measured: a 2-manifold, oriented outwards, without the
+    /// specks that [`surface`](Self::surface) removes. Empty if no surface was measured.
     ///
     /// 1. Voxels of which nothing was measured take the value that diffuses into them from all others (Davis
     ///    et al. 2002, in the limit), so that the surface continues smoothly. Nothing flows through the
@@ -107,7 +107,7 @@ impl DistanceField {
             let n_inside = cell.iter().filter(|&&i| values[i] < 0.0).count();
             (1..8).contains(&n_inside)
         };
-        // In the order of the vertices: each cell that the surface crosses has one.
+        // In the order of the vertices: each cell crossed by the surface has one.
         let crossed = first_corners(block).map(|first| corners(block, first)).filter(is_crossed);
         let is_filled = crossed.map(|cell| cell.iter().any(|&i| !is_known[i]));
         let kept = kept_vertices(&mesh, |point| self.evidence_near(point));
@@ -115,7 +115,7 @@ impl DistanceField {
         Ok(WatertightMesh { mesh: only(mesh, &kept), is_filled })
     }
 
-    /// All voxels with a distance, and a layer outside around them.
+    /// Returns all voxels with a distance, surrounded by a layer outside.
     fn solid(&self, floor: Option<&Floor>, cancel: &Cancel) -> Result<Solid, Cancelled> {
         let inner = self.block_on(floor);
         let height = |key: IVec3, floor: &Floor| floor.plane.height(self.lattice().center(key));
@@ -136,13 +136,13 @@ impl DistanceField {
         BARELY * self.lattice().voxel_size() as f32
     }
 
-    /// The block, down to the floor if that is a little below.
+    /// Returns the block, extended down to the floor if that is slightly below.
     fn block_on(&self, floor: Option<&Floor>) -> VoxelBlock {
         let (block, lattice) = (self.block(), self.lattice());
         let Some(Floor { plane, .. }) = floor.filter(|floor| floor.plane.normal().z > 0.5) else {
             return block;
         };
-        // Half a voxel more, so that the centres below the plane are in.
+        // Half a voxel more, to include the centres below the plane.
         let below =
             |corner: glam::DVec3| plane.height(corner) / plane.normal().z + 0.5 * lattice.voxel_size();
         let corners = lattice.bounds(&block).corners().into_iter();
@@ -157,7 +157,7 @@ impl DistanceField {
     }
 }
 
-/// Voxels of which all have a distance, negative inside.
+/// Voxels that all have a distance, negative inside.
 struct Solid {
     block: VoxelBlock,
     values: Vec<f32>,
@@ -166,8 +166,8 @@ struct Solid {
 }
 
 impl Solid {
-    /// With a layer outside around it, so far outside that what touches the border ends halfway to the layer,
-    /// and at least `barely`.
+    /// Adds a surrounding layer outside, at such a distance that surface at the border ends halfway to the
+    /// layer, and at least `barely`.
     fn surrounded(self, barely: f32) -> Self {
         let Self { block, values, is_known } = self;
         let around = VoxelBlock::new(block.min() - 1, block.dims() + 2).expect("hardly larger");
@@ -185,7 +185,7 @@ impl Solid {
         Self { block: around, values, is_known }
     }
 
-    /// Makes the boundary a 2-manifold; what is added for that gets the value `inside`.
+    /// Makes the boundary a 2-manifold; added voxels get the value `inside`.
     fn make_manifold(&mut self, inside: f32, cancel: &Cancel) -> Result<(), Cancelled> {
         let added = make_well_composed(&self.block, &mut self.values, inside, cancel)?;
         let filled = fill_cavities(&self.block, &mut self.values, inside);

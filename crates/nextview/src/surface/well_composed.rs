@@ -1,14 +1,14 @@
-//! Solids of voxels whose boundary is a surface everywhere.
+//! Voxel solids whose boundary is a 2-manifold.
 
 use crate::geometry::VoxelBlock;
 use crate::{Cancel, Cancelled};
 
 /// Makes more voxels of a block inside (negative) until the boundary between inside and outside is a
-/// 2-manifold, and reports for each voxel whether it was made so.
+/// 2-manifold, and returns for each voxel whether it was added.
 ///
-/// It is one if nowhere two voxels of the same side, across a common edge or corner, touch nothing but each
-/// other there (well-composed, Latecki et al. 1995). Of those that separate them, the voxel with the value
-/// nearest to inside is added, the lowest number first (a deterministic form of Siqueira et al. 2008); it is
+/// The boundary is a 2-manifold if no two voxels of the same side touch only across an edge or a corner
+/// (well-composed, Latecki et al. 1995). Of the voxels that separate such a pair, the one with the value
+/// nearest to inside is added, the lowest index on ties (a deterministic form of Siqueira et al. 2008); it is
 /// set to `inside`, which must be negative. Only voxels within the bounding box of those inside are added.
 pub(super) fn make_well_composed(
     block: &VoxelBlock,
@@ -33,20 +33,20 @@ pub(super) fn make_well_composed(
     }
 }
 
-/// The first corners of all cells, a cell being the cube between eight voxel centres.
+/// Returns the first corners of all cells; a cell is the cube between eight voxel centres.
 pub(super) fn first_corners(block: &VoxelBlock) -> impl Iterator<Item = usize> {
     let [n_x, n_y, n_z] = block.dims().to_array().map(|n| n as usize - 1);
     let [x, y, z] = block.strides();
     (0..n_z).flat_map(move |k| (0..n_y).flat_map(move |j| (0..n_x).map(move |i| i * x + j * y + k * z)))
 }
 
-/// The voxels at the corners of a cell, x varying fastest.
+/// Returns the voxels at the corners of a cell, x varying fastest.
 pub(super) fn corners(block: &VoxelBlock, first: usize) -> [usize; 8] {
     let [x, y, z] = block.strides();
     std::array::from_fn(|i| first + (i & 1) * x + (i >> 1 & 1) * y + (i >> 2) * z)
 }
 
-/// The corner to add, if two of the cell are of one side and touch only across an edge or across the cell.
+/// Returns the corner to add, if two corners of one side touch only across an edge or the cell.
 fn critical(values: [f32; 8]) -> Option<usize> {
     let inside = (0..8).fold(0_u8, |mask, i| mask | u8::from(values[i] < 0.0) << i);
     if matches!(inside, 0 | 0xff) {
@@ -63,7 +63,7 @@ fn critical(values: [f32; 8]) -> Option<usize> {
     across.into_iter().find(is_critical).and_then(|_| nearest(!inside))
 }
 
-/// The pairs of corners across the faces of a cell, and those that separate them.
+/// Returns the diagonal pairs of corners of a cell's faces, and the corners that separate them.
 fn faces() -> impl Iterator<Item = (u8, u8)> {
     let face =
         |[a, b, c, d]: [u8; 4]| [(1 << a | 1 << d, 1 << b | 1 << c), (1 << b | 1 << c, 1 << a | 1 << d)];
@@ -71,8 +71,8 @@ fn faces() -> impl Iterator<Item = (u8, u8)> {
     faces.into_iter().flat_map(face)
 }
 
-/// Fills what is outside but not connected, across faces, to the first voxel, which must be outside; reports
-/// for each voxel whether it was filled. Well-composed solids stay so.
+/// Fills outside voxels not connected across faces to the first voxel, which must be outside. Returns for
+/// each voxel whether it was filled. Well-composed solids stay so.
 pub(super) fn fill_cavities(block: &VoxelBlock, values: &mut [f32], inside: f32) -> Vec<bool> {
     let mut is_reached = vec![false; values.len()];
     is_reached[0] = true;
@@ -90,7 +90,7 @@ pub(super) fn fill_cavities(block: &VoxelBlock, values: &mut [f32], inside: f32)
     filled
 }
 
-/// The up to six voxels that share a face with one.
+/// Returns the up to six face neighbours of a voxel.
 fn beside(block: &VoxelBlock, index: usize) -> impl Iterator<Item = usize> + use<> {
     let (strides, dims) = (block.strides(), block.dims().to_array());
     (0..3).flat_map(move |axis| {
@@ -147,8 +147,8 @@ mod tests {
         }
     }
 
-    /// The slow twin: a pattern of a cell is critical unless the inside and the outside corners are each
-    /// connected along the edges, in the cell and in each of its faces.
+    /// The slow twin: a cell's pattern is critical unless its inside and its outside corners are each
+    /// connected along edges, in the cell and in each of its faces.
     #[test]
     fn critical_cells_are_those_with_a_side_in_pieces_that_face_each_other() {
         let connected = |mask: u8| {

@@ -6,13 +6,13 @@ use std::io::{Read, Write};
 const POSITION: [&str; 3] = ["x_m", "y_m", "z_m"];
 const QUATERNION: [&str; 4] = ["qx", "qy", "qz", "qw"];
 
-/// Bytes that no line has.
+/// Bytes in a line: less than this.
 const MAX_LINE: usize = 1 << 16;
 
-/// Largest file, bytes: half a million poses.
+/// Maximum file size, bytes: half a million poses.
 const MAX_BYTES: u64 = 1 << 26;
 
-/// Where the numbers of a row stand.
+/// The columns of the numbers in a row.
 struct Columns {
     position: [usize; 3],
     quaternion: Option<[usize; 4]>,
@@ -93,7 +93,7 @@ impl Columns {
         }
     }
 
-    /// Fails on a row that is too short, and names the numbers that it lacks.
+    /// Fails on a row that is too short, and names the missing numbers.
     fn check(&self, n_fields: usize) -> Result<(), String> {
         let quaternion = self.quaternion.into_iter().flatten().zip(QUATERNION);
         let columns = || self.position.into_iter().zip(POSITION).chain(quaternion.clone());

@@ -23,20 +23,20 @@ pub fn shell(center: DVec3, size: f64, n: usize, seed: u64) -> Result<ViewSpace,
     looking_at(center, (0..n).map(|_| position()))
 }
 
-/// Positions on a Fibonacci sphere of this radius (metres) around `center`.
+/// Returns positions on a Fibonacci sphere of this radius (metres) around `center`.
 pub fn fibonacci_sphere(center: DVec3, radius: f64, n: usize) -> Result<ViewSpace, Error> {
     on_sphere(center, radius, n, |n| (0..n).map(|i| sphere::fibonacci(i, n)).collect())
 }
 
-/// Positions on the upper half of a Fibonacci sphere of this radius (metres) around `center`, for an object
-/// on a table: no candidate is below the centre's height.
+/// Returns positions on the upper half of a Fibonacci sphere of this radius (metres) around `center`, for an
+/// object on a table: no candidate is below the centre's height.
 pub fn hemisphere(center: DVec3, radius: f64, n: usize) -> Result<ViewSpace, Error> {
     on_sphere(center, radius, n, |n| (0..n).map(|i| sphere::fibonacci_hemisphere(i, n)).collect())
 }
 
-/// Positions on a sphere of this radius (metres) around `center`, as far apart as they can be (Tammes'
-/// problem): the candidates of ObjView-Bench (arXiv 2605.10707). At most [`MOST_TAMMES`], since all pairs
-/// are compared.
+/// Returns positions on a sphere of this radius (metres) around `center`, as far apart as possible (Tammes'
+/// problem): the candidates of ObjView-Bench (arXiv 2605.10707). At most [`MOST_TAMMES`], since all pairs are
+/// compared.
 pub fn tammes(center: DVec3, radius: f64, n: usize) -> Result<ViewSpace, Error> {
     if n > MOST_TAMMES {
         return Err(Error::invalid(
@@ -48,21 +48,20 @@ pub fn tammes(center: DVec3, radius: f64, n: usize) -> Result<ViewSpace, Error> 
     on_sphere(center, radius, n, sphere::tammes)
 }
 
-/// Largest number of candidates of [`tammes`].
+/// Maximum number of candidates of [`tammes`].
 pub const MOST_TAMMES: usize = 1000;
 
-/// Positions on 24 rings of latitude of a sphere of this radius (metres) around `center`, as in PB-NBV (Jia
-/// et al., RA-L 2025).
+/// Returns positions on 24 rings of latitude of a sphere of this radius (metres) around `center`, as in
+/// PB-NBV (Jia et al., RA-L 2025).
 pub fn latitude_rings(center: DVec3, radius: f64, n: usize) -> Result<ViewSpace, Error> {
     on_sphere(center, radius, n, |n| sphere::latitude_rings(n, N_RINGS))
 }
 
 const N_RINGS: usize = 24;
 
-/// Positions on a circle at this distance (metres) from `center`, this angle (radians, below pi / 2) above
-/// it: where a camera that stands still is, seen from an object on a turntable. Candidate i shows the object
-/// after the table was turned by i / n of a turn counter-clockwise, seen from above; at 0, the camera is at
-/// +x.
+/// Returns positions on a circle at this distance (metres) from `center` and this angle (radians, below pi /
+/// 2) above it: a fixed camera as seen from an object on a turntable. Candidate i shows the object after the
+/// table has turned by i / n of a turn counter-clockwise, seen from above; at 0, the camera is at +x.
 pub fn ring(center: DVec3, distance: f64, elevation: f64, n: usize) -> Result<ViewSpace, Error> {
     check(distance, n)?;
     check_range("elevation", elevation, -LIMIT_OF_RING..=LIMIT_OF_RING, "less than pi / 2 up or down")?;
@@ -137,7 +136,7 @@ mod tests {
         let first = views.pose(0).translation() - center;
         assert!((first - DVec3::new(0.5_f64.cos(), 0.0, 0.5_f64.sin()) * 0.4).length() < 1e-15);
         for view in 0..12 {
-            // The camera stands still; the object turns counter-clockwise.
+            // The camera is fixed; the object turns counter-clockwise.
             let turned = DQuat::from_rotation_z(TAU * view as f64 / 12.0);
             let seen_from = turned * (views.pose(view).translation() - center);
             assert!(seen_from.distance(first) < 1e-15);

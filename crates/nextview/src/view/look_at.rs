@@ -2,15 +2,15 @@ use crate::Error;
 use crate::geometry::{Pose, check_position};
 use glam::{DMat3, DVec3};
 
-/// Below this sine of the angle between viewing direction and vertical, a view counts as vertical: the
+/// Sine of the angle between viewing direction and vertical below which a view counts as vertical: the
 /// horizon's direction would be rounding noise.
 const VERTICAL: f64 = 1e-6;
 
-/// The pose of a camera at `position` that looks at `target`, both within [`Pose::REACH`].
+/// Returns the pose of a camera at `position` that looks at `target`, both within [`Pose::REACH`].
 ///
-/// Roll: the top of the image points up, that is, the image's x axis is horizontal. Looking straight down or
-/// up, the top of the image points along the world's +y axis. From the target itself the camera looks along
-/// the world's +x axis.
+/// Roll: the top of the image points up, so the image's x axis is horizontal. Looking straight down or up,
+/// the top of the image points along the world's +y axis. At the target itself, the camera looks along the
+/// world's +x axis.
 ///
 /// ```
 /// use glam::DVec3;

@@ -1,7 +1,7 @@
 //! View candidates: where the camera could go.
 //!
 //! Start with [`ViewSpace`]: an immutable, numbered list of camera poses. It is made by a [rule](generate) or
-//! read from a [file](ViewSpace::read_csv), and [`Reach`] says which of them a robot can go to.
+//! read from a [file](ViewSpace::read_csv). [`Reach`] states which of them a robot can reach.
 
 mod csv;
 pub mod generate;

@@ -5,8 +5,8 @@ use std::fmt::Debug;
 
 /// Where a robot can hold the camera.
 pub trait Reachability: Debug + Send + Sync {
-    /// The pose in which the camera can be held there: this one, or where only that is possible, one turned
-    /// about the optical axis, which shows the same. None if the robot does not get there.
+    /// Returns the pose in which the camera can be held: this one, or if necessary one turned about the
+    /// optical axis, which shows the same. `None` if the robot cannot reach it.
     fn held(&self, world_from_camera: &Pose) -> Option<Pose>;
 
     /// Fails on the first value out of range.
@@ -29,11 +29,11 @@ pub trait Reachability: Debug + Send + Sync {
 /// ```
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Reach {
-    /// How far the robot's arm reaches; none if that does not matter.
+    /// The reach of the robot's arm; `None` for no limit.
     pub sphere: Option<ReachSphere>,
-    /// The camera must be in one of these boxes, metres; everywhere if there are none.
+    /// Boxes of which the camera must be in one, metres; if empty, it may be anywhere.
     pub allowed: Vec<Aabb>,
-    /// The camera must be in none of these, metres.
+    /// Boxes that the camera must stay out of, metres.
     pub forbidden: Vec<Aabb>,
 }
 
@@ -42,9 +42,9 @@ pub struct Reach {
 pub struct ReachSphere {
     /// Position of the arm's base, metres.
     pub base: DVec3,
-    /// Minimum distance of the camera from it, metres, at least 0.
+    /// Minimum distance of the camera from the base, metres, at least 0.
     pub min_radius: f64,
-    /// Maximum distance of the camera from it, metres, above `min_radius`.
+    /// Maximum distance of the camera from the base, metres, above `min_radius`.
     pub max_radius: f64,
 }
 
@@ -75,13 +75,13 @@ impl Reachability for Reach {
 }
 
 impl Reach {
-    /// The same, but nowhere outside of this box.
+    /// Restricts the positions to this box.
     pub fn within(mut self, bounds: Aabb) -> Self {
         if self.allowed.is_empty() {
             self.allowed.push(bounds);
         }
         for Aabb { min, max } in &mut self.allowed {
-            // A box that is all outside becomes a part of the border.
+            // A box entirely outside becomes a part of the border.
             (*min, *max) = (min.clamp(bounds.min, bounds.max), max.clamp(bounds.min, bounds.max));
         }
         self

@@ -14,7 +14,7 @@ pub struct ViewSpace {
 }
 
 impl ViewSpace {
-    /// A view space of at least one pose.
+    /// Creates a view space of at least one pose.
     pub fn new(poses: Vec<Pose>) -> Result<Self, Error> {
         if poses.is_empty() {
             return Err(Error::invalid("view space", "empty", "at least one view candidate"));
@@ -35,7 +35,7 @@ impl ViewSpace {
         csv::write(writer, &self.poses)
     }
 
-    /// These candidates, made for an object of size 1 at the origin, around an object elsewhere: in the same
+    /// Moves candidates made for an object of size 1 at the origin to an object elsewhere: in the same
     /// directions from `center`, `size` times as far away (metres).
     ///
     /// Fails if a position would be beyond [`Pose::REACH`].
@@ -48,8 +48,8 @@ impl ViewSpace {
         Ok(Self { poses, within_reach: self.within_reach.clone() })
     }
 
-    /// The same where the object is known not to be beyond [`Pose::REACH`]: candidates that would be are out
-    /// of reach, and stay where they are.
+    /// As [`around`](Self::around), for an object known to be within [`Pose::REACH`]: candidates that would
+    /// be beyond it are out of reach and stay where they are.
     pub(crate) fn following(&self, center: DVec3, size: f64) -> Self {
         let mut moved = self.clone();
         for (pose, within_reach) in moved.poses.iter_mut().zip(&mut moved.within_reach) {
@@ -62,9 +62,9 @@ impl ViewSpace {
         moved
     }
 
-    /// The same candidates around the middle of an object of this half-side (metres), moved along their ray
-    /// from `center` to where a camera of this range [measures the object](DepthRange::distances). Those that
-    /// do already stay where they are.
+    /// Moves the candidates along their ray from `center` to where a camera of this range [measures the
+    /// object](DepthRange::distances). `center` is the middle of an object of this half-side (metres).
+    /// Candidates that measure it already stay where they are.
     pub fn within_range(mut self, center: DVec3, size: f64, range: DepthRange) -> Self {
         let (least, largest) = range.distances(size);
         for pose in &mut self.poses {
@@ -78,7 +78,7 @@ impl ViewSpace {
         self
     }
 
-    /// The same candidates; only those whose camera can stand at its position stay within reach.
+    /// Keeps within reach only the candidates whose camera can stand at its position.
     pub fn restricted(mut self, can_stand: impl Fn(DVec3) -> bool) -> Self {
         for (within_reach, pose) in self.within_reach.iter_mut().zip(&self.poses) {
             *within_reach &= can_stand(pose.translation());
@@ -86,7 +86,7 @@ impl ViewSpace {
         self
     }
 
-    /// The same candidates as a robot holds the camera there; those where it cannot are out of reach.
+    /// Replaces the poses by those that a robot can hold; candidates without one are out of reach.
     pub fn held(mut self, reach: &dyn Reachability) -> Self {
         for (within_reach, pose) in self.within_reach.iter_mut().zip(&mut self.poses) {
             match within_reach.then(|| reach.held(pose)).flatten() {
@@ -97,7 +97,7 @@ impl ViewSpace {
         self
     }
 
-    /// The same candidates; of those within reach, only the named numbers stay so.
+    /// Keeps within reach only the candidates with the given numbers.
     pub(crate) fn only(mut self, is_left: impl Fn(usize) -> bool) -> Self {
         self.within_reach
             .iter_mut()
@@ -106,12 +106,12 @@ impl ViewSpace {
         self
     }
 
-    /// Whether the camera can go to candidate `view`, which must be below [`len`](Self::len).
+    /// Whether candidate `view`, which must be below [`len`](Self::len), is within reach of the camera.
     pub fn is_within_reach(&self, view: usize) -> bool {
         self.within_reach[view]
     }
 
-    /// Number of candidates, those out of reach included; never 0.
+    /// Number of candidates, including those out of reach; never 0.
     pub fn len(&self) -> usize {
         self.poses.len()
     }
@@ -121,12 +121,12 @@ impl ViewSpace {
         self.poses.is_empty()
     }
 
-    /// The pose of candidate `view`, which must be below [`len`](Self::len).
+    /// Returns the pose of candidate `view`, which must be below [`len`](Self::len).
     pub fn pose(&self, view: usize) -> Pose {
         self.poses[view]
     }
 
-    /// All poses in the order of their numbers.
+    /// Returns all poses in the order of their numbers.
     pub fn poses(&self) -> &[Pose] {
         &self.poses
     }

@@ -5,11 +5,11 @@ use crate::sensor::Points;
 use glam::{DMat3, DVec2, DVec3, IVec3, UVec3};
 use pulp::{Arch, Simd, WithSimd};
 
-/// Where rays enter what weakens them: the bricks of a grid with voxels that weaken a ray and lie beside
-/// clear ones or at the border of the block.
+/// Where rays enter the voxels that weaken them: the bricks of a grid with voxels that weaken a ray and lie
+/// next to clear ones or at the border of the block.
 ///
 /// A ray that comes from outside and passes none of these bricks is never weakened. Most rays of a view are
-/// such, and [`Tiles`] tell them without a walk.
+/// of this kind, and [`Tiles`] identify them without a walk.
 #[derive(Debug)]
 pub(super) struct Entries {
     /// [`LANES`] at a time; the last one is repeated.
@@ -25,8 +25,8 @@ pub(super) struct Entries {
 struct Bricks {
     /// Their middles along each axis, in voxels.
     middles: [Lanes; 3],
-    /// Rays enter through a face that lies across an axis only from beyond it: those that look up the axis
-    /// from below the first of these, those that look down from above the second.
+    /// Rays enter through a face across an axis only from beyond it: rays up the axis from below the first of
+    /// these, rays down the axis from above the second.
     upward: [Lanes; 3],
     downward: [Lanes; 3],
 }
@@ -39,7 +39,7 @@ struct Brick {
     downward: DVec3,
 }
 
-/// Bricks along the longest side of the block: more would take longer to look at than the rays they save.
+/// Bricks along the longest side of the block: more would take longer to check than the rays they save.
 const MOST_BRICKS: u32 = 32;
 
 /// The part of an image, in tiles, that shows the bricks of [`Entries`].
@@ -57,7 +57,7 @@ pub(super) struct Tiles {
 const N_TILES: usize = 64;
 
 impl Entries {
-    /// None where no voxel is clear: every ray is then weakened at once.
+    /// Finds the entries; `None` if no voxel is clear, since every ray is then weakened at once.
     pub fn of(grid: &PassGrid) -> Option<Self> {
         if !grid.passes.contains(&1.0) {
             return None;
@@ -94,9 +94,9 @@ impl Entries {
         })
     }
 
-    /// The tiles that show the entries to a camera at `origin`, in voxels, whose rays begin at a depth of
-    /// `nearest`. None if they would save less than they cost, with so many rays, or if rays may begin inside
-    /// the block.
+    /// Returns the tiles that show the entries to a camera at `origin`, in voxels, whose rays begin at a
+    /// depth of `nearest`. `None` if they would save less than they cost for this number of rays, or if rays
+    /// may begin inside the block.
     pub fn seen_from(
         &self,
         arch: Arch,
@@ -126,7 +126,7 @@ impl Entries {
     }
 }
 
-/// Visits all voxels in which rays can be weakened first, once for every face through which they come: with
+/// Visits all voxels in which rays can be weakened first, once for each face through which they come: with
 /// its axis, and whether they come up the axis.
 fn for_each_entry(grid: &PassGrid, mut visit: impl FnMut(IVec3, usize, bool)) {
     let strides = grid.padded.strides();
@@ -156,7 +156,7 @@ impl Bricks {
         }
     }
 
-    /// Whether rays from a place can enter.
+    /// Whether rays from a place can enter through the face.
     #[inline(always)]
     fn face<S: Simd>(&self, simd: S, origin: DVec3, part: usize) -> S::m64s {
         let mut faces = simd.less_than_f64s(simd.splat_f64s(0.0), simd.splat_f64s(0.0));
@@ -186,11 +186,11 @@ impl Tiles {
     }
 }
 
-/// The tile nearest to a place, as an [index](cell): the same rounding for bricks and for rays, so that a ray
-/// between the borders of a brick has a tile between theirs.
+/// The tile nearest to a place, as an [index](cell). Bricks and rays are rounded alike, so a ray between the
+/// borders of a brick has a tile between theirs.
 #[inline(always)]
 fn tile(place: f64) -> f64 {
-    // Not `clamp`, which looks whether the limits are in order.
+    // Not `clamp`, which checks whether the limits are in order.
     let last = (N_TILES - 1) as f64;
     let place = if place > 0.0 { place } else { 0.0 };
     (if place < last { place } else { last }) + FIRST_INDEX

@@ -5,36 +5,36 @@ use crate::{Cancel, Cancelled};
 use glam::{DVec3, IVec3};
 use rayon::prelude::*;
 
-/// Which parts of voxels hold measured surface: 64 cubes a quarter of a voxel wide, whatever later rays did
-/// to the voxel.
+/// The parts of voxels that hold measured surface: 64 cubes a quarter of a voxel wide, whatever later rays
+/// did to the voxel.
 ///
-/// A map says that a voxel holds surface; a ray may pass beside it all the same. If whole voxels ended rays,
+/// A map states that a voxel holds surface, but a ray may still pass next to it. If whole voxels ended rays,
 /// openings of one or two voxels would be closed.
 ///
-/// Pixels side by side on the same surface are joined, so that parts have no holes where pixels are farther
-/// apart than they are.
+/// Neighbouring pixels on the same surface are joined, so parts have no holes where pixels are farther apart
+/// than they are.
 #[derive(Clone, Debug)]
 pub struct MeasuredParts {
     lattice: Lattice,
     block: VoxelBlock,
     /// By voxel of the block, a bit for each part: [`bit`].
     parts: Vec<u64>,
-    /// The poses of the frames that the parts are from, in order.
+    /// The poses of the frames that contributed parts, in order.
     poses: Vec<Pose>,
 }
 
 /// Parts along each edge of a voxel.
 const N: i32 = 4;
 
-/// Points that join two pixels are at most this far apart, in parts.
+/// Maximum distance between points that join two pixels, in parts.
 const SPACING: f64 = 0.9;
 
-/// Neighbouring pixels show the same surface if they are less than this many pixels apart, which are as wide
-/// as at the nearer one: flatter surfaces are hardly measured, and edges lie farther apart.
+/// Neighbouring pixels show the same surface if they are less than this many pixels apart, of the size at the
+/// nearer one. Flatter surfaces are hardly measured, and edges lie farther apart.
 const SAME_SURFACE: f64 = 6.0;
 
 impl MeasuredParts {
-    /// The parts of a snapshot's voxels that surface in these frames lies in.
+    /// Computes the parts of a snapshot's voxels that hold surface from these frames.
     ///
     /// Fails if `cancel` is set.
     pub fn new(frames: &[Frame], snapshot: &Snapshot, cancel: &Cancel) -> Result<Self, Cancelled> {
@@ -49,8 +49,8 @@ impl MeasuredParts {
         frames.par_iter().try_fold(nothing, add).try_reduce(nothing, join)
     }
 
-    /// The parts of these frames in the voxels of a snapshot: frames that are in these parts, with the same
-    /// poses, are not read again.
+    /// Computes the parts for these frames in the voxels of a snapshot. Frames already included, with the
+    /// same poses, are not read again.
     ///
     /// Fails if `cancel` is set.
     pub fn after(self, frames: &[Frame], snapshot: &Snapshot, cancel: &Cancel) -> Result<Self, Cancelled> {
@@ -65,14 +65,14 @@ impl MeasuredParts {
         }
     }
 
-    /// These parts and those of later frames in the same voxels.
+    /// Adds the parts of later frames in the same voxels.
     fn joined(mut self, later: Self) -> Self {
         self.parts.iter_mut().zip(later.parts).for_each(|(a, b)| *a |= b);
         self.poses.extend(later.poses);
         self
     }
 
-    /// The voxels that they are in.
+    /// The block of voxels.
     pub fn block(&self) -> VoxelBlock {
         self.block
     }
@@ -82,12 +82,12 @@ impl MeasuredParts {
         self.parts[voxel] != 0
     }
 
-    /// The parts of a voxel of the block, a bit each, x fastest; by its index.
+    /// The parts of a voxel of the block, by its index: a bit each, x fastest.
     pub(super) fn of(&self, voxel: usize) -> u64 {
         self.parts[voxel]
     }
 
-    /// These parts, one number for each voxel of the block.
+    /// Creates parts from one number for each voxel of the block.
     #[cfg(test)]
     pub(super) fn of_parts(block: VoxelBlock, parts: Vec<u64>) -> Self {
         Self { lattice: Lattice::new(0.01).unwrap(), block, parts, poses: Vec::new() }
@@ -144,7 +144,7 @@ impl MeasuredParts {
         }
     }
 
-    /// Marks the part that a point, in voxels, lies in.
+    /// Marks the part that contains a point, in voxels.
     fn mark(&mut self, point: DVec3) {
         let part = (point * N as f64).floor().as_ivec3();
         let key = IVec3::new(part.x.div_euclid(N), part.y.div_euclid(N), part.z.div_euclid(N));
@@ -154,7 +154,7 @@ impl MeasuredParts {
     }
 }
 
-/// The number of a part, by its place in the voxel.
+/// The number of a part, by its position in the voxel.
 fn bit(part: IVec3) -> i32 {
     part.x + N * (part.y + N * part.z)
 }
@@ -218,7 +218,7 @@ mod tests {
             let found = meets(parts, key, origin, direction);
             prop_assert!(met.is_empty() || found, "goes through {met:?}");
             if met.is_empty() && found {
-                // Through a corner that lies between two of the points.
+                // Through a corner between two of the points.
                 let aside = [DVec3::X, DVec3::Y, DVec3::Z].map(|axis| axis.cross(direction).normalize_or_zero() * 1e-3);
                 let is_near = |by: DVec3| (-4000..4000).any(|i| {
                     let point = DVec3::from_array(through) + direction.normalize() * f64::from(i) * 5e-4 + by;
@@ -265,7 +265,7 @@ mod tests {
         }
     }
 
-    /// The slow twin: all frames anew.
+    /// The slow twin: all frames from scratch.
     #[test]
     fn more_frames_other_poses_and_other_voxels_give_their_own_parts() {
         let frame = |depth: f32, x: f64| {

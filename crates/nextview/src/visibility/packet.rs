@@ -4,26 +4,26 @@ use crate::sensor::DepthRange;
 use glam::DVec3;
 use pulp::Simd;
 
-/// Where the rays of a packet go from the camera.
+/// Directions of the rays of a packet from the camera.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Directions {
     /// In units of voxels, along each axis.
     pub axes: [Lanes; 3],
-    /// Which of the lanes have a ray.
+    /// The lanes with a ray.
     pub is_ray: [bool; LANES],
 }
 
-/// Rays from one origin where they enter a block, in units of voxels: the start of a walk as that of
+/// Rays from one origin at their entry into a block, in units of voxels. They start a walk like
 /// [`SegmentWalk`](crate::geometry::SegmentWalk), reduced to the needs of a ray.
 ///
-/// Setting up a short ray alone costs as much as following it; eight at a time, a fifth of that.
+/// Setting up a single short ray costs as much as following it; with eight at a time, a fifth of that.
 #[derive(Debug, Default)]
 pub(super) struct Packet {
     /// The cell in which the ray enters, as an [index](crate::geometry::lanes::cell); [`OUTSIDE`] if it
     /// misses the block.
     pub index: Lanes,
     pub axes: [PacketAxis; 3],
-    /// Where all rays come from.
+    /// Common origin of the rays.
     pub origin: DVec3,
     /// Along each axis; of length 1 in depth.
     pub directions: [Lanes; 3],
@@ -34,9 +34,9 @@ pub(super) struct Packet {
 pub(super) struct PacketAxis {
     /// Where the ray next crosses a border of voxels, in lengths of its direction; infinite if never.
     pub next: Lanes,
-    /// How far apart these borders are.
+    /// Distance between these borders.
     pub step: Lanes,
-    /// How far a step moves the index.
+    /// Change of the index per step.
     pub stride: Lanes,
 }
 
@@ -83,7 +83,7 @@ impl Packet {
         DVec3::new(x[lane], y[lane], z[lane])
     }
 
-    /// Fills one axis, and returns how far along it the ray enters, in cells.
+    /// Fills one axis and returns the entry of the ray along it, in cells.
     #[inline(always)]
     fn enter_along<S: Simd>(
         &mut self,
@@ -114,8 +114,7 @@ impl Packet {
     }
 }
 
-/// [`Aabb::clip`](crate::geometry::Aabb::clip) within a range of depths, with selections in place of
-/// branches.
+/// [`Aabb::clip`](crate::geometry::Aabb::clip) within a range of depths, with selections instead of branches.
 struct Clip<S: Simd> {
     directions: [S::f64s; 3],
     inverses: [S::f64s; 3],
@@ -200,7 +199,7 @@ pub(super) mod tests {
         }
     }
 
-    /// Positions and directions with many exact ties, zeros and signed zeros among them.
+    /// Positions and directions with many exact ties, including zeros and signed zeros.
     fn vector() -> impl Strategy<Value = DVec3> {
         let tied = prop::array::uniform3(-24..24).prop_map(|v| v.map(|x| x as f64 * 0.25));
         let signed = prop::array::uniform3(prop::sample::select(vec![-0.0, 0.0, 1.0, -2.0]));

@@ -6,8 +6,7 @@ use glam::{DVec3, IVec3};
 use std::ops::Range;
 
 /// The share of visibility that each voxel of a block passes on, with a layer of [`OUTSIDE`](Self::OUTSIDE)
-/// around it: a ray then needs no other test to find the end of the box. The voxels with the layer are called
-/// cells.
+/// around it: a ray then needs no other test to find the end of the box. The voxels of both are called cells.
 #[derive(Debug)]
 pub(super) struct PassGrid {
     /// The voxels through which rays are followed: all that could change the visibility of others.
@@ -17,7 +16,7 @@ pub(super) struct PassGrid {
     /// By cell, 1 - P(occupied) or 1 where free space is clear; 0 where a ray ends; below
     /// [`OUTSIDE`](Self::OUTSIDE) where only a [part](Self::beside) ends it.
     pub passes: Vec<f32>,
-    /// The cells of which parts end rays: those parts, and the share that passes beside them.
+    /// Cells in which only parts end rays: those parts, and the share that passes next to them.
     parts: Vec<(u64, f32)>,
 }
 
@@ -25,7 +24,7 @@ impl PassGrid {
     /// Marks the layer around the block.
     pub const OUTSIDE: f32 = -1.0;
 
-    /// The passes under eq. (2) as users choose it.
+    /// Creates the grid under eq. (2) with the chosen model of free space.
     pub fn new(snapshot: &Snapshot, free_space: FreeSpace) -> Self {
         let pass = |voxel: usize| match (snapshot.occupancy()[voxel], free_space) {
             (Occupancy::Occupied, _) => 0.0,
@@ -41,7 +40,7 @@ impl PassGrid {
         Self::with_passes(snapshot, block, pass)
     }
 
-    /// The grid for the shares that each voxel of the snapshot passes on, above 0 and up to 1.
+    /// Creates the grid for the shares that each voxel of the snapshot passes on, above 0 and up to 1.
     pub fn of_passes(snapshot: &Snapshot, passes: &[f32]) -> Self {
         let block = without_margin(snapshot.block(), |voxel| passes[voxel] == 1.0);
         Self::with_passes(snapshot, block, |voxel| passes[voxel])
@@ -57,8 +56,8 @@ impl PassGrid {
         grid
     }
 
-    /// The same where rays end at the measured parts of occupied voxels, and beside them go on. Measured
-    /// voxels that the map has free are left as they are: noise put points there.
+    /// Makes rays end at the measured parts of occupied voxels and continue next to them. Measured voxels
+    /// that are free in the map stay as they are: noise put points there.
     pub fn behind(mut self, measured: &MeasuredParts, snapshot: &Snapshot) -> Self {
         for (cells, voxels) in self.rows(snapshot) {
             for (cell, voxel) in cells.zip(voxels) {
@@ -71,15 +70,15 @@ impl PassGrid {
         self
     }
 
-    /// The share that a cell whose pass is below [`OUTSIDE`](Self::OUTSIDE) passes on of a ray, `origin` and
-    /// `direction` in voxels: 0 if the ray meets one of its parts.
+    /// Returns the share of a ray that a cell with a pass below [`OUTSIDE`](Self::OUTSIDE) passes on,
+    /// `origin` and `direction` in voxels: 0 if the ray meets one of its parts.
     #[cold]
     pub fn beside(&self, cell: usize, origin: DVec3, direction: DVec3) -> f32 {
         let (parts, pass) = self.parts[(Self::OUTSIDE - self.passes[cell]) as usize - 1];
         if meets(parts, self.padded.key(cell), origin, direction) { 0.0 } else { pass }
     }
 
-    /// The rows of the block along x, as ranges of cells and of voxels of the snapshot, both increasing.
+    /// The rows of the block along x, as increasing ranges of cells and of voxels of the snapshot.
     pub fn rows(&self, snapshot: &Snapshot) -> impl Iterator<Item = (Range<usize>, Range<usize>)> + use<> {
         let (block, padded, whole) = (self.block, self.padded, snapshot.block());
         let (low, high) = (block.min(), block.max());
@@ -90,7 +89,7 @@ impl PassGrid {
     }
 }
 
-/// The smallest block that holds all voxels that are not clear (the whole one if there are none): clear space
+/// The smallest block with all voxels that are not clear (the whole one if there are none): clear space
 /// around it neither weakens a ray nor ends it.
 fn without_margin(block: VoxelBlock, is_clear: impl Fn(usize) -> bool) -> VoxelBlock {
     let [width, height, depth] = block.dims().to_array().map(|dim| dim as usize);

@@ -3,19 +3,19 @@ use super::pass_grid::PassGrid;
 use crate::geometry::lanes::{LANES, Lanes, cell, load, store};
 use pulp::Simd;
 
-/// The voxels that the rays of a packet cross, found by walking them side by side.
+/// The voxels crossed by the rays of a packet, found by walking them side by side.
 ///
 /// The twin of the walk of a single ray in [`RayCaster`](super::RayCaster): the same operations in the same
-/// order, with selections in place of branches. A branch on the axis of the next step is wrong every other
-/// time.
+/// order, with selections instead of branches. A branch on the axis of the next step would be mispredicted
+/// half of the time.
 #[derive(Debug)]
 pub(crate) struct Paths {
-    /// Longer than any path.
+    /// Buffer longer than any path.
     steps: Vec<Step>,
     /// Number of crossings of each ray, in the form of an [index](cell).
     len: Lanes,
-    /// How many of them come before the first that weakens the ray, in the same form; may exceed `len` where
-    /// none does.
+    /// Number of crossings before the first that weakens the ray, in the same form; may exceed `len` if there
+    /// is none.
     n_clear: Lanes,
 }
 
@@ -27,14 +27,14 @@ struct Step {
 }
 
 impl Paths {
-    /// Room for paths through a grid.
+    /// Allocates paths through a grid.
     pub(super) fn new(grid: &PassGrid) -> Self {
         let longest = grid.padded.dims().element_sum() as usize + 1;
         let step = Step { index: [OUTSIDE; LANES], visibility: [1.0; LANES] };
         Self { steps: vec![step; longest], len: [OUTSIDE; LANES], n_clear: [OUTSIDE; LANES] }
     }
 
-    /// The cells and visibilities that a ray crosses, without those before the first that weakens it.
+    /// Returns the cells and visibilities that a ray crosses, from the first cell that weakens it.
     pub(super) fn weakened(&self, lane: usize) -> impl Iterator<Item = (usize, f32)> {
         let (start, end) = (cell(self.n_clear[lane]), cell(self.len[lane]));
         let steps = self.steps[..end].get(start..).unwrap_or_default();
@@ -68,8 +68,8 @@ impl Paths {
         let mut goes_on = simd.less_than_f64s(zero, one);
         for step in &mut self.steps {
             step.record::<S>(part, index, &visibility);
-            // Where a ray ends is known only after many cycles: it may go a step too far, so as not to wait
-            // for that.
+            // The end of a ray is known only after many cycles: to avoid waiting for it, the ray may go a
+            // step too far.
             let may_move = goes_on;
             let (pass, after) = step.pass::<S>(simd, part, packet, grid, &mut visibility);
             let crosses = simd.and_m64s(goes_on, simd.greater_than_f64s(pass, zero));
@@ -128,7 +128,7 @@ impl Step {
         (load::<S>(&pass, 0), load::<S>(&after, 0))
     }
 
-    /// Fills in the shares of cells of which parts end rays, for the lanes from `first` on.
+    /// Fills in the shares of cells in which parts end rays, for the lanes from `first` on.
     #[cold]
     fn pass_beside(&self, first: usize, packet: &Packet, grid: &PassGrid, passes: &mut [f32]) {
         for (lane, pass) in (first..).zip(passes).filter(|(_, pass)| **pass < PassGrid::OUTSIDE) {

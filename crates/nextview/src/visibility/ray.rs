@@ -3,7 +3,7 @@
 pub struct Ray<'a> {
     /// The free and unknown voxels on the ray, in order.
     pub crossings: &'a [Crossing],
-    /// Why the ray ends.
+    /// How the ray ends.
     pub end: RayEnd,
 }
 

@@ -38,21 +38,21 @@ pub struct RayCaster<'a> {
     grid: RayGrid,
     /// Distance between rays at the far side of the box, metres.
     spacing: f64,
-    /// The box that rays are followed through.
+    /// The box in which rays are followed.
     bounds: Aabb,
     pub(super) passes: PassGrid,
     /// Visibility below which a ray ends.
     pub(super) fade_limit: f32,
     /// The depths that the camera measures, in voxels.
     depths: DepthRange,
-    /// The instructions of the CPU.
+    /// The instruction set of the CPU.
     pub(super) arch: Arch,
 }
 
 impl<'a> RayCaster<'a> {
-    /// A caster for a camera; `ray_spacing` is the distance between neighbouring rays at the far side of the
-    /// box, in voxels, positive. [`NO_VOXEL_MISSED`](super::NO_VOXEL_MISSED) or less hits every voxel; 10 is
-    /// as thin as the paper.
+    /// Creates a caster for a camera; `ray_spacing` is the distance between neighbouring rays at the far side
+    /// of the box, in voxels, positive. [`NO_VOXEL_MISSED`](super::NO_VOXEL_MISSED) or less hits every voxel;
+    /// 10 is as sparse as in the paper.
     ///
     /// `sight` may be a [`FreeSpace`](super::FreeSpace) alone: rays then end where they have
     /// [faded](Sight::FADED).
@@ -66,8 +66,8 @@ impl<'a> RayCaster<'a> {
         Self::with_passes(snapshot, intrinsics, ray_spacing, PassGrid::new(snapshot, free_space), fade_limit)
     }
 
-    /// A caster for voxels that pass on these shares of visibility, above 0 and up to 1, one for each voxel
-    /// of the snapshot.
+    /// Creates a caster for voxels that pass on these shares of visibility, above 0 and up to 1, one for each
+    /// voxel of the snapshot.
     pub(crate) fn through(
         snapshot: &'a Snapshot,
         intrinsics: &Intrinsics,
@@ -106,14 +106,14 @@ impl<'a> RayCaster<'a> {
         })
     }
 
-    /// The same for a camera that measures only these depths: rays begin at the least of them, and those that
-    /// meet the box beyond the largest are left out.
+    /// Sets the depths that the camera measures: rays begin at the least of them, and those that enter the
+    /// box beyond the largest are left out.
     pub fn within(self, range: DepthRange) -> Self {
         let in_voxels = |depth: f64| depth / self.snapshot.lattice().voxel_size();
         Self { depths: DepthRange { min: in_voxels(range.min), max: in_voxels(range.max) }, ..self }
     }
 
-    /// The same where rays end at the measured parts of occupied voxels, and beside them go on.
+    /// Makes rays end at the measured parts of occupied voxels and continue next to them.
     pub(crate) fn behind(self, measured: &MeasuredParts) -> Self {
         Self { passes: self.passes.behind(measured, self.snapshot), ..self }
     }
@@ -126,7 +126,7 @@ impl<'a> RayCaster<'a> {
         });
     }
 
-    /// The same up to the first ray for which `visit` fails.
+    /// As [`cast`](Self::cast), but stops at the first ray for which `visit` fails.
     pub fn try_cast<E>(
         &self,
         world_from_camera: &Pose,
@@ -144,8 +144,8 @@ impl<'a> RayCaster<'a> {
         })
     }
 
-    /// The rays of a view where they enter the box, [`LANES`] at a time and in order, up to the first for
-    /// which `visit` fails. With `entries`, rays may be left out that pass none of them.
+    /// Visits the rays of a view at their entry into the box, [`LANES`] at a time and in order. Stops when
+    /// `visit` fails. With `entries`, rays that pass none of them may be left out.
     pub(super) fn try_for_each_packet<E>(
         &self,
         world_from_camera: &Pose,
@@ -171,7 +171,7 @@ impl<'a> RayCaster<'a> {
         Ok(())
     }
 
-    /// Follows one ray of a packet; none if it misses the box.
+    /// Follows one ray of a packet; `None` if it misses the box.
     fn trace(&self, packet: &Packet, lane: usize, crossings: &mut Vec<Crossing>) -> Option<RayEnd> {
         let PassGrid { block, padded, passes, .. } = &self.passes;
         let mut index = cell(packet.index[lane]);
@@ -219,7 +219,7 @@ impl<'a> RayCaster<'a> {
     }
 }
 
-/// Cells of an image whose rays are collected at a time.
+/// Number of cells of an image whose rays are collected at a time.
 const SHARE: usize = 512;
 
 /// Rays of a view, by their places on the plane z = 1.
@@ -308,7 +308,7 @@ mod tests {
     use glam::{DVec2, IVec3, UVec3};
     use proptest::prelude::*;
 
-    /// Traces one ray, origin and direction in units of voxels; none if it misses the box.
+    /// Traces one ray, origin and direction in units of voxels; `None` if it misses the box.
     fn trace(caster: &RayCaster<'_>, origin: DVec3, direction: DVec3) -> Option<(Vec<Crossing>, RayEnd)> {
         let (mut packet, grid, directions) = (Packet::default(), &caster.passes, [direction; LANES]);
         caster.arch.dispatch(Enter { packet: &mut packet, grid, origin, directions, depths: caster.depths });
@@ -352,7 +352,7 @@ mod tests {
             }
         }
 
-        /// The loop of its own crosses the voxels that the general walk crosses.
+        /// The dedicated loop crosses the voxels that the general walk crosses.
         #[test]
         fn rays_cross_the_voxels_of_the_walk(
             origin in prop::array::uniform3(-30.0..30.0), direction in prop::array::uniform3(-1.0..1.0),
@@ -403,8 +403,7 @@ mod tests {
     }
 
     proptest! {
-        /// The slow twin: the walk among the whole voxels, up to the first occupied one of which it meets a
-        /// part.
+        /// The slow twin: the walk in whole voxels, up to the first occupied one of which it meets a part.
         #[test]
         fn rays_end_at_measured_parts(
             origin in prop::array::uniform3(-30.0..30.0), direction in prop::array::uniform3(-1.0..1.0),
@@ -431,7 +430,7 @@ mod tests {
             prop_assert_eq!(trace(&whole.behind(&measured), origin, direction), expected);
         }
 
-        /// The slow twin: the general walk and a product, from the first voxel on that weakens any ray.
+        /// The slow twin: the general walk and a product, from the first voxel that weakens any ray.
         #[test]
         fn rays_go_through_what_passes_are_given(
             origin in prop::array::uniform3(-30.0..30.0), direction in prop::array::uniform3(-1.0..1.0),
@@ -479,7 +478,7 @@ mod tests {
             t_end.is_some() && crossings.iter().all(|c| span(c.voxel).is_some()),
             "a voxel off the ray"
         );
-        // Samples on a border, to rounding, say nothing about which side they are on.
+        // Samples on a border, to rounding, do not show which side they are on.
         let clear = |p: &DVec3| (*p - p.round()).abs().min_element() > 1e-8;
         let n_samples = (t_end.unwrap_or(0.0) * 1e3) as usize;
         let samples = (0..n_samples).map(|i| origin + direction * (i as f64 * 1e-3)).filter(clear);

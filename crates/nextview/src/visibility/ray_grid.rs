@@ -5,18 +5,17 @@ use glam::{DVec2, DVec3};
 use std::f64::consts::FRAC_PI_2;
 
 /// The ray spacing at which no voxel of the box is missed: 1 / sqrt(2) of a voxel. A voxel contains a ball as
-/// wide as its edge, whose image holds a disc as wide as the voxel at its depth, and a square grid hits every
+/// wide as its edge, whose image holds a disc as wide as the voxel at its depth. A square grid hits every
 /// disc whose diameter is sqrt(2) of its spacing.
 pub const NO_VOXEL_MISSED: f64 = std::f64::consts::FRAC_1_SQRT_2;
 
-/// Where on the image the planning rays of a view go: a square grid over the part of the image that shows the
-/// box.
+/// The planning rays of a view on the image: a square grid over the part of the image that shows the box.
 #[derive(Clone, Debug)]
 pub struct RayGrid {
     intrinsics: Intrinsics,
-    /// Largest length on the plane z = 1 that a step of one pixel covers, along x and y.
+    /// Maximum length on the plane z = 1 covered by a step of one pixel, along x and y.
     pixel_on_plane: f64,
-    /// Largest angle between a ray through the image and the optical axis, radians.
+    /// Maximum angle between a ray through the image and the optical axis, radians.
     widest: f64,
 }
 
@@ -26,7 +25,7 @@ const MOST_RAYS: f64 = (1 << 22) as f64;
 /// Equal cells of an image with a ray through the middle of each, row by row.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Cells {
-    /// Corner of the first, and size of each, in pixels.
+    /// Corner of the first cell, and size of each, in pixels.
     low: DVec2,
     size: DVec2,
     columns: usize,
@@ -45,16 +44,16 @@ impl Cells {
 }
 
 impl RayGrid {
-    /// The grid rule of a camera.
+    /// Creates the grid rule of a camera.
     pub fn new(intrinsics: &Intrinsics) -> Self {
         let (pixel_on_plane, widest) = (largest_pixel(intrinsics), widest_angle(intrinsics));
         Self { intrinsics: *intrinsics, pixel_on_plane, widest }
     }
 
-    /// The directions, in the camera frame and with z = 1, of the rays of a view towards the box. Their
-    /// distance at the far side of the box is `spacing` metres or less. None reaches a box behind the camera.
+    /// Returns the directions, in the camera frame and with z = 1, of a view's rays towards the box. Their
+    /// distance at the far side of the box is at most `spacing` metres. None reaches a box behind the camera.
     ///
-    /// If there were more than 2^22, they are farther apart, or none if the box is outside the image.
+    /// If there were more than 2^22, they are farther apart, or left out if the box is outside the image.
     pub fn directions(
         &self,
         world_from_camera: &Pose,
@@ -67,7 +66,7 @@ impl RayGrid {
         places.filter_map(ideal).map(|ideal| ideal.extend(1.0))
     }
 
-    /// The cells of the image that these rays go through.
+    /// The cells of the image with these rays.
     pub(super) fn cells(&self, world_from_camera: &Pose, aabb: &Aabb, spacing: f64) -> Cells {
         let camera_from_world = world_from_camera.inverse();
         let corners = aabb.corners().map(|corner| camera_from_world.transform_point(corner));
@@ -76,7 +75,7 @@ impl RayGrid {
         let (low, high) = if farthest > 0.0 { self.window(&corners) } else { (DVec2::ZERO, DVec2::ZERO) };
         let n = ((high - low) / step).ceil().max(DVec2::ZERO);
         let n = match n.element_product() {
-            // Beside an infinite number of rows, not a number.
+            // With an infinite number of rows, the product is not a number.
             _ if n.min_element() == 0.0 => DVec2::ZERO,
             product if product > MOST_RAYS => self.bounded(n, &corners),
             _ => n,
@@ -84,13 +83,13 @@ impl RayGrid {
         Cells { low, size: (high - low) / n.max(DVec2::ONE), columns: n.x as usize, rows: n.y as usize }
     }
 
-    /// Columns and rows for as many rays as are allowed; none if the box is outside the image. The whole
-    /// image is searched for a box far beside it, with rays as close as it is small.
+    /// Columns and rows within the maximum number of rays; none if the box is outside the image. For a box
+    /// far outside, the whole image is searched, with rays as close as the box is small.
     fn bounded(&self, n: DVec2, corners: &[DVec3; 8]) -> DVec2 {
         if !self.may_show(corners) {
             return DVec2::ZERO;
         }
-        // The ratio of columns to rows stays, but for a row alone.
+        // Keeps the ratio of columns to rows, except for a single row.
         let scale = (MOST_RAYS / n.x / n.y).sqrt();
         let [columns, rows] = (n * scale).floor().max(DVec2::ONE).to_array();
         let columns = columns.min(MOST_RAYS);
@@ -107,8 +106,8 @@ impl RayGrid {
         middle.angle_between(DVec3::Z) <= self.widest + (radius / middle.length()).asin()
     }
 
-    /// The places on the plane z = 1 of the rays through the cells from `start` on, which is one of them: the
-    /// twin of [`directions`](Self::directions) for several rays.
+    /// The positions on the plane z = 1 of the rays through the cells from `start` on, which is one of them:
+    /// the twin of [`directions`](Self::directions) for several rays.
     #[inline(always)]
     pub(super) fn ideal(&self, cells: &Cells, start: usize) -> Points<LANES> {
         let mut pixels = Points { x: [0.0; LANES], y: [0.0; LANES], is_known: [false; LANES] };
@@ -128,7 +127,7 @@ impl RayGrid {
     fn window(&self, corners: &[DVec3; 8]) -> (DVec2, DVec2) {
         let border_low = DVec2::splat(-0.5);
         let border_high = DVec2::new(self.intrinsics.width() as f64, self.intrinsics.height() as f64) - 0.5;
-        // A corner without image (behind the camera or far outside) leaves the whole image to be searched.
+        // A corner without an image (behind the camera or far outside) requires a search of the whole image.
         let (mut low, mut high) = (DVec2::INFINITY, DVec2::NEG_INFINITY);
         for pixel in self.intrinsics.project_lanes(corners) {
             let Some(pixel) = pixel else { return (border_low, border_high) };
@@ -141,7 +140,7 @@ impl RayGrid {
     }
 }
 
-/// The largest angle between the optical axis and a ray through a mesh of 17 x 17 places of the image,
+/// The maximum angle between the optical axis and a ray through a mesh of 17 x 17 points of the image,
 /// borders included, and a hundredth more; pi / 2 if one has no ray.
 fn widest_angle(intrinsics: &Intrinsics) -> f64 {
     let size = DVec2::new(intrinsics.width() as f64, intrinsics.height() as f64);
@@ -153,8 +152,8 @@ fn widest_angle(intrinsics: &Intrinsics) -> f64 {
     (places.map(angle).fold(0.0, f64::max) * 1.01).min(FRAC_PI_2)
 }
 
-/// The largest image of a pixel step on the plane z = 1, over a mesh of the image. A lens changes it by a few
-/// per cent, smoothly, so that a mesh of 17 x 17 finds it to well under 1 %.
+/// The maximum length of a pixel step on the plane z = 1, over a mesh of the image. A lens changes it
+/// smoothly by a few per cent, so a mesh of 17 x 17 finds it to well under 1 %.
 fn largest_pixel(intrinsics: &Intrinsics) -> f64 {
     let size = DVec2::new(intrinsics.width() as f64, intrinsics.height() as f64) - 1.0;
     let mut largest = (1.0 / intrinsics.focal()).max_element();
@@ -195,7 +194,7 @@ mod tests {
         assert!((1..=1 << 22).contains(&far), "{far}");
         let thin = Aabb { min: DVec3::new(-1e-9, -0.1, 0.0), max: DVec3::new(1e-9, 0.1, 1e-12) };
         assert!((1..=1 << 22).contains(&check(thin, 1e-9)));
-        // No column, and rows without number.
+        // No columns, and an infinite number of rows.
         let beside = Aabb::cube(DVec3::new(0.0, 5.0, 0.0), 0.1);
         let cells = grid.cells(&camera, &beside, f64::MIN_POSITIVE);
         assert_eq!((cells.columns, cells.rows), (0, 0));

@@ -1,6 +1,6 @@
 use serde::{Deserialize, Serialize};
 
-/// How far planning rays see.
+/// The reach of planning rays.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sight {
     /// The effect of voxels known to be free on a ray.
@@ -10,17 +10,17 @@ pub struct Sight {
     pub fade_limit: f32,
 }
 
-/// How far a ray sees through voxels known to be free; unknown ones pass 1 - P(occupied) = 0.5 in any case.
+/// Visibility through voxels known to be free; unknown ones pass 1 - P(occupied) = 0.5 in any case.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "kebab-case")]
 #[non_exhaustive]
 pub enum FreeSpace {
-    /// Each passes 1 - P(occupied), as eq. (2) of the paper says: 0.6 if measured once. At 5 mm a ray has
-    /// then faded after 7 cm of free space.
+    /// Each passes 1 - P(occupied), as in eq. (2) of the paper: 0.6 if measured once. At 5 mm a ray has then
+    /// faded after 7 cm of free space.
     Fades,
-    /// Each passes all: voxels measured to be free hide nothing. The default. Rays then leave out the free
-    /// margin of the box.
+    /// Each passes all: voxels measured to be free hide nothing. The default. Rays then skip the free margin
+    /// of the box.
     #[default]
     Clear,
 }
@@ -30,14 +30,14 @@ impl Sight {
     /// less than a thousandth, and denormal products would make long rays six times slower.
     pub const FADED: f32 = 1e-3;
 
-    /// Rays that end only at an occupied voxel or the border of the box.
+    /// Creates rays that end only at an occupied voxel or the border of the box.
     pub const fn endless(free_space: FreeSpace) -> Self {
         Self { free_space, fade_limit: 0.0 }
     }
 }
 
 impl From<FreeSpace> for Sight {
-    /// Rays that end where they have [faded](Self::FADED).
+    /// Creates rays that end where they have [faded](Self::FADED).
     fn from(free_space: FreeSpace) -> Self {
         Self { free_space, fade_limit: Self::FADED }
     }

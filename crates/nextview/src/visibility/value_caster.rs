@@ -11,14 +11,14 @@ use std::convert::Infallible;
 /// Casts rays for planners that need only the voxels of positive value that a ray crosses, and their
 /// visibility.
 ///
-/// It reports the same as [`RayCaster::cast`], in the same order, in a fraction of the time: other voxels are
-/// left out, and so are rays that nothing weakens, and the rays are walked side by side.
+/// It reports these as [`RayCaster::cast`] does, in the same order, in a fraction of the time: other voxels
+/// and rays that nothing weakens are left out, and the rays are walked side by side.
 #[derive(Debug)]
 pub(crate) struct ValueCaster<'a> {
     caster: RayCaster<'a>,
-    /// None where they would leave out no ray.
+    /// `None` if they would leave out no ray.
     entries: Option<Entries>,
-    /// By cell, [`NO_ITEM`] for those of no value.
+    /// By cell; [`NO_ITEM`] for cells of no value.
     items: Vec<u32>,
     /// By item.
     value: Vec<f64>,
@@ -48,19 +48,19 @@ impl<'a> ValueCaster<'a> {
         self.value.len()
     }
 
-    /// Room for the paths of rays, to be used for one view after the other.
+    /// Allocates the paths of rays, reusable from view to view.
     pub fn paths(&self) -> Paths {
         Paths::new(&self.caster.passes)
     }
 
-    /// Visits all items that the rays of a view cross, ray after ray, with their quality, which is value
-    /// times visibility; returns the sum of the qualities in this order.
+    /// Visits all items that the rays of a view cross, ray by ray, with their quality, which is value times
+    /// visibility; returns the sum of the qualities in this order.
     pub fn cast(&self, world_from_camera: &Pose, paths: &mut Paths, visit: impl FnMut(usize, f64)) -> f64 {
         let Ok(sum) = self.cast_while(world_from_camera, paths, || Ok::<(), Infallible>(()), visit);
         sum
     }
 
-    /// The same up to the first rays before which `go_on` fails.
+    /// As [`cast`](Self::cast), but stops before the first rays for which `go_on` fails.
     pub fn cast_while<E>(
         &self,
         world_from_camera: &Pose,
@@ -74,7 +74,7 @@ impl<'a> ValueCaster<'a> {
             go_on()?;
             let (grid, fade_limit) = (&self.caster.passes, self.caster.fade_limit);
             self.caster.arch.dispatch(Follow { paths: &mut *paths, packet, grid, fade_limit });
-            // In a register: through memory, each addition would wait for the one before for twelve cycles.
+            // In a register: in memory, each addition would wait twelve cycles for the one before.
             let mut running_sum = sum;
             for lane in 0..LANES {
                 for (cell, visibility) in paths.weakened(lane) {
@@ -129,7 +129,7 @@ mod tests {
         vec![pinhole, barrel, Intrinsics::d435i()]
     }
 
-    /// Boxes of which three quarters are free: rays then end in many ways.
+    /// Boxes that are three quarters free: rays then end in many ways.
     fn states() -> impl Strategy<Value = Vec<Option<f32>>> {
         let state = prop_oneof![1 => Just(None), 1 => Just(Some(0.85)), 6 => (1..5).prop_map(|n| Some(-0.4 * n as f32))];
         prop::collection::vec(state, 11 * 9 * 10)
@@ -152,8 +152,8 @@ mod tests {
             check(caster, &snapshot, &value, &look_at(DVec3::from_array(position), DVec3::ZERO).unwrap())?;
         }
 
-        /// The same with given shares of visibility: rays then go through occupied voxels, and free ones may
-        /// have value.
+        /// As above, but with given shares of visibility: rays then go through occupied voxels, and free ones
+        /// may have value.
         #[test]
         fn tells_what_single_rays_through_given_passes_tell(
             states in states(), position in prop::array::uniform3(-0.4..0.4), camera in 0_usize..3,
@@ -175,7 +175,7 @@ mod tests {
     proptest! {
         #![proptest_config(ProptestConfig::with_cases(64))]
 
-        /// The same where measured parts end rays.
+        /// As above, but measured parts end rays.
         #[test]
         fn tells_what_single_rays_up_to_measured_parts_tell(
             states in states(), parts in prop::collection::vec(prop_oneof![2 => Just(0_u64), 1 => any::<u64>()], 11 * 9 * 10),
@@ -194,7 +194,7 @@ mod tests {
     }
 
     proptest! {
-        /// The same in a large box, clear but for a few bodies: most rays are then left out.
+        /// As above, but in a large box, clear except for a few bodies: most rays are then left out.
         #[test]
         fn tells_what_single_rays_among_few_bodies_tell(
             bodies in prop::collection::vec((prop::array::uniform3(0_i32..36), 1_i32..9, 0_u8..3), 1..5),
@@ -233,7 +233,7 @@ mod tests {
         Snapshot::from_fn(Lattice::new(0.01).unwrap(), block, state)
     }
 
-    /// Compares with the crossings of single rays, in order, whatever instructions the CPU has.
+    /// Compares with the crossings of single rays, in order, whatever the instructions of the CPU.
     fn check<'a>(
         caster: impl Fn() -> RayCaster<'a>,
         snapshot: &Snapshot,

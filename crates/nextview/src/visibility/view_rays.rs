@@ -7,14 +7,14 @@ use crate::{Cancel, Cancelled};
 pub struct ViewRays {
     /// The crossings of all rays.
     pub crossings: Vec<Crossing>,
-    /// Number of crossings before those of each ray, and last of all rays: one more than there are rays.
+    /// Number of crossings before those of each ray, and finally of all rays: one more than there are rays.
     pub offsets: Vec<usize>,
     /// How each ray ends.
     pub ends: Vec<RayEnd>,
 }
 
 impl RayCaster<'_> {
-    /// The rays of a view, in the order of [`cast`](Self::cast).
+    /// Returns the rays of a view, in the order of [`cast`](Self::cast).
     ///
     /// ```
     /// # use glam::{DVec3, IVec3, UVec3};

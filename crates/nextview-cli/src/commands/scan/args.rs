@@ -252,7 +252,7 @@ impl ScanArgs {
                         "--resume resumes a scan as it was begun; leave out all else but --json",
                     ));
                 }
-                // The folder was the scan's when it began.
+                // The folder belonged to the scan when it began.
                 let rule = Overwrite::results();
                 resume(Output { dir: dir.clone(), is_named: true, rule, config: None, json: self.json })
             }
@@ -317,7 +317,7 @@ impl ScanArgs {
         }
     }
 
-    /// The values to start from: those of a file, or else of a profile.
+    /// Returns the base configuration: that of a file, or of a profile.
     fn configuration(&self) -> Result<ScanConfig, Failure> {
         let Some(path) = &self.config else {
             return Ok(ScanConfig::of_profile(self.profile.unwrap_or_default()));
@@ -327,7 +327,7 @@ impl ScanArgs {
 }
 
 impl RobotArgs {
-    /// Overrides what the configuration says of its robot; fails if there is none.
+    /// Overrides the robot of the configuration. Fails if there is none.
     fn set(self, config: &mut ScanConfig) -> Result<(), Failure> {
         if self == Self::default() {
             return Ok(());
@@ -343,7 +343,7 @@ impl RobotArgs {
 }
 
 impl RecordingArgs {
-    /// Overrides what the configuration says of its recording; fails if there is none.
+    /// Overrides the recording of the configuration. Fails if there is none.
     fn set(self, config: &mut ScanConfig, is_recorded: bool) -> Result<(), Failure> {
         let options = [
             ("pose-columns", self.pose_columns.is_some()),
@@ -379,7 +379,7 @@ impl RecordingArgs {
     }
 }
 
-/// An option that was given overrides the configuration.
+/// Overrides a value of the configuration if the option was given.
 fn set<T>(field: &mut T, given: Option<T>) {
     if let Some(value) = given {
         *field = value;

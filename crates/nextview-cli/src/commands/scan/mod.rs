@@ -1,4 +1,4 @@
-//! `nextview scan`: one scan, simulated or of recorded frames.
+//! `nextview scan`: a single scan, simulated or of recorded frames.
 
 mod args;
 mod run;

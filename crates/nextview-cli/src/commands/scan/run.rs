@@ -11,16 +11,16 @@ use nextview_scan::{
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
-/// Where results go and how they are printed.
+/// Where results go and how to print them.
 #[derive(Clone)]
 pub(super) struct Output {
-    /// The folder.
+    /// The folder of the results.
     pub dir: PathBuf,
     /// Whether the user named it.
     pub is_named: bool,
-    /// Which files in it may be replaced, besides those that the scan reads.
+    /// The files in it that may be replaced, except those that the scan reads.
     pub rule: Overwrite,
-    /// The configuration file that the scan was begun with.
+    /// The configuration file with which the scan was begun.
     pub config: Option<PathBuf>,
     /// Whether to print one JSON object instead of text.
     pub json: bool,
@@ -32,8 +32,8 @@ pub(super) fn begin(config: ScanConfig, output: Output) -> Result<(), Failure> {
     stdout::print(scan(config, None, &output)?.0)
 }
 
-/// Scans the object, turns it as the results ask for, and scans it on. Only the results of both are printed
-/// where stdout is JSON.
+/// Scans the object, turns it as requested by the results, and continues the scan. If stdout is JSON, only
+/// the results of both are printed.
 pub(super) fn begin_and_turn(config: ScanConfig, output: Output) -> Result<(), Failure> {
     let first = Output { dir: config.first_placement(&output.dir)?, is_named: true, ..output.clone() };
     ScanJournal::check_free(&first.dir)?;
@@ -51,7 +51,7 @@ pub(super) fn begin_and_turn(config: ScanConfig, output: Output) -> Result<(), F
     begin(config.going_on_after(first.dir), output)
 }
 
-/// Resumes the scan in a folder, and writes its results as if it had not been interrupted.
+/// Resumes the scan in a folder, and writes the same results as without an interruption.
 pub(super) fn resume(output: Output) -> Result<(), Failure> {
     let Interrupted { heading, journal, n_frames, damage } = ScanJournal::resume(&output.dir)?;
     let path = output.dir.join(ScanJournal::FILE);
@@ -63,7 +63,7 @@ pub(super) fn resume(output: Output) -> Result<(), Failure> {
     stdout::print(scan(config, Some(journal), &output)?.0)
 }
 
-/// Scans and writes the results; returns what to print at the end, and the record.
+/// Scans and writes the results; returns the closing text and the record.
 fn scan(
     config: ScanConfig,
     journal: Option<ScanJournal>,
@@ -163,8 +163,8 @@ fn drive(
     Ok((printed, record))
 }
 
-/// The command that runs a scan again whose results are in this folder. Names in a configuration are relative
-/// to the place where the program runs, and so is this folder's.
+/// The command that repeats the scan whose results are in this folder. Paths in a configuration are relative
+/// to the working directory, and so is this folder's.
 fn command_again(dir: &Path) -> String {
     let mut again = dir.as_os_str().to_owned();
     again.push("-again");
@@ -179,12 +179,12 @@ impl Output {
         Ok(folder)
     }
 
-    /// Which files may be replaced: none that the scan reads.
+    /// The rule for replacing files: none that the scan reads.
     fn rule(&self, config: &ScanConfig) -> Overwrite {
         self.rule.clone().but(config.inputs().into_iter().chain(self.config.clone()).collect())
     }
 
-    /// Prints what is scanned and how; notes go before the table, or to stderr where stdout is JSON.
+    /// Prints the object and settings of the scan; notes go before the table, or to stderr if stdout is JSON.
     fn begin(
         &self,
         config: &ScanConfig,

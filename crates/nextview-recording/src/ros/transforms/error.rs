@@ -1,11 +1,11 @@
-/// The reason why a transform cannot be kept or found.
+/// Reasons why a transform cannot be kept or found.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum TransformError {
-    /// No frame of this name was published.
+    /// No transform names this frame.
     #[error("no transform names the frame '{frame}', expected one of {known}")]
     UnknownFrame {
-        /// The frame that was asked for.
+        /// The requested frame.
         frame: String,
         /// The known frames.
         known: String,
@@ -15,40 +15,40 @@ pub enum TransformError {
         "nothing connects '{source_frame}', a frame of the tree of '{source_root}', to '{destination}', one of the tree of '{destination_root}'"
     )]
     NoPath {
-        /// The frame to which points are taken.
+        /// The frame that points are taken to.
         destination: String,
         /// The root of its tree.
         destination_root: String,
-        /// The frame from which points are taken.
+        /// The frame that points are taken from.
         source_frame: String,
         /// The root of its tree.
         source_root: String,
     },
-    /// The time is before the first transform that is known.
+    /// The time is before the first known transform.
     #[error("'{frame}' in '{parent}' is known from {first_s:.3} s on, {:.3} s after the time asked for", first_s - time_s)]
     Before {
         /// The child frame.
         frame: String,
         /// Its parent.
         parent: String,
-        /// The time asked for, seconds.
+        /// The requested time in seconds.
         time_s: f64,
-        /// The first time that is known, seconds.
+        /// The first known time in seconds.
         first_s: f64,
     },
-    /// The time is after the last transform so far: one that reaches it may still come.
+    /// The time is after the last known transform: a later one may still arrive.
     #[error("'{frame}' in '{parent}' is known until {last_s:.3} s, {:.3} s before the time asked for", time_s - last_s)]
     After {
         /// The child frame.
         frame: String,
         /// Its parent.
         parent: String,
-        /// The time asked for, seconds.
+        /// The requested time in seconds.
         time_s: f64,
-        /// The last time that is known, seconds.
+        /// The last known time in seconds.
         last_s: f64,
     },
-    /// The time is in a gap across which nothing is interpolated.
+    /// The time is in a gap that is too long to interpolate.
     #[error(
         "'{frame}' in '{parent}' moves, and is not known from {from_s:.3} s to {to_s:.3} s, expected at most 0.5 s in between"
     )]
@@ -57,9 +57,9 @@ pub enum TransformError {
         frame: String,
         /// Its parent.
         parent: String,
-        /// Where the gap begins, seconds.
+        /// Start of the gap in seconds.
         from_s: f64,
-        /// Where it ends, seconds.
+        /// End of the gap in seconds.
         to_s: f64,
     },
     /// A transform is much older than another one of the same frame: a simulation was restarted, or a
@@ -70,12 +70,12 @@ pub enum TransformError {
     ClockBackwards {
         /// The child frame.
         frame: String,
-        /// Its time, seconds.
+        /// Its time in seconds.
         time_s: f64,
-        /// The newest time of that frame before, seconds.
+        /// The newest earlier time of that frame in seconds.
         newest_s: f64,
     },
-    /// A frame has another parent than before: two programs publish it.
+    /// A frame changes its parent: two programs publish it.
     #[error(
         "'{frame}' has the parent '{parent}', expected '{before}' as before: do two programs publish it?"
     )]
@@ -84,7 +84,7 @@ pub enum TransformError {
         frame: String,
         /// The parent.
         parent: String,
-        /// The parent so far.
+        /// The previous parent.
         before: String,
     },
     /// A frame is both static and moving: two programs publish it.
@@ -108,7 +108,7 @@ pub enum TransformError {
         frame: String,
         /// Its parent.
         parent: String,
-        /// What is wrong, and what would be right.
+        /// The fault and the expected value.
         problem: String,
     },
 }

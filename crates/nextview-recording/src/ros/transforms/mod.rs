@@ -1,4 +1,4 @@
-//! Where frames are to each other: `/tf` and `/tf_static`.
+//! Transforms between frames: `/tf` and `/tf_static`.
 
 mod error;
 mod motion;

@@ -1,9 +1,9 @@
-//! Where one frame is in its parent, over time.
+//! The pose of a frame in its parent over time.
 
 use nextview::geometry::Pose;
 use std::collections::VecDeque;
 
-/// Times and poses, the earliest first, each time once.
+/// Times and poses in ascending order, without duplicate times.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Motion(VecDeque<(f64, Pose)>);
 
@@ -15,17 +15,17 @@ pub(super) enum Missing {
     Gap { from: f64, to: f64 },
 }
 
-/// Longest time, seconds, over which a frame that moves is interpolated: what happens meanwhile is not known,
-/// and of transforms that come out of order, the one in between may still come.
+/// Maximum time in seconds to interpolate a moving frame across: its motion in between is unknown, and with
+/// transforms out of order, one in between may still arrive.
 const LONGEST_GAP: f64 = 0.5;
 
 impl Motion {
-    /// The newest time, seconds.
+    /// The newest time in seconds.
     pub fn newest(&self) -> Option<f64> {
         self.0.back().map(|(time, _)| *time)
     }
 
-    /// Adds a pose, or replaces the one of the same time.
+    /// Adds a pose, or replaces the one at the same time.
     pub fn insert(&mut self, time: f64, pose: Pose) {
         let at = self.0.partition_point(|(earlier, _)| *earlier < time);
         match self.0.get_mut(at) {
@@ -34,15 +34,15 @@ impl Motion {
         }
     }
 
-    /// Forgets what is before this time, except the last pose before it.
+    /// Removes everything before this time, except the last pose before it.
     pub fn forget_before(&mut self, time: f64) {
         while self.0.get(1).is_some_and(|(second, _)| *second <= time) {
             self.0.pop_front();
         }
     }
 
-    /// The pose at a time: the position on a straight line between its neighbours in time, the rotation on
-    /// the shortest arc (Shoemake 1985, slerp), both at constant speed.
+    /// The pose at a time, interpolated between its neighbours: the position on a straight line, the rotation
+    /// on the shortest arc (Shoemake 1985, slerp), both at constant speed.
     pub fn at(&self, time: f64) -> Result<Pose, Missing> {
         let later = self.0.partition_point(|(earlier, _)| *earlier < time);
         let before = later.checked_sub(1).and_then(|i| self.0.get(i));
@@ -50,7 +50,7 @@ impl Motion {
             (_, Some((same, pose))) if *same == time => Ok(*pose),
             (Some((from, a)), Some((to, b))) => {
                 match () {
-                    // Where it stands still, it stays to the last bit: a bit may change what is planned.
+                    // A frame at rest stays exact to the last bit: a bit may change a plan.
                     () if a == b => Ok(*a),
                     () if to - from > LONGEST_GAP => Err(Missing::Gap { from: *from, to: *to }),
                     () => Ok(between(a, b, (time - from) / (to - from))),
@@ -84,7 +84,7 @@ mod tests {
         let mut motion = Motion::default();
         motion.insert(2.0, pose(1.0, 3.0));
         motion.insert(1.5, pose(0.2, 1.0));
-        // The same rotation, written the other way round, takes the short arc all the same.
+        // The negated quaternion is the same rotation and still takes the short arc.
         let turned = pose(1.0, 3.0);
         motion.insert(2.0, Pose::new(-turned.rotation(), turned.translation()).unwrap());
         let half = motion.at(1.75).unwrap();
@@ -106,7 +106,7 @@ mod tests {
     }
 
     proptest! {
-        /// Whatever the order of arrival: the slow twin looks at all entries.
+        /// The order of arrival does not matter: the slow twin looks at all entries.
         #[test]
         fn the_order_of_arrival_does_not_matter(times in prop::collection::vec(0..40_u32, 1..30), asked in 0..160_u32) {
             let mut motion = Motion::default();

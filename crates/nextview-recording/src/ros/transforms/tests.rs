@@ -12,7 +12,7 @@ fn near(a: Pose, b: Pose) -> bool {
     a.translation().distance(b.translation()) < 1e-12 && a.rotation().dot(b.rotation()).abs() > 1.0 - 1e-12
 }
 
-/// `map` with the arm `base`, `flange`, `camera`; and, beside it, `marker` in `base`.
+/// `map` with the arm `base`, `flange`, `camera`, and a separate `marker` in `base`.
 fn robot() -> TransformTree {
     let mut tree = TransformTree::new(10.0);
     tree.insert_static("/map", "base", pose(0.3)).unwrap();
@@ -100,7 +100,7 @@ fn what_is_old_is_forgotten() {
 }
 
 proptest! {
-    /// Whatever comes: no panic, no circle, and every frame has a root.
+    /// For any input: no panic, no cycle, and every frame has a root.
     #[test]
     fn never_panics(inserts in prop::collection::vec((0..6_u8, 0..6_u8, -20.0..20.0_f64, any::<bool>()), 0..60), time in -20.0..20.0_f64) {
         let mut tree = TransformTree::new(5.0);

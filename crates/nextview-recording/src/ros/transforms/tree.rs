@@ -3,10 +3,10 @@ use super::motion::{Missing, Motion};
 use nextview::geometry::Pose;
 use std::collections::BTreeMap;
 
-/// Where frames are to each other over time, as `/tf` and `/tf_static` state: each frame has one parent.
+/// Transforms between frames over time, from `/tf` and `/tf_static`: each frame has one parent.
 ///
-/// Transforms may come in any order. A moving frame is interpolated between its neighbours in time, and never
-/// extrapolated; a static one holds at any time.
+/// Transforms may arrive in any order. A moving frame is interpolated between its neighbours in time, and
+/// never extrapolated; a static one is valid at any time.
 ///
 /// ```
 /// use glam::{DQuat, DVec3};
@@ -25,7 +25,7 @@ use std::collections::BTreeMap;
 /// ```
 #[derive(Clone, Debug)]
 pub struct TransformTree {
-    /// By child.
+    /// Edges by child.
     edges: BTreeMap<String, Edge>,
     history_s: f64,
 }
@@ -42,26 +42,26 @@ enum Kind {
     Moving(Motion),
 }
 
-/// A transform that is this much older than another one of its frame, seconds, is of another run of the
-/// clock.
+/// A transform that is this much older than another one of its frame, in seconds, belongs to another run of
+/// the clock.
 const BACKWARDS: f64 = 10.0;
 
-/// Most frames: a robot has some hundreds.
+/// Maximum number of frames: a robot has some hundreds.
 const MAX_FRAMES: usize = 10_000;
 
 impl TransformTree {
-    /// A tree without frames, which forgets what is older than the newest transform of the same frame by so
-    /// many seconds, at least 0; infinite for all to be kept.
+    /// Creates an empty tree, which forgets transforms older than the newest one of the same frame by this
+    /// many seconds, at least 0; infinity keeps all.
     pub fn new(history_s: f64) -> Self {
         Self { edges: BTreeMap::new(), history_s: history_s.max(0.0) }
     }
 
-    /// Adds where a moving frame, the child, is in its parent at a time, seconds. A slash at the beginning of
-    /// a name does not count.
+    /// Adds the pose of a moving frame, the child, in its parent at a time in seconds. A leading slash in
+    /// names is ignored.
     ///
     /// # Errors
-    /// If the frame is another one's already, is static, closes a circle, has no name, is one of more than
-    /// 10 000, or if its time is not finite or runs backwards by more than 10 s. Nothing has changed then.
+    /// If the frame has another parent, is static, closes a cycle, has no name, or exceeds 10 000 frames, or
+    /// if its time is not finite or runs backwards by more than 10 s. The tree is then unchanged.
     pub fn insert(
         &mut self,
         parent: &str,
@@ -89,7 +89,7 @@ impl TransformTree {
         Ok(())
     }
 
-    /// Adds where a frame is in its parent at all times; told again, the last one holds.
+    /// Adds the constant pose of a frame in its parent; a later one replaces it.
     ///
     /// # Errors
     /// As [`insert`](Self::insert), or if the frame moves.
@@ -109,15 +109,15 @@ impl TransformTree {
         Ok(())
     }
 
-    /// Forgets where moving frames were, as when the clock restarts; static ones are kept.
+    /// Forgets all poses of moving frames, as when the clock restarts; static ones are kept.
     pub fn forget_motion(&mut self) {
         self.edges.retain(|_, edge| matches!(edge.kind, Kind::Static(_)));
     }
 
-    /// The transform that takes points of the source to the destination at a time, seconds.
+    /// Returns the transform that takes points from source to destination at a time in seconds.
     ///
     /// # Errors
-    /// If a frame is not known, nothing connects them, or a frame between them is not known at that time.
+    /// If a frame is unknown, the frames are not connected, or a frame between them is unknown at that time.
     pub fn lookup(&self, destination: &str, source: &str, time_s: f64) -> Result<Pose, TransformError> {
         let (up, down) = self.chains(destination, source)?;
         let common_from_source = self.climb(&up, time_s)?;
@@ -125,18 +125,18 @@ impl TransformTree {
         Ok(common_from_destination.inverse() * common_from_source)
     }
 
-    /// Fails if a frame is not known, or nothing connects them.
+    /// Fails if a frame is unknown, or the frames are not connected.
     ///
     /// # Errors
-    /// As [`lookup`](Self::lookup), but whatever the time.
+    /// As [`lookup`](Self::lookup), but for any time.
     pub fn check_connected(&self, destination: &str, source: &str) -> Result<(), TransformError> {
         self.chains(destination, source).map(drop)
     }
 
-    /// The frame at the root of the tree of a frame.
+    /// Returns the root of the tree of a frame.
     ///
     /// # Errors
-    /// If the frame is not known.
+    /// If the frame is unknown.
     pub fn root_of(&self, frame: &str) -> Result<&str, TransformError> {
         let frame = self.known(frame)?;
         Ok(self.ancestors(frame).last().copied().unwrap_or(frame))
@@ -184,13 +184,13 @@ impl TransformTree {
         })
     }
 
-    /// A frame, its parent, and so on, up to the root.
+    /// A frame and its ancestors, up to the root.
     fn ancestors<'a>(&'a self, frame: &'a str) -> Vec<&'a str> {
         let parent = |child: &&'a str| self.edges.get(*child).map(|edge| edge.parent.as_str());
         std::iter::successors(Some(frame), parent).collect()
     }
 
-    /// The frames from the source, and from the destination, up to where they meet, without that one.
+    /// The frames from the source and from the destination up to their common ancestor, excluding it.
     fn chains<'a>(
         &'a self,
         destination: &str,
@@ -214,7 +214,8 @@ impl TransformTree {
         Ok((up, down))
     }
 
-    /// From the first of these frames, each the parent of the one before, to the parent of the last.
+    /// The transform from the first of these frames, each the parent of the one before, to the parent of the
+    /// last.
     fn climb(&self, chain: &[&str], time_s: f64) -> Result<Pose, TransformError> {
         let mut to_from_first = Pose::IDENTITY;
         for child in chain {
@@ -231,7 +232,7 @@ impl TransformTree {
     }
 }
 
-/// A name as ROS 2 has it: that of ROS 1 may begin with a slash.
+/// The ROS 2 form of a name: in ROS 1, it may begin with a slash.
 fn plain(frame: &str) -> &str {
     frame.strip_prefix('/').unwrap_or(frame)
 }

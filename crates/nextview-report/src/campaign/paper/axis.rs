@@ -1,4 +1,4 @@
-//! The parameters that make the rows and columns of the paper's tables.
+//! The parameters in the rows and columns of the paper's tables.
 
 use super::published;
 use crate::campaign::planner_section::{PLANNER_SECTIONS, section_of};
@@ -6,13 +6,13 @@ use nextview_campaign::statistics::StudyVariant;
 use nextview_scan::{PlannerChoice, PlannerName};
 use serde_json::Value;
 
-/// A parameter by which variants differ, or a few that belong together.
+/// A parameter that distinguishes variants, or a few related ones.
 #[derive(Clone, Copy)]
 pub(super) struct Axis {
     pub name: &'static str,
     /// Dotted keys of the configuration.
     pub keys: &'static [&'static str],
-    /// The value of a variant; none if the variant has no place in the table.
+    /// The value of a variant; `None` if the variant has no place in the table.
     pub label: fn(&PlannerChoice, &Value) -> Option<String>,
 }
 
@@ -66,8 +66,7 @@ fn method(planner: &PlannerChoice) -> String {
     published::method(planner).map_or_else(|| planner.to_string(), str::to_owned)
 }
 
-/// The variant's parameters, without those that differ between its runs and those that its planner does not
-/// read.
+/// The variant's parameters, without those that differ between its runs or that its planner does not read.
 pub(super) fn configuration(variant: &StudyVariant) -> Value {
     let mut config = serde_json::to_value(&variant.example).unwrap_or_default();
     let unread = PLANNER_SECTIONS.into_iter().filter(|key| Some(*key) != section_of(&variant.planner));

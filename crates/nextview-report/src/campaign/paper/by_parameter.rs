@@ -1,6 +1,6 @@
 //! Tables III, IV, V and VII: a few measures over two axes.
 //!
-//! Variants belong in one table if their configurations are equal but for the parameters of its axes.
+//! Variants belong in one table if their configurations differ only in the parameters of its axes.
 
 use super::axis::{Axis, GAMMA, HISTORY, METHOD, MULTI, Q_THRESH, THETA, configuration, remove};
 use super::published::{self, COVERAGE, MOVEMENT, Published, TIME};
@@ -8,7 +8,7 @@ use crate::campaign::document::{Cell, Column, Row, Table};
 use nextview_campaign::statistics::{Study, StudyVariant};
 use serde_json::Value;
 
-/// The measures over an axis, a row for each measure and each value of the other axis.
+/// The measures over an axis, with a row for each measure and each value of the other axis.
 pub(super) struct Definition {
     number: &'static str,
     title: &'static str,
@@ -59,7 +59,7 @@ struct Place<'s> {
 }
 
 impl Definition {
-    /// The table; none if no row would have two columns.
+    /// Returns the table; `None` if no row would have two columns.
     pub fn fill(&self, study: &Study) -> Option<Table> {
         let places: Vec<Place<'_>> = study.variants.iter().filter_map(|v| self.place(v)).collect();
         let lines = lines(&places);
@@ -97,7 +97,7 @@ impl Definition {
     }
 }
 
-/// Places that differ in the column alone, row by row; rows of one column are left out.
+/// Places that differ only in the column, row by row; rows with one column are left out.
 fn lines<'p, 's>(places: &'p [Place<'s>]) -> Vec<Vec<&'p Place<'s>>> {
     let mut rows: Vec<Vec<&Place<'_>>> = Vec::new();
     for place in places {
@@ -113,7 +113,7 @@ fn lines<'p, 's>(places: &'p [Place<'s>]) -> Vec<Vec<&'p Place<'s>>> {
 }
 
 /// The name of a line. Lines with the same row label differ in a parameter that the table does not show, and
-/// get the name of a variant.
+/// are named after a variant.
 fn line_name(line: &[&Place<'_>], is_alone: bool) -> String {
     let Place { row, variant, .. } = line[0];
     if is_alone { row.clone() } else { format!("{row} (as {})", variant.name) }

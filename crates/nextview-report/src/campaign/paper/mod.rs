@@ -1,4 +1,4 @@
-//! The paper's published numbers beside the same quantities of a campaign.
+//! The paper's published numbers against the same quantities of a campaign.
 
 mod axis;
 mod by_parameter;

@@ -1,4 +1,4 @@
-//! Table I: the coverage of every variant on every object, beside the published one.
+//! Table I: the coverage of every variant on every object, against the published one.
 
 use super::published;
 use crate::campaign::document::{Block, Cell, Column, Row, Section, Table};
@@ -6,7 +6,7 @@ use crate::campaign::statistic::with_median;
 use nextview_campaign::statistics::measure::VOXEL_COVERAGE;
 use nextview_campaign::statistics::{Study, mean};
 
-/// Most objects with a row each: the page has to open quickly.
+/// Maximum number of objects with a row each: the page must open quickly.
 const MAX_OBJECTS: usize = 1000;
 
 /// The section.
@@ -67,7 +67,7 @@ fn rows(study: &Study) -> Vec<Row> {
     rows
 }
 
-/// The values of all variants and of the paper's methods for each object.
+/// The values of all variants and of the paper's methods, by object.
 fn columns(study: &Study) -> Vec<Vec<Option<f64>>> {
     let own = study.variants.iter().map(|variant| variant.by_object(&VOXEL_COVERAGE));
     let names: Vec<Option<String>> = study.objects.iter().map(published::object).collect();

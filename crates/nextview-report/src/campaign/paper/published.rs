@@ -29,7 +29,7 @@ pub(super) fn number(table: &str, row: &str, column: &str, measure: &str) -> Opt
     fields.find(|fields| fields[..4] == [table, row, column, measure])?[4].parse().ok()
 }
 
-/// The paper's name of a planner.
+/// The planner's name in the paper.
 pub(super) fn method(planner: &PlannerChoice) -> Option<&'static str> {
     match planner.built_in()? {
         PlannerName::Apora => Some("APORA"),
@@ -40,9 +40,9 @@ pub(super) fn method(planner: &PlannerChoice) -> Option<&'static str> {
     }
 }
 
-/// The paper's name of an object: of the Stanford models by their names, of LINEMOD and HomebrewedDB by the
-/// object numbers of the BOP benchmark, as in `lm_obj_000004_camera` for LM4. That the paper's numbers are
-/// BOP's is our assumption.
+/// The object's name in the paper: Stanford models by their names, LINEMOD and HomebrewedDB by the object
+/// numbers of the BOP benchmark, such as LM4 for `lm_obj_000004_camera`. That the paper uses BOP's numbers is
+/// our assumption.
 pub(super) fn object(object: &StudyObject) -> Option<String> {
     let name = object.name.to_ascii_lowercase();
     let stanford = match name.as_str() {
@@ -95,7 +95,7 @@ mod tests {
             let values: Vec<f64> =
                 of_method.filter(|f| f[1] != "Total average").map(|f| f[4].parse().unwrap()).collect();
             let mean = values.iter().sum::<f64>() / 49.0;
-            // Their average for NBV-Net is 0.2 above that of their rows.
+            // The paper's average for NBV-Net is 0.2 above that of its rows.
             assert!(
                 (mean - number("I", "Total average", method, "coverage").unwrap()).abs() < 0.3,
                 "{method} {mean}"

@@ -1,4 +1,4 @@
-//! Table VI in the paper's shape: the running time of a scan by a robot.
+//! Table VI in the paper's form: the running time of a scan by a robot.
 
 use super::published;
 use crate::campaign::document::{Cell, Column, Row, Table};
@@ -13,7 +13,7 @@ pub(super) const NOTE: &str = "Running times are those of a simulated robot, mea
      planning, with the updates of the map, as measured; moving around the object's ball and sensing at each \
      view with the limits of [motion]. The paper's are of a real robot.";
 
-/// The table, a row for each variant; none if all runs failed.
+/// The table, with a row per variant; `None` if all runs failed.
 pub(super) fn table(study: &Study) -> Option<Table> {
     let variants = study.variants.iter().filter(|variant| variant.mean(&RUNNING_TIME).is_some());
     let rows: Vec<Row> = variants.map(row).collect();

@@ -1,4 +1,4 @@
-//! Tables II to VII in the paper's shape, where the campaign varies the same parameters.
+//! Tables II to VII in the paper's form, if the campaign varies the same parameters.
 
 use super::by_parameter::PARAMETER_TABLES;
 use super::published::{self, MEMORY_II, Published, TIME};
@@ -6,7 +6,7 @@ use super::running_time;
 use crate::campaign::document::{Block, Column, Row, Section, Table};
 use nextview_campaign::statistics::{Study, StudyVariant};
 
-/// The section; none if the campaign has nothing for any of the tables.
+/// The section; `None` if the campaign has no data for any of the tables.
 pub(in crate::campaign) fn section(study: &Study) -> Option<Section> {
     let mut blocks = vec![by_method(study, "II", "Computational efficiency", &[MEMORY_II, TIME])];
     blocks.extend(PARAMETER_TABLES.iter().map(|definition| definition.fill(study)));
@@ -23,7 +23,7 @@ pub(in crate::campaign) fn section(study: &Study) -> Option<Section> {
     Some(Section { title: "The paper's tables".to_owned(), blocks })
 }
 
-/// A table with a column for each variant; none if the paper has none of the methods.
+/// A table with a column per variant; `None` if it includes none of the paper's methods.
 fn by_method(study: &Study, number: &str, title: &str, measures: &[Published]) -> Option<Table> {
     let methods: Vec<Option<&str>> = study.variants.iter().map(|v| published::method(&v.planner)).collect();
     methods.iter().flatten().next()?;
@@ -41,6 +41,6 @@ fn by_method(study: &Study, number: &str, title: &str, measures: &[Published]) -
         head: std::iter::once(Column::text("")).chain(names).collect(),
         rows: measures.iter().map(row).collect(),
     };
-    // A page has room for about six variants beside each other.
+    // A page has room for about six variants side by side.
     Some(if study.variants.len() > 6 { table.transposed() } else { table })
 }

@@ -7,10 +7,10 @@ use nextview::prior::SurfaceEstimate;
 use nextview::visibility::MeasuredParts;
 use nextview::{Cancel, Error};
 
-/// Rays side by side across the box: enough to rank candidates, few enough for thousands of them.
+/// Number of rays across the box: enough to rank candidates, few enough for thousands of them.
 const RAYS_ACROSS: f64 = 8.0;
 
-/// By candidate, the voxels of new surface that it is expected to show; 0 where it is not within reach.
+/// The expected number of new surface voxels by candidate; 0 if it is out of reach.
 pub(super) fn candidate_gains(
     scan: &ScanCopy,
     snapshot: &Snapshot,

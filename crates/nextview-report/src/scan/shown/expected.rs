@@ -1,4 +1,4 @@
-//! Unseen surface, as the prior expects it.
+//! Unseen surface expected by the prior.
 
 use super::candidate_gain::candidate_gains;
 use crate::scan::scan_copy::ScanCopy;
@@ -7,9 +7,9 @@ use nextview::prior::{SurfaceEstimate, SurfacePrior, coarse_enough};
 use nextview::surface::{SurfaceMesh, surface_nets};
 use nextview::{Cancel, Error};
 
-/// A shell around the unseen voxels that probably hold surface, and what each candidate is expected to show.
+/// A shell around the unseen voxels that probably hold surface, and the expected gain of each candidate.
 pub(super) fn of_scan(scan: &ScanCopy) -> Result<(SurfaceMesh, Vec<f64>), Error> {
-    // A page is wanted of a scan that was cancelled, too.
+    // A cancelled scan has a page, too.
     let cancel = &Cancel::default();
     let Some(snapshot) = &scan.snapshot else { return Ok(Default::default()) };
     let snapshot = coarse_enough(snapshot, cancel)?;
@@ -17,8 +17,8 @@ pub(super) fn of_scan(scan: &ScanCopy) -> Result<(SurfaceMesh, Vec<f64>), Error>
     Ok((shell(&snapshot, &estimate), candidate_gains(scan, &snapshot, &estimate)?))
 }
 
-/// Around the unseen voxels of which they or one of their six neighbours hold surface with a probability
-/// above a half: that a sheet of surface is there is often sure where no single voxel is.
+/// A shell around the unseen voxels that probably hold surface themselves or in one of their six neighbours:
+/// a sheet of surface is often certain where no single voxel is.
 ///
 /// It is open towards measured surface, which it would only cover.
 fn shell(snapshot: &Snapshot, estimate: &SurfaceEstimate) -> SurfaceMesh {

@@ -1,4 +1,4 @@
-//! How often and how well each vertex of the surface was seen.
+//! Number and quality of looks at each vertex of the surface.
 
 use super::vertex::ShownVertex;
 use crate::scan::scan_copy::ScanCopy;
@@ -8,10 +8,10 @@ use nextview::surface::{CloudPoint, SurfaceMesh};
 /// Cosine of the flattest angle at which a frame shows a vertex.
 const FLATTEST: f64 = 0.1;
 
-/// A measured depth belongs to a vertex if it is this close to it, in cells.
+/// Maximum distance of a measured depth from its vertex, in cells.
 const TOLERANCE: f64 = 2.0;
 
-/// The vertices of a surface in cells of this edge, metres.
+/// The vertices of a surface with cells of this edge, metres.
 pub(super) fn vertices(scan: &ScanCopy, mesh: &SurfaceMesh, cell: f64) -> Vec<ShownVertex> {
     let points = mesh.points();
     let mut vertices: Vec<ShownVertex> = points
@@ -19,14 +19,14 @@ pub(super) fn vertices(scan: &ScanCopy, mesh: &SurfaceMesh, cell: f64) -> Vec<Sh
         .map(|point| ShownVertex { position: point.position, ..ShownVertex::default() })
         .collect();
     for (frame, step_idx, color) in scan.model_views() {
-        // What the scan before has shown is known from the beginning.
+        // Surface shown by the earlier scan is known from the beginning.
         let step_idx = step_idx.unwrap_or(0);
         look(frame, color, step_idx, TOLERANCE * cell, points.iter().zip(&mut vertices));
     }
     vertices
 }
 
-/// Adds what a frame shows.
+/// Adds the surface shown by a frame.
 fn look<'v>(
     frame: &Frame,
     color: Option<&ColorImage>,
@@ -57,7 +57,7 @@ fn look<'v>(
     }
 }
 
-/// The pixel of a point before the camera; none outside of the image.
+/// The pixel of a point in front of the camera; `None` outside the image.
 fn pixel(frame: &Frame, point_in_camera: glam::DVec3) -> Option<(u32, u32)> {
     let at = frame.intrinsics().project(point_in_camera)?.round();
     let size = glam::DVec2::new(frame.image().width() as f64, frame.image().height() as f64);

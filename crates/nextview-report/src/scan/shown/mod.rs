@@ -1,4 +1,4 @@
-//! The content of the 3D view besides the measured points and the cameras.
+//! The content of the 3D view except the measured points and the cameras.
 
 mod candidate_gain;
 mod expected;

@@ -1,4 +1,4 @@
-//! The measured surface, no finer than a page needs it.
+//! The measured surface, only as fine as a page needs.
 
 use crate::scan::scan_copy::ScanCopy;
 use nextview::Cancel;
@@ -6,17 +6,17 @@ use nextview::geometry::Lattice;
 use nextview::map::Occupancy;
 use nextview::surface::{DistanceField, SurfaceMesh};
 
-/// Cells are this much larger than those of the final model: what single frames leave open closes, and a
+/// Size of cells relative to those of the final model: larger ones close the gaps of single frames, and a
 /// picture of the whole object shows no smaller ones.
 const COARSER: f64 = 1.4;
 
-/// Vertices of a surface over the occupied voxels of a map with voxels as large as its cells.
+/// Vertices of a surface per occupied voxel of a map with voxels as large as its cells.
 const VERTICES_PER_VOXEL: f64 = 1.6;
 
-/// How much larger than needed cells become where there are too many: the next frame adds more.
+/// Extra enlargement of cells when there are too many: the next frame adds more.
 const SPARE: f64 = 1.1;
 
-/// The frames so far, fused: the next surface takes one more frame.
+/// The fused frames: the next surface adds one more.
 #[derive(Default)]
 pub(crate) struct FusedFrames {
     field: Option<DistanceField>,
@@ -24,17 +24,17 @@ pub(crate) struct FusedFrames {
 }
 
 impl FusedFrames {
-    /// The surface with at most so many vertices, and the edge of its cells, metres; none if there is no
-    /// object. Box and poses of the frames must be unchanged.
+    /// The surface with at most `max_vertices` vertices, and the edge of its cells, metres; `None` if there
+    /// is no object. Box and poses of the frames must be unchanged.
     ///
-    /// The map says how large the cells must be: a second attempt would cost as much time as the first.
+    /// The map determines the size of the cells: a second attempt would cost as much time as the first.
     pub fn surface(&mut self, scan: &ScanCopy, max_vertices: usize) -> Option<(SurfaceMesh, f64)> {
         let mut cell = match &self.field {
             Some(field) => field.lattice().voxel_size(),
             None => first_cell(scan, max_vertices)?,
         };
         loop {
-            // A page is wanted of a scan that was cancelled, too.
+            // A cancelled scan has a page, too.
             let cancel = &Cancel::default();
             let mesh = self.fuse(scan, cell)?.surface(cancel).ok()?;
             let excess = mesh.vertices.len() as f64 / max_vertices as f64;
@@ -46,7 +46,7 @@ impl FusedFrames {
         }
     }
 
-    /// With the frames that are not in it yet.
+    /// Adds the frames that are not fused yet.
     fn fuse(&mut self, scan: &ScanCopy, cell: f64) -> Option<&DistanceField> {
         if self.field.is_none() {
             let lattice = Lattice::new(cell).ok()?;

@@ -5,7 +5,7 @@ use glam::DVec3;
 pub(crate) struct ShownVertex {
     /// World frame, metres.
     pub position: DVec3,
-    /// As the frame that sees it best shows it.
+    /// Colour as measured in the frame that shows it best.
     pub color: Option<[u8; 3]>,
     /// Number of frames that show it.
     pub n_looks: usize,

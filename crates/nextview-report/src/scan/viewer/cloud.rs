@@ -1,4 +1,4 @@
-//! The measured points in few bytes: an even choice of them, each coordinate in 16 bits.
+//! The measured points in few bytes: an even selection, with 16 bits per coordinate.
 
 use super::pack::Positions;
 use crate::scan::input::ScanPage;
@@ -15,11 +15,11 @@ pub(super) struct Cloud {
     pub points: Positions,
     /// For each view, the number of points of all views up to it.
     pub ends: Vec<usize>,
-    /// Corners of the box without the outer hundredth of the points on each side, in which stray ones lie.
+    /// Corners of the box without the outer hundredth of the points on each side, which contains stray ones.
     pub core: [Vec3; 2],
 }
 
-/// Packs at most so many points of these steps; points that are not finite are left out.
+/// Packs at most `max_points` points of these steps; points that are not finite are left out.
 pub(super) fn pack(page: &ScanPage<'_>, steps: Range<usize>, max_points: usize) -> Cloud {
     let finite = |i| page.points(i).iter().copied().filter(|p| p.is_finite()).collect::<Vec<_>>();
     packed(&steps.map(finite).collect::<Vec<_>>(), max_points)
@@ -40,8 +40,8 @@ pub(in crate::scan) fn note(page: &ScanPage<'_>) -> String {
     format!("Shown are {} of {} points.", text::count(MAX_POINTS), text::count(n_measured))
 }
 
-/// One point out of each run of equal length, at a place that looks random: a fixed place would show the
-/// pixel grid of the camera as stripes.
+/// Takes one point from each run of equal length, at a place that looks random: a fixed place would show the
+/// camera's pixel grid as stripes.
 fn choose(views: &[Vec<Vec3>], n_measured: usize, max_points: usize) -> (Vec<Vec3>, Vec<usize>) {
     let n_shown = n_measured.min(max_points);
     let mut points = Vec::with_capacity(n_shown);

@@ -1,6 +1,6 @@
-//! The 3D view of a scan: measured and expected surface, points, cameras, the path between them.
+//! The 3D view of a scan: measured and expected surface, points, cameras, and the path between them.
 //!
-//! Report and live page have the same one: a report is the live page of a finished scan.
+//! Report and live page share it: a report is the live page of a finished scan.
 
 mod cloud;
 mod pack;
@@ -12,7 +12,7 @@ pub(super) use scene::members as scene;
 /// The picture with its controls, as HTML.
 pub(super) const FIGURE: &str = include_str!("figure.html");
 
-/// The script that draws a scene and lets the reader turn it, one idea a file; further files belong to it.
+/// The script that draws a scene and lets the reader rotate it, one idea per file, with additional files.
 macro_rules! script {
     ($($more:literal),*) => {
         concat!(
@@ -38,13 +38,13 @@ macro_rules! script {
     };
 }
 
-/// The page that shows a scan of a server as it happens.
+/// The page that shows a server's scan in progress.
 pub(crate) const LIVE_PAGE: &str =
     concat!(include_str!("live_head.html"), include_str!("figure.html"), include_str!("live_tail.html"));
 
-/// Its script.
+/// The live page's script.
 pub(crate) const LIVE_SCRIPT: &str =
     script!("js/api.js", "js/faults.js", "js/guidance.js", "js/proposal.js", "js/live.js");
 
-/// The script of a report: it shows the scene that stands in its page.
+/// The script of a report: it shows the scene in its page.
 pub(super) const REPORT_SCRIPT: &str = script!("js/report.js");

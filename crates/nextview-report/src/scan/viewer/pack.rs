@@ -3,10 +3,10 @@
 use base64::prelude::{BASE64_STANDARD, Engine};
 use glam::Vec3;
 
-/// Positions with 16 bits for each coordinate.
+/// Positions with 16 bits per coordinate.
 #[derive(Debug, Default, PartialEq)]
 pub(super) struct Positions {
-    /// Three little-endian 16-bit numbers each.
+    /// Three little-endian 16-bit numbers per position.
     pub data: String,
     /// Lowest corner, metres.
     pub min: Vec3,
@@ -26,7 +26,7 @@ impl Positions {
         Self { data: base64(bytes), min, unit }
     }
 
-    /// The object in JSON.
+    /// The positions as a JSON object.
     pub fn json(&self) -> String {
         let Self { data, min, unit } = self;
         // Enough digits for 65535 units to stay exact to a unit.
@@ -40,8 +40,8 @@ pub(super) fn base64(bytes: impl IntoIterator<Item = u8>) -> String {
     BASE64_STANDARD.encode(bytes.into_iter().collect::<Vec<u8>>())
 }
 
-/// Indices as differences to the one before, seven bits a byte, the lowest first, the sign in the lowest bit:
-/// neighbouring triangles name neighbouring vertices, so that most take one or two bytes.
+/// Indices as differences from the previous one, seven bits per byte, the lowest first, the sign in the
+/// lowest bit. Neighbouring triangles use neighbouring vertices, so most take one or two bytes.
 pub(super) fn indices(triangles: &[[u32; 3]]) -> String {
     let mut bytes = Vec::new();
     let mut before = 0;

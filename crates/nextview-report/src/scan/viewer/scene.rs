@@ -1,5 +1,5 @@
-//! The scene of the 3D view as JSON. It holds numbers and base64 only, so that nothing in it can end the
-//! script element.
+//! The scene of the 3D view as JSON. It holds only numbers and base64: nothing in it can end the script
+//! element.
 
 use super::cloud;
 use super::pack::{Positions, base64, indices};
@@ -14,14 +14,14 @@ use nextview::session::NextView;
 use nextview_scan::StepRecord;
 
 /// The members of the scene, world frame, metres: all views, whose poses registration may have moved, and at
-/// most so many points of those after number `after`.
+/// most `max_points` points of those after number `after`.
 pub(in crate::scan) fn members(page: &ScanPage<'_>, after: usize, max_points: usize) -> String {
     let n_views = page.steps().len();
     let after = after.min(n_views);
     let cloud = cloud::pack(page, after..n_views, max_points);
     let vertices: Vec<Vec3> = page.model.vertices.iter().map(|vertex| vertex.position.as_vec3()).collect();
     let core = match page.model.bounds {
-        // Until something was seen, the box is all that is known.
+        // Before anything was seen, only the box is known.
         Some(bounds) if n_views == 0 => [bounds.min, bounds.max].map(|corner| corner.as_vec3()),
         _ if vertices.is_empty() => cloud.core,
         _ => cloud::core(&vertices),
@@ -43,7 +43,7 @@ pub(in crate::scan) fn members(page: &ScanPage<'_>, after: usize, max_points: us
 }
 
 /// The measured surface; null without one. By vertex: the number of looks, the cosine of the best one in
-/// 255ths, and the index of the first step, 255 for none and for those beyond.
+/// 255ths, and the index of the first step, 255 for none and for larger indices.
 fn surface(model: &ShownModel, vertices: &[Vec3]) -> String {
     if model.triangles.is_empty() {
         return "null".to_owned();
@@ -74,7 +74,7 @@ fn shell(model: &ShownModel) -> String {
     format!(r#"{{"positions":{},"triangles":"{triangles}"}}"#, Positions::of(&vertices).json())
 }
 
-/// The candidates, with their gains in 255ths of the largest; without gains, that list is empty.
+/// The candidates, with their gains in 255ths of the largest; that list is empty without gains.
 fn candidates(page: &ScanPage<'_>) -> String {
     let gains = page.model.gains.iter().copied().map(Some).chain(std::iter::repeat(None));
     let (places, gains): (Vec<Vec3>, Vec<Option<f64>>) = page
@@ -94,8 +94,8 @@ fn candidates(page: &ScanPage<'_>) -> String {
     )
 }
 
-/// A camera: where it stands, where the corners of its image lie at depth 1 from there, the path to it if
-/// that is new.
+/// A camera: its position, the corners of its image at depth 1 relative to it, and the path to it if that is
+/// new.
 fn view(page: &ScanPage<'_>, i: usize, is_new: bool) -> String {
     let steps = page.steps();
     let world_from_camera = pose(&steps[i]);
@@ -126,7 +126,7 @@ fn frustum(world_from_camera: &Pose, camera: &Intrinsics) -> String {
     format!(r#""position":{position},"corners":{}"#, positions(corners))
 }
 
-/// The pose of a step; the identity where the record's rotation is none.
+/// The pose of a step; the identity if the record's rotation is invalid.
 fn pose(step: &StepRecord) -> Pose {
     step.world_from_camera().unwrap_or(Pose::IDENTITY)
 }

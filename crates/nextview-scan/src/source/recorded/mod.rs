@@ -1,4 +1,4 @@
-//! Frames that were recorded.
+//! Recorded frames.
 
 mod recorded_scan;
 #[cfg(feature = "simulated")]

@@ -37,8 +37,8 @@ pub struct RecordedScan {
 }
 
 impl RecordedScan {
-    /// Opens the recording that the configuration names, and completes the configuration by what it decides:
-    /// the camera, the number of views, the voxel size, whether the box grows.
+    /// Opens the configured recording and completes the configuration: the camera, the number of views, the
+    /// voxel size, whether the box grows.
     pub fn open(config: &mut ScanConfig) -> Result<Self, Faults> {
         let Some(recording_config) = config.recording.clone() else {
             return Err(Fault::request("there is no `recording`").into());
@@ -54,7 +54,7 @@ impl RecordedScan {
             let truth = TrueShape::load(config, &recording_config, &session_config)?;
             let note = truth.as_ref().and_then(|truth| truth.note.clone());
             if truth.is_none() {
-                // Before anything is computed.
+                // Before any computation.
                 config.planner(None).map(drop).map_err(|fault| match config.planner.built_in() {
                     Some(crate::PlannerName::Clairvoyant) => {
                         fault.with_remedy("name its mesh as `recording.truth`")
@@ -77,8 +77,8 @@ impl RecordedScan {
         })
     }
 
-    /// Computes what every frame shows of the true object, for baselines and the clairvoyant planner; nothing
-    /// where the truth is not known. Fails if it is cancelled.
+    /// Computes the visible part of the true object in every frame, for baselines and the clairvoyant
+    /// planner; does nothing if the truth is unknown. Fails if cancelled.
     #[cfg(feature = "simulated")]
     pub fn look(&mut self, config: &ScanConfig, cancel: &Cancel) -> Result<(), Fault> {
         if let Some(truth) = self.truth.as_ref().filter(|_| config.needs_truth()) {
@@ -96,13 +96,12 @@ impl RecordedScan {
         format!("{}: {n} recorded frames of {width} x {height} pixels", short_name(&config.object))
     }
 
-    /// Remarks for the user: oddities of the recording, a unit that was guessed, frames that are out of
-    /// reach.
+    /// Notes for the user: oddities of the recording, a guessed unit, frames out of reach.
     pub fn notes(&self) -> &[String] {
         &self.notes
     }
 
-    /// Frames and poses that were left out, and why.
+    /// Frames and poses left out, and why.
     pub fn skipped(&self) -> Vec<String> {
         self.recording.skipped.iter().map(ToString::to_string).collect()
     }
@@ -177,8 +176,7 @@ impl FrameSource for RecordedScan {
     fn measure_model(&self, cloud: &[DVec3], mesh: Option<&SurfaceMesh>, record: &mut ScanRecord) {
         let Some(truth) = &self.truth else { return };
         let reachable = self.shown.as_ref().map(|(shown, _)| &shown.reachable_surface);
-        // Where the truth is in the recording's world was stated, and an error of that is not the scan's
-        // alone.
+        // The pose of the truth in the recording's world was given; its error is not the scan's alone.
         measure_model((&truth.surface, reachable), &Pose::IDENTITY, cloud, mesh, record);
     }
 
@@ -186,7 +184,7 @@ impl FrameSource for RecordedScan {
     fn measure_model(&self, _: &[DVec3], _: Option<&SurfaceMesh>, _: &mut ScanRecord) {}
 }
 
-/// Names the frames, and measures them where the truth is known.
+/// Names the frames, and evaluates them if the truth is known.
 struct RecordedEvaluator<'a> {
     scan: &'a RecordedScan,
     #[cfg(feature = "simulated")]
@@ -214,7 +212,7 @@ impl Evaluator for RecordedEvaluator<'_> {
     }
 }
 
-/// Why there are fewer frames than were recorded; none if there are not.
+/// Why some recorded frames are not used; `None` if all are.
 fn left_out(skipped: &[Skipped]) -> Option<String> {
     let first = skipped.first()?;
     Some(match skipped.len() {
@@ -223,7 +221,7 @@ fn left_out(skipped: &[Skipped]) -> Option<String> {
     })
 }
 
-/// Writes into the configuration what the recording decides, and derives the session's.
+/// Writes the recording's values into the configuration, and derives the session's.
 fn resolve(
     config: &mut ScanConfig,
     recording_config: &RecordingConfig,

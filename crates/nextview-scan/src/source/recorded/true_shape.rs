@@ -17,21 +17,21 @@ use std::path::Path;
 use std::sync::Arc;
 use std::time::Instant;
 
-/// A sample of the surface was seen if a point was measured as near as this, metres.
+/// Maximum distance in metres from a surface sample to a measured point for the sample to count as seen.
 const SEEN: f64 = 0.002;
 
 /// The true object in the world of the recording.
 pub(super) struct TrueShape {
     mesh: TriangleMesh,
-    /// The true shape that points and the final model are compared with.
+    /// The true surface, for evaluating points and the final model.
     pub surface: TrueSurface,
     voxels: ObjectVoxels,
-    /// How the file's numbers became metres, where that was not stated.
+    /// Note on the conversion of the file's numbers to metres, if the unit was not stated.
     pub note: Option<String>,
 }
 
 impl TrueShape {
-    /// Loads the mesh; none if the configuration names none.
+    /// Loads the mesh; `None` if none is configured.
     pub fn load(
         config: &ScanConfig,
         recording: &RecordingConfig,
@@ -49,7 +49,7 @@ impl TrueShape {
         Ok(Some(Self { surface: TrueSurface::new(&mesh), voxels, mesh, note }))
     }
 
-    /// The surface that every frame shows. Fails if it is cancelled.
+    /// The surface shown by every frame. Fails if cancelled.
     pub fn shown_by(&self, recording: &Recording, cancel: &Cancel) -> Result<Truth, Fault> {
         let start = Instant::now();
         let nothing = SurfaceCoverage::new(&self.mesh);
@@ -82,7 +82,7 @@ impl TrueShape {
         Ok(Truth { visibility, reachable_voxels, reachable_surface, time: start.elapsed() })
     }
 
-    /// A scan of which nothing is measured yet, and the object voxels that any frame shows.
+    /// The progress of a scan before its first frame, with the object voxels that any frame shows.
     pub fn progress<'a>(&'a self, reachable: Option<&'a FixedBitSet>) -> Progress<'a> {
         let surface = SurfaceCoverage::new(&self.mesh);
         Progress { truth: self, reachable, surface, distances: Vec::new(), n_mapped: 0 }
@@ -94,20 +94,19 @@ impl TrueShape {
     }
 }
 
-/// A recorded scan beside the truth, frame by frame.
+/// Evaluates a recorded scan against ground truth, frame by frame.
 pub(super) struct Progress<'a> {
     truth: &'a TrueShape,
     reachable: Option<&'a FixedBitSet>,
     surface: SurfaceCoverage,
-    /// Of all points that were in the box when they were measured.
+    /// Distances of all points that were in the box when measured.
     distances: Vec<f64>,
     /// Number of frames in the map so far.
     n_mapped: usize,
 }
 
 impl Progress<'_> {
-    /// Fills in how the scan stands, with the frames that are in the map; returns the number of samples of
-    /// the surface seen.
+    /// Fills in the scan's progress with the frames in the map; returns the number of surface samples seen.
     pub fn measure(&mut self, session: &Session, record: &mut StepRecord) -> usize {
         let Self { truth, reachable, surface, distances, n_mapped } = self;
         for frame in &session.frames()[*n_mapped..] {

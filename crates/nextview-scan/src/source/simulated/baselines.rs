@@ -11,27 +11,27 @@ use rayon::prelude::*;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-/// Seconds that a robot moves to a view, for the horizon of the area over time: about the mean of random
-/// views of an object of 0.2 m.
+/// Travel time of a robot to a view in seconds, for the horizon of the area over time: about the mean for
+/// random views of an object of 0.2 m.
 const MOVING_TIME: f64 = 4.0;
 
-/// The truth of an object and its candidates: what every candidate truly sees.
+/// The truth of an object and its candidates: the surface truly visible from each.
 #[derive(Debug)]
 pub struct Truth {
-    /// By candidate: object voxels, or, of a recording, samples of the surface.
+    /// By candidate: object voxels or, for a recording, surface samples.
     pub visibility: Arc<TrueVisibility>,
-    /// The object voxels in which any candidate measures a point of the object.
+    /// The object voxels with a point of the object measured by any candidate.
     pub reachable_voxels: FixedBitSet,
-    /// The part of the true surface that any candidate sees.
+    /// The part of the true surface visible from any candidate.
     pub reachable_surface: ReachableSurface,
-    /// Time it took to look.
+    /// Time taken to compute it.
     pub time: Duration,
 }
 
 impl Truth {
-    /// Looks from every candidate. `progress` is called after every view, from several threads.
+    /// Renders the view of every candidate. `progress` is called after every view, from several threads.
     ///
-    /// Fails if it is cancelled.
+    /// Fails if cancelled.
     pub fn new(object: &SimulatedObject, cancel: &Cancel, progress: impl Fn() + Sync) -> Result<Self, Fault> {
         let start = Instant::now();
         let samples = object.true_surface.samples();
@@ -53,21 +53,20 @@ impl Truth {
     }
 }
 
-/// The coverage of random views and of the planner that knows the object, which every planner is measured
-/// against.
+/// The coverage of random views and of the planner that knows the object: the scale for every planner.
 #[derive(Debug)]
 pub struct Baselines {
     truth: Arc<TrueVisibility>,
     random: RandomCurve,
     clairvoyant: Vec<f64>,
-    /// Seconds that a robot stands at a view.
+    /// Sensing time of a robot at a view in seconds.
     sensing_time: f64,
-    /// Time they took, apart from the scan.
+    /// Time taken to compute them, excluded from the scan.
     time: Duration,
 }
 
 impl Baselines {
-    /// The curves from the configured first view over the configured number of views.
+    /// Computes the curves from the configured first view over the configured number of views.
     pub fn new(truth: &Truth, config: &ScanConfig) -> Self {
         let start = Instant::now();
         let visibility = truth.visibility.clone();
@@ -81,7 +80,7 @@ impl Baselines {
         }
     }
 
-    /// Share, 0..=1, of the reachable object voxels that so many seen ones are.
+    /// Converts a number of seen object voxels to a share, 0..=1, of the reachable ones.
     pub(crate) fn reachable_coverage(&self, n_seen: usize) -> f64 {
         n_seen as f64 / self.truth.n_reachable() as f64
     }

@@ -1,4 +1,4 @@
-//! A simulated camera before a true object.
+//! A simulated camera in front of a true object.
 
 mod baselines;
 mod object;

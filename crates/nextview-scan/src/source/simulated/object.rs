@@ -14,15 +14,15 @@ pub struct Object {
     /// Short name, for headings and file names.
     pub name: String,
     pub mesh: TriangleMesh,
-    /// How the file's numbers became metres, where the unit was guessed, and why it has no colours, where the
-    /// file's are broken.
+    /// Notes on the conversion of the file's numbers to metres if the unit was guessed, and on missing
+    /// colours if the file's are broken.
     pub notes: Vec<String>,
-    /// How it was turned since the scan before; none without one.
+    /// How it was turned since the previous scan; `None` without one.
     pub now_from_before: Option<Pose>,
 }
 
 impl fmt::Display for Object {
-    /// Name, size and number of triangles.
+    /// Writes name, size and number of triangles.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let size = self.mesh.bounds().size() * 1e3;
         let n = self.mesh.triangles().len();
@@ -32,7 +32,7 @@ impl fmt::Display for Object {
 }
 
 impl Object {
-    /// Loads the mesh that the configuration names, as it lies on its table.
+    /// Loads the configured mesh as it lies on its table.
     pub fn load(config: &ScanConfig) -> Result<Self, Fault> {
         let object = match config.object.strip_prefix("builtin:") {
             Some(name) => Self::builtin(name, config),
@@ -68,7 +68,7 @@ impl Object {
         Ok(Self { name, mesh, notes, now_from_before: None })
     }
 
-    /// The object before the configured camera.
+    /// The object in front of the configured camera.
     pub fn scene(&self, config: &ScanConfig) -> Result<Scene, Fault> {
         let scene = Scene::new(self.mesh.clone(), config.camera).map_err(|error| match error {
             SimError::TooLargeForCamera { .. } => self.wrong_size(error, config),
@@ -81,7 +81,7 @@ impl Object {
         Ok(if config.object_box.table == TableRule::None { scene } else { scene.with_table()? })
     }
 
-    /// The configured voxel size, or else one that suits the object; fails if that is out of proportion.
+    /// The configured voxel size, or one that suits the object. Fails if that is out of proportion.
     pub fn voxel_size(&self, config: &ScanConfig) -> Result<f64, Fault> {
         let longest = self.mesh.bounds().longest_side();
         match config.voxel_size_m {
@@ -91,7 +91,8 @@ impl Object {
             .with_remedy("`voxel_size_m` is in metres")),
             Some(size) => Ok(size),
             None if longest < 40.0 * Lattice::MIN_VOXEL_SIZE => {
-                // To a thousandth of the smallest voxel; what is less is the file's single precision.
+                // Rounded to a thousandth of the smallest voxel; smaller differences are single-precision
+                // noise of the file.
                 let longest = (1e7 * longest).round() / 1e7;
                 let problem = format!(
                     "the object's longest side is {longest} m, too small for voxels of at least {} m",
@@ -105,7 +106,7 @@ impl Object {
         }
     }
 
-    /// An object of this size is the file's fault, unless the user stated the size.
+    /// Blames an object of this size on the file, unless the user stated the size.
     fn wrong_size(&self, problem: impl fmt::Display, config: &ScanConfig) -> Fault {
         match config.size_m {
             Some(_) => Fault::request(problem),
@@ -114,7 +115,7 @@ impl Object {
     }
 }
 
-/// A mesh whose longest side is as long as stated, so large and where `size_of` wants it.
+/// Scales a mesh to the stated length, as selected by `size_of`.
 fn sized(mesh: TriangleMesh, config: &ScanConfig) -> Result<TriangleMesh, Fault> {
     let bounds = mesh.bounds();
     let (origin, length) = match config.size_of {

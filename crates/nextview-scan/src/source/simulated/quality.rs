@@ -4,7 +4,7 @@ use nextview::geometry::Pose;
 use nextview::surface::SurfaceMesh;
 use nextview_sim::quality::{Quality, ReachableSurface, TrueSurface};
 
-/// Fills in the quality of a model after a motion, true world from the model's.
+/// Fills in the quality of a model after a rigid motion, true world from model.
 pub(in crate::source) fn measure_model(
     (surface, reachable): (&TrueSurface, Option<&ReachableSurface>),
     truth_from_model: &Pose,

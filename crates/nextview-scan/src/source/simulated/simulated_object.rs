@@ -11,7 +11,7 @@ use nextview_sim::truth::ObjectVoxels;
 use std::path::Path;
 use std::sync::Arc;
 
-/// An object before the camera, and the view candidates around it: shared by scans of it by different
+/// An object in front of the camera, and the view candidates around it: shared by scans with different
 /// planners.
 pub struct SimulatedObject {
     object: Object,
@@ -19,18 +19,18 @@ pub struct SimulatedObject {
     pub scene: Scene,
     /// The view candidates.
     pub views: ViewSpace,
-    /// The configured voxel size, or else one that suits the object.
+    /// The configured voxel size, or one that suits the object.
     pub voxel_size: f64,
-    /// Voxels that hold some of the true surface.
+    /// Voxels that contain some of the true surface.
     pub object_voxels: ObjectVoxels,
-    /// The surface that final models are measured against.
+    /// The true surface, for evaluating final models.
     pub true_surface: TrueSurface,
-    /// How many candidates are within reach, where that is limited.
+    /// Note on the number of candidates within reach, if that is limited.
     reach_note: Option<String>,
 }
 
 impl SimulatedObject {
-    /// Loads the object; fails if it cannot be scanned as configured.
+    /// Loads the object. Fails if it cannot be scanned as configured.
     pub fn new(config: &ScanConfig) -> Result<Self, Faults> {
         let object = Object::load(config)?;
         let voxel_size = object.voxel_size(config)?;
@@ -47,14 +47,14 @@ impl SimulatedObject {
         Ok(Self { object, scene, views, voxel_size, object_voxels, true_surface, reach_note })
     }
 
-    /// The session of a scan of it by this planner.
+    /// Builds the session of a scan of the object by this planner.
     pub fn session(&self, config: &ScanConfig, planner: Box<dyn ViewPlanner>) -> Result<Session, Faults> {
         config.check_views(self.views.len())?;
         let session_config = simulated_session(config, self.views.len(), &self.scene, self.voxel_size);
         Ok(Session::new(session_config, config.camera, self.session_views(config)?, planner)?)
     }
 
-    /// How it was turned since the scan before; none without one.
+    /// How it was turned since the previous scan; `None` without one.
     pub(super) fn now_from_before(&self) -> Option<Pose> {
         self.object.now_from_before
     }
@@ -64,21 +64,20 @@ impl SimulatedObject {
         self.object.to_string()
     }
 
-    /// Remarks for the user: a unit that was guessed, colours that are broken, candidates that are out of
-    /// reach.
+    /// Notes for the user: a guessed unit, broken colours, candidates out of reach.
     pub fn notes(&self) -> Vec<String> {
         self.object.notes.iter().chain(&self.reach_note).cloned().collect()
     }
 
-    /// The candidates as the session has them. Those of a rule move along with a box that grows, which begins
-    /// where the first of the views around the true object is; those of a file stay where they are.
+    /// The session's candidates. Those of a rule follow a growing box, which begins at the first view around
+    /// the true object; those of a file are fixed.
     fn session_views(&self, config: &ScanConfig) -> Result<Views, Fault> {
         if config.object_box.rule == BoxRule::Known || config.view_space.rule().is_none() {
             return Ok(Views::Fixed(self.views.clone()));
         }
         let (center, size) = (self.scene.center(), self.scene.size());
         let unit = self.views.around(-center / size, 1.0 / size)?;
-        // The box may grow by what is not there, when poses are wrong, and candidates with it.
+        // With wrong poses, the box may grow by phantom surface, and the candidates with it.
         let reach = Arc::new(config.held(|reach| reach.within(self.scene.room()))?);
         Ok(Views::Following { first: self.views.pose(config.first_view), unit, reach })
     }
@@ -103,8 +102,8 @@ fn simulated_session(
     SessionConfig { depth_range: config.noise.depth_range(), ..session }
 }
 
-/// The candidates around the true object that are above its table, if it has one. Those of a rule are where
-/// the camera measures the object; those of a file stay where they are.
+/// The candidates around the true object that are above its table, if it has one. Those of a rule lie within
+/// the camera's depth range; those of a file are fixed.
 fn view_space(config: &ScanConfig, scene: &Scene) -> Result<ViewSpace, Fault> {
     let (center, size) = (scene.center(), scene.size());
     let views = match config.view_space.rule() {
@@ -126,8 +125,8 @@ fn view_space(config: &ScanConfig, scene: &Scene) -> Result<ViewSpace, Fault> {
     })
 }
 
-/// How far above the table the lowest candidates are, metres: clear of it for the session, too, which fits it
-/// to a millimetre.
+/// Minimum height of candidates above the table in metres: clear of it for the session, too, which fits it to
+/// a millimetre.
 const LOWEST_VIEW: f64 = 0.03;
 
 fn views_of_file(config: &ScanConfig, scene: &Scene) -> Result<ViewSpace, Fault> {
@@ -139,7 +138,7 @@ fn views_of_file(config: &ScanConfig, scene: &Scene) -> Result<ViewSpace, Fault>
     Ok(views)
 }
 
-/// Fails if a view is where the simulated camera cannot stand.
+/// Fails if the simulated camera cannot stand at a view.
 fn check_in_room(scene: &Scene, views: &ViewSpace) -> Result<(), Fault> {
     let room = scene.room();
     let outside = |view: &usize| !room.contains(views.pose(*view).translation());

@@ -13,22 +13,23 @@ use nextview_sim::quality::align;
 use std::collections::BTreeMap;
 use std::sync::{Mutex, PoisonError};
 
-/// A simulated camera that scans an object by one configuration.
+/// A simulated camera that scans an object with one configuration.
 pub struct Simulation<'a> {
     object: &'a SimulatedObject,
     truth: Option<&'a Truth>,
     baselines: Option<Baselines>,
     box_rule: BoxRule,
-    /// Whether the first frame claims a wrong pose, so that the model lies beside the truth as a whole.
+    /// Whether the first frame claims a wrong pose, which displaces the whole model from the truth.
     is_first_pose_wrong: bool,
-    /// The true content and pose of the last frame: rendered together, and measured right after.
+    /// The true content and pose of the last frame: rendered together, and evaluated right after.
     last: Mutex<Option<(Pose, Shown)>>,
-    /// Where the camera truly stood, by view.
+    /// The true pose of the camera by view.
     places: Mutex<BTreeMap<usize, Pose>>,
 }
 
 impl<'a> Simulation<'a> {
-    /// The scan of this object by this configuration. With the truth, it is measured against the baselines.
+    /// Creates the scan of this object with this configuration. With the truth, it is compared with the
+    /// baselines.
     pub fn new(object: &'a SimulatedObject, config: &ScanConfig, truth: Option<&'a Truth>) -> Self {
         let baselines = truth.map(|truth| Baselines::new(truth, config));
         let is_first_pose_wrong = config.noise.is_pose_wrong() && !config.noise.first_pose_is_right;
@@ -37,7 +38,7 @@ impl<'a> Simulation<'a> {
         Self { object, truth, baselines, box_rule, is_first_pose_wrong, last, places }
     }
 
-    /// Remembers where the camera truly stood.
+    /// Records the camera's true pose.
     fn stood(&self, next: &NextView) {
         if let Some(view) = next.view {
             let mut places = self.places.lock().unwrap_or_else(PoisonError::into_inner);
@@ -45,7 +46,7 @@ impl<'a> Simulation<'a> {
         }
     }
 
-    /// The true content of the camera's image from there.
+    /// The true content of the camera's image from this pose.
     fn shown_from(&self, world_from_camera: &Pose) -> Result<Shown, Fault> {
         let last = self.last.lock().unwrap_or_else(PoisonError::into_inner).take();
         match last.filter(|(place, _)| place == world_from_camera) {
@@ -56,7 +57,7 @@ impl<'a> Simulation<'a> {
 }
 
 impl Simulation<'_> {
-    /// Fills in how right the turn is; nothing where poses are wrong as a whole.
+    /// Fills in the error of the turn; does nothing if poses are wrong as a whole.
     fn measure_turn(&self, record: &mut ScanRecord) {
         let (Some(turn), false) = (&mut record.turn, self.is_first_pose_wrong) else { return };
         let poses = self.object.now_from_before().zip(turn.now_from_before());
@@ -85,7 +86,7 @@ impl FrameSource for Simulation<'_> {
         Some(Box::new(SimulatedEvaluator::new(self, config.noise.is_pose_wrong())))
     }
 
-    /// Rendered on demand, for an object with colours.
+    /// Renders on demand, for an object with colours.
     fn color(&self, view: Option<usize>) -> Result<Option<ColorImage>, Fault> {
         let places = self.places.lock().unwrap_or_else(PoisonError::into_inner);
         let place = view.and_then(|view| places.get(&view).copied());
@@ -117,7 +118,7 @@ impl FrameSource for Simulation<'_> {
     }
 }
 
-/// Measures a simulated run beside the truth.
+/// Evaluates a simulated run against ground truth.
 struct SimulatedEvaluator<'a> {
     simulation: &'a Simulation<'a>,
     evaluator: evaluator::Evaluator<'a>,
@@ -126,7 +127,7 @@ struct SimulatedEvaluator<'a> {
 }
 
 impl<'a> SimulatedEvaluator<'a> {
-    /// Nothing is scanned yet.
+    /// Starts before the first frame.
     pub fn new(simulation: &'a Simulation<'a>, is_pose_wrong: bool) -> Self {
         let object = simulation.object;
         let mut evaluator = evaluator::Evaluator::new(&object.scene, &object.object_voxels);

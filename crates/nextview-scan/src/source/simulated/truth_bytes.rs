@@ -1,4 +1,4 @@
-//! The truth as bytes: bits of every view, and of the reachable surface.
+//! Serialization of the truth: bits of every view, and of the reachable surface.
 
 use super::{SimulatedObject, Truth};
 use fixedbitset::FixedBitSet;
@@ -11,7 +11,7 @@ use std::time::Duration;
 const BLOCK: usize = size_of::<usize>();
 
 impl Truth {
-    /// The truth, which is of this object, without the time that it took.
+    /// Serializes the truth, which belongs to this object, without the time taken.
     pub(super) fn to_bytes(&self, object: &SimulatedObject) -> Vec<u8> {
         let views = (0..self.visibility.n_views()).map(|view| self.visibility.seen(view));
         let mut bytes: Vec<u8> = views.flat_map(bytes_of).collect();
@@ -21,7 +21,8 @@ impl Truth {
         bytes
     }
 
-    /// What [`to_bytes`](Self::to_bytes) made of the truth of this object; none if it cannot be of it.
+    /// Reads the bytes that [`to_bytes`](Self::to_bytes) made for this object; `None` if they cannot be its
+    /// truth.
     pub(super) fn of_bytes(object: &SimulatedObject, bytes: &[u8], time: Duration) -> Option<Self> {
         if bytes.len() != n_bytes(object) || object.object_voxels.is_empty() {
             return None;
@@ -41,13 +42,13 @@ impl Truth {
     }
 }
 
-/// Bytes of the truth of this object.
+/// Size of the truth of this object in bytes.
 pub(super) fn n_bytes(object: &SimulatedObject) -> usize {
     let (n_voxels, n_samples) = (object.object_voxels.len(), object.true_surface.samples().len());
     object.views.len() * n_voxels.div_ceil(8) + n_samples.div_ceil(8)
 }
 
-/// The lowest bit of a byte first, as on every machine.
+/// Packs bits, lowest bit of a byte first, on every machine.
 fn bytes_of(bits: &FixedBitSet) -> Vec<u8> {
     let blocks = bits.as_slice().iter().flat_map(|block| block.to_le_bytes());
     blocks.take(bits.len().div_ceil(8)).collect()

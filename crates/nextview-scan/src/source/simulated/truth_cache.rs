@@ -15,15 +15,15 @@ const MAGIC: &[u8] = b"nextview truth 1\n";
 /// Bytes of a hash.
 const HASH: usize = 32;
 
-/// A folder with the truths of objects, for all processes that look at the same ones.
+/// A folder with the truths of objects, shared by all processes that use the same ones.
 ///
-/// An entry is named by the hash of all that its truth depends on: the object in metres, the candidates, the
-/// part of the configuration that decides them and the camera, and the build of the program. It appears as a
-/// whole, has a check sum, and is computed again where that is wrong, so that results are the same with and
-/// without the cache, whatever is in the folder. Where it cannot be written or read, truths are computed.
+/// An entry is named by the hash of everything its truth depends on: the object in metres, the candidates,
+/// the part of the configuration that determines them and the camera, and the build of the program. It
+/// appears as a whole, has a checksum, and is computed again if that is wrong. Results are therefore the same
+/// with and without the cache, whatever the folder contains. If it cannot be written or read, truths are
+/// computed.
 ///
-/// When the entries exceed the bound, those that were not used for the longest time are removed. Other files
-/// are left alone.
+/// When the entries exceed the bound, the least recently used ones are removed. Other files are left alone.
 #[derive(Clone, Debug)]
 pub struct TruthCache {
     dir: PathBuf,
@@ -31,17 +31,17 @@ pub struct TruthCache {
 }
 
 impl TruthCache {
-    /// Default bound, MB: the truths of about a thousand objects with 5000 candidates each.
+    /// Default bound in MB: the truths of about a thousand objects with 5000 candidates each.
     pub const DEFAULT_MB: u64 = 4096;
 
-    /// The cache in a folder, which is made if it is not there, of at most so many megabytes.
+    /// Opens the cache in a folder, which is created if missing, with a bound in megabytes.
     pub fn open(dir: &Path, max_mb: u64) -> Result<Self, Fault> {
         fs::create_dir_all(dir).map_err(|error| Fault::from(error).while_writing(dir))?;
         Ok(Self { dir: dir.to_owned(), max_bytes: max_mb.saturating_mul(1_000_000) })
     }
 
-    /// The truth of an object that was made by this configuration: from the folder, or else computed and kept
-    /// there. Fails as [`Truth::new`].
+    /// Returns the truth of an object made with this configuration: from the folder, otherwise computed and
+    /// kept there. Fails like [`Truth::new`].
     pub fn truth(
         &self,
         object: &SimulatedObject,
@@ -57,7 +57,7 @@ impl TruthCache {
             return Ok(truth);
         }
         let truth = Truth::new(object, cancel, || ())?;
-        // The truth is of use also where it cannot be kept.
+        // The truth is useful even if it cannot be kept.
         let _ = self.keep(&path, &key, &truth.to_bytes(object));
         Ok(truth)
     }
@@ -72,7 +72,7 @@ impl TruthCache {
         self.remove_oldest()
     }
 
-    /// Removes entries, also those of writers that died, until the others are within the bound.
+    /// Removes entries, including those of killed writers, until the rest is within the bound.
     fn remove_oldest(&self) -> Result<(), Fault> {
         let entry = |path: PathBuf| {
             let name = path.file_name()?.to_str()?;
@@ -96,7 +96,7 @@ impl TruthCache {
     }
 }
 
-/// The entry in a file without its check sum, if it is whole and of this key; it was used now.
+/// Reads the entry in a file without its checksum, if it is whole and has this key, and marks it as used.
 fn read(path: &Path, key: &[u8], n_bytes: usize) -> Option<Vec<u8>> {
     let n_bytes = MAGIC.len() + HASH + n_bytes + HASH;
     let mut entry = files::read(path, n_bytes as u64).ok()?;
@@ -107,16 +107,16 @@ fn read(path: &Path, key: &[u8], n_bytes: usize) -> Option<Vec<u8>> {
     if Sha256::digest(&entry)[..] != sum[..] {
         return None;
     }
-    // Where the time cannot be set, the entry is removed earlier.
+    // If the time cannot be set, the entry is removed earlier.
     let _ = File::open(path).and_then(|file| file.set_modified(SystemTime::now()));
     Some(entry)
 }
 
-/// The hash of all that the truth depends on.
+/// The hash of everything that the truth depends on.
 fn key(object: &SimulatedObject, config: &ScanConfig) -> Result<[u8; HASH], Fault> {
     let mut hash = Sha256::new_with_prefix(MAGIC);
     hash.update(BuildIdentity::this().to_string());
-    // The object is hashed itself, wherever its file is.
+    // The object itself is hashed, wherever its file is.
     let config = ScanConfig { object: String::new(), ..config.of_object() };
     hash.update(serde_json::to_vec(&config).map_err(Fault::data)?);
     let mesh = object.scene.camera().mesh();
@@ -160,7 +160,7 @@ mod tests {
         SimulatedObject::new(&config()).unwrap()
     }
 
-    /// An empty folder, which is removed at the end.
+    /// An empty folder, removed at the end.
     struct Folder(PathBuf);
 
     impl Folder {
@@ -182,7 +182,7 @@ mod tests {
 
     impl Drop for Folder {
         fn drop(&mut self) {
-            // The temporary folder is cleaned by others, too.
+            // Others clean the temporary folder, too.
             let _ = fs::remove_dir_all(&self.0);
         }
     }
@@ -197,7 +197,7 @@ mod tests {
         let computed = Truth::new(&object, &Cancel::default(), || ()).unwrap();
         let cache = folder.cache();
         cache.truth(&object, &config(), &Cancel::default()).unwrap();
-        // Nothing is computed any more.
+        // Nothing is computed again.
         let cancelled = Cancel::default();
         cancelled.cancel();
         let read = cache.truth(&object, &config(), &cancelled).unwrap();
@@ -234,7 +234,7 @@ mod tests {
             repaired(&entry[..n]);
         }
         repaired(&[&entry[..], b"x"].concat());
-        // Whole, with a check sum that is right, but of another key.
+        // Whole, with a valid checksum, but of another key.
         let mut foreign = entry[..entry.len() - HASH].to_vec();
         foreign[MAGIC.len()] ^= 1;
         foreign.extend(Sha256::digest(&foreign));

@@ -8,11 +8,11 @@ use nextview_sim::quality::TrueSurface;
 use std::f64::consts::PI;
 use std::path::Path;
 
-/// The draws of the turn about the vertical, apart from those of the noise.
+/// Random stream of the turn about the vertical, separate from that of the noise.
 const STREAM: u64 = 17;
 
-/// How a person turns the object as the results in a folder request: into the pose nearest to that in which
-/// it truly rests, at a random angle about the vertical, where it stood and as high.
+/// Simulates a person who turns the object as requested by the results in a folder: into the nearest stable
+/// pose, at a random angle about the vertical, at its old position and height.
 pub(super) fn turn(mesh: &TriangleMesh, results: &Path, seed: u64) -> Result<Pose, Fault> {
     let Some(PlacementRecord { down, .. }) = ScanRecord::read(results)?.next_placement else {
         let fault = Fault::data("asks for no other placement of the object").in_file(results);
@@ -31,8 +31,8 @@ pub(super) fn turn(mesh: &TriangleMesh, results: &Path, seed: u64) -> Result<Pos
     Ok(Pose::new(rotation, offset)?)
 }
 
-/// Mean distance, metres, by which a turn that was found misplaces the true surface. Of a symmetric object,
-/// every pose is right that puts it onto itself.
+/// Mean distance in metres by which a found turn misplaces the true surface. For a symmetric object, every
+/// pose that maps it onto itself is right.
 pub(super) fn turn_error(surface: &TrueSurface, true_turn: &Pose, found: &Pose) -> f64 {
     let found_from_true = *found * true_turn.inverse();
     let distances =
@@ -40,7 +40,7 @@ pub(super) fn turn_error(surface: &TrueSurface, true_turn: &Pose, found: &Pose) 
     distances.sum::<f64>() / surface.samples().len() as f64
 }
 
-/// The centre of mass of what a closed mesh encloses; the middle of its box if it encloses nothing.
+/// The centre of mass of the volume enclosed by a mesh; the middle of its box if there is none.
 fn center_of_mass(mesh: &TriangleMesh) -> DVec3 {
     let middle = mesh.bounds().center();
     let (mut volume, mut sum) = (0.0, DVec3::ZERO);
@@ -68,7 +68,7 @@ mod tests {
     fn the_center_of_mass_of_a_brick_is_its_middle() {
         let mesh = brick(DVec3::new(1.0, 2.0, 3.0));
         assert!(center_of_mass(&mesh).distance(mesh.bounds().center()) < 1e-9);
-        // A second, smaller brick on one side draws it there.
+        // A second, smaller brick on one side shifts the centre there.
         let small = brick(DVec3::ONE).translated(DVec3::new(1.0, 0.0, 0.0)).unwrap();
         let vertices = [mesh.vertices(), small.vertices()].concat();
         let triangles = small.triangles().iter().map(|corners| corners.map(|i| i + 8));

@@ -35,7 +35,7 @@ fn load_one<'a>(
     Ok(data)
 }
 
-/// What a URI stands for: the data in it, or a file.
+/// The data a URI stands for: embedded, or a file.
 pub(super) fn of_uri(place: &str, uri: &str, resolve: &Resolve) -> Result<Vec<u8>, SimError> {
     match uri.strip_prefix("data:") {
         Some(inline) => {

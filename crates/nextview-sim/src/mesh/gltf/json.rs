@@ -6,7 +6,7 @@ use serde::{Deserialize, Deserializer};
 use std::fmt;
 use std::marker::PhantomData;
 
-/// Most entries of a list: a node takes 400 bytes of memory, however few the file spends on it.
+/// Maximum number of list entries: a node takes 400 bytes of memory, however few the file spends on it.
 const MAX_ENTRIES: usize = 200_000;
 
 #[derive(Debug, Deserialize)]
@@ -53,7 +53,7 @@ pub(super) struct BaseColor {
 #[serde(rename_all = "camelCase")]
 pub(super) struct TextureInfo {
     pub index: usize,
-    /// Which of the texture coordinates of a primitive.
+    /// Index of the primitive's texture coordinates.
     #[serde(default)]
     pub tex_coord: usize,
 }

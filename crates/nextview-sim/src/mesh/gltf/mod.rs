@@ -1,5 +1,5 @@
-//! glTF 2.0 and GLB: the triangles of the scene, with the transforms of its nodes and base colours. glTF has
-//! y up; the result has z up, as the world has.
+//! glTF 2.0 and GLB: the triangles of the scene, with its nodes' transforms and base colours. glTF has y up;
+//! the result has z up, like the world.
 
 mod buffers;
 mod colors;
@@ -28,9 +28,9 @@ pub(super) fn parse(bytes: &[u8], resolve: &Resolve) -> Result<RawMesh, SimError
     for (node, world_from_node) in placed_nodes(&document)? {
         let Some(i) = node.mesh else { continue };
         for primitive in &field(&document.meshes, i, "meshes")?.primitives {
-            // Nodes may share meshes: before any is read, so that a small file does not fill the memory.
+            // Nodes may share meshes: checked before any is read, so a small file cannot fill the memory.
             let [n_vertices, n_corners] = counts(&document, primitive)?;
-            // More than there are bytes is a fault of the accessor.
+            // A larger number than there are bytes is an error of the accessor.
             let n_vertices = mesh.vertices.len() + n_vertices.min(n_bytes);
             let n_triangles = mesh.triangles.len() + n_corners.min(n_bytes) / 3;
             limit::check(n_vertices, n_triangles, n_bytes as u64)?;
@@ -291,7 +291,7 @@ mod tests {
         for bytes in [glb(), beside.into_bytes(), inline.into_bytes()] {
             let mesh = parse(&bytes, &from_file).unwrap();
             assert_eq!(mesh.triangles, [[0, 1, 2]]);
-            // Turned by 90 degrees about z, doubled, moved along z; then y up became z up.
+            // Rotated by 90 degrees about z, doubled, moved along z; then from y up to z up.
             let expected =
                 [DVec3::new(0.0, -5.0, 0.0), DVec3::new(0.0, -5.0, 2.0), DVec3::new(-2.0, -5.0, 0.0)];
             for (vertex, expected) in mesh.vertices.iter().zip(expected) {

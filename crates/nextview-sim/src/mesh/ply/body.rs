@@ -26,7 +26,7 @@ impl<'a> Body<'a> {
         }
     }
 
-    /// Fails if the file is too short for the number of elements the header states, whatever they contain.
+    /// Fails if the file is too short for the header's number of elements, whatever they contain.
     pub fn check_size(&self, element: &Element) -> Result<(), SimError> {
         let Element { name, count, properties } = element;
         let (place, n_left, size) = match self {
@@ -46,7 +46,7 @@ impl<'a> Body<'a> {
         Ok(())
     }
 
-    /// The next element.
+    /// Returns the next element.
     pub fn element(&mut self, element: &Element) -> Result<Values<'_, 'a>, SimError> {
         match self {
             Self::Text { lines, .. } => {
@@ -63,7 +63,7 @@ impl<'a> Body<'a> {
 }
 
 impl Values<'_, '_> {
-    /// The next value.
+    /// Returns the next value.
     pub fn number(&mut self, kind: Kind) -> Result<f64, SimError> {
         match self {
             Self::Text { line, word } => {
@@ -80,7 +80,7 @@ impl Values<'_, '_> {
         }
     }
 
-    /// The next value as the length of a list of `item`s, which must fit into the rest of the file.
+    /// Reads the length of a list of `item`s, which must fit into the rest of the file.
     pub fn length(&mut self, length: Kind, item: Kind) -> Result<usize, SimError> {
         let stated = self.number(length)?;
         let max = match self {
@@ -121,7 +121,7 @@ impl Values<'_, '_> {
         }
     }
 
-    /// An error at the current place.
+    /// Returns an error at the current place.
     pub fn error(&self, problem: impl Into<String>) -> SimError {
         match self {
             Self::Text { line, .. } => line.error(problem),

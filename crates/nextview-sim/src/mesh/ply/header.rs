@@ -1,7 +1,7 @@
 use crate::SimError;
 use crate::mesh::text::shown;
 
-/// How the values are written.
+/// Encoding of the values.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Format {
     Text,
@@ -23,7 +23,7 @@ pub(super) enum Kind {
 }
 
 impl Kind {
-    /// Size in a binary file, bytes.
+    /// Returns the size in a binary file, bytes.
     pub fn size(self) -> usize {
         match self {
             Self::I8 | Self::U8 => 1,
@@ -62,7 +62,7 @@ impl Property {
         }
     }
 
-    /// The fewest bytes it takes in a binary file.
+    /// Returns the fewest bytes it takes in a binary file.
     pub fn min_size(&self) -> usize {
         match self {
             Self::Scalar { kind, .. } => kind.size(),
@@ -91,7 +91,7 @@ pub(super) struct Header {
 }
 
 impl Header {
-    /// Every line of a header ends as the first one does. Letters may be of any case.
+    /// Parses a header. Every line ends as the first one does; letters may be of any case.
     pub fn parse(bytes: &[u8]) -> Result<Self, SimError> {
         let end = line_end(bytes);
         let mut format = None;
@@ -120,7 +120,7 @@ impl Header {
                     let format = format.ok_or_else(|| error("the header has no format line".into()))?;
                     return Ok(Self { format, elements, n_bytes, n_lines: i + 1 });
                 }
-                // A comment may be in any encoding.
+                // A comment may have any encoding.
                 _ if line.starts_with(b"comment") || line.starts_with(b"obj_info") => {}
                 _ => return Err(error(format!("{:?} is no line of a PLY header", shown(raw.trim_ascii())))),
             }
@@ -131,7 +131,7 @@ impl Header {
         ))
     }
 
-    /// The element with this name.
+    /// Returns the element with this name.
     pub fn element(&self, name: &str) -> Option<&Element> {
         self.elements.iter().find(|e| e.name == name)
     }

@@ -1,5 +1,5 @@
-//! PLY in text form and both binary byte orders: positions and colours of vertices, faces, and of clouds
-//! normals and expected errors, too; everything else is skipped.
+//! PLY in text form and both binary byte orders: positions and colours of vertices, faces, and, for clouds,
+//! normals and expected errors. Everything else is skipped.
 
 mod body;
 mod header;
@@ -30,7 +30,7 @@ pub(super) fn parse(bytes: &[u8]) -> Result<RawMesh, SimError> {
     Ok(RawMesh { vertices, colors, ..mesh })
 }
 
-/// The header, and the bytes that it describes: those of a text with usual line ends, which are as many.
+/// The header and the bytes it describes. A text gets usual line ends, which have the same length.
 fn header_of(bytes: &[u8]) -> Result<(Header, Cow<'_, [u8]>), SimError> {
     let bytes = unmarked(bytes)?;
     let header = Header::parse(bytes)?;
@@ -47,8 +47,8 @@ const NORMAL: [&str; 3] = ["nx", "ny", "nz"];
 const COLOR: [&str; 3] = ["red", "green", "blue"];
 const ERROR: [&str; 1] = ["error_m"];
 
-/// The points of a mesh or of a cloud, with normals and colours where all three columns are there, with
-/// expected errors, and the triangles if there are any.
+/// The points of a mesh or of a cloud, with normals, colours and expected errors if all their columns exist,
+/// and any triangles.
 pub(super) fn parse_points(bytes: &[u8]) -> Result<(Vec<CloudPoint>, RawMesh), SimError> {
     let (header, bytes) = header_of(bytes)?;
     let [normals, colors, errors] = [&NORMAL[..], &COLOR, &ERROR].map(|columns| all_of(&header, columns));
@@ -58,7 +58,7 @@ pub(super) fn parse_points(bytes: &[u8]) -> Result<(Vec<CloudPoint>, RawMesh), S
         let (normal, rest) = values[3..].split_at(normals.len());
         let (of_color, error) = rest.split_at(colors.len());
         points.push(CloudPoint {
-            // PLY knows no missing values: a point without a normal has 0 0 0, one without an error 0.
+            // PLY has no missing values: a point without a normal has 0 0 0, one without an error 0.
             normal: (!normals.is_empty()).then(|| vector(normal)).and_then(DVec3::try_normalize),
             color: (!colors.is_empty()).then(|| color(of_color)),
             error: error.first().map(|error| *error as f32).filter(|e| *e > 0.0 && e.is_finite()),
@@ -68,7 +68,7 @@ pub(super) fn parse_points(bytes: &[u8]) -> Result<(Vec<CloudPoint>, RawMesh), S
     mesh.color_fault.take().map_or(Ok((points, mesh)), Err)
 }
 
-/// These columns if vertices have all of them, else none.
+/// These columns if vertices have all of them, otherwise none.
 fn all_of<'a>(header: &Header, columns: &'a [&'a str]) -> &'a [&'a str] {
     let properties = header.element("vertex").map_or(&[][..], |vertex| &vertex.properties);
     let is_there = |column: &&str| properties.iter().any(|property| property.name() == *column);
@@ -83,8 +83,8 @@ fn vector(values: &[f64]) -> DVec3 {
     DVec3::new(values[0], values[1], values[2])
 }
 
-/// Reads all elements: the numbers in these columns of every vertex, colours as 0 to 255, which go to
-/// `vertex`, and the faces. The first three columns must be there.
+/// Reads all elements: passes these columns of every vertex to `vertex`, colours as 0 to 255, and reads the
+/// faces. The first three columns are required.
 fn read(
     header: &Header,
     bytes: &[u8],
@@ -143,7 +143,7 @@ fn read_vertices(
     Ok(fault)
 }
 
-/// A colour, 0 to 255: whole numbers are that, others 0 to 1.
+/// A colour, 0 to 255: integers are used as they are, floats are 0 to 1.
 fn color_value(value: f64, kind: header::Kind) -> Result<f64, String> {
     let most = if matches!(kind, header::Kind::F32 | header::Kind::F64) { 1.0 } else { 255.0 };
     match (0.0..=most).contains(&value) {
@@ -152,7 +152,7 @@ fn color_value(value: f64, kind: header::Kind) -> Result<f64, String> {
     }
 }
 
-/// Which of the columns a property of a vertex is.
+/// Index of a vertex property among the columns.
 fn column(property: &Property, columns: &[&str]) -> Option<usize> {
     match property {
         Property::Scalar { name, .. } => columns.iter().position(|column| column == name),
@@ -199,7 +199,7 @@ fn corner(values: &mut Values, kind: header::Kind, n_vertices: u64) -> Result<u3
 }
 
 fn skip(body: &mut Body, element: &Element) -> Result<(), SimError> {
-    // An element without properties takes no space, however many there are.
+    // An element without properties takes no space, whatever its count.
     let n = if element.properties.is_empty() { 0 } else { element.count };
     for _ in 0..n {
         let mut values = body.element(element)?;
@@ -246,8 +246,7 @@ mod tests {
 
     #[test]
     fn reads_text_and_both_byte_orders() {
-        // A header of text before numbers in binary has any line ends, too; a first byte of 10 is one of
-        // them.
+        // A text header before binary numbers may have any line ends, too; a first byte of 10 is one of them.
         let with_ends = |bytes: Vec<u8>, end: &str| {
             let at = bytes.windows(10).position(|word| word == b"end_header").unwrap() + 11;
             let header = String::from_utf8(bytes[..at].to_vec()).unwrap().replace('\n', end);
@@ -276,7 +275,7 @@ mod tests {
         };
         let second = CloudPoint { normal: None, color: Some([1, 2, 3]), ..DVec3::new(4.0, 5.0, 6.0).into() };
         assert_eq!((points, mesh.triangles), (vec![first, second], Vec::new()));
-        // Red alone is no colour.
+        // Red alone is not a colour.
         for bytes in [TEXT.as_bytes().to_vec(), binary(false), binary(true)] {
             let (points, mesh) = parse_points(&bytes).unwrap();
             assert!(points.len() == 4 && points.iter().all(|p| p.color.is_none() && p.normal.is_none()));

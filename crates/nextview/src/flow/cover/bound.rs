@@ -1,14 +1,14 @@
 use super::lists::Lists;
 
-/// Edge visits after which the bound is not tightened further: some 0.1 ms, a tenth of the time allowed for
+/// Edge visits after which the bound is not tightened further: about 0.1 ms, a tenth of the time allowed for
 /// the search.
 const MAX_WORK: usize = 200_000;
 
 /// Larger than the rounding errors of a bound, which is a sum of some thousand numbers.
 const TOLERANCE: f64 = 1e-6;
 
-/// A lower bound on the size of every cover, from the Lagrangian relaxation with subgradient steps (Beasley
-/// 1990); the iteration ends when it reaches `known`, the size of a known cover.
+/// Returns a lower bound on the size of every cover, by Lagrangian relaxation with subgradient steps (Beasley
+/// 1990). The iteration ends when it reaches `known`, the size of a known cover.
 ///
 /// Every item offers a price. A set is taken if the prices of the items it serves add up to at least its
 /// cost, 1. The sum of all prices minus the profits of the taken sets never exceeds the cost of a cover. Then
@@ -65,7 +65,7 @@ mod tests {
     use proptest::prelude::*;
 
     proptest! {
-        /// The slow twin: every choice of sets.
+        /// The slow twin: every selection of sets.
         #[test]
         fn no_cover_is_smaller(
             rows in prop::collection::vec(prop::collection::vec(0_u32..10, 1..5), 1..20),

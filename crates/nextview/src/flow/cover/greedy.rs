@@ -9,7 +9,7 @@ pub(super) fn greedy(candidates: &Rows, by_set: &Rows, cancel: &Cancel) -> Resul
     (0..by_set.n_rows()).for_each(|set| by_gain[gains[set] as usize].push(set as u32));
     let mut is_served = vec![false; candidates.n_rows()];
     let mut chosen = Vec::new();
-    // Gains only fall. So no set joins the sets of a gain once their turn has come, and one pass in
+    // Gains only fall. No set thus joins the sets of a gain once their turn has come, and one pass in
     // increasing order meets each while it is the lowest.
     for gain in (1..by_gain.len()).rev() {
         let mut sets = std::mem::take(&mut by_gain[gain]);
@@ -33,7 +33,7 @@ pub(super) fn greedy(candidates: &Rows, by_set: &Rows, cancel: &Cancel) -> Resul
     Ok(without_superfluous(candidates.n_rows(), by_set, &chosen))
 }
 
-/// Drops every set whose items are all served by others too, the last chosen first.
+/// Drops every set whose items are all served by others, the last chosen first.
 fn without_superfluous(n_items: usize, by_set: &Rows, chosen: &[u32]) -> Vec<u32> {
     let mut n_serving = vec![0_u32; n_items];
     let items = |set: u32| by_set.row(set as usize).columns();

@@ -2,18 +2,18 @@ use super::lists::Lists;
 use crate::instructions::instructions;
 use crate::{Cancel, Cancelled};
 
-/// Work after which the search ends: some 1 ms. Real problems of 200 items and 500 sets needed up to 1.5
+/// Work after which the search ends: about 1 ms. Real problems of 200 items and 500 sets needed up to 1.5
 /// million to reach the proved optimum.
 const MAX_WORK: usize = 2_000_000;
 
-/// The same for each edge of the problem, so that small problems take less.
+/// Limit of the work per edge of the problem, so that small problems take less.
 const MAX_WORK_PER_EDGE: usize = 2_000;
 
 /// Tries to serve all items with fewer sets than `cover`, which must serve them all.
 ///
-/// Local search with weights on the items (Gao, Weise and Li 2015): removes a set from a cover, then swaps
+/// Local search with weights on the items (Gao, Weise and Li 2015): it removes a set from a cover, then swaps
 /// sets one for one until the rest is a cover again. The weight of an unserved item grows with every step, so
-/// the search escapes every dead end. The published method draws an unserved item at random; this one takes
+/// the search escapes every dead end. The published method draws an unserved item at random. This one takes
 /// the heaviest, which needs no random numbers and reached the optimum soonest on our problems.
 ///
 /// The search ends early once no smaller cover is possible.
@@ -27,34 +27,34 @@ pub(super) fn improve(
     let max_work = MAX_WORK.min(candidates.n_pairs() * MAX_WORK_PER_EDGE);
     let mut search = Search::new(candidates, by_set);
     cover.iter().for_each(|&set| search.add(set));
-    // A third of the time is spent on the minimum of some hundred numbers, which takes one vector instruction
-    // for every eight.
+    // A third of the time is spent on the minimum of a few hundred numbers, which takes one vector
+    // instruction for every eight.
     instructions().dispatch(
         #[inline(always)]
         || search.run(cover, fewest, max_work, cancel),
     )
 }
 
-/// A choice of sets, and the effect of adding or removing one.
+/// A selection of sets, and the effect of adding or removing one.
 ///
-/// Weights and numbers of steps fit 32 bits, for each costs the visit of an edge.
+/// Weights and numbers of steps fit 32 bits, since each costs the visit of an edge.
 struct Search<'a> {
     candidates: &'a Lists,
     by_set: &'a Lists,
     /// For each chosen set, the newest last: the weight of the items that only it serves, and in the lower
-    /// half the number of sets added before it. So the minimum is the set whose removal costs least, the
+    /// half the number of sets added before it. The minimum is thus the set whose removal costs least, the
     /// first chosen on ties.
     losses: Vec<u64>,
     /// All sets ever added, in that order.
     added: Vec<u32>,
-    /// For each chosen set its place among the losses.
+    /// For each chosen set, its place among the losses.
     place: Vec<u32>,
     items: Vec<Item>,
     /// Items that no chosen set serves.
     unserved: Vec<u32>,
-    /// For each item its weight while it is unserved, else 0.
+    /// For each item, its weight while it is unserved, else 0.
     weight_unserved: Vec<u32>,
-    /// For each set the step in which it was last added or removed.
+    /// For each set, the step in which it was last added or removed.
     moved: Vec<u32>,
     n_steps: u32,
     /// Edges visited, as if each set's gain were kept up to date. Gains are computed on demand: a step needs
@@ -64,7 +64,7 @@ struct Search<'a> {
 
 struct Item {
     n_candidates: u32,
-    /// Number of chosen sets that serve it.
+    /// Number of chosen sets that serve the item.
     n_serving: u32,
     /// Exclusive or of their numbers; for a single set, its number.
     serving: u32,
@@ -94,7 +94,7 @@ impl<'a> Search<'a> {
         }
     }
 
-    /// Searches from the cover that was added; returns the smallest cover found.
+    /// Searches from the added cover; returns the smallest cover found.
     #[inline(always)]
     fn run(
         &mut self,
@@ -132,7 +132,7 @@ impl<'a> Search<'a> {
         }
     }
 
-    /// Moves to another choice of the same number of sets. The set chosen last stays unless it is the only
+    /// Moves to another selection of the same number of sets. The set chosen last stays unless it is the only
     /// one.
     #[inline(always)]
     fn swap(&mut self) {
@@ -167,7 +167,7 @@ impl<'a> Search<'a> {
         best
     }
 
-    /// Removes the one of the first `n` chosen sets whose removal costs least, the first chosen on ties.
+    /// Removes that one of the first `n` chosen sets whose removal costs least, the first chosen on ties.
     #[inline(always)]
     fn remove_least(&mut self, n: usize) -> u32 {
         self.work += n;

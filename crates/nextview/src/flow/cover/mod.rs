@@ -15,17 +15,17 @@ use lists::Lists;
 use local_search::improve;
 use reduction::Core;
 
-/// Edges between items and sets above which greedy cover is not improved on: too many to be visited even
-/// once.
+/// Maximum number of edges between items and sets for which greedy cover is improved: more are too many to
+/// visit even once.
 const MAX_EDGES: usize = 2_000_000;
 
-/// A small number of sets of which every item finds one among its candidates, in increasing order.
+/// Returns a small number of sets that together contain a candidate of every item, in increasing order.
 ///
-/// `candidates` holds a row of set numbers for each item; an item without candidates asks for nothing. The
+/// `candidates` holds a row of set numbers for each item; an item without candidates requires nothing. The
 /// result is never larger than greedy cover's and so within a factor 1 + ln(items) of the fewest (Chvátal
 /// 1979). It is usually the fewest itself: dominated items and sets are dropped, which often leaves nothing
-/// to decide, and a local search works on the rest. The work is bounded by counting steps, not time, so the
-/// same input gives the same sets.
+/// to decide, and a local search works on the rest. The work is bounded by counting steps, not time, so equal
+/// inputs give equal sets.
 ///
 /// ```
 /// use nextview::Cancel;
@@ -35,7 +35,7 @@ const MAX_EDGES: usize = 2_000_000;
 /// assert_eq!(fewest_sets(&candidates, &Cancel::default()), Ok(vec![1, 3]));
 /// ```
 ///
-/// Fails if `cancel` says so.
+/// Fails if `cancel` is set.
 pub fn fewest_sets(candidates: &Incidence, cancel: &Cancel) -> Result<Vec<u32>, Cancelled> {
     let candidates = packed(candidates, cancel)?;
     let core = Core::of(&candidates, cancel)?;
@@ -50,7 +50,7 @@ pub fn fewest_sets(candidates: &Incidence, cancel: &Cancel) -> Result<Vec<u32>, 
     Ok(sets)
 }
 
-/// A small cover of the core, and whether it was proved that no other is smaller.
+/// A small cover of the core, and whether it is proved to be the smallest.
 fn few_sets(core: &Core, cancel: &Cancel) -> Result<(Vec<u32>, bool), Cancelled> {
     let start = greedy(&core.candidates, &core.by_set, cancel)?;
     let n_edges: usize = core.candidates.iter().map(|row| row.len()).sum();
@@ -65,7 +65,7 @@ fn few_sets(core: &Core, cancel: &Cancel) -> Result<(Vec<u32>, bool), Cancelled>
     Ok((sets, is_fewest))
 }
 
-/// The rows of the items that ask for a set.
+/// The rows of the items that require a set.
 fn packed(candidates: &Incidence, cancel: &Cancel) -> Result<Rows, Cancelled> {
     let mut rows = Rows::new(candidates.n_columns());
     let all = (0..candidates.n_rows()).map(|item| candidates.words_of(item));

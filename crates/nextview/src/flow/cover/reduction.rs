@@ -3,19 +3,19 @@ use super::super::rows::Rows;
 use crate::{Cancel, Cancelled};
 use rustc_hash::FxHashSet;
 
-/// Edges visited and rows compared after which dominated rows are no longer looked for. What is found by then
-/// is used; a problem that is not fully reduced is only harder for what follows.
+/// Edges visited and rows compared after which the search for dominated rows ends. Its results are used; a
+/// problem that is not fully reduced is only harder to solve.
 const MAX_WORK: usize = 4_000_000;
 
-/// What is left to decide of a cover problem.
+/// The undecided part of a cover problem.
 pub(super) struct Core {
-    /// Sets that a smallest cover holds, by their original numbers.
+    /// Sets of a smallest cover that are already decided, by their original numbers.
     pub chosen: Vec<u32>,
-    /// For each item left, its candidates among the sets left, by their new numbers.
+    /// For each remaining item, its candidates among the remaining sets, by their new numbers.
     pub candidates: Rows,
-    /// The same read the other way.
+    /// The transposed rows: for each set, its items.
     pub by_set: Rows,
-    /// The original number of each set left, increasing.
+    /// The original number of each remaining set, increasing.
     pub set_ids: Vec<u32>,
 }
 
@@ -70,7 +70,7 @@ impl Core {
         self.keep_items(&keep, cancel)
     }
 
-    /// Drops every set that serves only items which another set serves, of equal sets all but the first.
+    /// Drops every set whose items are all served by another set; of equal sets, the first stays.
     fn drop_dominated_sets(&mut self, work: &mut Work, cancel: &Cancel) -> Result<(), Cancelled> {
         let held = Containment::new(&self.by_set, &self.candidates);
         let keep_set = |set: usize| {
@@ -100,8 +100,8 @@ impl Core {
     }
 }
 
-/// For each set whether it is the only candidate of an item. And for each item whether it is left: not if it
-/// is served by those sets or equal to an earlier one.
+/// Returns, for each set, whether it is the only candidate of an item, and for each item, whether it is left:
+/// not if it is served by those sets or equal to an earlier one.
 fn only_candidates(candidates: &Rows) -> (Vec<bool>, Vec<bool>) {
     let mut is_chosen = vec![false; candidates.n_columns()];
     for row in candidates.iter() {
@@ -110,7 +110,7 @@ fn only_candidates(candidates: &Rows) -> (Vec<bool>, Vec<bool>) {
             is_chosen[only as usize] = true;
         }
     }
-    // Asked only whether it has a row; its order never matters.
+    // Used only for membership tests; its order never matters.
     let mut seen = FxHashSet::default();
     let is_served = |row: Row<'_>| row.columns().any(|set| is_chosen[set as usize]);
     let keep = candidates.iter().map(|row| !is_served(row) && seen.insert(row.words())).collect();
@@ -123,7 +123,7 @@ struct Containment<'a> {
     by_column: &'a Rows,
     lens: Vec<u32>,
     column_lens: Vec<u32>,
-    /// Most rows that hold not all of another are told apart by these, without a look at the rows.
+    /// Signatures that rule out most rows without reading them.
     signatures: Vec<u64>,
 }
 
@@ -135,7 +135,7 @@ impl<'a> Containment<'a> {
 
     /// The other rows that hold all columns of `row`; none if it is empty or the work is used up.
     fn supersets(&self, row: usize, work: &mut Work) -> impl Iterator<Item = usize> + use<'_, 'a> {
-        // They all hold the row's rarest column, so only the rows of that one need a look.
+        // They all hold the row's rarest column, so only the rows of that column are checked.
         let rarest = work.spend(self.lens[row]).then(|| {
             let columns = self.rows.row(row).columns();
             columns.min_by_key(|&column| self.column_lens[column as usize])
@@ -151,7 +151,7 @@ impl<'a> Containment<'a> {
     }
 }
 
-/// A count of steps that may still be done.
+/// A budget of remaining steps.
 struct Work {
     left: usize,
 }

@@ -15,7 +15,7 @@ const MOMENTUM: f64 = 0.9;
 /// Steps without a better bound after which they become shorter.
 const PATIENCE: usize = 10;
 
-/// A bound on the value of a choice of so many sets, and the prices that prove it.
+/// A bound on the value of a selection of a given number of sets, and the prices that prove it.
 #[derive(Clone, Debug)]
 pub(super) struct Bound {
     pub value: f64,
@@ -25,11 +25,11 @@ pub(super) struct Bound {
 
 /// Lowers the bound by the Lagrangian relaxation with subgradient steps (Cornuéjols, Fisher and Nemhauser
 /// 1977) that keep some of their direction (Camerini, Fratta and Maffioli 1975), until it meets `known`, the
-/// value of a choice.
+/// value of a selection.
 ///
 /// Every item is granted its price. A set earns the amount by which its values exceed the prices, so no
-/// choice has a larger value than the sum of all prices and the `n_sets` largest earnings. The prices of
-/// items that several of these sets serve then rise, and those of items that none serves fall.
+/// selection has a larger value than the sum of all prices and the `n_sets` largest earnings. Then the prices
+/// of items that several of these sets serve rise, and those of items that none serves fall.
 pub(super) fn lower(
     values: &SetValues,
     n_sets: usize,

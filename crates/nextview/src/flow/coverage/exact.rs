@@ -2,7 +2,7 @@ use super::bound::{Bound, earnings, sum};
 use super::{Selection, SetValues};
 use crate::{Cancel, Cancelled};
 
-/// Pairs of item and set visited after which the search ends, some 0.2 s.
+/// Pairs of item and set visited after which the search ends, about 0.2 s.
 const MAX_WORK: usize = 100_000_000;
 
 /// Relative differences below this may be rounding errors.
@@ -38,15 +38,15 @@ struct Search<'a> {
     prices: &'a [f64],
     best: Vec<u32>,
     value: f64,
-    /// The sets of the selection that is explored.
+    /// The sets of the selection being explored.
     path: Vec<u32>,
     work: usize,
     cancel: &'a Cancel,
 }
 
 impl Search<'_> {
-    /// The sets that a choice better than the known one may hold: a set that is not among the `n_sets` of
-    /// largest earnings lowers the bound by the difference between the least of those and its own earnings.
+    /// The sets that a better selection than the known one may hold. A set that is not among the `n_sets` of
+    /// largest earnings lowers the bound by the difference between the least of those and its own.
     fn candidates(&mut self, n_sets: usize, bound: f64) -> Result<Vec<u32>, Cancelled> {
         let sets: Vec<u32> = (0..self.values.n_sets() as u32).collect();
         self.work += self.values.n_pairs();
@@ -58,13 +58,13 @@ impl Search<'_> {
         Ok(earned.into_iter().filter(|(earned, _)| may_help(*earned)).map(|(_, set)| set).collect())
     }
 
-    /// Only a larger value is better.
+    /// Only a larger value than this is better.
     fn cut(&self) -> f64 {
         self.value * (1.0 + TOLERANCE)
     }
 
-    /// Tries all choices of up to `n` candidates besides the selection. Returns a bound on the value of those
-    /// that might be better than the best; 0 if none is.
+    /// Tries all selections of up to `n` candidates in addition to the selection. Returns a bound on the
+    /// value of those that might be better than the best; 0 if none is.
     fn explore(&mut self, selection: &Selection<'_>, candidates: &[u32], n: usize) -> Result<f64, Cancelled> {
         let value = selection.value();
         self.keep(value);

@@ -4,11 +4,11 @@ use rayon::prelude::*;
 use std::cmp::{Ordering, Reverse};
 use std::collections::BinaryHeap;
 
-/// Result of the greedy choice.
+/// Result of the greedy selection.
 pub(super) struct Greedy {
-    /// The sets in the order of the choice; fewer than asked for if no other gains anything.
+    /// The sets in the order of selection; fewer than requested if no other gains anything.
     pub sets: Vec<u32>,
-    /// No choice of as many sets as asked for has a larger value.
+    /// Upper bound on the value of any selection of the requested number of sets.
     pub bound: f64,
     /// By item, how well it was served when the bound was found.
     pub served: Vec<f32>,

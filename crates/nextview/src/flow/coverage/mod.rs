@@ -15,23 +15,23 @@ use bound::Bound;
 use exact::{Exact, branch_and_bound};
 use greedy::{Greedy, greedy};
 
-/// Some sets of large value together.
+/// A few sets with a large joint value.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Coverage {
     /// The sets in greedy order: each gains most after those before it.
     pub sets: Vec<u32>,
     /// Their joint value.
     pub value: f64,
-    /// No choice of as many sets has a larger value, to rounding; `value` itself where they are proved
-    /// optimal.
+    /// Upper bound, to rounding, on the value of any selection of the same number of sets; `value` itself if
+    /// the sets are proved optimal.
     pub bound: f64,
 }
 
-/// At most `n_sets` sets of largest joint value.
+/// Returns at most `n_sets` sets of largest joint value.
 ///
-/// Their value is at least 1 - 1/e of the optimum and usually equals it: branch and bound improves on
+/// Their value is at least 1 - 1/e of the optimum and usually equals it. Branch and bound improves on
 /// [`good_coverage`], and the bound of the result states how far optimality is proved. The work is bounded by
-/// counting steps, not time, so the same input gives the same sets.
+/// counting steps, not time, so equal inputs give equal sets.
 ///
 /// ```
 /// use nextview::Cancel;
@@ -52,9 +52,9 @@ pub fn best_coverage(values: &SetValues, n_sets: usize, cancel: &Cancel) -> Resu
     Ok(Coverage::new(values, sets, bound))
 }
 
-/// At most `n_sets` sets that together have a large value, in a fraction of the time that [`best_coverage`]
-/// takes to prove it: the greedy choice, whose value is at least 1 - 1/e of the best (Nemhauser, Wolsey and
-/// Fisher 1978), after swaps of one set for another.
+/// Returns at most `n_sets` sets with a large joint value, in a fraction of the time that [`best_coverage`]
+/// takes for its proof: the greedy selection, whose value is at least 1 - 1/e of the best (Nemhauser, Wolsey
+/// and Fisher 1978), after swaps of one set for another.
 ///
 /// Fails if `cancel` is set.
 pub fn good_coverage(values: &SetValues, n_sets: usize, cancel: &Cancel) -> Result<Coverage, Cancelled> {
@@ -80,7 +80,7 @@ impl Coverage {
     }
 }
 
-/// The sets in greedy order, those that gain nothing left out.
+/// The sets in greedy order, without those that gain nothing.
 fn by_gain(values: &SetValues, mut sets: Vec<u32>) -> Vec<u32> {
     sets.sort_unstable();
     let mut selection = Selection::new(values);

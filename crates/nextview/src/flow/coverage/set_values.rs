@@ -18,8 +18,8 @@ pub struct SetValues {
 }
 
 impl SetValues {
-    /// A row of items, each below `n_items`, and their values for every set. Values that are not positive and
-    /// finite are ignored; if an item occurs more than once in a row, its largest value counts.
+    /// Creates the values from a row of items, each below `n_items`, and their values for every set. Values
+    /// that are not positive and finite are ignored; for repeated items in a row, the largest value counts.
     ///
     /// # Panics
     /// If an item is out of range.
@@ -27,7 +27,7 @@ impl SetValues {
         Self { n_items, rows: rows.into_iter().map(|row| tidied(row, n_items)).collect() }
     }
 
-    /// Rows that were [tidied](tidied) before.
+    /// Creates the values from [tidied](tidied) rows.
     pub(crate) fn of_tidied(n_items: usize, rows: Vec<Vec<(u32, f32)>>) -> Self {
         Self { n_items, rows }
     }
@@ -42,12 +42,12 @@ impl SetValues {
         self.rows.len()
     }
 
-    /// The items of a set in increasing order, and their values.
+    /// Returns the items of a set in increasing order, and their values.
     pub fn row(&self, set: u32) -> &[(u32, f32)] {
         &self.rows[set as usize]
     }
 
-    /// Joint value of these sets.
+    /// Returns the joint value of these sets.
     pub fn value_of(&self, sets: impl IntoIterator<Item = u32>) -> f64 {
         let mut selection = Selection::new(self);
         sets.into_iter().for_each(|set| _ = selection.add(set));
@@ -60,7 +60,7 @@ impl SetValues {
     }
 }
 
-/// A row with its items, each below `n_items`, in increasing order, and only values that count.
+/// Sorts a row by its items, each below `n_items`, and keeps only values that count.
 ///
 /// # Panics
 /// If an item is out of range.
@@ -74,7 +74,7 @@ pub(crate) fn tidied(mut row: Vec<(u32, f32)>, n_items: usize) -> Vec<(u32, f32)
     row
 }
 
-/// Some of the sets, and how well they serve every item.
+/// A selection of the sets, and how well it serves every item.
 #[derive(Clone, Debug)]
 pub struct Selection<'a> {
     pub(super) values: &'a SetValues,
@@ -83,13 +83,13 @@ pub struct Selection<'a> {
 }
 
 impl<'a> Selection<'a> {
-    /// No sets yet.
+    /// Creates an empty selection.
     pub fn new(values: &'a SetValues) -> Self {
         Self { values, served: vec![0.0; values.n_items] }
     }
 
-    /// The value that this set would add to the selection. It never grows as sets are added, not even by
-    /// rounding.
+    /// Returns the value that this set would add to the selection. It never grows as sets are added, not even
+    /// by rounding.
     pub fn gain(&self, set: u32) -> f64 {
         let more = |sum, &(item, value): &(u32, f32)| {
             sum + (value as f64 - self.served[item as usize] as f64).max(0.0)
@@ -107,7 +107,7 @@ impl<'a> Selection<'a> {
         gain
     }
 
-    /// Joint value of the selected sets.
+    /// Returns the joint value of the selected sets.
     pub fn value(&self) -> f64 {
         self.served.iter().fold(0.0, |sum, &value| sum + value as f64)
     }

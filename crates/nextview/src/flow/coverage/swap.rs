@@ -35,9 +35,9 @@ struct Swap {
     place: usize,
 }
 
-/// How chosen sets serve the items.
+/// How well the chosen sets serve the items.
 struct Service {
-    /// By item, the largest value in a chosen set, and the place of that among the chosen.
+    /// By item, the largest value in a chosen set, and the place of that set among the chosen.
     first: Vec<(f32, u32)>,
     /// By item, the largest value in the other chosen sets.
     second: Vec<f32>,
@@ -74,7 +74,7 @@ impl Service {
     /// The best place for this set, the first on ties.
     fn best_swap(&self, values: &SetValues, set: u32) -> Option<Swap> {
         let mut gain = 0.0;
-        // The loss that this set makes up for where another is missing.
+        // The part of the loss of each other set that this set makes up for.
         let mut saved = vec![0.0; self.loss.len()];
         for &(item, value) in values.row(set) {
             let ((first, place), second) = (self.first[item as usize], self.second[item as usize]);

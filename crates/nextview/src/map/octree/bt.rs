@@ -13,13 +13,13 @@ const FREE: u16 = 1;
 const OCCUPIED: u16 = 2;
 const INNER: u16 = 3;
 
-/// A word whose eight children are the same is this times their bits.
+/// The word of eight equal children is this times their bits.
 const EIGHT: u16 = 0x5555;
 
 impl Octree {
-    /// Writes a `.bt` file, which holds the maximum likelihood map: leaves with P >= 0.5 become occupied, the
-    /// rest free, then equal ones are merged as by [`pruned`](Self::pruned). Probabilities and colours are
-    /// lost; a tree that is a single leaf loses its occupancy, too.
+    /// Writes a `.bt` file, the maximum likelihood map: leaves with P >= 0.5 become occupied, the rest free,
+    /// then equal ones are merged as by [`pruned`](Self::pruned). Probabilities and colours are lost; a tree
+    /// of a single leaf also loses its occupancy.
     pub fn write_bt(&self, writer: impl Write) -> Result<(), Error> {
         let Words { words, n_nodes } = words(self);
         let mut out = BufWriter::new(writer);
@@ -50,7 +50,7 @@ pub(super) fn read_nodes(nodes: &mut NodeReader<impl Read>) -> Result<(), Error>
     read_inner(nodes, 0, &Clamps::default()).map(|_| ())
 }
 
-/// Reads an inner node at `depth` and all below it; returns its log-odds.
+/// Reads an inner node at `depth` and all nodes below it. Returns its log-odds.
 fn read_inner(nodes: &mut NodeReader<impl Read>, depth: u8, clamps: &Clamps) -> Result<f32, Error> {
     let mut bytes = [0; 2];
     nodes.fill(&mut bytes)?;
@@ -60,7 +60,7 @@ fn read_inner(nodes: &mut NodeReader<impl Read>, depth: u8, clamps: &Clamps) -> 
             nodes.error(format!("an inner node at depth {depth} has no children, expected at least one"))
         );
     }
-    // Only the root keeps this value: OctoMap never takes it from its children.
+    // Only the root keeps this value: OctoMap never updates it from its children.
     let start = if depth == 0 { clamps.occupied } else { f32::MIN };
     let idx = nodes.push(Node::leaf(start))?;
     for octant in 0..8 {
@@ -86,7 +86,7 @@ fn read_leaf(nodes: &mut NodeReader<impl Read>, log_odds: f32) -> Result<f32, Er
     Ok(log_odds)
 }
 
-/// The content of a file, and the number of nodes that it stands for.
+/// The content of a file, and the number of nodes that it encodes.
 struct Words {
     words: Vec<u16>,
     n_nodes: usize,
@@ -94,8 +94,8 @@ struct Words {
 
 /// The words of the inner nodes in preorder. The root has one even if it is a leaf.
 ///
-/// Pruning goes from depth to depth, up to the first at which nothing merges. So leaves are merged at every
-/// depth first, and if that was too many, once more at those below the first without.
+/// Pruning proceeds from depth to depth, up to the first at which nothing merges. Leaves are therefore first
+/// merged at every depth, and if that was too much, again only at those below the first without a merge.
 fn words(tree: &Octree) -> Words {
     let mut all = Merging::of(tree, 1);
     if let Some(first_without) = (1..DEPTH).rev().find(|&depth| all.n_merged[usize::from(depth)] == 0)
@@ -106,14 +106,14 @@ fn words(tree: &Octree) -> Words {
     Words { n_nodes: tree.n_nodes() - 8 * all.n_merged.iter().sum::<usize>(), words: all.words }
 }
 
-/// Words under way, while the nodes of a tree are visited in preorder.
+/// Words being built while the nodes of a tree are visited in preorder.
 struct Merging<'a> {
     tree: &'a Octree,
     next: usize,
     /// The least depth of a node whose leaves are merged.
     least_depth: u8,
     words: Vec<u16>,
-    /// Number of nodes, by depth, whose leaves were merged.
+    /// By depth, the number of nodes whose leaves were merged.
     n_merged: [usize; DEPTH as usize],
 }
 
@@ -130,7 +130,7 @@ impl<'a> Merging<'a> {
         merging
     }
 
-    /// Visits the next node, which is at `depth`, and all below it; returns its code.
+    /// Visits the next node, which is at `depth`, and all nodes below it. Returns its code.
     fn visit(&mut self, depth: u8) -> u16 {
         let node = self.tree.node(self.next);
         self.next += 1;

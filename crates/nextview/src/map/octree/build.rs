@@ -5,14 +5,14 @@ use crate::geometry::{Lattice, VoxelKey, local_origin};
 use glam::IVec3;
 
 impl Octree {
-    /// An `OcTree` with one leaf per voxel, given in any order as key and log-odds; `voxel_size` is in
+    /// Builds an `OcTree` with one leaf per voxel, given in any order as key and log-odds; `voxel_size` is in
     /// metres. Inner nodes get the highest log-odds of their children (OctoMap's `updateInnerOccupancy`).
-    /// Without voxels the tree has no nodes.
+    /// Without voxels, the tree has no nodes.
     ///
     /// If a key lies outside -32768..32768, the [origin](Self::origin) is in the middle of all voxels.
     ///
     /// Fails if the voxel size is not positive and finite, the keys along an axis span more than 65,536,
-    /// log-odds are not finite, or a key comes twice.
+    /// log-odds are not finite, or a key occurs twice.
     pub fn from_voxels(
         voxel_size: f64,
         voxels: impl IntoIterator<Item = (VoxelKey, f32)>,
@@ -34,7 +34,7 @@ impl Octree {
     }
 }
 
-/// The middle of a tree that holds these voxels, if one does.
+/// Returns the origin of a tree that can hold these voxels; fails if none can.
 fn origin_of(voxels: &[(VoxelKey, f32)]) -> Result<VoxelKey, Error> {
     let keys = || voxels.iter().map(|(key, _)| *key);
     let (min, max) = (keys().fold(IVec3::MAX, IVec3::min), keys().fold(IVec3::MIN, IVec3::max));
@@ -57,7 +57,7 @@ fn origin_of(voxels: &[(VoxelKey, f32)]) -> Result<VoxelKey, Error> {
     Ok(local_origin(min, max))
 }
 
-/// Orders voxels by preorder: the octants on the way down from the root, three bits each.
+/// Returns a code that orders voxels by preorder: the octants on the path from the root, three bits each.
 fn preorder_code(key: VoxelKey) -> Result<u64, Error> {
     let range = -KEY_OFFSET..KEY_OFFSET;
     if !key.to_array().iter().all(|k| range.contains(k)) {
@@ -101,13 +101,13 @@ fn from_sorted(voxel_size: f64, voxels: &[(u64, f32)]) -> Octree {
     tree
 }
 
-/// Number of nodes that lie on the way to both voxels, the root included.
+/// Returns the number of nodes on the paths to both voxels, including the root.
 fn n_shared_ancestors(a: u64, b: u64) -> usize {
     let n_equal_bits = (a ^ b).leading_zeros() as usize - (64 - 3 * usize::from(DEPTH));
     n_equal_bits / 3 + 1
 }
 
-/// The octant that the voxel's ancestor at `depth` has in its parent.
+/// Returns the octant of the voxel's ancestor at `depth` in its parent.
 fn octant(code: u64, depth: usize) -> usize {
     (code >> (3 * (usize::from(DEPTH) - depth)) & 7) as usize
 }

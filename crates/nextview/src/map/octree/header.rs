@@ -5,7 +5,7 @@ use crate::geometry::{Lattice, VoxelKey};
 use glam::DVec3;
 use std::io::{self, Read, Write};
 
-/// How the nodes follow the header.
+/// The encoding of the nodes after the header.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Encoding {
     /// Log-odds, and colours, of every node.
@@ -15,7 +15,7 @@ pub(super) enum Encoding {
 }
 
 impl Encoding {
-    /// The first line of a file.
+    /// Returns the first line of a file.
     fn magic(self) -> &'static str {
         match self {
             Self::Ot => "# Octomap OcTree file",
@@ -32,7 +32,7 @@ pub(super) struct Header {
     pub voxel_size: f64,
     /// The voxel in the middle of the tree.
     pub origin: VoxelKey,
-    /// As stated in the file; no memory may be reserved on its basis.
+    /// As stated in the file; it must not be used to reserve memory.
     pub n_nodes: u64,
 }
 
@@ -51,11 +51,11 @@ impl Header {
     }
 }
 
-/// The first word of a comment that states where the map is.
+/// The first word of a comment that gives the map's offset.
 const OFFSET: &str = "offset_m";
 
-/// Writes OctoMap's header, with its invitation to edit the comments, and with the offset of a map that is
-/// far away. The file holds `n_nodes` nodes.
+/// Writes OctoMap's header, with its invitation to edit the comments, and the offset of a distant map. The
+/// file has `n_nodes` nodes.
 pub(super) fn write_header(
     out: &mut impl Write,
     encoding: Encoding,
@@ -81,8 +81,8 @@ fn id(kind: TreeKind) -> &'static str {
     }
 }
 
-/// The shortest text that reads back as the same number. Where six digits are enough, these are the bytes of
-/// a C++ stream.
+/// Returns the shortest text that reads back as the same number. If six digits are enough, it has the bytes
+/// of a C++ stream.
 fn format_like_cpp(number: f64) -> String {
     if (1e-4..1e6).contains(&number) {
         return number.to_string();
@@ -93,7 +93,7 @@ fn format_like_cpp(number: f64) -> String {
 }
 
 fn read_magic(line: &str) -> Result<Encoding, String> {
-    // OctoMap, too, compares the start only.
+    // Like OctoMap, this compares only the start.
     [Encoding::Ot, Encoding::Bt].into_iter().find(|e| line.starts_with(e.magic())).ok_or_else(|| {
         let [ot, bt] = [Encoding::Ot, Encoding::Bt].map(Encoding::magic);
         format!("found {:?}, expected '{ot}' or '{bt}'", start_of(line))
@@ -169,7 +169,7 @@ fn parse_offset(text: &str) -> Result<DVec3, String> {
     finite.ok_or_else(|| format!("{OFFSET} is {:?}, expected three numbers of metres", start_of(text.trim())))
 }
 
-/// The voxel at this offset, metres.
+/// Returns the voxel at this offset, metres.
 fn origin_at(offset: DVec3, voxel_size: f64) -> Result<VoxelKey, String> {
     let voxels = offset / voxel_size;
     let is_near = voxels.abs().max_element() <= Lattice::REACH as f64;
@@ -179,7 +179,7 @@ fn origin_at(offset: DVec3, voxel_size: f64) -> Result<VoxelKey, String> {
     Err(format!("{OFFSET} is {offset}, expected multiples of the voxel size, at most 2^28 times as large"))
 }
 
-/// Enough of a text to recognise it in an error.
+/// Returns enough of a text to recognise it in an error.
 fn start_of(text: &str) -> String {
     text.chars().take(60).collect()
 }

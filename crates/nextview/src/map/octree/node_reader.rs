@@ -9,7 +9,7 @@ pub(super) struct NodeReader<R> {
     source: Source<R>,
     tree: Octree,
     n_expected: u64,
-    /// Where the record read last begins.
+    /// Start of the last record read.
     position: u64,
 }
 
@@ -40,12 +40,12 @@ impl<R: Read> NodeReader<R> {
         Ok(self.tree.push(node))
     }
 
-    /// An error in the record read last.
+    /// Returns an error in the last record read.
     pub fn error(&self, problem: impl ToString) -> Error {
         error_at(self.position, problem)
     }
 
-    /// The tree, if it is complete and the data ends with it.
+    /// Returns the tree; fails unless it is complete and the data ends with it.
     pub fn finish(mut self) -> Result<Octree, Error> {
         let (n_nodes, n_expected) = (self.tree.n_nodes(), self.n_expected);
         if n_nodes as u64 != n_expected {

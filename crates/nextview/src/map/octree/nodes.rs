@@ -2,7 +2,7 @@ use super::preorder::{Place, Preorder};
 use super::tree::{Leaf, Node, Octree, TreeKind};
 
 impl Octree {
-    /// The leaves in preorder: octant by octant, x varying fastest, then y, then z.
+    /// Returns the leaves in preorder: octant by octant, x varying fastest, then y, then z.
     pub fn leaves(&self) -> impl Iterator<Item = Leaf> {
         self.nodes().filter(|(_, node)| node.child_mask == 0).map(|(place, node)| Leaf {
             min: place.min + self.origin(),
@@ -29,7 +29,7 @@ impl<'a> Nodes<'a> {
         Self { tree, idx: 0, preorder: Preorder::new() }
     }
 
-    /// Index of the node that comes next.
+    /// Returns the index of the next node.
     pub fn next_idx(&self) -> usize {
         self.idx
     }

@@ -6,7 +6,7 @@ use crate::Error;
 use std::io::{BufWriter, Read, Write};
 
 impl Octree {
-    /// Writes an `.ot` file: every node as it is.
+    /// Writes an `.ot` file, with every node unchanged.
     pub fn write_ot(&self, writer: impl Write) -> Result<(), Error> {
         let mut out = BufWriter::new(writer);
         write_header(&mut out, Encoding::Ot, self, self.n_nodes())?;

@@ -4,10 +4,10 @@ use glam::IVec3;
 /// Depth of single voxels: OctoMap's keys have 16 bits.
 pub(super) const DEPTH: u8 = 16;
 
-/// OctoMap's key of our voxel 0, and the reach of its keys to both sides.
+/// OctoMap's key of our voxel 0, and the extent of its keys to both sides.
 pub(super) const KEY_OFFSET: i32 = 1 << (DEPTH - 1);
 
-/// Where a node lies.
+/// The place of a node in space.
 #[derive(Clone, Copy)]
 pub(super) struct Place {
     pub min: VoxelKey,
@@ -22,7 +22,7 @@ impl Place {
     }
 }
 
-/// The places of the nodes of a tree that come in preorder.
+/// The places of the nodes of a tree, in preorder.
 pub(super) struct Preorder {
     /// The next place on top. At most seven siblings wait on each level.
     pending: Vec<Place>,
@@ -33,12 +33,12 @@ impl Preorder {
         Self { pending: vec![Place { min: IVec3::splat(-KEY_OFFSET), depth: 0 }] }
     }
 
-    /// The place of the next node; none if the tree is complete.
+    /// Returns the place of the next node; `None` if the tree is complete.
     pub fn next_place(&mut self) -> Option<Place> {
         self.pending.pop()
     }
 
-    /// Adds the children of the node at `place`, which must not lie at the greatest depth.
+    /// Adds the children of the node at `place`, which must not be at the greatest depth.
     pub fn descend(&mut self, place: Place, child_mask: u8) {
         self.pending.extend((0..8).rev().filter(|i| child_mask >> i & 1 == 1).map(|i| place.child(i)));
     }

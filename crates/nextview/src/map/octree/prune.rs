@@ -4,12 +4,12 @@ use crate::Error;
 use std::borrow::Cow;
 
 impl Octree {
-    /// The tree with eight equal leaves merged into one, as OctoMap's `prune()` does it.
+    /// Returns the tree with eight equal leaves merged into one, like OctoMap's `prune()`.
     ///
-    /// Equal means equal log-odds; colours do not count. The merged leaf is white if the first of the eight
-    /// is (white means that no colour is set), otherwise it has the average of those that are not white,
-    /// rounded down. OctoMap starts with the voxels and stops at the first level on which it can merge
-    /// nothing, and it never merges the root's children; so do we, to get the same bytes.
+    /// Equal means equal log-odds; colours do not count. The merged leaf is white (no colour set) if the
+    /// first of the eight is, otherwise it has the average of those that are not white, rounded down. As in
+    /// OctoMap, pruning starts with the voxels, stops at the first level without a merge, and never merges
+    /// the root's children, which gives the same bytes.
     pub fn pruned(&self) -> Self {
         let mut tree = Cow::Borrowed(self);
         for depth in (1..DEPTH).rev() {
@@ -23,7 +23,7 @@ impl Octree {
         tree.into_owned()
     }
 
-    /// The tree with every leaf split into single voxels of its occupancy and colour: the inverse of
+    /// Returns the tree with every leaf split into single voxels of its occupancy and colour: the inverse of
     /// [`pruned`](Self::pruned).
     ///
     /// Fails if there would be more than `max_leaves` leaves: a single leaf may stand for 2^48.
@@ -61,7 +61,7 @@ impl Octree {
         tree
     }
 
-    /// Leaves that are siblings follow each other in preorder.
+    /// Sibling leaves are consecutive in preorder.
     fn are_eight_equal_leaves(&self, parents_mask: u8, first: usize) -> bool {
         let log_odds = |idx| self.node(idx).log_odds;
         parents_mask == u8::MAX
@@ -91,7 +91,8 @@ impl Octree {
         }
     }
 
-    /// Memory of a full tree with this many leaves, rounded up; a seventh of them is added for inner nodes.
+    /// Returns the memory of a full tree with this many leaves, rounded up; a seventh is added for inner
+    /// nodes.
     fn megabytes(&self, n_leaves: u64) -> u64 {
         let bytes_per_node = match self.kind() {
             TreeKind::OcTree => 5,

@@ -7,12 +7,12 @@ use crate::Error;
 use std::io::Read;
 
 impl Octree {
-    /// Reads an `.ot` or a `.bt` file; the first line states the format. The nodes must fill the file to its
-    /// end.
+    /// Reads an `.ot` or a `.bt` file; the first line gives the format. The nodes must fill the rest of the
+    /// file.
     ///
     /// A `.bt` file stores only free and occupied: leaves get OctoMap's default clamping values (log-odds
-    /// -2.00 and 3.51), inner nodes the highest of their children, the root 3.51 whatever its children are,
-    /// as in OctoMap. Memory grows with the data read, whatever the header claims.
+    /// -2.00 and 3.51), inner nodes the highest of their children, and the root always 3.51, as in OctoMap.
+    /// Memory grows with the data read, not with the header's claims.
     pub fn read(reader: impl Read) -> Result<Self, Error> {
         let mut source = Source::new(reader);
         let header = Header::read(&mut source)?;

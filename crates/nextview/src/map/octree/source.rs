@@ -1,10 +1,11 @@
 use crate::Error;
 use std::io::{BufRead, BufReader, ErrorKind, Read};
 
-/// Longest header line; OctoMap's own have 73 bytes. Stops a file without line ends from filling the memory.
+/// Longest header line; OctoMap's own have 73 bytes. This keeps a file without line ends from filling the
+/// memory.
 const MAX_LINE: u64 = 4096;
 
-/// A file that is read from front to back and tracks its position, for errors.
+/// A file read sequentially, with its position tracked for errors.
 pub(super) struct Source<R> {
     reader: BufReader<R>,
     n_lines: usize,
@@ -16,12 +17,12 @@ impl<R: Read> Source<R> {
         Self { reader: BufReader::new(reader), n_lines: 0, position: 0 }
     }
 
-    /// Bytes read so far.
+    /// Returns the number of bytes read so far.
     pub fn position(&self) -> u64 {
         self.position
     }
 
-    /// The next line of text, without its end.
+    /// Reads the next line of text, without its end.
     pub fn line(&mut self) -> Result<String, Error> {
         let mut line = Vec::new();
         let n_bytes = self.reader.by_ref().take(MAX_LINE).read_until(b'\n', &mut line)? as u64;
@@ -40,7 +41,7 @@ impl<R: Read> Source<R> {
         Ok(String::from_utf8_lossy(&line).trim_end().to_string())
     }
 
-    /// Fills the buffer; false if the file ends before that.
+    /// Fills the buffer. Returns false if the file ends before that.
     pub fn fill(&mut self, buffer: &mut [u8]) -> Result<bool, Error> {
         match self.reader.read_exact(buffer) {
             Err(e) if e.kind() == ErrorKind::UnexpectedEof => return Ok(false),
@@ -58,13 +59,13 @@ impl<R: Read> Source<R> {
         }
     }
 
-    /// An error in the line read last.
+    /// Returns an error in the last line read.
     pub fn error_in_line(&self, problem: impl ToString) -> Error {
         Error::Format { place: format!("line {}", self.n_lines), problem: problem.to_string() }
     }
 }
 
-/// An error at a byte offset from the file's start.
+/// Returns an error at a byte offset from the file's start.
 pub(super) fn error_at(position: u64, problem: impl ToString) -> Error {
     Error::Format { place: format!("byte {position}"), problem: problem.to_string() }
 }

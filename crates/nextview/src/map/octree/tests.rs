@@ -35,7 +35,7 @@ fn assert_well_formed(tree: &Octree) {
     assert!(tree.n_nodes() == 0 || preorder.next_place().is_none());
 }
 
-/// A tree whose nodes come from a list in preorder; leaves fill the gaps.
+/// A tree with nodes from a list in preorder; leaves fill the gaps.
 fn tree_of(kind: TreeKind, list: &[(u8, f32, u8)]) -> Octree {
     let mut tree = Octree::new(kind, 0.02);
     let mut preorder = Preorder::new();
@@ -57,7 +57,7 @@ fn any_tree() -> impl Strategy<Value = Octree> {
     (kind, list).prop_map(|(kind, list)| tree_of(kind, &list))
 }
 
-/// Voxels of a block that lies across the origin, often equal to their neighbours.
+/// Voxels of a block across the origin, often equal to their neighbours.
 fn any_voxels() -> impl Strategy<Value = BTreeMap<[i32; 3], f32>> {
     let log_odds = prop_oneof![9 => Just(0.85_f32), 1 => Just(-0.4)];
     prop::collection::vec(prop::option::weighted(0.97, log_odds), 12 * 12 * 12).prop_map(|block| {
@@ -219,6 +219,6 @@ fn bt_leaves_are_octomaps_clamping_values() {
     let [free, occupied] = tree.leaves().map(|l| l.log_odds.to_bits()).collect::<Vec<_>>()[..] else {
         panic!("expected two leaves")
     };
-    // As convert_octree of OctoMap 1.9.7 writes them.
+    // As written by convert_octree of OctoMap 1.9.7.
     assert_eq!((free, occupied), (0xC000_0075, 0x4060_B4BA));
 }

@@ -1,7 +1,7 @@
 use super::preorder::DEPTH;
 use crate::geometry::VoxelKey;
 
-/// Which of OctoMap's tree types a tree is; the `id` of its files.
+/// OctoMap's tree type, the `id` in its files.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum TreeKind {
     /// Occupancy only.
@@ -14,7 +14,7 @@ pub enum TreeKind {
 ///
 /// The root covers the keys -32768 to 32767 on each axis around its [origin](Self::origin) (OctoMap's own
 /// keys are 32768 higher), halved [16 times](Self::MAX_DEPTH) down to single voxels. Space without a leaf is
-/// unknown. Inner nodes keep the log-odds and colours they were read with.
+/// unknown. Inner nodes keep the log-odds and colours from the file.
 ///
 /// ```
 /// use glam::IVec3;
@@ -43,36 +43,36 @@ pub struct Octree {
 }
 
 impl Octree {
-    /// Halvings between the root and a single voxel.
+    /// Number of halvings between the root and a single voxel.
     pub const MAX_DEPTH: u8 = DEPTH;
 
-    /// Which tree type the files name.
+    /// Returns the tree type.
     pub fn kind(&self) -> TreeKind {
         self.kind
     }
 
-    /// Edge of a voxel, a leaf at the greatest depth, in metres; positive and finite.
+    /// Returns the edge of a voxel, a leaf at the greatest depth, in metres; positive and finite.
     pub fn voxel_size(&self) -> f64 {
         self.voxel_size
     }
 
-    /// The voxel in the middle of the root. It is 0 but for maps far away, of which files state it in a
-    /// comment `# offset_m X Y Z`, in metres: OctoMap's own programs show them that much displaced.
+    /// Returns the voxel in the middle of the root. It is 0 except for distant maps; their files give it in a
+    /// comment `# offset_m X Y Z`, in metres. OctoMap's own programs show such maps displaced by that much.
     pub fn origin(&self) -> VoxelKey {
         self.origin
     }
 
-    /// The same tree elsewhere.
+    /// Sets the origin.
     pub(super) fn with_origin(self, origin: VoxelKey) -> Self {
         Self { origin, ..self }
     }
 
-    /// Number of nodes, inner nodes and leaves.
+    /// Returns the number of nodes, inner nodes and leaves.
     pub fn n_nodes(&self) -> usize {
         self.child_masks.len()
     }
 
-    /// Number of leaves; counts them.
+    /// Counts the leaves.
     pub fn n_leaves(&self) -> usize {
         self.child_masks.iter().filter(|&&mask| mask == 0).count()
     }
@@ -121,9 +121,9 @@ impl Octree {
 /// A node without children: a cube of space with one occupancy.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Leaf {
-    /// The voxel of the cube with the lowest coordinates, relative to the lattice of the world.
+    /// The voxel of the cube with the lowest coordinates, in the lattice of the world.
     pub min: VoxelKey,
-    /// How often the root was halved to get the cube, 0 to 16; 16 is a single voxel.
+    /// Number of halvings from the root to the cube, 0 to 16; 16 is a single voxel.
     pub depth: u8,
     /// Log-odds of being occupied, as in the file.
     pub log_odds: f32,
@@ -132,25 +132,25 @@ pub struct Leaf {
 }
 
 impl Leaf {
-    /// Edge of the cube in voxels, 1 to 65536.
+    /// Returns the edge of the cube in voxels, 1 to 65536.
     pub fn edge(&self) -> u32 {
         1 << (DEPTH - self.depth)
     }
 
-    /// The voxel of the cube with the highest coordinates.
+    /// Returns the voxel of the cube with the highest coordinates.
     pub fn max(&self) -> VoxelKey {
         self.min + self.edge() as i32 - 1
     }
 
-    /// The lowest and the highest voxel that the cube shares with the box of voxels between two, both
-    /// included; none if they share none.
+    /// Returns the lowest and the highest voxel that the cube shares with the box of voxels from `low` to
+    /// `high`, both included; `None` if they share none.
     pub fn part_between(&self, low: VoxelKey, high: VoxelKey) -> Option<(VoxelKey, VoxelKey)> {
         let (min, max) = (self.min.max(low), self.max().min(high));
         min.cmple(max).all().then_some((min, max))
     }
 }
 
-/// One node as the files store it.
+/// One node as stored in files.
 #[derive(Clone, Copy)]
 pub(super) struct Node {
     pub log_odds: f32,
@@ -159,7 +159,7 @@ pub(super) struct Node {
 }
 
 impl Node {
-    /// OctoMap's colour of a node whose colour was never set.
+    /// OctoMap's colour of a node without a colour.
     pub const WHITE: [u8; 3] = [255; 3];
 
     pub fn leaf(log_odds: f32) -> Self {

@@ -4,7 +4,7 @@ use crate::planner::Situation;
 use crate::{Cancel, Cancelled};
 use glam::DVec3;
 
-/// The sets from which a batch is chosen: one for each open view, in their order.
+/// The sets from which a batch is chosen: one for each open view, in the same order.
 pub(super) struct Field<'a> {
     pub values: &'a SetValues,
     /// Value of all sets together.
@@ -38,7 +38,7 @@ impl<'a> Field<'a> {
         sets.iter().map(|&set| self.positions[set as usize]).collect()
     }
 
-    /// The sets in the order of a short tour, whatever the order given.
+    /// Returns the sets in the order of a short tour, independent of the given order.
     pub fn tour(&self, mut sets: Vec<u32>, cancel: &Cancel) -> Result<Vec<u32>, Cancelled> {
         sets.sort_unstable();
         let order = tour_unless(self.start, &self.route(&sets), &self.ball, cancel)?;

@@ -19,17 +19,17 @@ use value::values_of_views;
 pub struct BatchConfig {
     /// Maximum number of views of a batch, at least 1. Default 5.
     pub n_views: usize,
-    /// Weight of the path length against the value of the views, 0..=1. Default 0: the path is short for the
-    /// views, but no view is left out to make it shorter.
+    /// Weight of the path length against the value of the views, 0..=1. Default 0: the path is short for its
+    /// views, but no view is left out to shorten it.
     ///
     /// Both are relative to the batch for theta = 0: the score of a batch is (1 - theta) times its relative
-    /// value less theta times its relative path length. So with 0.2, a view that adds 1 % of the value for
-    /// more than 4 % of the path is left out.
+    /// value less theta times its relative path length. With 0.2, a view that adds 1 % of the value for more
+    /// than 4 % of the path is left out.
     pub theta: f64,
-    /// A view that would add less than this share, 0..=1, of the value of all views together is not added; if
-    /// no view adds as much, the batch is the one that adds most. Default 0.01.
+    /// Minimum share, 0..=1, of the value of all views together that a view must add. If no view adds this
+    /// much, the batch is the one that adds most. Default 0.01.
     pub least_share: f64,
-    /// A session plans again when a view showed less or more than expected by over this share, at least 0.
+    /// A session plans again when a view deviates from its expectation by more than this share, at least 0.
     /// Default 0.5.
     pub tolerance: f64,
     /// Distance between neighbouring planning rays at the far side of the box, in voxels as for
@@ -58,27 +58,26 @@ impl BatchConfig {
     }
 }
 
-/// Chooses a few views that together show as much as possible of the surface not seen yet, and a short tour
-/// through them.
+/// Chooses a few views that together show as much new surface as possible, and a short tour through them.
 ///
 /// The value of a view is the new surface that a learned prior expects it to show, as for
-/// [`MostSurface`](super::MostSurface). The views are a [`best_coverage`]; with a weight on the path, they
-/// come from a search for a tour of large score.
+/// [`MostSurface`](super::MostSurface). The views are a [`best_coverage`]. With a weight on the path, they
+/// come from a search for a tour with a large score.
 #[derive(Clone, Copy, Debug)]
 pub struct Batch {
     config: BatchConfig,
 }
 
-/// A few views to be visited one after the other.
+/// A few views to visit in sequence.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct BatchPlan {
     /// In the order of the tour; empty if no view shows anything new.
     pub views: Vec<BatchView>,
-    /// Value of these views as a share, 0..=1, of that of all views together.
+    /// Value of these views as a share, 0..=1, of the value of all views together.
     pub share: f64,
-    /// Upper bound, to rounding, on the share of any choice of as many views.
+    /// Upper bound, to rounding, on the share of any choice of the same number of views.
     pub share_bound: f64,
-    /// Length of the tour from where the camera is, metres.
+    /// Length of the tour from the position of the camera, metres.
     pub path_length: f64,
 }
 
@@ -87,29 +86,29 @@ pub struct BatchPlan {
 pub struct BatchView {
     /// Its number.
     pub view: usize,
-    /// Number of surface voxels that it is expected to show and those before it do not.
+    /// Number of surface voxels that it is expected to show after the views before it.
     pub gain: f64,
-    /// The same as a share, 0..=1, of the value of all views together.
+    /// The gain as a share, 0..=1, of the value of all views together.
     pub share: f64,
 }
 
 impl Batch {
-    /// A planner with checked parameters.
+    /// Creates a planner. Fails if a parameter is out of range.
     pub fn new(config: BatchConfig) -> Result<Self, Error> {
         config.check()?;
         Ok(Self { config })
     }
 
-    /// The views and the tour, with the tightest bound available.
+    /// Returns the views and the tour, with the tightest bound available.
     ///
     /// Fails if the situation's [`cancel`](Situation::cancel) is set.
     pub fn plan_batch(&self, situation: &Situation<'_>) -> Result<BatchPlan, Cancelled> {
         self.choose(situation, best_coverage)
     }
 
-    /// The views to visit after this candidate, whether it can be visited itself or not: at most
+    /// Returns the views to visit after this candidate, which need not be open itself. There are at most
     /// [`n_views`](BatchConfig::n_views), each the one that adds most to those before it, in the order of a
-    /// short tour from there. Their gains are what they add to the first view; theta does not count.
+    /// short tour from the candidate. Their gains are relative to the first view; theta does not count.
     ///
     /// Fails if the situation's [`cancel`](Situation::cancel) is set.
     ///
@@ -162,8 +161,7 @@ impl Batch {
         Ok(BatchPlan::new(&field, &open, &tour, bound))
     }
 
-    /// As many views as are added, the best first, until one would add too little; chosen to show most
-    /// together.
+    /// The views that together show most, up to the first that would add too little.
     fn without_regard_to_path(
         &self,
         field: &Field<'_>,
@@ -185,7 +183,7 @@ impl Batch {
 /// A function that chooses a given number of sets.
 type Cover = fn(&SetValues, usize, &Cancel) -> Result<Coverage, Cancelled>;
 
-/// Without the proof of how good the choice is, which would take longer than the choice.
+/// Omits the proof of optimality, which would take longer than the choice.
 impl ViewPlanner for Batch {
     fn plan(&mut self, situation: &Situation<'_>) -> Result<Plan, Error> {
         let views = self.choose(situation, good_coverage)?.views;
@@ -212,7 +210,7 @@ impl BatchPlan {
 }
 
 impl BatchView {
-    /// The views of a tour, which are added to the selection one after the other.
+    /// Adds the views of a tour to the selection one by one and returns them.
     fn along(
         tour: &[u32],
         selection: &mut Selection<'_>,
@@ -226,7 +224,7 @@ impl BatchView {
         tour.iter().map(view).collect()
     }
 
-    /// Of as many voxels seen, about the same part should turn out to be occupied.
+    /// The gain serves as the expectation: about the same part of the expected voxels should become occupied.
     pub(crate) fn leg(&self) -> Leg {
         let Self { view, gain, share } = *self;
         Leg { choice: Choice::new(view, share), expected: gain }

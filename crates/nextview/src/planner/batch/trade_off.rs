@@ -19,11 +19,11 @@ pub(super) struct TradeOff<'a> {
     n_sets: usize,
     /// Least gain for which a set is added to others.
     least_gain: f64,
-    /// The same for the first one: at most the first gain of the reference.
+    /// Least gain of the first set: at most the first gain of the reference.
     least_first_gain: f64,
 }
 
-/// Pairs of item and set visited in passes over all sets, after which the search ends: a second or two.
+/// Pairs of item and set visited over all passes, after which the search ends: a second or two.
 const MAX_WORK: usize = 500_000_000;
 
 /// Differences between scores below this may be rounding errors.
@@ -38,8 +38,8 @@ struct Insertion {
 }
 
 impl<'a> TradeOff<'a> {
-    /// Compares tours of up to `n_sets` sets with the tour through the sets of the reference, which come in
-    /// the order of their gains.
+    /// Compares tours of up to `n_sets` sets with the tour through the sets of the reference, which must be
+    /// in the order of their gains.
     pub fn new(
         field: &'a Field<'a>,
         theta: f64,
@@ -63,8 +63,8 @@ impl<'a> TradeOff<'a> {
         })
     }
 
-    /// A tour of large score: the better of two, one grown set by set and one that begins as the reference,
-    /// both after sets were left out, exchanged and added as long as that helped.
+    /// Returns a tour of large score: the better of one grown set by set and one that begins as the
+    /// reference. Both are improved by leaving out, exchanging and adding sets.
     pub fn tour(&self, cancel: &Cancel) -> Result<Vec<u32>, Cancelled> {
         let grown = self.improved(self.field.tour(self.grown(cancel)?, cancel)?, cancel)?;
         let from_reference = self.improved(self.reference.clone(), cancel)?;
@@ -87,8 +87,8 @@ impl<'a> TradeOff<'a> {
         Ok(tour)
     }
 
-    /// The set that adds most to the score where it costs least, the lowest number on ties; none if none adds
-    /// anything. The first one is added even if it does not pay for its path.
+    /// The set that adds most to the score where it costs least, the lowest number on ties; `None` if none
+    /// adds anything. The first one is added even if it does not pay for its path.
     fn insertion(&self, tour: &[u32], cancel: &Cancel) -> Result<Option<Insertion>, Cancelled> {
         let Field { values, positions, start, ball, .. } = self.field;
         let (mut selection, route) = (Selection::new(values), self.field.route(tour));
@@ -111,7 +111,7 @@ impl<'a> TradeOff<'a> {
         Ok(helpful.reduce(|best, other| if other.score > best.score { other } else { best }))
     }
 
-    /// The tour after sets were left out, exchanged or added as long as that helps.
+    /// Leaves out, exchanges or adds sets as long as that improves the tour.
     fn improved(&self, mut tour: Vec<u32>, cancel: &Cancel) -> Result<Vec<u32>, Cancelled> {
         let mut n_left = MAX_WORK / self.field.values.n_pairs().max(1);
         let mut n_tried = 0;
@@ -127,7 +127,7 @@ impl<'a> TradeOff<'a> {
         Ok(tour)
     }
 
-    /// The tour without the set at this place, if there is one, and with the set that helps most then.
+    /// The tour without the set at this place, if any, and with the set that then helps most.
     fn without(&self, tour: &[u32], place: usize, cancel: &Cancel) -> Result<Vec<u32>, Cancelled> {
         let mut other: Vec<u32> = tour.to_vec();
         if place < other.len() {

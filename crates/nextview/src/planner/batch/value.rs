@@ -6,12 +6,12 @@ use crate::prior::{SurfacePrior, coarse_enough};
 use crate::visibility::MeasuredParts;
 use rayon::prelude::*;
 
-/// The values of the views: a set for every view, in the order given, whose items are voxels.
+/// Returns the values of the views: a set for every view, in the order given, whose items are voxels.
 ///
-/// A voxel's value is the probability that the view shows surface in it that was not seen before.
-/// `ray_spacing` is in voxels of the snapshot, or of one that is coarse enough for the prior, positive.
+/// A voxel's value is the probability that the view newly shows surface in it. `ray_spacing` is in voxels of
+/// the snapshot, or of a version coarse enough for the prior, positive.
 ///
-/// The memory is 8 bytes for each voxel of each view.
+/// Memory: 8 bytes for each voxel of each view.
 pub(super) fn values_of_views(
     situation: &Situation<'_>,
     views: &[usize],

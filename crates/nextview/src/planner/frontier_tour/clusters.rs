@@ -1,10 +1,10 @@
 use crate::geometry::VoxelBlock;
 
-/// Least number of voxels of a cluster that counts.
+/// Minimum number of voxels of a cluster.
 const LEAST_VOXELS: usize = 4;
 
-/// Those of the voxels, given and returned in increasing order, that belong to a cluster of at least four;
-/// all where there is no such cluster. Voxels that touch by a face, an edge or a corner are one cluster.
+/// Returns the voxels that belong to a cluster of at least four, or all if there is no such cluster. Both
+/// lists are in increasing order. Voxels that touch by a face, an edge or a corner are one cluster.
 pub(super) fn without_small_clusters(voxels: &[usize], block: &VoxelBlock) -> Vec<usize> {
     let large = clusters(voxels, block).into_iter().filter(|cluster| cluster.len() >= LEAST_VOXELS);
     let mut left: Vec<usize> = large.flatten().collect();

@@ -18,7 +18,7 @@ use rayon::prelude::*;
 /// them crosses. Stage two orders these by the shortest open [tour](crate::motion::tour) from where the
 /// camera is, around the ball through the corners of the box. The tour is planned again after every frame;
 /// there is no choice once no open view sees a frontier voxel. Clusters of fewer than four frontier voxels
-/// count only where there are no others.
+/// count only if there are no others.
 ///
 /// The publication samples its views around the frontier; here they are the view candidates.
 #[derive(Clone, Copy, Debug)]
@@ -27,7 +27,7 @@ pub struct FrontierTour {
 }
 
 impl FrontierTour {
-    /// A planner whose rays are this far apart at the far side of the box, in voxels of the finest size, at
+    /// Creates a planner with this ray spacing at the far side of the box, in voxels of the finest size, at
     /// least 0.1.
     pub fn new(ray_spacing: f64) -> Result<Self, Error> {
         check_ray_spacing(ray_spacing)?;

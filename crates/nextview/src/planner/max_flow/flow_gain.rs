@@ -1,6 +1,5 @@
-/// The flow gain of every view, the paper's eqs. (4) and (5): the sum over the plans k, up to the present
-/// one, in which the view was optimal (in V_global), of exp(-(it - k)), where `it` is the number of the
-/// present plan.
+/// The flow gain of every view, the paper's eqs. (4) and (5): the sum of exp(-(it - k)) over the plans k, up
+/// to the present one, in which the view was optimal (in V_global). `it` is the number of the present plan.
 ///
 /// `plans` holds V_global of every plan, the present one last.
 pub fn flow_gain<'a>(plans: impl DoubleEndedIterator<Item = &'a [u32]>, n_views: usize) -> Vec<f64> {

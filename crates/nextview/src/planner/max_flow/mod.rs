@@ -21,13 +21,13 @@ pub struct MaxFlowConfig {
     /// Weight of the flow gain against the local gain, 0..=1; the paper's gamma. Default 0.5; with 0 the
     /// planner is greedy on the local gain and solves no flow.
     pub gamma: f64,
-    /// Whether earlier plans count in the flow gain, as eqs. (4) and (5) say; the default. If not, as in the
-    /// paper's table IV ("no history"), it is 1 for the optimal views of the present plan and 0 for the
-    /// others.
+    /// Whether earlier plans count in the flow gain, as in eqs. (4) and (5); the default. If not, as in the
+    /// paper's table IV ("no history"), the flow gain is 1 for the optimal views of the present plan and 0
+    /// for the others.
     pub uses_history: bool,
     /// Distance between neighbouring planning rays at the far side of the box, in voxels of the finest size,
     /// at least 0.1. Default 2, which plans as well as 1 / sqrt(2), where [no voxel is
-    /// missed](crate::visibility::NO_VOXEL_MISSED), at an eighth of the time; the paper thins its rays to
+    /// missed](crate::visibility::NO_VOXEL_MISSED), in an eighth of the time; the paper thins its rays to
     /// about 10.
     pub ray_spacing: f64,
     /// How far rays see through free space. Default: without loss; the paper's eq. (2) lets them fade.
@@ -60,9 +60,9 @@ impl MaxFlowConfig {
     }
 }
 
-/// The planner of the paper: local information gain combined with the views of a maximum flow (section III).
+/// The paper's planner: local information gain combined with the views of a maximum flow (section III).
 ///
-/// It remembers the optimal views of its plans, so a planner serves a single scan.
+/// It remembers the optimal views of its plans, so each scan needs its own planner.
 #[derive(Clone, Debug)]
 pub struct MaxFlow {
     config: MaxFlowConfig,
@@ -71,7 +71,7 @@ pub struct MaxFlow {
 }
 
 impl MaxFlow {
-    /// A planner with checked parameters.
+    /// Creates a planner. Fails if a parameter is out of range.
     pub fn new(config: MaxFlowConfig) -> Result<Self, Error> {
         config.check()?;
         Ok(Self { config, history: Vec::new() })
@@ -96,8 +96,8 @@ impl ViewPlanner for MaxFlow {
 }
 
 impl MaxFlow {
-    /// The optimal views (the paper's V_global) of every plan with a choice so far, oldest first: the views
-    /// that together serve every voxel best, in increasing order.
+    /// Returns the optimal views (the paper's V_global) of every plan with a choice so far, oldest first: the
+    /// views that together serve every voxel best, in increasing order.
     pub fn history(&self) -> &[Vec<u32>] {
         &self.history
     }

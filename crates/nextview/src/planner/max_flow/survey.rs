@@ -8,19 +8,19 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 
 /// Survey of the views of a situation.
 pub(super) struct Survey {
-    /// The local gain of every view, eq. (1); 0 for views that took no part.
+    /// The local gain of every view, eq. (1); 0 for views not surveyed.
     pub local: Vec<f64>,
     /// For every item of the caster, the views with a ray of largest quality, which is the maximum flow of
-    /// eq. (3): only the source edges are bounded, so that each voxel's unit of flow takes its best ray
-    /// without regard to the others. Empty where no flow is requested.
+    /// eq. (3): only the source edges are bounded, so each voxel's unit of flow takes its best ray
+    /// independently of the others. Empty if no flow is requested.
     pub best: BestSets,
 }
 
-/// Views that a thread takes at a time: few, because their rays differ in number and length.
+/// Number of views that a thread takes at a time: few, because their rays differ in number and length.
 const SHARE: usize = 16;
 
 impl Survey {
-    /// Surveys all open views; visited ones take no part.
+    /// Surveys all open views.
     pub fn new(
         situation: &Situation<'_>,
         caster: &ValueCaster<'_>,
@@ -34,7 +34,7 @@ impl Survey {
             let start = n_taken.fetch_add(SHARE, Ordering::Relaxed).min(open.len());
             &open[start..open.len().min(start + SHARE)]
         };
-        // About one part per thread: a part is large, and joining two is work.
+        // About one part per thread: parts are large, and joining two is costly.
         let parts = (0..rayon::current_num_threads()).into_par_iter().with_max_len(1).filter_map(|_| {
             let mut views = take();
             let mut part = (!views.is_empty()).then(|| Part::new(n_items, n_views))?;

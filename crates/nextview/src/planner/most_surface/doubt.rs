@@ -4,27 +4,26 @@ use crate::prior::SurfaceEstimate;
 use glam::IVec3;
 use rustc_hash::FxHashMap;
 
-/// A view that shows less than this share of what was expected is a disappointment.
+/// A view that shows less than this share of its expectation is a disappointment.
 const DISAPPOINTING: f64 = 0.5;
 
-/// The least factor on the probabilities of the voxels that a disappointing view was expected to show: one
-/// more such view may be worth it, once all others are worth less.
+/// The smallest factor on the probabilities of the voxels that a disappointing view was expected to show. One
+/// more such view may be worth it once all others are worth less.
 const LEAST_FACTOR: f64 = 0.2;
 
-/// Fewer expected voxels prove nothing.
+/// Minimum number of expected voxels: fewer prove nothing.
 const LEAST_EXPECTED: f64 = 1.0;
 
-/// Probability from which on a voxel counts as expected.
+/// Minimum probability of a voxel that counts as expected.
 const EXPECTED: f32 = 0.05;
 
-/// What planning has learned from views that showed hardly anything of what was expected: a frame may be
-/// empty because the camera was too near, or because the surface is black, and its neighbours would be as
-/// empty.
+/// Doubts from views that showed hardly anything of what was expected. A frame may be empty because the
+/// camera was too near, or because the surface is black; its neighbours would be as empty.
 ///
-/// Other views teach the map, and that is enough.
+/// Other views change the map, and that is enough.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Doubt {
-    /// Edge of the voxels, metres; another size discards all doubts.
+    /// Edge of the voxels, metres; a new size discards all doubts.
     voxel_size: f64,
     /// The factors on the probabilities of voxels, by key.
     factors: FxHashMap<IVec3, f32>,
@@ -42,7 +41,7 @@ struct Expectation {
 }
 
 impl Doubt {
-    /// What is known after the view that was taken since the last plan.
+    /// Returns the doubts after the view taken since the last plan.
     pub fn learned(&self, situation: &Situation<'_>, snapshot: &Snapshot) -> Self {
         let voxel_size = snapshot.lattice().voxel_size();
         if voxel_size != self.voxel_size {
@@ -74,7 +73,7 @@ impl Doubt {
         }
     }
 
-    /// Remembers what a view is expected to show: `gain` voxels, these with these probabilities.
+    /// Stores what a view is expected to show: `gain` voxels, these with these probabilities.
     pub fn expect(
         &mut self,
         (view, gain): (usize, f64),
@@ -95,7 +94,7 @@ impl Doubt {
 }
 
 impl Expectation {
-    /// The factor on the probabilities of the voxels that the view was to show and did not; none if other
+    /// The factor on the probabilities of the voxels that the view was expected to show; `None` if other
     /// views were taken since, or if it showed enough.
     fn factor(&self, situation: &Situation<'_>, snapshot: &Snapshot) -> Option<f32> {
         let is_only_one = situation.visited().len() == self.n_visited + 1;

@@ -2,14 +2,14 @@ use super::scene::Scene;
 use crate::Cancelled;
 use glam::DVec3;
 
-/// Number of views that a forecast is about.
+/// Number of views of a forecast.
 const N_AHEAD: usize = 5;
 
-/// Number of views all around of which those after the next one are taken.
+/// Number of evenly spread views from which those after the next one are taken.
 const N_AROUND: usize = 24;
 
-/// Total number of voxels expected to be newly seen, after `chosen` and each of the views that would follow
-/// if nothing were learned on the way: always the one that is expected to add most, of some that lie all
+/// Returns the total number of voxels expected to be newly seen after `chosen` and after each view that would
+/// follow if nothing were learned on the way. Each is the view expected to add most, of some that lie all
 /// around. Rays are `ray_spacing` voxels apart.
 pub(super) fn n_expected(
     scene: &Scene<'_>,
@@ -18,8 +18,8 @@ pub(super) fn n_expected(
     ray_spacing: f64,
 ) -> Result<Vec<f64>, Cancelled> {
     let shown = scene.shown(&spread(scene, chosen, open), ray_spacing)?;
-    // A voxel that several views show counts with the probability of the best of them: what one view fails
-    // to show is mostly no surface for the others either.
+    // A voxel that several views show counts with the highest of their probabilities: where one view shows no
+    // surface, there is mostly none for the others either.
     let mut best = vec![0.0_f32; scene.estimate.len()];
     let (mut n_expected, mut next) = (Vec::new(), 0);
     loop {

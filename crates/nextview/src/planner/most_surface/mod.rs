@@ -20,17 +20,16 @@ use serde::{Deserialize, Serialize};
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(default, deny_unknown_fields, remote = "Self")]
 pub struct MostSurfaceConfig {
-    /// Number of planning rays side by side across the longest side of the box, at its far side; 1..=1000.
-    /// Default 32.
+    /// Number of planning rays across the longest side of the box, at its far side; 1..=1000. Default 32.
     ///
-    /// More than 1000 views are first evaluated with an eighth as many rays, the best 1000 of them with a
-    /// quarter, the best 150 of these with half as many, and only the best 24 with all rays. The number of
-    /// rays is the same in fine voxels as in coarse ones.
+    /// More than 1000 views are first evaluated with an eighth of the rays, the best 1000 of them with a
+    /// quarter, the best 150 of these with half, and only the best 24 with all rays. The number of rays does
+    /// not depend on the voxel size.
     pub rays_across: f64,
     /// Weight of the movement cost against the gain, 0..=1; the paper's theta (section V.D). Default 0:
     /// moving has no cost.
     pub theta: f64,
-    /// Whether the view of most expected surface per second is taken, with the time to go there and to
+    /// Whether to take the view of most expected surface per second, including the time to go there and to
     /// measure, instead of the view of most surface; then theta is 0. Default false.
     pub per_second: bool,
 }
@@ -54,26 +53,24 @@ impl MostSurfaceConfig {
     }
 }
 
-/// Passes, one after the other: the number of best views so far, and the factor by which rays are farther
-/// apart. Passes over more views than there are, except for the last such pass, are left out: few views with
-/// few rays show too little.
+/// Passes in sequence: the maximum number of views, and the factor on the ray spacing. A pass is skipped if
+/// the next one admits all views as well: few views with few rays show too little.
 const PASSES: [(usize, f64); 4] = [(usize::MAX, 8.0), (1000, 4.0), (150, 2.0), (24, 1.0)];
 
-/// A view is expected to show something if its gain is at least this many voxels.
+/// Minimum gain of a view, second looks included, in voxels.
 const LEAST_GAIN: f64 = 0.5;
 
-/// Takes the view that is expected to show most surface that was not seen before: the gain
+/// Takes the view that is expected to show the most new surface: the gain
 /// [`ExpectedSurface`](crate::gain::ExpectedSurface).
 ///
 /// With a [goal](Situation::goal), the gain of second looks at surface that was not measured well enough is
-/// added with a tenth of its weight: new surface comes first. So is, where surface is to be [seen several
-/// times](Situation::looks), the gain of views that add a look.
+/// added with a tenth of its weight: new surface comes first. If surface must be [seen several
+/// times](Situation::looks), the gain of views that add a look is added as well.
 ///
-/// A view that shows hardly anything of what was expected lowers the expectations of the same voxels.
+/// A view that shows hardly anything of what was expected lowers the expectations for the same voxels.
 ///
-/// Each plan has an [`Outlook`]. The surface that can be seen is the surface that all views within reach show
-/// in the first pass; the next views are the one chosen and after it those, of some that lie all around, that
-/// are expected to add most.
+/// Each plan has an [`Outlook`]. Its visible surface is what all views within reach show in the first pass.
+/// Its next views are the chosen one, then those expected to add most, of some that lie all around.
 ///
 /// ```
 /// use nextview::planner::{MostSurface, MostSurfaceConfig};
@@ -86,17 +83,17 @@ pub struct MostSurface {
     config: MostSurfaceConfig,
     prior: SurfacePrior,
     doubt: Doubt,
-    /// Of the last plan, so that no frame is read twice.
+    /// Parts of the last plan, so that no frame is read twice.
     measured: Option<MeasuredParts>,
 }
 
 impl MostSurface {
-    /// A planner with checked parameters and the library's prior.
+    /// Creates a planner with the library's prior. Fails if a parameter is out of range.
     pub fn new(config: MostSurfaceConfig) -> Result<Self, Error> {
         Self::with_prior(config, SurfacePrior::default())
     }
 
-    /// A planner with checked parameters and a prior of your own.
+    /// Creates a planner with a prior of your own. Fails if a parameter is out of range.
     pub fn with_prior(config: MostSurfaceConfig, prior: SurfacePrior) -> Result<Self, Error> {
         config.check()?;
         Ok(Self { config, prior, doubt: Doubt::default(), measured: None })
@@ -150,7 +147,7 @@ struct Rating {
     utility: Utility,
     /// By view, the bonus added to its gain, in shares of the largest.
     advantages: Vec<f64>,
-    /// By view, the value of a second look at what it shows, in voxels; empty without a goal.
+    /// By view, the value of second looks at what it shows, in voxels; empty if there are none.
     second_looks: Vec<f64>,
     /// Views with their expected gains.
     gains: Vec<(usize, f64)>,
@@ -211,7 +208,7 @@ impl Rating {
         self.gains.iter().map(|(view, _)| *view).collect()
     }
 
-    /// The gains of the same views with denser rays, which meet more voxels: all values grow by the same
+    /// Replaces the gains by those of denser rays, which meet more voxels: all values grow by the same
     /// factor.
     fn refine(&mut self, gains: Vec<(usize, f64)>) {
         let before = self.value();

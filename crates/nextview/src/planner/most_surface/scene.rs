@@ -18,7 +18,7 @@ pub(super) struct Scene<'a> {
 pub(super) struct Survey {
     /// Views with their expected gains, by increasing number.
     pub gains: Vec<(usize, f64)>,
-    /// By voxel of the estimate, the probability of the view that sees it best.
+    /// By voxel of the estimate, the largest probability that a view shows it.
     pub shown: Vec<f32>,
 }
 
@@ -41,7 +41,7 @@ impl Scene<'_> {
         Ok(all)
     }
 
-    /// By view, the voxels of the estimate that it shows, with their probabilities.
+    /// Returns, by view, the voxels of the estimate that it shows, with their probabilities.
     pub fn shown(&self, views: &[usize], ray_spacing: f64) -> Result<Vec<Vec<(u32, f32)>>, Cancelled> {
         let gain = self.gain(ray_spacing);
         let look = |evaluator: &mut ViewEvaluator<'_>, &view: &usize| {

@@ -6,29 +6,29 @@ use crate::planner::Situation;
 use crate::sensor::SurfaceError;
 use rayon::prelude::*;
 
-/// Value of a voxel that a second look brings to the goal, in voxels of new surface: what was not seen comes
+/// Value of a voxel that a second look brings to the goal, in voxels of new surface: unseen surface comes
 /// first.
 const WEIGHT: f64 = 0.1;
 
-/// Value of a voxel at which a view adds a look that it lacks, in voxels of new surface: a tenth, and rays
-/// meet every fourth voxel. With 0.1, scans had hardly more looks than without the goal; with 2, they left
-/// out new surface and had no more.
+/// Value of a voxel at which a view adds a missing look, in voxels of new surface: a tenth, and rays meet
+/// every fourth voxel. With 0.1, scans had hardly more looks than without the goal; with 2, they left out new
+/// surface and had no more.
 const LOOK_WEIGHT: f64 = 0.4;
 
 /// Value of a voxel of surface that a second look makes sure, in voxels of new surface: three, and rays meet
-/// every fourth voxel. Behind a surface that scatters over several voxels, what is expected to be new is
-/// mostly the same surface again. Chosen on recordings: `docs/recorded.md`.
+/// every fourth voxel. Behind a surface that scatters over several voxels, the expected new surface is mostly
+/// the same surface again. Chosen on recordings: `docs/recorded.md`.
 const SURE_WEIGHT: f64 = 12.0;
 
-/// How sure, as the largest error, in voxels.
+/// Largest error of sure surface, in voxels.
 const TOLERANCE: f64 = 0.25;
 
-/// Where less than this share of the occupied voxels is unsure, no view is taken for them.
+/// If less than this share of the occupied voxels is unsure, no view is taken for them.
 const FEW: f64 = 0.01;
 
-/// By view, the value of second looks at surface that was seen, in voxels of new surface: the gains
-/// [`BetterSurface`] and [`MoreLooks`] with a goal, unless planning is in coarser voxels, and without one
-/// [`SurerSurface`], where the error of the camera is large beside the voxels. Empty without any.
+/// Returns, by view, the value of second looks at known surface, in voxels of new surface. With a goal, these
+/// are the gains [`BetterSurface`] and [`MoreLooks`], unless planning is in coarser voxels. Otherwise it is
+/// [`SurerSurface`], if the error of the camera is large against the voxels. Empty without any.
 pub(super) fn values(situation: &Situation<'_>, snapshot: &Snapshot) -> Result<Vec<f64>, Cancelled> {
     let (intrinsics, range) = (situation.intrinsics(), situation.depth_range());
     let better = situation.goal().filter(|(measured, _)| is_in_measured_voxels(snapshot, measured.lattice()));
@@ -58,8 +58,8 @@ pub(super) fn values(situation: &Situation<'_>, snapshot: &Snapshot) -> Result<V
     Ok(values)
 }
 
-/// The gain where the error of the camera leaves much of the seen surface unsure; none for an exact camera,
-/// or if goals say where second looks are wanted.
+/// The gain if the error of the camera leaves much of the seen surface unsure; `None` for an exact camera, or
+/// if goals state where second looks are wanted.
 fn unsure_surface<'a>(
     situation: &Situation<'a>,
     snapshot: &'a Snapshot,

@@ -12,14 +12,14 @@ const PER_OUTLINE: f64 = 0.61;
 /// Weight of the distance from the box, in longest sides of the box.
 const PER_DISTANCE: f64 = 0.14;
 
-/// Distance that counts at most, in longest sides of the box: the regression has no views from farther away.
+/// Maximum distance that counts, in longest sides of the box: the regression has no views from farther away.
 const FARTHEST: f64 = 2.5;
 
-/// By view, the advantage of taking it second, besides its gain, in shares of the largest gain; zeros unless
-/// exactly one view was taken. The box is that of the snapshot.
+/// Returns, by view, its advantage as the second view, in shares of the largest gain, on top of its gain;
+/// zeros unless exactly one view was taken. The box is that of the snapshot.
 ///
 /// One view reveals so little of the far side that the views of largest gain are often those whose gain is
-/// overestimated most. The gains that such views have on most objects are a better guide: large from the
+/// overestimated most. The typical gains of such views on other objects are a better guide: large from the
 /// other side, from directions where the box looks large, and from farther away. The weights are a linear
 /// regression of true gains on objects for development: `docs/planner.md`.
 pub(super) fn advantages(situation: &Situation<'_>, snapshot: &Snapshot) -> Vec<f64> {
@@ -37,7 +37,7 @@ pub(super) fn advantages(situation: &Situation<'_>, snapshot: &Snapshot) -> Vec<
     situation.views().poses().iter().map(|pose| advantage(pose.translation())).collect()
 }
 
-/// The area of the box's outline as seen from far away in this direction, over the largest there is.
+/// The area of the box's outline as seen from far away in this direction, relative to the largest.
 fn outline(bounds: &Aabb, direction: DVec3) -> f64 {
     let size = bounds.size();
     let faces = size.yzx() * size.zxy();

@@ -9,17 +9,17 @@ pub(super) struct Ellipsoid {
     pub shape: DMat3,
 }
 
-/// How far beyond the ellipsoid a point may lie, as a share of its squared distance in the metric of the
-/// ellipsoid; that of the authors' code.
+/// Tolerance on how far beyond the ellipsoid a point may lie, as a share of its squared distance in the
+/// metric of the ellipsoid; from the authors' code.
 const TOLERANCE: f64 = 0.01;
 
 impl Ellipsoid {
-    /// The smallest ellipsoid around points that do not lie in a plane, up to the tolerance (Khachiyan 1996):
-    /// a weight for each point, which grows for the point farthest out.
+    /// Returns the smallest ellipsoid around points that do not lie in a plane, up to the tolerance
+    /// (Khachiyan 1996). Each point has a weight; that of the point farthest out grows.
     pub fn around(points: &[DVec3], cancel: &Cancel) -> Result<Self, Cancelled> {
         const D: f64 = 3.0;
         let weight = 1.0 / points.len() as f64;
-        // The weighted sum of the outer products of (p, 1): all that is needed of the weights.
+        // The weighted sum of the outer products of (p, 1), which is all that is needed of the weights.
         let mut sums = points.iter().fold(DMat4::ZERO, |sum, &point| sum + outer(point) * weight);
         loop {
             cancel.check()?;
@@ -35,13 +35,13 @@ impl Ellipsoid {
         }
     }
 
-    /// The same ellipsoid in coordinates that are `size` times as large, moved by `offset`.
+    /// Scales the coordinates by `size` and moves the result by `offset`.
     pub fn scaled(self, size: f64, offset: DVec3) -> Self {
         Self { center: self.center * size + offset, shape: self.shape * (size * size) }
     }
 }
 
-/// The first point of largest q^T inverse q, q = (p, 1), and that value.
+/// The first point p with the largest q^T inverse q, q = (p, 1), and that value.
 fn farthest(points: &[DVec3], inverse: &DMat4) -> (DVec3, f64) {
     let distance = |point: &DVec3| point.extend(1.0).dot(*inverse * point.extend(1.0));
     let all = points.iter().map(|point| (*point, distance(point)));

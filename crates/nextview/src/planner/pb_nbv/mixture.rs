@@ -16,8 +16,8 @@ const LEAST_GAIN: f64 = 1e-3;
 /// Added to the variances, voxels squared: half a voxel squared, so that one voxel has an extent.
 const LEAST_VARIANCE: f64 = 0.25;
 
-/// Divides points, in units of voxels, among the components of the Gaussian mixture of smallest BIC, and
-/// returns the numbers of those of each component that has any.
+/// Divides points, in units of voxels, among the components of the Gaussian mixture of smallest BIC. Returns
+/// the numbers of the points of each non-empty component.
 ///
 /// Mixtures of 1 to 10 components are fitted by expectation and maximisation (Dempster, Laird & Rubin 1977)
 /// from a start by k-means++ (Arthur & Vassilvitskii 2007) with a fixed seed.
@@ -34,10 +34,10 @@ pub(super) fn clusters(points: &[DVec3], cancel: &Cancel) -> Result<Vec<Vec<usiz
     Ok(clusters)
 }
 
-/// A mixture that was fitted to points.
+/// A mixture fitted to points.
 struct Fit {
     components: Vec<Gaussian>,
-    /// The probability of each component, for one point after the other.
+    /// The shares of each component, point by point.
     shares: Vec<f64>,
     log_likelihood: f64,
 }
@@ -68,11 +68,11 @@ impl Fit {
         Ok(fit)
     }
 
-    /// Maximisation: the component by the shares that it has in the points.
+    /// Maximisation: the component for its shares in the points.
     fn component(&self, points: &[DVec3], component: usize, n_components: usize) -> Gaussian {
         let shares = || self.shares.iter().skip(component).step_by(n_components).zip(points);
         let total: f64 = shares().map(|(share, _)| share).sum();
-        // A component that has lost all its points stays without weight.
+        // A component that has lost all its points has no weight.
         let n = total.max(f64::MIN_POSITIVE);
         let mean = shares().fold(DVec3::ZERO, |sum, (share, point)| sum + *point * *share) / n;
         let outer = |offset: DVec3| DMat3::from_cols(offset * offset.x, offset * offset.y, offset * offset.z);
@@ -83,7 +83,7 @@ impl Fit {
         Gaussian { mean, precision: covariance.inverse(), log_peak }
     }
 
-    /// Expectation: the shares of the components in the points, and the likelihood of all.
+    /// Expectation: the shares of the components in the points, and the likelihood of all points.
     fn expect(&mut self, points: &[DVec3]) {
         self.log_likelihood = 0.0;
         for (point, shares) in points.iter().zip(self.shares.chunks_exact_mut(self.components.len())) {
@@ -99,14 +99,14 @@ impl Fit {
         }
     }
 
-    /// The Bayesian information criterion: k ln n - 2 ln L, where each component has a weight, a mean and a
+    /// The Bayesian information criterion, k ln n - 2 ln L. Each component has a weight, a mean and a
     /// covariance, 10 parameters, and the weights add up to 1.
     fn bic(&self) -> f64 {
         let (n_components, n_points) = (self.components.len(), self.shares.len() / self.components.len());
         (10 * n_components - 1) as f64 * (n_points as f64).ln() - 2.0 * self.log_likelihood
     }
 
-    /// The component of largest share in a point, the first of equals.
+    /// The component of largest share in a point, the first on ties.
     fn likeliest(&self, point: usize) -> usize {
         let shares = &self.shares[point * self.components.len()..][..self.components.len()];
         (1..shares.len()).fold(0, |best, other| if shares[other] > shares[best] { other } else { best })
@@ -120,8 +120,8 @@ impl Gaussian {
     }
 }
 
-/// Each point in the component whose seed is nearest. The first seed is a random point, and every other one
-/// is drawn in proportion to its squared distance from the nearest seed before.
+/// Assigns each point to the component with the nearest seed. The first seed is a random point. Each further
+/// one is drawn in proportion to its squared distance from the nearest seed before.
 fn start(points: &[DVec3], n_components: usize) -> Vec<f64> {
     let mut random = Random::new(0, n_components as u64);
     let (mut nearest, mut dist_sq) = (vec![0; points.len()], vec![f64::INFINITY; points.len()]);

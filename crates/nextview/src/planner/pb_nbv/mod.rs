@@ -13,15 +13,15 @@ use mixture::clusters;
 use rayon::prelude::*;
 use std::collections::BTreeMap;
 
-/// Takes the view whose image frontier ellipsoids fill most and occupied ones least: PB-NBV (Jia et al., RA-L
-/// 2025). No ray is cast.
+/// Takes the view whose image is filled most by frontier ellipsoids and least by occupied ones: PB-NBV (Jia
+/// et al., RA-L 2025). It casts no rays.
 ///
-/// A few ellipsoids stand for the occupied voxels and others for the frontier: the smallest ones around the
+/// A few ellipsoids represent the occupied voxels and others the frontier: the smallest ones around the
 /// clusters of a Gaussian mixture of smallest BIC. An ellipsoid counts the area of its image in pixels,
 /// halved for each ellipsoid of either kind whose centre is nearer to the camera. There is no choice without
 /// a frontier.
 ///
-/// Views come from all candidates at once, without the paper's sectors, which protect the alignment of
+/// Views are chosen from all candidates at once, without the paper's sectors, which protect the alignment of
 /// frames.
 #[derive(Clone, Copy, Debug)]
 pub struct PbNbv;
@@ -54,7 +54,7 @@ impl ViewPlanner for PbNbv {
     }
 }
 
-/// The ellipsoids that stand for the map, in world coordinates.
+/// The ellipsoids that represent the map, in world coordinates.
 struct Scene {
     frontier: Vec<Ellipsoid>,
     occupied: Vec<Ellipsoid>,
@@ -84,7 +84,7 @@ impl Scene {
     }
 }
 
-/// The ellipsoids that stand for these voxels.
+/// The ellipsoids that represent these voxels.
 fn ellipsoids(snapshot: &Snapshot, voxels: &[usize], cancel: &Cancel) -> Result<Vec<Ellipsoid>, Cancelled> {
     let (lattice, block) = (snapshot.lattice(), snapshot.block());
     // Relative to the block, positions are small numbers wherever the object is.
@@ -98,7 +98,7 @@ fn ellipsoids(snapshot: &Snapshot, voxels: &[usize], cancel: &Cancel) -> Result<
     clusters(&centers, cancel)?.into_par_iter().map(around).collect()
 }
 
-/// The corners of voxels, without those between two others along x, which no ellipsoid can leave out.
+/// The corners of voxels, except those between two others along x, which do not affect an ellipsoid.
 fn corners(voxels: impl Iterator<Item = VoxelKey>) -> Vec<DVec3> {
     let mut rows: BTreeMap<[i32; 2], (i32, i32)> = BTreeMap::new();
     for voxel in voxels {

@@ -18,8 +18,8 @@ pub(super) fn depth(ellipsoid: &Ellipsoid, camera_from_world: &Pose) -> f64 {
     camera_from_world.transform_point(ellipsoid.center).z
 }
 
-/// The part of the image, in pixels, that an ellipsoid in world coordinates fills; 0 unless all of it is
-/// before the camera. The distortion of the lens is left out.
+/// Returns the part of the image, in pixels, that an ellipsoid in world coordinates fills; 0 unless all of it
+/// is in front of the camera. Lens distortion is ignored.
 pub(super) fn area(ellipsoid: &Ellipsoid, camera_from_world: &Pose, intrinsics: &Intrinsics) -> f64 {
     let Some(Ellipse { center, shape }) = Ellipse::of(ellipsoid, camera_from_world, intrinsics) else {
         return 0.0;

@@ -18,7 +18,7 @@ pub(super) struct Cloud {
     bounds: Aabb,
 }
 
-/// What the density around a point says.
+/// Class of a point by the density around it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Class {
     /// Enough points lie around it.
@@ -32,12 +32,12 @@ pub(super) enum Class {
 /// Share of the median number of neighbours that a core point needs.
 const CORE_SHARE: f64 = 2.0 / 3.0;
 
-/// Least number of points, itself included, around a core point.
+/// Minimum number of points, itself included, around a core point.
 const LEAST_NEIGHBORS: usize = 3;
 
 impl Cloud {
-    /// The points of frames in a box, oldest first; one at most `gap` metres from an earlier one is left out.
-    /// Densities are those within `radius` metres, which must be at least the gap.
+    /// Collects the points of frames in a box, oldest first. A point at most `gap` metres from an earlier one
+    /// is left out. Densities count points within `radius` metres, which must be at least the gap.
     pub fn new(
         frames: &[Frame],
         bounds: Aabb,
@@ -75,7 +75,7 @@ impl Cloud {
         sorted.sort_unstable();
         let median = sorted.get(sorted.len() / 2).copied().unwrap_or(0);
         let least = ((CORE_SHARE * median as f64).ceil() as usize).max(LEAST_NEIGHBORS);
-        // All labels follow from the counts, so that their order does not matter.
+        // All labels follow from the counts, so their order does not matter.
         let class = |(number, point): (usize, &DVec3)| {
             if counts[number] >= least {
                 return Class::Core;
@@ -92,9 +92,9 @@ impl Cloud {
         Ok(self.points.par_iter().enumerate().map(class).collect())
     }
 
-    /// The normal of the surface around a point, towards the cameras that saw the points around it first;
-    /// none where these are fewer than three. The point's own camera may have seen it at so flat an angle
-    /// that it decides nothing.
+    /// The normal of the surface around a point, towards the cameras that first saw the points around it;
+    /// `None` for fewer than three points. The point's own camera may have seen it at too flat an angle to
+    /// decide.
     pub fn normal(&self, number: usize) -> Option<DVec3> {
         let point = self.points[number];
         let around = || self.grid.within(point, self.radius).map(|other| other as usize);
@@ -105,11 +105,11 @@ impl Cloud {
         Some(if normal.dot(toward) < 0.0 { -normal } else { normal })
     }
 
-    /// Whether a camera sees a point past all others: no point is within `step` of the way, which begins as
-    /// far from the point as it takes to get off the surface along its normal, at least two steps.
+    /// Whether a camera sees a point past all others: no point is within `step` of the line of sight. The
+    /// line begins at the distance at which the normal is clear of the surface, at least two steps.
     pub fn is_visible(&self, point: DVec3, normal: DVec3, camera: DVec3, step: f64) -> bool {
         let is_clear = |place: DVec3| self.grid.within(place, step).next().is_none();
-        // No point lies outside of the box, and who has left it does not come back.
+        // No point lies outside the box, and a line that has left it does not return.
         let reach = Aabb { min: self.bounds.min - step, max: self.bounds.max + step };
         let is_off = |off: &f64| {
             let place = point + normal * *off;
@@ -245,7 +245,7 @@ pub(super) mod tests {
                 let nearby = (normal + 0.02 * other).normalize();
                 assert!(least <= spread(nearby) + 1e-12, "{normal} has {least}, {nearby} {}", spread(nearby));
             }
-            // Which camera saw a point first is that of the points of its frame.
+            // The first camera of a point is that of the points of its frame.
             let first_camera = |point: DVec3| {
                 let has = |frame: &Frame| frame.points().any(|of| of + 0.08 == point);
                 cameras[frames.iter().position(has).unwrap()]

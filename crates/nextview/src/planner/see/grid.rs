@@ -1,7 +1,7 @@
 use glam::{DVec3, IVec3};
 use rustc_hash::FxHashMap;
 
-/// Numbered points in cubes, for the points within a distance of at most the edge of a cube.
+/// Numbered points in cubes, for range queries of at most the edge of a cube.
 #[derive(Debug)]
 pub(super) struct Grid {
     /// Edge of a cube, metres.
@@ -18,8 +18,8 @@ impl Grid {
         self.cubes.entry(self.key(point)).or_default().push((number, point));
     }
 
-    /// The points at most this far away, which must be at most the edge of a cube. Their order depends only
-    /// on where they are and in which order they came.
+    /// Returns the points within a radius, which must be at most the edge of a cube. Their order depends only
+    /// on their positions and the order of insertion.
     pub fn within(&self, center: DVec3, radius: f64) -> impl Iterator<Item = u32> + '_ {
         let key = self.key(center);
         let side = || -1..=1;

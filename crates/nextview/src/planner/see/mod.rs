@@ -12,12 +12,12 @@ use rayon::prelude::*;
 ///
 /// It needs the frames and uses no voxels. A point with many others around it is a core point, and one
 /// between core and sparse points a frontier point. Each frontier point proposes the view along its normal.
-/// Of the proposals near the camera, the next view is near, and sees many frontier points and that of the
-/// nearest proposal. There is no choice once there are no frontier points, or no view sees one.
+/// The next view is a proposal near the camera that sees many frontier points, among them that of the nearest
+/// proposal. There is no choice once there are no frontier points, or no view sees one.
 ///
 /// Views are candidates: a proposal becomes the open one of smallest angle to the normal that sees the point.
-/// A point is given up after three views of it, where the publication moves its view, then looks from where
-/// the point was first seen. The code of its authors decides where their text leaves something open.
+/// A point is given up after three views of it. The publication instead moves its view, then looks from where
+/// the point was first seen. Where the text leaves something open, the authors' code decides.
 #[derive(Clone, Debug, Default)]
 pub struct See {
     /// The frontier points of all choices so far, in world coordinates.
@@ -30,11 +30,11 @@ const RADIUS: f64 = 3.0;
 /// Least distance between points (the paper's epsilon), voxels.
 const GAP: f64 = 0.5;
 
-/// Step of the search for what hides a point (the paper's upsilon), voxels: about as much of the radius as in
-/// the configuration of the authors, 1 cm of 1.7.
+/// Step of the search for occluding points (the paper's upsilon), voxels: about the same share of the radius
+/// as in the authors' configuration, 1 cm of 1.7.
 const STEP: f64 = 1.8;
 
-/// Number of proposals considered, those nearest to the camera (the paper's tau).
+/// Maximum number of proposals, those nearest to the camera (the paper's tau).
 const N_PROPOSALS: usize = 100;
 
 /// Largest angle between the normal of a point and a view of it, as its cosine: 60 degrees.
@@ -65,7 +65,7 @@ struct Edge {
     normal: DVec3,
 }
 
-/// A view of an edge, and which of all edges it sees.
+/// A view of an edge, and the edges that it sees.
 struct Proposal {
     edge: usize,
     view: usize,
@@ -75,7 +75,7 @@ struct Proposal {
 struct Scene<'a> {
     situation: &'a Situation<'a>,
     cloud: Cloud,
-    /// The place in the world from which the points are counted.
+    /// The origin of the points in the world.
     origin: DVec3,
     /// Metres.
     voxel_size: f64,
@@ -91,12 +91,12 @@ impl<'a> Scene<'a> {
         Ok(Self { situation, cloud, origin: bounds.min, voxel_size, open: situation.open_views() })
     }
 
-    /// Place of the camera in a view, in the coordinates of the points.
+    /// Position of the camera in a view, in the coordinates of the points.
     fn place(&self, view: usize) -> DVec3 {
         self.situation.views().pose(view).translation() - self.origin
     }
 
-    /// The frontier points that were not given up, those first whose own view is nearest to the camera.
+    /// The frontier points that were not given up, nearest own view to the camera first.
     fn edges(&self, targets: &[DVec3], camera: DVec3) -> Result<Vec<Edge>, Cancelled> {
         let camera = camera - self.origin;
         let middle = 0.5 * self.situation.snapshot().block().dims().as_dvec3() * self.voxel_size;
@@ -118,7 +118,7 @@ impl<'a> Scene<'a> {
         Ok(edges.into_iter().map(|(edge, _)| edge).take(N_PROPOSALS).collect())
     }
 
-    /// A view of each edge, where there is one.
+    /// A view of each edge that has one.
     fn proposals(&self, edges: &[Edge]) -> Result<Vec<Proposal>, Cancelled> {
         let propose = |number: usize| {
             self.situation.cancel().check()?;
@@ -134,8 +134,7 @@ impl<'a> Scene<'a> {
         Ok(proposals?.into_iter().flatten().collect())
     }
 
-    /// Whether a view shows a frontier point: in its image and range, not too flat, and hidden by no other
-    /// point.
+    /// Whether a view shows a frontier point: in its image and range, not too flat, and not occluded.
     fn sees(&self, view: usize, edge: &Edge) -> bool {
         let (camera, range) = (self.place(view), self.situation.depth_range());
         let camera_from_world = self.situation.views().pose(view).inverse();
@@ -147,9 +146,9 @@ impl<'a> Scene<'a> {
             && self.cloud.is_visible(edge.point, edge.normal, camera, STEP * self.voxel_size)
     }
 
-    /// The next view and the frontier point that it is for: of the proposals that see the frontier point of
-    /// the one nearest to the camera, and more points than that does, the one of most points for its
-    /// distance; or else the nearest itself.
+    /// The next view and its frontier point. The base is the proposal nearest to the camera. Of the proposals
+    /// that see its frontier point, and more points than it does, the one with the most points for its
+    /// distance is chosen; if there is none, the base.
     fn choose(&self, edges: &[Edge], proposals: &[Proposal], camera: DVec3) -> Option<(Choice, DVec3)> {
         let distance = |proposal: &&Proposal| self.place(proposal.view).distance(camera - self.origin);
         let base = proposals.iter().min_by(|a, b| distance(a).total_cmp(&distance(b)))?;
@@ -167,7 +166,7 @@ impl<'a> Scene<'a> {
 }
 
 impl Edge {
-    /// Cosine of the angle between the normal and the way to a camera.
+    /// Cosine of the angle between the normal and the direction to a camera.
     fn cosine(&self, camera: DVec3) -> f64 {
         self.normal.dot((camera - self.point).normalize_or_zero())
     }
@@ -184,7 +183,7 @@ mod tests {
     use cloud::tests::frames;
     use glam::{DMat3, IVec3, UVec3};
 
-    /// Voxels of 7 mm, so that points of the images are a little denser than the gap.
+    /// Voxels of 7 mm: points of the images are a little denser than the gap.
     fn unknown() -> Snapshot {
         let block = VoxelBlock::new(IVec3::splat(-12), UVec3::splat(24)).unwrap();
         Snapshot::from_fn(Lattice::new(0.007).unwrap(), block, |_| None)
@@ -219,8 +218,8 @@ mod tests {
         kept
     }
 
-    /// The direction of least spread. A matrix whose largest eigenvalue has that direction, multiplied by
-    /// itself again and again, comes to it alone.
+    /// The direction of least spread. A matrix whose largest eigenvalue has that direction is multiplied by
+    /// itself until only that direction is left.
     fn least_spread(points: &[DVec3]) -> DVec3 {
         let mean = points.iter().sum::<DVec3>() / points.len() as f64;
         let spread = points.iter().fold(DMat3::ZERO, |sum, &point| {
@@ -263,7 +262,7 @@ mod tests {
         edges
     }
 
-    /// Whether no point is near the way from one of them, off the surface first, to a camera.
+    /// Whether the line of sight from a point, off the surface first, to a camera is free of points.
     fn is_open(points: &[(DVec3, DVec3)], (point, normal): (DVec3, DVec3), camera: DVec3, step: f64) -> bool {
         let is_clear = |place: DVec3| points.iter().all(|(other, _)| other.distance(place) > step);
         let mut n = 2;
@@ -278,7 +277,7 @@ mod tests {
         is_open
     }
 
-    /// The slow twin: every rule of the page as a loop over all of the points and views.
+    /// The slow twin: every rule of the publication as a loop over all points and views.
     fn by_definition(situation: &Situation<'_>) -> (usize, f64) {
         let (h, origin) = (0.007, DVec3::splat(-0.084));
         let points = thinned(situation.frames(), origin, 0.5 * h);

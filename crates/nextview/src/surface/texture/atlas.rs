@@ -9,14 +9,14 @@ use crate::Error;
 use crate::sensor::ColorImage;
 use glam::{DVec2, DVec3};
 
-/// A texture to draw on.
+/// A texture being drawn.
 pub(super) struct Atlas<'a> {
     layout: Layout,
     triangles: &'a [[u32; 3]],
     pixels: Vec<[f32; 3]>,
-    /// How far inside a triangle each pixel is, as its least weight; minus infinity if it is not drawn yet.
+    /// By pixel, its smallest barycentric weight in its triangle; minus infinity if it is not drawn yet.
     inside: Vec<f64>,
-    /// In pixels of the texture, a pixel's centre having whole coordinates.
+    /// In pixels of the texture; a pixel's centre has integer coordinates.
     points: Vec<DVec2>,
     texture_triangles: Vec<[u32; 3]>,
 }
@@ -77,7 +77,7 @@ impl<'a> Atlas<'a> {
         self.pad(self.layout.rectangles[i]);
     }
 
-    /// The pixels that lookups in a triangle may touch.
+    /// Returns the pixels that lookups in a triangle may touch.
     fn touched(&self, shape: [DVec2; 3]) -> Vec<(usize, usize)> {
         let [a, b, c] = shape;
         let (low, high) = (a.min(b).min(c) - 1.0, a.max(b).max(c) + 1.0);
@@ -89,7 +89,7 @@ impl<'a> Atlas<'a> {
         all.filter(|(u, v)| is_touched(shape, DVec2::new(*u as f64, *v as f64))).collect()
     }
 
-    /// Gives the pixels around those that are drawn their mean colour.
+    /// Gives pixels around drawn ones their mean colour.
     fn pad(&mut self, [x, y, width, height]: [usize; 4]) {
         for _ in 0..PAD {
             let mut new = Vec::new();
@@ -117,7 +117,7 @@ impl<'a> Atlas<'a> {
     }
 
     /// Draws triangles with the colours of their vertices. Between the centres of two by two pixels, lookups
-    /// give exactly the mean of the corners; around them is another pixel.
+    /// return exactly the mean of the corners; another pixel surrounds them.
     pub fn draw_unseen(&mut self, unseen: &[usize], colors: &[[f32; 3]]) {
         let [x, y, n_side, cell] = self.layout.unseen;
         for (i, triangle) in unseen.iter().enumerate() {
@@ -145,7 +145,7 @@ impl<'a> Atlas<'a> {
         }
     }
 
-    /// The mesh with these vertices and the texture as drawn.
+    /// Returns the mesh with these vertices and the drawn texture.
     pub fn into_mesh(self, vertices: Vec<DVec3>) -> Result<TexturedMesh, Error> {
         let [width, height] = self.layout.size;
         let size = DVec2::new(width as f64, height as f64);
@@ -165,7 +165,7 @@ impl<'a> Atlas<'a> {
     }
 }
 
-/// The mean colour of the part of a photo that a pixel of the texture stands for.
+/// Returns the mean colour of the part of a photo covered by a texture pixel.
 fn footprint(photo: &Photo, center: DVec2, scale: f64) -> [f32; 3] {
     let n = (1.0 / scale).ceil() as usize;
     let offset = |k: usize| ((k as f64 + 0.5) / n as f64 - 0.5) / scale;
@@ -174,7 +174,7 @@ fn footprint(photo: &Photo, center: DVec2, scale: f64) -> [f32; 3] {
     sum.map(|value| value / (n * n) as f32)
 }
 
-/// Weights that are not negative and add up to 1.
+/// Clamps weights to be non-negative with sum 1.
 fn clamped(weights: [f64; 3]) -> [f32; 3] {
     let weights = weights.map(|weight| weight.max(0.0) as f32);
     let sum: f32 = weights.iter().sum();

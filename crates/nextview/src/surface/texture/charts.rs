@@ -1,4 +1,4 @@
-/// Connected triangles that one photo colours.
+/// Connected triangles coloured by one photo.
 pub(super) struct Chart {
     pub photo: usize,
     /// In ascending order.
@@ -8,13 +8,13 @@ pub(super) struct Chart {
 }
 
 impl Chart {
-    /// The place of a vertex in the list, which must be in it.
+    /// Returns the index of a vertex in the list, which must contain it.
     pub fn slot(&self, vertex: u32) -> usize {
         self.vertices.binary_search(&vertex).expect("a vertex of the chart")
     }
 }
 
-/// All charts, in the order of their first triangles.
+/// Returns all charts, in the order of their first triangles.
 pub(super) fn charts(triangles: &[[u32; 3]], labels: &[Option<usize>], neighbors: &[Vec<u32>]) -> Vec<Chart> {
     let mut is_taken = vec![false; triangles.len()];
     let mut charts = Vec::new();

@@ -1,26 +1,26 @@
-//! Differences of exposure between photos.
+//! Exposure differences between photos.
 
 use super::photo::Photo;
 use super::sight::{Shape, Sight};
 use crate::{Cancel, Cancelled};
 
-/// Colours outside this range may be cut off and say nothing of the exposure.
+/// Colours outside this range may be clipped and carry no information on the exposure.
 const USABLE: std::ops::RangeInclusive<f32> = 8.0..=247.0;
 
-/// Pixels around a vertex in which colours must be alike, and the share by which they may differ: at an edge
-/// of colours, a small error of a pose looks like a difference of exposure.
+/// Pixels around a vertex in which colours must be similar, and the share by which they may differ: at a
+/// colour edge, a small pose error looks like an exposure difference.
 const AROUND: f64 = 2.0;
 const ALIKE: f32 = 0.15;
 
-/// Fewest vertices that two photos must share to be compared, and the most that are.
+/// Minimum number of shared vertices for comparing two photos, and the maximum number used.
 const SHARED: std::ops::RangeInclusive<usize> = 20..=10_000;
 
-/// How firmly gains stay at 1, in vertices that two photos share.
+/// Strength of the prior that gains are 1, in shared vertices.
 const PRIOR: f64 = 1.0;
 
-/// The factors for red, green and blue of each photo that make vertices look alike in all photos that see
-/// them: least squares of the logarithms, by pair of photos the median of the differences, which no minority
-/// of vertices can move far. The geometric mean of the factors is 1.
+/// Returns the factors for red, green and blue of each photo that equalise vertices in all photos that see
+/// them: least squares of the logarithms, using for each pair of photos the median difference, which no
+/// minority of vertices can move far. The geometric mean of the factors is 1.
 pub(super) fn gains(
     photos: &[Photo],
     sights: &[Sight],
@@ -66,11 +66,11 @@ pub(super) fn gains(
     Ok(solve(matrix, right).into_iter().map(|gain| gain.map(|log| log.exp() as f32)).collect())
 }
 
-/// Of red, green and blue.
+/// Logarithms of red, green and blue.
 type Logarithms = [f64; 3];
 
-/// By vertex, the photos that see it where colours are alike around it, and the logarithms of its colour
-/// there.
+/// Returns, by vertex, the photos that see it with similar colours around it, and the logarithms of its
+/// colour there.
 fn logarithms(
     photos: &[Photo],
     sights: &[Sight],
@@ -91,7 +91,7 @@ fn logarithms(
     Ok(seen)
 }
 
-/// The colour at a place if it is neither cut off nor beside another colour.
+/// Returns the colour at an image position if it is neither clipped nor next to another colour.
 fn even_color(photo: &Photo, u: f64, v: f64) -> Option<[f32; 3]> {
     let color = photo.sample(u, v);
     let around = [[AROUND, 0.0], [-AROUND, 0.0], [0.0, AROUND], [0.0, -AROUND]];
@@ -103,7 +103,7 @@ fn even_color(photo: &Photo, u: f64, v: f64) -> Option<[f32; 3]> {
     (is_usable && around.into_iter().all(is_alike)).then_some(color)
 }
 
-/// Solves for a matrix that is symmetric and positive definite, by elimination.
+/// Solves with a symmetric positive definite matrix, by elimination.
 fn solve(mut matrix: Vec<Vec<f64>>, mut right: Vec<[f64; 3]>) -> Vec<[f64; 3]> {
     let n = right.len();
     for k in 0..n {

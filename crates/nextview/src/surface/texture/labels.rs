@@ -1,19 +1,19 @@
-//! Which photo colours each triangle.
+//! Assigns a photo to each triangle.
 
 use super::sight::Sight;
 use crate::{Cancel, Cancelled};
 use rayon::prelude::*;
 
-/// Rounds in which qualities spread to neighbours, and in which triangles follow them.
+/// Number of rounds in which qualities spread to neighbours, and in which triangles follow their neighbours.
 const N_ROUNDS: usize = 10;
 
-/// What a neighbour with the same photo is worth, as a share of the best quality.
+/// Value of a neighbour with the same photo, as a share of the best quality.
 const TOGETHER: f32 = 0.5;
 
-/// The photo of each triangle; none if no photo sees it.
+/// Returns the photo of each triangle; `None` if no photo sees it.
 ///
-/// First the best of qualities that are averaged over neighbours, so that charts become large; then, in
-/// rounds, what suits the neighbours best. Of equal photos the first.
+/// It first takes the best quality averaged over neighbours, for large charts; then, in rounds, the photo
+/// that suits the neighbours best. The first photo wins ties.
 pub(super) fn best_photos(
     sights: &[Sight],
     neighbors: &[Vec<u32>],
@@ -51,7 +51,7 @@ pub(super) fn best_photos(
     Ok(labels)
 }
 
-/// Qualities averaged over ever more neighbours.
+/// Returns qualities averaged over ever more neighbours.
 fn spread(quality: &[f32], neighbors: &[Vec<u32>], cancel: &Cancel) -> Result<Vec<f32>, Cancelled> {
     let mut spread = quality.to_vec();
     for _ in 0..N_ROUNDS {

@@ -1,8 +1,8 @@
 //! A mesh with a texture from photos (Waechter et al. 2014, "Let there be color!"; Lempitsky & Ivanov 2007).
 //!
-//! Each triangle takes its colour from one photo, connected triangles of one photo are a chart, and charts
-//! are cut out of their photos into one image. Unlike in the papers, labels are chosen by local search
-//! instead of graph cuts, and seams are levelled at the vertices only, without Poisson editing.
+//! Each triangle takes its colour from one photo, connected triangles of one photo form a chart, and charts
+//! are copied from their photos into one image. Unlike in the papers, labels are chosen by local search
+//! instead of graph cuts, and seams are levelled only at the vertices, without Poisson editing.
 
 mod atlas;
 mod charts;
@@ -31,16 +31,16 @@ use glam::DVec3;
 use rayon::prelude::*;
 use sight::{Shape, Sight};
 
-/// Most pixels of the texture along a side; charts are made smaller where it would be larger.
+/// Largest side of the texture, pixels; charts are scaled down if they do not fit.
 const MAX_SIDE: usize = 4096;
 
-/// Gives a mesh, metres, a texture from photos.
+/// Textures a mesh, in metres, from photos.
 ///
-/// A photo sees a triangle if it lies in the image, faces the camera, and is measured there and hidden
-/// neither by the mesh nor by anything else. Of those that do, one that shows it large and from the front is
-/// taken, together with neighbours. Differences of exposure are levelled by a gain of each photo, and what is
-/// left at seams by corrections that fade inside the charts. Triangles that no photo sees have the colours of
-/// their vertices, or else those of the vertices around.
+/// A photo sees a triangle if it is in the image, faces the camera, is measured there, and is hidden neither
+/// by the mesh nor by anything else. Each triangle uses a photo that shows it large and from the front, and
+/// that its neighbours use. A gain for each photo levels exposure differences; corrections that fade inside
+/// the charts level the rest at seams. Triangles that no photo sees get the colours of their vertices, or of
+/// surrounding vertices.
 ///
 /// ```
 /// use glam::DVec3;
@@ -53,8 +53,8 @@ const MAX_SIDE: usize = 4096;
 /// assert_eq!(mesh.texture.get(1, 1), [255, 0, 0]);
 /// ```
 ///
-/// Fails if a triangle names a vertex that does not exist, if a vertex is not finite, if a colour image has
-/// another size than its depth image, or if the mesh has more triangles than fit into the texture.
+/// Fails if a triangle refers to a nonexistent vertex, if a vertex is not finite, if a colour image differs
+/// in size from its depth image, or if the mesh has more triangles than fit into the texture.
 pub fn texture_mesh(
     vertices: &[CloudPoint],
     triangles: &[[u32; 3]],

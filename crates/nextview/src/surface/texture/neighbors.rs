@@ -1,4 +1,4 @@
-/// The triangles that share an edge with each, in ascending order.
+/// Returns, for each triangle, those that share an edge with it, in ascending order.
 pub(super) fn of_triangles(triangles: &[[u32; 3]]) -> Vec<Vec<u32>> {
     let mut edges: Vec<(u32, u32, u32)> = Vec::with_capacity(3 * triangles.len());
     for (&[a, b, c], i) in triangles.iter().zip(0..) {
@@ -7,7 +7,7 @@ pub(super) fn of_triangles(triangles: &[[u32; 3]]) -> Vec<Vec<u32>> {
     edges.sort_unstable();
     let mut neighbors = vec![Vec::new(); triangles.len()];
     for edge in edges.chunk_by(|one, other| (one.0, one.1) == (other.0, other.1)) {
-        // More than a few triangles at an edge are no surface.
+        // More than a few triangles at an edge do not form a surface.
         for (i, one) in edge.iter().enumerate().take(4) {
             for other in edge[..i].iter().filter(|other| other.2 != one.2) {
                 neighbors[one.2 as usize].push(other.2);

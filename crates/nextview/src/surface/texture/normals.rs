@@ -1,10 +1,10 @@
 use glam::DVec3;
 
-/// Rounds of smoothing: a surface with noise has triangles that face anywhere.
+/// Number of smoothing rounds: triangles of a noisy surface face anywhere.
 const N_ROUNDS: usize = 3;
 
-/// The unit normal of every triangle, counter-clockwise from outside, averaged with those around it; zero
-/// where there is none.
+/// Returns the unit normal of every triangle, counter-clockwise from outside, averaged with those around it;
+/// zero if there is none.
 pub(super) fn smooth(vertices: &[DVec3], triangles: &[[u32; 3]]) -> Vec<DVec3> {
     let area = |triangle: &[u32; 3]| {
         let [a, b, c] = triangle.map(|i| vertices[i as usize]);

@@ -1,11 +1,11 @@
-//! Writers of Wavefront OBJ and of its material library.
+//! Writes Wavefront OBJ and its material library.
 
 use super::textured_mesh::TexturedMesh;
 use crate::Error;
 use std::io::{BufWriter, Write};
 
 /// Writes the mesh as OBJ, in metres. `material` is the name of its material and, with the extension `mtl`,
-/// of the file beside it that [`write_mtl`] writes. Fails if the name cannot stand on a line.
+/// of the file next to it written by [`write_mtl`]. Fails if the name does not fit on one line.
 pub fn write_obj(writer: impl Write, mesh: &TexturedMesh, material: &str) -> Result<(), Error> {
     check_name("name of the material", material)?;
     let mut writer = BufWriter::new(writer);
@@ -25,8 +25,8 @@ pub fn write_obj(writer: impl Write, mesh: &TexturedMesh, material: &str) -> Res
     Ok(writer.flush()?)
 }
 
-/// Writes the material library of an OBJ file: one material of this name, with the image of a file beside it.
-/// Fails if a name cannot stand on a line.
+/// Writes the material library of an OBJ file: one material of this name, with an image file next to it.
+/// Fails if a name does not fit on one line.
 pub fn write_mtl(mut writer: impl Write, material: &str, texture_file_name: &str) -> Result<(), Error> {
     check_name("name of the material", material)?;
     check_name("name of the texture file", texture_file_name)?;

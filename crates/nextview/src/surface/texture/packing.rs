@@ -1,11 +1,11 @@
-//! Where charts lie in the texture.
+//! The layout of charts in the texture.
 
 use super::charts::Chart;
 use super::sight::Sight;
 use crate::Error;
 use glam::DVec2;
 
-/// Pixels around each chart.
+/// Padding around each chart, pixels.
 pub(super) const PAD: usize = 2;
 
 /// The parts of a texture.
@@ -14,20 +14,20 @@ pub(super) struct Layout {
     pub size: [usize; 2],
     /// Pixels of the texture per pixel of a photo.
     pub scale: f64,
-    /// By chart, the place of its rectangle, and its width and height.
+    /// By chart, the position, width and height of its rectangle.
     pub rectangles: Vec<[usize; 4]>,
-    /// By chart, the place in its photo that lies [`PAD`] pixels from the corner of the rectangle.
+    /// By chart, the position in its photo that lies [`PAD`] pixels from the corner of the rectangle.
     pub origins: Vec<DVec2>,
-    /// The place of the cells of unseen triangles, how many are side by side, and how wide each is.
+    /// The position of the cells of unseen triangles, their number per row, and the width of each.
     pub unseen: [usize; 4],
 }
 
 impl Layout {
-    /// As large as the photos, or as large as fits into a square of this side.
+    /// Returns a layout at the scale of the photos, or the largest that fits into a square of this side.
     pub fn new(charts: &[Chart], sights: &[Sight], n_unseen: usize, max_side: usize) -> Result<Self, Error> {
         let extents: Vec<(DVec2, DVec2)> =
             charts.iter().map(|chart| extent(chart, &sights[chart.photo])).collect();
-        // Four by four pixels, or one if these took more than a quarter.
+        // Four by four pixels, or one if these would take more than a quarter.
         let cell = if 16 * n_unseen <= max_side * max_side / 4 { 4 } else { 1 };
         let n_side = (n_unseen as f64).sqrt().ceil() as usize;
         let mut scale = 1.0;
@@ -52,7 +52,7 @@ impl Layout {
     }
 }
 
-/// The pixels of the photo that a chart takes, from a whole one on.
+/// Returns the pixels of the photo covered by a chart, beginning at a whole pixel.
 fn extent(chart: &Chart, sight: &Sight) -> (DVec2, DVec2) {
     let pixels = chart.vertices.iter().filter_map(|vertex| sight.places[*vertex as usize]);
     let around = |(low, high): (DVec2, DVec2), pixel: DVec2| (low.min(pixel), high.max(pixel));
@@ -60,8 +60,8 @@ fn extent(chart: &Chart, sight: &Sight) -> (DVec2, DVec2) {
     (low.floor(), high)
 }
 
-/// Puts rectangles side by side on shelves, the highest first; returns the size of all, at least one pixel,
-/// and the place of each.
+/// Packs rectangles on shelves, the highest first. Returns the total size, at least one pixel, and the
+/// position of each.
 fn pack(sizes: &[[usize; 2]]) -> ([usize; 2], Vec<[usize; 2]>) {
     let area: usize = sizes.iter().map(|[width, height]| width * height).sum();
     let widest = sizes.iter().map(|size| size[0]).max().unwrap_or(0);

@@ -1,6 +1,6 @@
 use crate::sensor::{ColorImage, Frame};
 
-/// A frame and its colours.
+/// A frame with its colours.
 #[derive(Clone, Debug)]
 pub struct Photo {
     /// The depth image, with the pose of the camera.
@@ -10,7 +10,8 @@ pub struct Photo {
 }
 
 impl Photo {
-    /// The colour between the four nearest pixels, 0 to 255; beyond the image, that of its border.
+    /// Returns the colour interpolated between the four nearest pixels, 0 to 255; outside the image, that of
+    /// its border.
     pub(super) fn sample(&self, u: f64, v: f64) -> [f32; 3] {
         let clamp = |x: f64, size: u32| x.clamp(0.0, f64::from(size - 1));
         let (u, v) = (clamp(u, self.color.width()), clamp(v, self.color.height()));
@@ -24,7 +25,7 @@ impl Photo {
         [0, 1, 2].map(|channel| (0..4).map(|i| weights[i] * f32::from(pixels[i][channel])).sum())
     }
 
-    /// The mean colour of some places around one, so that the next pixel does not decide.
+    /// Returns the mean colour of several positions around one, so that a single pixel does not decide.
     pub(super) fn mean_around(&self, u: f64, v: f64) -> [f32; 3] {
         let offsets = [[0.0, 0.0], [1.5, 0.0], [-1.5, 0.0], [0.0, 1.5], [0.0, -1.5]];
         let colors = offsets.map(|[x, y]| self.sample(u + x, v + y));

@@ -1,31 +1,31 @@
-//! What is left between charts after the gains.
+//! Levels the remaining differences between charts after the gains.
 
 use super::charts::Chart;
 use super::photo::Photo;
 use super::sight::Sight;
 use crate::{Cancel, Cancelled};
 
-/// Sweeps over all corrections.
+/// Number of sweeps over all corrections.
 const N_SWEEPS: usize = 60;
 
-/// How firmly corrections of neighbours in a chart are alike, and how firmly all stay at 0, beside 1 for
-/// equal colours at a seam.
+/// Weights of equal corrections of neighbours in a chart, and of zero corrections, against 1 for equal
+/// colours at a seam.
 const SMOOTH: f32 = 1.0;
 const SMALL: f32 = 0.1;
 
-/// Larger differences are of different places, not of different light.
+/// Larger differences come from different places, not from different light.
 const LARGEST: f32 = 40.0;
 
 /// Colours after levelling.
 pub(super) struct Levelled {
-    /// By chart and vertex, in the chart's order: what is added to the colour.
+    /// By chart and vertex, in the chart's order: the correction added to the colour.
     pub corrections: Vec<Vec<[f32; 3]>>,
-    /// The mean colour of each vertex in the charts; none if it is in none.
+    /// The mean colour of each vertex in the charts; `None` if it is in no chart.
     pub vertex_colors: Vec<Option<[f32; 3]>>,
 }
 
-/// Corrections that make the colours of charts alike at the vertices they share, and are smooth inside
-/// (Lempitsky & Ivanov 2007), by sweeps of Gauss and Seidel.
+/// Computes corrections that equalise the colours of charts at shared vertices and are smooth inside
+/// (Lempitsky & Ivanov 2007), by Gauss-Seidel sweeps.
 pub(super) fn level(
     photos: &[Photo],
     sights: &[Sight],

@@ -1,4 +1,4 @@
-//! What a photo sees of a mesh.
+//! The visible part of a mesh in a photo.
 
 use super::normals::smooth;
 use super::photo::Photo;
@@ -6,42 +6,42 @@ use crate::sensor::Depth;
 use crate::{Cancel, Cancelled};
 use glam::{DVec2, DVec3};
 
-/// Cosine between the normal and the direction to the camera below which a triangle is not seen: 80 degrees.
+/// Minimum cosine between the normal of a visible triangle and the direction to the camera: 80 degrees.
 const LEAST_COSINE: f64 = 0.17;
 
-/// What the quality of a triangle is worth if pixels that it touches may show something else: beside a
+/// Factor on the quality of a triangle if pixels that it touches may show something else: next to a
 /// silhouette, or because no depth was measured there.
 const DOUBTFUL: f32 = 0.05;
 
-/// A place of an image: column and row in pixels, and depth in metres.
+/// A position in an image: column and row in pixels, and depth in metres.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Place {
     pub pixel: DVec2,
     pub depth: f64,
 }
 
-/// A mesh seen by the camera of a photo.
+/// A mesh as seen by the camera of a photo.
 pub(super) struct Sight {
-    /// Of every vertex; none behind the camera.
+    /// The position of every vertex; `None` behind the camera.
     pub places: Vec<Option<Place>>,
-    /// Of every triangle: how well it is seen, its area in the image in pixels times the cosine of the angle;
-    /// 0 if it is not seen.
+    /// The visibility of every triangle: its area in the image in pixels times the cosine of the angle; 0 if
+    /// it is not seen.
     pub quality: Vec<f32>,
 }
 
-/// Four times the mean edge.
+/// Returns four times the mean edge length.
 fn tolerance(vertices: &[DVec3], triangles: &[[u32; 3]]) -> f64 {
     let edge = |&[a, b, _]: &[u32; 3]| vertices[a as usize].distance(vertices[b as usize]);
     4.0 * triangles.iter().map(edge).sum::<f64>() / triangles.len().max(1) as f64
 }
 
-/// What is to be seen.
+/// The mesh to view.
 pub(super) struct Shape<'a> {
     pub vertices: &'a [DVec3],
     pub triangles: &'a [[u32; 3]],
     /// Unit normal of every triangle.
     normals: Vec<DVec3>,
-    /// Difference of depths up to which they are of one surface, metres.
+    /// Depth difference up to which two depths belong to one surface, metres.
     pub tolerance: f64,
 }
 
@@ -51,7 +51,7 @@ impl<'a> Shape<'a> {
         Self { vertices, triangles, normals, tolerance }
     }
 
-    /// Cosine of the angle at which a triangle is seen from there.
+    /// Returns the cosine of the angle at which the camera sees a triangle.
     fn cosine(&self, triangle: usize, camera: DVec3) -> f64 {
         let [a, b, c] = self.triangles[triangle].map(|i| self.vertices[i as usize]);
         self.normals[triangle].dot((camera - (a + b + c) / 3.0).normalize_or_zero())
@@ -86,13 +86,14 @@ impl Sight {
     }
 }
 
-/// The places of the corners of a triangle, if all are before the camera.
+/// Returns the positions of the corners of a triangle, if all are in front of the camera.
 pub(super) fn corners(places: &[Option<Place>], triangle: &[u32; 3]) -> Option<[Place; 3]> {
     let [a, b, c] = triangle.map(|i| places[i as usize]);
     Some([a?, b?, c?])
 }
 
-/// Depth of the mesh at every pixel, infinite where it is not. Pixels on an edge belong to both sides.
+/// Returns the depth of the mesh at every pixel, infinite without mesh. Pixels on an edge belong to both
+/// sides.
 pub(super) fn depth_buffer(places: &[Option<Place>], triangles: &[[u32; 3]], size: [u32; 2]) -> Vec<f64> {
     let mut buffer = vec![f64::INFINITY; size[0] as usize * size[1] as usize];
     for corners in triangles.iter().filter_map(|triangle| corners(places, triangle)) {
@@ -109,7 +110,7 @@ pub(super) fn depth_buffer(places: &[Option<Place>], triangles: &[[u32; 3]], siz
     buffer
 }
 
-/// The pixels of an image in the box around a triangle that is wider by some pixels.
+/// Returns the pixels of an image in the bounding box of a triangle, widened by some pixels.
 fn pixels_near(corners: [DVec2; 3], wider: f64, size: [u32; 2]) -> impl Iterator<Item = (u32, u32)> {
     let [a, b, c] = corners;
     let (low, high) = (a.min(b).min(c) - wider, a.max(b).max(c) + wider);
@@ -121,15 +122,15 @@ fn pixels_near(corners: [DVec2; 3], wider: f64, size: [u32; 2]) -> impl Iterator
     range(low.y, high.y, size[1]).flat_map(move |v| columns.clone().map(move |u| (u, v)))
 }
 
-/// The weights of the corners at a point of their plane; none of a triangle without area.
+/// Returns the barycentric weights of the corners at a point; `None` for a triangle without area.
 pub(super) fn weights([a, b, c]: [DVec2; 3], point: DVec2) -> Option<[f64; 3]> {
     let area = (b - a).perp_dot(c - a);
     let weight = |from: DVec2, to: DVec2| (to - from).perp_dot(point - from) / area;
     (area != 0.0).then(|| [weight(b, c), weight(c, a), weight(a, b)])
 }
 
-/// Whether a lookup between pixels somewhere in a triangle may touch this pixel: whether the triangle meets
-/// the square of two pixels around it, without its border (separating axes).
+/// Whether an interpolated lookup in a triangle may touch this pixel: whether the triangle meets the open
+/// square of two pixels around it (separating axes).
 pub(super) fn is_touched(corners: [DVec2; 3], pixel: DVec2) -> bool {
     let [a, b, c] = corners;
     let (low, high) = (a.min(b).min(c), a.max(b).max(c));
@@ -144,8 +145,8 @@ pub(super) fn is_touched(corners: [DVec2; 3], pixel: DVec2) -> bool {
     is_in_box && !is_apart(a, b, c) && !is_apart(b, c, a) && !is_apart(c, a, b)
 }
 
-/// 1 if all pixels that a triangle touches show it, less if some may show something else, none if one does or
-/// is outside the image, or if none was measured.
+/// Returns 1 if all pixels that a triangle touches show it, less if some may show something else; `None` if
+/// one does or is outside the image, or if none was measured.
 fn clearness(corners: &[Place; 3], photo: &Photo, mesh_depth: &[f64], tolerance: f64) -> Option<f32> {
     let image = photo.frame.image();
     let size = [image.width(), image.height()];

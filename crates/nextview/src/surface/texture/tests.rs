@@ -11,7 +11,7 @@ fn paint(point: DVec3) -> [f64; 3] {
     [0, 1, 2].map(|k| 128.0 + 70.0 * (40.0 * point[k]).sin())
 }
 
-/// Photos of the painted ball from some sides, the one brighter than the other, and a mesh of it.
+/// Photos of the painted ball from several sides with different brightness, and a mesh of it.
 fn painted_ball(gains: &[f64]) -> (SurfaceMesh, Vec<Photo>) {
     let sides = [DVec3::X, DVec3::Y, -DVec3::X, -DVec3::Y];
     let photos = gains.iter().zip(sides.into_iter().cycle()).map(|(gain, side)| {
@@ -122,7 +122,7 @@ fn the_depth_of_the_mesh_is_that_of_the_nearest_triangle_on_each_ray() {
 /// The slow twin: rays from points of the triangles to the camera, with every triangle.
 #[test]
 fn triangles_are_seen_that_nothing_hides() {
-    // A ball with a plate before a part of it.
+    // A ball with a plate in front of part of it.
     let (mut mesh, photos) = painted_ball(&[1.0]);
     let camera = photos[0].frame.world_from_camera();
     let plate = [[-0.03, -0.05], [0.05, -0.05], [0.01, 0.06]].map(|[x, y]| {
@@ -160,7 +160,7 @@ fn triangles_are_seen_that_nothing_hides() {
                 n_seen += 1;
             }
             false if is_hidden || cosine < 0.17 => n_hidden += 1,
-            // Beside what hides others, and beside the silhouette, some pixels show something else.
+            // Next to occluders, and next to the silhouette, some pixels show something else.
             false => n_doubtful += 1,
         }
     }

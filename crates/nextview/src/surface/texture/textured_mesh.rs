@@ -8,10 +8,10 @@ pub struct TexturedMesh {
     pub vertices: Vec<DVec3>,
     /// Three indices into the vertices each.
     pub triangles: Vec<[u32; 3]>,
-    /// Points of the texture: (0, 0) is its lower left corner and (1, 1) its upper right, as in OBJ.
+    /// Texture coordinates: (0, 0) is the lower left corner and (1, 1) the upper right, as in OBJ.
     pub texture_points: Vec<DVec2>,
-    /// Where the corners of each triangle are: three indices into the texture points each.
+    /// Texture coordinates of the corners of each triangle: three indices into the texture points.
     pub texture_triangles: Vec<[u32; 3]>,
-    /// The image.
+    /// The texture image.
     pub texture: ColorImage,
 }

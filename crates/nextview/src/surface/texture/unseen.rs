@@ -3,10 +3,10 @@
 use crate::surface::CloudPoint;
 use crate::{Cancel, Cancelled};
 
-/// Colour where there is no colour nearby.
+/// Colour of vertices without any colour nearby.
 const NONE: [f32; 3] = [128.0; 3];
 
-/// The colour of every vertex: that in the photos, or else its own, or else, in rounds, the mean of its
+/// Returns the colour of every vertex: from the photos, or else its own, or else, in rounds, the mean of its
 /// neighbours.
 pub(super) fn vertex_colors(
     vertices: &[CloudPoint],
