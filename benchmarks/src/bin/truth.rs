@@ -73,7 +73,7 @@ fn load(object: &str, size: f64) -> Outcome<TriangleMesh> {
 /// Prints number of voxels, milliseconds, megabytes, number of voxels hit and share of false ones.
 fn row(mesh: &TriangleMesh, samples_per_face: Option<usize>) -> Outcome<()> {
     let lattice = Lattice::new(VOXEL_SIZE)?;
-    let bounds = nextview::session::planning_box(&mesh.bounds(), VOXEL_SIZE);
+    let bounds = nextview::object::planning_box(&mesh.bounds(), VOXEL_SIZE);
     let block = lattice.block_inside(&bounds).ok_or("no voxels")?;
     let (before, start) = (peak_memory_mb()?, Instant::now());
     let is_object = match samples_per_face {

@@ -4,8 +4,8 @@ use crate::{Fault, ModelConfig};
 use glam::DVec3;
 use nextview::Cancel;
 use nextview::geometry::{Aabb, Lattice, Plane};
+use nextview::object::{ON_TABLE, TableTops};
 use nextview::sensor::{ColorImage, Frame, SurfaceError};
-use nextview::session::{ON_TABLE, TableTops};
 use nextview::surface::{
     CloudPoint, DistanceField, Floor, MeasuredCells, SurfaceMesh, WatertightMesh, frame_points, fused_cloud,
     take_nearest,

@@ -2,7 +2,7 @@
 
 use crate::Fault;
 use nextview::geometry::Plane;
-use nextview::session::ON_TABLE;
+use nextview::object::ON_TABLE;
 use nextview::surface::CloudPoint;
 use nextview_sim::mesh::load_points;
 use std::path::Path;

@@ -6,8 +6,8 @@ use crate::mesh::TriangleMesh;
 use crate::noise::Noise;
 use glam::DVec3;
 use nextview::geometry::Aabb;
+use nextview::object::planning_box;
 use nextview::sensor::Intrinsics;
-use nextview::session::planning_box;
 use std::sync::Arc;
 
 /// Range of the simulated camera, metres, as the D435i's data sheet states it.

@@ -4,9 +4,10 @@
 use nextview::Error;
 use nextview::geometry::{Aabb, Pose};
 use nextview::glam::{DVec2, DVec3};
+use nextview::object::planning_box;
 use nextview::planner::{MostSurface, MostSurfaceConfig};
 use nextview::sensor::{DepthImage, Frame, Intrinsics};
-use nextview::session::{Decision, Session, SessionConfig, StopConfig, StopReason, planning_box};
+use nextview::session::{Decision, Session, SessionConfig, StopConfig, StopReason};
 use nextview::surface::{downsample, frame_points};
 use nextview::view::generate;
 

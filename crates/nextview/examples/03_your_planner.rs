@@ -4,9 +4,10 @@
 use nextview::Error;
 use nextview::geometry::{Aabb, Pose};
 use nextview::glam::{DVec2, DVec3};
+use nextview::object::planning_box;
 use nextview::planner::{Choice, Plan, Situation, ViewPlanner};
 use nextview::sensor::{DepthImage, Frame, Intrinsics};
-use nextview::session::{Decision, Session, SessionConfig, StopReason, planning_box};
+use nextview::session::{Decision, Session, SessionConfig, StopReason};
 use nextview::view::generate;
 
 const RADIUS: f64 = 0.08;

@@ -84,6 +84,7 @@ pub mod geometry;
 mod instructions;
 pub mod map;
 pub mod motion;
+pub mod object;
 pub mod placement;
 pub mod planner;
 pub mod prior;

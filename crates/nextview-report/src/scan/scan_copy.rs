@@ -1,8 +1,8 @@
 use nextview::geometry::{Aabb, Plane};
 use nextview::map::Snapshot;
 use nextview::motion::Trajectory;
+use nextview::object::TableTops;
 use nextview::sensor::{ColorImage, DepthRange, Frame};
-use nextview::session::TableTops;
 use nextview::view::ViewSpace;
 use nextview_scan::{FinishedScan, ModelFrames};
 

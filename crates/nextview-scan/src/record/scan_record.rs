@@ -1,6 +1,7 @@
 use super::{PlacementRecord, StepRecord, TurnRecord};
 use crate::{BoxRule, PlannerChoice, Profile};
-use nextview::session::{OtherBody, StopReason};
+use nextview::object::OtherBody;
+use nextview::session::StopReason;
 use serde::{Deserialize, Serialize};
 
 /// A scan, finished or in progress: `record.json`, and the output of `nextview scan --json`.

@@ -8,8 +8,9 @@ use crate::{
 use glam::{DVec2, DVec3};
 use nextview::geometry::{Aabb, Plane};
 use nextview::motion::Trajectory;
+use nextview::object::{BOX_MARGIN_FACTOR, BOX_MARGIN_VOXELS, ON_TABLE, TableTops};
 use nextview::sensor::{ColorImage, Depth, Frame};
-use nextview::session::{BOX_MARGIN_FACTOR, BOX_MARGIN_VOXELS, ON_TABLE, Session, StopReason, TableTops};
+use nextview::session::{Session, StopReason};
 use nextview::surface::{SurfaceMesh, WatertightMesh};
 use nextview_robot::path::JointTrajectory;
 use std::borrow::Cow;
@@ -347,9 +348,10 @@ fn above(table: Option<Plane>, mesh: &SurfaceMesh) -> SurfaceMesh {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use nextview::object::{ObjectBox, Table};
     use nextview::planner::RandomViews;
     use nextview::sensor::{DepthImage, Intrinsics};
-    use nextview::session::{ObjectBox, SessionConfig, Table};
+    use nextview::session::SessionConfig;
     use nextview::view::{ViewSpace, look_at};
 
     /// A scan that saw a flat table from above, 0.5 m away.

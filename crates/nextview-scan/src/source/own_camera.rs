@@ -4,8 +4,9 @@ use crate::{
 };
 use glam::DVec3;
 use nextview::geometry::{Aabb, Pose};
+use nextview::object::{ObjectBox, Table};
 use nextview::sensor::{DepthImage, Frame, Intrinsics};
-use nextview::session::{ObjectBox, Session, SessionConfig, Table, Views};
+use nextview::session::{Session, SessionConfig, Views};
 use nextview::view::ViewSpace;
 use std::sync::Arc;
 

@@ -1,8 +1,9 @@
 use crate::{Fault, ScanConfig};
 use nextview::geometry::{Aabb, VoxelBlock};
+use nextview::object::{ObjectBox, Table};
 use nextview::registration::RegistrationConfig;
 use nextview::sensor::{DepthRange, SurfaceError};
-use nextview::session::{ObjectBox, SessionConfig, Table};
+use nextview::session::SessionConfig;
 
 /// Voxel size in metres if the box grows: the object's size is unknown when the voxels are chosen, and this
 /// suits one of 0.2 m.

@@ -4,14 +4,14 @@ use glam::DVec3;
 use nextview::geometry::Lattice;
 use nextview::geometry::random::Random;
 use nextview::map::LogOdds;
+use nextview::object::{ObjectBox, Table};
 use nextview::planner::{
     Batch, BatchConfig, MaxFlow, MaxFlowConfig, MostSurface, MostSurfaceConfig, RandomViews, ViewPlanner,
 };
 use nextview::registration::RegistrationConfig;
 use nextview::sensor::{Frame, Intrinsics};
 use nextview::session::{
-    Decision, MultiResolutionConfig, NextView, ObjectBox, Session, SessionConfig, StepReport, StopReason,
-    Table, Views,
+    Decision, MultiResolutionConfig, NextView, Session, SessionConfig, StepReport, StopReason, Views,
 };
 use nextview::surface::{DistanceField, downsample, fit_normals, take_nearest};
 use nextview::view::{Reach, generate, look_at};

@@ -13,7 +13,7 @@ const VOXEL_SIZE: f64 = 0.005;
 
 fn object_voxels(mesh: &TriangleMesh, voxel_size: f64) -> ObjectVoxels {
     let lattice = Lattice::new(voxel_size).unwrap();
-    let bounds = nextview::session::planning_box(&mesh.bounds(), voxel_size);
+    let bounds = nextview::object::planning_box(&mesh.bounds(), voxel_size);
     ObjectVoxels::new(mesh, lattice, lattice.block_inside(&bounds).unwrap())
 }
 

@@ -4,10 +4,11 @@
 use crate::common::{Step, scan, small_camera};
 use glam::DVec3;
 use nextview::geometry::{Aabb, Lattice, Pose};
+use nextview::object::{ObjectBox, Table};
 use nextview::planner::{MaxFlow, MaxFlowConfig};
 use nextview::sensor::{DepthImage, Frame, Intrinsics};
 use nextview::session::{
-    Decision, MultiResolutionConfig, ObjectBox, Session, SessionConfig, StopConfig, StopReason, Table, Views,
+    Decision, MultiResolutionConfig, Session, SessionConfig, StopConfig, StopReason, Views,
 };
 use nextview::view::{Reach, ViewSpace, generate, look_at};
 use nextview_sim::builtin;

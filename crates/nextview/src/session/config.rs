@@ -1,9 +1,10 @@
-use super::{MultiResolutionConfig, ObjectBox, StopConfig, Table, Views};
+use super::{MultiResolutionConfig, StopConfig, Views};
 use crate::Error;
 use crate::checked::{check_range, checked_when_read};
 use crate::geometry::{Aabb, Lattice, Pose, VoxelBlock};
 use crate::map::{Background, RayRule, SensorModel};
 use crate::motion::MotionConfig;
+use crate::object::{ObjectBox, Table};
 use crate::registration::RegistrationConfig;
 use crate::sensor::{DepthRange, SurfaceError};
 use crate::surface::LooksGoal;

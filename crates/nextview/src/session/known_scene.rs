@@ -1,12 +1,11 @@
 use super::SessionConfig;
 use super::alignment::Alignment;
 use super::goal::Quality;
-use super::location::Location;
-use super::locator::Locator;
 use super::report::MapReport;
-use super::scan_map::{MapRules, Place, ScanMap};
+use super::scan_map::{MapRules, ScanMap};
 use super::taken_frames::{SetAside, TakenFrames};
 use crate::map::MapUpdate;
+use crate::object::{Location, Locator, Place};
 use crate::registration::{Registration, RegistrationConfig, RegistrationMode};
 use crate::sensor::Frame;
 use crate::{Cancel, Cancelled, Error};
@@ -51,8 +50,10 @@ impl KnownScene {
     pub fn new(config: &SessionConfig) -> Result<(Self, Option<Location>), Error> {
         let &SessionConfig { voxel_size, sensor_model, rays, background, registration, .. } = config;
         let rules = MapRules { voxel_size, sensor_model, rays, background };
+        let is_aligned = registration.mode() == RegistrationMode::On;
+        let pose_error = is_aligned.then_some(registration.position_uncertainty);
         let mut scene = Self {
-            locator: Locator::new(config),
+            locator: Locator::new(config.object_box, config.table, voxel_size, config.max_gap, pose_error),
             map: ScanMap::new(rules, Place::default()),
             alignment: Alignment::new(registration, voxel_size)?,
             quality: Quality::new(config)?,

@@ -1,7 +1,7 @@
 use super::config::SessionConfig;
 use super::known_scene::KnownScene;
-use super::scan_map::Place;
 use crate::motion::Surroundings;
+use crate::object::Place;
 use crate::planner::Situation;
 use crate::sensor::Frame;
 

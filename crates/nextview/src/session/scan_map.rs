@@ -1,6 +1,6 @@
-use super::table::KnownTable;
 use crate::geometry::{Aabb, Lattice, VoxelBlock};
 use crate::map::{Background, Integration, LogOdds, MapUpdate, OccupancyMap, RayRule, SensorModel, Snapshot};
+use crate::object::{KnownTable, Place};
 use crate::sensor::Frame;
 use crate::{Cancel, Cancelled};
 
@@ -12,14 +12,6 @@ pub(super) struct MapRules {
     pub sensor_model: SensorModel,
     pub rays: RayRule,
     pub background: Background,
-}
-
-/// The object's known place.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub(super) struct Place {
-    /// The object's box; nothing is mapped before there is one.
-    pub bounds: Option<Aabb>,
-    pub table: Option<KnownTable>,
 }
 
 /// The map of a scan in the finest voxels and, while planning uses coarser ones, also in those.
@@ -190,8 +182,8 @@ mod tests {
     use super::*;
     use crate::geometry::random::Random;
     use crate::map::Occupancy;
+    use crate::object::Table;
     use crate::sensor::{DepthImage, Intrinsics};
-    use crate::session::Table;
     use crate::view::look_at;
     use glam::{DVec2, DVec3};
 

@@ -1,7 +1,7 @@
 use super::SessionConfig;
-use super::table::{KnownTable, ShownTable};
 use crate::geometry::{Aabb, Lattice, Plane, SegmentWalk};
 use crate::map::{Integration, Occupancy, OccupancyMap, SensorModel, Snapshot};
+use crate::object::{KnownTable, ShownTable};
 use crate::placement::ShownObject;
 use crate::sensor::{Depth, DepthImage, Frame};
 use crate::{Cancel, Cancelled, Error};

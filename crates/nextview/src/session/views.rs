@@ -1,6 +1,6 @@
-use super::location::Location;
 use crate::Error;
 use crate::geometry::Pose;
+use crate::object::Location;
 use crate::sensor::DepthRange;
 use crate::view::{Reachability, ViewSpace};
 use std::sync::Arc;
@@ -62,8 +62,8 @@ impl Views {
 
 #[cfg(test)]
 mod tests {
-    use super::super::scan_map::Place;
     use super::*;
+    use crate::object::Place;
     use crate::view::{Reach, generate};
     use glam::DVec3;
 

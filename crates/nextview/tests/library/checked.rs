@@ -6,10 +6,11 @@ use glam::{DQuat, DVec3};
 use nextview::geometry::{Aabb, Lattice, Plane, Pose};
 use nextview::map::SensorModel;
 use nextview::motion::MotionConfig;
+use nextview::object::Table;
 use nextview::planner::{BatchConfig, Choice, Explanation, GreedyConfig, MaxFlowConfig, MostSurfaceConfig};
 use nextview::registration::RegistrationConfig;
 use nextview::sensor::{Distortion, Intrinsics};
-use nextview::session::{MultiResolutionConfig, SessionConfig, StopConfig, Table};
+use nextview::session::{MultiResolutionConfig, SessionConfig, StopConfig};
 use serde::{Serialize, de::DeserializeOwned};
 use serde_json::{Value, json};
 

@@ -11,7 +11,7 @@ const LAYERS: [&[&str]; 11] = [
     &["geometry", "flow"],
     &["sensor"],
     &["map", "diagnosis"],
-    &["view", "surface", "prior", "registration"],
+    &["view", "surface", "prior", "registration", "object"],
     &["visibility", "motion"],
     &["gain"],
     &["planner", "placement"],

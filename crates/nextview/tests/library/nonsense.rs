@@ -9,13 +9,14 @@ use nextview::gain::ProximityCount;
 use nextview::geometry::{Aabb, Lattice, Plane, Pose, SegmentWalk, VoxelBlock, fit_ground};
 use nextview::map::{Background, Integration, LogOdds, OccupancyMap, Octree, RayRule, SensorModel, Snapshot};
 use nextview::motion::{KeepOut, MotionConfig, Profile, Surroundings, Trajectory, detour, tour, tour_length};
+use nextview::object::{ObjectBox, Table};
 use nextview::planner::{
     Batch, BatchConfig, Greedy, GreedyConfig, InOrder, MaxFlow, MaxFlowConfig, MinOverlap, MostSurface,
     MostSurfaceConfig, RandomViews, Situation, ViewPlanner,
 };
 use nextview::registration::{KnownSurface, RegistrationConfig, RegistrationMode};
 use nextview::sensor::{DepthImage, Frame, Intrinsics};
-use nextview::session::{Decision, ObjectBox, Session, SessionConfig, Table, Views};
+use nextview::session::{Decision, Session, SessionConfig, Views};
 use nextview::surface::{CloudPoint, DistanceField, downsample, fit_normals, take_nearest};
 use nextview::view::{Reach, ViewSpace, generate, look_at};
 use nextview::visibility::{FreeSpace, RayCaster};

@@ -14,11 +14,10 @@ use nextview::Cancel;
 use nextview::geometry::Aabb;
 #[cfg(feature = "simulated")]
 use nextview::geometry::Pose;
+use nextview::object::{BOX_MARGIN_FACTOR, BOX_MARGIN_VOXELS, ObjectBox, Table};
 use nextview::planner::ViewPlanner;
 use nextview::sensor::{ColorImage, Frame, SurfaceError};
-use nextview::session::{
-    BOX_MARGIN_FACTOR, BOX_MARGIN_VOXELS, NextView, ObjectBox, Session, SessionConfig, Table,
-};
+use nextview::session::{NextView, Session, SessionConfig};
 use nextview::surface::SurfaceMesh;
 use nextview::view::ViewSpace;
 use nextview_recording::{RecordedFrame, Recording, Skipped};

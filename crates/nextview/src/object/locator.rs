@@ -1,19 +1,17 @@
-use super::SessionConfig;
 use super::location::Location;
 use super::object_box::ObjectBox;
 use super::object_points::ObjectPoints;
 use super::other_body::{OtherBody, other_bodies};
+use super::place::Place;
 use super::planning_box::{as_deep_as_wide, growing_box};
-use super::scan_map::Place;
-use super::table::{ShownTable, TableSearch};
+use super::table::{ShownTable, Table, TableSearch};
 use crate::geometry::Aabb;
-use crate::registration::RegistrationMode;
 use crate::sensor::Frame;
 use crate::{Cancel, Cancelled};
 
 /// Locates the object, frame by frame.
 #[derive(Clone, Debug)]
-pub(super) struct Locator {
+pub(crate) struct Locator {
     object_box: ObjectBox,
     table: TableSearch,
     voxel_size: f64,
@@ -23,11 +21,16 @@ pub(super) struct Locator {
 }
 
 impl Locator {
-    /// Returns a locator before the first frame. The configuration must be checked.
-    pub fn new(config: &SessionConfig) -> Self {
-        let &SessionConfig { object_box, table, registration, voxel_size, max_gap, .. } = config;
-        let is_aligned = registration.mode() == RegistrationMode::On;
-        let pose_error = is_aligned.then_some(registration.position_uncertainty);
+    /// Returns a locator before the first frame: of an object in this box, on this table, in voxels of this
+    /// edge (metres). Parts at most `max_gap` metres apart belong to one object. A camera may be up to
+    /// `pose_error`, metres, from its pose, if stated.
+    pub fn new(
+        object_box: ObjectBox,
+        table: Table,
+        voxel_size: f64,
+        max_gap: f64,
+        pose_error: Option<f64>,
+    ) -> Self {
         let (table, points) = (TableSearch::new(table, pose_error), ObjectPoints::new(voxel_size, max_gap));
         Self { object_box, table, voxel_size, points, n_earlier: 0 }
     }

@@ -14,7 +14,7 @@ pub const BOX_MARGIN_VOXELS: f64 = 2.0;
 /// ```
 /// use glam::DVec3;
 /// use nextview::geometry::Aabb;
-/// use nextview::session::planning_box;
+/// use nextview::object::planning_box;
 ///
 /// let bounds = planning_box(&Aabb { min: DVec3::ZERO, max: DVec3::new(0.1, 0.2, 0.1) }, 0.01);
 /// assert!(bounds.center().distance(DVec3::new(0.05, 0.1, 0.05)) < 1e-12);

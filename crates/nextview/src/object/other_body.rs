@@ -11,7 +11,7 @@ use rustc_hash::{FxHashMap, FxHashSet};
 pub struct OtherBody {
     /// The box around its points, metres.
     pub bounds: Aabb,
-    /// Its distance from the object, metres. With a larger [`max_gap`](super::SessionConfig::max_gap), it
+    /// Its distance from the object, metres. With a larger `max_gap`, it
     /// belongs to the object.
     pub gap: f64,
 }

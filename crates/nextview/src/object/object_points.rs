@@ -180,9 +180,9 @@ fn is_in_the_middle(frame: &Frame, point_in_camera: DVec3) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::object::Table;
+    use crate::object::other_body::{OtherBody, other_bodies};
     use crate::sensor::{DepthImage, Intrinsics};
-    use crate::session::Table;
-    use crate::session::other_body::{OtherBody, other_bodies};
     use crate::view::look_at;
 
     const VOXEL_SIZE: f64 = 0.01;

@@ -62,7 +62,7 @@ const LARGEST_NOISE: f64 = 0.01;
 
 /// A table with a known plane.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct KnownTable {
+pub(crate) struct KnownTable {
     /// The table's plane.
     pub plane: Plane,
     /// The plane above which points do not belong to it.
@@ -72,7 +72,7 @@ pub(super) struct KnownTable {
 /// A known table as measured in one frame: with a wrong pose, its points are not on the table, and far points
 /// are noisier than near ones.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct ShownTable {
+pub(crate) struct ShownTable {
     camera: DVec3,
     /// Points up to one of these planes belong to the table: its known top, and the one measured in the
     /// frame.

@@ -14,7 +14,7 @@ pub enum ObjectBox {
     /// connected to it in later frames. The box is the cube around the centre of the points seen so far, a
     /// tenth wider than their longest side plus two voxels on each side, rounded to whole voxels (the dynamic
     /// box of Daudelin & Campbell 2017). Everything that touches the object or is within
-    /// [`max_gap`](super::SessionConfig::max_gap) belongs to it, except a [`Table`](super::Table), which may
-    /// be 25 mm and 3 degrees off in a frame with a wrong pose.
+    /// [`max_gap`](crate::session::SessionConfig::max_gap) belongs to it, except a [`Table`](super::Table),
+    /// which may be 25 mm and 3 degrees off in a frame with a wrong pose.
     Growing,
 }

@@ -1,9 +1,9 @@
-use super::scan_map::Place;
+use super::place::Place;
 use glam::DVec3;
 
 /// The object's location according to the frames.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub(super) struct Location {
+pub(crate) struct Location {
     pub place: Place,
     /// The object's centre and half its longest side, metres: view candidates follow both.
     pub object: Option<(DVec3, f64)>,
