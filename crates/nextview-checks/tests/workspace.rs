@@ -55,6 +55,32 @@ fn public_items_are_listed() {
     }
 }
 
+/// The names in the first column of the first table after this heading of ARCHITECTURE.md.
+fn architecture(heading: &str) -> Vec<String> {
+    let text = fs::read_to_string(workspace().join("ARCHITECTURE.md")).unwrap();
+    let (_, section) = text.split_once(heading).unwrap();
+    let table =
+        section.lines().skip_while(|line| !line.starts_with('|')).take_while(|line| line.starts_with('|'));
+    table.skip(2).map(|row| row.split('`').nth(1).unwrap().to_owned()).collect()
+}
+
+#[test]
+fn architecture_lists_every_crate_from_top_to_bottom() {
+    let listed = architecture("\n## Crates\n");
+    let rank = |name: &String| LAYERS.iter().position(|layer| layer.contains(&name.as_str())).unwrap();
+    assert!(listed.iter().rev().is_sorted_by_key(rank), "{listed:?}");
+    let crates = LAYERS.concat().into_iter().filter(|name| *name != "nextview-checks");
+    assert_eq!(BTreeSet::from_iter(listed.iter().map(String::as_str)), crates.collect());
+}
+
+#[test]
+fn architecture_lists_every_layer_of_the_planning_library() {
+    let folders = fs::read_dir(workspace().join("crates/nextview/src")).unwrap().map(Result::unwrap);
+    let folders = folders.filter(|entry| entry.path().is_dir());
+    let folders: BTreeSet<_> = folders.map(|entry| entry.file_name().into_string().unwrap()).collect();
+    assert_eq!(BTreeSet::from_iter(architecture("\n## The planning library\n")), folders);
+}
+
 /// `cargo test` runs packages in the order of their names, and the last one prints what was skipped.
 #[test]
 fn the_summary_of_skipped_tests_comes_last() {

@@ -118,7 +118,7 @@ impl Table {
 
     /// Returns the table shown by the frames (oldest first), if any.
     #[cfg(test)]
-    pub(super) fn find(self, frames: &[Frame], cancel: &Cancel) -> Result<Option<KnownTable>, Cancelled> {
+    pub(crate) fn find(self, frames: &[Frame], cancel: &Cancel) -> Result<Option<KnownTable>, Cancelled> {
         let mut search = TableSearch::new(self, None);
         search.look(frames, cancel)?;
         Ok(search.known())

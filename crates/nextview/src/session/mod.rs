@@ -34,7 +34,7 @@ use crate::diagnosis::{Suspicion, suspect, suspect_poses};
 use crate::geometry::{Aabb, Plane, Pose};
 use crate::map::{Occupancy, OccupancyMap, Snapshot};
 use crate::motion::Trajectory;
-use crate::object::{ObjectBox, OtherBody, Place};
+use crate::object::{ObjectBox, OtherBody, Place, TableTops};
 use crate::placement::{NextPlacement, ShownObject, Turn, TurnRefusal, next_placement};
 use crate::planner::{Batch, BatchConfig, BatchView, EvenViews, Leg, Plan, Situation, ViewPlanner};
 use crate::registration::{Registration, RegistrationMode};
@@ -284,8 +284,7 @@ impl Session {
     /// Returns the top of the table in each frame; `None` without a table, or before table and object are
     /// found.
     pub fn table_tops(&self) -> Option<TableTops> {
-        let Place { bounds, table } = self.scene.map.place();
-        table.zip(bounds).map(|(table, object)| TableTops { table, object })
+        self.scene.map.place().table_tops()
     }
 
     /// Returns the other bodies within a metre of an object whose box grows, nearest first; empty if the box

@@ -1,4 +1,4 @@
-use crate::geometry::{Aabb, Lattice, VoxelBlock};
+use crate::geometry::{Lattice, VoxelBlock};
 use crate::map::{Background, Integration, LogOdds, MapUpdate, OccupancyMap, RayRule, SensorModel, Snapshot};
 use crate::object::{KnownTable, Place};
 use crate::sensor::Frame;
@@ -180,6 +180,7 @@ impl BoxMap {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::geometry::Aabb;
     use crate::geometry::random::Random;
     use crate::map::Occupancy;
     use crate::object::Table;
