@@ -83,8 +83,9 @@ impl Places {
 }
 
 impl Taken {
-    /// Frees the place of the slow client that has kept the server waiting longest: first one that owes a head,
-    /// otherwise one that owes a body or takes no answer. If no client is slow, the one waited for longest.
+    /// Frees the place of the slow client that has kept the server waiting longest: first one that owes a
+    /// head, otherwise one that owes a body or takes no answer. If no client is slow, the one waited for
+    /// longest.
     fn give_way(&mut self) -> bool {
         let now = Instant::now();
         let waiting = self.places.iter().filter_map(|(number, state)| {
