@@ -5,16 +5,12 @@
 //! `peers/`), the program `kernels` (instruction counts) and, over sizes, the program `growth`. The results
 //! are in `BENCHMARK.md`.
 //!
-//! The programs `questions`, `ceiling` and `seconds` compare planners on [objects with known
-//! truth](known_object), the program `color` compares textures on [painted] objects, and the program
-//! `purposes` compares planners by the [needs of scan purposes](needs). The program `authors_code` repairs
-//! the [program of the paper's authors](authors), slip by slip.
+//! The program `color` compares textures on [painted] objects. The program `authors_code` repairs the
+//! [program of the paper's authors](authors), slip by slip.
 
 pub mod alignment;
 pub mod authors;
-pub mod known_object;
 pub mod log_plot;
-pub mod needs;
 pub mod network;
 pub mod painted;
 pub mod plain_files;

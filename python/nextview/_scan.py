@@ -249,12 +249,6 @@ class Scan:
         """The report of the scan as it stands, with its 3D view: for the end of a cell of a notebook."""
         return Page(self._engine.page())
 
-    def to_rerun(self, out: str | os.PathLike[str] | None = None) -> None:
-        """Logs all views so far for the Rerun viewer: see `nextview.rerun.log`. Needs the extra `rerun`."""
-        from nextview import rerun
-
-        rerun.log(self, out)
-
     def save(self, out: str | os.PathLike[str] | None = None, *, force: bool = False) -> None:
         """Writes the results into a folder, as the program does: map, cloud, mesh, records, `report.html`.
 

@@ -127,12 +127,6 @@ class ScanResult:
         for a result that was pickled, which has no frames."""
         return Page(self._finished().page())
 
-    def to_rerun(self, out: str | os.PathLike[str] | None = None) -> None:
-        """Logs the scan for the Rerun viewer: see `nextview.rerun.log`. Needs the extra `rerun`."""
-        from nextview import rerun
-
-        rerun.log(self, out)
-
     def _finished(self) -> _native.Finished:
         if self._engine is None:
             raise InputError("this result was pickled, which drops its frames; show it before")

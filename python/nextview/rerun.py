@@ -1,8 +1,8 @@
 """Scans for the Rerun viewer (extra `rerun`).
 
-`scan.to_rerun("scan.rrd")` writes a recording, and `scan.to_rerun()` logs to the one that `rerun.init` began.
-A folder of results becomes a recording, without depth images, candidates and earlier maps, by
-`python -m nextview.rerun DIR --out FILE.rrd`.
+`nextview.rerun.log(scan, "scan.rrd")` writes a recording, and `nextview.rerun.log(scan)` logs to the one that
+`rerun.init` began. `python -m nextview.rerun DIR --out FILE.rrd` turns a folder of results into a recording,
+without depth images, candidates and earlier maps.
 
 The timeline `view` counts views from 1. At each of them there are, in metres: the map as it was then, the
 camera with its depth image and some of its rays, the views so far, the view candidates, and curves. Cloud and

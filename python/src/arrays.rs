@@ -1,7 +1,7 @@
 //! Images as numpy arrays.
 
 use crate::errors::{exception, input_error};
-use crate::values::type_of;
+use crate::shown::type_of;
 use nextview::sensor::{ColorImage, Depth, DepthImage, Intrinsics};
 use nextview_scan::Fault;
 use numpy::ndarray::Dimension;

@@ -1,7 +1,9 @@
 //! Campaigns: many scans by one specification.
 
 use crate::errors::input_error;
-use crate::values::{of_request, table, to_python, type_of};
+use crate::records::to_python;
+use crate::shown::type_of;
+use crate::values::{of_request, table};
 use crate::watch::{compute, guarded};
 use nextview::Cancel;
 use nextview_campaign::execution::{CampaignEvent, run_campaign};

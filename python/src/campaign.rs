@@ -2,7 +2,7 @@
 
 use crate::bench::read_spec;
 use crate::errors::internal_error;
-use crate::values::to_python;
+use crate::records::to_python;
 use crate::watch::compute;
 use nextview::Cancel;
 use nextview_campaign::execution::{self, Dispatch};

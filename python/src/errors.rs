@@ -1,6 +1,6 @@
 //! Faults of the library as Python exceptions.
 
-use crate::values::to_python;
+use crate::records::to_python;
 use nextview_scan::{Fault, FaultKind, Faults};
 use pyo3::exceptions::PyKeyboardInterrupt;
 use pyo3::prelude::*;

@@ -2,9 +2,9 @@
 
 use crate::camera::Camera;
 use crate::pictures::Finished;
-use crate::values::{self, to_python};
+use crate::records::to_python;
 use crate::watch::compute;
-use crate::{model, results};
+use crate::{model, results, values};
 use nextview::Cancel;
 use nextview::map::Snapshot;
 use nextview_scan::{

@@ -1,8 +1,7 @@
 //! Data for pictures of a scan, in addition to its record.
 
 use crate::arrays::depths;
-use crate::pose::matrix;
-use crate::view::poses;
+use crate::pose::{matrix, poses};
 use crate::watch::compute;
 use nextview::Cancel;
 use nextview::gain::UnobservedVoxel;

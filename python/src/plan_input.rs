@@ -2,7 +2,7 @@
 
 use crate::camera::numbers_of;
 use crate::model;
-use crate::view::poses;
+use crate::pose::poses;
 use nextview::map::Snapshot;
 use nextview::planner::Situation;
 use nextview::visibility::{RayEnd, ViewRays};

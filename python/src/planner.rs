@@ -1,14 +1,15 @@
 //! Planners and gains written in Python.
 
-use crate::errors::{Failure, input_error};
+use crate::errors::Failure;
 use crate::plan_input::{self, Grid};
-use crate::values::{shown, type_of};
+use crate::planner_class::Class;
+use crate::shown::{shown, type_of};
 use nextview::Error;
 use nextview::planner::{Choice, GreedyByView, GreedyConfig, Plan, Situation, ViewGain, ViewPlanner};
-use nextview::visibility::{FreeSpace, Sight, ViewRays};
+use nextview::visibility::{Sight, ViewRays};
 use nextview_scan::{Fault, PlannerProvider, ProvidedPlanner, provide_planners};
 use pyo3::prelude::*;
-use pyo3::types::{PyBool, PyTuple, PyType};
+use pyo3::types::{PyBool, PyTuple};
 use std::cell::Cell;
 
 thread_local! {
@@ -58,84 +59,6 @@ fn fault(planner: &ProvidedPlanner, failure: Failure) -> Fault {
         "it is made without arguments, of a class in a module that can be imported: a subclass of \
          nextview.Planner or nextview.Gain",
     )
-}
-
-/// A class that makes planners.
-struct Class<'py> {
-    class: Bound<'py, PyType>,
-    name: String,
-    /// The rays of a gain; `None` for a planner.
-    sight: Option<Sight>,
-}
-
-impl<'py> Class<'py> {
-    fn find(py: Python<'py>, planner: &ProvidedPlanner) -> Result<Self, Failure> {
-        let (module, name) = (planner.module(), planner.class().to_owned());
-        if name.contains("<locals>") {
-            return Err(Failure::new(format!("{name} is defined in a function, where it has no name")));
-        }
-        let Ok(class) = found(py, module, &name)?.cast_into::<PyType>() else {
-            return Err(Failure::new(format!("{name} is no class")));
-        };
-        let lookup = |error| Failure::raised(py, "its check", error);
-        let is_a = |base: &str| class.is_subclass(&py.import("nextview")?.getattr(base)?);
-        let sight = match (is_a("Planner").map_err(lookup)?, is_a("Gain").map_err(lookup)?) {
-            (true, false) => None,
-            (false, true) => Some(sight(&class, &name)?),
-            (false, false) => return Err(Failure::new(format!("{name} is neither planner nor gain"))),
-            (true, true) => return Err(Failure::new(format!("{name} is planner and gain at once"))),
-        };
-        let missing = class.getattr("__abstractmethods__").and_then(|names| names.try_iter()?.collect());
-        let missing: Vec<Bound<'_, PyAny>> = missing.map_err(lookup)?;
-        match missing.first() {
-            Some(method) => Err(Failure::new(format!("{name} has no method `{method}`"))),
-            None => Ok(Self { class, name, sight }),
-        }
-    }
-}
-
-/// The name of a class, by which scans find it. Fails if the name leads to another class, which would run in
-/// its place: in a notebook, for example, a class is easily defined twice.
-pub fn name_of(class: &Bound<'_, PyType>) -> PyResult<String> {
-    let py = class.py();
-    let (module, name) = (class.module()?.to_string(), class.qualname()?.to_string());
-    let whole = format!("python:{module}:{name}");
-    match found(py, &module, &name) {
-        Ok(found) if !found.is(class) => Err(input_error(
-            py,
-            format!(
-                "`planner` is a class {whole}, but that name leads to another one, such as a later \
-                 definition: pass that one, or name them differently"
-            ),
-        )),
-        // A missing class is reported with all other faults.
-        _ => Ok(whole),
-    }
-}
-
-/// The object of this name in a module.
-fn found<'py>(py: Python<'py>, module: &str, name: &str) -> Result<Bound<'py, PyAny>, Failure> {
-    let mut found = imported(py, module).map_err(|error| Failure::raised(py, "its import", error))?;
-    for part in name.split('.') {
-        found = found.getattr(part).map_err(|error| Failure::raised(py, "its lookup", error))?;
-    }
-    Ok(found)
-}
-
-/// Returns the module. One still being imported, because it starts a scan, would wait for itself.
-fn imported<'py>(py: Python<'py>, module: &str) -> PyResult<Bound<'py, PyAny>> {
-    let known = py.import("sys")?.getattr("modules")?.call_method1("get", (module,))?;
-    if known.is_none() { Ok(py.import(module)?.into_any()) } else { Ok(known) }
-}
-
-fn sight(class: &Bound<'_, PyType>, name: &str) -> Result<Sight, Failure> {
-    let given = class.getattr("free_space").and_then(|value| value.extract::<String>());
-    match given.as_deref() {
-        Ok("clear") => Ok(Sight::endless(FreeSpace::Clear)),
-        Ok("fades") => Ok(Sight::endless(FreeSpace::Fades)),
-        Ok(other) => Err(Failure::new(format!("{name}.free_space is {other:?}, expected clear or fades"))),
-        Err(_) => Err(Failure::new(format!("{name}.free_space is no text, expected clear or fades"))),
-    }
 }
 
 /// An object for a single scan.

@@ -2,21 +2,15 @@
 
 use crate::arrays::readonly;
 use crate::errors::{exception, input_error};
-use crate::values::type_of;
-use crate::view::View;
+use crate::shown::type_of;
 use nextview::geometry::Pose;
 use nextview_scan::{pose_of_rows, rows_of_pose};
-use numpy::{PyArray2, PyArrayMethods, PyUntypedArray, PyUntypedArrayMethods};
+use numpy::{PyArray, PyArray2, PyArray3, PyArrayMethods, PyUntypedArray, PyUntypedArrayMethods};
 use pyo3::prelude::*;
 
-/// The pose of a view, or of a 4 x 4 matrix that takes points from camera to world. A view's matrix loses the
-/// last bits of its pose, unlike the view itself.
-pub fn pose_of(name: &str, value: &Bound<'_, PyAny>) -> PyResult<Pose> {
-    let py = value.py();
-    if let Ok(view) = value.cast::<View>() {
-        return Ok(view.get().world_from_camera());
-    }
-    pose_of_rows(name, &rows(name, value)?).map_err(|fault| exception(py, fault))
+/// The pose of a 4 x 4 matrix that takes points from camera to world.
+pub fn pose_of_matrix(name: &str, value: &Bound<'_, PyAny>) -> PyResult<Pose> {
+    pose_of_rows(name, &rows(name, value)?).map_err(|fault| exception(value.py(), fault))
 }
 
 /// The matrix of a pose.
@@ -28,6 +22,16 @@ pub fn matrix<'py>(py: Python<'py>, pose: &Pose) -> Bound<'py, PyArray2<f64>> {
         view.as_array_mut().iter_mut().zip(rows.iter().flatten()).for_each(|(entry, value)| *entry = *value);
     }
     array
+}
+
+/// Matrices of poses: N x 4 x 4.
+pub fn poses<'py>(
+    py: Python<'py>,
+    poses: impl ExactSizeIterator<Item = Pose>,
+) -> PyResult<Bound<'py, PyArray3<f64>>> {
+    let n = poses.len();
+    let entries = poses.flat_map(|pose| rows_of_pose(&pose).into_iter().flatten());
+    PyArray::from_vec(py, entries.collect()).reshape([n, 4, 4])
 }
 
 fn rows(name: &str, value: &Bound<'_, PyAny>) -> PyResult<[[f64; 4]; 4]> {

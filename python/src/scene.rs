@@ -3,9 +3,9 @@
 use crate::arrays::depths;
 use crate::camera::{Camera, numbers_of};
 use crate::errors::exception;
-use crate::pose::{matrix, pose_of};
+use crate::pose::{matrix, poses};
 use crate::values;
-use crate::view::poses;
+use crate::view::pose_of;
 use crate::watch::compute;
 use nextview::Cancel;
 use nextview::geometry::Aabb;

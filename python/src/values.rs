@@ -1,9 +1,10 @@
-//! Values between Python and the library: configurations in, records out.
+//! Configurations from Python values.
 
 use crate::errors::{exception, input_error, internal_error};
-use crate::planner;
-use crate::pose::pose_of;
-use crate::view::View;
+use crate::planner_class;
+use crate::records::to_python;
+use crate::shown::{shown, type_of};
+use crate::view::{View, pose_of};
 use crate::watch::{compute, guarded};
 use nextview::Cancel;
 use nextview::sensor::Sensor;
@@ -12,15 +13,8 @@ use numpy::{PyUntypedArray, PyUntypedArrayMethods};
 use pyo3::exceptions::{PyOverflowError, PyTypeError};
 use pyo3::prelude::*;
 use pyo3::types::{PyBool, PyDict, PyFloat, PyInt, PyList, PyString, PyTuple, PyType};
-use serde::Serialize;
 use std::path::PathBuf;
 use toml::{Table, Value};
-
-/// Converts a record to Python's dicts, lists, texts and numbers.
-pub fn to_python<'py>(py: Python<'py>, record: &impl Serialize) -> PyResult<Bound<'py, PyAny>> {
-    let text = serde_json::to_string(record).map_err(|error| internal_error(py, &error.to_string()))?;
-    py.import("json")?.call_method1("loads", (text,))
-}
 
 /// Reads the configuration in a dict.
 pub fn config(dict: &Bound<'_, PyDict>) -> PyResult<ScanConfig> {
@@ -82,24 +76,6 @@ fn flattened(value: &Value, numbers: &mut Vec<f64>) -> Option<Vec<usize>> {
     let are_equal = shapes.all(|shape| shape.as_ref() == Some(&first));
     are_equal.then(|| [vec![items.len()], first].concat())
 }
-
-/// The beginning of a value's `repr`, however large the value.
-pub fn shown(value: &Bound<'_, PyAny>) -> String {
-    let repr = || value.py().import("reprlib")?.call_method1("repr", (value,))?.extract::<String>();
-    let text = repr().unwrap_or_else(|_: PyErr| "?".to_owned());
-    match text.char_indices().nth(MOST_SHOWN) {
-        Some((end, _)) => format!("{}…", &text[..end]),
-        None => text,
-    }
-}
-
-/// The type of a value.
-pub fn type_of(value: &Bound<'_, PyAny>) -> String {
-    value.get_type().name().map_or_else(|_| "?".to_owned(), |name| name.to_string_lossy().into_owned())
-}
-
-/// Maximum length of a value in a message, in characters.
-const MOST_SHOWN: usize = 80;
 
 /// Maximum nesting of values in a configuration: ten times what it needs.
 const MOST_NESTED: usize = 40;
@@ -195,7 +171,7 @@ impl Conversion {
         if is_planner(name)
             && let Ok(class) = value.cast::<PyType>()
         {
-            return Ok(Value::String(planner::name_of(class)?));
+            return Ok(Value::String(planner_class::name_of(class)?));
         }
         self.number(name, value)
     }

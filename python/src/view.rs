@@ -1,15 +1,14 @@
 //! The next view.
 
 use crate::errors::{input_error, internal_error};
-use crate::pose::matrix;
-use crate::values::to_python;
+use crate::pose::{matrix, pose_of_matrix, poses};
+use crate::records::to_python;
 use nextview::geometry::Pose;
 use nextview::motion::{Trajectory, Waypoint};
 use nextview::planner::{Choice, Outlook};
 use nextview::session::NextView;
 use nextview_robot::path::JointTrajectory;
-use nextview_scan::rows_of_pose;
-use numpy::{PyArray, PyArray1, PyArray2, PyArray3, PyArrayMethods};
+use numpy::{PyArray, PyArray1, PyArray2, PyArray3};
 use pyo3::prelude::*;
 use serde::{Deserialize, Serialize};
 
@@ -57,6 +56,15 @@ pub fn view_of_text(py: Python<'_>, text: &str) -> PyResult<View> {
         .map_err(|error| input_error(py, format!("this is no pickled view: {error}")))?;
     let next = NextView { view, world_from_camera, choice, outlook };
     Ok(View { next, waypoints, trajectory_length, joints, turntable_angle_deg })
+}
+
+/// The pose of a view, or of a 4 x 4 matrix that takes points from camera to world. A view's matrix loses the
+/// last bits of its pose, unlike the view itself.
+pub fn pose_of(name: &str, value: &Bound<'_, PyAny>) -> PyResult<Pose> {
+    match value.cast::<View>() {
+        Ok(view) => Ok(view.get().world_from_camera()),
+        Err(_) => pose_of_matrix(name, value),
+    }
 }
 
 impl View {
@@ -202,14 +210,4 @@ impl View {
         let [x, y, z] = self.next.world_from_camera.translation().to_array();
         format!("View(number={number}, position_m=[{x:.3}, {y:.3}, {z:.3}])")
     }
-}
-
-/// Matrices of poses: N x 4 x 4.
-pub fn poses<'py>(
-    py: Python<'py>,
-    poses: impl ExactSizeIterator<Item = Pose>,
-) -> PyResult<Bound<'py, PyArray3<f64>>> {
-    let n = poses.len();
-    let entries = poses.flat_map(|pose| rows_of_pose(&pose).into_iter().flatten());
-    PyArray::from_vec(py, entries.collect()).reshape([n, 4, 4])
 }

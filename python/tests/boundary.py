@@ -222,8 +222,6 @@ SOUND: dict[str, Callable[[], Any]] = {
     "Scan.skip.view": lambda: 1,
     "Scan.save.out": lambda: "saved",
     "Scan.turntable_pose.angle_deg": lambda: 10.0,
-    "Scan.to_rerun.out": lambda: "a.rrd",
-    "ScanResult.to_rerun.out": lambda: "a.rrd",
     "SimulatedScene.object": lambda: "builtin:bracket",
     "SimulatedScene.camera": camera,
     "SimulatedScene.capture.world_from_camera": pose,

@@ -21,11 +21,13 @@ def entities(path: Path) -> str:
 
 
 def test_scans_and_folders_become_recordings(tmp_path: Path) -> None:
+    from nextview.rerun import log
+
     scan = begin(planner="most-surface", views=3)
     run(scan)
-    scan.to_rerun(tmp_path / "live.rrd")
+    log(scan, tmp_path / "live.rrd")
     done = nextview.scan("builtin:mug", views=2, voxel_size_m=0.02, candidates=20, out=tmp_path / "mug")
-    done.to_rerun(tmp_path / "done.rrd")
+    log(done, tmp_path / "done.rrd")
     command = [sys.executable, "-m", "nextview.rerun", f"{tmp_path}/mug", "--out", f"{tmp_path}/folder.rrd"]
     subprocess.run(command, check=True)
     always = ["/world/map", "/world/cloud", "/world/mesh", "/world/camera", "/world/views/2", "/world/path"]

@@ -12,53 +12,39 @@
 //!   └──── ScanRun::next: Replay(frame) | Capture(view) | Stop(reason) ◀── Session::decide
 //! ```
 
-mod batch_record;
 mod config;
 mod earlier_scan;
 mod fault;
 pub mod files;
 mod journal;
 mod live;
-mod map_summary;
 pub mod memory;
 mod model;
-mod names;
-mod pose_matrix;
 #[cfg(feature = "process")]
 pub mod process;
-mod provided;
 mod record;
 mod results;
 mod run;
-mod saved_map;
-#[cfg(feature = "simulated")]
-mod saved_model;
 mod source;
 
-pub use batch_record::{BatchRecord, BatchViewRecord};
 pub use config::*;
 pub use fault::{Cause, Fault, FaultKind, Faults, Place};
 #[cfg(fuzzing)]
 pub use journal::fuzzing;
 pub use journal::{Damage, Interrupted, Journal, JournalEntry, Kept, KeptFrame, ScanJournal, SkippedView};
 pub use live::{Guidance, LiveFrame, LiveScan};
-pub use map_summary::{MapSummary, convert_map};
 pub use model::FinalModel;
-pub use names::Named;
-pub use pose_matrix::{pose_of_rows, rows_of_pose};
-pub use provided::{PlannerProvider, ProvidedPlanner, provide_planners};
 pub use record::{
-    BuildIdentity, OtherBodyRecord, PlacementRecord, QualityMm, ScanRecord, StepRecord, TurnRecord,
-    ViewRecord, WaypointRecord,
+    BatchRecord, BatchViewRecord, BuildIdentity, OtherBodyRecord, PlacementRecord, QualityMm, ScanRecord,
+    StepRecord, TurnRecord, ViewRecord, WaypointRecord, pose_of_rows, rows_of_pose,
 };
-pub use results::{
-    FRAMES_FOLDER, RESULT_FILES, Results, ScanFolder, begin_results, result_file, result_folder,
-    write_results,
-};
-pub use run::{Begin, Evaluator, FinishedScan, Measured, ModelFrames, Next, ScanRun, TakenFrame};
-pub use saved_map::SavedMap;
 #[cfg(feature = "simulated")]
-pub use saved_model::SavedModel;
+pub use results::SavedModel;
+pub use results::{
+    FRAMES_FOLDER, MapSummary, RESULT_FILES, Results, SavedMap, ScanFolder, begin_results, convert_map,
+    result_file, result_folder, write_results,
+};
+pub use run::{Begin, FinishedScan, Measured, ModelFrames, Next, ScanRun, TakenFrame};
 pub use source::*;
 
 /// The name of an object without `builtin:`, folders and extension.

@@ -12,6 +12,8 @@ use tokio::sync::{Semaphore, watch};
 pub(crate) struct App {
     pub limits: Limits,
     pub access: Access,
+    /// The description of all routes.
+    pub openapi: serde_json::Value,
     pub scans: Arc<Scans>,
     /// Memory for request bodies.
     pub bodies: Arc<BodyRoom>,

@@ -57,6 +57,7 @@ impl Server {
                 page: Token::random().expect("the system has random numbers"),
                 clients: None,
             },
+            openapi: serde_json::Value::Null,
             scans: Arc::new(Scans::open(folder, limits).expect("the folder can be read").0),
             bodies: Arc::new(BodyRoom::new(limits.all_bodies_bytes)),
             streams: Arc::new(Semaphore::new(limits.event_streams)),

@@ -1,6 +1,7 @@
 use crate::access::{Access, Hosts, Token};
 use crate::app::App;
 use crate::connections;
+use crate::openapi::openapi;
 use crate::room::BodyRoom;
 use crate::scans::{Scans, ScansFolder};
 use crate::{Limits, routes};
@@ -100,6 +101,7 @@ pub fn serve(config: ServerConfig, on_started: impl FnOnce(&Started)) -> Result<
         let app = Arc::new(App {
             limits,
             access: Access { hosts: Hosts::new(address, hosts), page, clients },
+            openapi: openapi(),
             scans: Arc::new(scans),
             bodies: Arc::new(BodyRoom::new(limits.all_bodies_bytes)),
             streams: Arc::new(Semaphore::new(limits.event_streams)),

@@ -4,7 +4,6 @@
 
 mod chart;
 mod color;
-mod color_png;
 mod coverage;
 mod headline;
 mod input;
@@ -26,12 +25,12 @@ mod summary;
 mod thumbnail;
 mod viewer;
 
-pub use color_png::color_png;
 pub use input::ScanPage;
 pub use live_scene::LiveScene;
 pub use of_scan::page_of_scan;
 pub use page::scan_page;
 pub use picture::ViewPicture;
+pub use png_file::color_png;
 pub use scene_source::SceneSource;
 pub use shown::ShownModel;
 pub use step_line::{heading, step_line};

@@ -1,4 +1,11 @@
+use nextview::sensor::ColorImage;
 use png::{BitDepth, ColorType, Compression};
+
+/// Encodes a colour image as a PNG file.
+pub fn color_png(image: &ColorImage) -> Vec<u8> {
+    let samples: Vec<u8> = image.pixels().flatten().collect();
+    png_file([image.width(), image.height()], &samples, None, Compression::Fast)
+}
 
 /// Encodes a PNG file with 8 bits per sample: red, green and blue of each pixel, or its palette entry.
 pub fn png_file(

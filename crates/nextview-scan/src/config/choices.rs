@@ -1,7 +1,7 @@
 //! Choices that users make by name.
 
+use super::names::{Named, named};
 use crate::Fault;
-use crate::names::{Named, named};
 use glam::DVec3;
 use nextview::view::{ViewSpace, generate};
 use serde::{Deserialize, Serialize};

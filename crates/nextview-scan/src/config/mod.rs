@@ -5,11 +5,13 @@ mod choices;
 mod live;
 mod load;
 mod millimetres;
+mod names;
 #[cfg(feature = "simulated")]
 mod noise;
 mod planner_choice;
 mod planner_name;
 mod positions;
+mod provided;
 mod reach;
 mod reachable;
 mod recording;
@@ -27,11 +29,13 @@ mod value;
 pub use choices::{BoxRule, Profile, SizeOf, TableRule, UnitName, ViewRule, ViewSpaceName};
 pub use live::LiveConfig;
 pub use load::{merged, nested};
+pub use names::Named;
 #[cfg(feature = "simulated")]
 pub use noise::{NoiseConfig, NoiseModel};
 pub use planner_choice::PlannerChoice;
 pub use planner_name::{NbvNetConfig, PlannerConfigs, PlannerName};
 pub use positions::Positions;
+pub use provided::{PlannerProvider, ProvidedPlanner, provide_planners};
 pub use reach::ReachConfig;
 pub use recording::RecordingConfig;
 pub use reference::{ReferenceConfig, ReferenceSurface};

@@ -1,6 +1,6 @@
 use super::millimetres::of_least_depth;
+use super::names::named;
 use crate::Fault;
-use crate::names::named;
 use nextview::sensor::DepthRange;
 use nextview_sim::noise::{DepthNoise, Noise, PoseError};
 use serde::{Deserialize, Serialize};

@@ -1,5 +1,5 @@
 use super::ReferenceConfig;
-use crate::names::named;
+use super::names::named;
 use crate::{Fault, files};
 use nextview::gain::{
     Apora, AreaFactor, AverageEntropy, InformationGain, Krainin, OcclusionAware, Potthast, ProximityCount,

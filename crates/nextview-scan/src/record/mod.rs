@@ -1,15 +1,19 @@
 //! The record of a scan: the input of front ends, tables and reports.
 
+mod batch_record;
 mod build;
 mod placement_record;
+mod pose_matrix;
 mod quality_mm;
 mod read;
 mod scan_record;
 mod step_record;
 mod view_record;
 
+pub use batch_record::{BatchRecord, BatchViewRecord};
 pub use build::BuildIdentity;
 pub use placement_record::{PlacementRecord, TurnRecord};
+pub use pose_matrix::{pose_of_rows, rows_of_pose};
 pub use quality_mm::QualityMm;
 pub use scan_record::{OtherBodyRecord, ScanRecord};
 pub use step_record::StepRecord;

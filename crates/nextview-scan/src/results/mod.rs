@@ -2,6 +2,10 @@
 
 mod frames;
 mod frames_folder;
+mod map_summary;
+mod saved_map;
+#[cfg(feature = "simulated")]
+mod saved_model;
 
 use crate::files::{Overwrite, ResultFolder, numbered};
 use crate::journal::Occupant;
@@ -15,6 +19,10 @@ use std::io::Write;
 use std::path::{Path, PathBuf};
 
 pub use frames_folder::FRAMES_FOLDER;
+pub use map_summary::{MapSummary, convert_map};
+pub use saved_map::SavedMap;
+#[cfg(feature = "simulated")]
+pub use saved_model::SavedModel;
 
 /// The files in a folder of results.
 const ENTRIES: &[&str] = &[

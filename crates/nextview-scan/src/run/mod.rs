@@ -1,12 +1,10 @@
 //! The run: a scan from the first view to the last, pushed by the owner of the camera.
 
 mod arm;
-mod evaluator;
 mod finished;
 mod scan_run;
 mod stated;
 mod warning;
 
-pub use evaluator::Evaluator;
 pub use finished::{FinishedScan, Measured, ModelFrames};
 pub use scan_run::{Begin, Next, ScanRun, TakenFrame};

@@ -1,11 +1,13 @@
+use super::FinishedScan;
 use super::arm::{Arm, Way};
 use super::stated::Stated;
 use super::warning::{POSES_AS_GIVEN, poses_are_wrong, warning};
-use super::{Evaluator, FinishedScan};
 use crate::earlier_scan::EarlierScan;
 use crate::journal::{JournalEntry, KeptFrame, SkippedView};
 use crate::record::milliseconds;
-use crate::{Fault, FaultKind, Faults, FrameSource, ScanConfig, ScanJournal, StepRecord, TurntableConfig};
+use crate::{
+    Evaluator, Fault, FaultKind, Faults, FrameSource, ScanConfig, ScanJournal, StepRecord, TurntableConfig,
+};
 use glam::DVec3;
 use nextview::motion::Trajectory;
 use nextview::sensor::{ColorImage, Frame};

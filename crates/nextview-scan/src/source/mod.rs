@@ -1,17 +1,19 @@
 //! Sources of frames.
 
+mod evaluator;
 mod own_camera;
 mod recorded;
 mod session_config;
 #[cfg(feature = "simulated")]
 mod simulated;
 
+pub use evaluator::Evaluator;
 pub use own_camera::OwnCamera;
 pub use recorded::RecordedScan;
 #[cfg(feature = "simulated")]
 pub use simulated::{Baselines, SimulatedObject, Simulation, Truth, TruthCache};
 
-use crate::{Evaluator, Fault, Faults, ScanConfig, ScanRecord};
+use crate::{Fault, Faults, ScanConfig, ScanRecord};
 use glam::DVec3;
 use nextview::geometry::Aabb;
 use nextview::sensor::{ColorImage, Frame};

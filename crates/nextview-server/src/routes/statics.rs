@@ -1,10 +1,12 @@
 use super::route::{Content, Doc, Method, Route};
 use crate::answers::Health;
-use crate::openapi;
+use crate::app::App;
 use axum::Json;
+use axum::extract::State;
 use axum::http::header;
 use axum::response::{Html, IntoResponse};
 use nextview_report::live;
+use std::sync::Arc;
 
 pub(super) fn routes() -> Vec<Route> {
     let html = || Content::of("text/html");
@@ -50,6 +52,6 @@ async fn health() -> Json<Health> {
     Json(Health { status: "ok", version: env!("CARGO_PKG_VERSION") })
 }
 
-async fn description() -> Json<serde_json::Value> {
-    Json(openapi())
+async fn description(State(app): State<Arc<App>>) -> Json<serde_json::Value> {
+    Json(app.openapi.clone())
 }

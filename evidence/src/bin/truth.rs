@@ -1,7 +1,7 @@
 //! Compares the exact object voxels with those of dense surface samples: numbers, time, memory, and the
 //! voxels hit by exact images that are not object voxels.
 //!
-//!     cargo run --release -p nextview-benchmarks --bin truth -- [MESH ...]
+//!     cargo run --release -p nextview-evidence --bin truth -- [MESH ...]
 //!
 //! The default is the built-in objects. Voxels are 5 mm; the longest side is 0.15, 0.2 and 0.6 m. Every row
 //! is a separate process with its own peak memory.

@@ -1,6 +1,6 @@
 //! Upper bounds on evaluating views: planners with the truth in place of the prior.
 //!
-//!     cargo run --release -p nextview-benchmarks --bin ceiling -- N_STARTS all|default MESH ...
+//!     cargo run --release -p nextview-evidence --bin ceiling -- N_STARTS all|default MESH ...
 //!
 //! Each planner, or the default planner alone, takes ten views of each mesh (longest side 0.2 m, 5 mm voxels,
 //! 1000 candidates all around, no noise) from each of `N_STARTS` first views, and gets a line with its mean
@@ -18,7 +18,7 @@ use nextview::planner::{Choice, MostSurface, MostSurfaceConfig, Plan, Situation,
 use nextview::prior::{SurfaceEstimate, SurfacePrior, ViewingClass};
 use nextview::sensor::{DepthRange, Intrinsics};
 use nextview::visibility::MeasuredParts;
-use nextview_benchmarks::known_object::KnownObject;
+use nextview_evidence::known_object::KnownObject;
 use nextview_sim::scene::Scene;
 use rayon::prelude::*;
 use std::error::Error;

@@ -1,7 +1,7 @@
 //! Coverage over seconds: the default planner per view, with a movement cost and per second, against random
 //! views and fixed plans.
 //!
-//! `cargo run --release -p nextview-benchmarks --bin seconds -- N_STARTS MESH ...`
+//! `cargo run --release -p nextview-evidence --bin seconds -- N_STARTS MESH ...`
 //!
 //! A fixed plan has a given number of candidates, as far apart as possible, in the order of the shortest tour
 //! or always the nearest next. The camera moves and measures with the defaults of `[motion]`; planning takes
@@ -12,7 +12,7 @@ use glam::DVec3;
 use nextview::Error as PlanningError;
 use nextview::motion::{KeepOut, MotionConfig, tour};
 use nextview::planner::{Choice, MostSurface, MostSurfaceConfig, Plan, RandomViews, Situation, ViewPlanner};
-use nextview_benchmarks::known_object::{KnownObject, Step};
+use nextview_evidence::known_object::{KnownObject, Step};
 use std::error::Error;
 use std::path::Path;
 

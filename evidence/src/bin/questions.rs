@@ -1,7 +1,7 @@
 //! Evaluates variants of the planner most-surface that its settings do not offer: other probabilities, other
 //! counts, look-ahead.
 //!
-//!     cargo run --release -p nextview-benchmarks --bin questions -- MESH ...
+//!     cargo run --release -p nextview-evidence --bin questions -- MESH ...
 //!
 //! Each variant takes ten views of each mesh (longest side 0.2 m, 5 mm voxels, 1000 candidates all around, no
 //! noise) and gets a line with its mean skill and its lowest. The first variant is the plain one, without
@@ -14,7 +14,7 @@ use nextview::map::{LogOdds, Occupancy, Snapshot};
 use nextview::planner::{Choice, Plan, Situation, ViewPlanner};
 use nextview::prior::{SurfaceEstimate, SurfacePrior, ViewingClass};
 use nextview::visibility::{FreeSpace, RayCaster, RayEnd, Sight};
-use nextview_benchmarks::known_object::KnownObject;
+use nextview_evidence::known_object::KnownObject;
 use rayon::prelude::*;
 use std::error::Error;
 use std::path::Path;

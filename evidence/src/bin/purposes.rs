@@ -1,6 +1,6 @@
 //! Views for a purpose: the needs of each purpose of a scan, and the results of planners and goals.
 //!
-//!     cargo run --release -p nextview-benchmarks --bin purposes -- MESH ...
+//!     cargo run --release -p nextview-evidence --bin purposes -- MESH ...
 //!
 //! Twelve views of each mesh at its true size by a D435i, with its noise and right poses. The table is found,
 //! the box grows, and no scan ends before its last view unless nothing is left to gain. Prints a table with
@@ -10,8 +10,8 @@
 
 use nextview::session::Decision;
 use nextview::surface::LooksGoal;
-use nextview_benchmarks::needs::{Needs, TrueObject};
 use nextview_campaign::statistics::Interval;
+use nextview_evidence::needs::{Needs, TrueObject};
 use nextview_scan::{BoxRule, PlannerName, ScanConfig, SensorName, SimulatedObject, TableRule};
 use std::error::Error;
 
