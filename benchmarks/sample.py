@@ -155,13 +155,12 @@ def share_of_clairvoyant(out):
 
 
 COVERAGE = mean_percent("voxel_coverage")
-# The pages of the headline campaign with their settings.
-HEADLINE = {"5mm": "5mm", "5mm-even-views": "5mm", "5mm-table-noise": "5mm-table-noise"}
-SIX = [setting for setting in settings.SETTINGS if setting not in HEADLINE.values()]
+HEADLINE = ["5mm", "5mm-table-noise"]
+SIX = [setting for setting in settings.SETTINGS if setting not in HEADLINE]
 VOXELS = by_object("## Voxel coverage by object")
 TABLES = [
-    *(Table(f"headline-{page}", f"planner/headline-{page}.md", VOXELS, in_folder("headline", setting), COVERAGE)
-      for page, setting in HEADLINE.items()),
+    *(Table(f"headline-{setting}", f"planner/headline-{setting}.md", VOXELS, in_folder("headline", setting), COVERAGE)
+      for setting in HEADLINE),
     *(Table(f"settings-{setting}", "planner/settings.md", lowest(f"\n## {setting}\n", "|  | skill | lowest |", 2),
             in_folder("all", setting), skill)
       for setting in settings.SETTINGS),

@@ -103,22 +103,22 @@ impl View {
         matrix(py, &self.next.world_from_camera)
     }
 
-    /// Names of the robot's joints; None without a robot.
+    /// Names of the robot's joints; None if there is no robot.
     #[getter]
     fn joint_names(&self) -> Option<Vec<String>> {
         self.joints.as_ref().map(|(names, _)| names.clone())
     }
 
-    /// Joint values of the robot at each waypoint: N x joints, float64, radians or metres; None without a
-    /// robot.
+    /// Joint values of the robot at each waypoint: N x joints, float64, radians or metres; None if there is
+    /// no robot.
     #[getter]
     fn joint_values<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyArray2<f64>>>> {
         let values = self.joints.as_ref().map(|(_, values)| PyArray2::from_vec2(py, values));
         values.transpose().map_err(|error| internal_error(py, &error.to_string()))
     }
 
-    /// The turntable angle for the view in degrees, 0 to 360, counter-clockwise seen from above; None without
-    /// a turntable.
+    /// The turntable angle for the view in degrees, 0 to 360, counter-clockwise seen from above; None if
+    /// there is no turntable.
     #[getter]
     fn turntable_angle_deg(&self) -> Option<f64> {
         self.turntable_angle_deg
@@ -155,13 +155,13 @@ impl View {
         Some(self.next.outlook.as_ref()?.n_unseen)
     }
 
-    /// Estimated share, 0 to 1, of the visible surface seen before this view; None without an estimate.
+    /// Estimated share, 0 to 1, of the visible surface seen before this view; None if there is no estimate.
     #[getter]
     fn estimated_completeness(&self) -> Option<f64> {
         Some(self.next.outlook.as_ref()?.completeness())
     }
 
-    /// Estimated completeness after this view and each expected later view, as a list; None without an
+    /// Estimated completeness after this view and each expected later view, as a list; None if there is no
     /// estimate.
     #[getter]
     fn forecast_completeness(&self) -> Option<Vec<f64>> {

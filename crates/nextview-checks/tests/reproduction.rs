@@ -240,28 +240,18 @@ fn the_default_planner_is_said_to_be_what_was_measured() {
     }
 }
 
-/// The reports of the campaigns at the beginning of README.md and docs/results.md, by setting. All around,
-/// even views were run apart.
-const HEADLINE: [&[&str]; 2] = [
-    &[
-        include_str!("../../../docs/planner/headline-5mm.md"),
-        include_str!("../../../docs/planner/headline-5mm-even-views.md"),
-    ],
-    &[include_str!("../../../docs/planner/headline-5mm-table-noise.md")],
+/// The reports of the campaigns at the beginning of README.md and docs/results.md.
+const HEADLINE: [&str; 2] = [
+    include_str!("../../../docs/planner/headline-5mm.md"),
+    include_str!("../../../docs/planner/headline-5mm-table-noise.md"),
 ];
-
-/// The rows of a setting's tables with this head, the first of each report after this heading.
-fn headline(setting: usize, heading: &str, head: &str) -> BTreeMap<&'static str, Vec<&'static str>> {
-    let of = |report: &&'static str| rows(report.split_once(heading).unwrap().1, head);
-    HEADLINE[setting].iter().flat_map(of).collect()
-}
 
 #[test]
 fn the_readme_says_what_was_measured() {
     let readme = rows(README, "| planner | views to 95 %, all around |");
     assert!(["random", "even-views"].iter().all(|name| readme.contains_key(name)));
-    let until = headline(0, "", "| variant | 90 % | 95 % | 99 % |");
-    let reached = [0, 1].map(|setting| headline(setting, "", "| variant | objects | voxel coverage, % |"));
+    let until = rows(HEADLINE[0], "| variant | 90 % | 95 % | 99 % |");
+    let reached = HEADLINE.map(|report| rows(report, "| variant | objects | voxel coverage, % |"));
     let reality = rows(include_str!("../../../docs/reality.md"), "| | skill, mean | lowest |");
     for (name, said) in readme {
         let said: Vec<_> = said.iter().map(|cell| cell.trim_matches('*')).collect();
@@ -278,11 +268,12 @@ fn the_readme_says_what_was_measured() {
 fn the_first_tables_are_those_of_the_campaigns() {
     let results = rows(RESULTS, "| planner | 5 mm, all around | lowest |");
     let (_, mut page) = PLANNER.split_once("## Beside other planners").unwrap();
-    for setting in [0, 1] {
-        let reached = headline(setting, "", "| variant | objects | voxel coverage, % |");
-        let worst = headline(setting, "The worst object", "| variant | voxel coverage, % |");
-        let until = headline(setting, "", "| variant | 90 % | 95 % | 99 % |");
-        let has = headline(setting, "", "| variant | precision of the map, % |");
+    for (setting, report) in HEADLINE.into_iter().enumerate() {
+        let reached = rows(report, "| variant | objects | voxel coverage, % |");
+        let (_, worst) = report.split_once("The worst object").unwrap();
+        let worst = rows(worst, "| variant | voxel coverage, % |");
+        let until = rows(report, "| variant | 90 % | 95 % | 99 % |");
+        let has = rows(report, "| variant | precision of the map, % |");
         let said = rows(page, "| | skill | median | lowest |");
         page = page.split_once("| | skill | median | lowest |").unwrap().1;
         assert!(said.len() >= 7 && said.len() == results.len());

@@ -80,8 +80,8 @@ impl RecordedFrame {
         self.color.is_some()
     }
 
-    /// Loads the colour image, of the size of the depth image; `None` without one. As with the depth, this
-    /// fails only if a file has changed since the recording was opened.
+    /// Loads the colour image, of the size of the depth image; `None` if there is none. As with the depth,
+    /// this fails only if a file has changed since the recording was opened.
     pub fn load_color(&self) -> Result<Option<ColorImage>, RecordingError> {
         let color = match &self.color {
             None => return Ok(None),

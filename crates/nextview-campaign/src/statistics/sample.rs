@@ -34,12 +34,12 @@ impl Sample {
         self.objects.iter().filter_map(|values| mean(values)).collect()
     }
 
-    /// Returns the mean over objects; `None` without objects.
+    /// Returns the mean over objects; `None` if there are no objects.
     pub fn mean(&self) -> Option<f64> {
         mean(&self.object_means())
     }
 
-    /// Returns the median over objects; `None` without objects.
+    /// Returns the median over objects; `None` if there are no objects.
     pub fn median(&self) -> Option<f64> {
         percentile(&self.object_means(), 0.5)
     }
@@ -70,7 +70,7 @@ impl Sample {
         Interval::by_bootstrap(n, resampled)
     }
 
-    /// Tests whether the means of the objects lie around 0; `None` without objects.
+    /// Tests whether the means of the objects lie around 0; `None` if there are no objects.
     pub fn signed_rank(&self) -> Option<SignedRank> {
         signed_rank(&self.object_means())
     }
@@ -231,7 +231,7 @@ impl PairedSample {
         })
     }
 
-    /// Returns the mean of B divided by that of A; `None` without objects or if it is not a number.
+    /// Returns the mean of B divided by that of A; `None` if there are no objects or if it is not a number.
     pub fn ratio(&self) -> Option<f64> {
         Some(mean(&self.of_b())? / mean(&self.of_a())?).filter(|ratio| ratio.is_finite())
     }
@@ -255,7 +255,7 @@ impl PairedSample {
         })
     }
 
-    /// Tests whether the differences of the objects lie around 0; `None` without objects.
+    /// Tests whether the differences of the objects lie around 0; `None` if there are no objects.
     pub fn signed_rank(&self) -> Option<SignedRank> {
         signed_rank(&self.differences())
     }

@@ -19,8 +19,8 @@ pub struct SignedRank {
     pub n_different: usize,
 }
 
-/// Tests whether differences lie around 0; `None` without differences. Equal absolute values share their mean
-/// rank.
+/// Tests whether differences lie around 0; `None` if there are no differences. Equal absolute values share
+/// their mean rank.
 ///
 /// Ranks do not depend on the size of extreme values: a skill of -8 counts as the largest of all differences,
 /// not as ten of them.

@@ -11,7 +11,7 @@ use std::collections::BTreeMap;
 pub struct ViewPicture {
     /// The depth image, shown as a thumbnail.
     pub depth: DepthImage,
-    /// The colour image, of the same size; `None` without colours.
+    /// The colour image, of the same size; `None` if there are no colours.
     pub color: Option<ColorImage>,
     /// The measured points that no earlier mapped frame saw, world frame, metres; empty if the frame is not
     /// in the map.

@@ -15,11 +15,11 @@ pub(crate) struct ScanCopy {
     pub step_idxs: Vec<usize>,
     /// The frames of the model: first those of the scan before the object was turned, then those in the map.
     pub model_frames: Vec<Frame>,
-    /// The colours of the frames of the earlier scan; `None` without colours.
+    /// The colours of the frames of the earlier scan; `None` if there are no colours.
     pub earlier_colors: Vec<Option<ColorImage>>,
     /// Step and frame for each frame that could not be aligned.
     pub set_aside: Vec<(usize, Frame)>,
-    /// By step; `None` without colours.
+    /// By step; `None` if there are no colours.
     pub colors: Vec<Option<ColorImage>>,
     /// By step, from the previous view.
     pub trajectories: Vec<Trajectory>,

@@ -103,7 +103,7 @@ fn filled(share: f64) -> Row {
     ("filled in", format!("{} of the mesh, which is watertight", percent(share)))
 }
 
-/// F-scores and Chamfer distance; `None` without baselines.
+/// F-scores and Chamfer distance; `None` if there are no baselines.
 fn score_phrase(quality: QualityMm) -> Option<String> {
     let at = [quality.f_score_1mm?, quality.f_score_2mm?, quality.f_score_5mm?].map(percent);
     Some(format!(
@@ -127,8 +127,8 @@ fn alignment(record: &ScanRecord) -> Option<Row> {
     (moved > 0.0 || turned > 0.0).then_some(("model aligned", phrase))
 }
 
-/// The number of frames that registration could use, and the others with the reason; `None` without
-/// registration.
+/// The number of frames that registration could use, and the others with the reason; `None` if registration
+/// is off.
 fn registered(record: &ScanRecord) -> Option<Row> {
     let n_aside = record.frames_set_aside?;
     let n_used = record.steps.len().saturating_sub(n_aside);

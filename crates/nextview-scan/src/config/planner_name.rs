@@ -77,7 +77,7 @@ pub struct PlannerConfigs {
     pub batch: BatchConfig,
     /// Parameters of NBV-Net.
     pub nbv_net: NbvNetConfig,
-    /// Parameters of the planner inspection; `None` without a CAD model.
+    /// Parameters of the planner inspection; `None` if there is no CAD model.
     pub reference: Option<ReferenceConfig>,
 }
 

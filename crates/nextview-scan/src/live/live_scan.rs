@@ -232,13 +232,13 @@ impl LiveScan {
         session.legs_after(view, n_views)?.into_iter().map(record).collect()
     }
 
-    /// The motion of the robot to a requested view; `None` without a robot.
+    /// The motion of the robot to a requested view; `None` if there is no robot.
     pub fn joints_to(&self, view: &NextView) -> Option<&JointTrajectory> {
         self.run.joints_to(view)
     }
 
-    /// The angle of the [turntable](crate::TurntableConfig) for a view in degrees, 0 to 360; `None` without a
-    /// turntable.
+    /// The angle of the [turntable](crate::TurntableConfig) for a view in degrees, 0 to 360; `None` if there
+    /// is no turntable.
     pub fn turntable_angle_deg(&self, world_from_camera: &Pose) -> Option<f64> {
         self.config.turntable.map(|turntable| turntable.angle_deg(world_from_camera))
     }

@@ -17,8 +17,8 @@ impl ScanRecord {
         serde_json::from_str(&text).map_err(|error| Fault::data(error).in_file(&path))
     }
 
-    /// The table in the model, as last known; `None` without one, or if the model combines two placements and
-    /// shows only the object.
+    /// The table in the model, as last known; `None` if there is none, or if the model combines two
+    /// placements and shows only the object.
     pub fn table(&self) -> Option<Plane> {
         if self.turn.is_some_and(|turn| turn.is_known()) {
             return None;

@@ -26,7 +26,7 @@ pub struct ScanRecord {
     /// Seed of the errors of depths and poses; `None` if the camera is exact or real.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub noise_seed: Option<u64>,
-    /// Seed of the random views of `random_curve`; `None` without baselines.
+    /// Seed of the random views of `random_curve`; `None` if there are no baselines.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub baseline_seed: Option<u64>,
     /// Why the scan ended; `None` while it is in progress.
@@ -39,22 +39,22 @@ pub struct ScanRecord {
     /// Number of views taken: the length of `steps`.
     pub views: usize,
     /// Number of views with frames that registration set aside for good: they are in neither map nor model.
-    /// `None` without registration.
+    /// `None` if registration is off.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub frames_set_aside: Option<usize>,
-    /// How the object was turned since the previous scan; `None` without one.
+    /// How the object was turned since the previous scan; `None` if there is none.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub turn: Option<TurnRecord>,
-    /// The placement that exposes most of the hidden surface; `None` without a table, or if it exposes hardly
-    /// anything.
+    /// The placement that exposes most of the hidden surface; `None` if there is no table, or if it exposes
+    /// hardly anything.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub next_placement: Option<PlacementRecord>,
 
     /// Voxels that contain some of the true surface; `None` if the true object is unknown.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub object_voxels: Option<usize>,
-    /// Object voxels that any candidate sees; this and the next four `None` without baselines. For a
-    /// recording with known truth: surface samples that any frame shows.
+    /// Object voxels that any candidate sees; this and the next four are `None` if there are no baselines.
+    /// For a recording with known truth: surface samples that any frame shows.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub reachable_voxels: Option<usize>,
     /// Share, 0..=1, of the reachable surface seen at the end.
@@ -78,7 +78,7 @@ pub struct ScanRecord {
     pub skill: Option<f64>,
 
     /// Mean of `reachable_coverage` over the maximum number of views, 0..=1; after an early end, the last
-    /// value stays. This and the next two `None` without baselines.
+    /// value stays. This and the next two are `None` if there are no baselines.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub coverage_auc_views: Option<f64>,
     /// Mean of `reachable_coverage` over a robot's moving and sensing time up to `coverage_auc_horizon_s`,
@@ -89,7 +89,7 @@ pub struct ScanRecord {
     #[serde(skip_serializing_if = "Option::is_none")]
     pub coverage_auc_horizon_s: Option<f64>,
 
-    /// Whether the object's box was known or grew; this and the next two `None` without a configuration that
+    /// Whether the object's box was known or grew; this and the next two are `None` if no configuration
     /// states it.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub box_rule: Option<BoxRule>,
@@ -115,7 +115,7 @@ pub struct ScanRecord {
     pub trajectory_time_s: f64,
 
     /// Rigid motion of the model before measuring, true world from mapped world: the translation. The
-    /// identity if the first pose is right; this and the next three `None` if no model was measured.
+    /// identity if the first pose is right; this and the next three are `None` if no model was measured.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub alignment_translation_m: Option<[f64; 3]>,
     /// Its rotation, scalar last.
@@ -128,7 +128,7 @@ pub struct ScanRecord {
     #[serde(skip_serializing_if = "Option::is_none")]
     pub alignment_turned_deg: Option<f64>,
     /// Mean distance from the points of the final cloud to the true surface; this and the following cloud
-    /// entries `None` if the truth is unknown or the cloud contains nothing of the object.
+    /// entries are `None` if the truth is unknown or the cloud contains nothing of the object.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub cloud_accuracy_mean_mm: Option<f64>,
     /// Median of these distances.
@@ -159,7 +159,7 @@ pub struct ScanRecord {
     #[serde(skip_serializing_if = "Option::is_none")]
     pub cloud_completeness_mean_mm: Option<f64>,
     /// Share, 0..=1, of the reachable surface with a point of the cloud within 1 mm; this and the following
-    /// cloud entries `None` without baselines.
+    /// cloud entries are `None` if there are no baselines.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub cloud_recall_1mm: Option<f64>,
     /// As `cloud_recall_1mm`, but within 2 mm.
@@ -299,7 +299,7 @@ impl ScanRecord {
             .filter(move |step| step.registration_set_aside == Some(true) && !is_recovered(step.step))
     }
 
-    /// Share of the reachable surface seen after each view; `None` without baselines.
+    /// Share of the reachable surface seen after each view; `None` if there are no baselines.
     pub fn reachable_coverage_curve(&self) -> Option<Vec<f64>> {
         self.steps.iter().map(|step| step.reachable_coverage).collect()
     }

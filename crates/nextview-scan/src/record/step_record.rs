@@ -25,10 +25,10 @@ pub struct StepRecord {
     /// Rotation of the camera, world from camera, with the scalar last.
     pub quaternion_xyzw: [f64; 4],
 
-    /// Joint values of the robot, radians or metres; `None` without a robot.
+    /// Joint values of the robot, radians or metres; `None` if there is no robot.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub joint_values: Option<Vec<f64>>,
-    /// The angle of a turntable, 0 to 360, counter-clockwise seen from above; `None` without one.
+    /// The angle of a turntable, 0 to 360, counter-clockwise seen from above; `None` if there is none.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub turntable_angle_deg: Option<f64>,
 
@@ -66,7 +66,7 @@ pub struct StepRecord {
     /// See `box_min_m`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub box_max_m: Option<[f64; 3]>,
-    /// The table: unit normal `n` and offset `d` of the plane `n . p = d`; `None` without one.
+    /// The table: unit normal `n` and offset `d` of the plane `n . p = d`; `None` if there is none.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub table_normal: Option<[f64; 3]>,
     /// See `table_normal`.
@@ -93,11 +93,11 @@ pub struct StepRecord {
     pub entropy_share: f64,
 
     /// Share, 0..=1, of the voxels with measured surface that meet the accuracy goal and have all looks;
-    /// `None` without such goals.
+    /// `None` if there are no such goals.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub share_at_goal: Option<f64>,
 
-    /// Whether the frame was aligned; this and the next nine `None` without registration.
+    /// Whether the frame was aligned; this and the next nine are `None` if registration is off.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub registration_accepted: Option<bool>,
     /// `aligned`, or why the given pose was kept, in part (`sliding`) or entirely.
@@ -141,8 +141,8 @@ pub struct StepRecord {
     /// Share, 0..=1, of the occupied voxels that are object voxels; `None` if no voxel is occupied.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub map_precision: Option<f64>,
-    /// Share, 0..=1, of the reachable object voxels that are occupied; this and the next `None` without
-    /// baselines.
+    /// Share, 0..=1, of the reachable object voxels that are occupied; this and the next are `None` if there
+    /// are no baselines.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub map_recall: Option<f64>,
     /// Occupied reachable object voxels over the sum of all reachable object voxels and `false_voxels`,
@@ -150,7 +150,7 @@ pub struct StepRecord {
     #[serde(skip_serializing_if = "Option::is_none")]
     pub map_iou: Option<f64>,
     /// Share, 0..=1, of the reachable surface that was seen: object voxels truly seen over those that any
-    /// candidate sees; `None` without baselines.
+    /// candidate sees; `None` if there are no baselines.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub reachable_coverage: Option<f64>,
     /// Share, 0..=1, of the true surface with a measured point within 1 mm.

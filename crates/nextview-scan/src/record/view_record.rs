@@ -18,7 +18,7 @@ pub struct ViewRecord {
     /// Pose of the camera: the rows of the 4 x 4 matrix that takes points from camera to world in metres. The
     /// camera looks along z, with y downwards.
     pub world_from_camera: [[f64; 4]; 4],
-    /// The turntable angle for the view, 0 to 360, counter-clockwise seen from above; `None` without a
+    /// The turntable angle for the view, 0 to 360, counter-clockwise seen from above; `None` if there is no
     /// turntable.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub turntable_angle_deg: Option<f64>,
@@ -49,7 +49,7 @@ pub struct ViewRecord {
     pub trajectory_length_m: f64,
     /// Time that a robot would take for the trajectory.
     pub trajectory_time_s: f64,
-    /// Names of the robot's joints; `None` without a robot.
+    /// Names of the robot's joints; `None` if there is no robot.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub joint_names: Option<Vec<String>>,
     /// The waypoints of the trajectory.
@@ -67,7 +67,7 @@ pub struct WaypointRecord {
     pub position_m: [f64; 3],
     /// Rotation of the camera, world from camera, with the scalar last.
     pub quaternion_xyzw: [f64; 4],
-    /// Joint values of the robot, radians or metres; `None` without a robot.
+    /// Joint values of the robot, radians or metres; `None` if there is no robot.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub joint_values: Option<Vec<f64>>,
 }

@@ -28,7 +28,7 @@ pub struct FinishedScan<'a> {
     pub(crate) stated: Stated,
     /// The trajectory from the preceding view to each view.
     pub trajectories: Vec<Trajectory>,
-    /// By step, the motion of the robot to its view; `None` without a robot, or if the frame was not
+    /// By step, the motion of the robot to its view; `None` if there is no robot, or if the frame was not
     /// requested.
     pub joint_trajectories: Vec<Option<JointTrajectory>>,
     /// The views.
@@ -134,7 +134,7 @@ impl FinishedScan<'_> {
     }
 
     /// The colours of a frame of the model by index, given the number of frames of the previous scan; `None`
-    /// without colours.
+    /// if there are no colours.
     pub fn model_color(&self, i: usize, n_earlier: usize) -> Result<Option<ColorImage>, Fault> {
         match (i.checked_sub(n_earlier), &self.earlier) {
             (Some(now), _) => self.color(self.session.frame_numbers()[now]),

@@ -367,7 +367,7 @@ impl<'a> ScanRun<'a> {
         }
     }
 
-    /// The motion of the robot to a requested view; `None` without a robot.
+    /// The motion of the robot to a requested view; `None` if there is no robot.
     pub(crate) fn joints_to(&self, view: &NextView) -> Option<&JointTrajectory> {
         self.asked.as_ref().filter(|asked| asked.next == *view)?.joints.as_ref()
     }

@@ -34,7 +34,7 @@ pub trait FrameSource: Send + Sync {
     /// The evaluator of a run with this configuration; `None` if there is nothing to add to its records.
     fn evaluator(&self, config: &ScanConfig) -> Option<Box<dyn Evaluator + '_>>;
 
-    /// The colour image of a view's frame; `None` without one.
+    /// The colour image of a view's frame; `None` if there is none.
     fn color(&self, view: Option<usize>) -> Result<Option<ColorImage>, Fault>;
 
     /// The object's box in metres, as a session may have found it; `None` if unknown.

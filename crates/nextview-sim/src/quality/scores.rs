@@ -32,8 +32,8 @@ impl Quality {
         Some(self.reachable?.within)
     }
 
-    /// Returns the harmonic mean of precision and recall, 0..=1, for each of the [`TOLERANCES`]; `None`
-    /// without recall.
+    /// Returns the harmonic mean of precision and recall, 0..=1, for each of the [`TOLERANCES`]; `None` if
+    /// there is no recall.
     pub fn f_score(&self) -> Option<[f64; 3]> {
         let recall = self.recall()?;
         Some(std::array::from_fn(|i| harmonic_mean(self.precision[i], recall[i])))

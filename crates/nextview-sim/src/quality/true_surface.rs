@@ -47,13 +47,13 @@ impl TrueSurface {
         &self.samples
     }
 
-    /// Returns the quality of a cloud of finite points; `None` without points.
+    /// Returns the quality of a cloud of finite points; `None` if there are no points.
     pub fn of_points(&self, points: &[DVec3], reachable: Option<&ReachableSurface>) -> Option<Quality> {
         self.quality(points, &SurfaceDistance::to_points(points)?, reachable)
     }
 
     /// Returns the quality of a mesh of finite vertices, whose points are the vertices of its triangles.
-    /// `None` without triangles of positive size.
+    /// `None` if there are no triangles of positive size.
     pub fn of_mesh(&self, mesh: &SurfaceMesh, reachable: Option<&ReachableSurface>) -> Option<Quality> {
         let model = TriangleMesh::new(mesh.vertices.clone(), mesh.triangles.clone()).ok()?;
         let mut is_used = vec![false; mesh.vertices.len()];
@@ -63,7 +63,7 @@ impl TrueSurface {
         self.quality(&vertices, &SurfaceDistance::new(&model), reachable)
     }
 
-    /// The quality of a model with these points and this surface; `None` without points.
+    /// The quality of a model with these points and this surface; `None` if there are no points.
     fn quality(
         &self,
         points: &[DVec3],

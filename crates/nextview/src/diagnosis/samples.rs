@@ -74,7 +74,7 @@ pub(super) fn fit(frames: &[Samples], reading: Option<Reading>, bounds: Option<A
     meeting(frames, reading, CELL * depth) + shown
 }
 
-/// The median depth of all samples, metres; `None` without samples.
+/// The median depth of all samples, metres; `None` if there are no samples.
 fn median_depth(frames: &[Samples], reading: Option<Reading>) -> Option<f64> {
     let depth = |point: &DVec3| reading.map_or(*point, |reading| reading.point(*point)).z;
     let mut depths: Vec<f64> = frames.iter().flat_map(|frame| &frame.points).map(depth).collect();

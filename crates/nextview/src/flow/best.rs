@@ -81,7 +81,7 @@ impl BestSets {
         Ok(())
     }
 
-    /// Returns the largest quality offered for an item; `None` without an offer.
+    /// Returns the largest quality offered for an item; `None` if there is no offer.
     pub fn quality(&self, item: usize) -> Option<f64> {
         Some(self.quality[item]).filter(|&quality| quality > 0.0)
     }

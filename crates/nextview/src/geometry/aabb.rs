@@ -37,7 +37,7 @@ impl Aabb {
         Self { min: center - DVec3::splat(half), max: center + DVec3::splat(half) }
     }
 
-    /// Returns the bounding box of the points; `None` without points.
+    /// Returns the bounding box of the points; `None` if there are no points.
     pub fn around(points: impl IntoIterator<Item = DVec3>) -> Option<Self> {
         points
             .into_iter()

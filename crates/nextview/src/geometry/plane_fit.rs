@@ -119,7 +119,7 @@ fn fit(
 }
 
 /// Returns the plane near this one that fits the points best, with an inlier distance that matches their
-/// noise; `None` without inliers.
+/// noise; `None` if there are no inliers.
 fn refined(points: &[DVec3], mut plane: Plane) -> Option<PlaneFit> {
     let mut deviation = None;
     for distance in (0..N_DISTANCES).map(|i| INLIER_DISTANCE * f64::from(1 << i)) {

@@ -50,7 +50,7 @@ impl Marks {
         self.cells.clear();
     }
 
-    /// Returns the marks of the brick with lowest voxel `first`; `None` without marks.
+    /// Returns the marks of the brick with lowest voxel `first`; `None` if there are no marks.
     #[inline(always)]
     fn brick(&mut self, voxels: &VoxelBlock, first: VoxelKey) -> Option<[u8; CELLS]> {
         const EDGE: usize = BRICK_EDGE as usize;

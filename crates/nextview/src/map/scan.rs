@@ -122,7 +122,7 @@ impl Scan {
         }
     }
 
-    /// Returns the box of all voxels that the rays may cross; `None` without rays.
+    /// Returns the box of all voxels that the rays may cross; `None` if there are no rays.
     pub fn reach(&self, origin: DVec3) -> Option<KeyBox> {
         let start = origin.floor().as_ivec3();
         let grow = |reach: KeyBox, end: &DVec3| reach.with(end.floor().as_ivec3());

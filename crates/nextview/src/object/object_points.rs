@@ -90,7 +90,7 @@ impl ObjectPoints {
         self.bounds_of(&self.object)
     }
 
-    /// Returns the bounding box of the points in these cells; `None` without cells.
+    /// Returns the bounding box of the points in these cells; `None` if there are no cells.
     pub fn bounds_of(&self, cells: &FxHashSet<IVec3>) -> Option<Aabb> {
         // The box does not depend on the order of the cells.
         Aabb::around(cells.iter().flat_map(|key| {
@@ -109,7 +109,7 @@ impl ObjectPoints {
         self.lattice.key(point)
     }
 
-    /// Returns the smallest distance of these cells from the object, metres; `None` without an object.
+    /// Returns the smallest distance of these cells from the object, metres; `None` if there is no object.
     pub fn gap_to_object(&self, cells: &FxHashSet<IVec3>) -> Option<f64> {
         let whole = self.bounds()?;
         let nearest = |nearest: f64, cell: &IVec3| {

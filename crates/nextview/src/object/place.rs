@@ -10,8 +10,8 @@ pub(crate) struct Place {
 }
 
 impl Place {
-    /// Returns the top of the table in each frame; `None` without a table, or before table and object are
-    /// found.
+    /// Returns the top of the table in each frame; `None` if there is no table, or before table and object
+    /// are found.
     pub fn table_tops(&self) -> Option<TableTops> {
         self.table.zip(self.bounds).map(|(table, object)| TableTops { table, object })
     }

@@ -253,12 +253,12 @@ impl<'a> Situation<'a> {
         self.are_frames_aligned
     }
 
-    /// How well surface was measured, and the required accuracy, metres; `None` without a goal.
+    /// How well surface was measured, and the required accuracy, metres; `None` if there is no goal.
     pub fn goal(&self) -> Option<(&'a MeasuredCells, f64)> {
         self.measured
     }
 
-    /// The looks at surface so far, and their goal; `None` without such a goal.
+    /// The looks at surface so far, and their goal; `None` if there is no such goal.
     pub fn looks(&self) -> Option<&'a SurfaceLooks> {
         self.looks
     }

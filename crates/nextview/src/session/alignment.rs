@@ -8,7 +8,7 @@ use crate::{Cancel, Cancelled, Error};
 /// the given poses disagree.
 #[derive(Clone, Debug)]
 pub(super) struct Alignment {
-    /// `None` without registration.
+    /// `None` if registration is off.
     known: Option<KnownSurface>,
     /// Whether frames are aligned, rather than only compared until the given poses prove wrong.
     is_active: bool,

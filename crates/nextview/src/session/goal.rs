@@ -42,7 +42,8 @@ pub(super) struct Quality {
 }
 
 impl Quality {
-    /// Returns the state before the first frame; `None` without a goal. The configuration must be checked.
+    /// Returns the state before the first frame; `None` if there is no goal. The configuration must be
+    /// checked.
     pub fn new(config: &SessionConfig) -> Result<Option<Self>, Error> {
         let &SessionConfig { goal, looks, surface_error, voxel_size, .. } = config;
         let errors = |goal| MeasuredCells::new(voxel_size, surface_error).map(|cells| (cells, goal));

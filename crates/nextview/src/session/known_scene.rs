@@ -18,7 +18,7 @@ pub(super) struct KnownScene {
     pub locator: Locator,
     pub map: ScanMap,
     pub alignment: Alignment,
-    /// `None` without goals.
+    /// `None` if there are no goals.
     pub quality: Option<Quality>,
     /// Whether the box that was found has too many voxels and was not adopted.
     pub is_box_too_large: bool,
@@ -31,9 +31,9 @@ pub(super) struct Added {
     pub report: MapReport,
     /// The object's location; `None` if unchanged.
     pub moved: Option<Location>,
-    /// The alignment of the frame; `None` without registration, and while no surface is known.
+    /// The alignment of the frame; `None` if registration is off, and while no surface is known.
     pub registration: Option<Registration>,
-    /// The share of measured cells that reach the goals; `None` without goals.
+    /// The share of measured cells that reach the goals; `None` if there are no goals.
     pub share_at_goal: Option<f64>,
     /// The numbers of the frames that were set aside before and entered the map with this one.
     pub recovered: Vec<usize>,

@@ -182,8 +182,8 @@ impl Session {
         Ok(self.report(taken, voxel_size, added))
     }
 
-    /// Aligns a frame to the surface known so far, without adding it. `None` without
-    /// [registration](crate::registration) and while no surface is known.
+    /// Aligns a frame to the surface known so far, without adding it. `None` if
+    /// [registration](crate::registration) is off, and while no surface is known.
     pub fn locate(&self, frame: &Frame) -> Result<Option<Registration>, Cancelled> {
         self.scene.register(frame, &self.cancel)
     }
@@ -276,13 +276,13 @@ impl Session {
         self.scene.map.place().bounds
     }
 
-    /// Returns the table under the object; `None` without one, or before it is found.
+    /// Returns the table under the object; `None` if there is none, or before it is found.
     pub fn table(&self) -> Option<Plane> {
         self.scene.map.place().table.map(|table| table.plane)
     }
 
-    /// Returns the top of the table in each frame; `None` without a table, or before table and object are
-    /// found.
+    /// Returns the top of the table in each frame; `None` if there is no table, or before table and object
+    /// are found.
     pub fn table_tops(&self) -> Option<TableTops> {
         self.scene.map.place().table_tops()
     }
@@ -360,7 +360,7 @@ impl Session {
     }
 
     /// Returns how the object was turned since the placement [before](Self::after), or why that is unknown;
-    /// `None` without one, and before the first frame.
+    /// `None` if there is none, and before the first frame.
     pub fn turn(&self) -> Option<Result<Turn, TurnRefusal>> {
         self.earlier.as_ref()?.turn
     }
@@ -374,7 +374,7 @@ impl Session {
         Ok(now.map(|now| earlier.iter().chain(now.frames()).cloned().collect()))
     }
 
-    /// Returns the placement that exposes most of the hidden surface; `None` without a table, before the
+    /// Returns the placement that exposes most of the hidden surface; `None` if there is no table, before the
     /// object is found, and if hardly any surface would be exposed.
     pub fn next_placement(&self) -> Option<NextPlacement> {
         next_placement(&self.snapshot()?, self.table()?)

@@ -16,7 +16,7 @@ pub struct StepReport {
     /// Camera pose used for the map: the corrected pose with registration, the given one if the frame was set
     /// aside.
     pub world_from_camera: Pose,
-    /// Result of the frame's alignment; `None` without registration, and for the first frame that shows the
+    /// Result of the frame's alignment; `None` if registration is off, and for the first frame that shows the
     /// object.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub registration: Option<Registration>,
@@ -49,11 +49,11 @@ pub struct StepReport {
     pub voxel_size: f64,
     /// The object's box after the frame; `None` if no object was found.
     pub bounds: Option<Aabb>,
-    /// The table under the object; `None` without one, or if none was found.
+    /// The table under the object; `None` if there is no table, or if it was not found.
     pub table: Option<Plane>,
     /// Share, 0..=1, of the voxels with measured surface that reach the goals for
-    /// [accuracy](super::SessionConfig::goal) and [looks](super::SessionConfig::looks); `None` without such
-    /// goals.
+    /// [accuracy](super::SessionConfig::goal) and [looks](super::SessionConfig::looks); `None` if there are
+    /// no such goals.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub share_at_goal: Option<f64>,
     /// The changes made to the map by the frame and the recovered ones.

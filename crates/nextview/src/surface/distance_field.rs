@@ -112,7 +112,7 @@ impl DistanceField {
     }
 
     /// As [`integrate`](Self::integrate), for an object on a table: measurements at or below `table_top`, in
-    /// world coordinates, only show that the rays up to there are free. `None` without a table.
+    /// world coordinates, only show that the rays up to there are free. `None` if there is no table.
     pub fn integrate_above(
         &mut self,
         frame: &Frame,

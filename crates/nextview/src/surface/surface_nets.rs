@@ -107,8 +107,8 @@ fn crosses(a: f64, b: f64) -> bool {
     (a < 0.0) != (b < 0.0)
 }
 
-/// Returns the mean of the crossings of a cell's edges, relative to its first corner in voxels; `None`
-/// without crossings.
+/// Returns the mean of the crossings of a cell's edges, relative to its first corner in voxels; `None` if
+/// there are none.
 fn vertex(corners: &[f64; 8]) -> Option<DVec3> {
     let (mut sum, mut n_crossings) = (DVec3::ZERO, 0);
     for from in 0..8 {

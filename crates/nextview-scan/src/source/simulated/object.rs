@@ -17,7 +17,7 @@ pub struct Object {
     /// Notes on the conversion of the file's numbers to metres if the unit was guessed, and on missing
     /// colours if the file's are broken.
     pub notes: Vec<String>,
-    /// How it was turned since the previous scan; `None` without one.
+    /// How it was turned since the previous scan; `None` if there is none.
     pub now_from_before: Option<Pose>,
 }
 
@@ -32,7 +32,7 @@ impl fmt::Display for Object {
 }
 
 impl Object {
-    /// Loads the configured mesh as it lies on its table.
+    /// Loads the configured mesh and places it on its table.
     pub fn load(config: &ScanConfig) -> Result<Self, Fault> {
         let object = match config.object.strip_prefix("builtin:") {
             Some(name) => Self::builtin(name, config),

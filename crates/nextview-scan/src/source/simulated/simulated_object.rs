@@ -55,7 +55,7 @@ impl SimulatedObject {
         Ok(Session::new(session_config, config.camera, self.session_views(config)?, planner)?)
     }
 
-    /// How it was turned since the previous scan; `None` without one.
+    /// How it was turned since the previous scan; `None` if there is none.
     pub(super) fn now_from_before(&self) -> Option<Pose> {
         self.object.now_from_before
     }
