@@ -51,7 +51,7 @@ impl<'a> Line<'a> {
 
     /// Parses the value of a field of this name.
     pub fn value<T: FromStr>(&self, name: impl Display, text: &str) -> Result<T, RecordingError> {
-        let kind = if T::from_str("0.5").is_ok() { "a number" } else { "a whole number from 0 on" };
+        let kind = if T::from_str("0.5").is_ok() { "a number" } else { "a whole number of at least 0" };
         text.parse().map_err(|_| self.error(format!("{name} is '{text}', expected {kind}")))
     }
 }

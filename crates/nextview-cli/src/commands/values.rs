@@ -65,7 +65,7 @@ pub(super) fn share(text: &str) -> Result<f64, String> {
 
 /// A whole number, at least 0.
 pub(super) fn count(text: &str) -> Result<usize, String> {
-    text.parse().map_err(|_| format!("'{text}' is not a whole number from 0 on"))
+    text.parse().map_err(|_| format!("'{text}' is not a whole number of at least 0"))
 }
 
 /// A seed: up to 2^63 - 1, the largest integer in a TOML file.

@@ -41,7 +41,7 @@ impl MotionConfig {
         check_range("speed_m_per_s", self.speed, limit.clone(), "0.001 to 100")?;
         check_range("acceleration_m_per_s2", self.acceleration, limit, "0.001 to 100")?;
         check_range("clearance_m", self.clearance, 0.0..=1e6, "0 to 1e6")?;
-        check_range("sensing_time_s", self.sensing_time, 0.0..=f64::MAX, "a number from 0 on")
+        check_range("sensing_time_s", self.sensing_time, 0.0..=f64::MAX, "a number of at least 0")
     }
 }
 
