@@ -7,7 +7,8 @@ pub use package::write_package;
 
 use fine::fine;
 use glam::DVec3;
-use nextview::surface::{CloudPoint, write_mesh};
+use nextview::surface::CloudPoint;
+use nextview_model::write_mesh;
 use nextview_sim::builtin;
 use nextview_sim::mesh::TriangleMesh;
 use std::error::Error;

@@ -1,7 +1,7 @@
-use super::Stage;
+use super::timed_stage::Stage;
 use crate::workload::{DEPTH_UNIT, N_IMAGES, Set, Workload, intrinsics};
 use nextview::map::Octree;
-use nextview::surface::write_mesh;
+use nextview_model::write_mesh;
 use nextview_recording::{decode_depth, encode_depth};
 use nextview_sim::mesh;
 use std::hint::black_box;

@@ -1,4 +1,4 @@
-use super::{Stage, Work, name_of};
+use super::timed_stage::{Stage, Work, name_of};
 use crate::workload::{N_IMAGES, Set, Workload, block, empty_map};
 use nextview::geometry::Aabb;
 use nextview::map::{Integration, RayRule};

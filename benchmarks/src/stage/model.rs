@@ -1,9 +1,9 @@
-use super::Stage;
+use super::timed_stage::Stage;
 use crate::workload::{BOX_EDGE, N_IMAGES, bounds};
 use nextview::Cancel;
 use nextview::geometry::Lattice;
 use nextview::sensor::Frame;
-use nextview::surface::DistanceField;
+use nextview_model::DistanceField;
 use std::hint::black_box;
 
 /// Edge of the model's cells, metres: the finest of a scan in the box.

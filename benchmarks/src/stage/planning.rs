@@ -1,4 +1,4 @@
-use super::{Stage, Work, name_of};
+use super::timed_stage::{Stage, Work, name_of};
 use crate::network::Network;
 use crate::workload::{N_IMAGES, Set, Workload, intrinsics, ray_spacing_of_image_grid};
 use nextview::Cancel;

@@ -1,4 +1,4 @@
-use super::{Stage, Work};
+use super::timed_stage::{Stage, Work};
 use crate::workload::{N_IMAGES, Workload, intrinsics};
 use nextview::sensor::Intrinsics;
 use nextview_sim::camera::{Background, SimulatedCamera};

@@ -1,11 +1,12 @@
-use super::Stage;
+use super::timed_stage::Stage;
 use nextview::Cancel;
 use nextview::geometry::Lattice;
 use nextview::planner::{MaxFlow, MaxFlowConfig};
 use nextview::sensor::Intrinsics;
 use nextview::session::{Decision, Session, SessionConfig};
-use nextview::surface::{DistanceField, downsample};
+use nextview::surface::downsample;
 use nextview::view::generate;
+use nextview_model::DistanceField;
 use nextview_sim::scene::Scene;
 use std::hint::black_box;
 

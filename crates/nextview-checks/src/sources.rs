@@ -77,21 +77,36 @@ impl Sources {
 
     fn walk(&self, module: usize, path: &[String], depth: usize) -> Option<Definition> {
         let Some((name, rest)) = path.split_first() else { return Some(Definition { module, item: None }) };
+        // The last name of a path may be both a function's and a module's, and then the function is meant.
+        if rest.is_empty()
+            && let Some(found) = self.item(module, name, depth)
+        {
+            return Some(found);
+        }
         let mut child = self.modules[module].path.clone();
         child.push(name.clone());
         if let Some(child) = self.module(&child) {
             return self.walk(child, rest, depth);
         }
-        if self.modules[module].defines(name) {
-            return Some(Definition { module, item: Some(name.clone()) });
-        }
-        let imports = &self.modules[module].imports;
-        let import = imports.iter().find(|import| import.name == *name)?;
-        let found = self.resolve_within(module, &import.path, depth + 1)?;
+        let found = self.item(module, name, depth).or_else(|| self.imported(module, name, depth))?;
         match found.item {
             None => self.walk(found.module, rest, depth + 1),
             Some(_) => Some(found), // `Type::function`
         }
+    }
+
+    /// Returns the item of this name that a module defines or imports.
+    fn item(&self, module: usize, name: &str, depth: usize) -> Option<Definition> {
+        if self.modules[module].defines(name) {
+            return Some(Definition { module, item: Some(name.to_owned()) });
+        }
+        self.imported(module, name, depth).filter(|found| found.item.is_some())
+    }
+
+    /// Returns the item or module of this name that a module imports.
+    fn imported(&self, module: usize, name: &str, depth: usize) -> Option<Definition> {
+        let import = self.modules[module].imports.iter().find(|import| import.name == name)?;
+        self.resolve_within(module, &import.path, depth + 1)
     }
 
     pub fn module(&self, path: &[String]) -> Option<usize> {

@@ -56,6 +56,18 @@ fn a_parent_that_only_re_exports_is_no_part_of_a_cycle() {
 }
 
 #[test]
+fn a_function_is_found_before_the_module_of_its_name() {
+    let files = [
+        ("lib.rs", "mod a;\n"),
+        ("a/mod.rs", "mod plan;\nmod run;\npub use plan::plan;\npub use run::Run;\n"),
+        ("a/plan.rs", "pub fn plan(run: &super::Run) {}\n"),
+        ("a/run.rs", "use super::plan;\npub struct Run;\nimpl Run { fn go(&self) { plan(self) } }\n"),
+    ];
+    let found = with("function", &files, import_cycles);
+    assert_eq!(found, ["a/plan.rs uses a/run.rs (super::Run)", "a/run.rs uses a/plan.rs (plan)"]);
+}
+
+#[test]
 fn upward_imports_are_found() {
     let files = [
         ("lib.rs", "mod low;\nmod high;\npub use low::Fault;\n"),

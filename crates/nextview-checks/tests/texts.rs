@@ -6,7 +6,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 /// The crates that front ends share.
-const LIBRARIES: [&str; 8] = [
+const LIBRARIES: [&str; 9] = [
     "nextview-scan",
     "nextview-campaign",
     "nextview-report",
@@ -14,6 +14,7 @@ const LIBRARIES: [&str; 8] = [
     "nextview-recording",
     "nextview-robot",
     "nextview-sim",
+    "nextview-model",
     "nextview",
 ];
 

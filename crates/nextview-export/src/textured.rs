@@ -3,7 +3,8 @@
 use crate::scanned::Scanned;
 use crate::view::View;
 use nextview::Cancel;
-use nextview::surface::{CloudPoint, Photo, texture_mesh, write_mtl, write_obj};
+use nextview::surface::CloudPoint;
+use nextview_model::{Photo, texture_mesh, write_mtl, write_obj};
 use nextview_recording::encode_color;
 use nextview_scan::Fault;
 

@@ -6,10 +6,8 @@ use nextview::Cancel;
 use nextview::geometry::{Aabb, Lattice, Plane};
 use nextview::object::{ON_TABLE, TableTops};
 use nextview::sensor::{ColorImage, Frame, SurfaceError};
-use nextview::surface::{
-    CloudPoint, DistanceField, Floor, MeasuredCells, SurfaceMesh, WatertightMesh, frame_points, fused_cloud,
-    take_nearest,
-};
+use nextview::surface::{CloudPoint, MeasuredCells, frame_points};
+use nextview_model::{DistanceField, Floor, SurfaceMesh, WatertightMesh, fused_cloud, take_nearest};
 
 /// Cloud and mesh, from the frames in their mapped poses.
 #[derive(Debug)]

@@ -66,7 +66,8 @@ pub enum Error {
 }
 
 impl Error {
-    pub(crate) fn invalid(name: &'static str, value: impl ToString, expected: &'static str) -> Self {
+    /// Returns [`InvalidParameter`](Self::InvalidParameter): the parameter's name, its value and what is accepted.
+    pub fn invalid(name: &'static str, value: impl ToString, expected: &'static str) -> Self {
         Self::InvalidParameter { name, value: value.to_string(), expected }
     }
 }

@@ -4,7 +4,7 @@
 //! Start with [`session::Session`]: it takes depth frames and decides on camera poses.
 //! [`session::SessionConfig`] sets the object's box and the voxel size, [`view::generate`] makes the view
 //! candidates, and a [`planner::ViewPlanner`] chooses among them: begin with [`planner::MostSurface`]. After
-//! the scan, [`surface`] makes a cloud and a mesh from the frames.
+//! the scan, the crate `nextview-model` makes a cloud and a mesh from the frames.
 //!
 //! # Your own camera
 //!

@@ -32,6 +32,7 @@ mod interrupt;
 #[cfg(test)]
 #[cfg(unix)]
 mod irregular;
+mod kept;
 #[cfg(test)]
 mod map_and_views;
 #[cfg(test)]

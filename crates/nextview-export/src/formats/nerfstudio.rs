@@ -5,7 +5,7 @@ use super::out::Out;
 use crate::masks::Masks;
 use crate::scanned::Scanned;
 use nextview::geometry::Pose;
-use nextview::surface::write_cloud;
+use nextview_model::write_cloud;
 use nextview_recording::{encode_color, encode_depth, encode_mask};
 use nextview_scan::{Fault, rows_of_pose};
 use serde_json::json;

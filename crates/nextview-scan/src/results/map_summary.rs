@@ -136,7 +136,7 @@ pub fn convert_map(from: &Path, to: &Path, rule: Overwrite) -> Result<(), Fault>
     files::write(to, &rule, |writer| match extension.as_str() {
         "ot" => Ok(octree.write_ot(writer)?),
         "bt" => Ok(octree.write_bt(writer)?),
-        _ => Ok(nextview::surface::write_points(writer, || occupied_centers(&octree, lattice))?),
+        _ => Ok(nextview_model::write_points(writer, || occupied_centers(&octree, lattice))?),
     })
 }
 

@@ -14,7 +14,7 @@ use crate::{Fault, FaultKind, Faults, ScanConfig, ScanJournal, ScanRecord, StepR
 use nextview::geometry::Pose;
 use nextview::map::Octree;
 use nextview::motion::Waypoint;
-use nextview::surface::{write_cloud, write_mesh};
+use nextview_model::{write_cloud, write_mesh};
 use std::io::Write;
 use std::path::{Path, PathBuf};
 

@@ -49,7 +49,7 @@ impl SavedModel {
 mod tests {
     use super::*;
     use glam::DVec3;
-    use nextview::surface::write_mesh;
+    use nextview_model::write_mesh;
 
     fn points() -> Vec<CloudPoint> {
         let point = |i: u8| CloudPoint {

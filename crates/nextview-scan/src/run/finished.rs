@@ -11,7 +11,7 @@ use nextview::motion::Trajectory;
 use nextview::object::{BOX_MARGIN_FACTOR, BOX_MARGIN_VOXELS, ON_TABLE, TableTops};
 use nextview::sensor::{ColorImage, Depth, Frame};
 use nextview::session::{Session, StopReason};
-use nextview::surface::{SurfaceMesh, WatertightMesh};
+use nextview_model::{SurfaceMesh, WatertightMesh};
 use nextview_robot::path::JointTrajectory;
 use std::borrow::Cow;
 

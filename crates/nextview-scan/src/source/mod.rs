@@ -18,7 +18,7 @@ use glam::DVec3;
 use nextview::geometry::Aabb;
 use nextview::sensor::{ColorImage, Frame};
 use nextview::session::{NextView, Session};
-use nextview::surface::SurfaceMesh;
+use nextview_model::SurfaceMesh;
 
 /// A camera that a run can drive itself: a simulated one, or the frames of a recording.
 ///

@@ -4,7 +4,7 @@ use glam::{DQuat, DVec3};
 use nextview::Cancel;
 use nextview::geometry::Pose;
 use nextview::session::StopConfig;
-use nextview::surface::SurfaceMesh;
+use nextview_model::SurfaceMesh;
 use nextview_scan::{
     Begin, BoxRule, FrameSource, Measured, NoiseConfig, NoiseModel, PlannerName, ScanConfig, ScanRecord,
     ScanRun, SimulatedObject, Simulation, TableRule, Truth,

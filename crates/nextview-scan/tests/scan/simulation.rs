@@ -7,7 +7,7 @@ use nextview::geometry::{Aabb, Pose};
 use nextview::registration::RegistrationMode;
 use nextview::sensor::{ColorImage, Frame};
 use nextview::session::{NextView, Session};
-use nextview::surface::SurfaceMesh;
+use nextview_model::SurfaceMesh;
 use nextview_scan::files::Overwrite;
 use nextview_scan::{
     Begin, Evaluator, Fault, Faults, FinishedScan, FrameSource, Measured, Next, NoiseModel, PlannerName,

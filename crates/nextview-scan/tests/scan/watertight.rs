@@ -2,7 +2,7 @@
 
 use crate::common::meshes;
 use glam::DVec3;
-use nextview::surface::SurfaceMesh;
+use nextview_model::SurfaceMesh;
 use nextview_scan::{
     Begin, BoxRule, FinalModel, Measured, ModelConfig, NoiseConfig, NoiseModel, ScanConfig, ScanRecord,
     ScanRun, SimulatedObject, Simulation, TableRule,

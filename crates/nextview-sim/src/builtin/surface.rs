@@ -3,7 +3,7 @@
 use crate::mesh::TriangleMesh;
 use glam::DVec3;
 use nextview::geometry::{Aabb, Lattice, VoxelBlock, VoxelKey};
-use nextview::surface::surface_nets;
+use nextview_model::surface_nets;
 
 /// Voxels per side of a part that is skipped if the surface is far from its middle.
 const PART: i32 = 4;

@@ -240,11 +240,11 @@ proptest! {
 fn a_mesh_of_ours_reads_back_with_its_colours() {
     let mesh = crate::builtin::by_name("mug").unwrap();
     let (vertices, triangles) = (mesh.vertices().to_vec(), mesh.triangles().to_vec());
-    let ours = nextview::surface::SurfaceMesh { vertices, triangles };
+    let ours = nextview_model::SurfaceMesh { vertices, triangles };
     let mut points = ours.points();
     points.iter_mut().enumerate().for_each(|(i, point)| point.color = Some([i as u8, 2, 3]));
     let mut bytes = Vec::new();
-    nextview::surface::write_mesh(&mut bytes, &points, None, &ours.triangles).unwrap();
+    nextview_model::write_mesh(&mut bytes, &points, None, &ours.triangles).unwrap();
     let folder = Folder::new("ours");
     let (read, _) = load(&folder.write("mesh.ply", bytes)).unwrap().to_metres(Unit::Metres).unwrap();
     let singles: Vec<_> = ours.vertices.iter().map(|vertex| vertex.as_vec3().as_dvec3()).collect();

@@ -3,7 +3,7 @@ use super::scores::{Completeness, Quality, TOLERANCES, share_within};
 use crate::accuracy::{Accuracy, SurfaceDistance};
 use crate::mesh::{TriangleMesh, surface_samples};
 use glam::DVec3;
-use nextview::surface::SurfaceMesh;
+use nextview_model::SurfaceMesh;
 use rayon::prelude::*;
 
 /// Maximum number of model points measured: an even selection gives mean and quantiles to a hundredth of
@@ -99,7 +99,7 @@ mod tests {
     use super::*;
     use crate::builtin;
     use nextview::geometry::{Aabb, Lattice};
-    use nextview::surface::surface_nets;
+    use nextview_model::surface_nets;
 
     /// A square of 0.2 m in the plane z = 0.
     fn square() -> TriangleMesh {

@@ -13,9 +13,10 @@ use nextview::sensor::{Frame, Intrinsics};
 use nextview::session::{
     Decision, MultiResolutionConfig, NextView, Session, SessionConfig, StepReport, StopReason, Views,
 };
-use nextview::surface::{DistanceField, downsample, fit_normals, take_nearest};
+use nextview::surface::{downsample, fit_normals};
 use nextview::view::{Reach, generate, look_at};
 use nextview::{Cancel, Cancelled};
+use nextview_model::{DistanceField, take_nearest};
 use nextview_sim::builtin;
 use nextview_sim::evaluator::ScanCamera;
 use nextview_sim::scene::Scene;

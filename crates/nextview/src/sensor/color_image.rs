@@ -1,3 +1,4 @@
+use super::DepthImage;
 use crate::Error;
 use std::sync::Arc;
 
@@ -26,6 +27,15 @@ impl ColorImage {
             return Err(Error::invalid(name, value, "as many pixels as its size says"));
         }
         Ok(Self { width, height, pixels: pixels.into() })
+    }
+
+    /// Fails unless the image is as large as the depth image.
+    pub fn check_fits(&self, depth: &DepthImage) -> Result<(), Error> {
+        if (self.width, self.height) == (depth.width(), depth.height()) {
+            return Ok(());
+        }
+        let value = format!("{} x {} pixels", self.width, self.height);
+        Err(Error::invalid("colour image", value, "the size of the depth image"))
     }
 
     /// Returns the width in pixels.

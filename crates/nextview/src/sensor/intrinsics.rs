@@ -144,7 +144,7 @@ impl Intrinsics {
     }
 
     /// Returns the maximum stretch by the lens; `None` if it folds within the image or just outside it.
-    pub(crate) fn stretch(&self) -> Option<Stretch> {
+    pub fn stretch(&self) -> Option<Stretch> {
         let last = DVec2::new(self.width as f64, self.height as f64) - 0.5;
         let farthest = (last - self.center).max(self.center + 0.5);
         // Slightly more than the image, whose corners a lens may move outwards.
@@ -162,8 +162,10 @@ impl Intrinsics {
 /// The maximum stretch by a lens: for two points of the plane z = 1 within this radius of the optical axis
 /// and visible in the image, the images on that plane are at most `factor` times as far apart as the points.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Stretch {
+pub struct Stretch {
+    /// Distance from the optical axis on the plane z = 1.
     pub radius: f64,
+    /// At least as large as the stretch anywhere within the radius; 1 without distortion.
     pub factor: f64,
 }
 

@@ -23,11 +23,11 @@ pub fn downsample(
     points: impl IntoIterator<Item = impl Into<CloudPoint>>,
     cell: f64,
 ) -> Result<Vec<CloudPoint>, Error> {
-    Ok(thinned(points, cell)?.map(|(point, _)| point).collect())
+    Ok(downsample_counted(points, cell)?.map(|(point, _)| point).collect())
 }
 
 /// As [`downsample`], with the number of points in each mean.
-pub(super) fn thinned(
+pub fn downsample_counted(
     points: impl IntoIterator<Item = impl Into<CloudPoint>>,
     cell: f64,
 ) -> Result<impl Iterator<Item = (CloudPoint, usize)>, Error> {

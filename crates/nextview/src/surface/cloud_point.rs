@@ -56,7 +56,7 @@ pub fn frame_points(
     color: Option<ColorImage>,
     bounds: Aabb,
 ) -> Result<impl Iterator<Item = CloudPoint>, Error> {
-    color.as_ref().map_or(Ok(()), |color| check_size(frame, color))?;
+    color.as_ref().map_or(Ok(()), |color| color.check_fits(frame.image()))?;
     let (width, planes) = (frame.image().width(), TangentPlanes::new(frame));
     let rotation = frame.world_from_camera().rotation_matrix();
     let rows = 0..frame.image().height();
@@ -68,16 +68,6 @@ pub fn frame_points(
         error: None,
     };
     Ok(pixels.map(point))
-}
-
-/// Fails unless the colour image is as large as the depth image.
-pub(super) fn check_size(frame: &Frame, color: &ColorImage) -> Result<(), Error> {
-    let size = (color.width(), color.height());
-    if size == (frame.image().width(), frame.image().height()) {
-        return Ok(());
-    }
-    let value = format!("{} x {} pixels", size.0, size.1);
-    Err(Error::invalid("colour image", value, "the size of the depth image"))
 }
 
 #[cfg(test)]

@@ -104,7 +104,7 @@ impl MeasuredCells {
 
     /// Returns the expected error of the mean over several cells, each with a weight, that hold the same
     /// surface, with this normal at this position; `None` if nothing was measured in any.
-    pub(super) fn error_of(&self, cells: &[(IVec3, f64)], position: DVec3, normal: DVec3) -> Option<f64> {
+    pub fn error_of(&self, cells: &[(IVec3, f64)], position: DVec3, normal: DVec3) -> Option<f64> {
         let cells = cells.iter().filter_map(|(key, weight)| Some((self.cells.get(key)?, weight)));
         let looks = cells.flat_map(|(cell, weight)| {
             cell.looks.iter().map(move |look| Look {

@@ -9,13 +9,13 @@ use rayon::prelude::*;
 const MIN_COSINE: f32 = 0.2;
 
 /// The plane that touches the surface at a pixel, in the camera frame.
-#[derive(Clone, Copy)]
-pub(super) struct TangentPlane {
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct TangentPlane {
     /// Unit normal, towards the camera.
     pub normal: Vec3,
-    /// `normal` times any point of the plane.
+    /// `normal` times any point of the plane, metres; negative.
     pub offset: f32,
-    /// Depth of the pixel.
+    /// Depth of the pixel, metres.
     pub depth: f32,
     /// Cosine between the normal and the direction to the camera.
     pub cosine: f32,
@@ -23,14 +23,15 @@ pub(super) struct TangentPlane {
 
 /// The tangent planes of a frame, computed on demand: few are needed, and a plane takes twice the memory of a
 /// point.
-pub(super) struct TangentPlanes {
+pub struct TangentPlanes {
     width: usize,
     /// The measured points in the camera frame, row by row; zero where nothing was measured.
     points: Vec<Vec3>,
 }
 
 impl TangentPlanes {
-    pub(super) fn new(frame: &Frame) -> Self {
+    /// Prepares the planes of a frame.
+    pub fn new(frame: &Frame) -> Self {
         let (image, intrinsics) = (frame.image(), frame.intrinsics());
         let point = |i: u32| {
             let (u, v) = (i % image.width(), i / image.width());
@@ -43,8 +44,9 @@ impl TangentPlanes {
         Self { width: image.width() as usize, points }
     }
 
-    /// Returns the plane at a pixel, counted row by row, if it has one.
-    pub(super) fn at(&self, pixel: usize) -> Option<TangentPlane> {
+    /// Returns the plane at a pixel, counted row by row; `None` if the pixel or its neighbours on an axis were
+    /// not measured, or if the surface is seen at less than 12 degrees.
+    pub fn at(&self, pixel: usize) -> Option<TangentPlane> {
         let point = self.point(pixel)?;
         let (u, stride) = (pixel % self.width, self.width);
         let left = if u > 0 { self.point(pixel - 1) } else { None };
@@ -55,8 +57,8 @@ impl TangentPlanes {
         TangentPlane::new(point, along_v.cross(along_u))
     }
 
-    /// Returns the point at a pixel; `None` if nothing was measured there.
-    pub(super) fn point(&self, pixel: usize) -> Option<Vec3> {
+    /// Returns the measured point at a pixel, counted row by row, in metres in the camera frame; `None` if nothing was measured there.
+    pub fn point(&self, pixel: usize) -> Option<Vec3> {
         self.points.get(pixel).copied().filter(|point| point.z > 0.0)
     }
 }

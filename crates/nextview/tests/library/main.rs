@@ -19,4 +19,3 @@ mod receding_horizon;
 mod schema;
 mod sensors;
 mod stop_rules;
-mod surface_model;

@@ -17,7 +17,7 @@ use nextview::planner::{
 use nextview::registration::{KnownSurface, RegistrationConfig, RegistrationMode};
 use nextview::sensor::{DepthImage, Frame, Intrinsics};
 use nextview::session::{Decision, Session, SessionConfig, Views};
-use nextview::surface::{CloudPoint, DistanceField, downsample, fit_normals, take_nearest};
+use nextview::surface::{CloudPoint, downsample, fit_normals};
 use nextview::view::{Reach, ViewSpace, generate, look_at};
 use nextview::visibility::{FreeSpace, RayCaster};
 use proptest::prelude::*;
@@ -226,14 +226,6 @@ proptest! {
         });
         if let Ok(mut cloud) = downsample(cloud, cell) {
             fit_normals(&mut cloud, cell, never).unwrap();
-            take_nearest(&mut cloud.clone(), &cloud, cell, never).unwrap();
-        }
-        let block = VoxelBlock::new(IVec3::splat(-4), UVec3::splat(8)).unwrap();
-        if let Ok(lattice) = Lattice::new(cell)
-            && let Ok(mut field) = DistanceField::new(lattice, block, 2.0 * cell)
-        {
-            field.integrate(&frame, never).unwrap();
-            let _ = field.surface(never).unwrap();
         }
         let mut known = KnownSurface::new(RegistrationConfig::enabled()).unwrap();
         let bounds = Aabb::cube(DVec3::ZERO, 0.1);

@@ -4,8 +4,8 @@ use super::candidate_gain::candidate_gains;
 use crate::scan::scan_copy::ScanCopy;
 use nextview::map::{Occupancy, Snapshot};
 use nextview::prior::{SurfaceEstimate, SurfacePrior, coarse_enough};
-use nextview::surface::{SurfaceMesh, surface_nets};
 use nextview::{Cancel, Error};
+use nextview_model::{SurfaceMesh, surface_nets};
 
 /// A shell around the unseen voxels that probably hold surface, and the expected gain of each candidate.
 pub(super) fn of_scan(scan: &ScanCopy) -> Result<(SurfaceMesh, Vec<f64>), Error> {

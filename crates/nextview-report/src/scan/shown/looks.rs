@@ -3,7 +3,8 @@
 use super::vertex::ShownVertex;
 use crate::scan::scan_copy::ScanCopy;
 use nextview::sensor::{ColorImage, Depth, Frame};
-use nextview::surface::{CloudPoint, SurfaceMesh};
+use nextview::surface::CloudPoint;
+use nextview_model::SurfaceMesh;
 
 /// Cosine of the flattest angle at which a frame shows a vertex.
 const FLATTEST: f64 = 0.1;

@@ -3,7 +3,7 @@ use super::{FusedFrames, expected, looks};
 use crate::scan::scan_copy::ScanCopy;
 use glam::DVec3;
 use nextview::geometry::Aabb;
-use nextview::surface::SurfaceMesh;
+use nextview_model::SurfaceMesh;
 use nextview_scan::FinishedScan;
 
 /// The measured surface of a scan, the expected surface in addition, and the expected gain of each view

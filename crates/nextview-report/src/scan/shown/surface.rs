@@ -4,7 +4,7 @@ use crate::scan::scan_copy::ScanCopy;
 use nextview::Cancel;
 use nextview::geometry::Lattice;
 use nextview::map::Occupancy;
-use nextview::surface::{DistanceField, SurfaceMesh};
+use nextview_model::{DistanceField, SurfaceMesh};
 
 /// Size of cells relative to those of the final model: larger ones close the gaps of single frames, and a
 /// picture of the whole object shows no smaller ones.

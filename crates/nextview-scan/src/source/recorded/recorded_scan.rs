@@ -18,8 +18,8 @@ use nextview::object::{BOX_MARGIN_FACTOR, BOX_MARGIN_VOXELS, ObjectBox, Table};
 use nextview::planner::ViewPlanner;
 use nextview::sensor::{ColorImage, Frame, SurfaceError};
 use nextview::session::{NextView, Session, SessionConfig};
-use nextview::surface::SurfaceMesh;
 use nextview::view::ViewSpace;
+use nextview_model::SurfaceMesh;
 use nextview_recording::{RecordedFrame, Recording, Skipped};
 use std::path::Path;
 

@@ -1,7 +1,7 @@
 use crate::{QualityMm, ScanRecord};
 use glam::DVec3;
 use nextview::geometry::Pose;
-use nextview::surface::SurfaceMesh;
+use nextview_model::SurfaceMesh;
 use nextview_sim::quality::{Quality, ReachableSurface, TrueSurface};
 
 /// Fills in the quality of a model after a rigid motion, true world from model.

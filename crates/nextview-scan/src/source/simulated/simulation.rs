@@ -7,7 +7,7 @@ use nextview::object::{BOX_MARGIN_FACTOR, BOX_MARGIN_VOXELS};
 use nextview::planner::ViewPlanner;
 use nextview::sensor::{ColorImage, Frame};
 use nextview::session::{NextView, Session};
-use nextview::surface::SurfaceMesh;
+use nextview_model::SurfaceMesh;
 use nextview_sim::baseline::Clairvoyant;
 use nextview_sim::evaluator::{self, Shown};
 use nextview_sim::quality::align;
