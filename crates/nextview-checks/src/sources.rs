@@ -77,30 +77,20 @@ impl Sources {
 
     fn walk(&self, module: usize, path: &[String], depth: usize) -> Option<Definition> {
         let Some((name, rest)) = path.split_first() else { return Some(Definition { module, item: None }) };
-        // The last name of a path may be both a function's and a module's, and then the function is meant.
-        if rest.is_empty()
-            && let Some(found) = self.item(module, name, depth)
-        {
-            return Some(found);
-        }
-        let mut child = self.modules[module].path.clone();
-        child.push(name.clone());
-        if let Some(child) = self.module(&child) {
+        let child = self.module(&[&self.modules[module].path[..], std::slice::from_ref(name)].concat());
+        if let (Some(child), false) = (child, rest.is_empty()) {
             return self.walk(child, rest, depth);
         }
-        let found = self.item(module, name, depth).or_else(|| self.imported(module, name, depth))?;
-        match found.item {
-            None => self.walk(found.module, rest, depth + 1),
-            Some(_) => Some(found), // `Type::function`
-        }
-    }
-
-    /// Returns the item of this name that a module defines or imports.
-    fn item(&self, module: usize, name: &str, depth: usize) -> Option<Definition> {
         if self.modules[module].defines(name) {
-            return Some(Definition { module, item: Some(name.to_owned()) });
+            return Some(Definition { module, item: Some(name.clone()) });
         }
-        self.imported(module, name, depth).filter(|found| found.item.is_some())
+        // The last name of a path may be both a function's and a module's, and then the function is meant.
+        match (self.imported(module, name, depth), child) {
+            (Some(found), _) if found.item.is_some() => Some(found), // also `Type::function`
+            (_, Some(child)) => self.walk(child, rest, depth),
+            (Some(found), None) => self.walk(found.module, rest, depth + 1),
+            (None, None) => None,
+        }
     }
 
     /// Returns the item or module of this name that a module imports.
