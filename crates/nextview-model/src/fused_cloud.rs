@@ -8,8 +8,9 @@ use rustc_hash::FxHashMap;
 /// Surfaces in neighbouring cells are the same if the cosine between their normals is above this.
 const SAME_SURFACE: f64 = 0.7;
 
-/// Fuses the points of all frames into one cloud: [thinned](nextview::surface::downsample) by cubes with edges of `cell`
-/// metres (at least 0.0001), with [fitted normals](fit_normals), and each point in the middle of the surface.
+/// Fuses the points of all frames into one cloud: [thinned](nextview::surface::downsample) by cubes with
+/// edges of `cell` metres (at least 0.0001), with [fitted normals](fit_normals), and each point in the middle
+/// of the surface.
 ///
 /// A noisy surface along the border of two cells leaves its outer points in one and its inner points in the
 /// other, and neither mean is on the surface. Each point therefore moves along its normal to the mean of the

@@ -66,7 +66,7 @@ pub enum Error {
 }
 
 impl Error {
-    /// Returns [`InvalidParameter`](Self::InvalidParameter): the parameter's name, its value and what is accepted.
+    /// Returns an [`InvalidParameter`](Self::InvalidParameter): a name, its value and what is accepted.
     pub fn invalid(name: &'static str, value: impl ToString, expected: &'static str) -> Self {
         Self::InvalidParameter { name, value: value.to_string(), expected }
     }

@@ -1,6 +1,6 @@
-//! Folders that a program of November 2026 wrote still open: `kept/interrupted`, a scan killed after its first
-//! frame; `kept/finished`, a finished scan; `kept/campaign`, two of four runs. Records may gain keys; what is
-//! kept here is never made anew.
+//! Folders that a program of November 2026 wrote still open: `kept/interrupted`, a scan killed after its
+//! first frame; `kept/finished`, a finished scan; `kept/campaign`, two of four runs. Records may gain keys;
+//! what is kept here is never made anew.
 
 use crate::common::Folder;
 use std::fs;
@@ -53,7 +53,8 @@ fn a_kept_scan_is_continued_with_the_object_turned() {
 fn a_kept_campaign_is_finished() {
     let folder = kept("kept-campaign");
     let before = folder.text("campaign/runs.jsonl");
-    folder.ok(&["bench", "campaign/spec.toml", "--out=campaign", "--resume"]);
+    let run = folder.run(&["bench", "campaign/spec.toml", "--out=campaign", "--resume"]);
+    assert_eq!(run.code, Some(0), "{}", run.stderr);
     let after = folder.text("campaign/runs.jsonl");
     assert!(after.starts_with(&before), "the kept runs are still there");
     assert_eq!(after.lines().count(), 4);

@@ -44,8 +44,8 @@ impl TangentPlanes {
         Self { width: image.width() as usize, points }
     }
 
-    /// Returns the plane at a pixel, counted row by row; `None` if the pixel or its neighbours on an axis were
-    /// not measured, or if the surface is seen at less than 12 degrees.
+    /// Returns the plane at a pixel, counted row by row; `None` if the pixel or its neighbours on an axis
+    /// were not measured, or if the surface is seen at less than 12 degrees.
     pub fn at(&self, pixel: usize) -> Option<TangentPlane> {
         let point = self.point(pixel)?;
         let (u, stride) = (pixel % self.width, self.width);
@@ -57,7 +57,8 @@ impl TangentPlanes {
         TangentPlane::new(point, along_v.cross(along_u))
     }
 
-    /// Returns the measured point at a pixel, counted row by row, in metres in the camera frame; `None` if nothing was measured there.
+    /// Returns the measured point at a pixel, counted row by row, in metres in the camera frame; `None` if
+    /// nothing was measured there.
     pub fn point(&self, pixel: usize) -> Option<Vec3> {
         self.points.get(pixel).copied().filter(|point| point.z > 0.0)
     }
