@@ -6,7 +6,7 @@ use nextview::sensor::Intrinsics;
 use nextview::session::{Decision, Session, SessionConfig};
 use nextview::view::{ViewSpace, generate};
 use nextview_sim::baseline::{RandomCurve, clairvoyant_curve, extended, skill};
-use nextview_sim::evaluator::{Evaluator, ScanCamera};
+use nextview_sim::evaluator::{Evaluator, capture};
 use nextview_sim::mesh::{self, Unit};
 use nextview_sim::scene::Scene;
 use nextview_sim::truth::{ObjectVoxels, TrueVisibility};
@@ -70,16 +70,15 @@ impl KnownObject {
         let config = SessionConfig { first_view, max_views, ..SessionConfig::new(Self::VOXEL_SIZE, bounds) };
         let sensing_time = config.motion.sensing_time;
         let mut session = Session::new(config, Intrinsics::d435i(), self.views.clone(), planner)?;
-        let (mut camera, mut evaluator) =
-            (ScanCamera::new(&self.scene), Evaluator::new(&self.scene, &self.voxels));
+        let mut evaluator = Evaluator::new(&self.scene, &self.voxels);
         let (mut steps, mut seconds) = (Vec::new(), 0.0);
         while !is_enough(&steps)
             && let Decision::Move(next) = session.decide()?
         {
             seconds += session.trajectory_to(&next.world_from_camera)?.duration() + sensing_time;
-            let (frame, shown) = camera.capture(&next)?;
+            let (frame, truth) = capture(&self.scene, &next.world_from_camera, steps.is_empty())?;
             let report = session.observe(&frame)?;
-            let measures = evaluator.measure(&session, &frame.with_pose(report.world_from_camera), shown);
+            let measures = evaluator.measure(&session, &frame.with_pose(report.world_from_camera), truth);
             let coverage = measures.n_seen as f64 / self.truth.n_reachable() as f64;
             steps.push(Step { seconds, coverage });
         }

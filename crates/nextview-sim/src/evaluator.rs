@@ -7,7 +7,7 @@ use crate::truth::{ObjectVoxels, VoxelScore};
 use fixedbitset::FixedBitSet;
 use nextview::geometry::Pose;
 use nextview::sensor::Frame;
-use nextview::session::{NextView, Session};
+use nextview::session::Session;
 use std::collections::BTreeMap;
 
 /// The current state of a scan, compared with the true object.
@@ -29,16 +29,11 @@ pub struct Measures {
     pub misplacement: Option<f64>,
 }
 
-/// The camera of a whole scan.
-pub struct ScanCamera<'a> {
-    scene: &'a Scene,
-    is_first: bool,
-}
-
 /// The truth about a frame.
-pub struct Shown {
+#[derive(Clone, Debug)]
+pub struct FrameTruth {
     /// The frame without noise, from the true camera pose.
-    truth: Frame,
+    exact: Frame,
     /// The object pixels that remain after noise.
     of_object: Frame,
 }
@@ -53,36 +48,21 @@ pub struct Evaluator<'a> {
     n_frames: usize,
     n_mapped: usize,
     /// Frames that are not in the map, by number.
-    waiting: BTreeMap<usize, Shown>,
+    waiting: BTreeMap<usize, FrameTruth>,
 }
 
 /// Captures a frame from a true pose. `is_first` marks the first frame of a scan, whose pose may be right
 /// where all others are wrong.
-pub fn capture(scene: &Scene, world_from_camera: &Pose, is_first: bool) -> Result<(Frame, Shown), SimError> {
+pub fn capture(
+    scene: &Scene,
+    world_from_camera: &Pose,
+    is_first: bool,
+) -> Result<(Frame, FrameTruth), SimError> {
     let camera = scene.camera();
     let capture = camera.capture_with_truth(world_from_camera)?;
     let claims_right_pose = is_first && camera.noise().first_pose_is_right;
     let frame = if claims_right_pose { capture.frame.with_pose(*world_from_camera) } else { capture.frame };
-    Ok((frame, Shown { truth: capture.truth, of_object: capture.of_object }))
-}
-
-impl<'a> ScanCamera<'a> {
-    /// Creates a camera before its first frame.
-    pub fn new(scene: &'a Scene) -> Self {
-        Self { scene, is_first: true }
-    }
-
-    /// Captures the frame of a view.
-    pub fn capture(&mut self, next: &NextView) -> Result<(Frame, Shown), SimError> {
-        let camera = self.scene.camera();
-        let capture = camera.capture_with_truth(&next.world_from_camera)?;
-        let claims_right_pose = std::mem::take(&mut self.is_first) && camera.noise().first_pose_is_right;
-        let frame = match claims_right_pose {
-            true => capture.frame.with_pose(next.world_from_camera),
-            false => capture.frame,
-        };
-        Ok((frame, Shown { truth: capture.truth, of_object: capture.of_object }))
-    }
+    Ok((frame, FrameTruth { exact: capture.truth, of_object: capture.of_object }))
 }
 
 impl<'a> Evaluator<'a> {
@@ -107,14 +87,14 @@ impl<'a> Evaluator<'a> {
 
     /// Evaluates the session after this frame. The frame has its mapped pose, or the given one if it was set
     /// aside.
-    pub fn measure(&mut self, session: &Session, frame: &Frame, shown: Shown) -> Measures {
-        let misplacement = misplacement(&shown.truth, &frame.world_from_camera());
-        self.waiting.insert(self.n_frames, shown);
+    pub fn measure(&mut self, session: &Session, frame: &Frame, truth: FrameTruth) -> Measures {
+        let misplacement = misplacement(&truth.exact, &frame.world_from_camera());
+        self.waiting.insert(self.n_frames, truth);
         self.n_frames += 1;
         let mapped = session.frame_numbers().iter().zip(session.frames()).skip(self.n_mapped);
         for (number, frame) in mapped {
-            let Some(Shown { truth, of_object }) = self.waiting.remove(number) else { continue };
-            self.seen.union_with(&self.object.seen_in(&truth));
+            let Some(FrameTruth { exact, of_object }) = self.waiting.remove(number) else { continue };
+            self.seen.union_with(&self.object.seen_in(&exact));
             self.surface.add(&of_object.with_pose(frame.world_from_camera()));
         }
         self.n_mapped = session.frames().len();
@@ -128,10 +108,10 @@ impl<'a> Evaluator<'a> {
 }
 
 /// Root mean square distance between the points of a frame in its own pose and in another, metres.
-fn misplacement(truth: &Frame, mapped_from: &Pose) -> f64 {
-    let motion = *mapped_from * truth.world_from_camera().inverse();
+fn misplacement(exact: &Frame, mapped_from: &Pose) -> f64 {
+    let motion = *mapped_from * exact.world_from_camera().inverse();
     let (mut n, mut sum) = (0, 0.0);
-    for point in truth.points() {
+    for point in exact.points() {
         (n, sum) = (n + 1, sum + motion.transform_point(point).distance_squared(point));
     }
     if n > 0 { (sum / n as f64).sqrt() } else { 0.0 }

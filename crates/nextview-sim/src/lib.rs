@@ -1,7 +1,7 @@
 //! The simulation side of next-best-view planning: meshes, objects that need no file, a simulated depth
 //! camera, the truth about what it can see, and the measures that compare planners.
 //!
-//! Start with [`scene::Scene`]. A scan asks the session for views, [`evaluator::ScanCamera`] for frames, and
+//! Start with [`scene::Scene`]. A scan asks the session for views, [`evaluator::capture`] for frames, and
 //! [`evaluator::Evaluator`] for measures. The only planners here are those that may look at a mesh:
 //! [`baseline::Clairvoyant`] at the true object, [`inspection::InspectionViews`] at the CAD model of a part.
 

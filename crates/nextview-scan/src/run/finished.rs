@@ -2,15 +2,15 @@ use super::stated::Stated;
 use crate::earlier_scan::EarlierScan;
 use crate::model::{Extent, cloud_positions};
 use crate::{
-    BoxRule, Fault, FinalModel, FrameSource, ModelConfig, ScanConfig, ScanJournal, ScanRecord, StepRecord,
-    TurnRecord, ViewRule, memory, short_name,
+    BoxRule, Evaluator, Fault, FinalModel, FrameSource, ModelConfig, ScanConfig, ScanJournal, ScanRecord,
+    StepRecord, TurnRecord, ViewRule, memory, short_name,
 };
 use glam::{DVec2, DVec3};
 use nextview::geometry::{Aabb, Plane};
 use nextview::motion::Trajectory;
 use nextview::object::{BOX_MARGIN_FACTOR, BOX_MARGIN_VOXELS, ON_TABLE, TableTops};
 use nextview::sensor::{ColorImage, Depth, Frame};
-use nextview::session::{Session, StopReason};
+use nextview::session::{NextView, Session, StopReason};
 use nextview_model::{SurfaceMesh, WatertightMesh};
 use nextview_robot::path::JointTrajectory;
 use std::borrow::Cow;
@@ -21,11 +21,15 @@ pub struct FinishedScan<'a> {
     pub session: Session,
     /// The source of the frames; `None` if a user's camera pushed them.
     pub(crate) source: Option<&'a dyn FrameSource>,
+    /// `None` if a user's camera pushed the frames.
+    pub(crate) evaluator: Option<Box<dyn Evaluator + 'a>>,
     pub(crate) journal: Option<ScanJournal>,
     /// The scan before the object was turned.
     pub(crate) earlier: Option<EarlierScan>,
     /// What the configuration states about the frames.
     pub(crate) stated: Stated,
+    /// By step, the requested view; `None` if its frame was not requested.
+    pub(crate) requested: Vec<Option<NextView>>,
     /// The trajectory from the preceding view to each view.
     pub trajectories: Vec<Trajectory>,
     /// By step, the motion of the robot to its view; `None` if there is no robot, or if the frame was not
@@ -65,9 +69,11 @@ impl FinishedScan<'_> {
         Self {
             session,
             source: None,
+            evaluator: None,
             journal: None,
             earlier: None,
             stated: Stated::default(),
+            requested: Vec::new(),
             trajectories: Vec::new(),
             joint_trajectories: Vec::new(),
             steps: Vec::new(),
@@ -78,7 +84,7 @@ impl FinishedScan<'_> {
 
     /// Drops the source of the frames, and with it their colours and the truth.
     pub fn without_source(self) -> FinishedScan<'static> {
-        FinishedScan { source: None, ..self }
+        FinishedScan { source: None, evaluator: None, ..self }
     }
 
     /// The object's box in metres; `None` if no object was found.
@@ -159,16 +165,16 @@ impl FinishedScan<'_> {
             }
             record.mesh_filled_share = model.closed.as_ref().map(WatertightMesh::filled_share);
         }
-        let Some(source) = self.source else { return Ok(record) };
+        let Some(evaluator) = &self.evaluator else { return Ok(record) };
         match measured {
             Measured::Nothing => (),
             Measured::CloudOnly => {
-                source.measure_model(&self.of_object(self.cloud_positions()?), None, &mut record);
+                evaluator.measure_model(&self.of_object(self.cloud_positions()?), None, &mut record);
             }
             Measured::Model(model) => {
                 let mesh = above(self.table(), &model.mesh);
                 let cloud = model.cloud.iter().map(|point| point.position);
-                source.measure_model(&self.of_object(cloud), Some(&mesh), &mut record);
+                evaluator.measure_model(&self.of_object(cloud), Some(&mesh), &mut record);
             }
         }
         Ok(record)
@@ -199,8 +205,8 @@ impl FinishedScan<'_> {
             steps: self.steps.clone(),
             ..ScanRecord::default()
         };
-        if let Some(source) = self.source {
-            source.describe(&mut record);
+        if let Some(evaluator) = &self.evaluator {
+            evaluator.describe(&mut record);
             set_seeds(&mut record, config);
         }
         if config.live.is_some() {
@@ -234,10 +240,13 @@ impl FinishedScan<'_> {
     /// # Panics
     /// If there is no such step.
     pub fn color(&self, step_idx: usize) -> Result<Option<ColorImage>, Fault> {
-        match (&self.colors[step_idx], self.source) {
-            (Some(color), _) => Ok(Some(color.clone())),
-            (None, Some(source)) => source.color(self.steps[step_idx].view),
-            (None, None) => Ok(None),
+        if let Some(color) = &self.colors[step_idx] {
+            return Ok(Some(color.clone()));
+        }
+        let candidate = self.requested[step_idx].as_ref().filter(|next| next.view.is_some());
+        match self.source.zip(candidate) {
+            Some((source, next)) => source.color(next),
+            None => Ok(None),
         }
     }
 

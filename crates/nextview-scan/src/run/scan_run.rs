@@ -6,7 +6,8 @@ use crate::earlier_scan::EarlierScan;
 use crate::journal::{JournalEntry, KeptFrame, SkippedView};
 use crate::record::milliseconds;
 use crate::{
-    Evaluator, Fault, FaultKind, Faults, FrameSource, ScanConfig, ScanJournal, StepRecord, TurntableConfig,
+    Captured, Fault, FaultKind, Faults, FrameSource, FrameTruth, ScanConfig, ScanJournal, StepRecord,
+    TurntableConfig,
 };
 use glam::DVec3;
 use nextview::motion::Trajectory;
@@ -54,7 +55,7 @@ const MOST_SUSPECTED: usize = 8;
 /// ```
 pub struct ScanRun<'a> {
     scan: FinishedScan<'a>,
-    evaluator: Option<Box<dyn Evaluator + 'a>>,
+    /// Counted from the first decision.
     time_limit: Option<Duration>,
     /// Time of the first request for a decision.
     began: Option<Instant>,
@@ -117,14 +118,14 @@ impl<'a> ScanRun<'a> {
         let scan = FinishedScan::new(session);
         let path = Path::default();
         let (turntable, arm) = (None, None);
-        Self { scan, evaluator: None, time_limit: None, began: None, asked: None, path, turntable, arm }
+        Self { scan, time_limit: None, began: None, asked: None, path, turntable, arm }
     }
 
     /// Begins the configured run with frames from this source.
     pub fn begin(source: &'a dyn FrameSource, config: &ScanConfig, begin: Begin) -> Result<Self, Faults> {
         let mut run = Self::of_session(source.session(config)?, config, begin)?;
         run.scan.source = Some(source);
-        run.evaluator = source.evaluator(config);
+        run.scan.evaluator = Some(source.evaluator(config));
         Ok(run)
     }
 
@@ -149,16 +150,6 @@ impl<'a> ScanRun<'a> {
     pub fn with_journal(mut self, journal: ScanJournal) -> Self {
         self.scan.journal = Some(journal);
         self
-    }
-
-    /// Sets the time limit, counted from the first decision.
-    pub fn with_time_limit(self, limit: Duration) -> Self {
-        Self { time_limit: Some(limit), ..self }
-    }
-
-    /// Sets the evaluator that compares the run with ground truth.
-    pub fn with_evaluator(self, evaluator: Box<dyn Evaluator + 'a>) -> Self {
-        Self { evaluator: Some(evaluator), ..self }
     }
 
     /// Returns the next step. Repeated calls return the same step until a frame is pushed or a view skipped.
@@ -207,7 +198,11 @@ impl<'a> ScanRun<'a> {
     /// Fails before any change if the frame cannot be kept, or if [cancelled](Begin::cancel): the frame is
     /// then requested again, or [replayed](Next::Replay) from the journal.
     pub fn push(&mut self, taken: impl Into<TakenFrame>) -> Result<&StepRecord, Fault> {
-        let taken = taken.into();
+        self.add(taken.into(), None)
+    }
+
+    /// Pushes a frame with the truth about it, if known.
+    fn add(&mut self, taken: TakenFrame, truth: Option<FrameTruth>) -> Result<&StepRecord, Fault> {
         check_size(&taken.frame, taken.color.as_ref())?;
         let capture_time = self.asked.as_ref().map_or(Duration::ZERO, |asked| asked.since.elapsed());
         let trajectory = match &self.asked {
@@ -228,9 +223,9 @@ impl<'a> ScanRun<'a> {
         let joints = asked.as_ref().and_then(|asked| asked.joints.clone());
         let (next, plan_time) = asked.map(|asked| (asked.next, asked.plan_time)).unzip();
         let mut record = StepRecord::of_report(self.scan.steps.len() + 1, &report);
-        if let Some(evaluator) = &mut self.evaluator {
-            let frame = frame.with_pose(report.world_from_camera);
-            evaluator.measure(&self.scan.session, next.as_ref(), &frame, &mut record)?;
+        if let Some(evaluator) = &mut self.scan.evaluator {
+            let captured = Captured { frame: frame.with_pose(report.world_from_camera), truth };
+            evaluator.measure(&self.scan.session, next.as_ref(), captured, &mut record)?;
         }
         let last = self.scan.steps.last();
         record.frame = name.or(record.frame);
@@ -248,6 +243,7 @@ impl<'a> ScanRun<'a> {
             arm.arrive(joints.as_ref(), &claimed);
             record.joint_values = arm.values().map(<[f64]>::to_vec);
         }
+        self.scan.requested.push(next);
         self.scan.trajectories.push(trajectory);
         self.scan.joint_trajectories.push(joints);
         self.scan.colors.push(color);
@@ -281,12 +277,12 @@ impl<'a> ScanRun<'a> {
     ) -> Result<StopReason, Fault> {
         let source = self.scan.source.ok_or_else(|| Fault::request("the run has no source of frames"))?;
         loop {
-            let frame = match self.next()? {
-                Next::Replay(frame) => frame,
+            let Captured { frame, truth } = match self.next()? {
+                Next::Replay(frame) => Captured { frame, truth: None },
                 Next::Capture(view) => source.capture(&view, self.scan.steps.is_empty())?,
                 Next::Stop(reason) => return Ok(reason),
             };
-            match self.push(frame) {
+            match self.add(frame.into(), truth) {
                 Ok(step) => on_step(step)?,
                 Err(fault) if fault.kind == FaultKind::Cancelled => return Ok(StopReason::Cancelled),
                 Err(fault) => return Err(fault),

@@ -142,7 +142,8 @@ fn a_consistent_model_beside_the_truth_is_aligned_to_it_once() {
         let mesh = SurfaceMesh { vertices: moved.vertices().to_vec(), triangles: moved.triangles().to_vec() };
         let mut record = ScanRecord::default();
         let cloud = sample_surface(&moved, 5000, 1);
-        Simulation::new(&object, &config, None).measure_model(&cloud, Some(&mesh), &mut record);
+        let simulation = Simulation::new(&object, &config, None);
+        simulation.evaluator(&config).measure_model(&cloud, Some(&mesh), &mut record);
         record
     };
     let aligned = measured(false);

@@ -106,7 +106,7 @@ fn the_arm_is_where_the_frame_was_taken() {
     let far = |pose: &&Pose| pose.translation().distance(view.world_from_camera.translation()) > 0.2;
     let elsewhere = *object.views.poses().iter().find(far).unwrap();
     view.world_from_camera = elsewhere;
-    run.push(source.capture(&view, true).unwrap()).unwrap();
+    run.push(source.capture(&view, true).unwrap().frame).unwrap();
     let values = run.steps()[0].joint_values.clone().unwrap();
     assert!(cell.world_from_camera(&values).translation().distance(elsewhere.translation()) < 1e-6);
 }

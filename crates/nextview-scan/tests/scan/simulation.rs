@@ -5,14 +5,13 @@ use glam::DVec3;
 use nextview::Cancel;
 use nextview::geometry::{Aabb, Pose};
 use nextview::registration::RegistrationMode;
-use nextview::sensor::{ColorImage, Frame};
+use nextview::sensor::ColorImage;
 use nextview::session::{NextView, Session};
-use nextview_model::SurfaceMesh;
 use nextview_scan::files::Overwrite;
 use nextview_scan::{
-    Begin, Evaluator, Fault, Faults, FinishedScan, FrameSource, Measured, Next, NoiseModel, PlannerName,
-    Results, ScanConfig, ScanRecord, ScanRun, SimulatedObject, Simulation, SizeOf, StepRecord, TableRule,
-    Truth, ViewSpaceName, begin_results, write_results,
+    Begin, Captured, Evaluator, Fault, Faults, FinishedScan, FrameSource, Measured, Next, NoiseModel,
+    PlannerName, Results, ScanConfig, ScanRecord, ScanRun, SimulatedObject, Simulation, SizeOf, StepRecord,
+    TableRule, Truth, ViewSpaceName, begin_results, write_results,
 };
 
 fn config() -> ScanConfig {
@@ -112,8 +111,8 @@ fn pushed_by_hand_it_is_the_same_as_driven() {
         (Simulation::new(&object, &config, None), Simulation::new(&object, &config, None));
     let mut run = ScanRun::begin(&by_hand, &config, Begin::default()).unwrap();
     while let Next::Capture(view) = run.next().unwrap() {
-        let frame = by_hand.capture(&view, run.steps().is_empty()).unwrap();
-        run.push(frame).unwrap();
+        let captured = by_hand.capture(&view, run.steps().is_empty()).unwrap();
+        run.push(captured.frame).unwrap();
     }
     let expected = scanned(&driven, &config);
     let views = |steps: &[StepRecord]| steps.iter().map(|step| step.view).collect::<Vec<_>>();
@@ -148,28 +147,20 @@ impl FrameSource for WithoutColor<'_> {
         self.0.session(config)
     }
 
-    fn capture(&self, next: &NextView, is_first: bool) -> Result<Frame, Fault> {
+    fn capture(&self, next: &NextView, is_first: bool) -> Result<Captured, Fault> {
         self.0.capture(next, is_first)
     }
 
-    fn evaluator(&self, config: &ScanConfig) -> Option<Box<dyn Evaluator + '_>> {
-        self.0.evaluator(config)
-    }
-
-    fn color(&self, view: Option<usize>) -> Result<Option<ColorImage>, Fault> {
-        Err(Fault::data(format!("no colour of view {view:?}")))
+    fn color(&self, next: &NextView) -> Result<Option<ColorImage>, Fault> {
+        Err(Fault::data(format!("no colour of view {:?}", next.view)))
     }
 
     fn bounds(&self) -> Option<Aabb> {
         self.0.bounds()
     }
 
-    fn describe(&self, record: &mut ScanRecord) {
-        self.0.describe(record);
-    }
-
-    fn measure_model(&self, points: &[DVec3], mesh: Option<&SurfaceMesh>, record: &mut ScanRecord) {
-        self.0.measure_model(points, mesh, record);
+    fn evaluator(&self, config: &ScanConfig) -> Box<dyn Evaluator + '_> {
+        self.0.evaluator(config)
     }
 }
 

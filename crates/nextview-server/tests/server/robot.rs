@@ -92,7 +92,7 @@ impl Robot {
     pub fn frame(&self, rows: &Value, is_first: bool) -> Frame {
         let pose = pose(rows);
         let next = NextView { view: None, world_from_camera: pose, choice: None, outlook: None };
-        self.simulated().1.capture(&next, is_first).unwrap()
+        self.simulated().1.capture(&next, is_first).unwrap().frame
     }
 }
 

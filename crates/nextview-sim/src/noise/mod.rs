@@ -35,7 +35,7 @@ pub struct Noise {
     pub depth: Option<DepthNoise>,
     /// Errors of the pose that a frame claims.
     pub pose: PoseError,
-    /// Whether the first frame of a [scan](crate::evaluator::ScanCamera) claims the right pose regardless.
+    /// Whether the first frame of a [scan](crate::evaluator::capture) claims the right pose regardless.
     /// The first frame then defines the world, and the errors of all others are relative to it.
     pub first_pose_is_right: bool,
 }

@@ -18,7 +18,6 @@ use nextview::view::{Reach, generate, look_at};
 use nextview::{Cancel, Cancelled};
 use nextview_model::{DistanceField, take_nearest};
 use nextview_sim::builtin;
-use nextview_sim::evaluator::ScanCamera;
 use nextview_sim::scene::Scene;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -54,10 +53,13 @@ fn session(scene: &Scene, planner: Box<dyn ViewPlanner>) -> Session {
 type Outcome = (Vec<StepReport>, StopReason, Vec<(glam::IVec3, LogOdds)>);
 
 fn scan(scene: &Scene, session: &mut Session, mut decide: impl FnMut(&mut Session) -> Decision) -> Outcome {
-    let (mut camera, mut reports) = (ScanCamera::new(scene), Vec::new());
+    let mut reports = Vec::new();
     loop {
         match decide(session) {
-            Decision::Move(next) => reports.push(session.observe(&camera.capture(&next).unwrap().0).unwrap()),
+            Decision::Move(next) => {
+                let frame = scene.camera().capture(&next.world_from_camera).unwrap();
+                reports.push(session.observe(&frame).unwrap());
+            }
             Decision::Stop(reason) => return (reports, reason, session.map().voxels()),
         }
     }

@@ -13,7 +13,6 @@ use nextview::session::{Decision, Session, SessionConfig, StopConfig, StopReason
 use nextview::view::{ViewSpace, generate};
 use nextview_sim::baseline::{Clairvoyant, RandomCurve, clairvoyant_curve, extended, skill};
 use nextview_sim::builtin;
-use nextview_sim::evaluator::ScanCamera;
 use nextview_sim::scene::Scene;
 use nextview_sim::truth::{ObjectVoxels, TrueVisibility};
 use std::sync::Arc;
@@ -166,7 +165,6 @@ fn what_follows_a_view_is_told_beforehand() {
     for (planner, is_batch) in planners.into_iter().zip([true, false]) {
         let config = SessionConfig { max_views: 4, ..setup.config() };
         let mut session = Session::new(config, Intrinsics::d435i(), setup.views.clone(), planner).unwrap();
-        let mut camera = ScanCamera::new(&setup.scene);
         let mut told: Vec<usize> = Vec::new();
         for n_left in (0..4).rev() {
             let Decision::Move(next) = session.decide().unwrap() else { panic!("it goes on") };
@@ -180,7 +178,8 @@ fn what_follows_a_view_is_told_beforehand() {
                 legs.iter().all(|leg| leg.expected > 0.0 && !session.visited().contains(&leg.choice.view))
             );
             assert_eq!(session.decide().unwrap(), Decision::Move(next.clone()));
-            session.observe(&camera.capture(&next).unwrap().0).unwrap();
+            let frame = setup.scene.camera().capture(&next.world_from_camera).unwrap();
+            session.observe(&frame).unwrap();
             told.truncate(if is_batch && session.visited().len() > 1 { 1 } else { 0 });
         }
     }

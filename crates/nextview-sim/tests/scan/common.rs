@@ -3,7 +3,7 @@
 use glam::DVec2;
 use nextview::sensor::{Frame, Intrinsics};
 use nextview::session::{Decision, Session, StepReport, StopReason};
-use nextview_sim::evaluator::{Evaluator, Measures, ScanCamera};
+use nextview_sim::evaluator::{Evaluator, Measures, capture};
 use nextview_sim::scene::Scene;
 use nextview_sim::truth::ObjectVoxels;
 
@@ -23,17 +23,18 @@ pub fn small_camera() -> Intrinsics {
 
 /// Scans until the session stops.
 pub fn scan(session: &mut Session, scene: &Scene, object: &ObjectVoxels) -> (Vec<Step>, StopReason) {
-    let (mut camera, mut evaluator) = (ScanCamera::new(scene), Evaluator::new(scene, object));
+    let mut evaluator = Evaluator::new(scene, object);
     let mut steps = Vec::new();
     loop {
         let next = match session.decide().unwrap() {
             Decision::Move(next) => next,
             Decision::Stop(reason) => return (steps, reason),
         };
-        let (frame, shown) = camera.capture(&next).expect("candidates are in the room");
+        let (frame, truth) =
+            capture(scene, &next.world_from_camera, steps.is_empty()).expect("candidates are in the room");
         let report = session.observe(&frame).unwrap();
         let frame = frame.with_pose(report.world_from_camera);
-        let measures = evaluator.measure(session, &frame, shown);
+        let measures = evaluator.measure(session, &frame, truth);
         steps.push(Step { report, frame, measures });
     }
 }

@@ -8,7 +8,6 @@ use nextview::sensor::DepthRange;
 use nextview::session::{Decision, Session, SessionConfig, StopReason};
 use nextview::view::{ViewSpace, generate};
 use nextview_sim::builtin;
-use nextview_sim::evaluator::ScanCamera;
 use nextview_sim::inspection::{InspectionViews, PlacedPart, SurfaceDemand, SurfaceDemands};
 use nextview_sim::mesh::TriangleMesh;
 use nextview_sim::scene::Scene;
@@ -128,11 +127,11 @@ fn few_views_show_as_much_as_they_can() {
 fn another_part_is_refused() {
     let setup = Setup::new(50.0);
     let mut session = setup.session(builtin::by_name("torus-knot").unwrap(), None, 20);
-    let mut camera = ScanCamera::new(&setup.scene);
     let error = loop {
         match session.decide() {
             Ok(Decision::Move(next)) => {
-                session.observe(&camera.capture(&next).unwrap().0).unwrap();
+                let frame = setup.scene.camera().capture(&next.world_from_camera).unwrap();
+                session.observe(&frame).unwrap();
             }
             Ok(Decision::Stop(reason)) => panic!("it stopped: {reason:?}"),
             Err(error) => break error.to_string(),

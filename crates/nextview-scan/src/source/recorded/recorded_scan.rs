@@ -5,8 +5,8 @@ use crate::source::{
     simulated::{Baselines, Truth, measure_model},
 };
 use crate::{
-    BoxRule, Evaluator, Fault, Faults, FrameSource, RecordingConfig, ScanConfig, ScanRecord, StepRecord,
-    TableRule, short_name,
+    BoxRule, Captured, Evaluator, Fault, Faults, FrameSource, RecordingConfig, ScanConfig, ScanRecord,
+    StepRecord, TableRule, short_name,
 };
 use glam::DVec3;
 #[cfg(feature = "simulated")]
@@ -16,7 +16,7 @@ use nextview::geometry::Aabb;
 use nextview::geometry::Pose;
 use nextview::object::{BOX_MARGIN_FACTOR, BOX_MARGIN_VOXELS, ObjectBox, Table};
 use nextview::planner::ViewPlanner;
-use nextview::sensor::{ColorImage, Frame, SurfaceError};
+use nextview::sensor::{ColorImage, SurfaceError};
 use nextview::session::{NextView, Session, SessionConfig};
 use nextview::view::ViewSpace;
 use nextview_model::SurfaceMesh;
@@ -133,54 +133,29 @@ impl FrameSource for RecordedScan {
         Ok(Session::new(self.session_config, config.camera, ViewSpace::new(views)?, planner)?)
     }
 
-    fn capture(&self, next: &NextView, _: bool) -> Result<Frame, Fault> {
+    fn capture(&self, next: &NextView, _: bool) -> Result<Captured, Fault> {
         let frame = self.frame(next.view).expect("all views are fixed candidates, the first one, too");
-        Ok(frame.load()?)
+        Ok(Captured { frame: frame.load()?, truth: None })
     }
 
-    fn evaluator(&self, _: &ScanConfig) -> Option<Box<dyn Evaluator + '_>> {
-        Some(Box::new(RecordedEvaluator {
-            scan: self,
-            #[cfg(feature = "simulated")]
-            progress: self
-                .truth
-                .as_ref()
-                .map(|truth| truth.progress(self.shown.as_ref().map(|(shown, _)| &shown.reachable_voxels))),
-        }))
-    }
-
-    fn color(&self, view: Option<usize>) -> Result<Option<ColorImage>, Fault> {
-        Ok(self.frame(view).map_or(Ok(None), RecordedFrame::load_color)?)
+    fn color(&self, next: &NextView) -> Result<Option<ColorImage>, Fault> {
+        Ok(self.frame(next.view).map_or(Ok(None), RecordedFrame::load_color)?)
     }
 
     fn bounds(&self) -> Option<Aabb> {
         None
     }
 
-    fn describe(&self, record: &mut ScanRecord) {
-        record.skipped = self.skipped();
-        record.notes.clone_from(&self.recording.notes);
-        let grows = self.session_config.object_box == ObjectBox::Growing;
-        record.box_rule = Some(if grows { BoxRule::Grows } else { BoxRule::Known });
-        record.box_margin_factor = grows.then_some(BOX_MARGIN_FACTOR);
-        record.box_margin_voxels = grows.then_some(BOX_MARGIN_VOXELS);
-        #[cfg(feature = "simulated")]
-        {
-            record.object_voxels = self.truth.as_ref().map(TrueShape::n_voxels);
-            self.shown.iter().for_each(|(_, baselines)| baselines.describe(record));
-        }
+    fn evaluator(&self, _: &ScanConfig) -> Box<dyn Evaluator + '_> {
+        Box::new(RecordedEvaluator {
+            scan: self,
+            #[cfg(feature = "simulated")]
+            progress: self
+                .truth
+                .as_ref()
+                .map(|truth| truth.progress(self.shown.as_ref().map(|(shown, _)| &shown.reachable_voxels))),
+        })
     }
-
-    #[cfg(feature = "simulated")]
-    fn measure_model(&self, cloud: &[DVec3], mesh: Option<&SurfaceMesh>, record: &mut ScanRecord) {
-        let Some(truth) = &self.truth else { return };
-        let reachable = self.shown.as_ref().map(|(shown, _)| &shown.reachable_surface);
-        // The pose of the truth in the recording's world was given; its error is not the scan's alone.
-        measure_model((&truth.surface, reachable), &Pose::IDENTITY, cloud, mesh, record);
-    }
-
-    #[cfg(not(feature = "simulated"))]
-    fn measure_model(&self, _: &[DVec3], _: Option<&SurfaceMesh>, _: &mut ScanRecord) {}
 }
 
 /// Names the frames, and evaluates them if the truth is known.
@@ -195,7 +170,7 @@ impl Evaluator for RecordedEvaluator<'_> {
         &mut self,
         session: &Session,
         _: Option<&NextView>,
-        _: &Frame,
+        _: Captured,
         record: &mut StepRecord,
     ) -> Result<(), Fault> {
         record.frame = self.scan.frame(record.view).map(|frame| frame.name.clone());
@@ -209,6 +184,31 @@ impl Evaluator for RecordedEvaluator<'_> {
         let _ = session;
         Ok(())
     }
+
+    fn describe(&self, record: &mut ScanRecord) {
+        record.skipped = self.scan.skipped();
+        record.notes.clone_from(&self.scan.recording.notes);
+        let grows = self.scan.session_config.object_box == ObjectBox::Growing;
+        record.box_rule = Some(if grows { BoxRule::Grows } else { BoxRule::Known });
+        record.box_margin_factor = grows.then_some(BOX_MARGIN_FACTOR);
+        record.box_margin_voxels = grows.then_some(BOX_MARGIN_VOXELS);
+        #[cfg(feature = "simulated")]
+        {
+            record.object_voxels = self.scan.truth.as_ref().map(TrueShape::n_voxels);
+            self.scan.shown.iter().for_each(|(_, baselines)| baselines.describe(record));
+        }
+    }
+
+    #[cfg(feature = "simulated")]
+    fn measure_model(&self, cloud: &[DVec3], mesh: Option<&SurfaceMesh>, record: &mut ScanRecord) {
+        let Some(truth) = &self.scan.truth else { return };
+        let reachable = self.scan.shown.as_ref().map(|(shown, _)| &shown.reachable_surface);
+        // The pose of the truth in the recording's world was given; its error is not the scan's alone.
+        measure_model((&truth.surface, reachable), &Pose::IDENTITY, cloud, mesh, record);
+    }
+
+    #[cfg(not(feature = "simulated"))]
+    fn measure_model(&self, _: &[DVec3], _: Option<&SurfaceMesh>, _: &mut ScanRecord) {}
 }
 
 /// Why some recorded frames are not used; `None` if all are.
