@@ -7,11 +7,13 @@
 //! [`PbNbv`] projects ellipsoids, [`See`] looks at the edges of dense points, and [`RecedingHorizon`] takes
 //! the best branch of a random tree. [`MinOverlap`] restricts any of them to views that overlap with known
 //! surface. [`EvenViews`] goes all around the object, [`RandomViews`] is the baseline that every planner must
-//! beat, and [`InOrder`] repeats the order of a recording.
+//! beat, and [`InOrder`] repeats the order of a recording. A [`Fallback`] answers where a session's planner
+//! has nothing to say.
 
 mod batch;
 mod even_views;
 mod explanation;
+mod fallback;
 mod frontier_tour;
 mod greedy;
 mod greedy_by_view;
@@ -30,6 +32,7 @@ mod view_planner;
 pub use batch::{Batch, BatchConfig, BatchPlan, BatchView};
 pub use even_views::EvenViews;
 pub use explanation::Explanation;
+pub use fallback::{Fallback, PlanLegs};
 pub use frontier_tour::FrontierTour;
 pub use greedy::{Greedy, GreedyConfig};
 pub use greedy_by_view::GreedyByView;

@@ -2,11 +2,12 @@ use crate::geometry::Pose;
 use crate::placement::{ShownObject, Turn, TurnRefusal, find_turn};
 use crate::sensor::Frame;
 use crate::{Cancel, Cancelled};
+use std::sync::Arc;
 
 /// The object as shown by an earlier placement, and how it was turned since.
 #[derive(Clone, Debug)]
 pub(super) struct Earlier {
-    pub shown: ShownObject,
+    pub shown: Arc<ShownObject>,
     /// The result from the frames so far; `None` before the first one.
     pub turn: Option<Result<Turn, TurnRefusal>>,
 }

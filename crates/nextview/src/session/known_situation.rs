@@ -3,7 +3,6 @@ use super::known_scene::KnownScene;
 use crate::motion::Surroundings;
 use crate::object::Place;
 use crate::planner::Situation;
-use crate::sensor::Frame;
 
 /// Adds to a situation what a session knows apart from map, candidates and camera: its frames, the visited
 /// candidates, and the robot's travel time to each.
@@ -11,14 +10,13 @@ pub(super) fn known_situation<'a>(
     situation: Situation<'a>,
     config: &SessionConfig,
     scene: &'a KnownScene,
-    frames: &'a [Frame],
     visited: &'a [usize],
     approaches: Option<&'a [Option<f64>]>,
 ) -> Situation<'a> {
     let situation = situation
         .with_depth_range(config.depth_range)
         .with_surface_error(config.planned_error)
-        .with_frames(frames)
+        .with_frames(&scene.frames.mapped)
         .with_max_views(config.max_views)
         .with_table(scene.map.place().table.map(|table| table.plane))
         .with_right_poses(scene.alignment.trusts_given_poses())

@@ -41,6 +41,16 @@ impl TakenFrames {
         &self.mapped[self.n_earlier..]
     }
 
+    /// Returns the mapped frames of the placement before.
+    pub fn of_before(&self) -> &[Frame] {
+        &self.mapped[..self.n_earlier]
+    }
+
+    /// Returns the mapped frames except the last one, which is not in the map yet.
+    pub fn all_but_last(&self) -> &[Frame] {
+        &self.mapped[..self.mapped.len().saturating_sub(1)]
+    }
+
     /// Returns the same frames, preceded by those of the placement before.
     pub fn after(&self, earlier: Vec<Frame>) -> Self {
         let n_earlier = earlier.len();
