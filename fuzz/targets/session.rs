@@ -30,8 +30,7 @@ fn depth(byte: u8) -> f32 {
 fn planner(source: &mut Source<'_>) -> Option<Box<dyn ViewPlanner>> {
     let name = source.pick(PlannerName::ALL);
     // Networks take a hundred times as long as all others.
-    let networks = [PlannerName::NbvNet, PlannerName::NbvRegression, PlannerName::PcNbv];
-    let is_quick = !networks.contains(&name);
+    let is_quick = !name.properties().is_network;
     is_quick.then(|| name.build(PlannerConfigs::default(), 7, None).ok()).flatten()
 }
 

@@ -30,7 +30,7 @@ pub(super) struct PlanArgs {
     #[arg(long = "box", value_name = "CX,CY,CZ,HALF", value_parser = values::cube, allow_hyphen_values = true)]
     cube: Option<Aabb>,
     /// Planner that chooses the view
-    #[arg(long, value_parser = some_named(PlannerName::plans_from_map), default_value = "most-surface")]
+    #[arg(long, value_parser = some_named(|planner: PlannerName| planner.properties().plans_from_map()), default_value = "most-surface")]
     planner: PlannerName,
     /// Give up to N views that together show most, the shortest tour through them around the object's sphere,
     /// and a guaranteed lower bound on their share of what the best N views would show

@@ -1,10 +1,9 @@
 //! The setup of a campaign: objects, variants, parameters, failures.
 
 use super::document::{Block, Cell, Column, Row, Section, Table};
-use super::planner_section::{PLANNER_SECTIONS, section_of};
+use super::planner_section::other_sections;
 use nextview_campaign::RunRecord;
 use nextview_campaign::statistics::{Study, StudyVariant};
-use nextview_scan::PlannerName;
 use serde_json::Value;
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -176,12 +175,9 @@ impl Parameters {
 /// The parameters of a run as dotted names and values, without those of other planners.
 fn flat(run: &RunRecord) -> Vec<(String, String)> {
     let mut config = serde_json::to_value(&run.config).unwrap_or_default();
-    let own = section_of(&run.config.planner);
-    let others = PLANNER_SECTIONS.into_iter().filter(|section| Some(*section) != own);
     if let Value::Object(fields) = &mut config {
-        others.for_each(|section| drop(fields.remove(section)));
-        // The gain alone is max-flow without gamma.
-        if run.config.planner == PlannerName::Local
+        other_sections(&run.config.planner).for_each(|section| drop(fields.remove(section)));
+        if run.config.planner.properties().fixes_gamma
             && let Some(Value::Object(max_flow)) = fields.get_mut("max_flow")
         {
             max_flow.remove("gamma");

@@ -8,7 +8,6 @@ use nextview_campaign::statistics::measure::{
     REACHABLE_COVERAGE, SKILL, SURFACE_2MM, SURFACE_5MM, VIEWS_TO_95, VOXEL_COVERAGE,
 };
 use nextview_campaign::statistics::{Interval, Measure, SignedRank, Study, StudyVariant, mean, percentile};
-use nextview_scan::PlannerName;
 use rayon::prelude::*;
 
 /// Shares of the reachable object voxels for which views are counted.
@@ -157,7 +156,7 @@ fn costs(study: &Study) -> Table {
 
 /// Differences of each variant from random views, from a variant of random views, and from its best rivals.
 fn against(study: &Study) -> Table {
-    let random = study.variants.iter().find(|variant| variant.planner == PlannerName::Random);
+    let random = study.variants.iter().find(|variant| variant.planner.properties().is_random);
     let mut head = vec!["reachable coverage beyond random views, points"];
     if random.is_some() {
         head.push("voxel coverage beyond the random variant, points");
@@ -187,7 +186,7 @@ fn best_other<'s>(study: &'s Study, variant: &StudyVariant, measure: &Measure) -
     let rivals = study
         .variants
         .iter()
-        .filter(|other| other.name != variant.name && other.planner != PlannerName::Clairvoyant);
+        .filter(|other| other.name != variant.name && !other.planner.properties().needs_truth);
     let with_mean = rivals.filter_map(|other| Some((other, other.mean(measure)?)));
     // The first if several are equal.
     Some(with_mean.rev().max_by(|a, b| a.1.total_cmp(&b.1))?.0)

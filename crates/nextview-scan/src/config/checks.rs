@@ -4,9 +4,8 @@
 use super::ReferenceConfig;
 use super::millimetres::{in_millimetres, of_least_depth};
 use super::planner_name::no_reference;
-use super::{
-    BoxRule, LiveConfig, PlannerName, RecordingConfig, RobotConfig, ScanConfig, TableRule, ViewRule,
-};
+use super::planner_properties::remedy;
+use super::{BoxRule, LiveConfig, RecordingConfig, RobotConfig, ScanConfig, TableRule, ViewRule};
 use crate::{Fault, Faults};
 use nextview::gain::Apora;
 use nextview::geometry::Aabb;
@@ -89,7 +88,7 @@ fn out_of_range(config: &ScanConfig) -> Vec<Fault> {
 fn contradictions(config: &ScanConfig) -> Vec<Fault> {
     let mut faults = Vec::new();
     faults.extend(config.planner.check().err());
-    let knows_no_part = config.planner == PlannerName::Inspection && config.reference.is_none();
+    let knows_no_part = config.planner.properties().needs_reference && config.reference.is_none();
     faults.extend(knows_no_part.then(no_reference));
     // The library's own weights need no check: it would take tens of milliseconds.
     faults.extend(config.nbv_net.weights.as_ref().and_then(|_| config.nbv_net.planner().err()));
@@ -122,12 +121,12 @@ fn of_reference(reference: &ReferenceConfig) -> impl Iterator<Item = Fault> + '_
 /// The planner must estimate the quantity that stops the scan.
 fn of_stop(config: &ScanConfig) -> Option<Fault> {
     let is_estimated = config.stop.completeness.or(config.stop.expected_gain).is_some();
-    (is_estimated && !config.planner.estimates_completeness()).then(|| {
+    (is_estimated && !config.planner.properties().estimates_completeness).then(|| {
         let planner = &config.planner;
         let message = format!(
             "the planner {planner} cannot stop by completeness or expected gain, which it does not estimate"
         );
-        Fault::request(message).with_remedy("`planner` = most-surface does")
+        Fault::request(message).with_remedy(remedy(|planner| planner.estimates_completeness))
     })
 }
 
@@ -159,12 +158,11 @@ fn of_view_distance(config: &ScanConfig) -> Option<Fault> {
     Some(Fault { key: Some(key.to_owned()), ..fault })
 }
 
-/// Only one planner counts seconds.
+/// The planner must count seconds.
 fn of_seconds(config: &ScanConfig) -> Option<Fault> {
-    let counts = config.planner.built_in() == Some(PlannerName::MostSurface);
-    (config.most_surface.per_second && !counts).then(|| {
+    (config.most_surface.per_second && !config.planner.properties().counts_seconds).then(|| {
         let message = format!("the planner {} does not count seconds", config.planner);
-        let fault = Fault::request(message).with_remedy("`planner` = most-surface does");
+        let fault = Fault::request(message).with_remedy(remedy(|planner| planner.counts_seconds));
         Fault { key: Some("most_surface.per_second".to_owned()), ..fault }
     })
 }
@@ -192,9 +190,9 @@ fn of_looks(config: &ScanConfig) -> Option<Fault> {
 
 /// The fault of a goal with a planner that takes no second looks.
 fn takes_second_looks(config: &ScanConfig, key: &str) -> Option<Fault> {
-    (config.planner != PlannerName::MostSurface).then(|| {
+    (!config.planner.properties().takes_second_looks).then(|| {
         let message = format!("the planner {} takes no second looks, which `{key}` needs", config.planner);
-        let fault = Fault::request(message).with_remedy("`planner` = most-surface does");
+        let fault = Fault::request(message).with_remedy(remedy(|planner| planner.takes_second_looks));
         Fault { key: Some(key.to_owned()), ..fault }
     })
 }

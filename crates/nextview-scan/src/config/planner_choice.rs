@@ -1,4 +1,4 @@
-use super::{PlannerConfigs, PlannerName};
+use super::{PlannerConfigs, PlannerName, PlannerProperties};
 use crate::{Fault, ProvidedPlanner};
 use nextview::planner::ViewPlanner;
 use serde::de::value::StringDeserializer;
@@ -34,9 +34,14 @@ impl PlannerChoice {
         }
     }
 
-    /// Whether the planner estimates completeness, which some stop rules require.
-    pub fn estimates_completeness(&self) -> bool {
-        self.built_in().is_some_and(PlannerName::estimates_completeness)
+    /// What the planner needs, offers and reads.
+    pub fn properties(&self) -> PlannerProperties {
+        match self {
+            Self::BuiltIn(name) => name.properties(),
+            Self::Provided(_) => {
+                PlannerProperties { section: Some("greedy"), ..PlannerProperties::default() }
+            }
+        }
     }
 
     /// Fails if there is no such planner.

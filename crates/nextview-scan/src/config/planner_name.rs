@@ -1,5 +1,5 @@
-use super::ReferenceConfig;
 use super::names::named;
+use super::{PlannerProperties, ReferenceConfig};
 use crate::{Fault, files};
 use nextview::gain::{
     Apora, AreaFactor, AverageEntropy, InformationGain, Krainin, OcclusionAware, Potthast, ProximityCount,
@@ -16,37 +16,89 @@ use nextview_learned::pc_nbv::PcNbv;
 use serde::{Deserialize, Serialize};
 use std::path::PathBuf;
 
-named! {
+/// Declares the planners with their properties; a row leaves out those with their default value.
+macro_rules! planners {
+    ($(#[$meta:meta])* pub enum $type:ident {
+        $($(#[$attribute:meta])* $planner:ident = $name:literal: $about:literal,
+            { $($property:ident: $value:expr),* };)+
+    }) => {
+        named! {
+            $(#[$meta])*
+            pub enum $type { $($(#[$attribute])* $planner = $name: $about,)+ }
+        }
+
+        impl $type {
+            /// What the planner needs, offers and reads.
+            pub fn properties(self) -> PlannerProperties {
+                match self {
+                    $(Self::$planner => PlannerProperties {
+                        $($property: $value,)*
+                        ..PlannerProperties::default()
+                    },)+
+                }
+            }
+        }
+    };
+}
+
+planners! {
     /// A planner by name.
     #[derive(Default)]
     pub enum PlannerName {
         #[default] MostSurface = "most-surface": "Ours: the most surface that a learned prior expects to be newly seen",
+            { section: Some("most_surface"), estimates_completeness: true, takes_second_looks: true, counts_seconds: true };
         MaxFlow = "max-flow": "The paper's: local information gain and the views of a maximum flow",
+            { section: Some("max_flow") };
         Local = "local": "The paper's local information gain alone (gamma = 0)",
+            { section: Some("max_flow"), fixes_gamma: true };
         Apora = "apora": "APORA's gain, Daudelin & Campbell 2017: entropy near the frontier",
+            { section: Some("greedy") };
         Rse = "rse": "Rear side entropy, Isler et al. 2016: the unknown behind surfaces",
+            { section: Some("greedy") };
         RearSideVoxel = "rear-side-voxel": "Rays that meet a surface from behind, Isler et al. 2016",
+            { section: Some("greedy") };
         OcclusionAware = "occlusion-aware": "Visible entropy, Isler et al. 2016",
+            { section: Some("greedy") };
         UnobservedVoxel = "unobserved-voxel": "Visible entropy of unknown voxels, Isler et al. 2016",
+            { section: Some("greedy") };
         ProximityCount = "proximity-count": "Unknown voxels close behind measured surfaces, Isler et al. 2016",
+            { section: Some("greedy"), needs_frames: true };
         AverageEntropy = "average-entropy": "Mean entropy on rays that end at a surface, Kriegel et al. 2015",
+            { section: Some("greedy") };
         Krainin = "krainin": "Entropy on rays that end at a surface, Krainin et al. 2011",
+            { section: Some("greedy") };
         AreaFactor = "area-factor": "Shares of surface and occlusion plane, Vasquez-Gomez et al. 2014",
+            { section: Some("greedy") };
         Potthast = "potthast": "Expected loss of entropy along rays, Potthast & Sukhatme 2014",
+            { section: Some("greedy") };
         FrontierTour = "frontier-tour": "First view of the shortest tour past the frontier, Meng et al. 2017",
+            { section: Some("greedy") };
         PbNbv = "pb-nbv": "Image area of ellipsoids around frontier and surface, Jia et al. 2025",
+            {};
         See = "see": "Views onto the edges of dense points, Border & Gammell 2024",
+            { needs_frames: true };
         RecedingHorizon = "receding-horizon": "First view of the best branch of a random tree, Bircher et al. 2016",
+            { section: Some("greedy") };
         Kaba = "kaba": "Gain less the boundary left, as weighed by reinforcement learning, Kaba et al. 2017",
+            { section: Some("greedy") };
         NbvNet = "nbv-net": "NBV-Net, Mendoza et al. 2020: the one of 14 views chosen by a network",
+            { section: Some("nbv_net"), is_network: true };
         NbvRegression = "nbv-regression": "A direction named by a network, Vasquez-Gomez et al. 2021",
+            { is_network: true };
         PcNbv = "pc-nbv": "PC-NBV, Zeng et al. 2020: the one of 33 views of most new surface, by a network",
+            { is_network: true };
         Batch = "batch": "Several views at once that together show most, and the shortest tour through them",
+            { section: Some("batch") };
         EvenViews = "even-views": "Views from all around: the direction farthest from all taken; for reference views",
+            {};
         Inspection = "inspection": "Knows the part's CAD model: the fewest views that show its surfaces as required",
+            { needs_frames: true, needs_reference: true };
         InOrder = "in-order": "The views in the order of their numbers: that of a recording",
+            { is_in_order: true };
         Random = "random": "A random view: the baseline",
+            { is_random: true };
         Clairvoyant = "clairvoyant": "Knows the object: the upper bound, where the truth is known",
+            { needs_truth: true };
     }
 }
 
@@ -96,26 +148,6 @@ impl NbvNetConfig {
 }
 
 impl PlannerName {
-    /// Whether the planner requires the depth images behind the map.
-    pub fn needs_frames(self) -> bool {
-        matches!(self, Self::ProximityCount | Self::See | Self::Inspection)
-    }
-
-    /// Whether the planner needs only a map: neither frames nor the true object.
-    pub fn plans_from_map(self) -> bool {
-        !self.needs_frames() && self != Self::Clairvoyant
-    }
-
-    /// Whether the planner proposes a view even before any surface was seen, as networks do.
-    pub(crate) fn names_views_of_nothing(self) -> bool {
-        matches!(self, Self::NbvNet | Self::NbvRegression | Self::PcNbv)
-    }
-
-    /// Whether the planner estimates completeness, which some stop rules require.
-    pub fn estimates_completeness(self) -> bool {
-        self == Self::MostSurface
-    }
-
     /// Builds the planner. The caller provides the clairvoyant one; `None` if the truth is unknown.
     pub fn build(
         self,

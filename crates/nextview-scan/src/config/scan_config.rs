@@ -324,7 +324,7 @@ impl ScanConfig {
 
     /// Whether the scan requires the truth: the surface that every candidate truly sees.
     pub fn needs_truth(&self) -> bool {
-        self.baselines && self.after.is_none() || self.planner == PlannerName::Clairvoyant
+        self.baselines && self.after.is_none() || self.planner.properties().needs_truth
     }
 
     /// Maximum number of views for this number of candidates.
@@ -397,7 +397,7 @@ impl ScanConfig {
         let is_aligned = self.registration_mode() != RegistrationMode::Off;
         Ok(match self.min_overlap {
             Some(share) => Box::new(MinOverlap::new(share, planner)?),
-            None if is_aligned && self.planner != PlannerName::InOrder => {
+            None if is_aligned && !self.planner.properties().is_in_order => {
                 Box::new(MinOverlap::to_align(OVERLAP_TO_ALIGN, planner)?)
             }
             None => planner,

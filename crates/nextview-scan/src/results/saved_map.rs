@@ -84,13 +84,13 @@ impl SavedMap {
         configs: PlannerConfigs,
         seed: u64,
     ) -> Result<Option<Choice>, Fault> {
-        if planner.needs_frames() {
+        if planner.properties().needs_frames {
             let message = format!(
                 "the planner {planner} needs the depth images behind the map, which a map does not hold"
             );
             return Err(Fault::request(message).with_remedy("use it in a scan"));
         }
-        if planner.names_views_of_nothing() {
+        if planner.properties().is_network {
             check_shows_object(&self.snapshot)?;
         }
         let mut planner = planner.build(configs, seed, None)?;

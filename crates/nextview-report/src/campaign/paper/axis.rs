@@ -1,9 +1,9 @@
 //! The parameters in the rows and columns of the paper's tables.
 
 use super::published;
-use crate::campaign::planner_section::{PLANNER_SECTIONS, section_of};
+use crate::campaign::planner_section::other_sections;
 use nextview_campaign::statistics::StudyVariant;
-use nextview_scan::{PlannerChoice, PlannerName};
+use nextview_scan::PlannerChoice;
 use serde_json::Value;
 
 /// A parameter that distinguishes variants, or a few related ones.
@@ -46,7 +46,9 @@ pub(super) const GAMMA: Axis = Axis {
     name: "γ",
     keys: &["max_flow.gamma"],
     label: |planner, config| {
-        find(config, "max_flow.gamma").filter(|_| *planner == PlannerName::MaxFlow).and_then(number)
+        let properties = planner.properties();
+        let is_read = properties.section == Some("max_flow") && !properties.fixes_gamma;
+        find(config, "max_flow.gamma").filter(|_| is_read).and_then(number)
     },
 };
 
@@ -59,7 +61,9 @@ pub(super) const Q_THRESH: Axis = Axis {
 pub(super) const THETA: Axis = Axis {
     name: "θ",
     keys: &["most_surface.theta", "max_flow.theta", "greedy.theta", "batch.theta"],
-    label: |planner, config| find(config, &format!("{}.theta", section_of(planner)?)).and_then(number),
+    label: |planner, config| {
+        find(config, &format!("{}.theta", planner.properties().section?)).and_then(number)
+    },
 };
 
 fn method(planner: &PlannerChoice) -> String {
@@ -69,10 +73,9 @@ fn method(planner: &PlannerChoice) -> String {
 /// The variant's parameters, without those that differ between its runs or that its planner does not read.
 pub(super) fn configuration(variant: &StudyVariant) -> Value {
     let mut config = serde_json::to_value(&variant.example).unwrap_or_default();
-    let unread = PLANNER_SECTIONS.into_iter().filter(|key| Some(*key) != section_of(&variant.planner));
     let of_runs =
         ["object", "unit", "size_m", "seed", "baseline_seed", "view_seed", "noise.seed", "first_view"];
-    for key in of_runs.into_iter().chain(unread) {
+    for key in of_runs.into_iter().chain(other_sections(&variant.planner)) {
         remove(&mut config, key);
     }
     config

@@ -54,11 +54,11 @@ impl RecordedScan {
             let note = truth.as_ref().and_then(|truth| truth.note.clone());
             if truth.is_none() {
                 // Before any computation.
-                config.planner(None).map(drop).map_err(|fault| match config.planner.built_in() {
-                    Some(crate::PlannerName::Clairvoyant) => {
-                        fault.with_remedy("name its mesh as `recording.truth`")
+                config.planner(None).map(drop).map_err(|fault| {
+                    match config.planner.properties().needs_truth {
+                        true => fault.with_remedy("name its mesh as `recording.truth`"),
+                        false => fault,
                     }
-                    _ => fault,
                 })?;
             }
             (truth, notes.into_iter().chain(note).collect())
