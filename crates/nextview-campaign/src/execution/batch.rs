@@ -78,7 +78,8 @@ impl Batch {
     pub fn begin(self, n_threads: usize, truths: Option<TruthCache>) -> Result<BatchRuns, Faults> {
         for run in &self.runs {
             let worker = || format!("the worker on {}", Host::this(1).name);
-            run.config.check().map_err(|faults| faults.map(|fault| fault.within(worker())))?;
+            let within = |faults: Faults| faults.map(|fault| fault.within(worker()));
+            run.config.check_with_files().map_err(within)?;
         }
         let pool = rayon::ThreadPoolBuilder::new().num_threads(n_threads.max(1)).build();
         Ok(BatchRuns {

@@ -16,9 +16,16 @@ use nextview_recording::FARTHEST_POSITION;
 use nextview_sim::inspection::SurfaceDemand;
 
 impl ScanConfig {
-    /// Fails with every value that is out of range or contradicts another.
+    /// Fails with every value that is out of range or contradicts another. Opens no files.
     pub fn check(&self) -> Result<(), Faults> {
         let faults = self.out_of_range().into_iter().chain(self.contradictions());
+        Faults::of(faults.collect()).map_or(Ok(()), Err)
+    }
+
+    /// Fails with everything that [`check`](Self::check) reports, and with the arm, the weights or the Python
+    /// planner that the configuration names if they cannot be loaded.
+    pub fn check_with_files(&self) -> Result<(), Faults> {
+        let faults = self.out_of_range().into_iter().chain(self.contradictions()).chain(self.unloadable());
         Faults::of(faults.collect()).map_or(Ok(()), Err)
     }
 
@@ -36,6 +43,14 @@ impl ScanConfig {
     /// All contradictions between values.
     pub(super) fn contradictions(&self) -> Vec<Fault> {
         contradictions(self)
+    }
+
+    /// Every arm, weights or Python planner that cannot be loaded.
+    pub(super) fn unloadable(&self) -> Vec<Fault> {
+        // The library's own weights need no check: it would take tens of milliseconds.
+        let weights = self.nbv_net.weights.as_ref().and_then(|_| self.nbv_net.planner().err());
+        let arm = self.robot.as_ref().and_then(RobotConfig::fault_of_file);
+        self.planner.check().err().into_iter().chain(weights).chain(arm).collect()
     }
 }
 
@@ -87,11 +102,8 @@ fn out_of_range(config: &ScanConfig) -> Vec<Fault> {
 
 fn contradictions(config: &ScanConfig) -> Vec<Fault> {
     let mut faults = Vec::new();
-    faults.extend(config.planner.check().err());
     let knows_no_part = config.planner.properties().needs_reference && config.reference.is_none();
     faults.extend(knows_no_part.then(no_reference));
-    // The library's own weights need no check: it would take tens of milliseconds.
-    faults.extend(config.nbv_net.weights.as_ref().and_then(|_| config.nbv_net.planner().err()));
     #[cfg(feature = "simulated")]
     faults.extend(config.reference.iter().flat_map(of_reference));
     faults.extend(config.reach.faults());

@@ -38,7 +38,7 @@ impl ScanConfig {
     }
 
     /// Applies the values of a table over those of its sensor, if any, and over those of its profile or the
-    /// default one.
+    /// default one. Fails as [`check_with_files`](Self::check_with_files) does.
     pub fn from_table(mut table: Table) -> Result<Self, Faults> {
         let mut faults = Vec::new();
         let profile = take_wrong(&mut table, "profile", &mut faults).unwrap_or_default();
@@ -51,6 +51,7 @@ impl ScanConfig {
         let config: Option<Self> = read_over(&base, &mut table, Self::out_of_range, &mut faults);
         if let Some(config) = config.as_ref().filter(|_| knows_defaults) {
             faults.extend(config.contradictions());
+            faults.extend(config.unloadable());
         }
         match config {
             Some(config) if faults.is_empty() => Ok(config),

@@ -44,7 +44,7 @@ impl PlannerChoice {
         }
     }
 
-    /// Fails if there is no such planner.
+    /// Fails if a planner written in Python cannot be loaded.
     pub(super) fn check(&self) -> Result<(), Fault> {
         match self {
             Self::BuiltIn(_) => Ok(()),

@@ -91,13 +91,26 @@ impl RobotConfig {
         (!presets::NAMES.contains(&self.arm.as_str())).then(|| Path::new(&self.arm))
     }
 
-    /// All faults; those of the arm itself only if there are no others.
+    /// All faults; those of the arm itself only if there are no others, and only if it is a preset.
     pub(crate) fn faults(&self) -> Vec<Fault> {
+        let faults = self.faults_beside_arm();
+        if !faults.is_empty() || self.file().is_some() {
+            return faults;
+        }
+        self.cell().err().into_iter().collect()
+    }
+
+    /// The fault of an arm that is read from a file, if there are no others.
+    pub(crate) fn fault_of_file(&self) -> Option<Fault> {
+        self.file().filter(|_| self.faults_beside_arm().is_empty())?;
+        self.cell().err()
+    }
+
+    fn faults_beside_arm(&self) -> Vec<Fault> {
         let boxes = self.boxes_m.iter().map(|corners| solid("robot.boxes_m", corners));
         let body = solid("robot.camera_body_m", &self.camera_body_m);
         let solids = boxes.chain([body]).filter_map(Result::err);
-        let faults: Vec<Fault> = solids.chain(self.mount().err()).collect();
-        if faults.is_empty() { self.cell().err().into_iter().collect() } else { faults }
+        solids.chain(self.mount().err()).collect()
     }
 
     /// Builds the arm in its surroundings. Fails on the first invalid value.

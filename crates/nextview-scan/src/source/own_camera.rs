@@ -33,7 +33,7 @@ impl OwnCamera {
         let Some(live) = config.live.clone() else {
             return Err(Fault::request("there is no `live` in the configuration").into());
         };
-        config.check()?;
+        config.check_with_files()?;
         let bounds = live.bounds();
         config.object_box.rule = if bounds.is_some() { BoxRule::Known } else { BoxRule::Grows };
         let suitable = bounds.map_or(VOXEL_SIZE, |bounds| suitable_voxel_size(bounds.longest_side()));

@@ -1,7 +1,7 @@
 //! Configurations report everything that is wrong in them at once, and where.
 
 use nextview::sensor::Sensor;
-use nextview_scan::{Faults, NoiseModel, Profile, ScanConfig, SensorName};
+use nextview_scan::{Faults, NoiseModel, Profile, RobotConfig, ScanConfig, SensorName};
 use nextview_sim::noise::DepthNoise;
 use std::path::Path;
 
@@ -289,6 +289,23 @@ fn faults_of_a_file_are_data_and_others_requests() {
     assert_eq!(kind(parse("min_overlap = 2\n").unwrap_err()), [Data]);
     let config = ScanConfig { min_overlap: Some(2.0), ..ScanConfig::default() };
     assert_eq!(kind(config.check().unwrap_err()), [Request]);
+}
+
+#[test]
+fn a_check_opens_no_files() {
+    let mut config = ScanConfig::default();
+    config.nbv_net.weights = Some("no-such-weights".into());
+    config.robot = Some(RobotConfig { arm: "no-such-arm".to_owned(), ..RobotConfig::default() });
+    assert_eq!(config.check(), Ok(()));
+    let text = toml::to_string(&config).unwrap();
+    for faults in [config.check_with_files().unwrap_err(), parse(&text).unwrap_err()] {
+        let messages: Vec<_> = faults.iter().map(ToString::to_string).collect();
+        assert!(
+            messages.len() == 2 && messages[0].contains("no-such-weights: cannot be read"),
+            "{messages:?}"
+        );
+        assert!(messages[1].contains("no-such-arm: cannot be read"), "{messages:?}");
+    }
 }
 
 #[test]

@@ -132,7 +132,7 @@ fn what_is_no_robot_is_refused() {
     let of = |change: &dyn Fn(&mut RobotConfig)| {
         let mut robot = RobotConfig::default();
         change(&mut robot);
-        ScanConfig { robot: Some(robot), ..config() }.check().unwrap_err().to_string()
+        ScanConfig { robot: Some(robot), ..config() }.check_with_files().unwrap_err().to_string()
     };
     let wrong = [
         (of(&|robot| robot.arm = "ur55".to_owned()), "ur55: cannot be read"),

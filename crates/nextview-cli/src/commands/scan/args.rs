@@ -306,7 +306,7 @@ impl ScanArgs {
         config.voxel_size_m = self.voxel_size_m.or(config.voxel_size_m);
         config.size_m = self.size_m.or(config.size_m);
         config.after = self.after.map(PathBuf::from).or(config.after);
-        config.check()?;
+        config.check_with_files()?;
         let rule = Overwrite::forced(self.force);
         let is_named = self.out.is_some();
         let dir = self.out.unwrap_or_else(|| result_folder(&config, &rule));
